@@ -6,7 +6,7 @@
 use glam::{Quat, UVec3, Vec2, Vec3};
 
 use super::stroke::{Guide, SurfaceGuide};
-use super::tool::ToolKind;
+use super::tool::{NextPress, ToolKind};
 use super::{Editor, sprays};
 use crate::command::{Area, Command};
 use crate::input::Action;
@@ -72,6 +72,7 @@ impl Editor {
             Action::ToggleFollow => self.tool.follow = !self.tool.follow,
             Action::ToggleSnap => self.tool.snap = !self.tool.snap,
             Action::PickHere => self.pick_colour(picker),
+            Action::Flood => self.flood(picker),
             Action::Mirror(axis) => {
                 let mut symmetry = self.document().symmetry();
                 let parity = &mut symmetry.axes[axis.index()];
@@ -103,8 +104,11 @@ impl Editor {
     pub fn begin(&mut self, action: Action, at: Option<Vec2>, picker: &Picker) {
         let inverse = action == Action::SculptInverse;
         match (action, at) {
-            (Action::Apply | Action::Sculpt, _) if std::mem::take(&mut self.tool.eyedropper) => {
-                self.pick_colour(picker);
+            (Action::Apply | Action::Sculpt, _) if self.tool.next_press.is_some() => {
+                match self.tool.next_press.take() {
+                    Some(NextPress::Flood) => self.flood(picker),
+                    _ => self.pick_colour(picker),
+                }
             }
             (Action::Apply, _) => self.apply_tool(picker),
             (Action::PickColour, _) => self.pick_colour(picker),
@@ -242,6 +246,21 @@ impl Editor {
         if let Some(voxel) = self.pointer.and_then(|at| picker.voxel(grid, at)) {
             self.take_colour_of(voxel);
         }
+    }
+
+    /// Recolours the patch that the pointer points at.
+    fn flood(&mut self, picker: &Picker) {
+        let grid = self.document().grid();
+        if let Some(voxel) = self.pointer.and_then(|at| picker.voxel(grid, at)) {
+            self.flood_from(voxel);
+        }
+    }
+
+    /// Recolours the patch of one colour around a voxel of the surface.
+    pub(super) fn flood_from(&mut self, at: UVec3) {
+        let (colour, tolerance) = (self.tool.colour, self.tool.flood_tolerance);
+        self.tool.used_colour();
+        self.run(Command::Flood { at, colour, tolerance });
     }
 
     pub(super) fn take_colour_of(&mut self, voxel: UVec3) {

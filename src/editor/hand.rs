@@ -3,12 +3,12 @@
 //!
 //! Takes [`HandEvent`]s in the coordinates of the room; every change is a command, as with the mouse.
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Quat, UVec3, Vec3};
 
 use super::Editor;
 use super::actions::GROWTH_PER_NOTCH;
 use super::stroke::Guide;
-use super::tool::ToolKind;
+use super::tool::{NextPress, ToolKind};
 use crate::command::Command;
 use crate::input::hands::HandEvent;
 use crate::picking::Picker;
@@ -135,8 +135,12 @@ impl Editor {
         if self.is_stroking() {
             return;
         }
-        if std::mem::take(&mut self.tool.eyedropper) {
-            self.pick_by_hand(room);
+        if let Some(next) = self.tool.next_press.take() {
+            match (next, self.voxel_by_hand(room)) {
+                (NextPress::Flood, Some(voxel)) => self.flood_from(voxel),
+                (NextPress::Pick, Some(voxel)) => self.take_colour_of(voxel),
+                (_, None) => {}
+            }
             return;
         }
         match self.tool.kind {
@@ -163,17 +167,21 @@ impl Editor {
 
     /// Takes the colour of the voxel that the tool in the hand touches, or else points at.
     fn pick_by_hand(&mut self, room: &Room) {
-        let Some(pose) = &self.hand.pose else { return };
+        if let Some(voxel) = self.voxel_by_hand(room) {
+            self.take_colour_of(voxel);
+        }
+    }
+
+    /// The voxel that the tool in the hand touches, or else points at.
+    fn voxel_by_hand(&self, room: &Room) -> Option<UVec3> {
+        let pose = &self.hand.pose?;
         let at = self.grid_point(pose.position, room);
         let ahead = (self.grid_point(pose.at(Vec3::NEG_Z), room) - at).normalize_or_zero();
         let grid = self.document().grid();
         let here = at.floor().as_ivec3();
-        let voxel = match grid.get(here) {
+        match grid.get(here) {
             true => Some(here.as_uvec3()),
             false => raycast::cast(grid, at, ahead).map(|hit| hit.voxel),
-        };
-        if let Some(voxel) = voxel {
-            self.take_colour_of(voxel);
         }
     }
 

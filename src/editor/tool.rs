@@ -64,8 +64,10 @@ pub struct ToolState {
     pub follow: bool,
     /// The tool's centre is kept at centres of voxels.
     pub snap: bool,
-    /// The next press takes the colour of what it meets, instead of using the tool.
-    pub eyedropper: bool,
+    /// What the next press does instead of using the tool.
+    pub next_press: Option<NextPress>,
+    /// How far colours may differ from that of the voxel that a flood begins with, as a share of the range.
+    pub flood_tolerance: f32,
     /// A tool that follows the pointer stands on the surface rather than half in it.
     pub stand: bool,
     /// A tool that follows the pointer turns its y axis out of the surface.
@@ -74,6 +76,15 @@ pub struct ToolState {
     pub paste_orientation: Orientation,
     /// How often and how far on the last operation is repeated.
     pub array: ArrayOptions,
+}
+
+/// What a press may do once, instead of using the tool.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum NextPress {
+    /// Takes the colour of what it meets.
+    Pick,
+    /// Recolours the patch of one colour that it meets.
+    Flood,
 }
 
 /// An array to be made of the last operation.
@@ -99,7 +110,9 @@ pub enum ToolEdit {
     /// Degrees about x, then y, then z of the grid.
     Turn(Vec3),
     Colour(Rgb),
-    Eyedropper(bool),
+    NextPress(Option<NextPress>),
+    /// A share of the range of colours.
+    FloodTolerance(f32),
     /// What a solid paints with instead of the colour.
     Picture(Option<PathBuf>),
     Snap(bool),
@@ -131,7 +144,8 @@ impl ToolState {
             centre_vx: Vec3::ZERO,
             follow: true,
             snap: false,
-            eyedropper: false,
+            next_press: None,
+            flood_tolerance: 0.04,
             stand: false,
             lean: false,
             paste_orientation: Orientation::UPRIGHT,
@@ -150,7 +164,8 @@ impl ToolState {
             ToolEdit::Uniform(uniform) => self.uniform = uniform,
             ToolEdit::Turn(turn_deg) => self.set_turn_deg(turn_deg),
             ToolEdit::Colour(colour) => self.colour = colour,
-            ToolEdit::Eyedropper(on) => self.eyedropper = on,
+            ToolEdit::NextPress(next) => self.next_press = next,
+            ToolEdit::FloodTolerance(share) => self.flood_tolerance = share.clamp(0.0, 1.0),
             ToolEdit::Picture(picture) => self.picture = picture,
             ToolEdit::Snap(snap) => self.snap = snap,
             ToolEdit::Follow(follow) => self.follow = follow,

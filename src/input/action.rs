@@ -154,6 +154,8 @@ pub enum Action {
     ToggleSnap,
     /// Picks the colour of the voxel under the pointer.
     PickHere,
+    /// Recolours the patch of one colour on the surface under the pointer.
+    Flood,
     /// Toggles the symmetry plane across an axis.
     Mirror(Axis),
     /// Repeats the last operation with an offset.
@@ -222,6 +224,8 @@ pub enum Action {
     Film,
     /// Toggles the window of the print check.
     PrintCheck,
+    /// Toggles the window of colours.
+    Tints,
     /// Detaches a panel to a window of its own, or docks it.
     Detach(Panel),
     ScaleUp,
@@ -271,6 +275,7 @@ impl Action {
         Action::SculptSmooth,
         Action::PickColour,
         Action::PickHere,
+        Action::Flood,
         Action::Apply,
         Action::Cancel,
         Action::TurnSculpture,
@@ -411,6 +416,7 @@ impl Action {
         Action::FinalPicture,
         Action::Film,
         Action::PrintCheck,
+        Action::Tints,
         Action::Export,
         Action::Palette,
         Action::Help,

@@ -23,6 +23,7 @@ impl Action {
             }
             Action::PickColour => ("pick-colour", Drag, "Pick the colour of the surface"),
             Action::PickHere => ("pick-here", Tap, "Pick the colour under the pointer"),
+            Action::Flood => ("flood", Tap, "Recolour the patch of one colour under the pointer"),
             Action::Apply => ("apply", Hold, "Use the tool where it is"),
             Action::Cancel => ("cancel", Tap, "Cancel the stroke, or close a window"),
             Action::TurnSculpture => ("turn-sculpture", Drag, "Rotate the sculpture"),
@@ -258,6 +259,9 @@ impl Action {
                 Tap,
                 "Make a picture of the view with shadows and reflected light",
             ),
+            Action::Tints => {
+                ("colours", Tap, "Adjust the colours of an area, or give it a gradient or noise")
+            }
             Action::PrintCheck => {
                 ("print-check", Tap, "Check whether the sculpture can be printed, and mend it")
             }

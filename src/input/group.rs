@@ -43,8 +43,8 @@ impl Group {
     pub const fn of(action: Action) -> Group {
         use Action::*;
         match action {
-            Sculpt | SculptInverse | SculptSmooth | PickColour | PickHere | Apply | Cancel
-            | TurnSculpture | PanSculpture | Zoom | MoveTool | MoveToolDeep | TurnTool
+            Sculpt | SculptInverse | SculptSmooth | PickColour | PickHere | Flood | Apply
+            | Cancel | TurnSculpture | PanSculpture | Zoom | MoveTool | MoveToolDeep | TurnTool
             | ResizeTool | NextPadMode => Group::Pointer,
             Solid(_) | Mode(_) | NextToolMode | Spray(_) | Deform(_) | Marker => Group::Tools,
             Grow | Shrink | Nudge(_) | Stretch(_) | AlignTool | ToggleFollow | ToggleSnap
@@ -60,7 +60,7 @@ impl Group {
             | Lights | Fullscreen | TogglePanels => Group::View,
             ScaleUp | ScaleDown | ScaleReset | ToggleTheme | Detach(_) | ToggleRumble | New
             | Open | Save | SaveAs | Export | Screenshot | CopyScreenshot | FinalPicture | Film
-            | PrintCheck | Palette | Help | Guide | Quit => Group::Program,
+            | PrintCheck | Tints | Palette | Help | Guide | Quit => Group::Program,
         }
     }
 }

@@ -28,6 +28,9 @@ impl Action {
             Action::PrintCheck => {
                 "printing printer slicer support overhang thin wall island cavity hollow repair analyse"
             }
+            Action::Tints => {
+                "color hue saturation value brightness contrast gradient ramp noise speckle tint hsv"
+            }
             Action::Film => {
                 "movie video animation turntable spin rotate time lapse gif apng export"
             }
@@ -93,6 +96,7 @@ impl Action {
             Action::ToggleFollow => "lock pin fixed",
             Action::ToggleSnap => "snapping magnet align",
             Action::PickHere | Action::PickColour => "eyedropper pipette sample picker",
+            Action::Flood => "bucket fill flood paint colour",
             Action::Mirror(_) => "symmetric reflect flip",
             Action::Repeat => "array again pattern copies",
             Action::SelectMarker => "union extend",

@@ -15,6 +15,7 @@ use super::new_dialog::NewDialog;
 use super::palette::Palette;
 use super::print_check::PrintCheck;
 use super::recovery_dialog::RecoveryDialog;
+use super::tints::Tints;
 use crate::command::NewSculpture;
 use crate::editor::job::Busy;
 use crate::editor::questions::{ChangedOnDisk, InUse, Next, Unkept};
@@ -37,6 +38,8 @@ pub struct Dialogs {
     pub recovery: RecoveryDialog,
     /// The window of the print check.
     pub print_check: PrintCheck,
+    /// The window of colours.
+    pub tints: Tints,
     pub files: Files,
     /// Asks what to do with unsaved work before this.
     pub unsaved: Option<Next>,
@@ -70,6 +73,7 @@ impl Dialogs {
             import: ImportDialog::default(),
             recovery: RecoveryDialog::default(),
             print_check: PrintCheck::default(),
+            tints: Tints::default(),
             files: Files::new(),
             unsaved: None,
             unkept: None,
@@ -119,6 +123,7 @@ impl Dialogs {
             &mut self.keys.open,
             &mut self.references_open,
             &mut self.print_check.open,
+            &mut self.tints.open,
             &mut self.light.open,
             &mut self.guide.open,
         ];

@@ -51,6 +51,7 @@ pub mod status;
 pub mod stereo_options;
 pub mod switches;
 pub mod theme;
+pub mod tints;
 pub mod toasts;
 pub mod tool_options;
 pub mod toolbox;
@@ -181,6 +182,7 @@ pub fn show(
     light::show(root, state);
     references::show(root, state, context.path);
     print_check::show(root, state, context, requests);
+    tints::show(root, state, context, requests);
     key_table::show(root, state, context, requests);
     key_catch::show(root, state, requests);
     palette::show(root, state, context, requests);

@@ -11,7 +11,7 @@ use super::toolbox::{mode_name, solid_name};
 use super::{
     UiContext, UiRequest, UiState, deform_options, history, marker_options, spray_options,
 };
-use crate::editor::tool::{HALF_RANGE, ToolEdit, ToolKind, ToolState};
+use crate::editor::tool::{HALF_RANGE, NextPress, ToolEdit, ToolKind, ToolState};
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::tools::spray::SprayKind;
@@ -225,10 +225,20 @@ fn colour(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         let keys = context.shortcut(Action::PickColour);
         let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
         let does = format!("The next press picks the colour of the surface{keys}");
-        let mut on = tool.eyedropper;
-        if ui.toggle_value(&mut on, "🖊 Pick").on_hover_text(does).changed() {
-            requests.push(UiRequest::Tool(ToolEdit::Eyedropper(on)));
+        next_press(ui, tool, NextPress::Pick, "🖊 Pick", &does, requests);
+    });
+    ui.horizontal(|ui| {
+        let keys = context.shortcut(Action::Flood);
+        let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
+        let does = format!("The next press recolours the patch of one colour that it meets{keys}");
+        next_press(ui, tool, NextPress::Flood, "💧 Flood", &does, requests);
+        let mut tolerance = tool.flood_tolerance * 100.0;
+        let value = DragValue::new(&mut tolerance).range(0.0..=100.0).speed(0.2).suffix(" %");
+        let value = ui.add(value.max_decimals(0));
+        if value.on_hover_text("How far the colours of a patch may differ").changed() {
+            requests.push(UiRequest::Tool(ToolEdit::FloodTolerance(tolerance / 100.0)));
         }
+        action_button(ui, context, "Colours …", Action::Tints, true, requests);
     });
     let mut pick = |ui: &mut Ui, colours: &[Rgb]| {
         ui.horizontal_wrapped(|ui| {
@@ -247,6 +257,21 @@ fn colour(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     }
     if colour != tool.colour {
         requests.push(UiRequest::Tool(ToolEdit::Colour(colour)));
+    }
+}
+
+/// A button for what the next press does.
+fn next_press(
+    ui: &mut Ui,
+    tool: &ToolState,
+    next: NextPress,
+    label: &str,
+    help: &str,
+    requests: &mut Vec<UiRequest>,
+) {
+    let mut on = tool.next_press == Some(next);
+    if ui.toggle_value(&mut on, label).on_hover_text(help).changed() {
+        requests.push(UiRequest::Tool(ToolEdit::NextPress(on.then_some(next))));
     }
 }
 

@@ -200,6 +200,7 @@ fn at_the_desk(
         ("Final picture …", Action::FinalPicture),
         ("Film …", Action::Film),
         ("Print check …", Action::PrintCheck),
+        ("Colours …", Action::Tints),
     ] {
         action_button(ui, context, label, action, true, requests);
     }

@@ -17,6 +17,7 @@ mod recovery;
 mod saved_history;
 mod surface;
 mod switches;
+mod tints;
 mod toasts;
 mod tools;
 mod upright;

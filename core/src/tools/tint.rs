@@ -2,7 +2,7 @@
 //!
 //! Takes voxels and their present colours; gives their new ones. Knows no document and changes nothing.
 
-use glam::{IVec3, UVec3, Vec3};
+use glam::{UVec3, Vec3};
 
 use crate::sculpture::Rgb;
 
@@ -167,7 +167,7 @@ impl Tinter {
             },
             Prepared::Gradient { start, way, table, strength } => {
                 let share = (centre - start).dot(*way).clamp(0.0, 1.0);
-                let colour = table[(share * (STEPS - 1) as f32).round() as usize];
+                let colour = table[(share * (STEPS - 1) as f32 + 0.5) as usize];
                 blended(now, colour, *strength)
             }
             Prepared::Noise { colour, scale, amount, seed } => {
@@ -181,7 +181,8 @@ impl Tinter {
 fn blended(now: Rgb, other: Rgb, share: f32) -> Rgb {
     let channel = |i: usize| {
         let (a, b) = (f32::from(now.0[i]), f32::from(other.0[i]));
-        (a + (b - a) * share).round() as u8
+        // Rounded; a call of `round` would take longer than the rest.
+        (a + (b - a) * share + 0.5) as u8
     };
     Rgb([channel(0), channel(1), channel(2)])
 }
@@ -266,37 +267,50 @@ fn noise(p: Vec3, seed: u32) -> f32 {
     (0.5 + 0.7 * sum / all).clamp(0.0, 1.0)
 }
 
-/// Gradient noise, about -1 to 1. (Perlin, "Improving noise", 2002, with hashes for its table.)
+/// The gradients at corners of cells: towards the middles of a cube's edges, four of them twice.
+const GRADIENTS: [Vec3; 16] = [
+    Vec3::new(1.0, 1.0, 0.0),
+    Vec3::new(-1.0, 1.0, 0.0),
+    Vec3::new(1.0, -1.0, 0.0),
+    Vec3::new(-1.0, -1.0, 0.0),
+    Vec3::new(1.0, 0.0, 1.0),
+    Vec3::new(-1.0, 0.0, 1.0),
+    Vec3::new(1.0, 0.0, -1.0),
+    Vec3::new(-1.0, 0.0, -1.0),
+    Vec3::new(0.0, 1.0, 1.0),
+    Vec3::new(0.0, -1.0, 1.0),
+    Vec3::new(0.0, 1.0, -1.0),
+    Vec3::new(0.0, -1.0, -1.0),
+    Vec3::new(1.0, 1.0, 0.0),
+    Vec3::new(-1.0, 1.0, 0.0),
+    Vec3::new(0.0, -1.0, 1.0),
+    Vec3::new(0.0, -1.0, -1.0),
+];
+
+/// Gradient noise at a place that is not negative, about -1 to 1. (Perlin, "Improving noise", 2002, with hashes for its table.)
 fn gradient_noise(p: Vec3, seed: u32) -> f32 {
-    let cell = p.floor();
-    let within = p - cell;
-    let cell = cell.as_ivec3();
+    let cell = p.as_uvec3();
+    let within = p - cell.as_vec3();
     let fade = within * within * within * (within * (within * 6.0 - 15.0) + 10.0);
-    let corner = |i: i32| {
-        let offset = IVec3::new(i & 1, i >> 1 & 1, i >> 2);
-        let [x, y, z] = (within - offset.as_vec3()).to_array();
-        let hash = hash(cell + offset, seed);
-        // Towards the middle of one of a cube's edges.
-        let (u, v) = match hash >> 30 {
-            0 => (x, y),
-            1 => (y, z),
-            _ => (z, x),
-        };
-        (if hash & 1 != 0 { u } else { -u }) + if hash & 2 != 0 { v } else { -v }
+    let [x, y, z] = cell.to_array();
+    // What each axis adds to the hashes of the corners at its lower and upper end.
+    let ends =
+        |i: u32, factor: u32| [i.wrapping_mul(factor), (i.wrapping_add(1)).wrapping_mul(factor)];
+    let [xs, ys, zs] = [ends(x, 0x8DA6_B343), ends(y, 0xD816_3841), ends(z, 0xCB1A_B31F)];
+    let seed = seed.wrapping_mul(0x9E37_79B9);
+    let corner = |i: usize, j: usize, k: usize| {
+        let gradient = GRADIENTS[hash(xs[i] ^ ys[j] ^ zs[k] ^ seed) as usize >> 28];
+        gradient.dot(within - Vec3::new(i as f32, j as f32, k as f32))
     };
     let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    let along_x = |i: i32| lerp(corner(i), corner(i + 1), fade.x);
-    let along_y = |i: i32| lerp(along_x(i), along_x(i + 2), fade.y);
-    lerp(along_y(0), along_y(4), fade.z)
+    let along_x = |j, k| lerp(corner(0, j, k), corner(1, j, k), fade.x);
+    let along_y = |k| lerp(along_x(0, k), along_x(1, k), fade.y);
+    lerp(along_y(0), along_y(1), fade.z)
 }
 
 /// A number that looks random. (The finaliser of MurmurHash3, Appleby 2011.)
-fn hash(cell: IVec3, seed: u32) -> u32 {
-    let [x, y, z] = cell.to_array().map(|i| i as u32);
-    let mixed = x.wrapping_mul(0x8DA6_B343)
-        ^ y.wrapping_mul(0xD816_3841)
-        ^ z.wrapping_mul(0xCB1A_B31F)
-        ^ seed.wrapping_mul(0x9E37_79B9);
+#[inline(always)]
+fn hash(mixed: u32) -> u32 {
     let mixed = (mixed ^ mixed >> 16).wrapping_mul(0x85EB_CA6B);
     let mixed = (mixed ^ mixed >> 13).wrapping_mul(0xC2B2_AE35);
     mixed ^ mixed >> 16

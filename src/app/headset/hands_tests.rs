@@ -3,14 +3,14 @@
 
 use std::sync::Arc;
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{Quat, UVec3, Vec2, Vec3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 
 use crate::app::Workspace;
 use crate::config::Config;
-use crate::editor::tool::ToolKind;
+use crate::editor::tool::{NextPress, ToolKind};
 use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
 use crate::input::pad::stick::Response;
 use crate::input::{ActionEvent, Bindings};
@@ -227,13 +227,23 @@ fn the_eyedropper_takes_the_colour_that_the_tool_touches_or_points_at() {
     assert_eq!(pick(&mut person, MIDDLE - Vec3::Z * 0.1), red);
     assert_eq!(pick(&mut person, MIDDLE + Vec3::Z * 0.1), blue);
     // Chosen on the board, the next pull takes a colour and uses no tool.
-    person.workspace.editor.tool.eyedropper = true;
+    person.workspace.editor.tool.next_press = Some(NextPress::Pick);
     person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 20);
     person.hold(MIDDLE - Vec3::Z * 0.1, 1.0, 2);
     assert_eq!((person.workspace.editor.tool.colour, person.removed_voxels()), (red, 0));
     person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 1);
     person.hold(MIDDLE - Vec3::Z * 0.1, 1.0, 2);
     assert!(person.removed_voxels() > 0, "the one after that uses the tool");
+    person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 1);
+    let removed = person.removed_voxels();
+    // The blue half of the surface, pointed at from the front, becomes red.
+    person.workspace.editor.tool.next_press = Some(NextPress::Flood);
+    person.hold(MIDDLE + Vec3::Z * 0.5, 0.0, 20);
+    person.hold(MIDDLE + Vec3::Z * 0.5, 1.0, 2);
+    assert_eq!(person.removed_voxels(), removed);
+    let contents = person.workspace.session().document().contents();
+    assert_eq!(contents.rgb(UVec3::new(5, 5, 63)), red);
+    assert_eq!(contents.rgb(UVec3::new(5, 63, 40)), red);
 }
 
 /// Numbers as a faulty driver would report them, valid ones among them.
