@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::{Area, Command};
 use crate::document::Document;
+use crate::editor::tool::ToolEdit;
 use crate::sculpture::region::Region;
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::tools::tint::{SIZE_RANGE, Tint};
@@ -140,8 +141,24 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
                 let (area, tint) = (window.area, window.tint(context));
                 requests.push(UiRequest::Run(Command::Tint { area, tint }));
             }
+            ui.separator();
+            flood(ui, context, requests);
         });
     state.dialogs.tints.open &= open;
+}
+
+/// What floods take for one colour.
+fn flood(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    Grid::new("flood").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
+        let mut tolerance = context.tool.flood_tolerance;
+        let label = ui.label("Flood");
+        let value = ui.add(percent(&mut tolerance, 1.0)).labelled_by(label.id);
+        let help = "How far the colours of a patch may differ that a flood recolours";
+        if value.on_hover_text(help).changed() {
+            requests.push(UiRequest::Tool(ToolEdit::FloodTolerance(tolerance)));
+        }
+        ui.end_row();
+    });
 }
 
 /// Which voxels, and what happens to them.
@@ -153,8 +170,8 @@ fn choices(ui: &mut Ui, window: &mut Tints, context: &UiContext) {
                 "Everything",
                 "All voxels, within the selection if tools are limited to it",
             ),
-            (Area::Selection, "Selection", "The selected boxes"),
-            (Area::Marker, "Marker", "The marker's box"),
+            (Area::Selection, "Selected boxes", "The boxes of the selection"),
+            (Area::Marker, "Marker's box", "The box of the marker"),
         ] {
             let is_there =
                 area != Area::Selection || !context.document.selection().boxes().is_empty();

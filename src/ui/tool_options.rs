@@ -220,25 +220,20 @@ fn colour(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mut colour = tool.colour;
     ui.horizontal(|ui| {
         let label = ui.label("Colour");
-        ui.color_edit_button_srgb(&mut colour.0).labelled_by(label.id);
-        ui.monospace(tool.colour.to_string());
-        let keys = context.shortcut(Action::PickColour);
-        let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
-        let does = format!("The next press picks the colour of the surface{keys}");
-        next_press(ui, tool, NextPress::Pick, "🖊 Pick", &does, requests);
-    });
-    ui.horizontal(|ui| {
-        let keys = context.shortcut(Action::Flood);
-        let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
-        let does = format!("The next press recolours the patch of one colour that it meets{keys}");
-        next_press(ui, tool, NextPress::Flood, "💧 Flood", &does, requests);
-        let mut tolerance = tool.flood_tolerance * 100.0;
-        let value = DragValue::new(&mut tolerance).range(0.0..=100.0).speed(0.2).suffix(" %");
-        let value = ui.add(value.max_decimals(0));
-        if value.on_hover_text("How far the colours of a patch may differ").changed() {
-            requests.push(UiRequest::Tool(ToolEdit::FloodTolerance(tolerance / 100.0)));
-        }
-        action_button(ui, context, "Colours …", Action::Tints, true, requests);
+        let button = ui.color_edit_button_srgb(&mut colour.0).labelled_by(label.id);
+        button.on_hover_text(tool.colour.to_string());
+        let keys = |action| match context.shortcut(action) {
+            Some(keys) => format!(" ({keys})"),
+            None => String::new(),
+        };
+        let pick =
+            format!("The next press picks the colour of the surface{}", keys(Action::PickColour));
+        next_press(ui, tool, NextPress::Pick, "🖊 Pick", &pick, requests);
+        let flood = format!(
+            "The next press recolours the patch of one colour that it meets{}",
+            keys(Action::Flood)
+        );
+        next_press(ui, tool, NextPress::Flood, "💧 Flood", &flood, requests);
     });
     let mut pick = |ui: &mut Ui, colours: &[Rgb]| {
         ui.horizontal_wrapped(|ui| {

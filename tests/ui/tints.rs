@@ -44,7 +44,7 @@ fn a_patch_is_flooded_by_key_and_by_the_next_press() {
     let at = middle(&harness);
     send(&mut harness, Event::PointerMoved(at));
     look(&mut harness);
-    key(&mut harness, Modifiers::NONE, Key::U);
+    key(&mut harness, Modifiers::ALT, Key::F);
     assert_eq!(last_step(&harness), "flood");
     assert_eq!(colour_at(&harness, [0, 32, 32]), RED, "around the belt");
     assert_eq!(colour_at(&harness, [32, 32, 32]), GREEN, "not inside");
@@ -66,7 +66,7 @@ fn a_patch_is_flooded_by_key_and_by_the_next_press() {
 #[test]
 fn the_window_of_colours_adjusts_blends_and_speckles() {
     let mut harness = front();
-    key(&mut harness, Modifiers::COMMAND, Key::U);
+    key(&mut harness, Modifiers::ALT, Key::C);
     rest(&mut harness);
     click_once(&mut harness, "Apply");
     assert_eq!(last_step(&harness), "", "nothing is adjusted yet");
@@ -80,7 +80,7 @@ fn the_window_of_colours_adjusts_blends_and_speckles() {
     // Of the marker alone, and by the menu.
     run(&mut harness, "mark at=0,0,0 size=8,8,8");
     click(&mut harness, "Noise");
-    click(&mut harness, "Marker");
+    click(&mut harness, "Marker's box");
     let before = colour_at(&harness, [9, 9, 9]);
     run(&mut harness, "undo");
     click_once(&mut harness, "Apply");
@@ -92,7 +92,7 @@ fn the_window_of_colours_adjusts_blends_and_speckles() {
     rest(&mut harness);
     assert!(!has(&harness, "Apply"));
     run(&mut harness, "new dims=16,16,16 colour=0");
-    key(&mut harness, Modifiers::COMMAND, Key::U);
+    key(&mut harness, Modifiers::ALT, Key::C);
     rest(&mut harness);
     assert!(has(&harness, "This sculpture has only one colour") && !has(&harness, "Apply"));
 }
