@@ -124,7 +124,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         .show(root.ctx(), |ui| {
             ui.set_width(WIDTH);
             if context.document.material().depth() == ColourDepth::None {
-                ui.weak("This sculpture has only one colour");
+                ui.weak("It has only one colour; a new sculpture may have more");
                 return;
             }
             let window = &mut state.dialogs.tints;
@@ -151,7 +151,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
 fn flood(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     Grid::new("flood").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         let mut tolerance = context.tool.flood_tolerance;
-        let label = ui.label("Flood");
+        let label = ui.label("Flood tolerance");
         let value = ui.add(percent(&mut tolerance, 1.0)).labelled_by(label.id);
         let help = "How far the colours of a patch may differ that a flood recolours";
         if value.on_hover_text(help).changed() {

@@ -94,6 +94,7 @@ fn menu(
         {
             action_button(ui, context, label, action, true, requests);
         }
+        action_button(ui, context, "Colours …", Action::Tints, true, requests);
         turn_upright(ui, context, requests);
         ui.separator();
         ui.menu_button("View", |ui| {
@@ -200,7 +201,6 @@ fn at_the_desk(
         ("Final picture …", Action::FinalPicture),
         ("Film …", Action::Film),
         ("Print check …", Action::PrintCheck),
-        ("Colours …", Action::Tints),
     ] {
         action_button(ui, context, label, action, true, requests);
     }

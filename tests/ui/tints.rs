@@ -94,5 +94,8 @@ fn the_window_of_colours_adjusts_blends_and_speckles() {
     run(&mut harness, "new dims=16,16,16 colour=0");
     key(&mut harness, Modifiers::ALT, Key::C);
     rest(&mut harness);
-    assert!(has(&harness, "This sculpture has only one colour") && !has(&harness, "Apply"));
+    assert!(
+        has(&harness, "It has only one colour; a new sculpture may have more")
+            && !has(&harness, "Apply")
+    );
 }

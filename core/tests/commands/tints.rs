@@ -2,6 +2,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::command::{Command, NewSculpture};
+use sculpture_core::command_text::parse_script;
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 
@@ -138,4 +139,19 @@ fn a_flood_stops_at_other_colours_and_at_the_selection_and_is_mirrored() {
     assert_eq!(colour(&document, 39, 4, 0), red);
     assert_eq!(colour(&document, 20, 0, 9), red, "all colours are within the tolerance");
     assert_eq!(colour(&document, 3, 32, 7), Rgb::STONE);
+}
+
+/// The script of the gallery: each command does something, and the flood keeps to the pond.
+#[test]
+fn a_hill_is_coloured_by_commands() {
+    let script = include_str!("../../../config/gallery/colours.sculpt");
+    let script = parse_script(script).unwrap();
+    let (_, Command::New(new)) = &script[0] else { panic!("no sculpture") };
+    let mut document = Document::new(new, Limits::default()).unwrap();
+    let mut last = 0;
+    for (line, command) in &script[1..] {
+        last = document.apply(command).unwrap().stats.voxels_changed();
+        assert!(last > 500, "line {line}: {last}");
+    }
+    assert!(last < 3000, "{last}");
 }
