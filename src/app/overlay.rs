@@ -37,6 +37,8 @@ pub struct OverlayScene<'a> {
     pub pointer: Option<Vec2>,
     /// A stroke is under way.
     pub stroking: bool,
+    /// The outline that is being drawn, in pixels.
+    pub lasso: &'a [Vec2],
     /// Of the eye plane to what the pointer points at, in world units.
     pub depth: f32,
 }
@@ -45,7 +47,7 @@ pub struct OverlayScene<'a> {
 pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
     let voxel_size = scene.document.grid().voxel_size();
     match scene.tool.kind {
-        _ if !scene.view.tool => None,
+        _ if !scene.view.tool || scene.tool.next_press.is_some() => None,
         ToolKind::Spray(_) => None,
         ToolKind::Deform => Some(ToolPreview {
             primitive: scene.tool.ball(),
@@ -105,7 +107,9 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
             frame(&mut lines, selected.bounds, colour, [0.9, 0.35]);
         }
     }
-    if !view.tool {
+    lines.extend(lasso(scene));
+    // A press that does something else shows no tool.
+    if !view.tool || tool.next_press.is_some() || !scene.lasso.is_empty() {
         return lines;
     }
     if view.line && tool.kind == ToolKind::Solid {
@@ -154,6 +158,21 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
         }
     }
     lines
+}
+
+/// The outline that is being drawn, and its closing line.
+fn lasso(scene: &OverlayScene) -> Vec<Line> {
+    let Some(map) = scene.seen else { return Vec::new() };
+    let point = |at: Vec2| map.rays.origin + map.rays.direction_at(at.x, at.y) * scene.depth;
+    let colour = colour_of(scene.tool);
+    let next = scene.lasso.iter().cycle().skip(1);
+    let pairs = scene.lasso.iter().zip(next).enumerate();
+    pairs
+        .map(|(i, (from, to))| {
+            let opacity = if i + 1 < scene.lasso.len() { [1.0, 1.0] } else { [0.5, 0.5] };
+            Line { from: point(*from), to: point(*to), colour, width_px: 2.0, opacity }
+        })
+        .collect()
 }
 
 /// The rope on which the pointer leads a brush.

@@ -73,6 +73,10 @@ impl Editor {
             Action::ToggleSnap => self.tool.snap = !self.tool.snap,
             Action::PickHere => self.pick_colour(picker),
             Action::Flood => self.flood(picker),
+            Action::Lasso => {
+                let other = self.tool.next_press != Some(NextPress::Lasso);
+                self.tool.next_press = other.then_some(NextPress::Lasso);
+            }
             Action::Mirror(axis) => {
                 let mut symmetry = self.document().symmetry();
                 let parity = &mut symmetry.axes[axis.index()];
@@ -105,9 +109,15 @@ impl Editor {
         let inverse = action == Action::SculptInverse;
         match (action, at) {
             (Action::Apply | Action::Sculpt, _) if self.tool.next_press.is_some() => {
-                match self.tool.next_press.take() {
-                    Some(NextPress::Flood) => self.flood(picker),
-                    _ => self.pick_colour(picker),
+                match (self.tool.next_press.take(), action, at) {
+                    (Some(NextPress::Flood), ..) => self.flood(picker),
+                    (Some(NextPress::Pick), ..) | (None, ..) => self.pick_colour(picker),
+                    (Some(NextPress::Lasso), Action::Sculpt, Some(at)) => {
+                        self.begin_lasso(at, picker);
+                    }
+                    (Some(NextPress::Lasso), ..) => {
+                        self.note("An outline is drawn with the pointer, its button pressed");
+                    }
                 }
             }
             (Action::Apply, _) => self.apply_tool(picker),
@@ -186,6 +196,7 @@ impl Editor {
     pub fn drag(&mut self, action: Action, at: Vec2, by: Vec2, picker: &Picker) {
         match action {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth if self.lifted => {}
+            Action::Sculpt if self.lasso.is_some() => self.lead_lasso(at),
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
                 _ if self.marker.drag.is_some() => self.drag_marker(at, picker),
                 Some(stroke) if stroke.is_spray() => self.lead_spray(at, picker),
@@ -211,7 +222,7 @@ impl Editor {
     /// and bounded (`path`).
     pub fn lift(&mut self) {
         let stroke = self.stroke.as_ref().is_some_and(|stroke| stroke.is_led_over_picture());
-        let drag = self.marker.drag.take().is_some();
+        let drag = self.marker.drag.take().is_some() | self.lasso.take().is_some();
         if stroke {
             self.end_stroke();
         }
@@ -228,6 +239,7 @@ impl Editor {
                 self.rotates_instead = false;
                 self.lifted = false;
                 self.marker.drag = None;
+                self.end_lasso();
                 self.end_stroke();
             }
             _ => {}

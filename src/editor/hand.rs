@@ -135,11 +135,12 @@ impl Editor {
         if self.is_stroking() {
             return;
         }
-        if let Some(next) = self.tool.next_press.take() {
+        // An outline needs a pointer; the hand goes on with its tool.
+        if let Some(next) = self.tool.next_press.take_if(|next| *next != NextPress::Lasso) {
             match (next, self.voxel_by_hand(room)) {
                 (NextPress::Flood, Some(voxel)) => self.flood_from(voxel),
                 (NextPress::Pick, Some(voxel)) => self.take_colour_of(voxel),
-                (_, None) => {}
+                (NextPress::Lasso, _) | (_, None) => {}
             }
             return;
         }

@@ -14,6 +14,7 @@ pub mod deform;
 mod footing;
 pub mod hand;
 pub mod job;
+mod lasso;
 mod marker;
 mod path;
 pub mod questions;
@@ -33,6 +34,7 @@ use autosave::Autosave;
 use footing::Footing;
 use hand::HandTool;
 use job::{Busy, Jobs};
+use lasso::Lasso;
 use marker::MarkerTool;
 use questions::{ChangedOnDisk, Next, Unkept};
 use stroke::Stroke;
@@ -77,6 +79,8 @@ pub struct Editor {
     /// Where the tool stands on the surface.
     footing: Footing,
     marker: MarkerTool,
+    /// The outline that is being drawn.
+    lasso: Option<Lasso>,
     /// Where the pointer is, in pixels of the picture; none while it is elsewhere.
     pointer: Option<Vec2>,
     /// A drag of `Sculpt` that began beside the sculpture rotates it.
@@ -103,6 +107,7 @@ impl Editor {
             stroke_in_question: false,
             footing: Footing::default(),
             marker: MarkerTool::default(),
+            lasso: None,
             pointer: None,
             rotates_instead: false,
             lifted: false,

@@ -85,6 +85,8 @@ pub enum NextPress {
     Pick,
     /// Recolours the patch of one colour that it meets.
     Flood,
+    /// Draws an outline, behind which the tool's mode is applied.
+    Lasso,
 }
 
 /// An array to be made of the last operation.

@@ -156,6 +156,8 @@ pub enum Action {
     PickHere,
     /// Recolours the patch of one colour on the surface under the pointer.
     Flood,
+    /// The next drag draws an outline, behind which the tool's mode is applied.
+    Lasso,
     /// Toggles the symmetry plane across an axis.
     Mirror(Axis),
     /// Repeats the last operation with an offset.
@@ -276,6 +278,7 @@ impl Action {
         Action::PickColour,
         Action::PickHere,
         Action::Flood,
+        Action::Lasso,
         Action::Apply,
         Action::Cancel,
         Action::TurnSculpture,

@@ -23,6 +23,11 @@ impl Action {
             }
             Action::PickColour => ("pick-colour", Drag, "Pick the colour of the surface"),
             Action::PickHere => ("pick-here", Tap, "Pick the colour under the pointer"),
+            Action::Lasso => (
+                "lasso",
+                Tap,
+                "Draw an outline with the next drag: what lies behind it is cut, or painted; or a slab is added",
+            ),
             Action::Flood => ("flood", Tap, "Recolour the patch of one colour under the pointer"),
             Action::Apply => ("apply", Hold, "Use the tool where it is"),
             Action::Cancel => ("cancel", Tap, "Cancel the stroke, or close a window"),

@@ -96,6 +96,7 @@ impl Action {
             Action::ToggleFollow => "lock pin fixed",
             Action::ToggleSnap => "snapping magnet align",
             Action::PickHere | Action::PickColour => "eyedropper pipette sample picker",
+            Action::Lasso => "trim slice polygon freehand cut extrude",
             Action::Flood => "bucket fill flood paint colour",
             Action::Mirror(_) => "symmetric reflect flip",
             Action::Repeat => "array again pattern copies",

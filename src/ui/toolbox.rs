@@ -6,7 +6,7 @@ use super::buttons::explain;
 use super::deform_options::deform_name;
 use super::top_bar::capital;
 use super::{UiContext, UiRequest, UiState, icons, panels, theme};
-use crate::editor::tool::ToolKind;
+use crate::editor::tool::{NextPress, ToolKind};
 use crate::input::{Action, Panel, ToolMode};
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
@@ -47,6 +47,12 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
         chosen: context.tool.kind == ToolKind::Solid && context.tool.mode == mode,
         action: Action::Mode(mode),
     });
+    let lasso = (!context.in_headset).then(|| Entry {
+        name: "Lasso".to_string(),
+        chosen: context.tool.next_press == Some(NextPress::Lasso),
+        action: Action::Lasso,
+    });
+    let modes: Vec<Entry> = modes.into_iter().chain(lasso).collect();
     group(ui, context, "", &modes, requests);
     let sprays = SprayKind::ALL.map(|kind| Entry {
         name: capital(spray_name(kind)),
@@ -166,6 +172,7 @@ fn tool(
         }
         Action::Spray(kind) => icons::spray(ui.painter(), icon, kind, colour),
         Action::Deform(kind) => icons::deform(ui.painter(), icon, kind, colour),
+        Action::Lasso => icons::lasso(ui.painter(), icon.shrink(2.0), colour),
         Action::Marker => icons::marker(ui.painter(), icon.shrink(2.0), colour),
         _ => {}
     }

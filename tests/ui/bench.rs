@@ -1,6 +1,7 @@
 //! The workspace without a window, driven by events as a person would cause them.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
@@ -141,14 +142,21 @@ pub fn click(harness: &mut Bench, label: &str) {
     rest(harness);
 }
 
-/// Waits for long work, and until the interface has nothing more to draw. While there is long work, frames are asked
-/// for again and again.
+/// How long the dialog of files may take to read a folder, on a thread of its own.
+const FOLDER_TIME: Duration = Duration::from_secs(20);
+
+/// Waits for long work, and until the interface has nothing more to draw. While there is long work, or a folder is being
+/// read, frames are asked for again and again.
 pub fn rest(harness: &mut Bench) {
     while harness.state().editor.is_busy() {
         harness.state_mut().finish_job();
         harness.run_steps(2);
     }
-    harness.run();
+    let began = Instant::now();
+    while harness.try_run().is_err() {
+        assert!(began.elapsed() < FOLDER_TIME, "the interface never comes to rest");
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }
 
 pub fn has(harness: &Bench, label: &str) -> bool {

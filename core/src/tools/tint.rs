@@ -68,7 +68,7 @@ impl Tint {
         let is_share = |share: &f32| (0.0..=1.0).contains(share);
         let is_near = |point: &Vec3| point.abs().cmple(Vec3::splat(FARTHEST_VX)).all();
         match self {
-            Tint::Adjust { hue_deg, .. } if !(hue_deg.abs() <= 360.0) => {
+            Tint::Adjust { hue_deg, .. } if !(-360.0..=360.0).contains(hue_deg) => {
                 Err("the hue must be turned by -360 to 360 degrees")
             }
             Tint::Adjust { saturation, value, .. }
