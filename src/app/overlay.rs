@@ -280,6 +280,7 @@ mod tests {
             seen: None,
             pointer: None,
             stroking: false,
+            lasso: &[],
             depth: 1.0,
         };
         let lines = lines(&scene);
@@ -313,6 +314,7 @@ mod tests {
                 seen: None,
                 pointer: None,
                 stroking: false,
+                lasso: &[],
                 depth: 1.0,
             };
             (lines(&scene).len(), preview(&scene).is_some())
