@@ -24,7 +24,7 @@ fn files(c: &mut Criterion) {
         let grid = grid.expect("the scenes are small");
         let base = Rgb::new(200, 190, 170);
         let material = Material::for_grid(&grid, ColourDepth::None, base);
-        let contents = Contents { grid, material };
+        let contents = Contents::new(grid, material);
         for ending in ["vsc", "pvm"] {
             let path = folder.path().join(format!("{name}.{ending}"));
             group.bench_function(BenchmarkId::new(format!("save_{ending}"), name), |b| {

@@ -56,7 +56,7 @@ fn pictures(c: &mut Criterion) {
             let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
             b.iter(|| shade::shade(&map, &source, &pose, &lighting, &mut pixels));
         });
-        let contents = Contents { grid: grid.clone(), material: material.clone() };
+        let contents = Contents::new(grid.clone(), material.clone());
         group.bench_function(BenchmarkId::new("mesh_faces", name), |b| {
             b.iter(|| {
                 Mesh::of(&contents, MeshKind::Faces, VertexColours::Voxels, &Limits::default(), &())

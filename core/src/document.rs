@@ -436,5 +436,5 @@ pub fn make_contents(new: &NewSculpture, limits: &Limits) -> Result<Contents, Co
         grid.fill_bricks(|_| Brick::FULL);
     }
     let material = Material::for_grid(&grid, new.colour_depth, new.base);
-    Ok(Contents { grid, material })
+    Ok(Contents::new(grid, material))
 }

@@ -46,7 +46,7 @@ pub fn shape() -> Contents {
         mask.set(v.x % 8, v.y % 8, v.z % 8, true);
         material.paint(grid.brick_index(v / 8), &mask, colour(v));
     }
-    Contents { grid, material }
+    Contents::new(grid, material)
 }
 
 pub fn options(path: &Path) -> ImportOptions {

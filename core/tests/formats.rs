@@ -141,7 +141,7 @@ fn the_options_choose_threshold_and_colours() {
         ..ImportOptions::default()
     };
     let loaded = load(&path, &bone).unwrap();
-    let Contents { grid, material } = &loaded.contents;
+    let Contents { grid, material, .. } = &loaded.contents;
     let volume =
         format::load_volume(&path, &ImportOptions::default(), &Limits::default(), &()).unwrap();
     let dense = volume.data.chunks(2).filter(|v| u16::from_be_bytes([v[0], v[1]]) >= 1300);
@@ -165,7 +165,7 @@ fn colour_volumes_keep_their_colours() {
         let path = shared_volume(name);
         let volume =
             format::load_volume(&path, &ImportOptions::default(), &Limits::default(), &()).unwrap();
-        let Contents { grid, material } = load_plainly(&path);
+        let Contents { grid, material, .. } = load_plainly(&path);
         assert_eq!(material.depth(), ColourDepth::Bits24);
         let bytes = volume.samples.bytes() as usize;
         for (i, voxel) in volume.data.chunks(bytes).enumerate() {
@@ -210,7 +210,7 @@ fn memory_is_checked_before_it_is_allocated() {
 fn densities_have_the_base_colour_unless_grey_is_requested() {
     for name in ["derived/VisMale_128x256x256_u8.pvm", "derived/CraniumCT_128x128x108_u16.pvm"] {
         let path = shared_volume(name);
-        let Contents { grid, material } = load_plainly(&path);
+        let Contents { grid, material, .. } = load_plainly(&path);
         assert_eq!((material.page_count(), material.depth()), (0, ColourDepth::Bits24), "{name}");
         let grey = ImportOptions { colouring: Colouring::Grey, ..ImportOptions::default() };
         let shades = load(&path, &grey).unwrap().contents;
@@ -250,13 +250,13 @@ prop_compose! {
                 if kind > 0 { material.paint(grid.brick_index(v / 8), &one, Rgb(colour)); }
             } } }
         }
-        canonical(&Contents { grid, material })
+        canonical(&Contents::new(grid, material))
     }
 }
 
 /// The same sculpture without anything that cannot be seen.
 fn canonical(contents: &Contents) -> Contents {
-    let Contents { grid, material } = contents;
+    let Contents { grid, material, .. } = contents;
     let mut visible = Material::for_grid(grid, material.depth(), material.base());
     for (b, brick) in grid.nonempty_bricks() {
         let index = grid.brick_index(b);
@@ -267,7 +267,7 @@ fn canonical(contents: &Contents) -> Contents {
             visible.paint_each(index, brick, |local| material.rgb(index, local));
         }
     }
-    Contents { grid: grid.clone(), material: visible }
+    Contents::new(grid.clone(), visible)
 }
 
 fn round_trip(contents: &Contents, form: ExportForm) -> Contents {
@@ -410,7 +410,7 @@ fn all_raw_types_are_read() {
 fn file_extensions_choose_the_format_or_are_explained() {
     let grid = Grid::new(UVec3::ONE, Vec3::ONE, ROOM).unwrap();
     let material = Material::for_grid(&grid, ColourDepth::None, Rgb::STONE);
-    let contents = Contents { grid, material };
+    let contents = Contents::new(grid, material);
     let folder = tempfile::tempdir().unwrap();
     for (name, part) in [("a.kv6", "`.kv6`"), ("a", "no extension")] {
         let path = folder.path().join(name);

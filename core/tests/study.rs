@@ -192,7 +192,7 @@ fn model(folder: &Path, name: &str) -> PathBuf {
     top.set(0, 2, 1, true);
     material.paint(0, &top, Rgb::new(10, 200, 10));
     let path = folder.join(name);
-    let contents = Contents { grid, material };
+    let contents = Contents::new(grid, material);
     format::save(&path, &contents, ExportForm::Auto, &()).unwrap();
     path
 }

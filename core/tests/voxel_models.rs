@@ -53,7 +53,7 @@ fn contents_of(dims: UVec3, depth: ColourDepth, voxels: &[(IVec3, Rgb)]) -> Cont
         mask.set(local.x, local.y, local.z, true);
         material.paint(grid.brick_index(v.as_uvec3() / 8), &mask, *rgb);
     }
-    Contents { grid, material }
+    Contents::new(grid, material)
 }
 
 /// The same grid, and the same colour of each voxel.
@@ -217,7 +217,7 @@ fn other_forms_and_formats_are_refused_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let grid = scenes::cheese(16, 3, 1).unwrap();
     let material = Material::for_grid(&grid, ColourDepth::None, Rgb::STONE);
-    let contents = Contents { grid, material };
+    let contents = Contents::new(grid, material);
     let save = |name: &str, form| format::save(&folder.path().join(name), &contents, form, &());
     assert!(matches!(save("a.vox", ExportForm::Rgba), Err(FormatError::FormOfModel(_))));
     assert!(matches!(save("a.gox", ExportForm::Auto), Err(FormatError::ReadOnly)));

@@ -78,7 +78,7 @@ fn without_colour(grid: Result<Grid, GridError>) -> Result<Contents, FormatError
     let grid = grid?;
     let base = Rgb::new(200, 190, 170);
     let material = Material::for_grid(&grid, ColourDepth::None, base);
-    Ok(Contents { grid, material })
+    Ok(Contents::new(grid, material))
 }
 
 /// The eye at a fixed position relative to the sculpture, with a vertical field of view of 45

@@ -65,7 +65,7 @@ pub fn write_final(
         return Err(PictureError::SmoothOnDevice);
     }
     let normals = normals_of(contents, progress)?;
-    let Contents { grid, material } = contents;
+    let Contents { grid, material, .. } = contents;
     let source = ShadeSource { grid, material, normals: &normals };
     let mut film = match on {
         TraceOn::Cpu => {
@@ -178,7 +178,7 @@ mod tests {
         let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(200, 100, 50));
         let eye = Camera::framing(14.0, Vec3::ONE, Vec3::Y).eye(UVec2::new(24, 18));
         let world_from_grid = Affine3A::from_translation(Vec3::splat(-8.0));
-        (Contents { grid, material }, TraceShot { eye, world_from_grid, up: Vec3::Y })
+        (Contents::new(grid, material), TraceShot { eye, world_from_grid, up: Vec3::Y })
     }
 
     fn write(

@@ -216,7 +216,8 @@ mod tests {
     fn what_rests_is_not_done_again_and_what_is_local_only_in_part() {
         let grid = Grid::new(glam::UVec3::splat(16), Vec3::ONE, 1 << 20).unwrap();
         let material = Material::for_grid(&grid, ColourDepth::None, Rgb::default());
-        let mut document = Document::from_contents(Contents { grid, material }, Limits::default());
+        let mut document =
+            Document::from_contents(Contents::new(grid, material), Limits::default());
         let eyes = [Camera::default().eye(UVec2::new(40, 30))];
         let line = Line {
             from: Vec3::ZERO,

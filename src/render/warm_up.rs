@@ -116,5 +116,5 @@ fn document(depth: ColourDepth) -> Result<Document> {
         .map_err(|error| GpuError::Host(error.to_string()))?;
     grid.fill_bricks(|_| Brick::FULL);
     let material = Material::for_grid(&grid, depth, GREY);
-    Ok(Document::from_contents(Contents { grid, material }, limits))
+    Ok(Document::from_contents(Contents::new(grid, material), limits))
 }

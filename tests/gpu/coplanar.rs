@@ -66,7 +66,7 @@ impl Cuboid {
 fn document(edge: u32, stone: Cuboid) -> Document {
     let grid = Grid::new(UVec3::splat(edge), Vec3::ONE, 1 << 30).unwrap();
     let material = Material::for_grid(&grid, ColourDepth::None, STONE);
-    let mut document = Document::from_contents(Contents { grid, material }, Limits::default());
+    let mut document = Document::from_contents(Contents::new(grid, material), Limits::default());
     let (centre, half) = ((stone.min + stone.max) * 0.5, (stone.max - stone.min) * 0.5);
     let at = format!("at={},{},{}", centre.x, centre.y, centre.z);
     let half = format!("half={},{},{}", half.x, half.y, half.z);

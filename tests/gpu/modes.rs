@@ -39,7 +39,7 @@ fn document(depth: ColourDepth, voxel_size: Vec3) -> Document {
             Rgb([r, g, b])
         });
     }
-    Document::from_contents(Contents { grid, material }, Limits::default())
+    Document::from_contents(Contents::new(grid, material), Limits::default())
 }
 
 fn lighting(occlusion: bool, look: Look) -> Lighting {
@@ -180,7 +180,7 @@ fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting
     };
     let world = placement.world_from_grid(document.grid().dims(), document.grid().voxel_size());
     let one_colour = Document::from_contents(
-        Contents { grid: document.grid().clone(), material: plain(document) },
+        Contents::new(document.grid().clone(), plain(document)),
         Limits::default(),
     );
     let normals = NormalField::of(document.grid());

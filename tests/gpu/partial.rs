@@ -96,7 +96,7 @@ fn sculpture() -> Document {
     let grid = scenes::cheese(80, 14, 5).unwrap();
     let base = Rgb::new(200, 180, 160);
     let material = Material::for_grid(&grid, ColourDepth::Bits24, base);
-    let mut document = Document::from_contents(Contents { grid, material }, Limits::default());
+    let mut document = Document::from_contents(Contents::new(grid, material), Limits::default());
     document.apply(&"subtract cuboid at=40,40,74 half=40,40,6".parse().unwrap()).unwrap();
     document
 }

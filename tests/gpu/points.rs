@@ -31,7 +31,7 @@ const BEHIND_RGBA: [u8; 4] = [255, 0, 255, 255];
 /// Grey stone.
 fn document(grid: Grid) -> Document {
     let material = Material::for_grid(&grid, ColourDepth::None, Rgb::new(190, 180, 160));
-    Document::from_contents(Contents { grid, material }, Limits::default())
+    Document::from_contents(Contents::new(grid, material), Limits::default())
 }
 
 struct Screen {

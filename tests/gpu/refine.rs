@@ -93,7 +93,7 @@ impl Painter {
 fn sculpture() -> Document {
     let grid = scenes::cheese(80, 14, 5).unwrap();
     let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(200, 180, 160));
-    let mut document = Document::from_contents(Contents { grid, material }, Limits::default());
+    let mut document = Document::from_contents(Contents::new(grid, material), Limits::default());
     let paint = "recolour ellipsoid at=60,60,68 half=14,14,14 colour=#2060c0";
     document.apply(&paint.parse().unwrap()).unwrap();
     document
@@ -303,7 +303,8 @@ fn a_grid_too_large_for_the_smooth_surface_shows_its_voxels() {
             grid.set(IVec3::new(i % 8, i / 2 % 8, i / 8), true);
         }
         let material = Material::for_grid(&grid, ColourDepth::None, Rgb::new(200, 180, 160));
-        let mut document = Document::from_contents(Contents { grid, material }, Limits::default());
+        let mut document =
+            Document::from_contents(Contents::new(grid, material), Limits::default());
         let near = [Camera::framing(8.0, Vec3::new(0.3, 0.5, 1.0), Vec3::Y).eye(SIZE)];
         let at = Affine3A::from_translation(Vec3::splat(-4.0));
         // Some devices have no images of this length, so that all modes cast rays.

@@ -22,7 +22,7 @@ const SIZE: UVec2 = UVec2::new(160, 120);
 
 fn document(grid: Grid) -> Document {
     let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(220, 200, 120));
-    Document::from_contents(Contents { grid, material }, Limits::default())
+    Document::from_contents(Contents::new(grid, material), Limits::default())
 }
 
 /// A ball and a bar, with stripes.

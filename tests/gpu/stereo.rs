@@ -122,7 +122,7 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
         let eyes = rig.eyes(&mono);
         let base = Rgb::new(200, 180, 160);
         let material = Material::for_grid(&grid, ColourDepth::Bits24, base);
-        let contents = Contents { grid, material };
+        let contents = Contents::new(grid, material);
         let mut document = Document::from_contents(contents, Limits::default());
         let lighting = Lighting::default();
         let background = Vec3::new(0.2, 0.4, 0.6);

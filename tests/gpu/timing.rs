@@ -20,7 +20,7 @@ use super::fixture::with_device;
 fn document() -> Document {
     let grid = scenes::cheese(64, 30, 3).unwrap();
     let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
-    Document::from_contents(Contents { grid, material }, Limits::default())
+    Document::from_contents(Contents::new(grid, material), Limits::default())
 }
 
 /// An eye that is a little elsewhere at each `step`.

@@ -25,7 +25,7 @@ fn document(depth: ColourDepth) -> Document {
     let mut grid = Grid::new(UVec3::splat(40), Vec3::ONE, 1 << 30).unwrap();
     grid.fill_bricks(|b| *cheese.brick(b));
     let material = Material::for_grid(&grid, depth, Rgb::new(180, 170, 150));
-    Document::from_contents(Contents { grid, material }, Limits::default())
+    Document::from_contents(Contents::new(grid, material), Limits::default())
 }
 
 /// Lit otherwise than by default: constants of the shaders are those of the light.

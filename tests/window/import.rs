@@ -101,7 +101,7 @@ fn model(path: &Path) {
             material.paint(grid.brick_index(at / 8), &voxel, colour);
         }
     }
-    let contents = Contents { grid, material };
+    let contents = Contents::new(grid, material);
     format::save(path, &contents, ExportForm::Auto, &()).unwrap();
 }
 

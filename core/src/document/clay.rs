@@ -77,7 +77,7 @@ impl Document {
         if stats.is_err() {
             // Nothing has changed since, so this gives the same record again.
             let record = self.swap_bricks(done);
-            self.recorder.resume(record);
+            self.recorder.resume(record, &self.contents.grid);
             (self.revision, self.state) = (revision, state);
         }
         stats

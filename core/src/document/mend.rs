@@ -36,9 +36,8 @@ impl Document {
     ) -> Result<Applied, CommandError> {
         let inherited = match mend {
             Mend::Thicken { .. } => {
-                let limit = self.selection.limit();
-                let may_change = |v| limit.is_none_or(|stack| stack.contains(v));
-                Inherited::colours(&self.contents, &plan.add, may_change)
+                let permit = self.permit();
+                Inherited::colours(&self.contents, &plan.add, |v| permit.allows(v))
             }
             _ => Inherited::default(),
         };

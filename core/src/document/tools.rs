@@ -1,8 +1,7 @@
 //! Applies tools to a document: solids, images on them, sprays and pastes, each with its mirror images,
-//! limited to the selection, and repeated in arrays.
+//! limited to the selection, kept off the mask, and repeated in arrays.
 //!
-//! All changes go through [`Document::edit`] and [`Document::paint`], which apply the limit to the
-//! selection. Memory is checked before the first change.
+//! All changes go through [`Document::edit`] and [`Document::paint`], which apply selection and mask. Memory is checked before the first change.
 
 use std::sync::Arc;
 
@@ -16,8 +15,9 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::inherit::Inherited;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::paint::paint_each;
+use crate::sculpture::permit::{Permit, Permitted};
 use crate::sculpture::region::{ListedBricks, Region};
-use crate::sculpture::selection::{Limited, MARKER_LIMIT_VX};
+use crate::sculpture::selection::MARKER_LIMIT_VX;
 use crate::sculpture::{Brick, Rgb};
 use crate::tools::construct::{PlacedSolid, Primitive};
 use crate::tools::deform::Deform;
@@ -230,9 +230,8 @@ impl Document {
         if add.bricks().is_empty() {
             return Inherited::default();
         }
-        let limit = self.selection.limit();
-        let may_change = |v| limit.is_none_or(|stack| stack.contains(v));
-        Inherited::colours(&self.contents, add, may_change)
+        let permit = self.permit();
+        Inherited::colours(&self.contents, add, |v| permit.allows(v))
     }
 
     /// Keeps the present surface for what follows in the open stroke, unless an earlier one is kept.
@@ -292,17 +291,26 @@ impl Document {
         (part(|mask, bits| mask.and(bits)), part(|mask, bits| mask.and_not(bits)))
     }
 
-    /// One edit, within the selection if tools are limited to it.
+    /// Where tools may work.
+    pub(super) fn permit(&self) -> Permit<'_> {
+        Permit { stack: self.selection.limit(), mask: self.contents.mask.as_deref() }
+    }
+
+    /// One edit, where tools may work.
     pub(super) fn edit(&mut self, region: &impl Region, op: EditOp) -> EditStats {
         let (contents, recorder, dirty) =
             (Arc::make_mut(&mut self.contents), &mut self.recorder, &mut self.dirty);
-        match self.selection.limit() {
-            Some(stack) => edit::edit(contents, &Limited { region, stack }, op, recorder, dirty),
-            None => edit::edit(contents, region, op, recorder, dirty),
-        }
+        let mask = contents.mask.take();
+        let permit = Permit { stack: self.selection.limit(), mask: mask.as_deref() };
+        let stats = match permit.is_everywhere() {
+            true => edit::edit(contents, region, op, recorder, dirty),
+            false => edit::edit(contents, &Permitted { region, permit }, op, recorder, dirty),
+        };
+        contents.mask = mask;
+        stats
     }
 
-    /// Paints voxel by voxel, within the selection if tools are limited to it.
+    /// Paints voxel by voxel, where tools may work.
     pub(super) fn paint(
         &mut self,
         region: &impl Region,
@@ -310,20 +318,22 @@ impl Document {
     ) -> EditStats {
         let (contents, recorder, dirty) =
             (Arc::make_mut(&mut self.contents), &mut self.recorder, &mut self.dirty);
-        match self.selection.limit() {
-            Some(stack) => {
-                paint_each(contents, &Limited { region, stack }, colour, recorder, dirty)
-            }
-            None => paint_each(contents, region, colour, recorder, dirty),
-        }
+        let mask = contents.mask.take();
+        let permit = Permit { stack: self.selection.limit(), mask: mask.as_deref() };
+        let stats = match permit.is_everywhere() {
+            true => paint_each(contents, region, colour, recorder, dirty),
+            false => paint_each(contents, &Permitted { region, permit }, colour, recorder, dirty),
+        };
+        contents.mask = mask;
+        stats
     }
 
     /// The number of new colour pages of an edit: a quick upper bound, or exact.
     pub(super) fn new_pages(&self, region: &impl Region, op: EditOp, exact: bool) -> u64 {
-        let contents = &self.contents;
-        match self.selection.limit() {
-            Some(stack) => pages_of(contents, &Limited { region, stack }, op, exact),
-            None => pages_of(contents, region, op, exact),
+        let (contents, permit) = (&self.contents, self.permit());
+        match permit.is_everywhere() {
+            true => pages_of(contents, region, op, exact),
+            false => pages_of(contents, &Permitted { region, permit }, op, exact),
         }
     }
 

@@ -271,7 +271,7 @@ impl Job<'_> {
                 }
             });
         })?;
-        Ok(Contents { grid, material })
+        Ok(Contents::new(grid, material))
     }
 
     /// Colours all existing voxels: `fill` writes the colours of a brick's voxels, whose lowest

@@ -51,7 +51,7 @@ impl Clip {
             let painted = painted(grid.brick_at(index), from.material.base(), colour);
             material.paint_each(index, &painted, colour);
         }
-        Ok(Some(Clip { contents: Contents { grid, material } }))
+        Ok(Some(Clip { contents: Contents::new(grid, material) }))
     }
 
     /// A clip of the existing voxels of `contents`, as when it is read back.

@@ -43,7 +43,7 @@ impl Digest {
 
     /// That of a sculpture.
     pub fn of(contents: &Contents) -> Digest {
-        let Contents { grid, material } = contents;
+        let Contents { grid, material, mask } = contents;
         let mut hasher = Sha256::new();
         hasher.update(b"virtual-sculpture 1");
         grid.dims().to_array().iter().for_each(|edge| hasher.update(&edge.to_le_bytes()));
@@ -75,6 +75,9 @@ impl Digest {
             })
             .collect();
         runs.iter().for_each(|run| hasher.update(&run.0));
+        if let Some(mask) = mask {
+            hasher.update(&Digest::of(&Contents::of_bits((**mask).clone())).0);
+        }
         hasher.finish()
     }
 }
@@ -197,7 +200,7 @@ mod tests {
         let mut grid = Grid::new(UVec3::new(300, 170, 9), Vec3::ONE, 1 << 30).unwrap();
         grid.fill_bricks(|b| if b.x % 3 == 0 { Brick::FULL } else { Brick::below([3, 8, 2]) });
         let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
-        let contents = Contents { grid, material };
+        let contents = Contents::new(grid, material);
         let first = Digest::of(&contents);
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         assert_eq!(one.install(|| Digest::of(&contents)), first, "whatever the number of threads");

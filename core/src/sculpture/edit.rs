@@ -13,7 +13,7 @@ use glam::UVec3;
 use super::brick::{BRICK_EDGE_VX, Brick};
 use super::brick_set::{BrickMask, BrickSet};
 use super::colour::Rgb;
-use super::grid::GridBand;
+use super::grid::{Grid, GridBand};
 use super::history::Contents;
 use super::material::{Brush, Page};
 use super::region::{BrickBox, Region};
@@ -82,14 +82,9 @@ pub fn edit(
         _ => return EditStats::default(),
     };
     let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
-    let Recording { bands, bits_kept, pages_kept } = recorder.recording();
+    edit_rows(&mut contents.grid, region, op, paint, &bricks, recorder);
+    let Recording { bands, pages_kept, .. } = recorder.recording();
     let slabs = bricks.min.z..bricks.max.z;
-    let level = Level::new();
-    contents.grid.edit_bands(slabs.clone(), parallel, bands, &|grid, record| {
-        dispatch!(level, simd => {
-            edit_band(simd, region, op, paint, &bricks, bits_kept, grid, record);
-        });
-    });
     let any_to_paint = bands.iter().any(|band| !band.to_paint.is_empty());
     if let Some(brush) = brush.as_ref().filter(|_| any_to_paint) {
         let recolour = matches!(op, EditOp::Recolour(_));
@@ -104,6 +99,39 @@ pub fn edit(
         );
     }
     recorder.close_edit(dirty)
+}
+
+/// Adds the voxels of `region` that lie within it to a mask, or takes them out of it.
+pub fn edit_mask(
+    mask: &mut Grid,
+    region: &impl Region,
+    adds: bool,
+    recorder: &mut StrokeRecorder,
+    dirty: &mut BrickSet,
+) -> EditStats {
+    let Some(bricks) = BrickBox::around(region, mask) else { return EditStats::default() };
+    let op = if adds { EditOp::Add(None) } else { EditOp::Subtract };
+    edit_rows(mask, region, op, false, &bricks, recorder);
+    recorder.close_edit(dirty)
+}
+
+/// Applies `op` to the bits of `region` that lie in `bricks`; with `paint`, voxels to paint are listed in the records.
+fn edit_rows(
+    grid: &mut Grid,
+    region: &impl Region,
+    op: EditOp,
+    paint: bool,
+    bricks: &BrickBox,
+    recorder: &mut StrokeRecorder,
+) {
+    let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
+    let Recording { bands, bits_kept, .. } = recorder.recording();
+    let level = Level::new();
+    grid.edit_bands(bricks.min.z..bricks.max.z, parallel, bands, &|grid, record| {
+        dispatch!(level, simd => {
+            edit_band(simd, region, op, paint, bricks, bits_kept, grid, record);
+        });
+    });
 }
 
 /// Applies `op` to the voxels of `region` that lie in `bricks` and a band of the grid. With `paint`,
@@ -165,7 +193,7 @@ fn brush_for(contents: &Contents, colour: Rgb) -> Option<Brush> {
 /// A quick upper bound for [`count_new_pages`]; none if `op` paints nothing new.
 pub fn max_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> Option<u64> {
     let (EditOp::Add(Some(colour)) | EditOp::Recolour(colour)) = op else { return None };
-    let Contents { grid, material } = contents;
+    let Contents { grid, material, .. } = contents;
     let new = brush_for(contents, colour).is_some_and(|brush| !brush.is_base());
     let bricks = BrickBox::around(region, grid).filter(|_| new)?;
     Some(bricks.brick_count().min((grid.brick_count() - material.page_count()) as u64))
@@ -196,7 +224,7 @@ pub fn count_new_pages(contents: &Contents, region: &impl Region, op: EditOp) ->
 /// The number of colour pages that `op` would make in a piece.
 #[inline(always)]
 fn new_pages_of(piece: Piece<impl Simd, impl Region>, contents: &Contents, op: EditOp) -> u64 {
-    let Contents { grid, material } = contents;
+    let Contents { grid, material, .. } = contents;
     let mut pages = 0;
     piece.each(
         #[inline(always)]
@@ -288,7 +316,7 @@ mod tests {
     use super::*;
     use crate::sculpture::brick::local_coords;
     use crate::sculpture::region::{RowReach, VoxelBox};
-    use crate::sculpture::{Brick, ColourDepth, Grid, Material};
+    use crate::sculpture::{Brick, ColourDepth, Material};
 
     /// Any set of voxels at all, as a spray tool or a selection may make it.
     #[derive(Debug)]
@@ -347,7 +375,7 @@ mod tests {
             let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
             grid.fill_bricks(|b| Scattered { bounds: VoxelBox { min: IVec3::MIN, max: IVec3::MAX }, seed: 5 }.brick(b));
             let material = Material::for_grid(&grid, ColourDepth::Bits8, Rgb::new(9, 9, 9));
-            let mut contents = Contents { grid, material };
+            let mut contents = Contents::new(grid, material);
             let start = contents.clone();
             let (mut recorder, mut dirty) =
                 (StrokeRecorder::new(&contents.grid), BrickSet::new(contents.grid.brick_count()));

@@ -121,6 +121,17 @@ impl Grid {
         })
     }
 
+    /// An empty grid of the same size.
+    pub fn emptied(&self) -> Grid {
+        Grid {
+            bricks: vec![Brick::EMPTY; self.bricks.len()],
+            counts: vec![0; self.counts.len()],
+            occupancy: vec![0; self.occupancy.len()],
+            opaque: 0,
+            ..*self
+        }
+    }
+
     /// Size in voxels.
     #[inline]
     pub fn dims(&self) -> UVec3 {

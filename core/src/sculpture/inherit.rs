@@ -82,7 +82,7 @@ impl Inherited {
 
     /// The number of new colour pages that painting them takes.
     pub fn new_pages(&self, contents: &Contents) -> u64 {
-        let Contents { grid, material } = contents;
+        let Contents { grid, material, .. } = contents;
         let painted = self
             .0
             .iter()

@@ -19,6 +19,7 @@ pub mod material;
 pub mod orient;
 pub mod orientation;
 pub mod paint;
+pub mod permit;
 pub mod placement;
 pub mod record;
 pub mod region;

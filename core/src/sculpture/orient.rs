@@ -87,7 +87,7 @@ impl<'a> Reorientation<'a> {
     /// # Errors
     /// If the result needs more memory than `limits` allow, or `progress` is cancelled.
     pub fn run(&self, limits: &Limits, progress: &dyn Progress) -> Result<Contents, OrientError> {
-        let Contents { grid, material } = self.from;
+        let Contents { grid, material, mask } = self.from;
         let voxel_size = Vec3::from(self.orientation.permuted(grid.voxel_size().to_array()));
         Grid::check(self.dims(), voxel_size, limits.grid_bytes)?;
         let mut colours = Material::new(material.depth(), material.base(), grid.brick_count());
@@ -127,7 +127,15 @@ impl<'a> Reorientation<'a> {
         }
         match progress.is_cancelled() {
             true => Err(OrientError::Cancelled),
-            false => Ok(Contents { grid: turned, material: colours }),
+            false => {
+                let mut laid = Contents::new(turned, colours);
+                if let Some(mask) = mask {
+                    let bits = Contents::of_bits((**mask).clone());
+                    let turned = Reorientation::new(&bits, self.orientation).run(limits, &())?;
+                    laid.mask = Some(Box::new(turned.grid));
+                }
+                Ok(laid)
+            }
         }
     }
 
@@ -252,7 +260,7 @@ mod tests {
             };
             material.paint_each(at, &valid, colour);
         }
-        Contents { grid, material }
+        Contents::new(grid, material)
     }
 
     proptest! {

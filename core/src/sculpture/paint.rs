@@ -28,7 +28,7 @@ pub fn paint_each(
     recorder: &mut StrokeRecorder,
     dirty: &mut BrickSet,
 ) -> EditStats {
-    let Contents { grid, material } = contents;
+    let Contents { grid, material, .. } = contents;
     let (depth, base) = (material.depth(), material.base());
     let Some(bricks) = BrickBox::around(region, grid).filter(|_| depth.bytes() > 0) else {
         return EditStats::default();
@@ -162,7 +162,7 @@ mod tests {
                 Brick::EMPTY
             });
             let material = Material::for_grid(&grid, depth, Rgb::STONE);
-            let mut contents = Contents { grid, material };
+            let mut contents = Contents::new(grid, material);
             let start = contents.clone();
             let mut recorder = StrokeRecorder::new(&contents.grid);
             let mut dirty = BrickSet::new(contents.grid.brick_count());

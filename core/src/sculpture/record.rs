@@ -5,7 +5,7 @@
 
 use super::brick::{BRICK_VOXELS, Brick};
 use super::brick_set::{BrickMask, BrickSet};
-use super::grid::WordKinds;
+use super::grid::{Grid, WordKinds};
 use super::history::Contents;
 use super::material::Page;
 use super::vectors::vectorised;
@@ -20,6 +20,8 @@ pub struct BrickRecord {
     mixed_bits: Vec<Brick>,
     pages: Vec<(u32, Option<Page>)>,
     page_bytes: usize,
+    /// Earlier values of the mask.
+    mask: Option<Box<BrickRecord>>,
 }
 
 impl BrickRecord {
@@ -63,6 +65,21 @@ impl BrickRecord {
         &self.pages
     }
 
+    /// Earlier bits of bricks of the mask, if any.
+    pub fn mask(&self) -> Option<&BrickRecord> {
+        self.mask.as_deref()
+    }
+
+    /// Takes the part about the mask out of the record.
+    pub(super) fn take_mask(&mut self) -> Option<BrickRecord> {
+        self.mask.take().map(|mask| *mask)
+    }
+
+    /// Keeps earlier bits of bricks of the mask, too.
+    pub fn with_mask(self, mask: BrickRecord) -> BrickRecord {
+        BrickRecord { mask: (!mask.is_empty()).then(|| Box::new(mask)), ..self }
+    }
+
     /// A record of what [`BrickRecord::kinds`], [`BrickRecord::mixed_bits`] and [`BrickRecord::pages`]
     /// return. There must be bits for each mixed brick, and each brick may be named once only.
     pub fn from_parts(
@@ -71,7 +88,7 @@ impl BrickRecord {
         pages: Vec<(u32, Option<Page>)>,
     ) -> BrickRecord {
         let page_bytes = pages.iter().flat_map(|(_, page)| page).map(|page| page.len()).sum();
-        BrickRecord { empty, full, mixed, mixed_bits, pages, page_bytes }
+        BrickRecord { empty, full, mixed, mixed_bits, pages, page_bytes, mask: None }
     }
 
     /// Whether no earlier value is kept.
@@ -80,6 +97,7 @@ impl BrickRecord {
             && self.full.is_empty()
             && self.mixed.is_empty()
             && self.pages.is_empty()
+            && self.mask.is_none()
     }
 
     /// Heap bytes in use.
@@ -89,6 +107,7 @@ impl BrickRecord {
             + self.mixed_bits.capacity() * size_of::<Brick>()
             + self.pages.capacity() * size_of::<(u32, Option<Page>)>()
             + self.page_bytes
+            + self.mask.as_ref().map_or(0, |mask| size_of::<BrickRecord>() + mask.heap_bytes())
     }
 
     /// Heap bytes that it takes after [`BrickRecord::gather`].
@@ -114,6 +133,19 @@ impl BrickRecord {
             + mixed * size_of::<Brick>()
             + self.pages.len() * size_of::<(u32, Option<Page>)>()
             + self.pages.iter().map(page).sum::<usize>()
+            + self.mask.as_ref().map_or(0, |mask| mask.reverse_bytes_in(contents.mask.as_deref()))
+    }
+
+    /// The same for the record of a mask; there may be none yet.
+    fn reverse_bytes_in(&self, mask: Option<&Grid>) -> usize {
+        let lists = [&self.empty, &self.full, &self.mixed];
+        let masks: usize = lists.iter().map(|list| list.len()).sum();
+        let mixed = |mask: &Grid| -> usize {
+            lists.into_iter().flatten().map(|bricks| mask.count_mixed(*bricks)).sum()
+        };
+        size_of::<BrickRecord>()
+            + lists.len() * masks * size_of::<BrickMask>()
+            + mask.map_or(0, mixed) * size_of::<Brick>()
     }
 
     /// Moves the values of `parts` into one record without spare capacity. The parts are left empty
@@ -126,16 +158,22 @@ impl BrickRecord {
             mixed_bits: gather(parts, |part| &mut part.mixed_bits),
             pages: gather(parts, |part| &mut part.pages),
             page_bytes: parts.iter_mut().map(|p| std::mem::take(&mut p.as_mut().page_bytes)).sum(),
+            mask: None,
         }
     }
 
     /// Writes the kept values into `contents` and returns the values they replace. Adds every
     /// brick that may have changed to `touched`.
-    pub fn swap(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
-        vectorised(
+    pub fn swap(mut self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
+        let mask = self.take_mask();
+        let mut reverse = vectorised(
             #[inline(always)]
             || self.swap_all(contents, touched),
-        )
+        );
+        if let Some(mask) = mask {
+            reverse.mask = Some(Box::new(mask.swap_mask(contents, touched)));
+        }
+        reverse
     }
 
     #[inline(always)]
@@ -183,6 +221,16 @@ impl BrickRecord {
             touched.insert(index);
         }
         reverse.shrink_to_fit();
+        reverse
+    }
+
+    /// Writes the kept values into the mask of `contents`, which is made or dropped as needed.
+    fn swap_mask(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
+        let bits = contents.mask.take().map_or_else(|| contents.grid.emptied(), |mask| *mask);
+        let mut mask = Contents::of_bits(bits);
+        let reverse = self.swap(&mut mask, touched);
+        contents.mask = Some(Box::new(mask.grid));
+        contents.drop_empty_mask();
         reverse
     }
 

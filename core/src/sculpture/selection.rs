@@ -1,7 +1,7 @@
 //! The selection: a marker box, and a stack of boxes added and subtracted in order, to which all tools
 //! can be limited.
 //!
-//! Boxes are in voxels and may reach beyond the grid. Changes no voxel; [`Limited`] intersects a tool's
+//! Boxes are in voxels and may reach beyond the grid. Changes no voxel; [`super::permit`] intersects a tool's
 //! region with the selection where edits are applied.
 
 use fearless_simd::Simd;
@@ -215,59 +215,6 @@ fn longest_without(
         (true, false) => right,
         _ if left.len() >= right.len() => left,
         _ => right,
-    }
-}
-
-/// The part of a tool's region that is selected.
-pub struct Limited<'a, R> {
-    /// What a tool covers.
-    pub region: &'a R,
-    /// What is selected.
-    pub stack: &'a BoxStack,
-}
-
-/// The rows of the region and of the stack.
-pub struct LimitedRow<R: Region> {
-    region: R::Row,
-    reach: RowReach,
-    stack: Vec<(RowReach, BoxRow)>,
-}
-
-impl<R: Region> Default for LimitedRow<R> {
-    fn default() -> Self {
-        LimitedRow { region: R::Row::default(), reach: RowReach::NONE, stack: Vec::new() }
-    }
-}
-
-impl<R: Region> Region for Limited<'_, R> {
-    type Row = LimitedRow<R>;
-
-    fn bounds_vx(&self) -> VoxelBox {
-        self.region.bounds_vx().intersect(self.stack.bounds_vx())
-    }
-
-    fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach {
-        let stack = self.stack.cut_row(simd, y_vx, z_vx, &mut row.stack);
-        if stack.touched.is_empty() {
-            return RowReach::NONE;
-        }
-        row.reach = self.region.cut_row(simd, y_vx, z_vx, &mut row.region);
-        let both = |a: &std::ops::Range<u32>, b: &std::ops::Range<u32>| {
-            let both = a.start.max(b.start)..a.end.min(b.end);
-            if both.is_empty() { 0..0 } else { both }
-        };
-        RowReach {
-            touched: both(&row.reach.touched, &stack.touched),
-            whole: both(&row.reach.whole, &stack.whole),
-        }
-    }
-
-    fn mask<S: Simd>(&self, simd: S, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick {
-        let selected = self.stack.mask(simd, &row.stack, reach, brick_x);
-        if row.reach.whole.contains(&brick_x) {
-            return selected;
-        }
-        selected.and(&self.region.mask(simd, &row.region, &row.reach, brick_x))
     }
 }
 

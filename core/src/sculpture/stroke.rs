@@ -16,6 +16,8 @@ pub struct StrokeRecorder {
     bands: Vec<BandRecord>,
     bits_kept: BrickSet,
     pages_kept: BrickSet,
+    /// Of the mask, once the stroke changes it.
+    mask: Option<Box<StrokeRecorder>>,
 }
 
 /// What one band of the grid keeps during a stroke, and reports after each edit of it.
@@ -56,7 +58,13 @@ impl StrokeRecorder {
             bands: std::iter::repeat_with(BandRecord::default).take(grid.band_count()).collect(),
             bits_kept: BrickSet::new(grid.brick_count()),
             pages_kept: BrickSet::new(grid.brick_count()),
+            mask: None,
         }
+    }
+
+    /// The recorder of the mask of `grid`.
+    pub fn for_mask(&mut self, grid: &Grid) -> &mut StrokeRecorder {
+        self.mask.get_or_insert_with(|| Box::new(StrokeRecorder::new(grid)))
     }
 
     /// Lends the bands out for one edit.
@@ -90,11 +98,15 @@ impl StrokeRecorder {
 
     /// Bytes that the stroke's record takes so far.
     pub fn bytes(&self) -> usize {
-        self.bands.iter().map(|band| band.earlier.gathered_bytes()).sum()
+        let own: usize = self.bands.iter().map(|band| band.earlier.gathered_bytes()).sum();
+        own + self.mask.as_ref().map_or(0, |mask| mask.bytes())
     }
 
     /// Goes on with a stroke that was ended, from its record.
-    pub fn resume(&mut self, record: BrickRecord) {
+    pub fn resume(&mut self, mut record: BrickRecord, grid: &Grid) {
+        if let Some(mask) = record.take_mask() {
+            self.for_mask(grid).resume(mask, grid);
+        }
         for bricks in record.kinds().into_iter().flatten() {
             self.bits_kept.insert_mask(*bricks);
         }
@@ -110,6 +122,10 @@ impl StrokeRecorder {
     pub fn finish(&mut self) -> BrickRecord {
         self.bits_kept.clear();
         self.pages_kept.clear();
-        BrickRecord::gather(&mut self.bands)
+        let record = BrickRecord::gather(&mut self.bands);
+        match self.mask.take() {
+            Some(mut mask) => record.with_mask(mask.finish()),
+            None => record,
+        }
     }
 }

@@ -13,7 +13,7 @@ use crate::view::Camera;
 
 /// The picture, of `size` pixels; transparent where nothing is seen. The same for any number of threads.
 pub fn portrait(contents: &Contents, size: UVec2) -> Pixels {
-    let Contents { grid, material } = contents;
+    let Contents { grid, material, .. } = contents;
     let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
     let radius = (grid.dims().as_vec3() * grid.voxel_size()).length() / 2.0;
     let eye = Camera::framing(radius, Vec3::new(0.8, 0.6, 1.0), Vec3::Y).eye(size);
@@ -39,7 +39,7 @@ mod tests {
         let grid = cheese(48, 9, 7).unwrap();
         let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
         material.paint(0, &Brick::FULL, Rgb::new(200, 10, 10));
-        let contents = Contents { grid, material };
+        let contents = Contents::new(grid, material);
         let hashes = [1, 2, 5].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let pixels = pool.install(|| portrait(&contents, UVec2::new(160, 120)));

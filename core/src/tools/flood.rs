@@ -116,7 +116,7 @@ fn spread(seeds: Slices, may: &Slices) -> Slices {
 
 /// The voxels of a brick that are of the surface and have such a colour.
 fn alike_on_surface(contents: &Contents, b: UVec3, is_alike: &dyn Fn(Rgb) -> bool) -> Slices {
-    let Contents { grid, material } = contents;
+    let Contents { grid, material, .. } = contents;
     let index = grid.brick_index(b);
     let surface = surface_of(grid, b);
     if material.page(index).is_none() {
@@ -222,7 +222,7 @@ mod tests {
             let centre = Vec3::splat(edge as f32 * 0.5);
             let grid = grid_of(edge, |p| p.distance(centre) < edge as f32 * 0.55);
             let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
-            let mut contents = Contents { grid, material };
+            let mut contents = Contents::new(grid, material);
             for brick in 0..contents.grid.brick_count() {
                 let mask = Brick { words: std::array::from_fn(|_| random.next_u64()) };
                 if random.unit() < share {
@@ -249,7 +249,7 @@ mod tests {
         // A block with a ring of another colour around its waist, a voxel deep.
         let grid = grid_of(24, |_| true);
         let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
-        let mut contents = Contents { grid, material };
+        let mut contents = Contents::new(grid, material);
         for index in 0..contents.grid.brick_count() {
             let b = contents.grid.brick_coords(index);
             if b.y == 1 {

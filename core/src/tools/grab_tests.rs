@@ -21,7 +21,7 @@ pub fn contents(dims: UVec3, exists: impl Fn(UVec3) -> bool) -> Contents {
         }
     }
     let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
-    Contents { grid, material }
+    Contents::new(grid, material)
 }
 
 pub fn ball(dims: UVec3, centre: Vec3, radius: f32) -> Contents {

@@ -1,4 +1,4 @@
-//! Compares boxes, stacks of boxes, and solids limited to a stack with their definitions, voxel by
+//! Compares boxes, stacks of boxes, and solids limited to a stack and kept off a mask with their definitions, voxel by
 //! voxel.
 
 use fearless_simd::{Level, Simd, dispatch};
@@ -6,10 +6,11 @@ use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
 use super::construct::{Primitive, Solid};
-use crate::sculpture::Brick;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
+use crate::sculpture::permit::{Permit, Permitted};
 use crate::sculpture::region::{Region, VoxelBox};
-use crate::sculpture::selection::{Limited, Selection};
+use crate::sculpture::selection::Selection;
+use crate::sculpture::{Brick, Grid};
 
 /// The voxels of a region that lie in a grid of `dims`, brick by brick.
 fn voxels_of(region: &impl Region, dims: UVec3) -> Vec<IVec3> {
@@ -57,6 +58,7 @@ proptest! {
         dims in prop::array::uniform3(1u32..36),
         boxes in prop::collection::vec((any_box(), any::<bool>()), 0..6),
         tool in (prop::array::uniform3(-4f32..36.0), prop::array::uniform3(2f32..30.0)),
+        protected in prop::collection::vec(any_box(), 0..4),
     ) {
         let dims = UVec3::from(dims);
         let mut selection = Selection::new(dims);
@@ -76,8 +78,21 @@ proptest! {
             rotation: glam::Quat::IDENTITY,
         };
         let region = ball.in_grid(Vec3::ONE);
-        let both = |v: &IVec3| stack.contains(*v) && region.contains_voxel(*v);
-        let expected: Vec<_> = every_voxel(dims).filter(both).collect();
-        prop_assert_eq!(voxels_of(&Limited { region: &region, stack }, dims), expected);
+        let mut mask = Grid::new(dims, Vec3::ONE, 1 << 20).unwrap();
+        for v in every_voxel(dims) {
+            mask.set(v, protected.iter().any(|b| b.contains(v)));
+        }
+        for permit in [
+            Permit { stack: Some(stack), mask: None },
+            Permit { stack: None, mask: Some(&mask) },
+            Permit { stack: Some(stack), mask: Some(&mask) },
+        ] {
+            let both = |v: &IVec3| permit.allows(*v) && region.contains_voxel(*v);
+            let expected: Vec<_> = every_voxel(dims).filter(both).collect();
+            prop_assert_eq!(voxels_of(&Permitted { region: &region, permit }, dims), expected);
+            let all = VoxelBox { min: IVec3::ZERO, max: dims.as_ivec3() };
+            let expected: Vec<_> = every_voxel(dims).filter(|v| permit.allows(*v)).collect();
+            prop_assert_eq!(voxels_of(&Permitted { region: &all, permit }, dims), expected);
+        }
     }
 }

@@ -132,5 +132,5 @@ pub fn to_contents(
         let painter = paint::Painter { mesh, placed: &placed, rays: &rays, is_shell };
         painter.paint(&grid, &mut material, limits.colour_bytes, progress)?;
     }
-    Ok((Contents { grid, material }, Findings { open_share, is_shell }))
+    Ok((Contents::new(grid, material), Findings { open_share, is_shell }))
 }

@@ -17,7 +17,7 @@ use super::strategies::{new_sculpture, work};
 
 /// Compares every voxel and its colour.
 fn agree(contents: &Contents, model: &Voxels) -> Result<(), TestCaseError> {
-    let Contents { grid, material } = contents;
+    let Contents { grid, material, .. } = contents;
     prop_assert_eq!(grid.dims(), model.dims);
     prop_assert_eq!(material.depth(), model.depth);
     let existing = model.colours.iter().flatten().count();
@@ -342,7 +342,7 @@ fn replacing_is_one_step_and_marks_all_dirty() {
     document.drain_changes(|_, _| ());
     let before = document.contents().clone();
     let grid = Grid::new(UVec3::new(9, 30, 4), Vec3::ONE, 1 << 20).unwrap();
-    let other = Contents { material: Material::for_grid(&grid, ColourDepth::None, RED), grid };
+    let other = Contents::new(grid.clone(), Material::for_grid(&grid, ColourDepth::None, RED));
     document.replace(other.clone(), "open").unwrap();
     assert!(document.drain_changes(|_, dirty| dirty.is_none()));
     document.apply(&ball(EditOp::Add(Some(RED)), Vec3::new(4.0, 20.0, 2.0), 3.0)).unwrap();

@@ -10,7 +10,7 @@ use sculpture_core::sculpture::history::Contents;
 
 /// A hash of all bits and colours; a copy would take gigabytes.
 fn digest(contents: &Contents) -> u64 {
-    let Contents { grid, material } = contents;
+    let Contents { grid, material, .. } = contents;
     let mix = |hash: u64, v: u64| (hash ^ v).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
     let brick = |at: usize| {
         let words = grid.brick_at(at).words.iter().fold(at as u64, |hash, word| mix(hash, *word));

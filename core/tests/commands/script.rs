@@ -33,7 +33,7 @@ fn synthetic_volume() -> Contents {
         let shade = (brick % 251) as u8;
         material.paint_each(brick, grid.brick_at(brick), |i| Rgb::new(shade, i as u8, 255 - shade));
     }
-    Contents { grid, material }
+    Contents::new(grid, material)
 }
 
 /// Everything that undo must restore, as bytes.

@@ -4,7 +4,8 @@
 //! 2. each mask: u32 word, u64 bricks; the empty ones first, then the full, then the mixed;
 //! 3. the eight u64 of each mixed brick;
 //! 4. each page: u32 linear index, u32 packed bytes (0 for a brick without a page), and these bytes, packed
-//!    as in .vsc files.
+//!    as in .vsc files;
+//! 5. where the step changed the mask: its record, in the same form without pages.
 
 use std::io::{BufRead, Write};
 
@@ -26,6 +27,14 @@ const MAX_PACKED_PAGE: usize = 1 + BRICK_VOXELS as usize * 3;
 /// Packs a record to `out`, block by block.
 pub fn write(record: &BrickRecord, out: &mut dyn Write) -> std::io::Result<()> {
     let mut blocks = BlockWriter::new(out);
+    write_part(record, &mut blocks)?;
+    if let Some(mask) = record.mask() {
+        write_part(mask, &mut blocks)?;
+    }
+    blocks.finish()
+}
+
+fn write_part(record: &BrickRecord, blocks: &mut BlockWriter) -> std::io::Result<()> {
     let kinds = record.kinds();
     for masks in kinds {
         blocks.u32(masks.len() as u32)?;
@@ -49,14 +58,26 @@ pub fn write(record: &BrickRecord, out: &mut dyn Write) -> std::io::Result<()> {
         blocks.u32(packed.len() as u32)?;
         blocks.bytes(&packed)?;
     }
-    blocks.finish()
+    Ok(())
 }
 
 /// Unpacks a record for contents of `shape`.
 pub fn read(packed: &mut dyn BufRead, shape: Shape) -> Result<BrickRecord, FormatError> {
+    let mut blocks = BlockReader::new(packed);
+    let record = read_part(&mut blocks, shape)?;
+    if blocks.is_empty()? {
+        return Ok(record);
+    }
+    let mask = read_part(&mut blocks, Shape { depth: ColourDepth::None, ..shape })?;
+    if mask.is_empty() || !blocks.is_empty()? {
+        return Err(FAULT);
+    }
+    Ok(record.with_mask(mask))
+}
+
+fn read_part(blocks: &mut BlockReader, shape: Shape) -> Result<BrickRecord, FormatError> {
     let dims = brick_dims(shape.dims);
     let brick_count = dims.as_u64vec3().element_product();
-    let mut blocks = BlockReader::new(packed);
     let mut counts = [0; 5];
     for count in &mut counts {
         *count = blocks.u32()? as usize;
@@ -129,9 +150,6 @@ pub fn read(packed: &mut dyn BufRead, shape: Shape) -> Result<BrickRecord, Forma
             return Err(FAULT);
         }
         pages.push((index, page));
-    }
-    if !blocks.is_empty()? {
-        return Err(FAULT);
     }
     Ok(BrickRecord::from_parts([empty, full, mixed], mixed_bits, pages))
 }

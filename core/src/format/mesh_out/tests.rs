@@ -26,7 +26,7 @@ fn subject() -> Contents {
     });
     let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
     material.paint(0, &Brick::FULL, RED);
-    Contents { grid, material }
+    Contents::new(grid, material)
 }
 
 fn write(name: &str, options: &MeshOptions) -> (tempfile::TempDir, MeshSummary) {
@@ -213,7 +213,7 @@ fn a_voxel_has_the_length_that_is_asked_for_and_the_sculptures_proportions() {
     let mut grid = Grid::new(glam::UVec3::splat(4), Vec3::new(0.5, 1.0, 2.0), 1 << 20).unwrap();
     grid.set(glam::IVec3::ONE, true);
     let material = Material::for_grid(&grid, ColourDepth::None, RED);
-    let contents = Contents { grid, material };
+    let contents = Contents::new(grid, material);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.stl");
     let size = |up, voxel_mm| {
@@ -296,7 +296,7 @@ fn the_progress_of_writing_ends_near_the_whole() {
     let grid = grid_of(80, |p| p.x as u32 % 4 < 2 && p.x > 2.0);
     let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
     material.paint(0, &Brick::FULL, RED);
-    let contents = Contents { grid, material };
+    let contents = Contents::new(grid, material);
     let folder = tempfile::tempdir().unwrap();
     for (name, kind) in [
         ("a.stl", MeshKind::Faces),
@@ -339,7 +339,7 @@ fn work_that_is_cancelled_at_any_moment_leaves_no_file() {
     let grid = grid_of(48, |p| p.x as u32 % 4 < 2 && p.x > 2.0);
     let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
     material.paint(0, &Brick::FULL, RED);
-    let contents = Contents { grid, material };
+    let contents = Contents::new(grid, material);
     let folder = tempfile::tempdir().unwrap();
     for (name, kind) in
         [("a.glb", MeshKind::Smooth), ("a.3mf", MeshKind::Greedy), ("a.stl", MeshKind::Faces)]

@@ -63,7 +63,8 @@ impl ModelStudy {
         progress: &dyn Progress,
     ) -> Result<ModelStudy, FormatError> {
         let options = ImportOptions::default();
-        let Contents { grid, material } = voxel::to_contents(model, &options, limits, progress)?;
+        let Contents { grid, material, .. } =
+            voxel::to_contents(model, &options, limits, progress)?;
         let mut counts: HashMap<Rgb, u64> = HashMap::new();
         // Neighbours mostly have the same colour, which need not be looked up then.
         let (mut last, mut run) = (Rgb::default(), 0);

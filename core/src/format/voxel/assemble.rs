@@ -74,7 +74,7 @@ pub fn to_contents(
     filler.put_back();
     progress.end();
     let Filler { grid, material, .. } = filler;
-    Ok(Contents { grid, material })
+    Ok(Contents::new(grid, material))
 }
 
 /// [`to_contents`], turned as `options` say.

@@ -6,7 +6,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `89 56 53 43 0D 0A 1A 0A`: no text file begins so, and none copied as text still does |
-//! | 4 | version, 1 |
+//! | 4 | version: 1, or 2 with a mask |
 //! | 3 x 4 | size in voxels |
 //! | 3 x 4 | edge lengths of a voxel, as `f32` |
 //! | 1 | bits of colour: 0, 8, 16 or 24 |
@@ -18,6 +18,7 @@
 //! | 16 each | the table: for each chunk packed bytes, plain bytes, pages, CRC-32 of the packed bytes |
 //! | | the texts: none at all, or four times a length and so many bytes: description, courtesy, parameter, comment |
 //! | | the chunks, one after the other; see [`chunk`] |
+//! | | of version 2: the mask, as a file of version 1 of the same size, without colours and texts |
 //!
 //! Bricks are counted x fastest, then y, then z. Chunks are independent, so that all cores pack and
 //! unpack.
@@ -42,6 +43,7 @@ use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
 
 const MAGIC: [u8; 8] = [0x89, b'V', b'S', b'C', b'\r', b'\n', 0x1A, b'\n'];
 const VERSION: u32 = 1;
+const VERSION_WITH_MASK: u32 = 2;
 
 /// Bytes before the table; the last four are the checksum.
 const HEADER_BYTES: usize = 56;
@@ -68,6 +70,8 @@ pub struct Header {
     entries: Vec<Entry>,
     /// Where the chunks begin.
     body: usize,
+    /// Whether the mask follows them.
+    has_mask: bool,
 }
 
 /// Packs a sculpture.
@@ -88,7 +92,7 @@ pub fn write_to(
     progress: &dyn Progress,
     out: &mut dyn Write,
 ) -> Result<(), FormatError> {
-    let Contents { grid, material } = contents;
+    let Contents { grid, material, mask } = contents;
     let texts = packed_texts(texts)?;
     let depth = material.depth();
     progress.begin("packing");
@@ -109,7 +113,7 @@ pub fn write_to(
     go_on(progress)?;
     let mut head = MAGIC.to_vec();
     let mut number = |v: u32| head.extend_from_slice(&v.to_le_bytes());
-    number(VERSION);
+    number(if mask.is_some() { VERSION_WITH_MASK } else { VERSION });
     grid.dims().to_array().into_iter().for_each(&mut number);
     grid.voxel_size().to_array().into_iter().for_each(|edge| number(edge.to_bits()));
     let Rgb([r, g, b]) = material.base();
@@ -133,7 +137,13 @@ pub fn write_to(
     for (_, packed) in chunks {
         out.write_all(&packed)?;
     }
-    Ok(())
+    match mask {
+        Some(mask) => {
+            let mask = Contents::of_bits((**mask).clone());
+            write_to(&mask, &Texts::default(), &(), out)
+        }
+        None => Ok(()),
+    }
 }
 
 /// Reads the header, and checks that the file has the length that it states and that the sculpture is
@@ -149,8 +159,9 @@ pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> 
         let bytes = head.get(at..at + 4).and_then(|bytes| bytes.try_into().ok());
         u32::from_le_bytes(bytes.unwrap_or_default())
     };
-    if number(8) != VERSION {
-        return Err(FormatError::VscVersion(number(8)));
+    let version = number(8);
+    if ![VERSION, VERSION_WITH_MASK].contains(&version) {
+        return Err(FormatError::VscVersion(version));
     }
     let dims = UVec3::new(number(12), number(16), number(20));
     let voxel_size = Vec3::from([24, 28, 32].map(|at| f32::from_bits(number(at))));
@@ -187,7 +198,8 @@ pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> 
         left -= bricks;
     }
     let packed: u64 = entries.iter().map(|entry| u64::from(entry.packed_bytes)).sum();
-    if packed != body.len() as u64 {
+    let has_mask = version == VERSION_WITH_MASK;
+    if packed > body.len() as u64 || (packed < body.len() as u64) != has_mask {
         return Err(FormatError::Damaged("it is shorter or longer than it says"));
     }
     let pages: u64 = entries.iter().map(|entry| u64::from(entry.pages)).sum();
@@ -207,6 +219,7 @@ pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> 
         chunk_bricks: chunk_bricks as usize,
         entries,
         body: HEADER_BYTES + tail_bytes,
+        has_mask,
     })
 }
 
@@ -245,7 +258,24 @@ pub fn read(
     for (brick, page) in pages?.into_iter().flatten() {
         material.swap_page(brick, Some(page));
     }
-    Ok((Contents { grid, material }, header.texts))
+    let mut contents = Contents::new(grid, material);
+    if header.has_mask {
+        contents.mask = Some(Box::new(read_mask(rest, &contents.grid, limits)?));
+        contents.drop_empty_mask();
+    }
+    Ok((contents, header.texts))
+}
+
+/// Unpacks the mask of a grid.
+fn read_mask(file: &[u8], grid: &Grid, limits: &Limits) -> Result<Grid, FormatError> {
+    let header = read_header(file, limits)?;
+    if header.has_mask || header.colour_depth != ColourDepth::None || header.dims != grid.dims() {
+        return Err(FormatError::Damaged("its mask does not fit its size"));
+    }
+    let (mask, _) = read(file, limits, &())?;
+    let mut bits = grid.emptied();
+    bits.fill_bricks(|b| *mask.grid.brick(b));
+    Ok(bits)
 }
 
 fn checksum(head: &[u8], tail: &[u8]) -> u32 {

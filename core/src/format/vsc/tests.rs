@@ -35,7 +35,7 @@ fn sculpture(dims: [u32; 3], depth: ColourDepth, seed: u64) -> Contents {
             Rgb::new(shade.wrapping_mul(37), 255 - shade, seed as u8)
         });
     }
-    Contents { grid, material }
+    Contents::new(grid, material)
 }
 
 fn texts() -> Texts {
@@ -63,7 +63,7 @@ fn what_is_written_is_read_back_to_the_byte() {
 fn a_block_takes_next_to_nothing() {
     for grid in [scenes::solid_cube(260).unwrap(), scenes::cheese(260, 0, 1).unwrap()] {
         let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::default());
-        let contents = Contents { grid, material };
+        let contents = Contents::new(grid, material);
         let file = write(&contents, &Texts::default(), &()).unwrap();
         assert!(file.len() < 300, "{} bytes", file.len());
         assert!(read(&file, &Limits::default(), &()).unwrap().0 == contents);
@@ -140,7 +140,7 @@ proptest! {
         let limits = Limits { grid_bytes: 4 << 20, colour_bytes: 4 << 20, ..Limits::default() };
         match read(&file, &limits, &()) {
             Err(error) => prop_assert!(error.to_string().len() < 300),
-            Ok((Contents { grid, material }, _)) => {
+            Ok((Contents { grid, material, .. }, _)) => {
                 prop_assert!(signed || file == *ORIGINAL);
                 for index in 0..grid.brick_count() {
                     let brick = grid.brick_at(index);

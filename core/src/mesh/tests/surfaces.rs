@@ -16,7 +16,7 @@ const KINDS: [MeshKind; 3] = [MeshKind::Faces, MeshKind::Greedy, MeshKind::Smoot
 
 pub fn contents(grid: Grid) -> Contents {
     let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
-    Contents { grid, material }
+    Contents::new(grid, material)
 }
 
 pub fn mesh(contents: &Contents, kind: MeshKind) -> Mesh {

@@ -6,22 +6,45 @@ use glam::{IVec3, UVec3};
 
 use super::store::Stored;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
-use crate::sculpture::colour::Rgb;
+use crate::sculpture::colour::{ColourDepth, Rgb};
 use crate::sculpture::grid::Grid;
 use crate::sculpture::material::Material;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::record::BrickRecord;
 
-/// All that undo restores: existence bits and colours.
+/// All that undo restores: existence bits, colours and the mask.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Contents {
     /// Which voxels exist.
     pub grid: Grid,
     /// Their colours.
     pub material: Material,
+    /// Which voxels, existing or not, are protected from all tools: a grid of the same size. None if there are none.
+    pub mask: Option<Box<Grid>>,
 }
 
 impl Contents {
+    /// Bits and colours with nothing protected.
+    pub fn new(grid: Grid, material: Material) -> Contents {
+        Contents { grid, material, mask: None }
+    }
+
+    /// A grid as contents without colours or a mask of its own.
+    pub(crate) fn of_bits(grid: Grid) -> Contents {
+        let material = Material::for_grid(&grid, ColourDepth::None, Rgb::default());
+        Contents::new(grid, material)
+    }
+
+    /// Whether the voxel at `v` is protected.
+    pub fn is_masked(&self, v: IVec3) -> bool {
+        self.mask.as_ref().is_some_and(|mask| mask.get(v))
+    }
+
+    /// Drops a mask that protects nothing.
+    pub(crate) fn drop_empty_mask(&mut self) {
+        self.mask.take_if(|mask| mask.opaque_count() == 0);
+    }
+
     /// Colour of the voxel at `v`, which must lie inside the grid, whether it exists or not.
     pub fn rgb(&self, v: UVec3) -> Rgb {
         let [x, y, z] = (v % BRICK_EDGE_VX).to_array();
@@ -59,7 +82,9 @@ pub enum Change {
 impl Contents {
     /// Bytes of a step that keeps all of it.
     pub fn kept_bytes(&self) -> usize {
-        size_of::<Contents>() + (self.grid.heap_bytes() + self.material.heap_bytes()) as usize
+        let mask = self.mask.as_ref().map_or(0, |mask| mask.heap_bytes());
+        size_of::<Contents>()
+            + (self.grid.heap_bytes() + self.material.heap_bytes() + mask) as usize
     }
 }
 
