@@ -28,9 +28,11 @@ use crate::tools::tint::Tint;
 
 mod area;
 mod help;
+mod mask;
 
 pub use area::{Area, SelectOp};
 pub use help::{COMMANDS, CommandHelp};
+pub use mask::{MaskArea, MaskChange, PatchRule};
 
 /// Parameters of a new sculpture.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -171,6 +173,8 @@ pub enum Command {
         /// How far colours of the patch may differ from the voxel's: a share of the range of each channel.
         tolerance: f32,
     },
+    /// Change which voxels are protected from all tools. An undo step, though it changes no voxel.
+    Mask(MaskChange),
     /// Move and resize the marker. Like all commands about the selection it is no undo step, since it
     /// changes no voxel.
     Mark(VoxelBox),
@@ -264,6 +268,7 @@ impl Command {
             Command::Dye { .. } => "dye",
             Command::Tint { tint, .. } => tint.verb(),
             Command::Flood { .. } => "flood",
+            Command::Mask(_) => "mask",
             Command::Mark(_) => "mark",
             Command::Select(_) => "select",
             Command::Limit(_) => "limit",
@@ -296,6 +301,7 @@ impl Command {
             {
                 format!("{} {}", self.verb(), area.name())
             }
+            Command::Mask(change) => format!("mask {}", change.name()),
             Command::Form { form, .. } => format!("{} {}", self.verb(), form.name()),
             Command::Spray { spray, .. } => spray.effect.name().to_string(),
             Command::Grab { grab, .. } => grab.motion.kind().name().to_string(),

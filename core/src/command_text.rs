@@ -26,6 +26,7 @@ mod deform;
 mod export;
 mod form;
 mod grab;
+mod mask;
 mod mend;
 mod selection;
 mod spray;
@@ -172,6 +173,7 @@ impl fmt::Display for Command {
             Command::Flood { at, colour, tolerance } => {
                 tint::write_flood(*at, *colour, *tolerance, f)
             }
+            Command::Mask(change) => mask::write(change, f),
             Command::Mark(_)
             | Command::Select(_)
             | Command::Limit(_)
@@ -271,6 +273,7 @@ impl FromStr for Command {
             },
             "adjust" | "gradient" | "noise" => tint::parse(&verb, &mut args)?,
             "flood" => tint::parse_flood(&mut args)?,
+            "mask" => mask::parse(&mut args)?,
             "mark" | "select" | "limit" | "irreversible" | "symmetry" | "copy" | "cut"
             | "paste" | "move" | "array" | "orient" => selection::parse(&verb, &mut args)?,
             "remove-islands" | "fill-cavities" | "thicken" | "drain" => {

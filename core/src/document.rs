@@ -27,6 +27,7 @@ mod areas;
 mod changes;
 mod clay;
 mod error;
+mod mask;
 mod mend;
 mod orient;
 mod snapshot;
@@ -313,6 +314,7 @@ impl Document {
             Command::Flood { at, colour, tolerance } => {
                 self.flood(*at, *colour, *tolerance, command)
             }
+            Command::Mask(change) => self.change_mask(change, command),
             Command::Copy => self.copy().map(|()| Applied::default()),
             Command::Cut => self.cut(command),
             Command::Move { by, orientation } => self.move_marked(*by, *orientation, command),

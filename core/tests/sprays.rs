@@ -93,6 +93,10 @@ proptest! {
                     prop_assert_eq!(stats.voxels_removed, 0);
                 }
                 Effect::Smooth { .. } => {}
+                Effect::Mask { .. } => {
+                    let now = document.contents();
+                    prop_assert!(now.grid == old.grid && now.material == old.material);
+                }
             }
             let count = old.grid.opaque_count() + stats.voxels_added - stats.voxels_removed;
             prop_assert_eq!(document.grid().opaque_count(), count);

@@ -125,6 +125,7 @@ impl Workspace {
             Action::Film => self.ui.dialogs.film.open = true,
             Action::PrintCheck => self.toggle_print_check(),
             Action::Tints => self.ui.dialogs.tints.open ^= true,
+            Action::Masks => self.ui.dialogs.masks.open ^= true,
             Action::Detach(panel) => self.ui.layout.toggle_detached(panel),
             Action::ScaleUp => self.ui.appearance.scale.change_by(1.0),
             Action::ScaleDown => self.ui.appearance.scale.change_by(-1.0),

@@ -21,6 +21,8 @@ const CUT: Rgb = Rgb::new(0xff, 0x6b, 0x57);
 const MARKER: Rgb = Rgb::new(0x4a, 0xc8, 0xf0);
 const SELECTED: Rgb = Rgb::new(0x58, 0xd0, 0x78);
 const PASTE: Rgb = Rgb::new(0xf4, 0xc8, 0x40);
+/// What is masked.
+const MASK: Rgb = Rgb::new(0x5f, 0x8d, 0xd3);
 const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 const RED: Rgb = Rgb::new(0xf0, 0x30, 0x28);
 /// Segments of a circle.
@@ -140,6 +142,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
             let colour = match kind {
                 SprayKind::Devourer | SprayKind::Erosion => CUT,
                 SprayKind::Smooth => MIRROR,
+                SprayKind::Mask | SprayKind::Unmask => MASK,
                 _ => tool.colour,
             };
             lines.extend(footprint_edges(scene, kind).into_iter().map(outline(colour)));
@@ -228,6 +231,7 @@ fn colour_of(tool: &ToolState) -> Rgb {
     match tool.mode {
         ToolMode::Add | ToolMode::Recolour => tool.colour,
         ToolMode::Subtract => CUT,
+        ToolMode::Protect | ToolMode::Release => MASK,
     }
 }
 

@@ -6,9 +6,9 @@
 use glam::{Quat, UVec3, Vec2, Vec3};
 
 use super::stroke::{Guide, SurfaceGuide};
-use super::tool::{NextPress, ToolKind};
+use super::tool::{NextPress, ToolKind, Wand, WandRule};
 use super::{Editor, sprays};
-use crate::command::{Area, Command};
+use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
 use crate::input::Action;
 use crate::picking::Picker;
 use crate::sculpture::Placement;
@@ -73,6 +73,9 @@ impl Editor {
             Action::ToggleSnap => self.tool.snap = !self.tool.snap,
             Action::PickHere => self.pick_colour(picker),
             Action::Flood => self.flood(picker),
+            Action::Wand => self.wand(picker),
+            Action::InvertMask => self.run(Command::Mask(MaskChange::Invert)),
+            Action::ClearMask => self.run(Command::Mask(MaskChange::Clear)),
             Action::Lasso => {
                 let other = self.tool.next_press != Some(NextPress::Lasso);
                 self.tool.next_press = other.then_some(NextPress::Lasso);
@@ -111,6 +114,7 @@ impl Editor {
             (Action::Apply | Action::Sculpt, _) if self.tool.next_press.is_some() => {
                 match (self.tool.next_press.take(), action, at) {
                     (Some(NextPress::Flood), ..) => self.flood(picker),
+                    (Some(NextPress::Wand), ..) => self.wand(picker),
                     (Some(NextPress::Pick), ..) | (None, ..) => self.pick_colour(picker),
                     (Some(NextPress::Lasso), Action::Sculpt, Some(at)) => {
                         self.begin_lasso(at, picker);
@@ -141,6 +145,9 @@ impl Editor {
         let tool = &self.tool;
         if let Some(kind) = spray_for(action, tool.kind) {
             let mut options = *tool.sprays.of(kind);
+            if kind == SprayKind::Unmask {
+                options = *tool.sprays.of(SprayKind::Mask);
+            }
             if let Some(held) = tool.spray() {
                 // It works where the tool in hand shows its outline.
                 options.radius_px = tool.sprays.of(held).radius_px;
@@ -273,6 +280,28 @@ impl Editor {
         let (colour, tolerance) = (self.tool.colour, self.tool.flood_tolerance);
         self.tool.used_colour();
         self.run(Command::Flood { at, colour, tolerance });
+    }
+
+    /// Protects what hangs together with the voxel that the pointer points at.
+    fn wand(&mut self, picker: &Picker) {
+        let grid = self.document().grid();
+        if let Some(voxel) = self.pointer.and_then(|at| picker.voxel(grid, at)) {
+            self.wand_from(voxel);
+        }
+    }
+
+    /// Protects what hangs together with a voxel of the surface, or releases it.
+    pub(super) fn wand_from(&mut self, at: UVec3) {
+        let Wand { rule, angle_deg, depth_vx, adds } = self.tool.wand;
+        let what = match rule {
+            WandRule::Colour => {
+                let by = PatchRule::Colour(self.tool.flood_tolerance);
+                MaskArea::Patch { at, by, depth_vx }
+            }
+            WandRule::Flat => MaskArea::Patch { at, by: PatchRule::Flat(angle_deg), depth_vx },
+            WandRule::Piece => MaskArea::Piece { at },
+        };
+        self.run(Command::Mask(MaskChange::Put { adds, what }));
     }
 
     pub(super) fn take_colour_of(&mut self, voxel: UVec3) {

@@ -139,6 +139,7 @@ impl Editor {
         if let Some(next) = self.tool.next_press.take_if(|next| *next != NextPress::Lasso) {
             match (next, self.voxel_by_hand(room)) {
                 (NextPress::Flood, Some(voxel)) => self.flood_from(voxel),
+                (NextPress::Wand, Some(voxel)) => self.wand_from(voxel),
                 (NextPress::Pick, Some(voxel)) => self.take_colour_of(voxel),
                 (NextPress::Lasso, _) | (_, None) => {}
             }

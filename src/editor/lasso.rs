@@ -8,10 +8,8 @@ use std::sync::Arc;
 use glam::{Mat3, Quat, UVec3, Vec2, Vec3};
 
 use super::Editor;
-use crate::command::Command;
 use crate::input::ToolMode;
 use crate::picking::{Picker, Sight};
-use crate::sculpture::edit::EditOp;
 use crate::tools::form::{Form, Pose};
 
 /// Least distance from one point of an outline to the next, in pixels.
@@ -72,18 +70,13 @@ impl Editor {
         let mode = self.tool.mode;
         let depth = match mode {
             ToolMode::Add => Some(2.0 * self.tool.half().element_sum() / 3.0),
-            ToolMode::Subtract | ToolMode::Recolour => None,
+            _ => None,
         };
         let Some(form) = prism(&lasso, depth, grid.dims(), grid.voxel_size()) else { return };
-        let op = match mode {
-            ToolMode::Add => EditOp::Add(Some(self.tool.colour)),
-            ToolMode::Subtract => EditOp::Subtract,
-            ToolMode::Recolour => EditOp::Recolour(self.tool.colour),
-        };
-        if mode != ToolMode::Subtract {
+        if matches!(mode, ToolMode::Add | ToolMode::Recolour) {
             self.tool.used_colour();
         }
-        self.run(Command::Form { op, form });
+        self.run(self.tool.form_command(mode, form));
     }
 
     /// Gives up the outline that is being drawn, or the intention to draw one; false if there is neither.

@@ -50,6 +50,7 @@ impl SprayOptions {
         match kind {
             SprayKind::Paintbrush => SprayOptions { surface: SpraySurface::Now, ..options },
             SprayKind::Devourer => options,
+            SprayKind::Mask | SprayKind::Unmask => SprayOptions { reach_vx: 4.0, ..options },
             SprayKind::Clay => SprayOptions { reach_vx: 4.0, ..options },
             // Filters work on what the last pass has left, deeper with each.
             SprayKind::Erosion => SprayOptions { surface: SpraySurface::Now, ..options },
@@ -82,6 +83,8 @@ impl SprayOptions {
             SprayKind::Growth => Effect::Growth { threshold, colour: None },
             SprayKind::Smooth => Effect::Smooth { radius_vx: self.around_vx },
             SprayKind::Clay => Effect::Clay { colour },
+            SprayKind::Mask => Effect::Mask { adds: true },
+            SprayKind::Unmask => Effect::Mask { adds: false },
         };
         let spray = Spray { effect, footprint, reach_vx: self.reach_vx };
         Command::Spray { spray, surface: self.surface }
@@ -110,6 +113,8 @@ pub fn opposite(kind: SprayKind) -> SprayKind {
         SprayKind::Clay => SprayKind::Devourer,
         SprayKind::Erosion => SprayKind::Dilation,
         SprayKind::Dilation | SprayKind::Growth => SprayKind::Erosion,
+        SprayKind::Mask => SprayKind::Unmask,
+        SprayKind::Unmask => SprayKind::Mask,
     }
 }
 

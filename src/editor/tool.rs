@@ -9,13 +9,14 @@ use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
 use super::deform::{DeformOptions, Deforms};
 use super::sprays::{SprayOptions, Sprays};
-use crate::command::Command;
+use crate::command::{Command, MaskArea, MaskChange};
 use crate::input::ToolMode;
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
 use crate::tools::construct::{Primitive, Solid};
 use crate::tools::deform::DeformKind;
+use crate::tools::form::Form;
 use crate::tools::spray::SprayKind;
 
 /// Smallest and largest half extent that the interface offers.
@@ -68,6 +69,7 @@ pub struct ToolState {
     pub next_press: Option<NextPress>,
     /// How far colours may differ from that of the voxel that a flood begins with, as a share of the range.
     pub flood_tolerance: f32,
+    pub wand: Wand,
     /// A tool that follows the pointer stands on the surface rather than half in it.
     pub stand: bool,
     /// A tool that follows the pointer turns its y axis out of the surface.
@@ -76,6 +78,45 @@ pub struct ToolState {
     pub paste_orientation: Orientation,
     /// How often and how far on the last operation is repeated.
     pub array: ArrayOptions,
+}
+
+/// What a mode does to the voxels that a solid covers.
+enum ToolChange {
+    Voxels(EditOp),
+    Mask { adds: bool },
+}
+
+fn mask(adds: bool, what: MaskArea) -> Command {
+    Command::Mask(MaskChange::Put { adds, what })
+}
+
+/// What hangs together with a voxel for the wand.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum WandRule {
+    /// Voxels of the surface of nearly the same colour.
+    Colour,
+    /// Voxels of the surface that face nearly the same way.
+    Flat,
+    /// All voxels that are joined to it.
+    Piece,
+}
+
+/// What the wand protects.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Wand {
+    pub rule: WandRule,
+    /// How far normals may turn, in degrees.
+    pub angle_deg: f32,
+    /// How far from the surface voxels are protected with it.
+    pub depth_vx: u32,
+    /// It protects, or releases.
+    pub adds: bool,
+}
+
+impl Default for Wand {
+    fn default() -> Wand {
+        Wand { rule: WandRule::Flat, angle_deg: 15.0, depth_vx: 2, adds: true }
+    }
 }
 
 /// What a press may do once, instead of using the tool.
@@ -87,6 +128,8 @@ pub enum NextPress {
     Flood,
     /// Draws an outline, behind which the tool's mode is applied.
     Lasso,
+    /// Protects what hangs together with what it meets.
+    Wand,
 }
 
 /// An array to be made of the last operation.
@@ -115,6 +158,7 @@ pub enum ToolEdit {
     NextPress(Option<NextPress>),
     /// A share of the range of colours.
     FloodTolerance(f32),
+    Wand(Wand),
     /// What a solid paints with instead of the colour.
     Picture(Option<PathBuf>),
     Snap(bool),
@@ -148,6 +192,7 @@ impl ToolState {
             snap: false,
             next_press: None,
             flood_tolerance: 0.04,
+            wand: Wand::default(),
             stand: false,
             lean: false,
             paste_orientation: Orientation::UPRIGHT,
@@ -168,6 +213,7 @@ impl ToolState {
             ToolEdit::Colour(colour) => self.colour = colour,
             ToolEdit::NextPress(next) => self.next_press = next,
             ToolEdit::FloodTolerance(share) => self.flood_tolerance = share.clamp(0.0, 1.0),
+            ToolEdit::Wand(wand) => self.wand = wand,
             ToolEdit::Picture(picture) => self.picture = picture,
             ToolEdit::Snap(snap) => self.snap = snap,
             ToolEdit::Follow(follow) => self.follow = follow,
@@ -335,12 +381,29 @@ impl ToolState {
         if let (ToolMode::Recolour, Some(picture)) = (mode, &self.picture) {
             return Command::Texture { primitive: self.primitive(), picture: picture.clone() };
         }
-        let op = match mode {
-            ToolMode::Add => EditOp::Add(Some(self.colour)),
-            ToolMode::Subtract => EditOp::Subtract,
-            ToolMode::Recolour => EditOp::Recolour(self.colour),
-        };
-        Command::Construct { op, primitive: self.primitive() }
+        let primitive = self.primitive();
+        match self.change(mode) {
+            ToolChange::Voxels(op) => Command::Construct { op, primitive },
+            ToolChange::Mask { adds } => mask(adds, MaskArea::Solid(primitive)),
+        }
+    }
+
+    /// What a solid that is drawn does.
+    pub fn form_command(&self, mode: ToolMode, form: Form) -> Command {
+        match self.change(mode) {
+            ToolChange::Voxels(op) => Command::Form { op, form },
+            ToolChange::Mask { adds } => mask(adds, MaskArea::Form(form)),
+        }
+    }
+
+    fn change(&self, mode: ToolMode) -> ToolChange {
+        match mode {
+            ToolMode::Add => ToolChange::Voxels(EditOp::Add(Some(self.colour))),
+            ToolMode::Subtract => ToolChange::Voxels(EditOp::Subtract),
+            ToolMode::Recolour => ToolChange::Voxels(EditOp::Recolour(self.colour)),
+            ToolMode::Protect => ToolChange::Mask { adds: true },
+            ToolMode::Release => ToolChange::Mask { adds: false },
+        }
     }
 }
 

@@ -95,6 +95,7 @@ fn is_step(command: &Command) -> bool {
         | Command::Embed { .. }
         | Command::Begin { .. }
         | Command::End
+        | Command::Mask(_)
         | Command::Mark(_)
         | Command::Select(_)
         | Command::Limit(_)

@@ -16,17 +16,24 @@ pub enum ToolMode {
     #[default]
     Subtract,
     Recolour,
+    /// Adds them to the mask.
+    Protect,
+    /// Takes them out of the mask: what the modifier that inverts the tool makes of `Protect`.
+    Release,
 }
 
 impl ToolMode {
-    pub const ALL: [ToolMode; 3] = [ToolMode::Add, ToolMode::Subtract, ToolMode::Recolour];
+    /// The modes that are offered.
+    pub const ALL: [ToolMode; 4] =
+        [ToolMode::Add, ToolMode::Subtract, ToolMode::Recolour, ToolMode::Protect];
 
     /// The next mode when cycling.
     pub fn next(self) -> ToolMode {
         match self {
             ToolMode::Subtract => ToolMode::Add,
             ToolMode::Add => ToolMode::Recolour,
-            ToolMode::Recolour => ToolMode::Subtract,
+            ToolMode::Recolour => ToolMode::Protect,
+            ToolMode::Protect | ToolMode::Release => ToolMode::Subtract,
         }
     }
 
@@ -35,6 +42,8 @@ impl ToolMode {
         match self {
             ToolMode::Add => ToolMode::Subtract,
             ToolMode::Subtract | ToolMode::Recolour => ToolMode::Add,
+            ToolMode::Protect => ToolMode::Release,
+            ToolMode::Release => ToolMode::Protect,
         }
     }
 }
@@ -156,6 +165,14 @@ pub enum Action {
     PickHere,
     /// Recolours the patch of one colour on the surface under the pointer.
     Flood,
+    /// Protects what hangs together with the voxel under the pointer.
+    Wand,
+    /// Opens the window of masks.
+    Masks,
+    /// Protects what was not, and releases what was.
+    InvertMask,
+    /// Releases everything.
+    ClearMask,
     /// The next drag draws an outline, behind which the tool's mode is applied.
     Lasso,
     /// Toggles the symmetry plane across an axis.
@@ -279,6 +296,10 @@ impl Action {
         Action::PickHere,
         Action::Flood,
         Action::Lasso,
+        Action::Wand,
+        Action::Masks,
+        Action::InvertMask,
+        Action::ClearMask,
         Action::Apply,
         Action::Cancel,
         Action::TurnSculpture,
@@ -299,6 +320,7 @@ impl Action {
         Action::Mode(ToolMode::Add),
         Action::Mode(ToolMode::Subtract),
         Action::Mode(ToolMode::Recolour),
+        Action::Mode(ToolMode::Protect),
         Action::Spray(SprayKind::Paintbrush),
         Action::Spray(SprayKind::Devourer),
         Action::Spray(SprayKind::Clay),
@@ -306,6 +328,8 @@ impl Action {
         Action::Spray(SprayKind::Dilation),
         Action::Spray(SprayKind::Growth),
         Action::Spray(SprayKind::Smooth),
+        Action::Spray(SprayKind::Mask),
+        Action::Spray(SprayKind::Unmask),
         Action::Deform(DeformKind::Grab),
         Action::Deform(DeformKind::Inflate),
         Action::Deform(DeformKind::Flatten),

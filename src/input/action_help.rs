@@ -28,6 +28,14 @@ impl Action {
                 Tap,
                 "Draw an outline with the next drag: what lies behind it is cut, or painted; or a slab is added",
             ),
+            Action::Wand => {
+                ("wand", Tap, "Mask what hangs together with the voxel under the pointer")
+            }
+            Action::Masks => ("masks", Tap, "Show or hide the window of masks"),
+            Action::InvertMask => {
+                ("invert-mask", Tap, "Protect what is not masked, and nothing else")
+            }
+            Action::ClearMask => ("clear-mask", Tap, "Clear the mask: nothing is protected"),
             Action::Flood => ("flood", Tap, "Recolour the patch of one colour under the pointer"),
             Action::Apply => ("apply", Hold, "Use the tool where it is"),
             Action::Cancel => ("cancel", Tap, "Cancel the stroke, or close a window"),
@@ -71,6 +79,12 @@ impl Action {
                 ("growth", Tap, "Growth: fills concave corners and small holes")
             }
             Action::Spray(SprayKind::Smooth) => ("smooth", Tap, "Smooth: evens out bumps and pits"),
+            Action::Spray(SprayKind::Mask) => {
+                ("mask", Tap, "Mask: protects the surface under it, so that nothing changes it")
+            }
+            Action::Spray(SprayKind::Unmask) => {
+                ("unmask", Tap, "Unmask: takes protection from the surface under it")
+            }
             Action::Deform(DeformKind::Grab) => {
                 ("grab", Tap, "Grab: pulls the surface along with the pointer")
             }
@@ -109,6 +123,9 @@ impl Action {
             Action::Mode(ToolMode::Add) => ("add", Tap, "Add: the tool adds voxels"),
             Action::Mode(ToolMode::Subtract) => ("cut", Tap, "Cut: the tool removes voxels"),
             Action::Mode(ToolMode::Recolour) => ("paint", Tap, "Paint: the tool colours voxels"),
+            Action::Mode(ToolMode::Protect | ToolMode::Release) => {
+                ("protect", Tap, "Protect: the tool masks voxels, so that nothing changes them")
+            }
             Action::Grow => ("grow", Tap, "Enlarge the tool"),
             Action::Shrink => ("shrink", Tap, "Shrink the tool"),
             Action::Nudge(Step::Left) => ("nudge-left", Tap, "Move the tool one voxel left"),
@@ -229,7 +246,9 @@ impl Action {
             Action::LookFrom(Side::Right) => ("look-right", Tap, "Right view"),
             Action::LookFrom(Side::Top) => ("look-top", Tap, "Top view"),
             Action::LookFrom(Side::Bottom) => ("look-bottom", Tap, "Bottom view"),
-            Action::NextToolMode => ("next-tool-mode", Tap, "Next tool mode: cut, add or paint"),
+            Action::NextToolMode => {
+                ("next-tool-mode", Tap, "Next tool mode: cut, add, paint or protect")
+            }
             Action::NextPadMode => {
                 ("next-pad-mode", Tap, "Next gamepad mode: pointer, tool or sculpture")
             }

@@ -46,7 +46,7 @@ impl Group {
             Sculpt | SculptInverse | SculptSmooth | PickColour | PickHere | Flood | Apply
             | Cancel | TurnSculpture | PanSculpture | Zoom | MoveTool | MoveToolDeep | TurnTool
             | ResizeTool | NextPadMode => Group::Pointer,
-            Solid(_) | Mode(_) | Lasso | NextToolMode | Spray(_) | Deform(_) | Marker => {
+            Solid(_) | Mode(_) | Lasso | Wand | NextToolMode | Spray(_) | Deform(_) | Marker => {
                 Group::Tools
             }
             Grow | Shrink | Nudge(_) | Stretch(_) | AlignTool | ToggleFollow | ToggleSnap
@@ -54,7 +54,7 @@ impl Group {
             Mirror(_) | Repeat => Group::Repetition,
             SelectMarker | DeselectMarker | DropBox | ClearSelection | ToggleLimit | FillMarker
             | ClearMarker | DyeMarker | Copy | Cut | Paste | TurnClip(_) | MirrorClip(_)
-            | MoveContents(_) => Group::Areas,
+            | MoveContents(_) | Masks | InvertMask | ClearMask => Group::Areas,
             Undo | Redo | Fill | Clear | TurnUpright(_) | RotateGrid(_) => Group::History,
             ResetView | LookFrom(_) | ZoomIn | ZoomOut | ToggleOrthographic | ToggleGizmo
             | ToggleFloor | ToggleGround | References | ToggleBounds | NextRenderMode

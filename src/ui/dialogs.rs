@@ -11,6 +11,7 @@ use super::guide::Guide;
 use super::import_dialog::ImportDialog;
 use super::key_table::KeyTable;
 use super::light::LightWindow;
+use super::masks::Masks;
 use super::new_dialog::NewDialog;
 use super::palette::Palette;
 use super::print_check::PrintCheck;
@@ -40,6 +41,7 @@ pub struct Dialogs {
     pub print_check: PrintCheck,
     /// The window of colours.
     pub tints: Tints,
+    pub masks: Masks,
     pub files: Files,
     /// Asks what to do with unsaved work before this.
     pub unsaved: Option<Next>,
@@ -74,6 +76,7 @@ impl Dialogs {
             recovery: RecoveryDialog::default(),
             print_check: PrintCheck::default(),
             tints: Tints::default(),
+            masks: Masks::default(),
             files: Files::new(),
             unsaved: None,
             unkept: None,
@@ -124,6 +127,7 @@ impl Dialogs {
             &mut self.references_open,
             &mut self.print_check.open,
             &mut self.tints.open,
+            &mut self.masks.open,
             &mut self.light.open,
             &mut self.guide.open,
         ];

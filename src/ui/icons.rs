@@ -123,6 +123,18 @@ pub fn mode(painter: &Painter, rect: Rect, mode: ToolMode, colour: Color32) {
         ToolMode::Subtract => {
             painter.line_segment([at(0.1, 0.5), at(0.9, 0.5)], line);
         }
+        // A padlock.
+        ToolMode::Protect | ToolMode::Release => {
+            let body = [at(0.16, 0.44), at(0.84, 0.44), at(0.84, 0.96), at(0.16, 0.96)];
+            let fill = colour.gamma_multiply(0.3);
+            painter.add(Shape::convex_polygon(body.to_vec(), fill, Stroke::new(1.6, colour)));
+            let shackle = (0..=12).map(|i| {
+                let turn = std::f32::consts::PI * (1.0 - i as f32 / 12.0);
+                at(0.5 + 0.22 * turn.cos(), 0.3 - 0.24 * turn.sin())
+            });
+            let shackle = [at(0.28, 0.44)].into_iter().chain(shackle).chain([at(0.72, 0.44)]);
+            painter.line(shackle.collect(), Stroke::new(1.6, colour));
+        }
         ToolMode::Recolour => {
             let mut drop = vec![at(0.5, 0.02)];
             // The round lower part, from where the flanks touch it on the right to the left.
@@ -176,6 +188,14 @@ pub fn spray(painter: &Painter, rect: Rect, kind: SprayKind, colour: Color32) {
         SprayKind::Growth => {
             path(&[(0.1, 0.06), (0.1, 0.56), (0.44, 0.9), (0.94, 0.9)], line);
             path(&[(0.1, 0.56), (0.1, 0.9), (0.44, 0.9)], thin);
+        }
+        // A hatched patch of the surface.
+        SprayKind::Mask | SprayKind::Unmask => {
+            path(&[(0.02, 0.62), (0.98, 0.62)], line);
+            for x in [0.22, 0.38, 0.54, 0.7] {
+                path(&[(x, 0.62), (x + 0.16, 0.34)], thin);
+            }
+            path(&[(0.18, 0.62), (0.34, 0.3), (0.9, 0.3), (0.74, 0.62)], line);
         }
         SprayKind::Smooth => {
             path(&[(0.04, 0.4), (0.2, 0.22), (0.36, 0.4), (0.52, 0.22), (0.68, 0.4)], thin);

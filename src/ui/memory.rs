@@ -319,6 +319,7 @@ const fn mode_name(mode: ToolMode) -> &'static str {
         ToolMode::Add => "add",
         ToolMode::Subtract => "subtract",
         ToolMode::Recolour => "recolour",
+        ToolMode::Protect | ToolMode::Release => "protect",
     }
 }
 

@@ -31,6 +31,7 @@ pub mod keyboard;
 pub mod light;
 pub mod look;
 pub mod marker_options;
+pub mod masks;
 pub mod memory;
 mod memory_check;
 mod memory_deform;
@@ -183,6 +184,7 @@ pub fn show(
     references::show(root, state, context.path);
     print_check::show(root, state, context, requests);
     tints::show(root, state, context, requests);
+    masks::show(root, state, context, requests);
     key_table::show(root, state, context, requests);
     key_catch::show(root, state, requests);
     palette::show(root, state, context, requests);

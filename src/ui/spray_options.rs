@@ -11,7 +11,7 @@ use crate::tools::spray::{MAX_FOOTPRINT, MAX_REACH_VX, Outline, SprayKind};
 const SLIDER_WIDTH: f32 = 80.0;
 
 pub fn show(ui: &mut Ui, options: &mut SprayOptions, kind: SprayKind) {
-    use SprayKind::{Clay, Devourer, Dilation, Erosion, Growth, Paintbrush, Smooth};
+    use SprayKind::{Clay, Devourer, Dilation, Erosion, Growth, Mask, Paintbrush, Smooth, Unmask};
     ui.spacing_mut().slider_width = SLIDER_WIDTH;
     egui::Grid::new("spray").num_columns(2).show(ui, |ui| {
         let label = ui.label("Radius");
@@ -27,6 +27,7 @@ pub fn show(ui: &mut Ui, options: &mut SprayOptions, kind: SprayKind) {
         if kind != Paintbrush {
             let (name, hint) = match kind {
                 Devourer => ("Depth", "How deep it cuts into the surface under the brush"),
+                Mask | Unmask => ("Depth", "How far from the surface voxels are protected, outwards, too"),
                 Clay => ("Height", "Height of the mound under the middle of the brush"),
                 _ => ("Reach", "How far from the surface voxels may change"),
             };
@@ -73,7 +74,7 @@ pub fn show(ui: &mut Ui, options: &mut SprayOptions, kind: SprayKind) {
             ui.end_row();
         }
     });
-    if kind != Paintbrush {
+    if !matches!(kind, Paintbrush | Mask | Unmask) {
         let mut once = options.surface == SpraySurface::Stroke;
         ui.checkbox(&mut once, "Once per stroke").on_hover_text(
             "Uses the surface as it was when the stroke began, so that overlapping parts of the 

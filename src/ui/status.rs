@@ -60,6 +60,11 @@ fn limit(ui: &mut Ui, context: &UiContext) {
         let sign = ui.colored_label(ui.visuals().warn_fg_color, "Limited");
         explain(sign, context, Action::ToggleLimit);
     }
+    if context.document.mask().is_some() {
+        ui.separator();
+        let sign = ui.colored_label(ui.visuals().warn_fg_color, "Masked");
+        explain(sign, context, Action::Masks);
+    }
 }
 
 fn right(ui: &mut Ui, context: &UiContext) {

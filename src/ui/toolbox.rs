@@ -54,7 +54,9 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
     });
     let modes: Vec<Entry> = modes.into_iter().chain(lasso).collect();
     group(ui, context, "", &modes, requests);
-    let sprays = SprayKind::ALL.map(|kind| Entry {
+    // What takes protection away is the mask's inverse.
+    let sprays = SprayKind::ALL.into_iter().filter(|kind| *kind != SprayKind::Unmask);
+    let sprays = sprays.map(|kind| Entry {
         name: capital(spray_name(kind)),
         chosen: context.tool.kind == ToolKind::Spray(kind),
         action: Action::Spray(kind),
@@ -65,7 +67,7 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
         chosen: context.tool.kind == ToolKind::Deform,
         action: Action::Deform(kind),
     };
-    let brushes: Vec<Entry> = sprays.into_iter().chain([deform]).collect();
+    let brushes: Vec<Entry> = sprays.chain([deform]).collect();
     group(ui, context, "Brushes", &brushes, requests);
     let marker = Entry {
         name: "Marker".to_string(),
@@ -128,6 +130,7 @@ pub fn mode_name(mode: ToolMode) -> &'static str {
         ToolMode::Add => "Add",
         ToolMode::Subtract => "Cut",
         ToolMode::Recolour => "Paint",
+        ToolMode::Protect | ToolMode::Release => "Protect",
     }
 }
 

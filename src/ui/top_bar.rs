@@ -95,6 +95,7 @@ fn menu(
             action_button(ui, context, label, action, true, requests);
         }
         action_button(ui, context, "Colours …", Action::Tints, true, requests);
+        action_button(ui, context, "Masks …", Action::Masks, true, requests);
         turn_upright(ui, context, requests);
         ui.separator();
         ui.menu_button("View", |ui| {

@@ -8,6 +8,7 @@ mod import;
 mod in_use;
 mod keys;
 mod light;
+mod masks;
 mod memory;
 mod panels;
 mod pictures;

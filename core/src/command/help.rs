@@ -63,7 +63,7 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "spray",
-        usage: "paintbrush|devourer|erosion|dilation|growth|smooth|clay eye=X,Y,Z aim=X,Y,Z across=X,Y,Z down=X,Y,Z radius=RAYS [outline=round|square] [reach=VOXELS] [surface=now|stroke] [colour=#rrggbb] [cover=0..1] [bite=round|square] [threshold=1..26] [around=1..8]",
+        usage: "paintbrush|devourer|erosion|dilation|growth|smooth|clay|mask|unmask eye=X,Y,Z aim=X,Y,Z across=X,Y,Z down=X,Y,Z radius=RAYS [outline=round|square] [reach=VOXELS] [surface=now|stroke] [colour=#rrggbb] [cover=0..1] [bite=round|square] [threshold=1..26] [around=1..8]",
         tooltip: "Use a brush where the rays under its footprint meet the surface",
     },
     CommandHelp {
@@ -115,6 +115,11 @@ pub const COMMANDS: &[CommandHelp] = &[
         verb: "flood",
         usage: "at=X,Y,Z colour=#rrggbb [tolerance=0..1]",
         tooltip: "Recolour the patch of one colour on the surface around a voxel",
+    },
+    CommandHelp {
+        verb: "mask",
+        usage: "add|subtract grid|selection|marker|SOLID ...|colour colour=#rrggbb [tolerance=0..1]|cavities [within=1..4] [depth=0..4]|patch at=X,Y,Z [tolerance=0..1|angle=DEGREES] [depth=0..4]|piece at=X,Y,Z | clear | invert | grow [by=VOXELS] | shrink [by=VOXELS] | smooth [around=1..8]",
+        tooltip: "Protect voxels from all tools, or no longer: an area, what a solid contains, a colour, cavities of the surface, a patch of one colour or direction, or all that hangs together",
     },
     CommandHelp {
         verb: "mark",

@@ -32,6 +32,7 @@ pub fn write(spray: &Spray, surface: SpraySurface, f: &mut fmt::Formatter<'_>) -
         }
         Effect::Smooth { radius_vx } => write!(f, " around={radius_vx}"),
         Effect::Clay { colour } => write!(f, " colour={colour}"),
+        Effect::Mask { .. } => Ok(()),
     }
 }
 
@@ -59,10 +60,12 @@ pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
         },
         "smooth" => Effect::Smooth { radius_vx: args.optional("around", number)?.unwrap_or(2) },
         "clay" => Effect::Clay { colour: args.required("colour", parse_colour)? },
+        "mask" => Effect::Mask { adds: true },
+        "unmask" => Effect::Mask { adds: false },
         _ => {
             return Err(ParseError(format!(
                 "`{name}` is not a brush; use paintbrush, devourer, erosion, dilation, \
-                 growth, smooth or clay"
+                 growth, smooth, clay, mask or unmask"
             )));
         }
     };

@@ -10,6 +10,7 @@ use crate::sculpture::Rgb;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
+use crate::sculpture::permit::Permit;
 use crate::sculpture::region::{Everywhere, Region};
 use crate::sculpture::selection::Selection;
 use crate::tools::flood;
@@ -98,27 +99,22 @@ impl Document {
         if !self.has_colour() {
             return Err(CommandError::NoColour);
         }
-        let grid = self.grid();
-        if at.cmpge(grid.dims()).any() || !flood::is_on_surface(grid, at.as_ivec3()) {
-            return Err(CommandError::NotOnSurface(at));
-        }
-        let centre = at.as_vec3() + 0.5;
-        let images = self.symmetry.images(grid.dims()).into_iter();
-        let voxels = images.map(|image| image.point(centre).floor().as_ivec3());
-        let starts = voxels.filter(|v| flood::is_on_surface(grid, *v)).map(|v| v.as_uvec3());
-        let patch = flood::patch(&self.contents, &starts.collect::<Vec<UVec3>>(), tolerance);
+        let starts = self.surface_images(at)?;
+        let patch = flood::patch(&self.contents, &starts, tolerance);
         self.edit_region(&patch, EditOp::Recolour(colour), command)
     }
 
     /// Copies the marker's contents to the clipboard.
     pub(super) fn copy(&mut self) -> Result<(), CommandError> {
-        self.clip = Some(Arc::new(self.marked()?));
+        // What is masked stays as it is when it is copied.
+        let permit = Permit { mask: None, ..self.permit() };
+        self.clip = Some(Arc::new(self.marked(permit)?));
         Ok(())
     }
 
     /// Cuts the marker's contents to the clipboard.
     pub(super) fn cut(&mut self, command: &Command) -> Result<Applied, CommandError> {
-        let kept = self.clip.replace(Arc::new(self.marked()?));
+        let kept = self.clip.replace(Arc::new(self.marked(self.permit())?));
         let stats = self.edit(&self.selection.marker(), EditOp::Subtract);
         let applied = self.applied(stats, command);
         if applied.is_err() {
@@ -134,7 +130,7 @@ impl Document {
         orientation: Orientation,
         command: &Command,
     ) -> Result<Applied, CommandError> {
-        let clip = self.marked()?;
+        let clip = self.marked(self.permit())?;
         let from = self.selection.marker().min.max(IVec3::ZERO);
         let (size, turned) = (clip.size().as_ivec3(), orientation.size(clip.size()).as_ivec3());
         // Rounded towards zero, so that turning there and back leads back.
@@ -157,16 +153,19 @@ impl Document {
         applied
     }
 
-    /// The marker's contents within the limit to the selection.
-    fn marked(&self) -> Result<Clip, CommandError> {
-        let limit = self.selection.limit();
+    /// The marker's contents where they may be changed, or copied.
+    fn marked(&self, permit: Permit<'_>) -> Result<Clip, CommandError> {
         let clip = Clip::cut(
             &self.contents,
             self.selection.marker(),
-            |v| limit.is_none_or(|stack| stack.contains(v)),
+            |v| permit.allows(v),
             self.limits.grid_bytes,
         )?;
-        let why = if limit.is_some() { " that are selected" } else { "" };
+        let why = match permit {
+            Permit { mask: Some(_), .. } => " that may be changed: the rest is masked",
+            Permit { stack: Some(_), .. } => " that are selected",
+            _ => "",
+        };
         clip.filter(|clip| clip.voxel_count() > 0).ok_or(CommandError::NothingMarked(why))
     }
 }

@@ -90,8 +90,11 @@ pub enum CommandError {
     /// A number of a change of colours is out of range; the text says which.
     #[error("{0}")]
     Tint(&'static str),
+    /// A number of a change of the mask is out of range; the text says which.
+    #[error("{0}")]
+    Mask(&'static str),
     /// There is no voxel of the surface to flood from.
-    #[error("there is no voxel of the surface at {0}; flood from one that can be seen")]
+    #[error("there is no voxel of the surface at {0}; name one that can be seen")]
     NotOnSurface(UVec3),
     /// A number of the solid is not finite or not positive.
     #[error("{0} of the solid must be finite and its half extent above zero")]

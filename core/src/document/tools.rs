@@ -201,6 +201,14 @@ impl Document {
                 Spray { footprint, ..*spray }.stamp(self.grid(), surface)
             }))
         };
+        if let Effect::Mask { .. } = spray.effect {
+            let mut stats = self.edit_mask(&stamp.add, true)?;
+            stats += self.edit_mask(&stamp.remove, false)?;
+            if surface == SpraySurface::Stroke {
+                self.keep_stroke_surface();
+            }
+            return Ok(stats);
+        }
         let inherited = match spray.colour() {
             None => self.inherited(&stamp.add),
             Some(_) => Inherited::default(),

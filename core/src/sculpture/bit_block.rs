@@ -212,7 +212,8 @@ impl BitBlock {
         Brick::from_rows(&rows)
     }
 
-    fn put_brick(&mut self, b: UVec3, brick: &Brick) {
+    /// Adds the voxels of a brick, which must lie within the block.
+    pub fn put_brick(&mut self, b: UVec3, brick: &Brick) {
         let local = (b * BRICK_EDGE_VX).as_ivec3() - self.origin;
         let (word, shift) = (local.x as usize / 64, local.x as u32 % 64);
         for (z, slice) in brick.to_rows().into_iter().enumerate() {

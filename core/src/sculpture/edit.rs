@@ -40,14 +40,16 @@ pub struct EditStats {
     pub voxels_removed: u64,
     /// Voxels that existed before and have another colour now.
     pub voxels_recoloured: u64,
-    /// Bricks whose bits or colours changed.
+    /// Voxels that are protected now and were not before, or the other way round.
+    pub voxels_masked: u64,
+    /// Bricks whose bits, colours or mask changed.
     pub bricks_changed: u64,
 }
 
 impl EditStats {
-    /// Voxels added, removed or recoloured.
+    /// Voxels added, removed, recoloured, protected or released.
     pub fn voxels_changed(&self) -> u64 {
-        self.voxels_added + self.voxels_removed + self.voxels_recoloured
+        self.voxels_added + self.voxels_removed + self.voxels_recoloured + self.voxels_masked
     }
 }
 
@@ -56,6 +58,7 @@ impl std::ops::AddAssign for EditStats {
         self.voxels_added += other.voxels_added;
         self.voxels_removed += other.voxels_removed;
         self.voxels_recoloured += other.voxels_recoloured;
+        self.voxels_masked += other.voxels_masked;
         self.bricks_changed += other.bricks_changed;
     }
 }
@@ -112,7 +115,10 @@ pub fn edit_mask(
     let Some(bricks) = BrickBox::around(region, mask) else { return EditStats::default() };
     let op = if adds { EditOp::Add(None) } else { EditOp::Subtract };
     edit_rows(mask, region, op, false, &bricks, recorder);
-    recorder.close_edit(dirty)
+    let EditStats { voxels_added, voxels_removed, bricks_changed, .. } = recorder.close_edit(dirty);
+    // No voxel of the sculpture has changed.
+    let voxels_masked = voxels_added + voxels_removed;
+    EditStats { voxels_masked, bricks_changed, ..EditStats::default() }
 }
 
 /// Applies `op` to the bits of `region` that lie in `bricks`; with `paint`, voxels to paint are listed in the records.

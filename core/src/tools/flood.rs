@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 
 use glam::{IVec3, UVec3};
+use rayon::prelude::*;
 
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, local_coords};
 use crate::sculpture::history::Contents;
@@ -14,7 +15,7 @@ use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{Grid, Rgb};
 
 /// The voxels of a brick as slices along z, each with bit x + 8 y.
-type Slices = [u64; BRICK_EDGE_VX as usize];
+pub(super) type Slices = [u64; BRICK_EDGE_VX as usize];
 
 /// The voxels of a slice with the lowest and the highest x.
 const LOWEST_X: u64 = 0x0101_0101_0101_0101;
@@ -39,7 +40,8 @@ pub fn is_on_surface(grid: &Grid, v: IVec3) -> bool {
 pub fn patch(contents: &Contents, starts: &[UVec3], tolerance: f32) -> ListedBricks {
     let from_each = starts.iter().map(|start| {
         let colour = contents.rgb(*start);
-        patch_of(contents, *start, &|other| is_alike(colour, other, tolerance))
+        let is_alike = |other| is_alike(colour, other, tolerance);
+        patch_by(&contents.grid, *start, &|b| alike_on_surface(contents, b, &is_alike))
     });
     ListedBricks::union(from_each)
 }
@@ -48,8 +50,29 @@ fn is_alike(Rgb(a): Rgb, Rgb(b): Rgb, tolerance: f32) -> bool {
     a.into_iter().zip(b).all(|(a, b)| f32::from(a.abs_diff(b)) <= tolerance * 255.0)
 }
 
-fn patch_of(contents: &Contents, start: UVec3, is_alike: &dyn Fn(Rgb) -> bool) -> ListedBricks {
-    let grid = &contents.grid;
+/// All existing voxels of a colour, to within `tolerance` of the range of each channel.
+pub fn of_colour(contents: &Contents, colour: Rgb, tolerance: f32) -> ListedBricks {
+    let Contents { grid, material, .. } = contents;
+    let base = is_alike(colour, material.base(), tolerance);
+    let of_brick = |b: UVec3| {
+        let (index, mut alike) = (grid.brick_index(b), Brick::EMPTY);
+        let voxels = grid.brick_at(index);
+        match material.page(index) {
+            None if base => alike = *voxels,
+            None => {}
+            Some(_) => voxels.for_each(|local| {
+                let [x, y, z] = local_coords(local);
+                alike.set(x, y, z, is_alike(colour, material.rgb(index, local), tolerance));
+            }),
+        }
+        (!alike.is_empty()).then_some((b, alike))
+    };
+    let bricks: Vec<UVec3> = grid.nonempty_bricks().map(|(b, _)| b).collect();
+    ListedBricks::new(bricks.into_par_iter().filter_map(of_brick).collect())
+}
+
+/// The voxels that are joined by faces to `start` within those that `may` gives for each brick.
+pub(super) fn patch_by(grid: &Grid, start: UVec3, may: &dyn Fn(UVec3) -> Slices) -> ListedBricks {
     let dims = grid.brick_dims().as_ivec3();
     let mut reached: HashMap<UVec3, Reached> = HashMap::new();
     let mut open = Vec::new();
@@ -60,7 +83,7 @@ fn patch_of(contents: &Contents, start: UVec3, is_alike: &dyn Fn(Rgb) -> bool) -
             }
             let b = b.as_uvec3();
             let brick = reached.entry(b).or_insert_with(|| Reached {
-                may: alike_on_surface(contents, b, is_alike),
+                may: may(b),
                 filled: [0; 8],
                 pending: [0; 8],
             });
@@ -133,7 +156,7 @@ fn alike_on_surface(contents: &Contents, b: UVec3, is_alike: &dyn Fn(Rgb) -> boo
 }
 
 /// The voxels of a brick that are of the surface.
-fn surface_of(grid: &Grid, b: UVec3) -> Slices {
+pub(super) fn surface_of(grid: &Grid, b: UVec3) -> Slices {
     // The voxels of the brick and one more on each side: bit x + 1 of the rows [z + 1][y + 1].
     let mut rows = [[0u16; 10]; 10];
     for i in 0..27 {

@@ -28,6 +28,7 @@ mod grab_motion_tests;
 mod grab_tests;
 #[cfg(test)]
 mod limit_tests;
+pub mod mask;
 pub mod mend;
 pub mod offset;
 #[cfg(test)]

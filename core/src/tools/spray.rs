@@ -93,6 +93,11 @@ pub enum Effect {
         /// Colour of new voxels.
         colour: Rgb,
     },
+    /// Adds all voxels around each hit to the mask, existing or not, or takes them out of it.
+    Mask {
+        /// Adds them.
+        adds: bool,
+    },
 }
 
 /// The spray tools, without their options.
@@ -112,11 +117,15 @@ pub enum SprayKind {
     Smooth,
     /// Adds a layer.
     Clay,
+    /// Protects the surface.
+    Mask,
+    /// Takes protection away.
+    Unmask,
 }
 
 impl SprayKind {
     /// All kinds, in the order in which interfaces offer them.
-    pub const ALL: [SprayKind; 7] = [
+    pub const ALL: [SprayKind; 9] = [
         SprayKind::Paintbrush,
         SprayKind::Devourer,
         SprayKind::Clay,
@@ -124,6 +133,8 @@ impl SprayKind {
         SprayKind::Dilation,
         SprayKind::Growth,
         SprayKind::Smooth,
+        SprayKind::Mask,
+        SprayKind::Unmask,
     ];
 
     /// Its name in the text form and the interface.
@@ -136,6 +147,8 @@ impl SprayKind {
             SprayKind::Growth => "growth",
             SprayKind::Smooth => "smooth",
             SprayKind::Clay => "clay",
+            SprayKind::Mask => "mask",
+            SprayKind::Unmask => "unmask",
         }
     }
 
@@ -156,6 +169,8 @@ impl Effect {
             Effect::Growth { .. } => SprayKind::Growth,
             Effect::Smooth { .. } => SprayKind::Smooth,
             Effect::Clay { .. } => SprayKind::Clay,
+            Effect::Mask { adds: true } => SprayKind::Mask,
+            Effect::Mask { adds: false } => SprayKind::Unmask,
         }
     }
 
@@ -193,7 +208,7 @@ pub struct Spray {
     pub reach_vx: f32,
 }
 
-/// The voxels that a spray changes.
+/// The voxels that a spray changes; of a mask those that are added to it or removed from it.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Stamp {
     /// Voxels to remove.
@@ -277,6 +292,13 @@ impl Spray {
                 let bitten = self.around(&hits, min, max, |_| self.reach_vx, outline);
                 Stamp { remove: bricks(&bitten), ..Stamp::default() }
             }
+            Effect::Mask { adds } => {
+                let around = self.around(&hits, min, max, |_| self.reach_vx, Outline::Round);
+                match adds {
+                    true => Stamp { add: bricks(&around), ..Stamp::default() },
+                    false => Stamp { remove: bricks(&around), ..Stamp::default() },
+                }
+            }
             Effect::Clay { .. } => {
                 // A paraboloid over the footprint, so that strokes blend into what is there.
                 let height = |offset: f32| self.reach_vx * (1.0 - offset * offset);
@@ -311,7 +333,10 @@ impl Spray {
         match self.effect {
             Effect::Paintbrush { colour, .. } | Effect::Clay { colour } => Some(colour),
             Effect::Dilation { colour, .. } | Effect::Growth { colour, .. } => colour,
-            Effect::Devourer { .. } | Effect::Erosion { .. } | Effect::Smooth { .. } => None,
+            Effect::Devourer { .. }
+            | Effect::Erosion { .. }
+            | Effect::Smooth { .. }
+            | Effect::Mask { .. } => None,
         }
     }
 

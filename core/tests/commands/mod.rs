@@ -7,6 +7,7 @@ mod document;
 mod files;
 pub mod forms;
 mod large;
+mod masks;
 mod model;
 mod orient;
 mod orientations;
