@@ -1,0 +1,223 @@
+//! Changes the mask: what is protected from all tools. Mirror planes and the limit to the selection apply to it as to
+//! tools; each change is undone like any other.
+
+use std::sync::Arc;
+
+use glam::UVec3;
+
+use super::{Applied, CommandError, Document};
+use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
+use crate::sculpture::edit::{EditStats, edit_mask};
+use crate::sculpture::permit::{Permit, Permitted};
+use crate::sculpture::region::{Everywhere, ListedBricks, Region};
+use crate::sculpture::{Grid, Rgb};
+use crate::tools::flood;
+use crate::tools::mask::{self, MAX_GROWTH_VX, MAX_REACH_VX};
+use crate::tools::pieces::{Part, pieces};
+
+impl Document {
+    /// The voxels that are protected, if any are.
+    pub fn mask(&self) -> Option<&Grid> {
+        self.contents.mask.as_deref()
+    }
+
+    pub(super) fn change_mask(
+        &mut self,
+        change: &MaskChange,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        let in_range = |value: u32, most: u32, why| match (1..=most).contains(&value) {
+            true => Ok(()),
+            false => Err(CommandError::Mask(why)),
+        };
+        let stats = match change {
+            MaskChange::Clear => self.edit_mask(&Everywhere, false)?,
+            MaskChange::Invert => self.invert_mask()?,
+            MaskChange::Grow(by) | MaskChange::Shrink(by) => {
+                in_range(
+                    *by,
+                    MAX_GROWTH_VX,
+                    "a mask grows or shrinks by 1 to 64 voxels at a time",
+                )?;
+                let Some(now) = self.mask() else { return Ok(Applied::default()) };
+                match change {
+                    MaskChange::Grow(_) => {
+                        let added = mask::grown(now, *by);
+                        self.edit_mask(&added, true)?
+                    }
+                    _ => {
+                        let removed = mask::shrunk(now, *by);
+                        self.edit_mask(&removed, false)?
+                    }
+                }
+            }
+            MaskChange::Smooth(around) => {
+                in_range(*around, 8, "a mask is evened within 1 to 8 voxels")?;
+                let Some(now) = self.mask() else { return Ok(Applied::default()) };
+                let (added, removed) = mask::evened(now, *around);
+                let mut stats = self.edit_mask(&added, true)?;
+                stats += self.edit_mask(&removed, false)?;
+                stats
+            }
+            MaskChange::Put { adds, what } => self.put_in_mask(what, *adds)?,
+        };
+        self.applied(stats, command)
+    }
+
+    fn invert_mask(&mut self) -> Result<EditStats, CommandError> {
+        let Some(before) = self.contents.mask.clone() else {
+            return self.edit_mask(&Everywhere, true);
+        };
+        let permit = Permit { stack: None, mask: Some(&before) };
+        let mut stats = self.edit_mask(&Permitted { region: &Everywhere, permit }, true)?;
+        stats += self.edit_mask(&mask::listed(&before), false)?;
+        Ok(stats)
+    }
+
+    fn put_in_mask(&mut self, what: &MaskArea, adds: bool) -> Result<EditStats, CommandError> {
+        let images = self.symmetry.images(self.grid().dims());
+        let mut stats = EditStats::default();
+        match what {
+            MaskArea::Area(Area::Grid) => stats += self.edit_mask(&Everywhere, adds)?,
+            MaskArea::Area(Area::Marker) => {
+                stats += self.edit_mask(&self.selection.marker(), adds)?;
+            }
+            MaskArea::Area(Area::Selection) if self.selection.stack().is_empty() => {
+                return Err(CommandError::NothingSelected);
+            }
+            MaskArea::Area(Area::Selection) => {
+                stats += self.edit_mask(&self.selection.stack().clone(), adds)?;
+            }
+            MaskArea::Solid(primitive) => {
+                primitive.check().map_err(CommandError::Primitive)?;
+                let voxel_size = self.grid().voxel_size();
+                for image in images {
+                    stats += self.edit_mask(&image.placed(primitive, voxel_size), adds)?;
+                }
+            }
+            MaskArea::Form(form) => {
+                form.check().map_err(|reason| CommandError::Form { name: form.name(), reason })?;
+                for image in images {
+                    let placed = image.form(form, self.grid());
+                    stats += self.edit_mask(&placed, adds)?;
+                }
+            }
+            MaskArea::Colour { colour, tolerance } => {
+                let voxels = self.voxels_of_colour(*colour, *tolerance)?;
+                stats += self.edit_mask(&voxels, adds)?;
+            }
+            MaskArea::Cavities { reach_vx, depth_vx } => {
+                if !(1..=MAX_REACH_VX).contains(reach_vx) {
+                    return Err(CommandError::Mask("cavities are looked for within 1 to 4 voxels"));
+                }
+                let found = mask::cavities(self.grid(), *reach_vx);
+                stats += self.edit_mask(&self.thickened(&found, *depth_vx)?, adds)?;
+            }
+            MaskArea::Patch { at, by, depth_vx } => {
+                let patch = self.patch(*at, *by)?;
+                stats += self.edit_mask(&self.thickened(&patch, *depth_vx)?, adds)?;
+            }
+            MaskArea::Piece { at } => {
+                let voxels = self.piece_at(*at)?;
+                stats += self.edit_mask(&voxels, adds)?;
+            }
+        }
+        Ok(stats)
+    }
+
+    fn voxels_of_colour(&self, colour: Rgb, tolerance: f32) -> Result<ListedBricks, CommandError> {
+        if !(0.0..=1.0).contains(&tolerance) {
+            return Err(CommandError::Mask(TOLERANCE));
+        }
+        if !self.has_colour() {
+            return Err(CommandError::NoColour);
+        }
+        Ok(flood::of_colour(&self.contents, colour, tolerance))
+    }
+
+    /// The patch of the surface around a voxel, and those around its mirror images.
+    fn patch(&self, at: UVec3, by: PatchRule) -> Result<ListedBricks, CommandError> {
+        let in_range = match by {
+            PatchRule::Colour(tolerance) => (0.0..=1.0).contains(&tolerance),
+            PatchRule::Flat(angle_deg) => (0.0..=180.0).contains(&angle_deg),
+        };
+        if !in_range {
+            return Err(CommandError::Mask(match by {
+                PatchRule::Colour(_) => TOLERANCE,
+                PatchRule::Flat(_) => "the angle of a patch must be from 0 to 180 degrees",
+            }));
+        }
+        let starts = self.surface_images(at)?;
+        Ok(match by {
+            PatchRule::Colour(tolerance) => flood::patch(&self.contents, &starts, tolerance),
+            PatchRule::Flat(angle_deg) => ListedBricks::union(
+                starts.iter().map(|start| mask::flat_patch(self.grid(), *start, angle_deg)),
+            ),
+        })
+    }
+
+    /// All that hangs together with a voxel, and with its mirror images.
+    fn piece_at(&self, at: UVec3) -> Result<ListedBricks, CommandError> {
+        let grid = self.grid();
+        let starts = self.surface_images(at)?;
+        let found = pieces(grid, Part::Solid, self.limits.grid_bytes, &())
+            .map_err(crate::tools::mend::MendError::from)?;
+        let wanted: Vec<u32> = starts.iter().filter_map(|v| found.at(v.as_ivec3())).collect();
+        let bricks = grid
+            .nonempty_bricks()
+            .map(|(b, _)| (b, found.chosen(grid.brick_index(b), &|piece| wanted.contains(&piece))));
+        Ok(ListedBricks::new(bricks.filter(|(_, brick)| !brick.is_empty()).collect()))
+    }
+
+    /// A voxel of the surface, and those of its mirror images that are of the surface.
+    pub(super) fn surface_images(&self, at: UVec3) -> Result<Vec<UVec3>, CommandError> {
+        let grid = self.grid();
+        if at.cmpge(grid.dims()).any() || !flood::is_on_surface(grid, at.as_ivec3()) {
+            return Err(CommandError::NotOnSurface(at));
+        }
+        let centre = at.as_vec3() + 0.5;
+        let images = self.symmetry.images(grid.dims()).into_iter();
+        let voxels = images.map(|image| image.point(centre).floor().as_ivec3());
+        Ok(voxels.filter(|v| flood::is_on_surface(grid, *v)).map(|v| v.as_uvec3()).collect())
+    }
+
+    fn thickened(&self, voxels: &ListedBricks, by: u32) -> Result<ListedBricks, CommandError> {
+        match by > MAX_REACH_VX {
+            true => Err(CommandError::Mask("a patch protects up to 4 voxels from the surface")),
+            false => Ok(mask::thickened(voxels, self.grid().brick_dims(), by)),
+        }
+    }
+
+    /// Adds voxels to the mask or takes them out of it, within the selection if tools are limited to it.
+    pub(super) fn edit_mask(
+        &mut self,
+        region: &impl Region,
+        adds: bool,
+    ) -> Result<EditStats, CommandError> {
+        let grid = self.grid();
+        match self.contents.mask.is_none() {
+            true if !adds => return Ok(EditStats::default()),
+            true => {
+                let left = self.limits.grid_bytes.saturating_sub(grid.heap_bytes());
+                Grid::check(grid.dims(), grid.voxel_size(), left)?;
+            }
+            false => {}
+        }
+        let contents = Arc::make_mut(&mut self.contents);
+        let recorder = self.recorder.for_mask(&contents.grid);
+        let mut bits = contents.mask.take().unwrap_or_else(|| Box::new(contents.grid.emptied()));
+        let permit = Permit { stack: self.selection.limit(), mask: None };
+        let stats = match permit.is_everywhere() {
+            true => edit_mask(&mut bits, region, adds, recorder, &mut self.dirty),
+            false => {
+                let region = Permitted { region, permit };
+                edit_mask(&mut bits, &region, adds, recorder, &mut self.dirty)
+            }
+        };
+        contents.mask = Some(bits);
+        contents.drop_empty_mask();
+        Ok(stats)
+    }
+}
+
+const TOLERANCE: &str = "the tolerance must be a share from 0 to 1";

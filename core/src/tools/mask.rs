@@ -1,0 +1,217 @@
+//! Which voxels a mask is extended by or loses: what grows, shrinks and evens it, and what of the surface is chosen by
+//! its shape.
+//!
+//! From grids to lists of voxels. Changes nothing; knows no document.
+
+use glam::{IVec3, UVec3, Vec3};
+use rayon::prelude::*;
+
+use super::filter;
+use super::flood::{self, Slices};
+use crate::sculpture::Grid;
+use crate::sculpture::bit_block::BitBlock;
+use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
+use crate::sculpture::region::{ListedBricks, Region, VoxelBox};
+
+/// Furthest that a mask grows or shrinks in one go, in voxels.
+pub const MAX_GROWTH_VX: u32 = 64;
+/// Furthest that cavities are looked for around a voxel, and that a patch is thickened, in voxels.
+pub const MAX_REACH_VX: u32 = 4;
+
+/// How many of 26 neighbours a voxel needs to be added, in alternate rounds: cubes and octahedra, so that what grows stays
+/// round.
+const ROUNDS: [u32; 2] = [1, 4];
+/// By how much more of the cube around a voxel of a cavity is filled than around one of a plane.
+const CAVITY_SHARE: f32 = 0.06;
+
+/// The voxels that `mask` gains when it grows by `by` voxels.
+pub fn grown(mask: &Grid, by: u32) -> ListedBricks {
+    let Some(bounds) = bounds_of(mask) else { return ListedBricks::default() };
+    let reach = IVec3::splat(by as i32);
+    let bits = BitBlock::of_grid(mask, bounds.min - reach, bounds.max + reach);
+    let mut added = spread(bits.clone(), by).zip(&bits, |all, old| all & !old);
+    let inside = VoxelBox::of_grid(mask);
+    added.keep_box(inside.min, inside.max);
+    ListedBricks::new(added.bricks(mask.brick_dims()))
+}
+
+/// The voxels that `mask` loses when it shrinks by `by` voxels. It stays where it reaches the grid's border.
+pub fn shrunk(mask: &Grid, by: u32) -> ListedBricks {
+    let Some(bounds) = bounds_of(mask) else { return ListedBricks::default() };
+    let (min, max) = (bounds.min - 1, bounds.max + 1);
+    let inside = VoxelBox::of_grid(mask);
+    let mut bits = BitBlock::of_grid(mask, min, max);
+    let mut may = filled(&bits);
+    let beyond = {
+        may.keep_box(inside.min, inside.max);
+        filled(&bits).zip(&may, |all, inside| all & !inside)
+    };
+    bits = bits.zip(&beyond, |bits, beyond| bits | beyond);
+    let start = bits.clone();
+    for round in 0..by {
+        let removed = filter::erosion(&bits, &may, 27 - ROUNDS[round as usize % 2]);
+        bits = bits.zip(&removed, |bits, removed| bits & !removed);
+    }
+    ListedBricks::new(start.zip(&bits, |old, left| old & !left).bricks(mask.brick_dims()))
+}
+
+/// What `mask` gains and loses where its outline is evened by the majority of the cube of `radius_vx` around each voxel.
+pub fn evened(mask: &Grid, radius_vx: u32) -> (ListedBricks, ListedBricks) {
+    let Some(bounds) = bounds_of(mask) else { return Default::default() };
+    let reach = IVec3::splat(radius_vx as i32);
+    let bits = BitBlock::of_grid(mask, bounds.min - reach, bounds.max + reach);
+    let (added, removed) = filter::majority(&bits, &filled(&bits), radius_vx);
+    let bricks = |block: BitBlock| ListedBricks::new(block.bricks(mask.brick_dims()));
+    (bricks(added), bricks(removed))
+}
+
+/// The voxels of a mask as a list.
+pub fn listed(mask: &Grid) -> ListedBricks {
+    ListedBricks::new(mask.nonempty_bricks().map(|(b, brick)| (b, *brick)).collect())
+}
+
+/// All voxels within about `by` voxels of those listed.
+pub fn thickened(voxels: &ListedBricks, brick_dims: UVec3, by: u32) -> ListedBricks {
+    let bounds = voxels.bounds_vx();
+    if by == 0 || bounds.is_empty() {
+        return voxels.clone();
+    }
+    let reach = IVec3::splat(by as i32);
+    let mut bits = BitBlock::empty(bounds.min - reach, bounds.max + reach);
+    voxels.bricks().iter().for_each(|(b, brick)| bits.put_brick(*b, brick));
+    ListedBricks::new(spread(bits, by).bricks(brick_dims))
+}
+
+/// The voxels of the surface around which more is filled than around a plane: furrows, corners and holes, looked for
+/// within `reach_vx` voxels.
+pub fn cavities(grid: &Grid, reach_vx: u32) -> ListedBricks {
+    let edge = (2 * reach_vx + 1) as f32;
+    let plane = (reach_vx as f32 + 1.0) / edge;
+    let least = ((plane + CAVITY_SHARE) * edge.powi(3)) as u32;
+    let of_brick = |b: UVec3| {
+        let surface = flood::surface_of(grid, b);
+        let window = (surface != [0; 8]).then(|| Window::around(grid, b))?;
+        let is_cavity = |local: UVec3| window.moment(local, reach_vx).0 > least;
+        Some((b, chosen(&surface, is_cavity))).filter(|(_, brick)| !brick.is_empty())
+    };
+    let bricks: Vec<UVec3> = grid.nonempty_bricks().map(|(b, _)| b).collect();
+    ListedBricks::new(bricks.into_par_iter().filter_map(of_brick).collect())
+}
+
+/// The voxels of the surface that are joined by faces to `start` by such whose normals turn by at most `angle_deg` from
+/// its own. Nothing if `start` is not of the surface.
+pub fn flat_patch(grid: &Grid, start: UVec3, angle_deg: f32) -> ListedBricks {
+    let size = grid.voxel_size();
+    let normal = |window: &Window, local: UVec3| {
+        // Away from where the voxels are; a covector, so that long voxels do not turn it.
+        let (_, moment) = window.moment(local, MAX_REACH_VX);
+        (-moment.as_vec3() / size).normalize_or_zero()
+    };
+    let brick = start / BRICK_EDGE_VX;
+    let wanted = normal(&Window::around(grid, brick), start % BRICK_EDGE_VX);
+    let least = angle_deg.to_radians().cos() - 1e-6;
+    let may = |b: UVec3| -> Slices {
+        let surface = flood::surface_of(grid, b);
+        if surface == [0; 8] {
+            return surface;
+        }
+        let window = Window::around(grid, b);
+        chosen(&surface, |local| normal(&window, local).dot(wanted) >= least).to_rows()
+    };
+    flood::patch_by(grid, start, &may)
+}
+
+/// A box around the voxels of a grid, by bricks; none if there are none.
+fn bounds_of(grid: &Grid) -> Option<VoxelBox> {
+    let edge = BRICK_EDGE_VX;
+    let around = |a: (UVec3, UVec3), b: (UVec3, UVec3)| (a.0.min(b.0), a.1.max(b.1));
+    let (low, high) = grid.nonempty_bricks().map(|(b, _)| (b, b + 1)).reduce(around)?;
+    Some(VoxelBox { min: (low * edge).as_ivec3(), max: (high * edge).as_ivec3() })
+}
+
+/// A block of the same place with all voxels.
+fn filled(block: &BitBlock) -> BitBlock {
+    let mut all = block.zip(block, |_, _| u64::MAX);
+    all.keep_box(block.origin(), block.origin() + block.size().as_ivec3());
+    all
+}
+
+/// A block grown by `by` voxels within its size.
+fn spread(mut bits: BitBlock, by: u32) -> BitBlock {
+    let may = filled(&bits);
+    for round in 0..by {
+        let added = filter::dilation(&bits, &may, ROUNDS[round as usize % 2]);
+        bits = bits.zip(&added, |bits, added| bits | added);
+    }
+    bits
+}
+
+/// The voxels of a brick for which `is` holds.
+fn chosen(voxels: &Slices, is: impl Fn(UVec3) -> bool) -> Brick {
+    let mut chosen = Brick::EMPTY;
+    Brick::from_rows(voxels).for_each(|local| {
+        let [x, y, z] = local_coords(local);
+        chosen.set(x, y, z, is(UVec3::new(x, y, z)));
+    });
+    chosen
+}
+
+/// Edge of a [`Window`], in voxels.
+const WINDOW_EDGE: usize = (BRICK_EDGE_VX + 2 * MAX_REACH_VX) as usize;
+
+/// The voxels of a brick and those around it: bit x of the rows `[z][y]`, counted from [`MAX_REACH_VX`] before the brick.
+struct Window {
+    rows: [[u16; WINDOW_EDGE]; WINDOW_EDGE],
+}
+
+impl Window {
+    fn around(grid: &Grid, b: UVec3) -> Window {
+        let reach = MAX_REACH_VX as i32;
+        let min = (b * BRICK_EDGE_VX).as_ivec3() - reach;
+        let block = BitBlock::of_grid(grid, min, min + WINDOW_EDGE as i32);
+        let from = min - block.origin();
+        let row = |y: usize, z: usize| match block.row(from.y + y as i32, from.z + z as i32) {
+            Some(row) => (row[0] >> from.x) as u16,
+            None => 0,
+        };
+        Window { rows: std::array::from_fn(|z| std::array::from_fn(|y| row(y, z))) }
+    }
+
+    /// How many voxels exist in the cube that reaches `reach` voxels around one of the brick, and the sum of the ways to
+    /// them.
+    fn moment(&self, local: UVec3, reach: u32) -> (u32, IVec3) {
+        let [x, y, z] = (local + MAX_REACH_VX).to_array();
+        let (mut count, mut sum) = (0, IVec3::ZERO);
+        for dz in 0..=2 * reach {
+            for dy in 0..=2 * reach {
+                let row = self.rows[(z + dz - reach) as usize][(y + dy - reach) as usize];
+                let bits = u32::from(row) >> (x - reach) & ((1 << (2 * reach + 1)) - 1);
+                if bits == 0 {
+                    continue;
+                }
+                let ones = bits.count_ones();
+                count += ones;
+                let along: i32 = (1..=reach as i32)
+                    .map(|d| {
+                        let at = |d: i32| (bits >> (reach as i32 + d) & 1) as i32;
+                        d * (at(d) - at(-d))
+                    })
+                    .sum();
+                let across = |d: u32| (d as i32 - reach as i32) * ones as i32;
+                sum += IVec3::new(along, across(dy), across(dz));
+            }
+        }
+        (count, sum)
+    }
+}
+
+/// The direction out of the clay at a voxel of the surface, in the world, of length 1; 0 where all sides are alike.
+pub fn normal_at(grid: &Grid, v: UVec3) -> Vec3 {
+    let (_, moment) =
+        Window::around(grid, v / BRICK_EDGE_VX).moment(v % BRICK_EDGE_VX, MAX_REACH_VX);
+    (-moment.as_vec3() / grid.voxel_size()).normalize_or_zero()
+}
+
+#[cfg(test)]
+#[path = "mask_tests.rs"]
+mod tests;

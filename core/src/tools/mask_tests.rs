@@ -1,0 +1,142 @@
+use glam::Quat;
+
+use super::*;
+use crate::tools::construct::{Primitive, Solid};
+
+const DIMS: UVec3 = UVec3::new(40, 32, 36);
+
+fn grid() -> Grid {
+    Grid::new(DIMS, Vec3::ONE, 1 << 20).unwrap()
+}
+
+fn with(voxels: impl Fn(IVec3) -> bool) -> Grid {
+    let mut grid = grid();
+    for v in every() {
+        grid.set(v, voxels(v));
+    }
+    grid
+}
+
+fn every() -> impl Iterator<Item = IVec3> {
+    let d = DIMS.as_ivec3();
+    (0..d.z)
+        .flat_map(move |z| (0..d.y).flat_map(move |y| (0..d.x).map(move |x| IVec3::new(x, y, z))))
+}
+
+fn has(list: &ListedBricks, v: IVec3) -> bool {
+    let b = v.as_uvec3() / BRICK_EDGE_VX;
+    let [x, y, z] = (v.as_uvec3() % BRICK_EDGE_VX).to_array();
+    list.bricks().iter().any(|(brick, bits)| *brick == b && bits.get(x, y, z))
+}
+
+#[test]
+fn what_grows_and_shrinks_again_is_what_it_was() {
+    let ball = |v: IVec3| (v - IVec3::new(19, 15, 17)).length_squared() <= 64;
+    let mask = with(ball);
+    for by in 1..=6 {
+        let added = grown(&mask, by);
+        let all = with(|v| ball(v) || has(&added, v));
+        // Round to about a voxel.
+        let from = |v: IVec3| (v - IVec3::new(19, 15, 17)).as_vec3().length() - 8.0;
+        for v in every() {
+            let far = from(v);
+            assert!(!all.get(v) || far <= 1.4 * by as f32 + 0.5, "{v} of {by}");
+            assert!(all.get(v) || far >= 0.8 * by as f32 - 0.8, "{v} of {by}");
+        }
+        let removed = shrunk(&all, by);
+        let back = with(|v| all.get(v) && !has(&removed, v));
+        for v in every().filter(|v| back.get(*v) != mask.get(*v)) {
+            assert!(back.get(v) && from(v) <= 1.0, "{v} after {by}");
+        }
+    }
+}
+
+#[test]
+fn a_mask_of_everything_stays_and_one_at_the_border_shrinks_from_within() {
+    let all = with(|_| true);
+    assert!(shrunk(&all, 3).bricks().is_empty());
+    assert!(grown(&all, 3).bricks().is_empty());
+    let slab = with(|v| v.x < 10);
+    let removed = shrunk(&slab, 2);
+    for v in every() {
+        assert_eq!(has(&removed, v), (8..10).contains(&v.x), "{v}");
+    }
+    let nothing = grid();
+    assert!(grown(&nothing, 5).bricks().is_empty() && shrunk(&nothing, 5).bricks().is_empty());
+    assert_eq!(evened(&nothing, 2), Default::default());
+}
+
+#[test]
+fn what_sticks_out_of_an_outline_goes_and_planes_stay() {
+    let bump = |v: IVec3| v.x < 16 || (v == IVec3::new(16, 12, 12));
+    let (added, removed) = evened(&with(bump), 2);
+    assert!(has(&removed, IVec3::new(16, 12, 12)));
+    let inner = |v: IVec3| v.cmpge(IVec3::splat(3)).all() && (v + 3).cmplt(DIMS.as_ivec3()).all();
+    assert!(
+        every().filter(|v| inner(*v) && v.x != 16).all(|v| !has(&removed, v) && !has(&added, v))
+    );
+}
+
+#[test]
+fn cavities_are_furrows_and_corners_but_not_planes_nor_ridges() {
+    // A block with a furrow along z in its upper face, and a ridge.
+    let clay = |v: IVec3| match v.x {
+        10..13 => v.y < 12,
+        26..29 => v.y < 20,
+        _ => v.y < 16,
+    };
+    let found = cavities(&with(clay), 3);
+    assert!(has(&found, IVec3::new(11, 11, 18)), "the bottom of the furrow");
+    assert!(!has(&found, IVec3::new(19, 15, 18)), "the plane");
+    assert!(!has(&found, IVec3::new(27, 19, 18)), "the ridge");
+    assert!(has(&found, IVec3::new(25, 15, 18)), "the foot of the ridge");
+    assert!(found.bricks().iter().all(|(b, bits)| {
+        let mut within = true;
+        bits.for_each(|local| {
+            let v = (*b * BRICK_EDGE_VX + UVec3::from(local_coords(local))).as_ivec3();
+            within &= clay(v) && flood::is_on_surface(&with(clay), v);
+        });
+        within
+    }));
+}
+
+#[test]
+fn a_flat_patch_is_the_face_of_a_solid() {
+    let cube = Primitive {
+        solid: Solid::Cuboid,
+        centre_vx: DIMS.as_vec3() * 0.5,
+        half: Vec3::splat(10.0),
+        rotation: Quat::IDENTITY,
+    };
+    let region = cube.in_grid(Vec3::ONE);
+    let clay = with(|v| region.contains_voxel(v));
+    let patch = flat_patch(&clay, UVec3::new(20, 25, 18), 20.0);
+    for v in every() {
+        if has(&patch, v) {
+            assert_eq!(v.y, 25, "{v} lies on another face");
+        }
+        let inside = (v - IVec3::new(20, 25, 18)).abs();
+        if v.y == 25 && inside.x < 5 && inside.z < 5 {
+            assert!(has(&patch, v), "{v} of the face is missing");
+        }
+    }
+    // All around, with any direction.
+    let all = flat_patch(&clay, UVec3::new(20, 25, 18), 180.0);
+    let surface = every().filter(|v| flood::is_on_surface(&clay, *v)).count();
+    let count: u32 = all.bricks().iter().map(|(_, bits)| u32::from(bits.count())).sum();
+    assert_eq!(count as usize, surface);
+    // From a voxel inside there is none.
+    assert!(flat_patch(&clay, UVec3::new(20, 18, 18), 180.0).bricks().is_empty());
+}
+
+#[test]
+fn thickening_reaches_into_the_air_and_into_the_clay() {
+    let clay = with(|v| v.y < 16);
+    let patch = flat_patch(&clay, UVec3::new(20, 15, 18), 5.0);
+    let thick = thickened(&patch, clay.brick_dims(), 2);
+    for (y, is) in [(12, false), (13, true), (15, true), (17, true), (18, false)] {
+        assert_eq!(has(&thick, IVec3::new(20, y, 18)), is, "{y}");
+    }
+    assert_eq!(thickened(&patch, clay.brick_dims(), 0), patch);
+    assert!((normal_at(&clay, UVec3::new(20, 15, 18)) - Vec3::Y).length() < 1e-6);
+}
