@@ -7,7 +7,7 @@
 //! Grammar, one command per line: a verb, then words, quoted strings and `key=value` pairs in any order;
 //! `#` at the start of a line opens a comment. The room `command_text` implements it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{IVec3, UVec3, Vec3};
@@ -22,7 +22,7 @@ use crate::tools::deform::Deform;
 use crate::tools::form::Form;
 use crate::tools::grab::{Grab, Motion};
 use crate::tools::mend::Mend;
-use crate::tools::spray::Spray;
+use crate::tools::spray::{Footprint, Spray};
 use crate::tools::symmetry::Symmetry;
 use crate::tools::tint::Tint;
 
@@ -138,6 +138,17 @@ pub enum Command {
         /// The PNG or JPEG file.
         picture: PathBuf,
     },
+    /// Paint the visible surface under a brush with an image, or with a colour through it.
+    Stencil {
+        /// The PNG or JPEG file; its longer side is as long as the brush is wide.
+        picture: PathBuf,
+        /// The rays of the brush; its outline is that of the image.
+        footprint: Footprint,
+        /// The colour that goes through where the image is bright; none for the image's own colours.
+        colour: Option<Rgb>,
+        /// Share of the new colour in the mixture, 0 to 1.
+        cover: f32,
+    },
     /// Make every voxel of the area exist; new ones get the colour, or the base colour.
     Fill {
         /// Which voxels.
@@ -243,6 +254,22 @@ impl Command {
         }
     }
 
+    /// The image that it paints with.
+    pub fn picture(&self) -> Option<&Path> {
+        match self {
+            Command::Texture { picture, .. } | Command::Stencil { picture, .. } => Some(picture),
+            _ => None,
+        }
+    }
+
+    /// The same command with another name for its image.
+    pub fn with_picture(mut self, name: PathBuf) -> Command {
+        if let Command::Texture { picture, .. } | Command::Stencil { picture, .. } = &mut self {
+            *picture = name;
+        }
+        self
+    }
+
     /// The verb of the text form.
     pub fn verb(&self) -> &'static str {
         match self {
@@ -263,6 +290,7 @@ impl Command {
             Command::Grab { .. } => "deform",
             Command::Deform { .. } => "deform",
             Command::Texture { .. } => "texture",
+            Command::Stencil { .. } => "stencil",
             Command::Fill { .. } => "fill",
             Command::Clear { .. } => "clear",
             Command::Dye { .. } => "dye",

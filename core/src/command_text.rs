@@ -163,6 +163,10 @@ impl fmt::Display for Command {
             Command::Texture { primitive, picture } => {
                 write!(f, " {} {primitive}", QuotedPath(picture))
             }
+            Command::Stencil { picture, footprint, colour, cover } => {
+                write!(f, " {}", QuotedPath(picture))?;
+                spray::write_stencil(footprint, *colour, *cover, f)
+            }
             Command::Fill { area, colour } => {
                 write!(f, " {}", area.name())?;
                 colour.map_or(Ok(()), |colour| write!(f, " colour={colour}"))
@@ -262,6 +266,7 @@ impl FromStr for Command {
             "texture" => {
                 Command::Texture { picture: args.path()?, primitive: parse_primitive(&mut args)? }
             }
+            "stencil" => spray::parse_stencil(&mut args)?,
             "fill" => Command::Fill {
                 area: selection::parse_area(&mut args)?,
                 colour: args.optional("colour", parse_colour)?,

@@ -194,10 +194,7 @@ impl Document {
 
     /// The images that `array` needs.
     pub fn pictures_to_repeat(&self) -> impl Iterator<Item = &Path> {
-        self.last_uses.iter().filter_map(|used| match used {
-            Command::Texture { picture, .. } => Some(picture.as_path()),
-            _ => None,
-        })
+        self.last_uses.iter().filter_map(Command::picture)
     }
 
     /// Whether an image of this name is loaded.
@@ -300,6 +297,7 @@ impl Document {
             Command::Construct { .. }
             | Command::Form { .. }
             | Command::Texture { .. }
+            | Command::Stencil { .. }
             | Command::Spray { .. }
             | Command::Grab { .. }
             | Command::Deform { .. }

@@ -272,7 +272,9 @@ impl Session {
     /// Reads the images that a command needs, unless they are loaded.
     fn learn_pictures(&mut self, command: &Command) -> Result<(), SessionError> {
         let needed: Vec<PathBuf> = match command {
-            Command::Texture { picture, .. } => vec![picture.clone()],
+            Command::Texture { picture, .. } | Command::Stencil { picture, .. } => {
+                vec![picture.clone()]
+            }
             Command::Array { .. } => {
                 self.document.pictures_to_repeat().map(Path::to_path_buf).collect()
             }

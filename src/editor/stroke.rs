@@ -171,7 +171,12 @@ impl Editor {
         if kind.gives_colour() {
             self.tool.used_colour();
         }
-        let spacing = (SPACING * options.radius_px).max(1.0);
+        let share = match kind {
+            // Beside each other, since one over another would blur the image.
+            SprayKind::Paintbrush if self.tool.stencil.is_some() => 2.0,
+            _ => SPACING,
+        };
+        let spacing = (share * options.radius_px).max(1.0);
         let path = Path::new(at.extend(0.0), spacing, Vec3::ONE);
         self.stroke = Some(Stroke { work: Work::Spray { kind, options }, path, changed: 0 });
         self.spray_at(&[at.extend(0.0)], picker);
@@ -196,7 +201,7 @@ impl Editor {
             let pixel = stop.truncate().max(Vec2::ZERO).as_uvec2().min(map.rays.size - 1);
             let (radius, outline) = (options.radius_px, options.outline);
             let footprint = Footprint::of_pixel(&map.rays, pixel, radius, outline);
-            let command = options.command(*kind, self.tool.colour, footprint);
+            let command = self.tool.spray_command(*kind, options, footprint);
             if !self.execute(&command) {
                 self.cancel_stroke();
             }
@@ -239,7 +244,7 @@ impl Editor {
 
     fn use_held_spray(&mut self, footprint: Footprint) {
         if let Some(Stroke { work: Work::HeldSpray { kind, options }, .. }) = &self.stroke {
-            let command = options.command(*kind, self.tool.colour, footprint);
+            let command = self.tool.spray_command(*kind, options, footprint);
             if !self.execute(&command) {
                 self.cancel_stroke();
             }
@@ -402,6 +407,10 @@ impl Editor {
     fn note_idle(&mut self, adds: bool) {
         if self.session.document().selection().limit().is_some() {
             self.outcomes.push(Outcome::Limited);
+        } else if self.session.document().mask().is_some() {
+            self.note(
+                "Nothing changed: what is masked stays as it is (Ctrl+Shift+J clears the mask)",
+            );
         } else if adds {
             self.note("Nothing was added: this part of the grid is full, or lies outside it");
         }

@@ -17,7 +17,7 @@ use crate::sculpture::orientation::Orientation;
 use crate::tools::construct::{Primitive, Solid};
 use crate::tools::deform::DeformKind;
 use crate::tools::form::Form;
-use crate::tools::spray::SprayKind;
+use crate::tools::spray::{Footprint, Outline, SprayKind};
 
 /// Smallest and largest half extent that the interface offers.
 pub const HALF_RANGE: std::ops::RangeInclusive<f32> = 0.5..=2048.0;
@@ -59,6 +59,10 @@ pub struct ToolState {
     recent: Vec<Rgb>,
     /// What a solid paints with instead of the colour.
     pub picture: Option<PathBuf>,
+    /// What the brush paints with instead of the colour, or what it paints the colour through.
+    pub stencil: Option<PathBuf>,
+    /// The colour goes through the stencil where it is bright.
+    pub through_stencil: bool,
     /// Centre in voxel coordinates.
     pub centre_vx: Vec3,
     /// The tool goes where the pointer meets the surface.
@@ -159,8 +163,9 @@ pub enum ToolEdit {
     /// A share of the range of colours.
     FloodTolerance(f32),
     Wand(Wand),
-    /// What a solid paints with instead of the colour.
+    /// What a solid or the brush in hand paints with instead of the colour.
     Picture(Option<PathBuf>),
+    ThroughStencil(bool),
     Snap(bool),
     Follow(bool),
     Stand(bool),
@@ -187,6 +192,8 @@ impl ToolState {
             colour: Rgb::new(0xd0, 0x5a, 0x32),
             recent: Vec::new(),
             picture: None,
+            stencil: None,
+            through_stencil: false,
             centre_vx: Vec3::ZERO,
             follow: true,
             snap: false,
@@ -214,7 +221,11 @@ impl ToolState {
             ToolEdit::NextPress(next) => self.next_press = next,
             ToolEdit::FloodTolerance(share) => self.flood_tolerance = share.clamp(0.0, 1.0),
             ToolEdit::Wand(wand) => self.wand = wand,
-            ToolEdit::Picture(picture) => self.picture = picture,
+            ToolEdit::Picture(picture) => match self.kind {
+                ToolKind::Spray(_) => self.stencil = picture,
+                _ => self.picture = picture,
+            },
+            ToolEdit::ThroughStencil(through) => self.through_stencil = through,
             ToolEdit::Snap(snap) => self.snap = snap,
             ToolEdit::Follow(follow) => self.follow = follow,
             ToolEdit::Stand(stand) => self.stand = stand,
@@ -363,6 +374,33 @@ impl ToolState {
             centre_vx: self.centre_vx,
             half: self.half,
             rotation: self.rotation,
+        }
+    }
+
+    /// The image that the tool in hand paints with.
+    pub fn picture_in_use(&self) -> Option<&PathBuf> {
+        match self.kind {
+            ToolKind::Spray(SprayKind::Paintbrush) => self.stencil.as_ref(),
+            ToolKind::Spray(_) => None,
+            _ => self.picture.as_ref(),
+        }
+    }
+
+    /// What a brush does under a footprint.
+    pub fn spray_command(
+        &self,
+        kind: SprayKind,
+        options: &SprayOptions,
+        footprint: Footprint,
+    ) -> Command {
+        match &self.stencil {
+            Some(picture) if kind == SprayKind::Paintbrush => Command::Stencil {
+                picture: picture.clone(),
+                footprint: Footprint { outline: Outline::Square, ..footprint },
+                colour: self.through_stencil.then_some(self.colour),
+                cover: options.cover,
+            },
+            _ => options.command(kind, self.colour, footprint),
         }
     }
 

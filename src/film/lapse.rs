@@ -45,10 +45,8 @@ impl Lapse {
     /// The files that its commands read.
     pub fn inputs(&self) -> impl Iterator<Item = &Path> {
         self.commands.iter().filter_map(|(_, command)| match command {
-            Command::Open { path, .. } | Command::Texture { picture: path, .. } => {
-                Some(path.as_path())
-            }
-            _ => None,
+            Command::Open { path, .. } => Some(path.as_path()),
+            other => other.picture(),
         })
     }
 
@@ -76,6 +74,7 @@ fn is_step(command: &Command) -> bool {
         | Command::Grab { .. }
         | Command::Deform { .. }
         | Command::Texture { .. }
+        | Command::Stencil { .. }
         | Command::Fill { .. }
         | Command::Clear { .. }
         | Command::Dye { .. }

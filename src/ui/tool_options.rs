@@ -63,6 +63,16 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
             if kind.gives_colour() {
                 colour(ui, context, requests);
             }
+            if kind == SprayKind::Paintbrush {
+                picture(ui, state, context, requests);
+                if tool.stencil.is_some() {
+                    let through = tool.through_stencil;
+                    switch(ui, through, "Colour through it", ToolEdit::ThroughStencil, requests)
+                        .on_hover_text(
+                            "Paint the colour where the image is bright, instead of the image itself",
+                        );
+                }
+            }
         }
         ToolKind::Deform => deform_options::show(ui, context, requests),
         ToolKind::Marker => {
@@ -117,10 +127,10 @@ fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut
     ui.horizontal(|ui| {
         if ui
             .button("Image …")
-            .on_hover_text("Paint with a PNG or JPEG image wrapped around the tool")
+            .on_hover_text("Paint with a PNG or JPEG image wrapped around a solid, or held under the brush as a stencil")
             .clicked()
         {
-            state.dialogs.files.open(FileTask::Picture, tool.picture.as_deref());
+            state.dialogs.files.open(FileTask::Picture, tool.picture_in_use().map(|p| p.as_path()));
         }
         // In a headset nobody has copied one.
         if !context.in_headset
@@ -128,7 +138,7 @@ fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut
         {
             state.window_tasks.paste = Some(PasteAs::ToolPicture);
         }
-        let Some(picture) = &tool.picture else {
+        let Some(picture) = tool.picture_in_use() else {
             ui.weak("Plain colour");
             return;
         };

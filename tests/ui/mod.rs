@@ -16,6 +16,7 @@ mod pressure;
 mod print_check;
 mod recovery;
 mod saved_history;
+mod stencils;
 mod surface;
 mod switches;
 mod tints;

@@ -82,6 +82,11 @@ pub const COMMANDS: &[CommandHelp] = &[
         tooltip: "Paint the voxels inside a solid with a PNG or JPEG image",
     },
     CommandHelp {
+        verb: "stencil",
+        usage: "\"PICTURE\" eye=X,Y,Z aim=X,Y,Z across=X,Y,Z down=X,Y,Z radius=RAYS [colour=#rrggbb] [cover=0..1]",
+        tooltip: "Paint the surface under a brush with a PNG or JPEG image, or with a colour through its bright parts",
+    },
+    CommandHelp {
         verb: "fill",
         usage: "[grid|selection|marker] [colour=#rrggbb]",
         tooltip: "Fill every voxel of an area",

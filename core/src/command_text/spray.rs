@@ -1,10 +1,11 @@
-//! The text form of spray commands.
+//! The text form of spray commands and stencils.
 
 use std::fmt;
 
 use super::arguments::Arguments;
 use super::{ParseError, list, number, parse_colour, parse_vec3};
 use crate::command::{Command, SpraySurface};
+use crate::sculpture::Rgb;
 use crate::tools::spray::{Effect, Footprint, Outline, Spray};
 
 /// How far a spray reaches if no one says otherwise, in voxels.
@@ -13,12 +14,9 @@ const DEFAULT_REACH_VX: f32 = 3.0;
 /// Writes what follows the verb.
 pub fn write(spray: &Spray, surface: SpraySurface, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let Spray { effect, footprint, reach_vx } = spray;
-    let Footprint { eye_vx, aim, across, down, radius, outline } = footprint;
     write!(f, " {}", effect.name())?;
-    for (key, vector) in [("eye", eye_vx), ("aim", aim), ("across", across), ("down", down)] {
-        write!(f, " {key}={}", list(vector.to_array()))?;
-    }
-    write!(f, " radius={radius} outline={} reach={reach_vx}", outline.name())?;
+    write_rays(footprint, f)?;
+    write!(f, " outline={} reach={reach_vx}", footprint.outline.name())?;
     if surface == SpraySurface::Stroke {
         write!(f, " surface=stroke")?;
     }
@@ -34,6 +32,47 @@ pub fn write(spray: &Spray, surface: SpraySurface, f: &mut fmt::Formatter<'_>) -
         Effect::Clay { colour } => write!(f, " colour={colour}"),
         Effect::Mask { .. } => Ok(()),
     }
+}
+
+fn write_rays(footprint: &Footprint, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let Footprint { eye_vx, aim, across, down, radius, .. } = footprint;
+    for (key, vector) in [("eye", eye_vx), ("aim", aim), ("across", across), ("down", down)] {
+        write!(f, " {key}={}", list(vector.to_array()))?;
+    }
+    write!(f, " radius={radius}")
+}
+
+/// Writes what follows the image of a stencil.
+pub fn write_stencil(
+    footprint: &Footprint,
+    colour: Option<Rgb>,
+    cover: f32,
+    f: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    write_rays(footprint, f)?;
+    colour.map_or(Ok(()), |colour| write!(f, " colour={colour}"))?;
+    write!(f, " cover={cover}")
+}
+
+/// Reads what follows the verb of a stencil.
+pub fn parse_stencil(args: &mut Arguments) -> Result<Command, ParseError> {
+    Ok(Command::Stencil {
+        picture: args.path()?,
+        footprint: parse_rays(args, Outline::Square)?,
+        colour: args.optional("colour", parse_colour)?,
+        cover: args.optional("cover", number)?.unwrap_or(1.0),
+    })
+}
+
+fn parse_rays(args: &mut Arguments, outline: Outline) -> Result<Footprint, ParseError> {
+    Ok(Footprint {
+        eye_vx: args.required("eye", parse_vec3)?,
+        aim: args.required("aim", parse_vec3)?,
+        across: args.required("across", parse_vec3)?,
+        down: args.required("down", parse_vec3)?,
+        radius: args.required("radius", number)?,
+        outline,
+    })
 }
 
 /// Reads what follows the verb.
@@ -69,14 +108,8 @@ pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
             )));
         }
     };
-    let footprint = Footprint {
-        eye_vx: args.required("eye", parse_vec3)?,
-        aim: args.required("aim", parse_vec3)?,
-        across: args.required("across", parse_vec3)?,
-        down: args.required("down", parse_vec3)?,
-        radius: args.required("radius", number)?,
-        outline: args.optional("outline", parse_outline)?.unwrap_or_default(),
-    };
+    let outline = args.optional("outline", parse_outline)?.unwrap_or_default();
+    let footprint = parse_rays(args, outline)?;
     let reach_vx = args.optional("reach", number)?.unwrap_or(DEFAULT_REACH_VX);
     let surface = parse_surface(args)?;
     Ok(Command::Spray { spray: Spray { effect, footprint, reach_vx }, surface })

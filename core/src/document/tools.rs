@@ -23,9 +23,10 @@ use crate::tools::construct::{PlacedSolid, Primitive};
 use crate::tools::deform::Deform;
 use crate::tools::form::Form;
 use crate::tools::grab::Grab;
-use crate::tools::spray::{Effect, Spray, Stamp};
+use crate::tools::spray::{Effect, Footprint, Spray, Stamp};
+use crate::tools::stencil::Stencil;
 use crate::tools::symmetry::Image;
-use crate::tools::texture::picture_point;
+use crate::tools::texture::{Texture, picture_point};
 
 /// Most copies in an array.
 pub const MAX_ARRAY: u32 = 1024;
@@ -40,6 +41,9 @@ impl Document {
             Command::Form { op, form } => self.form(*op, form)?,
             Command::Texture { primitive, picture } => self.texture(primitive, picture)?,
             Command::Spray { spray, surface } => self.spray(spray, *surface)?,
+            Command::Stencil { picture, footprint, colour, cover } => {
+                self.stencil(picture, footprint, *colour, *cover)?
+            }
             Command::Grab { grab, surface } => self.grab(grab, *surface)?,
             Command::Deform { deform, surface } => self.deform(deform, *surface)?,
             Command::Paste { at, orientation } => self.paste(*at, *orientation)?,
@@ -153,8 +157,7 @@ impl Document {
         if !self.has_colour() {
             return Err(CommandError::NoColour);
         }
-        let texture = self.pictures.get(picture).cloned();
-        let texture = texture.ok_or_else(|| CommandError::NoPicture(picture.to_path_buf()))?;
+        let texture = self.picture(picture)?;
         let placed = primitive.in_grid(self.grid().voxel_size());
         let mut stats = EditStats::default();
         for (image, region) in self.images_of(primitive, EditOp::Recolour(self.new_colour()))? {
@@ -164,6 +167,45 @@ impl Document {
             });
         }
         Ok(stats)
+    }
+
+    /// Paints the surface under a brush by an image. Mirror images show the image mirrored.
+    fn stencil(
+        &mut self,
+        picture: &std::path::Path,
+        footprint: &Footprint,
+        colour: Option<Rgb>,
+        cover: f32,
+    ) -> Result<EditStats, CommandError> {
+        let effect = Effect::Paintbrush { colour: self.new_colour(), cover };
+        let brush = Spray { effect, footprint: *footprint, reach_vx: 0.0 };
+        brush.check().map_err(CommandError::Spray)?;
+        if !self.has_colour() {
+            return Err(CommandError::NoColour);
+        }
+        let texture = self.picture(picture)?;
+        let images = self.symmetry.images(self.grid().dims()).into_iter();
+        let stamps = images.map(|image| {
+            let footprint = image.footprint(footprint);
+            let stencil = Stencil::new(&texture, &footprint, colour, cover);
+            let stamp = Spray { footprint, ..brush }.stamp(self.grid(), self.grid());
+            (stencil, stamp.paint)
+        });
+        let stamps: Vec<_> = stamps.collect();
+        self.check_colour_memory(|document, exact| {
+            let op = EditOp::Recolour(self.new_colour());
+            stamps.iter().map(|(_, voxels)| document.new_pages(voxels, op, exact)).sum()
+        })?;
+        let mut stats = EditStats::default();
+        for (stencil, voxels) in stamps {
+            stats += self.paint(&voxels, |v, now| stencil.colour(v, now));
+        }
+        Ok(stats)
+    }
+
+    fn picture(&self, name: &std::path::Path) -> Result<Arc<Texture>, CommandError> {
+        let texture = self.pictures.get(name).cloned();
+        texture.ok_or_else(|| CommandError::NoPicture(name.to_path_buf()))
     }
 
     /// A solid and its mirror images, placed in the grid; an error if memory does not suffice for what
@@ -392,6 +434,13 @@ impl Command {
             Command::Form { op, form } => Command::Form { op: *op, form: form.shifted(by) },
             Command::Texture { primitive, picture } => {
                 Command::Texture { primitive: solid(primitive), picture: picture.clone() }
+            }
+            Command::Stencil { .. } => {
+                let mut moved = self.clone();
+                if let Command::Stencil { footprint, .. } = &mut moved {
+                    footprint.eye_vx += by;
+                }
+                moved
             }
             Command::Spray { spray, surface } => {
                 let mut spray = *spray;

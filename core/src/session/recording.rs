@@ -99,7 +99,9 @@ impl Recording {
     /// Whether only a checkpoint can follow, now that the command is executed. `left`: the steps of the undo and the
     /// redo list afterwards.
     pub fn needs_checkpoint(&mut self, command: &Command, left: [usize; 2]) -> bool {
-        use Command::{Array, Begin, Cancel, Construct, End, Paste, Redo, Spray, Texture, Undo};
+        use Command::{
+            Array, Begin, Cancel, Construct, End, Paste, Redo, Spray, Stencil, Texture, Undo,
+        };
         self.is_behind |= match command {
             Undo { .. } | Redo { .. } => std::iter::zip(left, self.missing).any(|(l, m)| l < m),
             Array { .. } => self.lacks_uses,
@@ -107,7 +109,7 @@ impl Recording {
         };
         match command {
             Begin { .. } => self.stroke = Some(false),
-            Construct { .. } | Texture { .. } | Spray { .. } | Paste { .. } => {
+            Construct { .. } | Texture { .. } | Stencil { .. } | Spray { .. } | Paste { .. } => {
                 match &mut self.stroke {
                     Some(used) => *used = true,
                     None => self.lacks_uses = false,
@@ -214,9 +216,8 @@ fn line_of(command: &Command, applied: Applied) -> Option<String> {
         Command::Open { path, import } => {
             format!("{}\n", Command::Open { path: absolute(path), import: *import })
         }
-        Command::Texture { primitive, picture } => {
-            let (primitive, picture) = (*primitive, absolute(picture));
-            format!("{}\n", Command::Texture { primitive, picture })
+        Command::Texture { picture, .. } | Command::Stencil { picture, .. } => {
+            format!("{}\n", command.clone().with_picture(absolute(picture)))
         }
         // As many as there were: a replay has another one before them, that of the beginning.
         Command::Undo { .. } | Command::Redo { .. } if applied.steps == 0 => return None,

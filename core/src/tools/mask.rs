@@ -48,7 +48,8 @@ pub fn shrunk(mask: &Grid, by: u32) -> ListedBricks {
     };
     bits = bits.zip(&beyond, |bits, beyond| bits | beyond);
     let start = bits.clone();
-    for round in 0..by {
+    // As it would have grown, backwards.
+    for round in (0..by).rev() {
         let removed = filter::erosion(&bits, &may, 27 - ROUNDS[round as usize % 2]);
         bits = bits.zip(&removed, |bits, removed| bits & !removed);
     }

@@ -46,7 +46,8 @@ fn what_grows_and_shrinks_again_is_what_it_was() {
         let removed = shrunk(&all, by);
         let back = with(|v| all.get(v) && !has(&removed, v));
         for v in every().filter(|v| back.get(*v) != mask.get(*v)) {
-            assert!(back.get(v) && from(v) <= 1.0, "{v} after {by}");
+            // Tips of a voxel may go, and furrows of one stay filled.
+            assert!(from(v).abs() <= 1.0, "{v} after {by}");
         }
     }
 }

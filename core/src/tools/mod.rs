@@ -40,6 +40,7 @@ mod solid;
 pub mod spray;
 #[cfg(test)]
 mod spray_tests;
+pub mod stencil;
 pub mod sweep;
 pub mod symmetry;
 pub mod texture;

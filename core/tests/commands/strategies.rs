@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
+use sculpture_core::command::{
+    Area, Command, MaskArea, MaskChange, NewSculpture, PatchRule, SelectOp, SpraySurface,
+};
 use sculpture_core::format::options::{
     Colouring, Cubic, Existence, ExportForm, ExportOptions, ImportOptions, MeshFill, MeshSize,
     RawLayout, Region,
@@ -17,6 +19,7 @@ use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
 use sculpture_core::tools::deform::{Brush, Deform, Draw, Plane};
+use sculpture_core::tools::form::Form;
 use sculpture_core::tools::grab::{Falloff, Grab, Motion};
 use sculpture_core::tools::mend::{Keep, Mend, Toward};
 use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
@@ -115,6 +118,7 @@ pub fn spray<S: Strategy<Value = Vec3>>(vector: impl Fn() -> S) -> impl Strategy
             .prop_map(|(threshold, colour)| Effect::Growth { threshold, colour }),
         (1u32..=3).prop_map(|radius_vx| Effect::Smooth { radius_vx }),
         colour().prop_map(|colour| Effect::Clay { colour }),
+        any::<bool>().prop_map(|adds| Effect::Mask { adds }),
     ];
     let footprint = (vector(), vector(), vector(), vector(), 0f32..6.0, outline()).prop_map(
         |(eye_vx, aim, across, down, radius, outline)| Footprint {
@@ -309,6 +313,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
         2 => (prop::array::uniform3(0u32..24), colour(), 0.0f32..1.0).prop_map(
             |(at, colour, tolerance)| Command::Flood { at: at.into(), colour, tolerance },
         ),
+        4 => mask(small_form(), 0..24, 0.0f32..1.0, 1..4).prop_map(Command::Mask),
         8 => marker(-6..24, 20).prop_map(Command::Mark),
         6 => prop::sample::select(&SelectOp::ALL[..]).prop_map(Command::Select),
         3 => any::<bool>().prop_map(Command::Limit),
@@ -323,6 +328,41 @@ pub fn area_work() -> impl Strategy<Value = Command> {
         3 => (0u32..4, near()).prop_map(|(count, step)| Command::Array { count, step }),
         6 => spray,
         4 => mend(|| 0.5f32..6.0).prop_map(Command::Mend),
+    ]
+}
+
+/// Changes of the mask, with solids, voxels, numbers and lengths of those given.
+fn mask(
+    form: impl Strategy<Value = Form>,
+    voxel: std::ops::Range<u32>,
+    number: impl Strategy<Value = f32> + Clone,
+    length: std::ops::Range<u32>,
+) -> impl Strategy<Value = MaskChange> {
+    let at = || prop::array::uniform3(voxel.clone()).prop_map(UVec3::from);
+    let rule = prop_oneof![
+        number.clone().prop_map(PatchRule::Colour),
+        number.clone().prop_map(PatchRule::Flat),
+    ];
+    let what = prop_oneof![
+        area().prop_map(MaskArea::Area),
+        form.prop_map(MaskArea::Form),
+        (colour(), number).prop_map(|(colour, tolerance)| MaskArea::Colour { colour, tolerance }),
+        (length.clone(), length.clone())
+            .prop_map(|(reach_vx, depth_vx)| MaskArea::Cavities { reach_vx, depth_vx }),
+        (at(), rule, length.clone()).prop_map(|(at, by, depth_vx)| MaskArea::Patch {
+            at,
+            by,
+            depth_vx
+        }),
+        at().prop_map(|at| MaskArea::Piece { at }),
+    ];
+    prop_oneof![
+        1 => Just(MaskChange::Clear),
+        1 => Just(MaskChange::Invert),
+        1 => length.clone().prop_map(MaskChange::Grow),
+        1 => length.clone().prop_map(MaskChange::Shrink),
+        1 => length.prop_map(MaskChange::Smooth),
+        4 => (any::<bool>(), what).prop_map(|(adds, what)| MaskChange::Put { adds, what }),
     ]
 }
 
@@ -446,6 +486,14 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         area().prop_map(|area| Command::Clear { area }),
         (area(), colour()).prop_map(|(area, colour)| Command::Dye { area, colour }),
         (area(), any_tint()).prop_map(|(area, tint)| Command::Tint { area, tint }),
+        (path(), prop::array::uniform4(any_vec3()), any_number(), prop::option::of(colour()))
+            .prop_map(|(picture, [eye_vx, aim, across, down], radius, colour)| {
+                let outline = Outline::Square;
+                let footprint = Footprint { eye_vx, aim, across, down, radius, outline };
+                Command::Stencil { picture, footprint, colour, cover: radius }
+            },),
+        mask(form(any_vec3, any_number), 0..u32::MAX, -1e9f32..1e9, 0..u32::MAX)
+            .prop_map(Command::Mask),
         (any::<[u32; 3]>(), colour(), any_number()).prop_map(|(at, colour, tolerance)| {
             Command::Flood { at: at.into(), colour, tolerance }
         }),

@@ -1,0 +1,71 @@
+//! The brush paints images on the surface, and colours through them.
+
+use egui::{Event, Modifiers, PointerButton};
+use virtual_sculpture::editor::tool::{ToolEdit, ToolKind};
+use virtual_sculpture::sculpture::Rgb;
+use virtual_sculpture::tools::spray::SprayKind;
+
+use super::bench::{Bench, bench, has, look, middle, rest, run, send};
+
+const RED: Rgb = Rgb::new(255, 0, 0);
+const WHITE: Rgb = Rgb::new(255, 255, 255);
+const BLACK: Rgb = Rgb::new(0, 0, 0);
+
+/// A workspace with a solid block of 64^3 voxels, seen from the front, a brush of 60 pixels, and an image of two halves:
+/// white above, black below.
+fn with_stencil(folder: &std::path::Path) -> Bench {
+    let path = folder.join("halves.png");
+    let picture =
+        image::RgbImage::from_fn(8, 8, |_, y| image::Rgb([if y < 4 { 255 } else { 0 }; 3]));
+    picture.save(&path).unwrap();
+    let mut harness = bench();
+    rest(&mut harness);
+    run(&mut harness, "place");
+    let tool = &mut harness.state_mut().editor.tool;
+    tool.kind = ToolKind::Spray(SprayKind::Paintbrush);
+    tool.colour = RED;
+    tool.sprays.of_mut(SprayKind::Paintbrush).radius_px = 60.0;
+    tool.edit(ToolEdit::Picture(Some(path)));
+    harness
+}
+
+fn press(harness: &mut Bench) {
+    let pos = middle(harness);
+    send(harness, Event::PointerMoved(pos));
+    look(harness);
+    for pressed in [true, false] {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        send(harness, Event::PointerButton { pos, button, pressed, modifiers });
+        look(harness);
+    }
+}
+
+fn colours(harness: &Bench) -> [Rgb; 3] {
+    let contents = harness.state().session().document().contents();
+    [36, 28, 60].map(|y| contents.rgb([32, y, 63].into()))
+}
+
+#[test]
+fn the_brush_paints_an_image_or_a_colour_through_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = with_stencil(folder.path());
+    rest(&mut harness);
+    assert!(has(&harness, "halves.png") && has(&harness, "Colour through it"));
+    press(&mut harness);
+    assert_eq!(colours(&harness), [WHITE, BLACK, Rgb::STONE]);
+    run(&mut harness, "undo");
+    assert_eq!(colours(&harness), [Rgb::STONE; 3]);
+    harness.state_mut().editor.tool.edit(ToolEdit::ThroughStencil(true));
+    press(&mut harness);
+    assert_eq!(colours(&harness), [RED, Rgb::STONE, Rgb::STONE]);
+    // A solid has an image of its own.
+    harness.state_mut().editor.tool.kind = ToolKind::Solid;
+    assert!(harness.state().editor.tool.picture_in_use().is_none());
+    // Without the file, a stroke says what is missing and leaves all as it is.
+    harness.state_mut().editor.tool.kind = ToolKind::Spray(SprayKind::Paintbrush);
+    harness.state_mut().editor.tool.edit(ToolEdit::Picture(Some("/nonexistent/leaf.png".into())));
+    let before = harness.state().session().document().contents().clone();
+    press(&mut harness);
+    assert!(*harness.state().session().document().contents() == before);
+    assert!(harness.state().ui.toasts.texts().any(|(_, text)| text.contains("leaf.png")));
+}
