@@ -8,9 +8,10 @@ use std::path::PathBuf;
 use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
 use super::deform::{DeformOptions, Deforms};
+use super::draw::DrawOptions;
 use super::sprays::{SprayOptions, Sprays};
 use crate::command::Command;
-use crate::input::ToolMode;
+use crate::input::{DrawKind, ToolMode};
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
@@ -34,6 +35,7 @@ pub enum ToolKind {
     Spray(SprayKind),
     /// The tool of [`ToolState::deform`].
     Deform,
+    Draw(DrawKind),
     /// The marker, which belongs to the document.
     Marker,
 }
@@ -47,6 +49,7 @@ pub struct ToolState {
     pub sprays: Sprays,
     pub deform: DeformKind,
     pub deforms: Deforms,
+    pub draws: DrawOptions,
     pub mode: ToolMode,
     half: Vec3,
     /// A change of one half extent changes all in proportion.
@@ -85,8 +88,6 @@ pub enum NextPress {
     Pick,
     /// Recolours the patch of one colour that it meets.
     Flood,
-    /// Draws an outline, behind which the tool's mode is applied.
-    Lasso,
 }
 
 /// An array to be made of the last operation.
@@ -123,6 +124,7 @@ pub enum ToolEdit {
     Lean(bool),
     Spray(SprayKind, SprayOptions),
     Deform(DeformKind, DeformOptions),
+    Draw(DrawOptions),
     Array(ArrayOptions),
 }
 
@@ -135,6 +137,7 @@ impl ToolState {
             sprays: Sprays::default(),
             deform: DeformKind::default(),
             deforms: Deforms::default(),
+            draws: DrawOptions::default(),
             mode: ToolMode::default(),
             half: Vec3::ONE,
             uniform: true,
@@ -175,6 +178,7 @@ impl ToolState {
             ToolEdit::Lean(lean) => self.lean = lean,
             ToolEdit::Spray(kind, options) => *self.sprays.of_mut(kind) = options,
             ToolEdit::Deform(kind, options) => *self.deforms.of_mut(kind) = options,
+            ToolEdit::Draw(options) => self.draws = options,
             ToolEdit::Array(array) => self.array = array,
         }
     }
@@ -290,7 +294,7 @@ impl ToolState {
     pub fn spray(&self) -> Option<SprayKind> {
         match self.kind {
             ToolKind::Spray(kind) => Some(kind),
-            ToolKind::Solid | ToolKind::Deform | ToolKind::Marker => None,
+            ToolKind::Solid | ToolKind::Deform | ToolKind::Draw(_) | ToolKind::Marker => None,
         }
     }
 

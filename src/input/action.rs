@@ -3,6 +3,7 @@
 //!
 //! An action says what is wanted, not how it is done: `app` executes it.
 
+use super::draw_kind::DrawKind;
 use super::panel::Panel;
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
@@ -138,6 +139,8 @@ pub enum Action {
     Solid(Solid),
     Spray(SprayKind),
     Deform(DeformKind),
+    /// Selects a tool that draws solids over the picture.
+    Draw(DrawKind),
     /// Selects the marker as the tool.
     Marker,
     Mode(ToolMode),
@@ -156,8 +159,6 @@ pub enum Action {
     PickHere,
     /// Recolours the patch of one colour on the surface under the pointer.
     Flood,
-    /// The next drag draws an outline, behind which the tool's mode is applied.
-    Lasso,
     /// Toggles the symmetry plane across an axis.
     Mirror(Axis),
     /// Repeats the last operation with an offset.
@@ -278,7 +279,6 @@ impl Action {
         Action::PickColour,
         Action::PickHere,
         Action::Flood,
-        Action::Lasso,
         Action::Apply,
         Action::Cancel,
         Action::TurnSculpture,
@@ -296,6 +296,14 @@ impl Action {
         Action::Solid(Solid::Torus),
         Action::Solid(Solid::Capsule),
         Action::Solid(Solid::RoundedCuboid),
+        Action::Draw(DrawKind::Lasso),
+        Action::Draw(DrawKind::Rectangle),
+        Action::Draw(DrawKind::Plane),
+        Action::Draw(DrawKind::Box),
+        Action::Draw(DrawKind::Line),
+        Action::Draw(DrawKind::Curve),
+        Action::Draw(DrawKind::Lathe),
+        Action::Draw(DrawKind::Text),
         Action::Mode(ToolMode::Add),
         Action::Mode(ToolMode::Subtract),
         Action::Mode(ToolMode::Recolour),
