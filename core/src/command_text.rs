@@ -393,7 +393,10 @@ fn parse_rotation(text: &str) -> Result<Quat, String> {
     // What was printed is taken to the bit; what was typed is made a rotation.
     match quat.is_normalized() {
         true => Ok(quat),
-        false if quat.length_squared() > 1e-12 => Ok(quat.normalize()),
+        // Squares of large numbers have no room in single precision.
+        false if quat.as_dquat().length_squared() > 1e-12 => {
+            Ok(quat.as_dquat().normalize().as_quat())
+        }
         false => Err("must not be a quaternion of length 0".to_string()),
     }
 }

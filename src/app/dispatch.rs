@@ -101,7 +101,7 @@ impl Workspace {
             Action::Quit => self.quit(),
             Action::Cancel if self.editor.is_busy() => self.editor.cancel_job(),
             Action::Cancel if self.editor.is_stroking() => self.editor.cancel_stroke(),
-            Action::Cancel if self.editor.cancel_lasso() => {}
+            Action::Cancel if self.editor.cancel_drawing() => {}
             Action::Cancel => {
                 self.ui.dialogs.close_top();
             }

@@ -7,6 +7,7 @@ use glam::{Quat, UVec3, Vec2, Vec3};
 
 use super::tool_outline::outline_of;
 use crate::document::Document;
+use crate::editor::draw::Sketch;
 use crate::editor::tool::{ToolKind, ToolState};
 use crate::input::ToolMode;
 use crate::render::overlay::{Line, ToolPreview};
@@ -39,8 +40,8 @@ pub struct OverlayScene<'a> {
     pub pointer: Option<Vec2>,
     /// A stroke is under way.
     pub stroking: bool,
-    /// The outline that is being drawn, in pixels.
-    pub lasso: &'a [Vec2],
+    /// What a tool that draws is about to make.
+    pub sketch: Option<Sketch>,
     /// Of the eye plane to what the pointer points at, in world units.
     pub depth: f32,
 }
@@ -50,7 +51,7 @@ pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
     let voxel_size = scene.document.grid().voxel_size();
     match scene.tool.kind {
         _ if !scene.view.tool || scene.tool.next_press.is_some() => None,
-        ToolKind::Spray(_) => None,
+        ToolKind::Spray(_) | ToolKind::Draw(_) => None,
         ToolKind::Deform => Some(ToolPreview {
             primitive: scene.tool.ball(),
             voxel_size,
@@ -80,7 +81,7 @@ pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
 
 /// The lines of a picture, as far as the person wants to see them.
 pub fn lines(scene: &OverlayScene) -> Vec<Line> {
-    let OverlayScene { tool, document, view, .. } = *scene;
+    let &OverlayScene { tool, document, view, .. } = scene;
     let (grid, selection) = (document.grid(), document.selection());
     let mut lines = Vec::new();
     let frame = |lines: &mut Vec<Line>, bounds: VoxelBox, colour, opacity: [f32; 2]| {
@@ -109,9 +110,8 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
             frame(&mut lines, selected.bounds, colour, [0.9, 0.35]);
         }
     }
-    lines.extend(lasso(scene));
     // A press that does something else shows no tool.
-    if !view.tool || tool.next_press.is_some() || !scene.lasso.is_empty() {
+    if !view.tool || tool.next_press.is_some() {
         return lines;
     }
     if view.line && tool.kind == ToolKind::Solid {
@@ -147,6 +147,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
             };
             lines.extend(footprint_edges(scene, kind).into_iter().map(outline(colour)));
         }
+        ToolKind::Draw(_) => lines.extend(sketched(scene)),
         ToolKind::Marker => {
             let marker = selection.marker();
             frame(&mut lines, marker, MARKER, [1.0, 0.5]);
@@ -163,19 +164,26 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
     lines
 }
 
-/// The outline that is being drawn, and its closing line.
-fn lasso(scene: &OverlayScene) -> Vec<Line> {
-    let Some(map) = scene.seen else { return Vec::new() };
-    let point = |at: Vec2| map.rays.origin + map.rays.direction_at(at.x, at.y) * scene.depth;
-    let colour = colour_of(scene.tool);
-    let next = scene.lasso.iter().cycle().skip(1);
-    let pairs = scene.lasso.iter().zip(next).enumerate();
-    pairs
-        .map(|(i, (from, to))| {
-            let opacity = if i + 1 < scene.lasso.len() { [1.0, 1.0] } else { [0.5, 0.5] };
-            Line { from: point(*from), to: point(*to), colour, width_px: 2.0, opacity }
-        })
-        .collect()
+/// What is being drawn, with its mirror images.
+fn sketched(scene: &OverlayScene) -> Vec<Line> {
+    let Some(sketch) = &scene.sketch else { return Vec::new() };
+    let colour = colour_in(scene.tool, sketch.mode);
+    let own = |opacity, width_px| {
+        move |[from, to]: &[Vec3; 2]| Line { from: *from, to: *to, colour, width_px, opacity }
+    };
+    let drawn = sketch.lines.iter().map(own([1.0, 0.7], 2.0));
+    let mut lines: Vec<Line> = drawn.chain(sketch.faint.iter().map(own([0.6, 0.4], 1.4))).collect();
+    let document = scene.document;
+    for image in document.symmetry().images(document.grid().dims()).iter().skip(1) {
+        lines.extend(sketch.lines.iter().map(|[from, to]| Line {
+            from: image.point(*from),
+            to: image.point(*to),
+            colour: MIRROR,
+            width_px: 1.4,
+            opacity: [0.9, 0.3],
+        }));
+    }
+    lines
 }
 
 /// The rope on which the pointer leads a brush.
@@ -228,7 +236,11 @@ fn centre_vx(dims: UVec3) -> Vec3 {
 }
 
 fn colour_of(tool: &ToolState) -> Rgb {
-    match tool.mode {
+    colour_in(tool, tool.mode)
+}
+
+fn colour_in(tool: &ToolState, mode: ToolMode) -> Rgb {
+    match mode {
         ToolMode::Add | ToolMode::Recolour => tool.colour,
         ToolMode::Subtract => CUT,
         ToolMode::Protect | ToolMode::Release => MASK,
@@ -284,7 +296,7 @@ mod tests {
             seen: None,
             pointer: None,
             stroking: false,
-            lasso: &[],
+            sketch: None,
             depth: 1.0,
         };
         let lines = lines(&scene);
@@ -318,7 +330,7 @@ mod tests {
                 seen: None,
                 pointer: None,
                 stroking: false,
-                lasso: &[],
+                sketch: None,
                 depth: 1.0,
             };
             (lines(&scene).len(), preview(&scene).is_some())

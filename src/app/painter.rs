@@ -147,7 +147,7 @@ impl Workspace {
             seen: self.viewpoint.pick_map(),
             pointer: self.editor.pointer(),
             stroking: self.editor.is_stroking(),
-            lasso: self.editor.lasso_outline(),
+            sketch: self.editor.sketch(&picker),
             depth: picker.sight().depth(target.unwrap_or(grid.dims().as_vec3() * 0.5)),
         }
     }

@@ -366,7 +366,7 @@ impl Workspace {
 
     fn cursor(&self, root: &Ui) -> CursorIcon {
         if self.controls.is_dragging() {
-            return match self.editor.is_stroking() {
+            return match self.editor.is_stroking() || self.editor.is_drawing() {
                 true => CursorIcon::Crosshair,
                 false => CursorIcon::Grabbing,
             };

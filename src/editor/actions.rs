@@ -42,9 +42,12 @@ impl Editor {
                 self.tool.deform = kind;
                 self.tool.kind = ToolKind::Deform;
             }
+            Action::Draw(kind) => self.tool.kind = ToolKind::Draw(kind),
             Action::Mode(mode) => {
                 self.tool.mode = mode;
-                self.tool.kind = ToolKind::Solid;
+                if !matches!(self.tool.kind, ToolKind::Draw(_)) {
+                    self.tool.kind = ToolKind::Solid;
+                }
             }
             Action::NextToolMode => self.tool.mode = self.tool.mode.next(),
             Action::Grow => self.resize(1.0, GROWTH),
@@ -66,7 +69,7 @@ impl Editor {
                         self.tool.stretch(side, 1.0);
                         self.leave_ground();
                     }
-                    ToolKind::Spray(_) | ToolKind::Deform => {}
+                    ToolKind::Spray(_) | ToolKind::Deform | ToolKind::Draw(_) => {}
                 }
             }
             Action::ToggleFollow => self.tool.follow = !self.tool.follow,
@@ -76,10 +79,6 @@ impl Editor {
             Action::Wand => self.wand(picker),
             Action::InvertMask => self.run(Command::Mask(MaskChange::Invert)),
             Action::ClearMask => self.run(Command::Mask(MaskChange::Clear)),
-            Action::Lasso => {
-                let other = self.tool.next_press != Some(NextPress::Lasso);
-                self.tool.next_press = other.then_some(NextPress::Lasso);
-            }
             Action::Mirror(axis) => {
                 let mut symmetry = self.document().symmetry();
                 let parity = &mut symmetry.axes[axis.index()];
@@ -112,16 +111,10 @@ impl Editor {
         let inverse = action == Action::SculptInverse;
         match (action, at) {
             (Action::Apply | Action::Sculpt, _) if self.tool.next_press.is_some() => {
-                match (self.tool.next_press.take(), action, at) {
-                    (Some(NextPress::Flood), ..) => self.flood(picker),
-                    (Some(NextPress::Wand), ..) => self.wand(picker),
-                    (Some(NextPress::Pick), ..) | (None, ..) => self.pick_colour(picker),
-                    (Some(NextPress::Lasso), Action::Sculpt, Some(at)) => {
-                        self.begin_lasso(at, picker);
-                    }
-                    (Some(NextPress::Lasso), ..) => {
-                        self.note("An outline is drawn with the pointer, its button pressed");
-                    }
+                match self.tool.next_press.take() {
+                    Some(NextPress::Flood) => self.flood(picker),
+                    Some(NextPress::Wand) => self.wand(picker),
+                    Some(NextPress::Pick) | None => self.pick_colour(picker),
                 }
             }
             (Action::Apply, _) => self.apply_tool(picker),
@@ -139,6 +132,13 @@ impl Editor {
     }
 
     fn begin_sculpting(&mut self, action: Action, at: Vec2, picker: &Picker) {
+        if let ToolKind::Draw(kind) = self.tool.kind
+            && action != Action::SculptSmooth
+        {
+            let inverse = action == Action::SculptInverse;
+            self.rotates_instead = !self.begin_drawing(kind, inverse, at, picker);
+            return;
+        }
         let target = picker.target(self.document().grid(), at);
         self.rotates_instead = target.is_none();
         let Some(point) = target else { return };
@@ -190,6 +190,11 @@ impl Editor {
                 let hovering = self.pointer.filter(|_| self.ground().is_some());
                 self.begin_clay(false, hovering, picker);
             }
+            ToolKind::Draw(kind) => {
+                if let Some(at) = self.pointer {
+                    self.begin_drawing(kind, false, at, picker);
+                }
+            }
             ToolKind::Spray(kind) => {
                 let tool = || picker.sight().pixel_of(self.tool.centre_vx);
                 if let Some(at) = self.pointer.or_else(tool) {
@@ -203,7 +208,7 @@ impl Editor {
     pub fn drag(&mut self, action: Action, at: Vec2, by: Vec2, picker: &Picker) {
         match action {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth if self.lifted => {}
-            Action::Sculpt if self.lasso.is_some() => self.lead_lasso(at),
+            _ if self.drawing.is_some() => self.lead_drawing(at, picker),
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
                 _ if self.marker.drag.is_some() => self.drag_marker(at, picker),
                 Some(stroke) if stroke.is_spray() => self.lead_spray(at, picker),
@@ -229,7 +234,7 @@ impl Editor {
     /// and bounded (`path`).
     pub fn lift(&mut self) {
         let stroke = self.stroke.as_ref().is_some_and(|stroke| stroke.is_led_over_picture());
-        let drag = self.marker.drag.take().is_some() | self.lasso.take().is_some();
+        let drag = self.marker.drag.take().is_some() | self.drawing.take().is_some();
         if stroke {
             self.end_stroke();
         }
@@ -246,7 +251,7 @@ impl Editor {
                 self.rotates_instead = false;
                 self.lifted = false;
                 self.marker.drag = None;
-                self.end_lasso();
+                self.end_drawing();
                 self.end_stroke();
             }
             _ => {}
@@ -325,6 +330,7 @@ impl Editor {
             ToolKind::Deform => {
                 self.tool.deforms.of_mut(self.tool.deform).scale_radius(factor);
             }
+            ToolKind::Draw(kind) => self.tool.draws.scale(kind, factor),
             ToolKind::Marker => self.scale_marker(notches),
         }
     }
@@ -332,6 +338,9 @@ impl Editor {
     fn move_tool(&mut self, by: Vec3, picker: &Picker) {
         if self.tool.kind == ToolKind::Marker {
             self.shift_marker(by);
+            return;
+        }
+        if let ToolKind::Draw(_) = self.tool.kind {
             return;
         }
         self.tool.centre_vx += by;
@@ -349,7 +358,9 @@ impl Editor {
                 let marker = self.document().selection().marker();
                 (marker.min.as_vec3() + marker.max.as_vec3()) * 0.5
             }
-            ToolKind::Solid | ToolKind::Spray(_) | ToolKind::Deform => self.tool.centre_vx,
+            ToolKind::Solid | ToolKind::Spray(_) | ToolKind::Deform | ToolKind::Draw(_) => {
+                self.tool.centre_vx
+            }
         };
         let second = if deep { -axes.near } else { axes.up };
         let across = axes.right * sight.along(axes.right, by.x, at);

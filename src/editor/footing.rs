@@ -59,6 +59,8 @@ impl Editor {
             // A spray that a key holds down goes with the pointer.
             self.lead_spray(at, picker);
         }
+        // So does what is drawn with a key held.
+        self.lead_drawing(at, picker);
         if self.stroke.as_ref().is_some_and(Stroke::is_clay) {
             self.lead_clay(at, picker);
             return;

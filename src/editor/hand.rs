@@ -123,6 +123,7 @@ impl Editor {
                 self.clay_moved();
                 self.catch_up();
             }
+            ToolKind::Draw(_) => self.tool.centre_vx = own.position,
             ToolKind::Solid => {
                 self.tool.turn_by(turn);
                 self.tool.move_to(own.position);
@@ -135,13 +136,12 @@ impl Editor {
         if self.is_stroking() {
             return;
         }
-        // An outline needs a pointer; the hand goes on with its tool.
-        if let Some(next) = self.tool.next_press.take_if(|next| *next != NextPress::Lasso) {
+        if let Some(next) = self.tool.next_press.take() {
             match (next, self.voxel_by_hand(room)) {
                 (NextPress::Flood, Some(voxel)) => self.flood_from(voxel),
                 (NextPress::Wand, Some(voxel)) => self.wand_from(voxel),
                 (NextPress::Pick, Some(voxel)) => self.take_colour_of(voxel),
-                (NextPress::Lasso, _) | (_, None) => {}
+                (_, None) => {}
             }
             return;
         }
@@ -160,6 +160,7 @@ impl Editor {
                 }
             }
             ToolKind::Deform => self.begin_clay(false, None, picker),
+            ToolKind::Draw(_) => {}
             ToolKind::Marker => {
                 self.hand.marker = self.hand.pose.map(|pose| self.in_grid(&pose, room).position);
             }

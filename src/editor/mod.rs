@@ -11,10 +11,10 @@ mod autosave;
 pub mod commands;
 mod dabs;
 pub mod deform;
+pub mod draw;
 mod footing;
 pub mod hand;
 pub mod job;
-mod lasso;
 mod marker;
 mod path;
 pub mod questions;
@@ -31,10 +31,10 @@ use crate::notice::Notice;
 use crate::session::Session;
 
 use autosave::Autosave;
+use draw::Drawing;
 use footing::Footing;
 use hand::HandTool;
 use job::{Busy, Jobs};
-use lasso::Lasso;
 use marker::MarkerTool;
 use questions::{ChangedOnDisk, Next, Unkept};
 use stroke::Stroke;
@@ -79,8 +79,8 @@ pub struct Editor {
     /// Where the tool stands on the surface.
     footing: Footing,
     marker: MarkerTool,
-    /// The outline that is being drawn.
-    lasso: Option<Lasso>,
+    /// The solid that is being drawn.
+    drawing: Option<Drawing>,
     /// Where the pointer is, in pixels of the picture; none while it is elsewhere.
     pointer: Option<Vec2>,
     /// A drag of `Sculpt` that began beside the sculpture rotates it.
@@ -107,7 +107,7 @@ impl Editor {
             stroke_in_question: false,
             footing: Footing::default(),
             marker: MarkerTool::default(),
-            lasso: None,
+            drawing: None,
             pointer: None,
             rotates_instead: false,
             lifted: false,

@@ -404,7 +404,7 @@ impl Editor {
     }
 
     /// Says why nothing has changed, where that is not plain to see.
-    fn note_idle(&mut self, adds: bool) {
+    pub(super) fn note_idle(&mut self, adds: bool) {
         if self.session.document().selection().limit().is_some() {
             self.outcomes.push(Outcome::Limited);
         } else if self.session.document().mask().is_some() {

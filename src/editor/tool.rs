@@ -8,9 +8,10 @@ use std::path::PathBuf;
 use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
 use super::deform::{DeformOptions, Deforms};
+use super::draw::DrawOptions;
 use super::sprays::{SprayOptions, Sprays};
 use crate::command::{Command, MaskArea, MaskChange};
-use crate::input::ToolMode;
+use crate::input::{DrawKind, ToolMode};
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
@@ -35,6 +36,7 @@ pub enum ToolKind {
     Spray(SprayKind),
     /// The tool of [`ToolState::deform`].
     Deform,
+    Draw(DrawKind),
     /// The marker, which belongs to the document.
     Marker,
 }
@@ -48,6 +50,7 @@ pub struct ToolState {
     pub sprays: Sprays,
     pub deform: DeformKind,
     pub deforms: Deforms,
+    pub draws: DrawOptions,
     pub mode: ToolMode,
     half: Vec3,
     /// A change of one half extent changes all in proportion.
@@ -85,9 +88,36 @@ pub struct ToolState {
 }
 
 /// What a mode does to the voxels that a solid covers.
-enum ToolChange {
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum ToolChange {
+    /// They are added, cut or painted.
     Voxels(EditOp),
+    /// They are protected, or released.
     Mask { adds: bool },
+}
+
+impl From<EditOp> for ToolChange {
+    fn from(op: EditOp) -> ToolChange {
+        ToolChange::Voxels(op)
+    }
+}
+
+impl ToolChange {
+    /// As a command about the voxels of a solid.
+    pub fn by_solid(self, primitive: Primitive) -> Command {
+        match self {
+            ToolChange::Voxels(op) => Command::Construct { op, primitive },
+            ToolChange::Mask { adds } => mask(adds, MaskArea::Solid(primitive)),
+        }
+    }
+
+    /// As a command about the voxels of a solid that is drawn.
+    pub fn by_form(self, form: Form) -> Command {
+        match self {
+            ToolChange::Voxels(op) => Command::Form { op, form },
+            ToolChange::Mask { adds } => mask(adds, MaskArea::Form(form)),
+        }
+    }
 }
 
 fn mask(adds: bool, what: MaskArea) -> Command {
@@ -130,8 +160,6 @@ pub enum NextPress {
     Pick,
     /// Recolours the patch of one colour that it meets.
     Flood,
-    /// Draws an outline, behind which the tool's mode is applied.
-    Lasso,
     /// Protects what hangs together with what it meets.
     Wand,
 }
@@ -172,6 +200,7 @@ pub enum ToolEdit {
     Lean(bool),
     Spray(SprayKind, SprayOptions),
     Deform(DeformKind, DeformOptions),
+    Draw(DrawOptions),
     Array(ArrayOptions),
 }
 
@@ -184,6 +213,7 @@ impl ToolState {
             sprays: Sprays::default(),
             deform: DeformKind::default(),
             deforms: Deforms::default(),
+            draws: DrawOptions::default(),
             mode: ToolMode::default(),
             half: Vec3::ONE,
             uniform: true,
@@ -232,6 +262,7 @@ impl ToolState {
             ToolEdit::Lean(lean) => self.lean = lean,
             ToolEdit::Spray(kind, options) => *self.sprays.of_mut(kind) = options,
             ToolEdit::Deform(kind, options) => *self.deforms.of_mut(kind) = options,
+            ToolEdit::Draw(options) => self.draws = options,
             ToolEdit::Array(array) => self.array = array,
         }
     }
@@ -347,7 +378,7 @@ impl ToolState {
     pub fn spray(&self) -> Option<SprayKind> {
         match self.kind {
             ToolKind::Spray(kind) => Some(kind),
-            ToolKind::Solid | ToolKind::Deform | ToolKind::Marker => None,
+            ToolKind::Solid | ToolKind::Deform | ToolKind::Draw(_) | ToolKind::Marker => None,
         }
     }
 
@@ -419,22 +450,11 @@ impl ToolState {
         if let (ToolMode::Recolour, Some(picture)) = (mode, &self.picture) {
             return Command::Texture { primitive: self.primitive(), picture: picture.clone() };
         }
-        let primitive = self.primitive();
-        match self.change(mode) {
-            ToolChange::Voxels(op) => Command::Construct { op, primitive },
-            ToolChange::Mask { adds } => mask(adds, MaskArea::Solid(primitive)),
-        }
+        self.change(mode).by_solid(self.primitive())
     }
 
-    /// What a solid that is drawn does.
-    pub fn form_command(&self, mode: ToolMode, form: Form) -> Command {
-        match self.change(mode) {
-            ToolChange::Voxels(op) => Command::Form { op, form },
-            ToolChange::Mask { adds } => mask(adds, MaskArea::Form(form)),
-        }
-    }
-
-    fn change(&self, mode: ToolMode) -> ToolChange {
+    /// What a mode does to voxels.
+    pub fn change(&self, mode: ToolMode) -> ToolChange {
         match mode {
             ToolMode::Add => ToolChange::Voxels(EditOp::Add(Some(self.colour))),
             ToolMode::Subtract => ToolChange::Voxels(EditOp::Subtract),

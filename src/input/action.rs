@@ -3,6 +3,7 @@
 //!
 //! An action says what is wanted, not how it is done: `app` executes it.
 
+use super::draw_kind::DrawKind;
 use super::panel::Panel;
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
@@ -147,6 +148,8 @@ pub enum Action {
     Solid(Solid),
     Spray(SprayKind),
     Deform(DeformKind),
+    /// Selects a tool that draws solids over the picture.
+    Draw(DrawKind),
     /// Selects the marker as the tool.
     Marker,
     Mode(ToolMode),
@@ -173,8 +176,6 @@ pub enum Action {
     InvertMask,
     /// Releases everything.
     ClearMask,
-    /// The next drag draws an outline, behind which the tool's mode is applied.
-    Lasso,
     /// Toggles the symmetry plane across an axis.
     Mirror(Axis),
     /// Repeats the last operation with an offset.
@@ -295,7 +296,6 @@ impl Action {
         Action::PickColour,
         Action::PickHere,
         Action::Flood,
-        Action::Lasso,
         Action::Wand,
         Action::Masks,
         Action::InvertMask,
@@ -317,6 +317,14 @@ impl Action {
         Action::Solid(Solid::Torus),
         Action::Solid(Solid::Capsule),
         Action::Solid(Solid::RoundedCuboid),
+        Action::Draw(DrawKind::Lasso),
+        Action::Draw(DrawKind::Rectangle),
+        Action::Draw(DrawKind::Plane),
+        Action::Draw(DrawKind::Box),
+        Action::Draw(DrawKind::Line),
+        Action::Draw(DrawKind::Curve),
+        Action::Draw(DrawKind::Lathe),
+        Action::Draw(DrawKind::Text),
         Action::Mode(ToolMode::Add),
         Action::Mode(ToolMode::Subtract),
         Action::Mode(ToolMode::Recolour),

@@ -1,6 +1,7 @@
 //! The names of the actions in key tables, and their help texts.
 
 use super::action::{Action, ActionHelp, Axis, Kind, Side, Step, ToolMode};
+use super::draw_kind::DrawKind;
 use super::panel::Panel;
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
@@ -23,11 +24,6 @@ impl Action {
             }
             Action::PickColour => ("pick-colour", Drag, "Pick the colour of the surface"),
             Action::PickHere => ("pick-here", Tap, "Pick the colour under the pointer"),
-            Action::Lasso => (
-                "lasso",
-                Tap,
-                "Draw an outline with the next drag: what lies behind it is cut, or painted; or a slab is added",
-            ),
             Action::Wand => {
                 ("wand", Tap, "Mask what hangs together with the voxel under the pointer")
             }
@@ -119,6 +115,7 @@ impl Action {
             Action::Deform(DeformKind::Smear) => {
                 ("smear", Tap, "Smear: takes clay along with the brush")
             }
+            Action::Draw(kind) => (kind.name(), Tap, drawn(kind)),
             Action::Marker => ("marker", Tap, "Marker: a box to select, copy and move voxels"),
             Action::Mode(ToolMode::Add) => ("add", Tap, "Add: the tool adds voxels"),
             Action::Mode(ToolMode::Subtract) => ("cut", Tap, "Cut: the tool removes voxels"),
@@ -331,5 +328,27 @@ impl Action {
             Action::Quit => ("quit", Tap, "Quit"),
         };
         ActionHelp { name, kind, text }
+    }
+}
+
+/// What a tool that draws is for.
+const fn drawn(kind: DrawKind) -> &'static str {
+    match kind {
+        DrawKind::Lasso => {
+            "Lasso: draw an outline; what lies behind it is cut or painted, or a slab is added"
+        }
+        DrawKind::Rectangle => {
+            "Rectangle: drag from corner to corner; what lies behind it is cut or painted, or a slab is added"
+        }
+        DrawKind::Plane => {
+            "Plane cut: drag a line across the sculpture; what lies on the hatched side goes, inverted the other"
+        }
+        DrawKind::Box => "Box: drag its base on a face; its height is an option",
+        DrawKind::Line => "Line: drag from end to end; a straight tube, or a cone, with round ends",
+        DrawKind::Curve => "Curve: draw a path by hand; a tube along it, which may taper",
+        DrawKind::Lathe => {
+            "Lathe: press on the axis and draw half a profile; it is turned about the vertical"
+        }
+        DrawKind::Text => "Text: press where the letters are to stand on the surface",
     }
 }

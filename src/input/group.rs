@@ -46,7 +46,7 @@ impl Group {
             Sculpt | SculptInverse | SculptSmooth | PickColour | PickHere | Flood | Apply
             | Cancel | TurnSculpture | PanSculpture | Zoom | MoveTool | MoveToolDeep | TurnTool
             | ResizeTool | NextPadMode => Group::Pointer,
-            Solid(_) | Mode(_) | Lasso | Wand | NextToolMode | Spray(_) | Deform(_) | Marker => {
+            Solid(_) | Draw(_) | Mode(_) | Wand | NextToolMode | Spray(_) | Deform(_) | Marker => {
                 Group::Tools
             }
             Grow | Shrink | Nudge(_) | Stretch(_) | AlignTool | ToggleFollow | ToggleSnap

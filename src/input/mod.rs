@@ -6,6 +6,7 @@
 pub mod action;
 mod action_help;
 pub mod bindings;
+pub mod draw_kind;
 pub mod events;
 pub mod group;
 pub mod hands;
@@ -21,6 +22,7 @@ pub mod trigger;
 
 pub use action::{Action, Axis, Side, Step, ToolMode};
 pub use bindings::Bindings;
+pub use draw_kind::DrawKind;
 pub use events::DeviceEvent;
 pub use mapper::{ActionEvent, Mapper};
 pub use panel::Panel;

@@ -5,6 +5,7 @@
 //! not repeated.
 
 use super::action::{Action, Side, ToolMode};
+use super::draw_kind::DrawKind;
 use super::panel::Panel;
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
@@ -84,6 +85,14 @@ impl Action {
             Action::Deform(DeformKind::Pinch) => "gather narrow sharpen tighten deform",
             Action::Deform(DeformKind::Twist) => "rotate turn swirl screw deform",
             Action::Deform(DeformKind::Smear) => "nudge smudge drag rub thumb deform",
+            Action::Draw(DrawKind::Lasso) => "trim slice polygon freehand extrude",
+            Action::Draw(DrawKind::Rectangle) => "trim square crop extrude",
+            Action::Draw(DrawKind::Plane) => "slice split halve half space section trim knife",
+            Action::Draw(DrawKind::Box) => "block cuboid brick wall rectangle",
+            Action::Draw(DrawKind::Line) => "rod stick pipe capsule strut edge",
+            Action::Draw(DrawKind::Curve) => "spline pipe worm handle rope freehand sweep snake",
+            Action::Draw(DrawKind::Lathe) => "revolve pottery vase bowl wheel turned spin",
+            Action::Draw(DrawKind::Text) => "type write lettering engrave emboss inscription word",
             Action::Marker => "selection marquee rectangle region area",
             Action::Mode(ToolMode::Add) => "attach build union extrude draw",
             Action::Mode(ToolMode::Subtract) => "erase eraser remove delete subtract difference",
@@ -99,7 +108,6 @@ impl Action {
             Action::ToggleFollow => "lock pin fixed",
             Action::ToggleSnap => "snapping magnet align",
             Action::PickHere | Action::PickColour => "eyedropper pipette sample picker",
-            Action::Lasso => "trim slice polygon freehand cut extrude",
             Action::Wand => "magic select connected piece flat",
             Action::Masks => "mask protect grow shrink blur cavity selection freeze",
             Action::InvertMask => "inverse reverse swap",

@@ -305,18 +305,7 @@ pub fn marker(painter: &Painter, rect: Rect, colour: Color32) {
     painter.extend(Shape::dashed_line(&rim, line, 4.0, 2.5));
 }
 
-/// A dashed loop with an end that hangs out.
-pub fn lasso(painter: &Painter, rect: Rect, colour: Color32) {
-    let line = Stroke::new(1.6, colour);
-    let loop_of = |i: i32| {
-        let (sin, cos) = (i as f32 / 24.0 * std::f32::consts::TAU).sin_cos();
-        at(rect, 0.5 + 0.48 * cos, 0.4 + 0.34 * sin)
-    };
-    let rim: Vec<Pos2> = (0..=24).map(loop_of).collect();
-    painter.extend(Shape::dashed_line(&rim, line, 4.0, 2.5));
-    painter.line(vec![at(rect, 0.3, 0.7), at(rect, 0.24, 0.86), at(rect, 0.34, 1.0)], line);
-}
-
-fn at(rect: Rect, x: f32, y: f32) -> Pos2 {
+/// A place in `rect` by shares of its sides.
+pub fn at(rect: Rect, x: f32, y: f32) -> Pos2 {
     pos2(rect.left() + x * rect.width(), rect.top() + y * rect.height())
 }

@@ -13,6 +13,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use super::import_dialog::Remembered;
 use super::memory_check::KeptCheck;
 use super::memory_deform::KeptDeform;
+use super::memory_draw::KeptDraw;
 use super::memory_final::KeptFinal;
 use super::memory_references;
 use super::recent::Recent;
@@ -22,7 +23,7 @@ use super::{SCALE_RANGE, Theme, UiState, WindowOptions};
 use crate::command::SpraySurface;
 use crate::editor::sprays::SprayOptions;
 use crate::editor::tool::{ToolKind, ToolState};
-use crate::input::{Panel, ToolMode};
+use crate::input::{DrawKind, Panel, ToolMode};
 use crate::sculpture::Rgb;
 use crate::tools::construct::Solid;
 use crate::tools::deform::DeformKind;
@@ -73,6 +74,8 @@ struct Kept {
     sprays: Option<BTreeMap<String, KeptSpray>>,
     #[serde(deserialize_with = "lenient")]
     deforms: Option<BTreeMap<String, KeptDeform>>,
+    #[serde(deserialize_with = "lenient")]
+    draws: Option<KeptDraw>,
     #[serde(deserialize_with = "lenient")]
     references: Option<Vec<toml::Value>>,
     /// Whether it is asked how files are imported, and what was answered last.
@@ -179,6 +182,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
                 .map(|kind| (kind.name().to_string(), KeptDeform::of(tool.deforms.of(kind))))
                 .collect(),
         ),
+        draws: Some(KeptDraw::of(&tool.draws)),
         references: Some(memory_references::to_values(&state.references)),
         ask_import: Some(state.dialogs.import.ask),
         autosave_min: Some([state.autosave.minutes, state.autosave.usual_min]),
@@ -258,6 +262,9 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
             deform.recall(tool.deforms.of_mut(kind));
         }
     }
+    if let Some(draws) = &kept.draws {
+        draws.recall(&mut tool.draws);
+    }
 }
 
 /// What a text remembers about which axis points up.
@@ -270,6 +277,7 @@ fn kept_tool(tool: &ToolState) -> KeptTool {
     let kind = match tool.kind {
         ToolKind::Solid => SOLID,
         ToolKind::Deform => DEFORM,
+        ToolKind::Draw(kind) => kind.name(),
         ToolKind::Marker => MARKER,
         ToolKind::Spray(kind) => kind.name(),
     };
@@ -289,11 +297,16 @@ fn kept_tool(tool: &ToolState) -> KeptTool {
 
 fn recall_tool(kept: &KeptTool, tool: &mut ToolState) {
     let spray = |name: &str| SprayKind::ALL.into_iter().find(|kind| kind.name() == name);
+    let draw = |name: &str| DrawKind::ALL.into_iter().find(|kind| kind.name() == name);
     match kept.kind.as_deref() {
         Some(SOLID) => tool.kind = ToolKind::Solid,
         Some(DEFORM) => tool.kind = ToolKind::Deform,
         Some(MARKER) => tool.kind = ToolKind::Marker,
-        other => tool.kind = other.and_then(spray).map_or(tool.kind, ToolKind::Spray),
+        other => {
+            let drawn = other.and_then(draw).map(ToolKind::Draw);
+            let kind = other.and_then(spray).map(ToolKind::Spray).or(drawn);
+            tool.kind = kind.unwrap_or(tool.kind);
+        }
     }
     let deform = |name: &str| DeformKind::ALL.into_iter().find(|kind| kind.name() == name);
     tool.deform = kept.deform.as_deref().and_then(deform).unwrap_or(tool.deform);

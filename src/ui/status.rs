@@ -45,6 +45,10 @@ fn place(ui: &mut Ui, context: &UiContext) {
             let marker = context.document.selection().marker();
             (text("Marker", marker.min.as_vec3()), "Lower corner of the marker in voxels: x, y, z")
         }
+        ToolKind::Draw(_) => match context.pointed_vx {
+            Some(at) => (text("Pointer", at.as_vec3()), "Voxel under the pointer: x, y, z"),
+            None => ("Pointer".to_string(), "The pointer is not over the sculpture"),
+        },
         ToolKind::Spray(_) => match context.pointed_vx {
             Some(at) => (text("Brush", at.as_vec3()), "Voxel under the pointer: x, y, z"),
             None => ("Brush".to_string(), "The pointer is not over the sculpture"),

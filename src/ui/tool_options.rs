@@ -9,7 +9,8 @@ use super::files::FileTask;
 use super::state::PasteAs;
 use super::toolbox::{mode_name, solid_name};
 use super::{
-    UiContext, UiRequest, UiState, deform_options, history, marker_options, spray_options,
+    UiContext, UiRequest, UiState, deform_options, draw_options, history, marker_options,
+    spray_options,
 };
 use crate::editor::tool::{HALF_RANGE, NextPress, ToolEdit, ToolKind, ToolState};
 use crate::input::{Action, ToolMode};
@@ -75,6 +76,10 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
             }
         }
         ToolKind::Deform => deform_options::show(ui, context, requests),
+        ToolKind::Draw(kind) => {
+            draw_options::show(ui, kind, context, requests);
+            colour(ui, context, requests);
+        }
         ToolKind::Marker => {
             ui.label("Marker");
             marker_options::show(ui, context, requests);

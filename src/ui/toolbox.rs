@@ -4,10 +4,11 @@ use egui::{Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, Wid
 
 use super::buttons::explain;
 use super::deform_options::deform_name;
+use super::draw_options::draw_name;
 use super::top_bar::capital;
-use super::{UiContext, UiRequest, UiState, icons, panels, theme};
-use crate::editor::tool::{NextPress, ToolKind};
-use crate::input::{Action, Panel, ToolMode};
+use super::{UiContext, UiRequest, UiState, draw_icons, icons, panels, theme};
+use crate::editor::tool::ToolKind;
+use crate::input::{Action, DrawKind, Panel, ToolMode};
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
@@ -42,18 +43,25 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
         action: Action::Solid(solid),
     });
     group(ui, context, "Solids", &solids, requests);
+    let shows_mode = matches!(context.tool.kind, ToolKind::Solid | ToolKind::Draw(_));
     let modes = ToolMode::ALL.map(|mode| Entry {
         name: mode_name(mode).to_string(),
-        chosen: context.tool.kind == ToolKind::Solid && context.tool.mode == mode,
+        chosen: shows_mode && context.tool.mode == mode,
         action: Action::Mode(mode),
     });
-    let lasso = (!context.in_headset).then(|| Entry {
-        name: "Lasso".to_string(),
-        chosen: context.tool.next_press == Some(NextPress::Lasso),
-        action: Action::Lasso,
-    });
-    let modes: Vec<Entry> = modes.into_iter().chain(lasso).collect();
     group(ui, context, "", &modes, requests);
+    // A hand has no picture to draw over.
+    let by_hand = |kind: &DrawKind| matches!(kind, DrawKind::Line | DrawKind::Curve);
+    let drawn: Vec<Entry> = DrawKind::ALL
+        .into_iter()
+        .filter(|kind| !context.in_headset || by_hand(kind))
+        .map(|kind| Entry {
+            name: draw_name(kind).to_string(),
+            chosen: context.tool.kind == ToolKind::Draw(kind),
+            action: Action::Draw(kind),
+        })
+        .collect();
+    group(ui, context, "Drawn solids", &drawn, requests);
     // What takes protection away is the mask's inverse.
     let sprays = SprayKind::ALL.into_iter().filter(|kind| *kind != SprayKind::Unmask);
     let sprays = sprays.map(|kind| Entry {
@@ -175,7 +183,7 @@ fn tool(
         }
         Action::Spray(kind) => icons::spray(ui.painter(), icon, kind, colour),
         Action::Deform(kind) => icons::deform(ui.painter(), icon, kind, colour),
-        Action::Lasso => icons::lasso(ui.painter(), icon.shrink(2.0), colour),
+        Action::Draw(kind) => draw_icons::draw(ui.painter(), icon.shrink(1.0), kind, colour),
         Action::Marker => icons::marker(ui.painter(), icon.shrink(2.0), colour),
         _ => {}
     }

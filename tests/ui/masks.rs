@@ -54,7 +54,7 @@ fn press(harness: &mut Bench, pos: Pos2) {
 #[test]
 fn what_is_painted_with_the_mask_is_kept_from_the_tool_and_undone_like_a_stroke() {
     let mut harness = front();
-    key(&mut harness, Modifiers::NONE, Key::J);
+    key(&mut harness, Modifiers::SHIFT, Key::Q);
     stroke(&mut harness, Modifiers::NONE, [20.0, 32.0], [44.0, 32.0]);
     assert!(is_masked(&harness, [32, 32, 63]) && is_masked(&harness, [32, 32, 65 - 2]));
     assert!(!is_masked(&harness, [32, 60, 63]));
@@ -84,7 +84,7 @@ fn what_is_painted_with_the_mask_is_kept_from_the_tool_and_undone_like_a_stroke(
 fn solids_protect_and_release() {
     let mut harness = front();
     key(&mut harness, Modifiers::NONE, Key::C);
-    key(&mut harness, Modifiers::SHIFT, Key::J);
+    key(&mut harness, Modifiers::SHIFT, Key::R);
     assert_eq!(harness.state().editor.tool.mode, ToolMode::Protect);
     let middle = at(&harness, 32.0, 32.0);
     press(&mut harness, middle);
@@ -165,14 +165,14 @@ fn the_wand_protects_a_face_a_colour_or_a_piece() {
     }
     // By key where the pointer is, and released again.
     run(&mut harness, "mask clear");
-    key(&mut harness, Modifiers::ALT, Key::W);
+    key(&mut harness, Modifiers::ALT, Key::M);
     assert!(masked(&harness) > 0);
     harness.state_mut().editor.tool.wand.adds = false;
-    key(&mut harness, Modifiers::ALT, Key::W);
+    key(&mut harness, Modifiers::ALT, Key::M);
     assert_eq!(masked(&harness), 0);
     let beside = corner(&harness);
     send(&mut harness, Event::PointerMoved(beside));
     look(&mut harness);
-    key(&mut harness, Modifiers::ALT, Key::W);
+    key(&mut harness, Modifiers::ALT, Key::M);
     assert_eq!(masked(&harness), 0, "beside the sculpture there is nothing");
 }

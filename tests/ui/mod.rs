@@ -3,6 +3,7 @@
 mod bench;
 mod board;
 mod changed_on_disk;
+mod draw;
 mod files;
 mod import;
 mod in_use;

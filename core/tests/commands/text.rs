@@ -202,6 +202,20 @@ fn the_usage_of_each_command_matches_its_parser() {
         "noise colour=#123456",
         "flood at=1,2,3 colour=#123456 tolerance=0.125",
         "flood at=1,2,3 colour=#123456",
+        "mask add cuboid at=1,2,3 half=4,5,6 turn=0,0,0,1",
+        "mask add selection",
+        "mask subtract colour colour=#123456 tolerance=0.125",
+        "mask add cavities within=3 depth=1",
+        "mask add patch at=1,2,3 angle=20 depth=0",
+        "mask add patch at=1,2,3 tolerance=0.5",
+        "mask subtract piece at=1,2,3",
+        "mask clear",
+        "mask invert",
+        "mask grow by=3",
+        "mask shrink by=3",
+        "mask smooth around=3",
+        "stencil \"a leaf.png\" eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 \
+         colour=#123456 cover=0.5",
         "mark at=-1,2,3 size=4,5,6",
         "select add",
         "select clear",
@@ -266,6 +280,9 @@ fn the_usage_of_each_command_matches_its_parser() {
 
 #[test]
 fn errors_say_what_is_wrong() {
+    let far = "add ellipsoid at=1,2,3 half=4 turn=99999999999999999999,0,0,1";
+    let Ok(Command::Construct { primitive, .. }) = far.parse() else { panic!("{far}") };
+    assert!(primitive.rotation.is_normalized());
     let cases = [
         ("", "the line has no command"),
         ("carve", "unknown command `carve`; the commands are new, open, "),

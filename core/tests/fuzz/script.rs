@@ -6,7 +6,7 @@ use super::{fuzz, small};
 use sculpture_core::document::Limits;
 use sculpture_core::session::Session;
 
-const LINES: [&str; 55] = [
+const LINES: [&str; 56] = [
     "new dims=24,20,12 size=1,1,1 colour=24 base=#c8beaa fill=solid",
     "open \"/nonexistent/a.raw\" threshold=2..9 raw=8x6x5:u8:0 region=1,1,1..3,3,3 cubic=2mm mesh_size=9",
     "embed \"a\" data=iVZTQw0KGgoBAAAA",
@@ -33,6 +33,7 @@ const LINES: [&str; 55] = [
     "mark at=1,2,3 size=5,5,5",
     "select add",
     "limit on",
+    "stencil \"a.png\" eye=9,9,90 aim=0,0,-1 across=0.1,0,0 down=0,0.1,0 radius=9 colour=#102030 cover=0.5",
     "fill selection colour=#102030",
     "clear marker",
     "dye grid colour=#405060",

@@ -1,0 +1,291 @@
+//! A drag of a tool that draws: what it has met so far, the commands it becomes, and the lines that show it.
+//!
+//! A value: takes pixels and, where surfaces lead it, the grid. Changes nothing.
+
+use glam::{Vec2, Vec3};
+
+use super::lathe::Axis;
+use super::options::DrawOptions;
+use super::text::Stand;
+use super::view::{View, chain};
+use super::{block, glyphs, outline, tube};
+use crate::command::Command;
+use crate::editor::tool::ToolChange;
+use crate::input::{DrawKind, ToolMode};
+use crate::picking::{Picker, SurfacePoint};
+use crate::sculpture::Grid;
+use crate::tools::form::Form;
+
+/// Least distance from one point of a drag to the next, in pixels.
+const SPACING_PX: f32 = 2.0;
+/// Most points of a drag; beyond, every second one goes.
+const MOST_POINTS: usize = 4096;
+/// Most looks at the surface between two events.
+const MOST_LOOKS: f32 = 1024.0;
+
+/// Where a drag begins: a place in voxels, and where the surface there faces; zero in the air.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Ground {
+    pub point: Vec3,
+    pub face: Vec3,
+}
+
+/// What is being drawn, as lines between places of the grid (voxels).
+#[derive(Clone, PartialEq, Debug)]
+pub struct Sketch {
+    /// What will be done.
+    pub mode: ToolMode,
+    /// What was drawn.
+    pub lines: Vec<[Vec3; 2]>,
+    /// What follows from it, or leads it.
+    pub faint: Vec<[Vec3; 2]>,
+}
+
+/// Something that is being drawn.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    kind: DrawKind,
+    mode: ToolMode,
+    /// The other side of a cut.
+    inverse: bool,
+    /// The view in which it is drawn.
+    view: View,
+    ground: Ground,
+    /// Where the pointer has been, in pixels: all of it, or the first and the last point.
+    way: Vec<Vec2>,
+    /// Where a line or a curve leads, in voxels.
+    places: Vec<Vec3>,
+    /// Of the last of them from the eye plane, for where there is no surface.
+    depth: f32,
+}
+
+impl Drawing {
+    pub fn new(
+        kind: DrawKind,
+        mode: ToolMode,
+        inverse: bool,
+        view: View,
+        ground: Ground,
+        at: Vec2,
+    ) -> Drawing {
+        let depth = view.sight.depth(ground.point);
+        let places = vec![ground.point];
+        Drawing { kind, mode, inverse, view, ground, way: vec![at], places, depth }
+    }
+
+    /// The same, led by the surface as it is seen now.
+    pub fn with_surface(mut self, picker: &Picker, grid: &Grid) -> Drawing {
+        self.view = self.view.with_surface(picker, grid);
+        self
+    }
+
+    pub fn kind(&self) -> DrawKind {
+        self.kind
+    }
+
+    pub fn mode(&self) -> ToolMode {
+        self.mode
+    }
+
+    pub fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// Letters stand somewhere else.
+    pub fn stand_on(&mut self, ground: Ground) {
+        self.ground = ground;
+    }
+
+    /// The pointer goes to a pixel.
+    pub fn lead(&mut self, at: Vec2, grid: &Grid) {
+        match self.kind {
+            DrawKind::Lasso | DrawKind::Lathe => self.go_on(at),
+            DrawKind::Curve => {
+                let from = self.last();
+                let looks = (at.distance(from) / SPACING_PX).floor().min(MOST_LOOKS);
+                for i in 1..=looks as u32 {
+                    let look = from.lerp(at, i as f32 / looks);
+                    let place = self.place_at(look, grid);
+                    self.places.push(place);
+                }
+                if looks > 0.0 {
+                    self.go_on(at);
+                }
+                halve(&mut self.places);
+            }
+            DrawKind::Line => {
+                self.go_to(at);
+                self.depth = self.view.sight.depth(self.ground.point);
+                let place = self.place_at(at, grid);
+                self.places.truncate(1);
+                if at.distance(self.way[0]) >= SPACING_PX {
+                    self.places.push(place);
+                }
+            }
+            DrawKind::Rectangle | DrawKind::Plane | DrawKind::Text => self.go_to(at),
+            DrawKind::Box if self.corners(at, 1.0).is_some() => self.go_to(at),
+            DrawKind::Box => {}
+        }
+    }
+
+    fn go_on(&mut self, at: Vec2) {
+        if self.last().distance(at) >= SPACING_PX {
+            self.way.push(at);
+        }
+        halve(&mut self.way);
+    }
+
+    fn go_to(&mut self, at: Vec2) {
+        self.way.truncate(1);
+        self.way.push(at);
+    }
+
+    /// The last pixel.
+    fn last(&self) -> Vec2 {
+        self.way.last().copied().unwrap_or(Vec2::ZERO)
+    }
+
+    /// The place that a pixel shows: on the surface where it leads, else as far from the eye as the last one.
+    fn place_at(&mut self, at: Vec2, grid: &Grid) -> Vec3 {
+        let seen = self.view.surface(grid, at).map(|seen| seen.point);
+        let place = seen.unwrap_or_else(|| self.view.sight.at_depth(at, self.depth));
+        self.depth = self.view.sight.depth(place);
+        place
+    }
+
+    /// Of a box whose base goes to a pixel.
+    fn corners(&self, at: Vec2, height: f32) -> Option<[Vec3; 2]> {
+        let base = SurfacePoint { point: self.ground.point, face: self.ground.face };
+        block::corners(&self.view, &base, at, height, self.mode == ToolMode::Add)
+    }
+
+    /// The outline over the picture.
+    fn outline(&self) -> Vec<Vec2> {
+        match self.kind {
+            DrawKind::Rectangle => outline::rectangle(self.way[0], self.last()).to_vec(),
+            _ => self.way.clone(),
+        }
+    }
+
+    /// What makes it, or what to draw instead.
+    pub fn commands(
+        &self,
+        options: &DrawOptions,
+        change: impl Into<ToolChange>,
+    ) -> Result<Vec<Command>, String> {
+        let change = change.into();
+        let one = |form: Form| vec![change.by_form(form)];
+        let (view, point) = (&self.view, self.ground.point);
+        let made = match self.kind {
+            DrawKind::Lasso | DrawKind::Rectangle => {
+                let depth = (self.mode == ToolMode::Add).then_some(options.thickness);
+                let outline = self.outline();
+                outline::is_meant(&outline)
+                    .then(|| outline::prism(view, &outline, point, depth))
+                    .flatten()
+                    .map(one)
+            }
+            DrawKind::Plane => {
+                outline::half_space(view, self.way[0], self.last(), self.inverse).map(one)
+            }
+            DrawKind::Box => self
+                .corners(self.last(), options.height)
+                .map(|corners| vec![change.by_solid(block::cuboid(view, corners))]),
+            DrawKind::Line => {
+                let end = self.places.last().copied().unwrap_or(point);
+                Some(one(tube::line(point, end, options.radii)))
+            }
+            DrawKind::Curve => tube::curve(&self.places, options.radii, view.edges).map(one),
+            DrawKind::Lathe => Axis::new(view, point, options.upright)
+                .and_then(|axis| axis.turned(view, &self.way))
+                .map(one),
+            DrawKind::Text => {
+                let letters = glyphs::letters(&options.text, options.font, options.text_height)?;
+                let stand = Stand::new(view, point, self.ground.face);
+                let forms = stand.map(|stand| stand.forms(&letters, options.text_depth));
+                forms
+                    .filter(|forms| !forms.is_empty())
+                    .map(|forms| forms.into_iter().flat_map(one).collect())
+            }
+        };
+        made.ok_or_else(|| self.advice().to_string())
+    }
+
+    /// What to do for something to come of it.
+    fn advice(&self) -> &'static str {
+        match self.kind {
+            DrawKind::Lasso => "Drag around what is meant, with the button pressed",
+            DrawKind::Rectangle => "Drag from one corner of a rectangle to the other",
+            DrawKind::Plane => "Drag a line across the sculpture to cut along it",
+            DrawKind::Box => "Drag over a face that can be seen",
+            DrawKind::Line | DrawKind::Curve => "Drag from where it begins to where it ends",
+            DrawKind::Lathe => "Press on the axis and draw half of the outline beside it",
+            DrawKind::Text => "Write something in the options of the tool first",
+        }
+    }
+
+    /// The lines that show it.
+    pub fn sketch(&self, options: &DrawOptions) -> Sketch {
+        let view = &self.view;
+        let depth = view.sight.depth(self.ground.point);
+        let place = |at: Vec2| view.sight.at_depth(at, depth);
+        let (lines, faint) = match self.kind {
+            DrawKind::Lasso | DrawKind::Rectangle => {
+                let places: Vec<Vec3> = self.outline().into_iter().map(place).collect();
+                let closing = [self.last(), self.way[0]].map(place);
+                match self.kind {
+                    DrawKind::Lasso => (chain(&places).collect(), vec![closing]),
+                    _ => (chain(&places).chain([[places[3], places[0]]]).collect(), Vec::new()),
+                }
+            }
+            DrawKind::Plane => {
+                let (from, to) = (self.way[0], self.last());
+                let far = (to - from).normalize_or_zero() * view.sight.rays.size.as_vec2().length();
+                let mut lines = vec![[from, to].map(place)];
+                let hatching = outline::hatching(from, to, self.inverse);
+                if from != to {
+                    lines.extend(hatching.into_iter().map(|pair| pair.map(place)));
+                }
+                (lines, vec![[from - far, from].map(place), [to, to + far].map(place)])
+            }
+            DrawKind::Box => {
+                let corners = self.corners(self.last(), options.height);
+                (corners.map(edges).unwrap_or_default(), Vec::new())
+            }
+            DrawKind::Line | DrawKind::Curve => {
+                (tube::sketch(view, &self.places, options.radii), Vec::new())
+            }
+            DrawKind::Lathe => Axis::new(view, self.ground.point, options.upright)
+                .map(|axis| axis.sketch(view, &self.way))
+                .unwrap_or_default(),
+            DrawKind::Text => {
+                let letters = glyphs::letters(&options.text, options.font, options.text_height);
+                let stand = Stand::new(view, self.ground.point, self.ground.face);
+                let lines = stand.zip(letters.ok()).map(|(stand, text)| stand.sketch(view, &text));
+                (lines.unwrap_or_default(), Vec::new())
+            }
+        };
+        Sketch { mode: self.mode, lines, faint }
+    }
+}
+
+/// Leaves out every second point, but not the first, while there are too many.
+fn halve<T>(points: &mut Vec<T>) {
+    if points.len() > MOST_POINTS {
+        let mut keep = false;
+        points.retain(|_| {
+            keep = !keep;
+            keep
+        });
+    }
+}
+
+/// The twelve edges of a box.
+fn edges([low, high]: [Vec3; 2]) -> Vec<[Vec3; 2]> {
+    let corner = |i: u32| {
+        let pick = |bit: u32, axis: usize| if i >> bit & 1 == 0 { low[axis] } else { high[axis] };
+        Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
+    };
+    let pairs = (0..8).flat_map(|i| (0..3).map(move |bit| (i, i | 1 << bit)));
+    pairs.filter(|(a, b)| a != b).map(|(a, b)| [corner(a), corner(b)]).collect()
+}

@@ -1,0 +1,221 @@
+//! Letters as outlines: a line of text in one of the fonts that the interface embeds, as closed polygons.
+//!
+//! Lengths are in the unit that the height of capital letters is given in; x to the right, y up. Curves become lines.
+
+use glam::Vec2;
+use skrifa::instance::{LocationRef, Size};
+use skrifa::outline::{DrawSettings, OutlinePen};
+use skrifa::{FontRef, GlyphId, MetadataProvider};
+
+use crate::tools::form::MAX_POINTS;
+
+/// Most letters of a line.
+pub const MOST_LETTERS: usize = 120;
+/// Furthest that the lines may lie from a curve, as a share of the height.
+const TOLERANCE: f32 = 0.004;
+
+/// A font for letters.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Font {
+    /// Ubuntu Light: narrow strokes.
+    #[default]
+    Light,
+    /// Hack: letters of one width, with stronger strokes.
+    Mono,
+}
+
+impl Font {
+    pub const ALL: [Font; 2] = [Font::Light, Font::Mono];
+
+    /// Its name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Font::Light => "light",
+            Font::Mono => "mono",
+        }
+    }
+
+    const fn bytes(self) -> &'static [u8] {
+        match self {
+            Font::Light => epaint_default_fonts::UBUNTU_LIGHT,
+            Font::Mono => epaint_default_fonts::HACK_REGULAR,
+        }
+    }
+}
+
+/// A letter: its outlines, those within others being holes.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Letter {
+    pub outlines: Vec<Vec<Vec2>>,
+}
+
+/// The letters of a line of text whose capitals are `height` high, its middle at the origin. Spaces have no letter.
+pub fn letters(text: &str, font: Font, height: f32) -> Result<Vec<Letter>, String> {
+    let unreadable = || "The letters of this font cannot be read".to_string();
+    let file = FontRef::new(font.bytes()).map_err(|_| unreadable())?;
+    let metrics = file.metrics(Size::unscaled(), LocationRef::default());
+    let capital = metrics.cap_height.filter(|capital| *capital > 0.0).ok_or_else(unreadable)?;
+    // Others than in the font are looked for in the one of signs.
+    let signs = FontRef::new(epaint_default_fonts::NOTO_EMOJI_REGULAR).map_err(|_| unreadable())?;
+    let mut letters = Vec::new();
+    let mut x = 0.0;
+    for sign in text.trim().chars().take(MOST_LETTERS) {
+        let found =
+            [&file, &signs].into_iter().find_map(|font| Some((font, font.charmap().map(sign)?)));
+        let Some((from, glyph)) = found else {
+            return Err(format!("The fonts have no “{sign}”: choose another letter"));
+        };
+        let size = match std::ptr::eq(from, &file) {
+            true => f32::from(metrics.units_per_em) * height / capital,
+            false => 1.2 * height,
+        };
+        let (outlines, advance) = glyph_outlines(from, glyph, size).ok_or_else(unreadable)?;
+        let place = |p: Vec2| p + Vec2::new(x, -0.5 * height);
+        let outlines: Vec<Vec<Vec2>> =
+            outlines.into_iter().map(|outline| outline.into_iter().map(place).collect()).collect();
+        if !outlines.is_empty() {
+            letters.push(Letter { outlines });
+        }
+        x += advance;
+    }
+    let middle = Vec2::new(0.5 * x, 0.0);
+    letters.iter_mut().flat_map(|l| &mut l.outlines).flatten().for_each(|p| *p -= middle);
+    Ok(letters)
+}
+
+/// The outlines of a glyph and how far the next one is from it, in a font of `size` units an em.
+fn glyph_outlines(font: &FontRef, glyph: GlyphId, size: f32) -> Option<(Vec<Vec<Vec2>>, f32)> {
+    let size_of = Size::new(size);
+    let advance = font.glyph_metrics(size_of, LocationRef::default()).advance_width(glyph)?;
+    let outline = font.outline_glyphs().get(glyph)?;
+    let mut tolerance = TOLERANCE * size;
+    loop {
+        let mut pen = Pen { outlines: Vec::new(), tolerance };
+        outline.draw(DrawSettings::unhinted(size_of, LocationRef::default()), &mut pen).ok()?;
+        pen.outlines.iter_mut().for_each(|outline| {
+            outline.dedup();
+            if outline.len() > 1 && outline.first() == outline.last() {
+                outline.pop();
+            }
+        });
+        pen.outlines.retain(|outline| outline.len() > 2);
+        if pen.outlines.iter().map(Vec::len).sum::<usize>() <= MAX_POINTS {
+            return Some((pen.outlines, advance));
+        }
+        tolerance *= 2.0;
+    }
+}
+
+/// Collects outlines as polygons.
+struct Pen {
+    outlines: Vec<Vec<Vec2>>,
+    tolerance: f32,
+}
+
+impl Pen {
+    fn last(&self) -> Vec2 {
+        self.outlines.last().and_then(|outline| outline.last()).copied().unwrap_or(Vec2::ZERO)
+    }
+
+    fn push(&mut self, to: Vec2) {
+        if let Some(outline) = self.outlines.last_mut() {
+            outline.push(to);
+        }
+    }
+
+    /// A curve of which `bend` is how far its controls are from those of a line.
+    fn curve(&mut self, bend: f32, at: impl Fn(f32) -> Vec2) {
+        let count = (bend / self.tolerance).sqrt().ceil().clamp(1.0, 24.0) as u32;
+        (1..=count).for_each(|i| self.push(at(i as f32 / count as f32)));
+    }
+}
+
+impl OutlinePen for Pen {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.outlines.push(vec![Vec2::new(x, y)]);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.push(Vec2::new(x, y));
+    }
+
+    fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
+        let (a, b, c) = (self.last(), Vec2::new(cx, cy), Vec2::new(x, y));
+        // A quarter of it is how far the curve is from its chord.
+        let bend = 0.25 * (a - b * 2.0 + c).length();
+        self.curve(bend, |t| a.lerp(b, t).lerp(b.lerp(c, t), t));
+    }
+
+    fn curve_to(&mut self, ax: f32, ay: f32, bx: f32, by: f32, x: f32, y: f32) {
+        let (from, a, b, to) = (self.last(), Vec2::new(ax, ay), Vec2::new(bx, by), Vec2::new(x, y));
+        let bend = (from - a * 2.0 + b).length().max((a - b * 2.0 + to).length());
+        self.curve(bend, |t| {
+            let (p, q, r) = (from.lerp(a, t), a.lerp(b, t), b.lerp(to, t));
+            p.lerp(q, t).lerp(q.lerp(r, t), t)
+        });
+    }
+
+    fn close(&mut self) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The number of turns of outlines around a point, and of crossings of a ray from it.
+    fn around(outlines: &[Vec<Vec2>], p: Vec2) -> (i32, u32) {
+        let (mut winding, mut crossings) = (0, 0);
+        for outline in outlines {
+            for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+                if (a.y > p.y) != (b.y > p.y) {
+                    let x = a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y);
+                    if x > p.x {
+                        winding += if b.y > a.y { 1 } else { -1 };
+                        crossings += 1;
+                    }
+                }
+            }
+        }
+        (winding, crossings)
+    }
+
+    #[test]
+    fn capitals_are_as_high_as_asked_and_the_line_is_in_the_middle() {
+        for font in Font::ALL {
+            let line = letters("  HI H ", font, 20.0).unwrap();
+            assert_eq!(line.len(), 3, "spaces have no letter");
+            let points: Vec<Vec2> =
+                line.iter().flat_map(|l| &l.outlines).flatten().copied().collect();
+            let low = points.iter().copied().reduce(Vec2::min).unwrap();
+            let high = points.iter().copied().reduce(Vec2::max).unwrap();
+            assert!((low.y + 10.0).abs() < 0.3 && (high.y - 10.0).abs() < 0.3, "{low} {high}");
+            assert!((low.x + high.x).abs() < 2.0, "{low} {high}");
+        }
+        assert_eq!(letters("   ", Font::Light, 20.0), Ok(Vec::new()));
+        assert!(letters("a字", Font::Light, 20.0).unwrap_err().contains('字'));
+    }
+
+    /// Forms count crossings, fonts count turns: outlines of one letter that overlap would leave holes.
+    #[test]
+    fn no_letter_has_holes_where_its_strokes_meet() {
+        let latin: Vec<char> = (' '..='~').chain('¡'..='ÿ').filter(|c| *c != '\u{ad}').collect();
+        for font in Font::ALL {
+            for sign in &latin {
+                let Ok(line) = letters(&sign.to_string(), font, 100.0) else {
+                    panic!("{font:?} has no {sign}")
+                };
+                for letter in line {
+                    let count: usize = letter.outlines.iter().map(Vec::len).sum();
+                    assert!(count <= MAX_POINTS && count < 300, "{sign}: {count}");
+                    for i in 0..40 {
+                        for j in 0..40 {
+                            let p = Vec2::new(i as f32 * 5.0 - 99.7, j as f32 * 5.0 - 99.3);
+                            let (winding, crossings) = around(&letter.outlines, p);
+                            assert_eq!(winding != 0, crossings % 2 == 1, "{font:?} {sign} {p}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The options of the tools that draw. Lengths are in units of the smallest edge of a voxel.
+
+use std::ops::RangeInclusive;
+
+use super::glyphs::Font;
+use crate::input::DrawKind;
+
+/// Radii of tubes.
+pub const RADII: RangeInclusive<f32> = 0.5..=256.0;
+/// Heights of boxes and letters, thicknesses of slabs and depths of letters.
+pub const LENGTHS: RangeInclusive<f32> = 1.0..=512.0;
+
+/// What the tools that draw make of a drag.
+#[derive(Clone, PartialEq, Debug)]
+pub struct DrawOptions {
+    /// Of a slab that lasso and rectangle add, along the line of sight.
+    pub thickness: f32,
+    /// Of a box over its base.
+    pub height: f32,
+    /// Of a tube at its beginning and its end.
+    pub radii: [f32; 2],
+    /// Lines and curves follow the surface; else they stay in the plane of the view in which they begin.
+    pub on_surface: bool,
+    /// The axis of a turned solid is the axis of the grid that points up; else the vertical of the picture.
+    pub upright: bool,
+    pub text: String,
+    /// Of capital letters.
+    pub text_height: f32,
+    /// How far letters come out of the surface, or go into it.
+    pub text_depth: f32,
+    pub font: Font,
+}
+
+impl Default for DrawOptions {
+    fn default() -> Self {
+        DrawOptions {
+            thickness: 12.0,
+            height: 12.0,
+            radii: [4.0, 4.0],
+            on_surface: true,
+            upright: true,
+            text: "Text".to_string(),
+            text_height: 16.0,
+            text_depth: 2.0,
+            font: Font::default(),
+        }
+    }
+}
+
+impl DrawOptions {
+    /// Multiplies the size of what a tool draws.
+    pub fn scale(&mut self, kind: DrawKind, factor: f32) {
+        let scaled = |value: &mut f32, range: RangeInclusive<f32>| {
+            if factor.is_finite() && factor > 0.0 {
+                *value = (*value * factor).clamp(*range.start(), *range.end());
+            }
+        };
+        match kind {
+            DrawKind::Lasso | DrawKind::Rectangle => scaled(&mut self.thickness, LENGTHS),
+            DrawKind::Box => scaled(&mut self.height, LENGTHS),
+            DrawKind::Line | DrawKind::Curve => {
+                self.radii.iter_mut().for_each(|radius| scaled(radius, RADII));
+            }
+            DrawKind::Text => scaled(&mut self.text_height, LENGTHS),
+            DrawKind::Plane | DrawKind::Lathe => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_scaled_within_their_range() {
+        for kind in DrawKind::ALL {
+            let mut options = DrawOptions::default();
+            options.scale(kind, 2.0);
+            let scales = !matches!(kind, DrawKind::Plane | DrawKind::Lathe);
+            assert_eq!(options != DrawOptions::default(), scales, "{kind:?}");
+            options.scale(kind, 1e9);
+            options.scale(kind, f32::NAN);
+            options.scale(kind, 1e-9);
+            assert!(RADII.contains(&options.radii[0]) && LENGTHS.contains(&options.text_height));
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Lines and curves: tubes along what the pointer or a hand has drawn.
+//!
+//! Takes places of the grid in voxels; gives a [`Form::Tube`] with few beads, so that its command is short.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::thin::{evened, length, thinned_to};
+use super::view::{View, chain};
+use crate::tools::form::{Bead, Form};
+
+/// Most beads of a curve.
+const MOST_BEADS: usize = 256;
+/// How much of a hand's trembling goes, as a share of the radius; at most and at least so much, in units of the smallest
+/// edge. Steps from voxel to voxel go with it.
+const EVEN_OVER: f32 = 0.6;
+const EVEN_RANGE: std::ops::RangeInclusive<f32> = 0.7..=4.0;
+/// How far a bead may lie from the way, as a share of the radius.
+const TOLERANCE: f32 = 0.06;
+
+/// A straight tube between two places; a ball if they are the same.
+pub fn line(from_vx: Vec3, to_vx: Vec3, radii: [f32; 2]) -> Form {
+    let ends =
+        [(from_vx, radii[0]), (to_vx, radii[1])].map(|(at_vx, radius)| Bead { at_vx, radius });
+    let count = if from_vx == to_vx { 1 } else { 2 };
+    Form::Tube { beads: ends.into_iter().take(count).collect() }
+}
+
+/// A tube along a way (voxels), its radius changing evenly from one end to the other. `edges`: of a voxel, in units of the
+/// smallest.
+pub fn curve(way_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<Form> {
+    let (first, last) = (*way_vx.first()?, *way_vx.last()?);
+    let thick = 0.5 * (radii[0] + radii[1]);
+    let way: Vec<Vec3> = way_vx.iter().map(|p| *p * edges).collect();
+    if length(&way) < 0.5 {
+        return Some(line(first, last, radii));
+    }
+    let over = (EVEN_OVER * thick).clamp(*EVEN_RANGE.start(), *EVEN_RANGE.end());
+    let even = evened(&way, 0.5 * over, over);
+    let mut thin = thinned_to(&even, (TOLERANCE * thick).max(0.2), MOST_BEADS);
+    thin.dedup_by(|a, b| a.distance(*b) < 1e-2);
+    let total = length(&thin).max(f32::MIN_POSITIVE);
+    let mut gone = 0.0;
+    let mut before = thin[0];
+    let beads: Arc<[Bead]> = thin
+        .iter()
+        .map(|p| {
+            gone += p.distance(std::mem::replace(&mut before, *p));
+            let radius = radii[0] + (radii[1] - radii[0]) * (gone / total).min(1.0);
+            Bead { at_vx: *p / edges, radius }
+        })
+        .collect();
+    Some(Form::Tube { beads })
+}
+
+/// What shows a tube while it is drawn: its middle line and, beside it, its outline.
+pub fn sketch(view: &View, way_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
+    let (Some(first), Some(last)) = (way_vx.first(), way_vx.last()) else { return Vec::new() };
+    let mut lines: Vec<[Vec3; 2]> = chain(way_vx).collect();
+    lines.extend(view.circle(*first, radii[0]));
+    lines.extend(view.circle(*last, radii[1]));
+    let count = way_vx.len() as f32 - 1.0;
+    let eye = view.eye();
+    let rim = |side: f32| -> Vec<Vec3> {
+        let at = |(i, pair): (usize, &[Vec3])| {
+            let (a, b) = (pair[0] * view.edges, pair[1] * view.edges);
+            let out = (b - a).cross(a - eye).normalize_or_zero() * side;
+            let radius = |share: f32| radii[0] + (radii[1] - radii[0]) * share;
+            [(a, i as f32), (b, i as f32 + 1.0)]
+                .map(|(p, i)| (p + out * radius(i / count)) / view.edges)
+        };
+        way_vx.windows(2).enumerate().flat_map(at).collect()
+    };
+    for side in [-1.0, 1.0] {
+        lines.extend(chain(&rim(side)));
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn a_click_is_a_ball_and_a_drag_a_rod() {
+        let at = Vec3::new(4.0, 5.0, 6.0);
+        let Form::Tube { beads } = line(at, at, [2.0, 3.0]) else { panic!() };
+        assert_eq!(beads[..], [Bead { at_vx: at, radius: 2.0 }]);
+        let Form::Tube { beads } = line(at, at + 1.0, [2.0, 3.0]) else { panic!() };
+        assert_eq!((beads.len(), beads[1].radius), (2, 3.0));
+        for way in [vec![at], vec![at; 9], vec![at, at + 0.1]] {
+            curve(&way, [1.0, 2.0], Vec3::ONE).unwrap().check().unwrap();
+        }
+        assert_eq!(curve(&[], [1.0, 1.0], Vec3::ONE), None);
+    }
+
+    #[test]
+    fn a_curve_over_steps_of_voxels_is_smooth_and_short() {
+        // A slope of one in four, as the faces of voxels have it.
+        let steps: Vec<Vec3> =
+            (0..200).map(|i| Vec3::new(i as f32 * 0.5, (i / 8) as f32, 10.0)).collect();
+        let Some(Form::Tube { beads }) = curve(&steps, [4.0, 2.0], Vec3::ONE) else { panic!() };
+        assert!(beads.len() < 16, "{}", beads.len());
+        assert_eq!((beads[0].at_vx, beads[beads.len() - 1].at_vx), (steps[0], steps[199]));
+        assert_eq!((beads[0].radius, beads[beads.len() - 1].radius), (4.0, 2.0));
+        for bead in &beads[..] {
+            assert!((bead.at_vx.y - bead.at_vx.x * 0.25).abs() < 1.0, "{bead:?}");
+        }
+        // A half circle stays one.
+        let round: Vec<Vec3> = (0..=300)
+            .map(|i| (Vec2::from_angle(i as f32 * 0.0104719) * 30.0).extend(0.0))
+            .collect();
+        let Some(Form::Tube { beads }) = curve(&round, [3.0, 3.0], Vec3::ONE) else { panic!() };
+        assert!((6..40).contains(&beads.len()), "{}", beads.len());
+        assert!(beads.iter().all(|bead| (bead.at_vx.length() - 30.0).abs() < 0.4), "{beads:?}");
+    }
+
+    proptest! {
+        #[test]
+        fn every_way_makes_a_valid_tube(
+            way in prop::collection::vec(prop::array::uniform3(-100f32..100.0), 1..80),
+            radii in prop::array::uniform2(0.5f32..200.0),
+            edges in prop::array::uniform3(1f32..4.0),
+        ) {
+            let way: Vec<Vec3> = way.into_iter().map(Vec3::from).collect();
+            let form = curve(&way, radii, Vec3::from(edges)).unwrap();
+            prop_assert_eq!(form.check(), Ok(()));
+        }
+    }
+}
