@@ -69,7 +69,7 @@ pub fn draw(painter: &Painter, rect: Rect, kind: DrawKind, colour: Color32) {
             let half = [(0.5, 0.94), (0.72, 0.94), (0.9, 0.6), (0.62, 0.34), (0.74, 0.06)];
             path(&half, line);
             path(&half.map(|(x, y)| (1.0 - x, y)), thin);
-            dashed(points(&[(0.5, 0.0), (0.5, 1.0)]));
+            path(&[(0.5, 0.0), (0.5, 1.0)], thin);
         }
         DrawKind::Text => {
             path(

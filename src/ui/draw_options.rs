@@ -31,9 +31,14 @@ pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec
         )
         .on_hover_text(hint);
     }
-    Grid::new("draw").num_columns(2).show(ui, |ui| {
-        numbers(ui, kind, mode, &mut options);
-    });
+    let has_numbers = match kind {
+        DrawKind::Lasso | DrawKind::Rectangle => mode == ToolMode::Add,
+        DrawKind::Plane | DrawKind::Lathe => false,
+        DrawKind::Box | DrawKind::Line | DrawKind::Curve | DrawKind::Text => true,
+    };
+    if has_numbers {
+        Grid::new("draw").num_columns(2).show(ui, |ui| numbers(ui, kind, mode, &mut options));
+    }
     match kind {
         DrawKind::Line | DrawKind::Curve if !context.in_headset => {
             ui.checkbox(&mut options.on_surface, "Follow the surface").on_hover_text(
@@ -70,7 +75,7 @@ fn numbers(ui: &mut Ui, kind: DrawKind, mode: ToolMode, options: &mut DrawOption
         ui.end_row();
     };
     match kind {
-        DrawKind::Lasso | DrawKind::Rectangle if mode == ToolMode::Add => {
+        DrawKind::Lasso | DrawKind::Rectangle => {
             let hint =
                 "Thickness of the slab along the line of sight, half of it behind the surface";
             number("Thickness", &mut options.thickness, LENGTHS, hint);
@@ -93,7 +98,7 @@ fn numbers(ui: &mut Ui, kind: DrawKind, mode: ToolMode, options: &mut DrawOption
             let hint = "How far the letters come out of the surface, or go into it";
             number("Depth", &mut options.text_depth, LENGTHS, hint);
         }
-        DrawKind::Lasso | DrawKind::Rectangle | DrawKind::Plane | DrawKind::Lathe => {}
+        DrawKind::Plane | DrawKind::Lathe => {}
     }
 }
 

@@ -13,6 +13,9 @@ use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
 const ICON: f32 = 24.0;
+/// Least width of a mode's button with its name, and of a button without one.
+const MODE_WIDTH: f32 = 30.0;
+const BARE_WIDTH: f32 = 22.0;
 
 pub fn show(
     root: &mut Ui,
@@ -49,7 +52,7 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
         chosen: shows_mode && context.tool.mode == mode,
         action: Action::Mode(mode),
     });
-    group(ui, context, "", &modes, requests);
+    group_of(ui, context, "", &modes, Look::Narrow, requests);
     // A hand has no picture to draw over.
     let by_hand = |kind: &DrawKind| matches!(kind, DrawKind::Line | DrawKind::Curve);
     let drawn: Vec<Entry> = DrawKind::ALL
@@ -61,7 +64,7 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
             action: Action::Draw(kind),
         })
         .collect();
-    group(ui, context, "Drawn solids", &drawn, requests);
+    group_of(ui, context, "Drawn solids", &drawn, Look::Bare, requests);
     // What takes protection away is the mask's inverse.
     let sprays = SprayKind::ALL.into_iter().filter(|kind| *kind != SprayKind::Unmask);
     let sprays = sprays.map(|kind| Entry {
@@ -92,6 +95,17 @@ struct Entry {
     action: Action,
 }
 
+/// How much of a tool its button shows.
+#[derive(Clone, Copy, PartialEq)]
+enum Look {
+    /// Its picture over its name.
+    Full,
+    /// The same with a short name.
+    Narrow,
+    /// Its picture; the name is in the tooltip.
+    Bare,
+}
+
 /// Tools under a heading, two in a row.
 fn group(
     ui: &mut Ui,
@@ -100,17 +114,35 @@ fn group(
     entries: &[Entry],
     requests: &mut Vec<UiRequest>,
 ) {
+    group_of(ui, context, title, entries, Look::Full, requests);
+}
+
+/// Tools under a heading, as many in a row as there is room for.
+fn group_of(
+    ui: &mut Ui,
+    context: &UiContext,
+    title: &str,
+    entries: &[Entry],
+    look: Look,
+    requests: &mut Vec<UiRequest>,
+) {
     if title.is_empty() {
         ui.add_space(2.0);
     } else {
         ui.label(RichText::new(title).small().weak());
     }
-    let columns = theme::toolbox_columns(ui.available_width());
-    let gaps = ui.spacing().item_spacing.x * (columns - 1) as f32;
+    let gap = ui.spacing().item_spacing.x;
+    let fitting = |least: f32| ((ui.available_width() + gap) / (least + gap)) as usize;
+    let columns = match look {
+        Look::Full => theme::toolbox_columns(ui.available_width()),
+        Look::Narrow => fitting(MODE_WIDTH).clamp(1, entries.len().max(1)),
+        Look::Bare => fitting(BARE_WIDTH).clamp(1, entries.len().max(1)),
+    };
+    let gaps = gap * (columns - 1) as f32;
     let width = (ui.available_width() - gaps) / columns as f32;
     for row in entries.chunks(columns) {
         ui.horizontal(|ui| {
-            row.iter().for_each(|entry| tool(ui, context, width, entry, requests));
+            row.iter().for_each(|entry| tool(ui, context, width, entry, look, requests));
         });
     }
     ui.add_space(4.0);
@@ -148,11 +180,12 @@ fn tool(
     context: &UiContext,
     width: f32,
     entry: &Entry,
+    look: Look,
     requests: &mut Vec<UiRequest>,
 ) {
     let Entry { name, chosen, action } = entry;
     let (chosen, action) = (*chosen, *action);
-    let size = vec2(width, ICON + 24.0);
+    let size = vec2(width, if look == Look::Bare { ICON + 6.0 } else { ICON + 24.0 });
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| {
         WidgetInfo::selected(WidgetType::SelectableLabel, ui.is_enabled(), chosen, name)
@@ -167,8 +200,8 @@ fn tool(
             egui::StrokeKind::Inside,
         );
     }
-    let icon =
-        Rect::from_center_size(rect.center_top() + vec2(0.0, 5.0 + ICON / 2.0), vec2(ICON, ICON));
+    let middle = if look == Look::Bare { rect.height() / 2.0 } else { 5.0 + ICON / 2.0 };
+    let icon = Rect::from_center_size(rect.center_top() + vec2(0.0, middle), vec2(ICON, ICON));
     let colour = visuals.text_color();
     match action {
         Action::Solid(solid) => icons::solid(ui.painter(), icon, solid, colour),
@@ -183,13 +216,15 @@ fn tool(
         }
         Action::Spray(kind) => icons::spray(ui.painter(), icon, kind, colour),
         Action::Deform(kind) => icons::deform(ui.painter(), icon, kind, colour),
-        Action::Draw(kind) => draw_icons::draw(ui.painter(), icon.shrink(1.0), kind, colour),
+        Action::Draw(kind) => draw_icons::draw(ui.painter(), icon.shrink(3.0), kind, colour),
         Action::Marker => icons::marker(ui.painter(), icon.shrink(2.0), colour),
         _ => {}
     }
-    let below = rect.center_bottom() - vec2(0.0, 4.0);
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    ui.painter().text(below, egui::Align2::CENTER_BOTTOM, name, font, colour);
+    if look != Look::Bare {
+        let below = rect.center_bottom() - vec2(0.0, 4.0);
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        ui.painter().text(below, egui::Align2::CENTER_BOTTOM, name, font, colour);
+    }
     if explain(response, context, action).clicked() {
         requests.push(UiRequest::Do(action));
     }

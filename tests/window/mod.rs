@@ -8,6 +8,7 @@ mod changed_on_disk;
 mod clay;
 mod disks;
 mod display;
+mod draw;
 mod endings;
 mod failures;
 mod head;

@@ -36,8 +36,7 @@ pub fn curve(way_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<Form> {
     if length(&way) < 0.5 {
         return Some(line(first, last, radii));
     }
-    let over = (EVEN_OVER * thick).clamp(*EVEN_RANGE.start(), *EVEN_RANGE.end());
-    let even = evened(&way, 0.5 * over, over);
+    let even = even(&way, thick);
     let mut thin = thinned_to(&even, (TOLERANCE * thick).max(0.2), MOST_BEADS);
     thin.dedup_by(|a, b| a.distance(*b) < 1e-2);
     let total = length(&thin).max(f32::MIN_POSITIVE);
@@ -54,13 +53,22 @@ pub fn curve(way_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<Form> {
     Some(Form::Tube { beads })
 }
 
+/// A way (units of the smallest edge) for a tube of a radius without the trembling of a hand.
+fn even(way: &[Vec3], radius: f32) -> Vec<Vec3> {
+    let over = (EVEN_OVER * radius).clamp(*EVEN_RANGE.start(), *EVEN_RANGE.end());
+    evened(way, 0.5 * over, over)
+}
+
 /// What shows a tube while it is drawn: its middle line and, beside it, its outline.
 pub fn sketch(view: &View, way_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
     let (Some(first), Some(last)) = (way_vx.first(), way_vx.last()) else { return Vec::new() };
-    let mut lines: Vec<[Vec3; 2]> = chain(way_vx).collect();
+    let way: Vec<Vec3> = way_vx.iter().map(|p| *p * view.edges).collect();
+    let even: Vec<Vec3> =
+        even(&way, 0.5 * (radii[0] + radii[1])).into_iter().map(|p| p / view.edges).collect();
+    let mut lines: Vec<[Vec3; 2]> = chain(&even).collect();
     lines.extend(view.circle(*first, radii[0]));
     lines.extend(view.circle(*last, radii[1]));
-    let count = way_vx.len() as f32 - 1.0;
+    let count = even.len() as f32 - 1.0;
     let eye = view.eye();
     let rim = |side: f32| -> Vec<Vec3> {
         let at = |(i, pair): (usize, &[Vec3])| {
@@ -70,7 +78,7 @@ pub fn sketch(view: &View, way_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
             [(a, i as f32), (b, i as f32 + 1.0)]
                 .map(|(p, i)| (p + out * radius(i / count)) / view.edges)
         };
-        way_vx.windows(2).enumerate().flat_map(at).collect()
+        even.windows(2).enumerate().flat_map(at).collect()
     };
     for side in [-1.0, 1.0] {
         lines.extend(chain(&rim(side)));

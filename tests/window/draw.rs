@@ -1,0 +1,95 @@
+//! Tools that draw solids, in the real window: what is shown while the button is pressed, what comes of it, and that the
+//! recording gives the same without a window.
+
+use virtual_sculpture::command_text::parse_script;
+use virtual_sculpture::config::Config;
+use virtual_sculpture::session::Session;
+
+use super::program::{BUTTON, MOTION};
+use super::{LEFT, PICTURE, display, shot, start};
+
+#[test]
+fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
+    let display = display();
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("drawn.sculpt");
+    let program = start(&display, &["--record", recording.to_str().unwrap()]);
+    let device = |kind: u8, detail: u8, at: [i16; 2]| {
+        program.display().device(kind, detail, at);
+        program.settle();
+    };
+    // Draws, with a picture before the button is released and one after.
+    let draw = |name: &str, way: &[[i16; 2]]| {
+        let before = shot(&program, &format!("draw-{name}-0")).part(PICTURE);
+        device(MOTION, 0, way[0]);
+        shot(&program, &format!("draw-{name}-1-before"));
+        device(BUTTON, LEFT, way[0]);
+        way.iter().for_each(|at| device(MOTION, 0, *at));
+        let during = shot(&program, &format!("draw-{name}-2-during")).part(PICTURE);
+        device(BUTTON + 1, LEFT, way[way.len() - 1]);
+        program.leave_picture();
+        let after = shot(&program, &format!("draw-{name}-3-after")).part(PICTURE);
+        assert!(before.differing(&during) > 100, "{name} shows nothing while it is drawn");
+        assert!(before.differing(&after) > 300, "{name} changes nothing");
+    };
+    // In an empty grid: a plinth on its floor, a vase on it with a handle, an inscription.
+    program.key(&["Control_L", "Delete"]);
+    program.key(&["t"]);
+    program.key(&["Alt_L", "b"]);
+    draw("box", &[[440, 540], [560, 600], [640, 590]]);
+    program.key(&["Alt_L", "w"]);
+    let profile = [
+        [560, 500],
+        [610, 500],
+        [625, 460],
+        [600, 400],
+        [620, 350],
+        [612, 345],
+        [592, 400],
+        [560, 440],
+    ];
+    draw("lathe", &profile);
+    program.key(&["u"]);
+    draw("curve", &[[612, 370], [650, 360], [675, 400], [660, 450], [622, 470]]);
+    program.key(&["j"]);
+    draw("line", &[[470, 530], [420, 380]]);
+    program.key(&["Alt_L", "y"]);
+    draw("text", &[[500, 560], [530, 575]]);
+    program.key(&["1"]);
+    program.key(&["u"]);
+    draw("mirrored", &[[400, 560], [420, 520], [440, 560], [460, 530]]);
+    program.key(&["1"]);
+    program.key(&["r"]);
+    program.key(&["Alt_L", "p"]);
+    draw("plane", &[[720, 400], [560, 380], [400, 370]]);
+    program.key(&["Alt_L", "l"]);
+    draw("lasso", &[[540, 420], [570, 410], [590, 450], [560, 470], [545, 450]]);
+    program.key(&["Alt_L", "q"]);
+    draw("rectangle", &[[440, 480], [500, 530]]);
+    program.key(&["Control_L", "q"]);
+    program.settle();
+    program.leave_without_saving();
+
+    let mut config = Config::default();
+    config.new.dims = [96; 3];
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    let script = std::fs::read_to_string(&recording).unwrap();
+    for (line, command) in parse_script(&script).unwrap() {
+        session.execute(&command, &()).unwrap_or_else(|error| panic!("line {line}: {error}"));
+    }
+    let labels: Vec<&str> = session.document().history().undo_labels().collect();
+    let drawn = [
+        "new",
+        "clear",
+        "add cuboid",
+        "add lathe",
+        "add tube",
+        "add tube",
+        "text",
+        "add tube",
+        "subtract half-space",
+        "subtract extrusion",
+        "subtract extrusion",
+    ];
+    assert_eq!(labels, drawn, "{script}");
+}
