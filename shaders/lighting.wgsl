@@ -75,11 +75,11 @@ fn lit(
     // A visible surface cannot face away from the eye: that component of the normal is removed.
     var normal = unit_or(turned, to_eye);
     normal = unit_or(normal - to_eye * min(dot(normal, to_eye), 0.0), to_eye);
+    let albedo = colour * colour;
     if kind_matcap != 0u {
-        return sqrt(from_matcap(normal, to_eye) * open);
+        return sqrt(from_matcap(normal, to_eye) * (albedo * open));
     }
     let cos_eye = dot(normal, to_eye);
-    let albedo = colour * colour;
     let upwards = dot(normal, shading.up);
     var sum = albedo * ((shading.ambient_slope * upwards + shading.ambient) * open);
     for (var i = 0u; i < kind_lights; i++) {

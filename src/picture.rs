@@ -264,7 +264,7 @@ fn render_by_casting(
             .any(|eye| LevelSet::shows(document.grid(), &eye.pixel_rays(&world_from_grid)));
     let (normals, levels) = followed.of(document, smooth);
     let grid = document.grid();
-    let source = ShadeSource { grid, material: document.material(), normals };
+    let source = ShadeSource { grid, material: document.material(), normals, mask: None };
     let lighting = view.lighting(options);
     let mut shader = SoftwareShader::default();
     let mut pixels = Pixels::default();
@@ -319,6 +319,7 @@ fn render_on_device(
             false => SmoothSurface::Never,
         },
         lighting: view.lighting(options),
+        show_mask: false,
         background: Background::Gradient { top, bottom },
         ground: view.ground,
         smooth_edges: false,

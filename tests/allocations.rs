@@ -87,7 +87,7 @@ fn a_steady_frame_on_the_cpu_allocates_nothing() {
     let mut map = IndexMap::new(rays);
     let mut pixels = Pixels::default();
     let normals = NormalField::of(&grid);
-    let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
+    let source = ShadeSource { grid: &grid, material: &material, normals: &normals, mask: None };
     assert_free("ray caster", || raycast::sample(&grid, &rays, &mut map));
     assert_free("Quickstep", || quickstep::sample(&grid, &rays, &mut map));
     assert_free("shader", || shade::shade(&map, &source, &pose, &lighting, &mut pixels));

@@ -53,7 +53,8 @@ fn pictures(c: &mut Criterion) {
             b.iter(|| raycast::sample(&grid, &rays, &mut map));
         });
         group.bench_function(BenchmarkId::new("shade", name), |b| {
-            let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
+            let source =
+                ShadeSource { grid: &grid, material: &material, normals: &normals, mask: None };
             b.iter(|| shade::shade(&map, &source, &pose, &lighting, &mut pixels));
         });
         let contents = Contents::new(grid.clone(), material.clone());
@@ -77,7 +78,8 @@ fn pictures(c: &mut Criterion) {
             .map(|index| index as u32)
             .collect();
         group.bench_function(BenchmarkId::new("partial_update", name), |b| {
-            let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
+            let source =
+                ShadeSource { grid: &grid, material: &material, normals: &normals, mask: None };
             b.iter(|| {
                 let rects = changed_pixels(&grid, &changed, &rays, 16);
                 for &rect in rects.as_slice() {

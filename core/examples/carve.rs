@@ -44,7 +44,7 @@ pub fn picture(size: UVec2) -> Result<RgbaImage, Box<dyn Error>> {
         Lighting { smooth_normals: Smoothing::Near, occlusion: true, ..Lighting::default() },
     );
     let (grid, material) = (document.grid(), document.material());
-    let source = ShadeSource { grid, material, normals: &NormalField::of(grid) };
+    let source = ShadeSource { grid, material, normals: &NormalField::of(grid), mask: None };
     SoftwareShader::default().shade(&map, &source, &pose, &lighting, &mut pixels);
     let large = RgbaImage::from_fn(size.x * 2, size.y * 2, |x, y| {
         let [r, g, b, alpha] = pixels.rgba[(x + y * size.x * 2) as usize];

@@ -136,6 +136,7 @@ impl Workspace {
             }
             Action::NextPadMode => self.controls.pads.next_mode(),
             Action::ToggleBounds => self.ui.view.bounds ^= true,
+            Action::ToggleMask => self.ui.view.mask ^= true,
             Action::ToggleOrthographic => self.ui.view.orthographic ^= true,
             Action::ToggleGizmo => self.ui.view.gizmo ^= true,
             Action::ToggleGround => self.ui.view.ground ^= true,

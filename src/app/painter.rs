@@ -75,6 +75,7 @@ impl Painter {
             smooth_surface: SmoothSurface::on_screen(workspace.ui.view.smooth_surface),
             sample: 0,
             lighting: workspace.ui.view.lighting(),
+            show_mask: workspace.ui.view.mask && !is_screenshot,
             background: background(workspace.ui.appearance.theme),
             ground: workspace.ground(video.is_some()),
             smooth_edges: workspace.ui.view.smooth_edges,

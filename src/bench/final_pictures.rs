@@ -46,7 +46,7 @@ pub fn final_picture(
             levels
         });
     let prepare_s = begun.elapsed().as_secs_f64();
-    let source = ShadeSource { grid, material, normals: &normals };
+    let source = ShadeSource { grid, material, normals: &normals, mask: None };
     let options = TraceOptions { samples: suite.final_samples(), ..TraceOptions::default() };
     let begun = Instant::now();
     let film = trace::trace((&source, levels.as_ref()), &shot, &options, &())?;

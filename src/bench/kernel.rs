@@ -75,7 +75,7 @@ pub fn run(kernel: Kernel, document: &mut Document, size: UVec2, repeat: usize) 
         Kernel::Shade => NormalField::of(grid),
         _ => NormalField::default(),
     };
-    let source = ShadeSource { grid, material, normals: &normals };
+    let source = ShadeSource { grid, material, normals: &normals, mask: None };
     for time in &mut times {
         let start = Instant::now();
         match kernel {

@@ -137,7 +137,7 @@ impl View {
         let world_from_grid = *world_from_grid;
         let pose = ShadePose { eye_from_world: self.eye.eye_from_world, world_from_grid };
         let Contents { grid, material, .. } = contents;
-        let source = ShadeSource { grid, material, normals };
+        let source = ShadeSource { grid, material, normals, mask: None };
         shade::shade_rect(&self.map, &source, &pose, lighting, rect, &mut self.pixels);
     }
 }

@@ -235,6 +235,7 @@ impl Rendered {
             smooth_surface: look.smooth_surface,
             sample: 0,
             lighting: look.lighting,
+            show_mask: false,
             background: Background::Gradient { top, bottom },
             ground: look.ground,
             smooth_edges: look.smooth_edges,

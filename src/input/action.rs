@@ -228,6 +228,8 @@ pub enum Action {
     ToggleGround,
     /// Toggles the edges of the grid.
     ToggleBounds,
+    /// Toggles whether the mask is seen.
+    ToggleMask,
     /// Toggles between the dark and the light theme.
     ToggleTheme,
     /// Toggles full screen of the main window.
@@ -423,6 +425,7 @@ impl Action {
         Action::ToggleGround,
         Action::References,
         Action::ToggleBounds,
+        Action::ToggleMask,
         Action::NextRenderMode,
         Action::Lights,
         Action::NextStereo,

@@ -268,6 +268,7 @@ impl Action {
             ),
             Action::ToggleFloor => ("toggle-floor", Tap, "Floor grid on or off"),
             Action::ToggleBounds => ("toggle-bounds", Tap, "Grid outline on or off"),
+            Action::ToggleMask => ("toggle-mask", Tap, "Show or hide the mask"),
             Action::ToggleTheme => ("toggle-theme", Tap, "Dark or light theme"),
             Action::Fullscreen => ("fullscreen", Tap, "Full screen on or off"),
             Action::TogglePanels => ("toggle-panels", Tap, "Hide all panels, or show them again"),

@@ -57,9 +57,9 @@ impl Group {
             | MoveContents(_) | Masks | InvertMask | ClearMask => Group::Areas,
             Undo | Redo | Fill | Clear | TurnUpright(_) | RotateGrid(_) => Group::History,
             ResetView | LookFrom(_) | ZoomIn | ZoomOut | ToggleOrthographic | ToggleGizmo
-            | ToggleFloor | ToggleGround | References | ToggleBounds | NextRenderMode
-            | NextStereo | SwapEyes | ToggleVideo | ToggleHead | CalibrateHead | ToggleAr
-            | Lights | Fullscreen | TogglePanels => Group::View,
+            | ToggleMask | ToggleFloor | ToggleGround | References | ToggleBounds
+            | NextRenderMode | NextStereo | SwapEyes | ToggleVideo | ToggleHead | CalibrateHead
+            | ToggleAr | Lights | Fullscreen | TogglePanels => Group::View,
             ScaleUp | ScaleDown | ScaleReset | ToggleTheme | Detach(_) | ToggleRumble | New
             | Open | Save | SaveAs | Export | Screenshot | CopyScreenshot | FinalPicture | Film
             | PrintCheck | Tints | Palette | Help | Guide | Quit => Group::Program,

@@ -152,6 +152,7 @@ impl Action {
             Action::ToggleFloor => "plane lines scale ruler",
             Action::ToggleGround => "plane catcher contact lines scale",
             Action::ToggleBounds => "bounds box edges frame",
+            Action::ToggleMask => "masking protected protect freeze frozen lock",
             Action::ToggleTheme => "mode appearance skin colours",
             Action::Detach(Panel::Toolbox) => "tools panel undock float tear window",
             Action::Detach(_) => "panel undock float tear window",

@@ -66,7 +66,7 @@ pub fn write_final(
     }
     let normals = normals_of(contents, progress)?;
     let Contents { grid, material, .. } = contents;
-    let source = ShadeSource { grid, material, normals: &normals };
+    let source = ShadeSource { grid, material, normals: &normals, mask: None };
     let mut film = match on {
         TraceOn::Cpu => {
             let rays = shot.eye.pixel_rays(&shot.world_from_grid);

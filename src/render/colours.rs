@@ -1,6 +1,6 @@
 //! The device's copy of a sculpture's colours: one buffer with a number for each brick (0: not
 //! painted, otherwise that of its page, counted from 1), then the pages, packed as in the
-//! sculpture.
+//! sculpture; or those of the colours that show the mask ([`ShownColours`]).
 //!
 //! It is uploaded as a whole at first, and afterwards by pages of changed bricks; when there are
 //! more pages than capacity, the buffer is copied to a larger one on the device. Where the colours
@@ -14,7 +14,9 @@ use ash::vk;
 use crate::gpu::{
     Buffer, Device, GpuError, MemoryLocation, Recorder, Result, Staging, Use, run_once,
 };
-use crate::sculpture::Material;
+use crate::sculpture::brick::BRICK_VOXELS;
+use crate::sculpture::{ColourDepth, Rgb};
+use crate::shade::ShownColours;
 
 /// Most bytes of pages in flight at once. Larger uploads are done in pieces, waiting for each.
 const CHUNK_BYTES: usize = 8 << 20;
@@ -24,6 +26,22 @@ const STAGING_BYTES: u64 = 1 << 20;
 
 /// Largest gap between changed entries of the table that one copy bridges.
 const GAP_ENTRIES: u32 = 256;
+
+/// What the pages of all bricks depend on.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Kind {
+    depth: ColourDepth,
+    base: Rgb,
+    instead: Option<Rgb>,
+    shows_mask: bool,
+}
+
+impl Kind {
+    fn of(shown: &ShownColours) -> Kind {
+        let (depth, base) = (shown.depth(), shown.base());
+        Kind { depth, base, instead: shown.instead, shows_mask: shown.mask.is_some() }
+    }
+}
 
 /// The copy.
 pub struct Colours {
@@ -35,9 +53,11 @@ pub struct Colours {
     /// The number of pages ever allocated, and the capacity.
     used: u32,
     room: u32,
-    bytes_per_voxel: u32,
+    kind: Kind,
     staging: Staging,
-    /// Reused allocations: bricks whose pages are to be uploaded, those whose entries are, copies.
+    /// Reused allocations: bricks whose pages may have changed, those whose pages are to be uploaded, those whose
+    /// entries are, copies.
+    affected: Vec<u32>,
     painted: Vec<u32>,
     entries: Vec<u32>,
     copies: Vec<vk::BufferCopy>,
@@ -45,53 +65,57 @@ pub struct Colours {
 }
 
 impl Colours {
-    /// Uploads all colours of `bricks` bricks and waits for it.
-    pub fn new(device: &Arc<Device>, material: &Material, bricks: usize) -> Result<Colours> {
+    /// Uploads all colours and waits for it.
+    pub fn new(device: &Arc<Device>, shown: &ShownColours) -> Result<Colours> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
-        let (buffer, room) =
-            make_buffer(device, bricks, material.page_count(), material.page_bytes())?;
+        let (kind, bricks) = (Kind::of(shown), shown.grid.brick_count());
+        let page_bytes = BRICK_VOXELS as usize * kind.depth.bytes();
+        let (buffer, room) = make_buffer(device, bricks, shown.page_count(), page_bytes)?;
         let mut made = Colours {
             buffer,
             table: vec![0; bricks],
             free: Vec::new(),
             used: 0,
             room,
-            bytes_per_voxel: material.depth().bytes() as u32,
+            kind,
             staging: Staging::new(device, "changed colours", usage, STAGING_BYTES)?,
+            affected: Vec::new(),
             painted: Vec::new(),
             entries: Vec::new(),
             copies: Vec::new(),
             device: device.clone(),
         };
-        made.upload_whole(material)?;
+        made.upload_whole(shown)?;
         Ok(made)
     }
 
     /// Updates the copy with `changed` bricks (as from [`crate::document::Document::drain_changes`];
-    /// `None` means all, perhaps of another sculpture of `bricks` bricks). Recorded in `recorder`,
-    /// for frame `slot`, once per frame. After an error the copy is out of date.
+    /// `None` means all, perhaps of another sculpture). Recorded in `recorder`, for frame `slot`, once per frame. After an error the copy is out of date.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
-        material: &Material,
-        bricks: usize,
+        shown: &ShownColours,
         changed: Option<&[u32]>,
     ) -> Result<()> {
-        let fits =
-            bricks == self.table.len() && material.depth().bytes() as u32 == self.bytes_per_voxel;
+        let fits = shown.grid.brick_count() == self.table.len() && Kind::of(shown) == self.kind;
         match changed {
-            Some(changed) if fits => self.upload_bricks(recorder, slot, material, changed),
+            Some(changed) if fits => self.upload_bricks(recorder, slot, shown, changed),
             _ => {
-                *self = Colours::new(&self.device, material, bricks)?;
+                *self = Colours::new(&self.device, shown)?;
                 Ok(())
             }
         }
     }
 
-    /// Bytes of a voxel's colour; 0 if the sculpture has only one.
+    /// Bytes of a voxel's colour; 0 if the sculpture is shown in only one.
     pub fn bytes_per_voxel(&self) -> u32 {
-        self.bytes_per_voxel
+        self.kind.depth.bytes() as u32
+    }
+
+    /// Whether protected voxels are tinted: then these are the colours of a look, too.
+    pub fn shows_mask(&self) -> bool {
+        self.kind.shows_mask
     }
 
     pub fn buffer(&self) -> &Buffer {
@@ -99,7 +123,7 @@ impl Colours {
     }
 
     fn page_bytes(&self) -> usize {
-        512 * self.bytes_per_voxel as usize
+        BRICK_VOXELS as usize * self.kind.depth.bytes()
     }
 
     /// The offset of a page in the buffer, in bytes.
@@ -107,9 +131,9 @@ impl Colours {
         (self.table.len() * 4 + (page as usize - 1) * self.page_bytes()) as u64
     }
 
-    fn upload_whole(&mut self, material: &Material) -> Result<()> {
+    fn upload_whole(&mut self, shown: &ShownColours) -> Result<()> {
         let bricks: Vec<u32> = (0..self.table.len() as u32).collect();
-        self.assign_pages(material, &bricks);
+        self.assign_pages(shown, &bricks);
         let mut chunk = self.chunk()?;
         for (i, table) in self.table.chunks(CHUNK_BYTES / 4).enumerate() {
             chunk.write(0, table)?;
@@ -117,7 +141,7 @@ impl Colours {
             let copy = vk::BufferCopy { src_offset: 0, dst_offset: offset, size };
             self.copy_at_once(&chunk, &[copy])?;
         }
-        self.upload_pages_at_once(material, &mut chunk)
+        self.upload_pages_at_once(shown, &mut chunk)
     }
 
     /// A staging buffer for an upload that is waited for.
@@ -137,12 +161,14 @@ impl Colours {
     }
 
     /// Uploads the pages of the painted bricks and waits for it.
-    fn upload_pages_at_once(&mut self, material: &Material, chunk: &mut Buffer) -> Result<()> {
+    fn upload_pages_at_once(&mut self, shown: &ShownColours, chunk: &mut Buffer) -> Result<()> {
         let bytes = self.page_bytes();
         let painted = std::mem::take(&mut self.painted);
+        let mut page = vec![0u8; bytes];
         for bricks in painted.chunks(CHUNK_BYTES / bytes.max(1)) {
             for (i, &brick) in bricks.iter().enumerate() {
-                chunk.write((i * bytes) as u64, material.page(brick as usize).unwrap_or(&[]))?;
+                shown.write_page(brick as usize, &mut page);
+                chunk.write((i * bytes) as u64, &page)?;
             }
             self.find_page_copies(bricks, 0);
             self.copy_at_once(chunk, &self.copies)?;
@@ -169,23 +195,22 @@ impl Colours {
 
     /// Allocates pages for painted bricks and frees those of others. Collects the painted bricks,
     /// in the order of their pages, and the bricks whose table entries change, in their own order.
-    fn assign_pages(&mut self, material: &Material, changed: &[u32]) {
+    fn assign_pages(&mut self, shown: &ShownColours, changed: &[u32]) {
         self.painted.clear();
         self.entries.clear();
-        if self.bytes_per_voxel == 0 {
+        if self.kind.depth == ColourDepth::None {
             return;
         }
         // Pages that were freed are available to others.
         for &brick in changed {
-            match material.page(brick as usize) {
-                Some(_) => self.painted.push(brick),
-                None => {
-                    let page = std::mem::take(&mut self.table[brick as usize]);
-                    if page != 0 {
-                        self.free.push(page);
-                        self.entries.push(brick);
-                    }
-                }
+            if shown.has_page(brick as usize) {
+                self.painted.push(brick);
+                continue;
+            }
+            let page = std::mem::take(&mut self.table[brick as usize]);
+            if page != 0 {
+                self.free.push(page);
+                self.entries.push(brick);
             }
         }
         self.painted.sort_unstable();
@@ -208,11 +233,18 @@ impl Colours {
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
-        material: &Material,
+        shown: &ShownColours,
         changed: &[u32],
     ) -> Result<()> {
         self.staging.begin(slot);
-        self.assign_pages(material, changed);
+        let mut affected = std::mem::take(&mut self.affected);
+        affected.clear();
+        affected.extend_from_slice(changed);
+        for &brick in changed {
+            shown.for_each_dependent(brick as usize, |brick| affected.push(brick as u32));
+        }
+        self.assign_pages(shown, &affected);
+        self.affected = affected;
         if self.painted.is_empty() && self.entries.is_empty() {
             return Ok(());
         }
@@ -223,7 +255,7 @@ impl Colours {
                 copy(recorder);
                 Ok(())
             })?;
-            self.upload_pages(recorder, material)?;
+            self.upload_pages(recorder, shown)?;
         } else {
             let device = self.device.clone();
             self.make_room(|copy| {
@@ -233,7 +265,7 @@ impl Colours {
                 })
             })?;
             let mut chunk = self.chunk()?;
-            self.upload_pages_at_once(material, &mut chunk)?;
+            self.upload_pages_at_once(shown, &mut chunk)?;
         }
         self.upload_entries(recorder)?;
         recorder.buffer_barrier(Use::COPY_TARGET, Use::SHADER_READ);
@@ -263,14 +295,12 @@ impl Colours {
     }
 
     /// Records the upload of the pages of the painted bricks.
-    fn upload_pages(&mut self, recorder: &mut Recorder, material: &Material) -> Result<()> {
+    fn upload_pages(&mut self, recorder: &mut Recorder, shown: &ShownColours) -> Result<()> {
         let bytes = self.page_bytes();
         let painted = std::mem::take(&mut self.painted);
         let piece = self.staging.fill((painted.len() * bytes) as u64, 4, |target| {
             for (target, &brick) in target.chunks_exact_mut(bytes).zip(&painted) {
-                if let Some(page) = material.page(brick as usize) {
-                    target.copy_from_slice(page);
-                }
+                shown.write_page(brick as usize, target);
             }
         })?;
         self.find_page_copies(&painted, piece.offset);

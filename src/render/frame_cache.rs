@@ -11,7 +11,7 @@ use super::normal_stage::NormalsChange;
 use super::overlay::{Line, ToolPreview};
 use super::overlay_pixels::PictureOfGrid;
 use super::renderer::FrameDesc;
-use super::{Background, MAX_EYES, VideoView};
+use super::{Background, MAX_EYES, MaskShown, VideoView};
 use super::{RenderMode, Shading};
 use crate::document::Document;
 use crate::shade::{Ground, Lighting};
@@ -26,14 +26,13 @@ struct SampleKey {
     world_from_grid: Affine3A,
     mode: RenderMode,
     smooth: bool,
+    mask: Option<MaskShown>,
 }
 
 impl SampleKey {
     /// Whether both differ by edits of the sculpture only.
     fn differs_by_edits_only(&self, other: &SampleKey) -> bool {
-        let SampleKey { revision: _, eyes, world_from_grid, mode, smooth } = other;
-        (&self.eyes, &self.world_from_grid, &self.mode, &self.smooth)
-            == (eyes, world_from_grid, mode, smooth)
+        *self == SampleKey { revision: self.revision, ..*other }
     }
 }
 
@@ -197,6 +196,7 @@ fn sample_key(document: &Document, desc: &FrameDesc, smooth: bool) -> SampleKey 
         world_from_grid: desc.world_from_grid,
         mode: desc.mode,
         smooth,
+        mask: desc.mask_shown(document),
     }
 }
 
@@ -233,6 +233,7 @@ mod tests {
             smooth_surface: SmoothSurface::Never,
             sample: 0,
             lighting: Lighting::default(),
+            show_mask: false,
             background: Background::Keep,
             ground: None,
             smooth_edges: false,

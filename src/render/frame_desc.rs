@@ -5,8 +5,11 @@ use glam::Affine3A;
 use super::overlay::{Line, ToolPreview};
 use super::{Background, RenderMode, Surface, Video};
 use crate::document::Document;
-use crate::sculpture::Grid;
-use crate::shade::{Ground, LevelSet, Lighting, NORMAL_REACH_VX, ShadePose};
+use crate::sculpture::history::Contents;
+use crate::sculpture::{Grid, Rgb};
+use crate::shade::{
+    Ground, LevelSet, Lighting, NORMAL_REACH_VX, NormalField, ShadePose, ShadeSource, ShownColours,
+};
 use crate::view::Eye;
 
 /// When pictures show the surface between the voxels, where a voxel covers more than a pixel, in modes that can.
@@ -49,6 +52,8 @@ pub struct FrameDesc<'a> {
     /// Which of the samples of antialiased pictures this is ([`FrameDesc::of_sample`]); 0 for other pictures.
     pub sample: u32,
     pub lighting: Lighting,
+    /// Protected voxels are tinted.
+    pub show_mask: bool,
     pub background: Background,
     /// The ground below the sculpture.
     pub ground: Option<Ground>,
@@ -68,7 +73,43 @@ impl<'a> FrameDesc<'a> {
     }
 }
 
+/// A mask that is shown.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct MaskShown {
+    /// The colour that is shown of all voxels instead of their own.
+    instead: Option<Rgb>,
+}
+
+impl MaskShown {
+    /// The colours that shaders on a device look up; without a mask those of the voxels, which looks replace.
+    pub fn colours(mask: Option<MaskShown>, contents: &Contents) -> ShownColours<'_> {
+        let Contents { grid, material, .. } = contents;
+        let instead = mask.and_then(|mask| mask.instead);
+        let mask = contents.mask.as_deref().filter(|_| mask.is_some());
+        ShownColours { grid, material, instead, mask }
+    }
+}
+
 impl FrameDesc<'_> {
+    /// The document's mask, if there is one and pictures show it.
+    pub(super) fn mask_shown(&self, document: &Document) -> Option<MaskShown> {
+        let one_colour = self.mode.shades_on_device() && !self.mode.needs_colours();
+        let base = || one_colour.then(|| document.material().base());
+        let look = self.lighting.look.substance().map(|substance| substance.colour);
+        let is_shown = self.show_mask && document.contents().mask.is_some();
+        is_shown.then(|| MaskShown { instead: look.or_else(base) })
+    }
+
+    /// What the CPU shades.
+    pub(super) fn source<'a>(
+        &self,
+        document: &'a Document,
+        normals: &'a NormalField,
+    ) -> ShadeSource<'a> {
+        let Contents { grid, material, mask } = document.contents();
+        ShadeSource { grid, material, normals, mask: mask.as_deref().filter(|_| self.show_mask) }
+    }
+
     /// Whether pictures of `grid` that show the smooth surface `when` do so on a device, a GPU or `software`.
     pub(super) fn is_smooth(&self, when: SmoothSurface, grid: &Grid, software: bool) -> bool {
         let rays = |eye: &Eye| eye.pixel_rays(&self.world_from_grid);

@@ -61,6 +61,7 @@ pub use beam::Beams;
 pub use colours::Colours;
 pub use composite::{Composite, CompositeEye};
 pub use fallback::{Fallback, FrameReport};
+use frame_desc::MaskShown;
 pub use frame_desc::SmoothSurface;
 pub use gpu_only::GpuOnly;
 pub use ground::GroundPass;

@@ -283,8 +283,8 @@ impl Renderer {
         let result = {
             let changed = (redraw == Redraw::Changed).then_some(self.changed.as_slice());
             let smooth = self.levels.surface(self.normals.field(), desc.sample);
-            let rays = &rays[..count];
-            self.sampler.sample(document, rays, desc.mode, smooth, changed, &mut self.maps)
+            let (rays, mode) = (&rays[..count], (desc.mode, desc.mask_shown(document)));
+            self.sampler.sample(document, rays, mode, smooth, changed, &mut self.maps)
         };
         if result.is_err() {
             self.sampler.forget_copy();

@@ -15,7 +15,7 @@ use super::level_stage::SampledLevels;
 use super::pending::Pending;
 use super::pixel_pass::PixelStage;
 use super::{Colours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
-use super::{RenderMode, Sampling};
+use super::{MaskShown, RenderMode, Sampling};
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Frames, Recorder, Result, Staging, Timer};
 use crate::sculpture::Grid;
@@ -164,13 +164,13 @@ impl Sampler {
     /// `smooth`: the surface to sample instead of the voxels, whatever the mode's own sampling is. Where it is on the
     /// device, this brings only the copy of the document up to date, and the passes that draw do the rest.
     ///
-    /// `changed`: the only bricks that have changed since `maps` were sampled with the same rays in
-    /// the same mode; then only the pixels that may see them are sampled.
+    /// `mask`: how the copy of the document shows the mask. `changed`: the only bricks that have changed since `maps`
+    /// were sampled with the same rays in the same mode; then only the pixels that may see them are sampled.
     pub(super) fn sample(
         &mut self,
         document: &mut Document,
         rays: &[PixelRays],
-        mode: RenderMode,
+        (mode, mask): (RenderMode, Option<MaskShown>),
         smooth: Option<SampledLevels>,
         changed: Option<&[u32]>,
         maps: &mut [Arc<IndexMap>],
@@ -182,7 +182,7 @@ impl Sampler {
                 (self.visible[i], self.pending[i]) = (smooth.visible(rays), Pending::Nothing);
                 Arc::make_mut(map).forget(*rays);
             }
-            return self.sample_on_device(document, mode, Sampling::Within, None, maps);
+            return self.sample_on_device(document, (mode, mask), Sampling::Within, None, maps);
         }
         if let Some(mut smooth) = smooth {
             self.device_ms = None;
@@ -234,7 +234,7 @@ impl Sampler {
                 Ok(())
             }
             Sampling::Slicing | Sampling::March | Sampling::Within => {
-                self.sample_on_device(document, mode, mode.sampling(), changed, maps)
+                self.sample_on_device(document, (mode, mask), mode.sampling(), changed, maps)
             }
         }
     }
@@ -262,7 +262,7 @@ impl Sampler {
     fn sample_on_device(
         &mut self,
         document: &mut Document,
-        mode: RenderMode,
+        (mode, mask): (RenderMode, Option<MaskShown>),
         sampling: Sampling,
         changed: Option<&[u32]>,
         maps: &mut [Arc<IndexMap>],
@@ -298,7 +298,7 @@ impl Sampler {
         };
         let mut recorder = copy.frames.begin()?;
         let slot = copy.frames.slot();
-        copy.update(device, &mut recorder, slot, document, mode)?;
+        copy.update(device, &mut recorder, slot, document, (mode, mask))?;
         if sampling == Sampling::Within {
             copy.frames.submit(recorder, &[], &[])?;
             self.device_ms = None;
@@ -400,21 +400,22 @@ impl DeviceCopy {
         recorder: &mut Recorder,
         slot: usize,
         document: &mut Document,
-        mode: RenderMode,
+        (mode, mask): (RenderMode, Option<MaskShown>),
     ) -> Result<()> {
         document.drain_changes_for(&self.subscriber, |contents, changed| {
-            let (grid, material) = (&contents.grid, &contents.material);
+            let grid = &contents.grid;
             self.volume.update(recorder, slot, grid, changed)?;
             match &mut self.areas {
                 _ if mode.sampling() != Sampling::Slicing => self.areas = None,
                 Some(areas) => areas.update(grid, changed),
                 none => none.insert(SliceAreas::default()).update(grid, None),
             }
-            let bricks = grid.brick_count();
+            let needs_colours = mode.needs_colours() || (mode.shades_on_device() && mask.is_some());
+            let shown = MaskShown::colours(mask, contents);
             match &mut self.colours {
-                _ if !mode.needs_colours() => self.colours = None,
-                Some(colours) => colours.update(recorder, slot, material, bricks, changed)?,
-                none => *none = Some(Colours::new(device, material, bricks)?),
+                _ if !needs_colours => self.colours = None,
+                Some(colours) => colours.update(recorder, slot, &shown, changed)?,
+                none => *none = Some(Colours::new(device, &shown)?),
             }
             Ok(())
         })

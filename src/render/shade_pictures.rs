@@ -9,7 +9,7 @@ use super::times::PictureTimer;
 use super::{EyeTask, FrameDesc, MAX_EYES, Renderer, Shading, Surface, SurfaceShade};
 use crate::document::Document;
 use crate::gpu::{Recorder, Result};
-use crate::shade::{Pixels, ShadeSource, shade_rect};
+use crate::shade::{Pixels, shade_rect};
 use crate::surface::changed_pixels;
 
 impl Renderer {
@@ -26,8 +26,7 @@ impl Renderer {
         match self.shading(desc.mode) {
             Shading::Software => self.shade_in_software(document, desc, redraw),
             Shading::Points => {
-                let (grid, material) = (document.grid(), document.material());
-                let source = ShadeSource { grid, material, normals: self.normals.field() };
+                let source = desc.source(document, self.normals.field());
                 for ((map, cloud), eye) in self.maps.iter().zip(&mut self.clouds).zip(desc.eyes) {
                     cloud.take(map, &source, &desc.pose(eye), &desc.lighting);
                 }
@@ -47,8 +46,7 @@ impl Renderer {
 
     fn shade_in_software(&mut self, document: &Document, desc: &FrameDesc, redraw: Redraw) {
         self.pixels.resize_with(self.maps.len(), Pixels::default);
-        let (grid, material) = (document.grid(), document.material());
-        let source = ShadeSource { grid, material, normals: self.normals.field() };
+        let source = desc.source(document, self.normals.field());
         let lighting = &desc.lighting;
         for (i, (map, pixels)) in self.maps.iter().zip(&mut self.pixels).enumerate() {
             let pose = desc.pose(&desc.eyes[i]);
@@ -59,7 +57,8 @@ impl Renderer {
                 }
                 Redraw::Changed => {
                     let reach_vx = desc.reach_vx();
-                    let rects = changed_pixels(grid, self.normals.reshaded(), &map.rays, reach_vx);
+                    let rects =
+                        changed_pixels(source.grid, self.normals.reshaded(), &map.rays, reach_vx);
                     for rect in rects.as_slice() {
                         shade_rect(map, &source, &pose, lighting, *rect, pixels);
                     }

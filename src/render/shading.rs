@@ -50,10 +50,9 @@ impl Surface<'_> {
         [
             self.lighting.lights.iter().flatten().count() as u32,
             self.lighting.occlusion.into(),
-            match self.lighting.look.substance() {
-                Some(_) => 0,
-                None => self.colours.map_or(0, Colours::bytes_per_voxel),
-            },
+            self.colours
+                .filter(|colours| colours.shows_mask() || self.lighting.look == Look::Colours)
+                .map_or(0, Colours::bytes_per_voxel),
             self.estimates.into(),
             (self.lighting.look == Look::Matcap).into(),
             self.lighting.shadow.is_some().into(),

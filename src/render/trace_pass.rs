@@ -91,7 +91,7 @@ impl DeviceTracer {
         pixels: u64,
     ) -> Result<DeviceTracer, GpuError> {
         let name = "final picture";
-        let ShadeSource { grid, material, normals } = *source;
+        let ShadeSource { grid, material, normals, .. } = *source;
         let bytes = pixels * size_of::<PixelSum>() as u64;
         let allowed = u64::from(device.limits().max_storage_buffer_range);
         if bytes > allowed {
@@ -102,7 +102,7 @@ impl DeviceTracer {
         let film = Buffer::new(device, name, bytes, usage, MemoryLocation::GpuOnly)?;
         let volume = Volume::new(device, grid)?;
         let is_painted = material.page_count() > 0;
-        let colours = is_painted.then(|| Colours::new(device, material, grid.brick_count()));
+        let colours = is_painted.then(|| Colours::new(device, &source.colours(None)));
         let colours = colours.transpose()?;
         let normals = Normals::new(device, normals)?;
 

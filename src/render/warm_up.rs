@@ -70,6 +70,7 @@ impl Renderer {
             smooth_surface: SmoothSurface::Never,
             sample: 0,
             lighting: of.lighting,
+            show_mask: false,
             background: Background::Gradient { top: grey, bottom: grey },
             ground: None,
             smooth_edges: of.smooth_edges,

@@ -180,6 +180,8 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
             explain(ground, context, Action::ToggleGround);
         }
     });
+    let mask = ui.checkbox(&mut state.view.mask, "Show mask");
+    explain(mask, context, Action::ToggleMask);
     ui.checkbox(&mut state.view.tool, "Tool");
     ui.checkbox(&mut state.view.line, "Line from centre to tool");
     let edges = ui.checkbox(&mut state.view.smooth_edges, "Smooth edges in motion").on_hover_text(

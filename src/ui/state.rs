@@ -113,6 +113,8 @@ pub struct ViewState {
     pub up: Vec3,
     /// The edges of the grid.
     pub bounds: bool,
+    /// Protected voxels are tinted.
+    pub mask: bool,
     /// The line from the grid's centre to the tool.
     pub line: bool,
     /// The tool itself.
@@ -342,6 +344,7 @@ impl UiState {
                 ground: options.view.ground,
                 up: Vec3::Y,
                 bounds: true,
+                mask: true,
                 line: true,
                 tool: true,
             },

@@ -40,6 +40,7 @@ impl Painter {
             sample: 0,
             mode: scene.mode,
             lighting: Lighting::default(),
+            show_mask: false,
             background: BACKGROUND,
             ground: None,
             smooth_edges: false,

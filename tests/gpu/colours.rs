@@ -8,7 +8,9 @@ use virtual_sculpture::command::{Command, NewSculpture};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Buffer, Device, Frames, MemoryLocation, Use, run_once};
 use virtual_sculpture::render::Colours;
-use virtual_sculpture::sculpture::{Brick, ColourDepth, Material, Rgb};
+use virtual_sculpture::sculpture::history::Contents;
+use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
+use virtual_sculpture::shade::ShownColours;
 
 use super::fixture::with_device;
 
@@ -34,11 +36,26 @@ fn read_back(device: &Arc<Device>, colours: &Colours, bricks: usize) -> Vec<Opti
     bytemuck::pod_collect_to_vec::<u8, u32>(table).into_iter().map(page).collect()
 }
 
-fn update(frames: &mut Frames, colours: &mut Colours, material: &Material, changed: &[u32]) {
+fn update(frames: &mut Frames, colours: &mut Colours, shown: &ShownColours, changed: &[u32]) {
     let mut recorder = frames.begin().unwrap();
     let slot = frames.slot();
-    colours.update(&mut recorder, slot, material, BRICKS, Some(changed)).unwrap();
+    colours.update(&mut recorder, slot, shown, Some(changed)).unwrap();
     frames.submit(recorder, &[], &[]).unwrap();
+}
+
+/// The voxels' own colours.
+fn own<'a>(grid: &'a Grid, material: &'a Material) -> ShownColours<'a> {
+    ShownColours { grid, material, instead: None, mask: None }
+}
+
+fn own_of(document: &Document) -> ShownColours<'_> {
+    own(document.grid(), document.material())
+}
+
+/// The same, or `instead`, and protected voxels tinted.
+fn masked(document: &Document, instead: Option<Rgb>) -> ShownColours<'_> {
+    let mask = document.contents().mask.as_deref();
+    ShownColours { instead, mask, ..own_of(document) }
 }
 
 /// More pages than are uploaded within a frame.
@@ -57,7 +74,7 @@ fn the_copy_follows_paint_and_undo_in_frames_and_at_once() {
             };
             let mut document = Document::new(&new, Limits::default()).unwrap();
             let mut frames = Frames::new(device).unwrap();
-            let mut colours = Colours::new(device, document.material(), BRICKS).unwrap();
+            let mut colours = Colours::new(device, &own_of(&document)).unwrap();
             document.drain_changes(|_, _| ());
             for text in [
                 "recolour ellipsoid at=30,40,50 half=20,10,30 colour=#ff0000",
@@ -74,7 +91,7 @@ fn the_copy_follows_paint_and_undo_in_frames_and_at_once() {
                 let changed =
                     document.drain_changes(|_, changed| changed.unwrap_or_default().to_vec());
                 assert!(!changed.is_empty(), "{text}");
-                update(&mut frames, &mut colours, document.material(), &changed);
+                update(&mut frames, &mut colours, &own_of(&document), &changed);
                 let copy = read_back(device, &colours, BRICKS);
                 for (brick, page) in copy.iter().enumerate() {
                     let expected = document.material().page(brick);
@@ -89,13 +106,14 @@ fn the_copy_follows_paint_and_undo_in_frames_and_at_once() {
 #[test]
 fn more_pages_than_room_are_a_copy_on_the_device_and_what_changed() {
     with_device(|device| {
-        let mut material = Material::new(ColourDepth::Bits24, Rgb::new(9, 9, 9), BRICKS);
+        let grid = Grid::new(UVec3::splat(160), Vec3::ONE, 1 << 20).unwrap();
+        let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(9, 9, 9));
         let paint = |material: &mut Material, brick: usize| {
             material.paint(brick, &Brick::FULL, Rgb::new(brick as u8, (brick / 256) as u8, 1));
         };
         (0..10).for_each(|brick| paint(&mut material, brick));
         let mut frames = Frames::new(device).unwrap();
-        let mut colours = Colours::new(device, &material, BRICKS).unwrap();
+        let mut colours = Colours::new(device, &own(&grid, &material)).unwrap();
         let before = colours.buffer().bytes();
         let unsaid = BRICKS - 1;
         paint(&mut material, unsaid);
@@ -103,13 +121,64 @@ fn more_pages_than_room_are_a_copy_on_the_device_and_what_changed() {
         for changed in [100..1100u32, 1100..7500] {
             changed.clone().for_each(|brick| paint(&mut material, brick as usize));
             let changed: Vec<u32> = changed.collect();
-            update(&mut frames, &mut colours, &material, &changed);
+            update(&mut frames, &mut colours, &own(&grid, &material), &changed);
             assert!(colours.buffer().bytes() > before);
             let copy = read_back(device, &colours, BRICKS);
             for (brick, page) in copy.iter().enumerate() {
                 let expected = material.page(brick).filter(|_| brick != unsaid);
                 assert!(page.as_deref() == expected, "brick {brick}");
             }
+        }
+    });
+}
+
+/// A copy that has followed edits has the pages of a new one, also of bricks that came to be seen or buried by the
+/// edits of others.
+#[test]
+fn the_copy_shows_the_mask_and_follows_what_becomes_visible() {
+    with_device(|device| {
+        for (colour_depth, instead) in [
+            (ColourDepth::Bits8, None),
+            (ColourDepth::None, None),
+            (ColourDepth::Bits24, Some(Rgb::new(178, 112, 84))),
+        ] {
+            let mut grid = Grid::new(UVec3::splat(80), Vec3::ONE, 1 << 20).unwrap();
+            grid.fill_bricks(|b| if b.z < 9 { Brick::FULL } else { Brick::EMPTY });
+            let material = Material::for_grid(&grid, colour_depth, Rgb::new(200, 200, 200));
+            let mut mask = grid.emptied();
+            mask.fill_bricks(|b| if b.x < 6 { Brick::FULL } else { Brick::EMPTY });
+            let contents = Contents { mask: Some(Box::new(mask)), ..Contents::new(grid, material) };
+            let mut document = Document::from_contents(contents, Limits::default());
+            let mut frames = Frames::new(device).unwrap();
+            let mut copy = Colours::new(device, &masked(&document, instead)).unwrap();
+            document.drain_changes(|_, _| ());
+            let mut pages = 0;
+            for text in [
+                "recolour ellipsoid at=60,40,72 half=30,10,30 colour=#ff0000",
+                "subtract cuboid at=64,40,40 half=16,8,50",
+                "add cuboid at=64,40,76 half=10,10,4 colour=#30ff20",
+                "undo 1",
+                "undo all",
+            ] {
+                if colour_depth == ColourDepth::None && text.starts_with("recolour") {
+                    continue;
+                }
+                document.apply(&text.parse().unwrap()).unwrap();
+                let changed =
+                    document.drain_changes(|_, changed| changed.unwrap_or_default().to_vec());
+                let shown = masked(&document, instead);
+                update(&mut frames, &mut copy, &shown, &changed);
+                let expected: Vec<_> = (0..shown.grid.brick_count())
+                    .map(|brick| {
+                        let mut page = vec![0; 512 * shown.depth().bytes()];
+                        shown.has_page(brick).then(|| shown.write_page(brick, &mut page))?;
+                        Some(page)
+                    })
+                    .collect();
+                pages = expected.iter().flatten().count();
+                assert!(read_back(device, &copy, expected.len()) == expected, "{text}");
+            }
+            assert!(pages > 100, "{pages}");
         }
     });
 }

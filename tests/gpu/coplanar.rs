@@ -96,6 +96,7 @@ impl Painter {
             sample: 0,
             mode,
             lighting: even,
+            show_mask: false,
             background: Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO },
             ground: None,
             smooth_edges: false,

@@ -45,6 +45,7 @@ fn desc(mode: RenderMode, eyes: &[Eye], ground: Option<Ground>) -> FrameDesc<'_>
         sample: 0,
         mode,
         lighting: Lighting::default(),
+        show_mask: false,
         background: Background::Gradient { top: Vec3::new(0.1, 0.2, 0.4), bottom: Vec3::ZERO },
         ground,
         smooth_edges: false,

@@ -101,6 +101,7 @@ fn expected(
     eye: &Eye,
     world: &Affine3A,
     lighting: &Lighting,
+    show_mask: bool,
 ) -> Pixels {
     let rays = eye.pixel_rays(world);
     let mut map = IndexMap::new(rays);
@@ -108,8 +109,9 @@ fn expected(
     assert!(map.covered() > 300, "{}", map.covered());
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: *world };
     let mut pixels = Pixels::default();
-    let (grid, material) = (document.grid(), document.material());
-    let source = ShadeSource { grid, material, normals };
+    let Contents { grid, material, mask } = document.contents();
+    let mask = mask.as_deref().filter(|_| show_mask);
+    let source = ShadeSource { grid, material, normals, mask };
     SoftwareShader::default().shade(&map, &source, &pose, lighting, &mut pixels);
     for pixel in pixels.rgba.iter_mut().filter(|pixel| pixel[3] == 0) {
         *pixel = [255, 0, 0, 255];
@@ -157,6 +159,7 @@ fn desc(eyes: &[Eye], world: Affine3A, mode: RenderMode, lighting: Lighting) -> 
         sample: 0,
         mode,
         lighting,
+        show_mask: false,
         background: Background::Gradient { top: RED, bottom: RED },
         ground: None,
         smooth_edges: false,
@@ -170,6 +173,7 @@ fn on_device(mode: &RenderMode) -> bool {
     mode.shading() != Shading::Software
 }
 
+/// With the mask, if there is one.
 fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting, scale: f32) {
     let mut frames = Frames::new(device).unwrap();
     let mut renderer = Renderer::new(device, FORMAT).unwrap();
@@ -179,16 +183,14 @@ fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting
         scale,
     };
     let world = placement.world_from_grid(document.grid().dims(), document.grid().voxel_size());
-    let one_colour = Document::from_contents(
-        Contents::new(document.grid().clone(), plain(document)),
-        Limits::default(),
-    );
+    let contents = Contents { material: plain(document), ..document.contents().clone() };
+    let one_colour = Document::from_contents(contents, Limits::default());
     let normals = NormalField::of(document.grid());
     for eyes in eyes(document, &world) {
         let [in_colour, in_one] = [&*document, &one_colour]
-            .map(|of| eyes.map(|eye| expected((of, &normals), &eye, &world, &lighting)));
+            .map(|of| eyes.map(|eye| expected((of, &normals), &eye, &world, &lighting, true)));
         for mode in RenderMode::ALL.into_iter().filter(on_device) {
-            let desc = desc(&eyes, world, mode, lighting);
+            let desc = FrameDesc { show_mask: true, ..desc(&eyes, world, mode, lighting) };
             let pictures = painted(&mut frames, &mut renderer, document, &desc);
             let expected = if mode == RenderMode::Gpu { &in_one } else { &in_colour };
             for (i, (picture, expected)) in pictures.iter().zip(expected).enumerate() {
@@ -212,6 +214,75 @@ fn what_the_device_shades_is_the_software_shaders_picture() {
             trials::note!("{depth:?}");
             let mut document = document(depth, voxel_size);
             compare_all(device, &mut document, lighting(occlusion, look), scale);
+        }
+    });
+}
+
+/// The document with patches of it protected: with and without colours of their own, and everything behind a plane.
+fn masked(document: Document) -> Document {
+    let holes = scenes::cheese(96, 60, 5).unwrap();
+    let mut contents = document.contents().clone();
+    let mut mask = contents.grid.emptied();
+    mask.fill_bricks(|b| if b.x > 6 { Brick::FULL } else { *holes.brick(b) });
+    contents.mask = Some(Box::new(mask));
+    Document::from_contents(contents, Limits::default())
+}
+
+#[test]
+fn every_mode_shows_the_mask_as_the_software_shader_does() {
+    with_device(|device| {
+        for (depth, occlusion, look) in [
+            (ColourDepth::Bits24, false, Look::Colours),
+            (ColourDepth::Bits16, true, Look::Colours),
+            (ColourDepth::Bits8, false, Look::Colours),
+            (ColourDepth::None, false, Look::Colours),
+            (ColourDepth::Bits8, true, Look::Clay),
+            (ColourDepth::Bits24, true, Look::Matcap),
+        ] {
+            trials::note!("{depth:?}, {look:?}");
+            let mut document = masked(document(depth, Vec3::ONE));
+            compare_all(device, &mut document, lighting(occlusion, look), 1.0);
+        }
+    });
+}
+
+#[test]
+fn the_mask_is_seen_while_it_is_asked_for_and_goes_with_undo() {
+    with_device(|device| {
+        let mut document = masked(document(ColourDepth::Bits24, Vec3::ONE));
+        let world = Placement::default().world_from_grid(document.grid().dims(), Vec3::ONE);
+        let [[eye, _], ..] = eyes(&document, &world);
+        let mut without = Document::from_contents(
+            Contents { mask: None, ..document.contents().clone() },
+            Limits::default(),
+        );
+        for mode in RenderMode::ALL {
+            let mut frames = Frames::new(device).unwrap();
+            let mut renderer = Renderer::new(device, FORMAT).unwrap();
+            let eyes = [eye];
+            let mut paint = |document: &mut Document, show_mask, look| {
+                let desc = desc(&eyes, world, mode, lighting(false, look));
+                let desc = FrameDesc { show_mask, ..desc };
+                painted(&mut frames, &mut renderer, document, &desc).remove(0)
+            };
+            let bare = paint(&mut without, true, Look::Colours);
+            let hidden = paint(&mut document, false, Look::Colours);
+            assert!(hidden == bare, "{mode:?}");
+            let shown = paint(&mut document, true, Look::Colours);
+            let differing =
+                |other: &Pixels| shown.rgba.iter().zip(&other.rgba).filter(|(a, b)| a != b).count();
+            let seen = differing(&bare);
+            assert!(seen > 2000, "{mode:?}: {seen} pixels");
+            // Another look and back, as well as hidden and shown again.
+            assert!(differing(&paint(&mut document, true, Look::Stone)) > 2000, "{mode:?}");
+            assert!(paint(&mut document, true, Look::Colours) == shown, "{mode:?}");
+            assert!(paint(&mut document, false, Look::Colours) == bare, "{mode:?}");
+            assert!(paint(&mut document, true, Look::Colours) == shown, "{mode:?}");
+            // A step that takes the mask along, and back.
+            document.apply(&"new dims=96,91,85 colour=24".parse().unwrap()).unwrap();
+            paint(&mut document, true, Look::Colours);
+            document.apply(&"undo".parse().unwrap()).unwrap();
+            assert!(paint(&mut document, true, Look::Colours) == shown, "{mode:?}");
         }
     });
 }
@@ -251,7 +322,7 @@ fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
                 let desc = desc(&eyes, world, mode, lighting(false, Look::Colours));
                 let picture = painted(&mut frames, &mut renderer, &mut document, &desc);
                 let normals = NormalField::of(document.grid());
-                let expected = expected((&document, &normals), &eye, &world, &desc.lighting);
+                let expected = expected((&document, &normals), &eye, &world, &desc.lighting, false);
                 let share =
                     share_off(&format!("{mode:?} after {command}"), &picture[0], &expected, 1);
                 assert!(share <= 1e-3, "{mode:?} after {command}: {share}");
@@ -280,6 +351,7 @@ fn a_window_of_10_bits_a_colour_shows_the_same_picture() {
                 sample: 0,
                 mode,
                 lighting: lighting(false, Look::Colours),
+                show_mask: false,
                 background: Background::Gradient { top: RED, bottom: RED },
                 ground: None,
                 smooth_edges: false,

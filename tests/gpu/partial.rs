@@ -12,7 +12,7 @@ use virtual_sculpture::render::{Background, FrameDesc, Renderer, SmoothSurface};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
-use virtual_sculpture::sculpture::{ColourDepth, Material, Rgb};
+use virtual_sculpture::sculpture::{Brick, ColourDepth, Material, Rgb};
 use virtual_sculpture::shade::{Lighting, Pixels};
 use virtual_sculpture::tools::construct::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye};
@@ -60,6 +60,7 @@ impl Painter {
             sample: 0,
             mode,
             lighting,
+            show_mask: true,
             background: Background::Gradient { top: grey, bottom: grey },
             ground: None,
             smooth_edges: false,
@@ -101,11 +102,29 @@ fn sculpture() -> Document {
     document
 }
 
+/// The same with half of it, and what is empty there, protected: above a slope.
+fn masked() -> Document {
+    let mut contents = sculpture().contents().clone();
+    let mut mask = contents.grid.emptied();
+    mask.fill_bricks(|b| if b.x + b.y > 9 { Brick::FULL } else { Brick::EMPTY });
+    contents.mask = Some(Box::new(mask));
+    Document::from_contents(contents, Limits::default())
+}
+
 #[test]
 fn a_picture_followed_through_edits_is_the_picture_of_the_result() {
     with_device(|device| {
         for mode in RenderMode::ALL {
-            follow_edits(&|| Painter::new(device), mode, SIZE);
+            follow_edits(&|| Painter::new(device), &sculpture, mode, SIZE);
+        }
+    });
+}
+
+#[test]
+fn so_it_is_where_a_mask_is_shown() {
+    with_device(|device| {
+        for mode in RenderMode::ALL {
+            follow_edits(&|| Painter::new(device), &masked, mode, SIZE);
         }
     });
 }
@@ -115,7 +134,7 @@ fn a_picture_followed_through_edits_is_the_picture_of_the_result() {
 fn a_smooth_surface_followed_through_edits_is_that_of_the_result() {
     with_device(|device| {
         for mode in [RenderMode::Ray, RenderMode::MarchGpu] {
-            follow_edits(&|| Painter::smooth(device), mode, 3 * SIZE);
+            follow_edits(&|| Painter::smooth(device), &sculpture, mode, 3 * SIZE);
             let eyes = [eye(3 * SIZE, Vec3::X)];
             let [smooth, voxels] = [Painter::smooth(device), Painter::new(device)]
                 .map(|mut painter| painter.paint(&eyes, mode, (&[], &[]), &mut sculpture()));
@@ -161,7 +180,12 @@ fn eye(size: UVec2, from: Vec3) -> Eye {
 }
 
 /// Compares pictures of a painter that follows edits with those of new ones.
-fn follow_edits(new_painter: &dyn Fn() -> Painter, mode: RenderMode, size: UVec2) {
+fn follow_edits(
+    new_painter: &dyn Fn() -> Painter,
+    new_document: &dyn Fn() -> Document,
+    mode: RenderMode,
+    size: UVec2,
+) {
     let eyes = [Vec3::new(0.8, 0.6, 1.0), Vec3::new(0.7, 0.6, 1.1)].map(|from| eye(size, from));
     let edits = [
         "subtract ellipsoid at=50,60,62 half=12,9,14 turn=20,30,40",
@@ -175,7 +199,7 @@ fn follow_edits(new_painter: &dyn Fn() -> Painter, mode: RenderMode, size: UVec2
     ];
     // The frame stays; the second line and the tool move.
     let frame = line(Vec3::ZERO, Vec3::splat(80.0));
-    let mut document = sculpture();
+    let mut document = new_document();
     let mut follower = new_painter();
     let mut before = follower.paint(&eyes, mode, (&[], &[frame]), &mut document);
     for (i, text) in edits.into_iter().enumerate() {

@@ -60,6 +60,7 @@ impl Screen {
             sample: 0,
             mode,
             lighting: Lighting::default(),
+            show_mask: false,
             background: Background::Gradient { top: BEHIND, bottom: BEHIND },
             ground: None,
             smooth_edges: false,
@@ -86,7 +87,7 @@ fn cast(
     let (grid, material) = (document.grid(), document.material());
     let mut pixels = Pixels::default();
     let lighting = Lighting::default();
-    let source = ShadeSource { grid, material, normals };
+    let source = ShadeSource { grid, material, normals, mask: None };
     SoftwareShader::default().shade(&map, &source, &pose, &lighting, &mut pixels);
     for pixel in pixels.rgba.iter_mut().filter(|pixel| pixel[3] == 0) {
         *pixel = BEHIND_RGBA;

@@ -58,6 +58,7 @@ fn a_reference_picture_stands_in_the_scene_and_is_hidden_by_what_is_before_it() 
             sample: 0,
             mode: RenderMode::Ray,
             lighting: Lighting::default(),
+            show_mask: false,
             background: Background::Gradient { top: grey, bottom: grey },
             ground: None,
             smooth_edges: false,

@@ -124,6 +124,7 @@ fn desc<'a>(mode: RenderMode, eyes: &'a [Eye]) -> FrameDesc<'a> {
         sample: 0,
         mode,
         lighting: Lighting::default(),
+        show_mask: false,
         background: Background::Gradient { top: Vec3::ONE, bottom: grey },
         ground: None,
         smooth_edges: false,

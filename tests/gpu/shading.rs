@@ -68,7 +68,7 @@ fn assert_shaders_agree(eye: &Eye, world_from_grid: Affine3A, lighting: &Lightin
     raycast::sample(&grid, &rays, &mut map);
     let mut expected = Pixels::new(SIZE);
     let field = NormalField::of(&grid);
-    let source = ShadeSource { grid: &grid, material: &material, normals: &field };
+    let source = ShadeSource { grid: &grid, material: &material, normals: &field, mask: None };
     shade(&map, &source, &pose, lighting, &mut expected);
 
     with_device(|device| {

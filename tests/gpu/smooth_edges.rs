@@ -48,6 +48,7 @@ fn desc(mode: RenderMode, eyes: &[Eye], smooth_edges: bool) -> FrameDesc<'_> {
         sample: 0,
         mode,
         lighting: Lighting::default(),
+        show_mask: false,
         background: Background::Gradient { top: Vec3::new(0.1, 0.2, 0.4), bottom: Vec3::ZERO },
         ground: None,
         smooth_edges,

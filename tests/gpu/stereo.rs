@@ -136,6 +136,7 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
                 sample: 0,
                 mode,
                 lighting,
+                show_mask: false,
                 background: Background::Gradient { top: background, bottom: background },
                 ground: None,
                 smooth_edges: false,
@@ -165,7 +166,8 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
                 let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
                 let mut expected = Pixels::new(eye.size);
                 let (grid, material) = (document.grid(), document.material());
-                let source = ShadeSource { grid, material, normals: &NormalField::of(grid) };
+                let source =
+                    ShadeSource { grid, material, normals: &NormalField::of(grid), mask: None };
                 shade(&map, &source, &pose, &lighting, &mut expected);
                 let differ = picture.rgba.iter().zip(&expected.rgba).filter(|(is, should)| {
                     **is != if should[3] == 0 { [51, 102, 153, 255] } else { **should }

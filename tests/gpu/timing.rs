@@ -37,6 +37,7 @@ fn desc<'a>(document: &Document, eyes: &'a [Eye], mode: RenderMode) -> FrameDesc
         sample: 0,
         mode,
         lighting: Lighting::default(),
+        show_mask: false,
         background: Background::Gradient { top: Vec3::ONE, bottom: Vec3::ZERO },
         ground: None,
         smooth_edges: false,

@@ -42,7 +42,12 @@ fn subject(grid: Grid, colour: Rgb, painted: bool) -> Subject {
 
 impl Subject {
     fn source(&self) -> ShadeSource<'_> {
-        ShadeSource { grid: &self.grid, material: &self.material, normals: &self.normals }
+        ShadeSource {
+            grid: &self.grid,
+            material: &self.material,
+            normals: &self.normals,
+            mask: None,
+        }
     }
 
     fn on_device(&self, device: &Arc<Device>, options: &TraceOptions) -> Film {

@@ -81,6 +81,7 @@ fn the_first_picture_after_warming_up_creates_no_pipeline_in_any_mode() {
                 sample: 0,
                 mode,
                 lighting: lighting(),
+                show_mask: false,
                 background: Background::Gradient { top: Vec3::ONE, bottom: Vec3::X },
                 ground: None,
                 smooth_edges: true,

@@ -7,6 +7,7 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 
 use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::{Lighting, Pixels};
+use crate::sculpture::Rgb;
 
 /// How far the eye is from the middle of the ball, in radii.
 const DISTANCE: f32 = 6.0;
@@ -35,7 +36,8 @@ fn draw<S: Simd>(simd: S, illumination: &Illumination, edge_px: u32, out: &mut P
             *cover = (radius_px * (1.0 - at.length()) + 0.5).clamp(0.0, 1.0);
             let flat = at.clamp_length_max(1.0);
             let normal = flat.extend((1.0 - flat.length_squared()).max(0.0).sqrt());
-            let [r, g, b] = normal.to_array().map(|c| (c * 110.0 + 145.0) as u8);
+            let colourful = Rgb(normal.to_array().map(|c| (c * 110.0 + 145.0) as u8));
+            let Rgb([r, g, b]) = illumination.colour.unwrap_or(colourful);
             points.colour[lane] = u32::from_le_bytes([r, g, b, 0]);
             for axis in 0..3 {
                 points.position[axis][lane] = normal[axis];

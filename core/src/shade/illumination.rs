@@ -35,7 +35,7 @@ pub struct SurfacePoints {
     pub position: [[f32; LANES]; 3],
     /// Points out of the solid, of any length. A covector of grid coordinates.
     pub gradient: [[f32; LANES]; 3],
-    /// sRGB: red in the lowest byte.
+    /// sRGB: red in the lowest byte. [`Illumination::colour`] where there is one and the mask does not change it.
     pub colour: [u32; LANES],
     /// Share of the ambient light that arrives, 0 to 1.
     pub open: [f32; LANES],
@@ -85,7 +85,7 @@ pub struct Illumination {
     pub colour: Option<Rgb>,
     /// The light that throws shadows.
     pub sun: Option<Sun>,
-    /// Replaces all light.
+    /// Replaces all light, and is multiplied with the colours.
     pub matcap: Option<Matcap>,
     /// Share of light in the highlight, 0 to 1.
     pub specular: f32,
@@ -145,15 +145,7 @@ impl Illumination {
         let gradient = transform(simd, &self.normal_from_gradient, load(simd, &points.gradient));
         let normal = facing(simd, gradient, to_eye);
         let open = f32x16::load_array_ref(simd, &points.open);
-        if let Some(matcap) = &self.matcap {
-            return from_matcap(simd, matcap, normal, to_eye, open);
-        }
-        let cos_eye = dot(normal, to_eye);
-
-        let colours = match self.colour {
-            None => u32x16::load_array_ref(simd, &points.colour),
-            Some(Rgb([r, g, b])) => u32x16::splat(simd, u32::from_le_bytes([r, g, b, 0])),
-        };
+        let colours = u32x16::load_array_ref(simd, &points.colour);
         let albedo = for_axes(
             #[inline(always)]
             |i| {
@@ -161,6 +153,10 @@ impl Illumination {
                 v * v
             },
         );
+        if let Some(matcap) = &self.matcap {
+            return from_matcap(simd, matcap, normal, to_eye, scale(albedo, open));
+        }
+        let cos_eye = dot(normal, to_eye);
         let upwards = dot(normal, [splat(self.up.x), splat(self.up.y), splat(self.up.z)]);
         let mut sum = for_axes(
             #[inline(always)]
@@ -198,14 +194,14 @@ impl Illumination {
 }
 
 /// The light of the points of a matcap's ball that are turned to the eye as these surfaces are: the ball's axes are
-/// those of the picture, turned as the line of sight.
+/// those of the picture, turned as the line of sight. Of each colour, a share arrives.
 #[inline(always)]
 fn from_matcap<S: Simd>(
     simd: S,
     matcap: &Matcap,
     normal: [f32x16<S>; 3],
     to_eye: [f32x16<S>; 3],
-    open: f32x16<S>,
+    shares: [f32x16<S>; 3],
 ) -> u32x16<S> {
     let splat = |v: f32| f32x16::splat(simd, v);
     let [zero, one] = [0.0, 1.0].map(splat);
@@ -233,7 +229,7 @@ fn from_matcap<S: Simd>(
     }
     let [r, g, b] = for_axes(
         #[inline(always)]
-        |i| srgb(f32x16::load_array_ref(simd, &light[i]) * open),
+        |i| srgb(f32x16::load_array_ref(simd, &light[i]) * shares[i]),
     );
     r | g << 8 | b << 16 | 0xFF00_0000
 }

@@ -40,7 +40,7 @@ impl Look {
     /// All values.
     pub const ALL: [Look; 4] = [Look::Colours, Look::Clay, Look::Stone, Look::Matcap];
 
-    /// The material that replaces the voxels' colours; none of a matcap, which has no colour of its own.
+    /// The material that replaces the voxels' colours.
     pub fn substance(self) -> Option<Substance> {
         match self {
             Look::Colours => None,
@@ -50,8 +50,10 @@ impl Look {
             Look::Stone => {
                 Some(Substance { colour: Rgb::new(196, 194, 188), specular: 0.03, shininess: 6 })
             }
-            // Black: nothing has to look up a colour.
-            Look::Matcap => Some(Substance { colour: Rgb::default(), specular: 0.0, shininess: 1 }),
+            // Multiplied with the light of the matcap.
+            Look::Matcap => {
+                Some(Substance { colour: Rgb::new(255, 255, 255), specular: 0.0, shininess: 1 })
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Shading: from an index map to a picture. Pure CPU code.
 //!
 //! A pixel is shaded in two independent steps: what surface is there (its normal from the
-//! [`normal_field`], its colour from the material, its share of ambient light by [`occlusion`]), and what light it
+//! [`normal_field`], its colour from the material, [`mask_tint`]ed where it is protected, its share of ambient light by [`occlusion`]), and what light it
 //! sends to the eye ([`illumination`]), as a picture shows it ([`tone`]). Filters of normals and colours
 //! ([`smooth`]) come between the two, and cost time only where they are switched on ([`refined`]).
 
@@ -12,6 +12,7 @@ mod illumination;
 pub mod level_set;
 pub mod light;
 pub mod look;
+pub mod mask_tint;
 mod moments;
 pub mod normal;
 pub mod normal_field;
@@ -35,6 +36,7 @@ pub use light::{
     Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS, Shadow, Smoothing,
 };
 pub use look::{Look, Matcap};
+pub use mask_tint::{ShownColours, mask_tint};
 pub use normal::NORMAL_REACH_VX;
 pub use normal_field::{NormalField, Precision};
 pub use pixels::Pixels;

@@ -52,7 +52,7 @@ proptest! {
         }
         let mut pixels = Pixels::default();
         let mut normals = NormalField::of(&grid);
-        let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
+        let source = ShadeSource { grid: &grid, material: &material, normals: &normals, mask: None };
         shade(&maps[0], &source, &pose, &lighting, &mut pixels);
 
         let mut changed = Vec::new();
@@ -80,7 +80,7 @@ proptest! {
         normals.update(&grid, &mut changed, || true);
         changed.sort_unstable();
         changed.dedup();
-        let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
+        let source = ShadeSource { grid: &grid, material: &material, normals: &normals, mask: None };
         let reach_vx = if occlusion { OCCLUSION_REACH_VX } else { 0 };
         let to_shade = changed_pixels(&grid, &changed, &rays, reach_vx);
         for rect in to_shade.as_slice() {

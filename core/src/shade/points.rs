@@ -50,7 +50,7 @@ impl PointCloud {
     ) {
         let illumination = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
         let occlusion = lighting.occlusion;
-        let colour = lighting.look.substance().map(|substance| substance.colour);
+        let colours = source.colours(illumination.colour);
         let grid = source.grid;
         let width = map.rays.size.x as usize;
         self.indices.clear();
@@ -70,8 +70,7 @@ impl PointCloud {
         self.indices.dedup();
         let point = |tables: &mut OpennessTables, &index: &u32| {
             let v = grid.voxel_coords(index);
-            let (normal, own) = source.surface(v);
-            let rgb = colour.unwrap_or(own);
+            let (normal, rgb) = (source.normal(v), colours.rgb(v));
             let estimate = match normal {
                 PackedNormal::NONE => source.estimate(v),
                 _ => Vec3::ZERO,
@@ -139,7 +138,7 @@ mod tests {
         let mut cloud = PointCloud::default();
         let mut open_tables = OpennessTables::default();
         for (normals, occlusion) in [(&complete, false), (&complete, true), (&incomplete, false)] {
-            let source = ShadeSource { grid: &grid, material: &material, normals };
+            let source = ShadeSource { grid: &grid, material: &material, normals, mask: None };
             cloud.take(&map, &source, &pose, &Lighting { occlusion, ..Lighting::default() });
             assert_eq!(cloud.points().len(), seen.len());
             for (point, &index) in cloud.points().iter().zip(&seen) {

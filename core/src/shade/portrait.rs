@@ -22,7 +22,7 @@ pub fn portrait(contents: &Contents, size: UVec2) -> Pixels {
     raycast::sample(grid, &rays, &mut map);
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
     let lighting = Lighting { smooth_normals: Smoothing::Near, ..Lighting::default() };
-    let source = ShadeSource { grid, material, normals: &NormalField::of(grid) };
+    let source = ShadeSource { grid, material, normals: &NormalField::of(grid), mask: None };
     let mut pixels = Pixels::default();
     software::shade(&map, &source, &pose, &lighting, &mut pixels);
     pixels

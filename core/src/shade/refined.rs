@@ -106,7 +106,7 @@ impl SoftwareShader {
                         let v = grid.voxel_coords(voxel);
                         let open = if occlusion { source.openness(&mut tables, v) } else { 1.0 };
                         let sunlit = illumination.sun.map_or(1.0, |sun| {
-                            sun.reaching(grid, v, source.outwards(v, source.surface(v).0))
+                            sun.reaching(grid, v, source.outwards(v, source.normal(v)))
                         });
                         last = (voxel, show(source, illumination, v), [open, sunlit]);
                     }
@@ -123,8 +123,8 @@ impl SoftwareShader {
 }
 
 fn show(source: &ShadeSource, illumination: &Illumination, v: UVec3) -> Shown {
-    let (normal, rgb) = source.surface(v);
-    let normal = illumination.normal_from_gradient * source.outwards(v, normal);
+    let rgb = source.colours(illumination.colour).rgb(v);
+    let normal = illumination.normal_from_gradient * source.outwards(v, source.normal(v));
     let colour = Vec3::from(rgb.0.map(f32::from)) / 255.0;
     Shown {
         position: illumination.eye_from_grid.transform_point3(v.as_vec3() + 0.5),
@@ -203,7 +203,7 @@ mod tests {
         let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
         let mut out = Pixels::default();
         let normals = NormalField::of(grid);
-        let source = ShadeSource { grid, material: &material, normals: &normals };
+        let source = ShadeSource { grid, material: &material, normals: &normals, mask: None };
         shader.shade(&map, &source, &pose, lighting, &mut out);
         out
     }

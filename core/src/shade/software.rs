@@ -10,13 +10,14 @@ use rayon::prelude::*;
 
 use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::light::Lighting;
+use super::mask_tint::mask_tint;
 use super::normal_field::{NO_PAGE, PackedNormal, SurfaceRecord, unpack_many};
 use super::occlusion::OpennessTables;
 use super::pixels::Pixels;
 use super::shadow::Sun;
 use super::source::ShadeSource;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
-use crate::sculpture::{NO_VOXEL, Rgb};
+use crate::sculpture::{ColourDepth, Grid, NO_VOXEL, Rgb};
 use crate::surface::{IndexMap, PixelRect};
 
 /// Rows of pixels that one parallel task shades.
@@ -86,7 +87,8 @@ fn shade_at(
     let shader = Shader {
         source: *source,
         has_colours: illumination.colour.is_none() && source.material.page_count() > 0,
-        base: packed(source.material.base()),
+        base: packed(illumination.colour.unwrap_or(source.material.base())),
+        tinted: source.mask.map(|mask| (mask, source.colours(illumination.colour).depth())),
         places: Places::of(source.grid.dims()),
         illumination,
         occlusion: lighting.occlusion,
@@ -134,6 +136,8 @@ struct Shader<'a> {
     has_colours: bool,
     /// The colour of all others.
     base: u32,
+    /// The voxels that are shown as protected, and the depth of their colours.
+    tinted: Option<(&'a Grid, ColourDepth)>,
 }
 
 /// What is looked up for sixteen pixels.
@@ -254,6 +258,9 @@ impl Shader<'_> {
             if self.has_colours {
                 self.colours(found);
             }
+            if let Some((mask, depth)) = self.tinted {
+                tint(mask, depth, found);
+            }
             if self.occlusion {
                 self.openness(simd, seen[i], found, tables);
             }
@@ -358,6 +365,19 @@ impl Shader<'_> {
             for (axis, component) in estimate.into_iter().enumerate() {
                 found.points.gradient[axis][lane] = component;
             }
+        }
+    }
+}
+
+/// Tints the colours of protected voxels.
+#[inline(always)]
+fn tint(mask: &Grid, depth: ColourDepth, found: &mut Found) {
+    for lane in 0..LANES {
+        let [x, y, z] = [0, 3, 6].map(|bit| found.locals[lane] >> bit & IN_BRICK);
+        if mask.brick_at(found.bricks[lane] as usize).get(x, y, z) {
+            let [r, g, b, _] = found.points.colour[lane].to_le_bytes();
+            let shown = mask_tint(Rgb([r, g, b]), found.coords(lane));
+            found.points.colour[lane] = packed(depth.quantise(shown));
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use glam::{UVec3, Vec3};
 
+use super::mask_tint::ShownColours;
 use super::normal::gradient;
 use super::normal_field::{NormalField, PackedNormal};
 use super::occlusion::OpennessTables;
-use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::{Grid, Material, Rgb};
 
 /// What is shaded.
@@ -17,15 +18,22 @@ pub struct ShadeSource<'a> {
     pub material: &'a Material,
     /// The normals of `grid`. While they are incomplete, estimates stand in for missing ones.
     pub normals: &'a NormalField,
+    /// The voxels that are shown as protected: a grid of the same size. None: the mask is not shown.
+    pub mask: Option<&'a Grid>,
 }
 
-impl ShadeSource<'_> {
-    /// The packed normal of a voxel, and its colour.
+impl<'a> ShadeSource<'a> {
+    /// The colours to light, where all voxels have the colour `instead` of their own if there is one.
+    pub fn colours(&self, instead: Option<Rgb>) -> ShownColours<'a> {
+        let ShadeSource { grid, material, mask, .. } = *self;
+        ShownColours { grid, material, instead, mask }
+    }
+
+    /// The packed normal of a voxel.
     #[inline(always)]
-    pub(super) fn surface(&self, voxel: UVec3) -> (PackedNormal, Rgb) {
-        let (brick, local) = (self.grid.brick_index(voxel / BRICK_EDGE_VX), voxel % BRICK_EDGE_VX);
-        let rgb = self.material.rgb(brick, local_index(local.x, local.y, local.z));
-        (self.normals.packed(brick, local), rgb)
+    pub(super) fn normal(&self, voxel: UVec3) -> PackedNormal {
+        let brick = self.grid.brick_index(voxel / BRICK_EDGE_VX);
+        self.normals.packed(brick, voxel % BRICK_EDGE_VX)
     }
 
     /// The share of ambient light that reaches a voxel.

@@ -28,7 +28,12 @@ pub(super) fn subject(grid: Grid, colour: Rgb, size: UVec2) -> Subject {
 
 impl Subject {
     pub fn source(&self) -> ShadeSource<'_> {
-        ShadeSource { grid: &self.grid, material: &self.material, normals: &self.normals }
+        ShadeSource {
+            grid: &self.grid,
+            material: &self.material,
+            normals: &self.normals,
+            mask: None,
+        }
     }
 
     pub fn trace(&self, options: &TraceOptions) -> Film {

@@ -285,6 +285,7 @@ impl XrFrameLoop {
             smooth_surface: SmoothSurface::on_screen(workspace.ui.view.smooth_surface),
             sample: 0,
             lighting: workspace.ui.view.lighting(),
+            show_mask: workspace.ui.view.mask,
             background: match see_through {
                 true => Background::Keep,
                 false => background(workspace.ui.appearance.theme),

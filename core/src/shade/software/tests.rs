@@ -3,7 +3,7 @@ use crate::scenes::{self, Random};
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Brick, ColourDepth, Grid, Material, Placement};
 use crate::shade::{Light, LightFrame, LightSource, ToneMapping};
-use crate::shade::{NormalField, normal};
+use crate::shade::{NormalField, mask_tint, normal};
 use crate::surface::raycast;
 use crate::surface::raycast::tests::levels;
 use crate::view::Camera;
@@ -21,7 +21,7 @@ fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
     raycast::sample(&grid, &rays, &mut map);
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
     let normals = NormalField::of(&grid);
-    let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
+    let source = ShadeSource { grid: &grid, material: &material, normals: &normals, mask: None };
     let mut lit = Pixels::default();
     shade(&map, &source, &pose, &Lighting::default(), &mut lit);
     let dark = Lighting { lights: [None; 4], ..Lighting::default() };
@@ -42,7 +42,7 @@ fn a_pixel_is_shaded_the_same_whatever_is_beside_it() {
     let grid = scenes::cheese(64, 30, 7).unwrap();
     let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(200, 180, 160));
     let normals = NormalField::of(&grid);
-    let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
+    let source = ShadeSource { grid: &grid, material: &material, normals: &normals, mask: None };
     let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
     for direction in [Vec3::new(0.8, 0.6, 1.0), Vec3::new(-1.0, 0.1, 0.2)] {
         let eye = Camera::framing(50.0, direction, Vec3::Y).eye(UVec2::new(160, 120));
@@ -85,7 +85,7 @@ fn places_are_those_of_the_grid() {
 
 /// The picture by its definition, one pixel at a time in other words.
 fn reference(source: &ShadeSource, pose: &ShadePose, lighting: &Lighting, voxel: u32) -> [f32; 3] {
-    let ShadeSource { grid, material, normals } = *source;
+    let ShadeSource { grid, material, normals, mask } = *source;
     let linear = |c: Rgb| Vec3::from(c.0.map(|c| (f32::from(c) / 255.0).powi(2)));
     let v = grid.voxel_coords(voxel);
     let eye = pose.eye_from_world.inverse().translation;
@@ -98,9 +98,10 @@ fn reference(source: &ShadeSource, pose: &ShadePose, lighting: &Lighting, voxel:
     let world_from_gradient = Mat3::from(pose.world_from_grid.matrix3).inverse().transpose();
     let normal = (world_from_gradient * normal).normalize_or(to_eye);
     let normal = (normal - to_eye * normal.dot(to_eye).min(0.0)).normalize_or(to_eye);
-    let albedo = linear(
-        material.rgb(grid.brick_index(v / BRICK_EDGE_VX), local_index(v.x & 7, v.y & 7, v.z & 7)),
-    );
+    let colour =
+        material.rgb(grid.brick_index(v / BRICK_EDGE_VX), local_index(v.x & 7, v.y & 7, v.z & 7));
+    let is_masked = mask.is_some_and(|mask| mask.get(v.as_ivec3()));
+    let albedo = linear(if is_masked { mask_tint(colour, v) } else { colour });
     let upwards = 0.5 + 0.5 * normal.dot(lighting.up.normalize());
     let sky = linear(lighting.ground).lerp(linear(lighting.sky), upwards);
     let mut sum = albedo * sky * lighting.ambient;
@@ -194,14 +195,16 @@ fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
     let (complete, mut incomplete) = (NormalField::of(&grid), NormalField::default());
     incomplete.follow(&grid, None);
     let whole = PixelRect::of_picture(rays.size);
-    for (level, normals, lighting) in levels().into_iter().flat_map(|level| {
+    let mut mask = grid.emptied();
+    mask.fill_bricks(|b| if b.element_sum() % 2 == 0 { *cheese.brick(b) } else { Brick::EMPTY });
+    for (level, normals, lighting, mask) in levels().into_iter().flat_map(|level| {
         [
-            (level, &complete, one_colour),
-            (level, &incomplete, one_colour),
-            (level, &complete, filmic),
+            (level, &complete, one_colour, None),
+            (level, &incomplete, one_colour, Some(&mask)),
+            (level, &complete, filmic, None),
         ]
     }) {
-        let source = ShadeSource { grid: &grid, material: &material, normals };
+        let source = ShadeSource { grid: &grid, material: &material, normals, mask };
         let mut out = Pixels::default();
         shade_at(level, &map, &source, &pose, &lighting, whole, &mut out);
         for (&voxel, pixel) in map.voxels.iter().zip(&out.rgba) {
