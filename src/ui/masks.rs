@@ -95,19 +95,19 @@ fn outline(ui: &mut Ui, window: &mut Masks, context: &UiContext, ask: &mut impl 
         if of_mask(ui, context, "Shrink", "Move its outline inwards") {
             ask(MaskChange::Shrink(by));
         }
-        if of_mask(ui, context, "Smooth", "Even its outline: notches fill, tips go") {
+        if of_mask(ui, context, "Even out", "Even its outline: notches fill, tips go") {
             ask(MaskChange::Smooth(by.min(8)));
         }
         ui.add(DragValue::new(&mut window.by_vx).range(1..=MAX_GROWTH_VX).speed(0.1).suffix(" vx"))
-            .on_hover_text("By how much; smoothing looks at most 8 voxels around");
+            .on_hover_text("By how much; evening out looks at most 8 voxels around");
     });
 }
 
 /// Whether what is chosen below is protected or released.
 fn sides(ui: &mut Ui, adds: &mut bool) {
     ui.horizontal(|ui| {
-        ui.radio_value(adds, true, "Protect").on_hover_text("Add to the mask what is chosen below");
-        ui.radio_value(adds, false, "Release").on_hover_text("Take it out of the mask");
+        ui.radio_value(adds, true, "Add to it").on_hover_text("Protect what is chosen below");
+        ui.radio_value(adds, false, "Take out").on_hover_text("Release what is chosen below");
     });
 }
 

@@ -13,9 +13,8 @@ use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
 const ICON: f32 = 24.0;
-/// Least width of a mode's button with its name, and of a button without one.
-const MODE_WIDTH: f32 = 30.0;
-const BARE_WIDTH: f32 = 22.0;
+/// Least width of a button without a name.
+const BARE_WIDTH: f32 = 21.0;
 
 pub fn show(
     root: &mut Ui,
@@ -52,7 +51,7 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
         chosen: shows_mode && context.tool.mode == mode,
         action: Action::Mode(mode),
     });
-    group_of(ui, context, "", &modes, Look::Narrow, requests);
+    group_of(ui, context, "", &modes, Look::Bare, requests);
     // A hand has no picture to draw over.
     let by_hand = |kind: &DrawKind| matches!(kind, DrawKind::Line | DrawKind::Curve);
     let drawn: Vec<Entry> = DrawKind::ALL
@@ -65,13 +64,14 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
         })
         .collect();
     group_of(ui, context, "Drawn solids", &drawn, Look::Bare, requests);
-    // What takes protection away is the mask's inverse.
-    let sprays = SprayKind::ALL.into_iter().filter(|kind| *kind != SprayKind::Unmask);
-    let sprays = sprays.map(|kind| Entry {
+    let spray = |kind| Entry {
         name: capital(spray_name(kind)),
         chosen: context.tool.kind == ToolKind::Spray(kind),
         action: Action::Spray(kind),
-    });
+    };
+    // What takes protection away is the mask's inverse.
+    let is_mask = |kind: &SprayKind| matches!(kind, SprayKind::Mask | SprayKind::Unmask);
+    let sprays = SprayKind::ALL.into_iter().filter(|kind| !is_mask(kind)).map(spray);
     let kind = context.tool.deform;
     let deform = Entry {
         name: deform_name(kind),
@@ -85,7 +85,7 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
         chosen: context.tool.kind == ToolKind::Marker,
         action: Action::Marker,
     };
-    group(ui, context, "Selection", &[marker], requests);
+    group(ui, context, "Selection", &[marker, spray(SprayKind::Mask)], requests);
 }
 
 /// A tool to choose.
@@ -100,8 +100,6 @@ struct Entry {
 enum Look {
     /// Its picture over its name.
     Full,
-    /// The same with a short name.
-    Narrow,
     /// Its picture; the name is in the tooltip.
     Bare,
 }
@@ -135,7 +133,6 @@ fn group_of(
     let fitting = |least: f32| ((ui.available_width() + gap) / (least + gap)) as usize;
     let columns = match look {
         Look::Full => theme::toolbox_columns(ui.available_width()),
-        Look::Narrow => fitting(MODE_WIDTH).clamp(1, entries.len().max(1)),
         Look::Bare => fitting(BARE_WIDTH).clamp(1, entries.len().max(1)),
     };
     let gaps = gap * (columns - 1) as f32;

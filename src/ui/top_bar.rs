@@ -94,8 +94,16 @@ fn menu(
         {
             action_button(ui, context, label, action, true, requests);
         }
-        action_button(ui, context, "Colours …", Action::Tints, true, requests);
-        action_button(ui, context, "Masks …", Action::Masks, true, requests);
+        ui.menu_button("Colours and masks", |ui| {
+            for (label, action) in [
+                ("Colours …", Action::Tints),
+                ("Masks …", Action::Masks),
+                ("Invert the mask", Action::InvertMask),
+                ("Clear the mask", Action::ClearMask),
+            ] {
+                action_button(ui, context, label, action, true, requests);
+            }
+        });
         turn_upright(ui, context, requests);
         ui.separator();
         ui.menu_button("View", |ui| {

@@ -73,14 +73,14 @@ fn a_key_is_added_used_removed_and_reset() {
     let mut harness = bench();
     help(&mut harness);
     click(&mut harness, &format!("Add to: {UNDO}"));
-    key(&mut harness, Modifiers::NONE, Key::U);
+    key(&mut harness, Modifiers::NONE, Key::Num6);
     rest(&mut harness);
-    let chip = format!("Remove U from: {UNDO}");
+    let chip = format!("Remove 6 from: {UNDO}");
     assert!(has(&harness, &chip));
     key(&mut harness, Modifiers::NONE, Key::F1);
     key(&mut harness, Modifiers::COMMAND, Key::Delete);
     assert_eq!(voxels(&harness), 0);
-    key(&mut harness, Modifiers::NONE, Key::U);
+    key(&mut harness, Modifiers::NONE, Key::Num6);
     assert!(voxels(&harness) > 0, "the new key undoes");
     help(&mut harness);
     click(&mut harness, &format!("Remove Ctrl+Z from: {UNDO}"));
@@ -166,7 +166,7 @@ fn changes_and_the_choice_of_a_preset_are_kept() {
     assert!(!path.exists(), "nothing is written before something is changed");
     help(&mut harness);
     click(&mut harness, &format!("Add to: {UNDO}"));
-    key(&mut harness, Modifiers::NONE, Key::U);
+    key(&mut harness, Modifiers::NONE, Key::Num6);
     rest(&mut harness);
     // Another preset keeps its own changes.
     harness.get_by_label("Menu").click();
@@ -183,7 +183,7 @@ fn changes_and_the_choice_of_a_preset_are_kept() {
     assert_eq!(again.state().controls.preset, 1);
     again.state_mut().controls.preset = 0;
     help(&mut again);
-    assert!(has(&again, &format!("Remove U from: {UNDO}")));
+    assert!(has(&again, &format!("Remove 6 from: {UNDO}")));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use glam::{IVec3, Vec3};
 use virtual_sculpture::editor::tool::{NextPress, WandRule};
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::sculpture::Rgb;
+use virtual_sculpture::tools::spray::SprayKind;
 
 use super::bench::{
     Bench, bench, click, corner, drag, has, key, look, rest, run, screen, send, voxels,
@@ -55,6 +56,7 @@ fn press(harness: &mut Bench, pos: Pos2) {
 fn what_is_painted_with_the_mask_is_kept_from_the_tool_and_undone_like_a_stroke() {
     let mut harness = front();
     key(&mut harness, Modifiers::SHIFT, Key::Q);
+    harness.state_mut().editor.tool.sprays.of_mut(SprayKind::Mask).reach_vx = 1.5;
     stroke(&mut harness, Modifiers::NONE, [20.0, 32.0], [44.0, 32.0]);
     assert!(is_masked(&harness, [32, 32, 63]) && is_masked(&harness, [32, 32, 65 - 2]));
     assert!(!is_masked(&harness, [32, 60, 63]));
@@ -72,7 +74,7 @@ fn what_is_painted_with_the_mask_is_kept_from_the_tool_and_undone_like_a_stroke(
     let document = harness.state().session().document();
     assert!(voxels(&harness) < FULL);
     assert!(document.grid().get(IVec3::new(32, 32, 63)), "it is protected");
-    assert!(!document.grid().get(IVec3::new(32, 32, 59)), "deeper there is no mask");
+    assert!(!document.grid().get(IVec3::new(32, 32, 61)), "deeper there is no mask");
     // Undone to the beginning there is no mask.
     for _ in 0..2 {
         key(&mut harness, Modifiers::COMMAND, Key::Z);
@@ -113,12 +115,12 @@ fn the_window_inverts_clears_and_moves_the_outline() {
     assert!(masked(&harness) > box_voxels);
     click(&mut harness, "Shrink");
     assert!(masked(&harness).abs_diff(box_voxels) < box_voxels / 50);
-    click(&mut harness, "Smooth");
+    click(&mut harness, "Even out");
     assert!(masked(&harness) < box_voxels, "its corners are rounded");
     let share = masked(&harness);
     click(&mut harness, "Invert");
     assert_eq!(masked(&harness), FULL - share);
-    click(&mut harness, "Release");
+    click(&mut harness, "Take out");
     click(&mut harness, "Marker's box");
     assert!(!is_masked(&harness, [16, 16, 16]) && is_masked(&harness, [2, 2, 2]));
     key(&mut harness, Modifiers::COMMAND, Key::J);
@@ -128,7 +130,7 @@ fn the_window_inverts_clears_and_moves_the_outline() {
     // Cavities and colours.
     run(&mut harness, "subtract cuboid at=32,32,62 half=30,2,3");
     run(&mut harness, "recolour cuboid at=32,60,32 half=40,4,40 colour=#ff0000");
-    click(&mut harness, "Protect");
+    click(&mut harness, "Add to it");
     click(&mut harness, "Cavities");
     assert!(is_masked(&harness, [32, 31, 58]) && !is_masked(&harness, [32, 10, 63]));
     run(&mut harness, "mask clear");

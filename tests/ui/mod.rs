@@ -25,3 +25,4 @@ mod toasts;
 mod tools;
 mod upright;
 mod view;
+mod works;

@@ -1,0 +1,267 @@
+//! Whole works made as a sculptor would make them: from scripts of what a person does, by pointer and keys in the window or
+//! by the hands in a headset, in fewer than a hundred strokes each.
+//!
+//! A script is a list of lines; points are in voxels. `size`, `turn`, `colour`, `brush`, `tube`, `lathe` and `text` are
+//! options of tools; `do ACTION` is a key or button; `to` moves the tool by its keys; the others are strokes:
+//!
+//! | line | what the person does |
+//! |---|---|
+//! | `new X,Y,Z #rrggbb` | begins an empty sculpture of a colour |
+//! | `apply` | uses the tool where it is (Space) |
+//! | `press P`, `drag P P ...` | presses the button over what is seen at a point, and leads it to others |
+//! | `ctrl-press P`, `ctrl-drag P P ...` | the same with Ctrl |
+
+use std::path::{Path, PathBuf};
+
+use egui::{Event, Modifiers, PointerButton};
+use glam::{Quat, Vec3};
+use virtual_sculpture::editor::tool::ToolEdit;
+use virtual_sculpture::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
+use virtual_sculpture::input::pad::stick::Response;
+use virtual_sculpture::input::{Action, DrawKind, Step};
+use virtual_sculpture::sculpture::Rgb;
+use virtual_sculpture::tools::deform::DeformKind;
+use virtual_sculpture::tools::grab::Falloff;
+use virtual_sculpture::view::{Pose, Room};
+
+use super::bench::{Bench, bench_of, config, look, rest, run, screen, send};
+
+/// Who carries out strokes.
+enum Hand {
+    Pointer,
+    /// The main hand of a person in a room, who reaches this far with the tool.
+    Tracked {
+        mapper: Box<HandMapper>,
+        room: Room,
+        state: HandsState,
+    },
+}
+
+const REACH_M: f32 = 0.08;
+const FRAME_S: f64 = 1.0 / 72.0;
+
+struct Sculptor {
+    harness: Bench,
+    hand: Hand,
+    strokes: usize,
+}
+
+impl Sculptor {
+    fn new(in_headset: bool) -> Sculptor {
+        let mut harness = bench_of(&config(64), egui::vec2(1600.0, 1200.0));
+        rest(&mut harness);
+        let hand = match in_headset {
+            false => Hand::Pointer,
+            true => {
+                run(&mut harness, "place");
+                let response = Response { dead_zone: 0.2, curve: 2.0 };
+                let main = HandSide::Right;
+                let mapper = HandMapper::new(HandSettings { main, response, reach_m: REACH_M });
+                let head = Pose { position: Vec3::Y * 1.6, rotation: Quat::IDENTITY };
+                Hand::Tracked {
+                    mapper: Box::new(mapper),
+                    room: Room::before(&head, 0.7, 0.3, 0.6 / 224.0),
+                    state: HandsState::default(),
+                }
+            }
+        };
+        Sculptor { harness, hand, strokes: 0 }
+    }
+
+    fn follow(&mut self, script: &str) {
+        for (i, line) in script.lines().enumerate() {
+            let line = line.split(" #!").next().unwrap_or_default().trim();
+            if !line.is_empty() && !line.starts_with("# ") {
+                let before = self.changes();
+                let is_stroke = self.line(line);
+                assert!(
+                    !is_stroke || self.changes() > before,
+                    "line {}: `{line}` did nothing",
+                    i + 1
+                );
+            }
+        }
+    }
+
+    fn changes(&self) -> u64 {
+        self.harness.state().session().document().revision()
+    }
+
+    /// Whether it was a stroke.
+    fn line(&mut self, line: &str) -> bool {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let tool = &mut self.harness.state_mut().editor.tool;
+        match words[..] {
+            ["new", dims, base] => {
+                let line = format!("new dims={dims} colour=24 base={base} fill=empty");
+                run(&mut self.harness, &line);
+            }
+            ["do", name] => {
+                let action = Action::named(name).unwrap_or_else(|| panic!("{line}"));
+                self.harness.state_mut().act(action);
+            }
+            ["size", sizes] => {
+                tool.edit(ToolEdit::Uniform(false));
+                for (axis, half) in point(sizes).to_array().into_iter().enumerate() {
+                    tool.edit(ToolEdit::Half { axis, half });
+                }
+            }
+            ["turn", degrees] => tool.edit(ToolEdit::Turn(point(degrees))),
+            ["colour", colour] => tool.edit(ToolEdit::Colour(colour.parse::<Rgb>().unwrap())),
+            ["brush", name, radius, strength, ref falloff @ ..] => {
+                let kind = DeformKind::ALL.into_iter().find(|kind| kind.name() == name).unwrap();
+                let mut options = *tool.deforms.of(kind);
+                (options.radius, options.strength) = (number(radius), number(strength));
+                options.falloff = match falloff {
+                    ["sharp"] => Falloff::Sharp,
+                    ["flat"] => Falloff::Flat,
+                    ["smooth"] => Falloff::Smooth,
+                    _ => options.falloff,
+                };
+                tool.edit(ToolEdit::Deform(kind, options));
+                self.harness.state_mut().act(Action::Deform(kind));
+            }
+            ["tube", start, end] => {
+                let mut draws = tool.draws.clone();
+                (draws.radii, draws.on_surface) = ([number(start), number(end)], false);
+                tool.edit(ToolEdit::Draw(draws));
+                self.harness.state_mut().act(Action::Draw(DrawKind::Curve));
+            }
+            ["lathe"] => self.harness.state_mut().act(Action::Draw(DrawKind::Lathe)),
+            ["to", place] => self.move_tool(point(place)),
+            ["apply"] => {
+                self.apply();
+                return true;
+            }
+            ["press" | "drag", ref way @ ..] => {
+                self.stroke(Modifiers::NONE, way);
+                return true;
+            }
+            ["ctrl-press" | "ctrl-drag", ref way @ ..] => {
+                self.stroke(Modifiers::COMMAND, way);
+                return true;
+            }
+            _ => panic!("`{line}` is not understood"),
+        }
+        look(&mut self.harness);
+        self.harness.step();
+        false
+    }
+
+    /// Moves the tool by its keys, a voxel each, or with the hand.
+    fn move_tool(&mut self, to: Vec3) {
+        if let Hand::Tracked { .. } = self.hand {
+            self.hold(to, 0.0, 15);
+            return;
+        }
+        let state = self.harness.state_mut();
+        let steps =
+            [[Step::Left, Step::Right], [Step::Down, Step::Up], [Step::Farther, Step::Nearer]];
+        for (axis, [back, on]) in steps.into_iter().enumerate() {
+            let by = (to - state.editor.tool.centre_vx)[axis].round();
+            let step = if by < 0.0 { back } else { on };
+            (0..by.abs() as u32).for_each(|_| state.act(Action::Nudge(step)));
+        }
+    }
+
+    fn apply(&mut self) {
+        self.strokes += 1;
+        match self.hand {
+            Hand::Pointer => {
+                super::bench::key(&mut self.harness, Modifiers::NONE, egui::Key::Space);
+            }
+            Hand::Tracked { .. } => {
+                let at = self.harness.state().editor.tool.centre_vx;
+                self.hold(at, 1.0, 3);
+                self.hold(at, 0.0, 3);
+            }
+        }
+    }
+
+    fn stroke(&mut self, modifiers: Modifiers, way: &[&str]) {
+        self.strokes += 1;
+        let way: Vec<Vec3> = way.iter().map(|place| point(place)).collect();
+        if let Hand::Tracked { .. } = self.hand {
+            self.hold(way[0], 0.0, 15);
+            self.hold(way[0], 1.0, 3);
+            self.hold(way[way.len() - 1], 0.0, 3);
+            return;
+        }
+        let way: Vec<_> = way.iter().map(|place| screen(&self.harness, *place)).collect();
+        let press = |pos, pressed| {
+            let button = PointerButton::Primary;
+            Event::PointerButton { pos, button, pressed, modifiers }
+        };
+        send(&mut self.harness, Event::PointerMoved(way[0]));
+        look(&mut self.harness);
+        send(&mut self.harness, press(way[0], true));
+        for pair in way.windows(2) {
+            // As a hand would lead it: not in leaps.
+            let steps = (pair[0].distance(pair[1]) / 6.0).ceil().max(1.0);
+            for i in 1..=steps as u32 {
+                let at = pair[0] + (pair[1] - pair[0]) * (i as f32 / steps);
+                send(&mut self.harness, Event::PointerMoved(at));
+            }
+        }
+        send(&mut self.harness, press(way[way.len() - 1], false));
+        look(&mut self.harness);
+        self.harness.step();
+    }
+
+    /// The main hand holds the tool at a point of the grid for some frames.
+    fn hold(&mut self, at: Vec3, trigger: f32, frames: usize) {
+        let Hand::Tracked { mapper, room, state } = &mut self.hand else { return };
+        let workspace = self.harness.state_mut();
+        let world = workspace.session().document().world_from_grid().transform_point3(at);
+        let position = room.room_from_world.apply(world) + Vec3::Z * REACH_M;
+        let pose = Some(Pose { position, rotation: Quat::IDENTITY });
+        let hand = HandState { grip: pose, aim: pose, trigger, ..HandState::default() };
+        state.hands[HandSide::Right.index()] = hand;
+        for _ in 0..frames {
+            state.time_s += FRAME_S;
+            for event in mapper.update(state, None) {
+                workspace.answer_hand(&event, room);
+            }
+        }
+        look(&mut self.harness);
+    }
+
+    /// Saves the work, for whoever wants to see it.
+    fn save(&mut self, name: &str) {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/test-output/works");
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join(name);
+        run(&mut self.harness, &format!("save \"{}\"", path.display()));
+    }
+}
+
+fn number(text: &str) -> f32 {
+    text.parse().unwrap_or_else(|_| panic!("`{text}` is no number"))
+}
+
+fn point(text: &str) -> Vec3 {
+    let numbers: Vec<f32> = text.split(',').map(number).collect();
+    Vec3::from_slice(&numbers)
+}
+
+/// Follows a script in the window; each line that is a stroke must change something.
+fn made(script: &str, name: &str) -> Sculptor {
+    let mut sculptor = Sculptor::new(false);
+    sculptor.follow(script);
+    let (steps, strokes) = {
+        let document = sculptor.harness.state().session().document();
+        (document.history().undo_count(), sculptor.strokes)
+    };
+    assert!(strokes < 100, "{name}: {strokes} strokes");
+    // `new` is a step, too.
+    assert_eq!(steps, strokes + 1, "{name}: each stroke is one step");
+    sculptor.save(name);
+    sculptor
+}
+
+#[test]
+fn a_script_of_ones_own() {
+    // For trying: VS_WORK names a script; its result is target/test-output/works/own.vsc.
+    let Some(path) = std::env::var_os("VS_WORK").map(PathBuf::from) else { return };
+    made(&std::fs::read_to_string(path).unwrap(), "own.vsc");
+}
