@@ -17,7 +17,7 @@ use crate::editor::{Editor, job};
 use crate::gpu::DeviceOptions;
 use crate::input::events::{Viewport as InputArea, device_events, touch_of};
 use crate::input::pad::device::PadNews;
-use crate::input::{Action, Bindings, Panel, Side};
+use crate::input::{Action, ActionEvent, Bindings, Panel, Side};
 use crate::journal::JournalOptions;
 use crate::picking::Picker;
 use crate::screen::headset::Blend;
@@ -344,7 +344,10 @@ impl Workspace {
         if let Some(force) = touched.force {
             self.editor.set_pressure(force);
         }
-        for event in self.controls.handle(None, &events) {
+        let events = self.controls.handle(None, &events);
+        let pressed = |event: &ActionEvent| matches!(event, ActionEvent::Begin { at: Some(_), .. });
+        let is_pressed = events.iter().any(pressed);
+        for event in events {
             self.answer_event(&event);
         }
         self.catch_up();
@@ -354,7 +357,7 @@ impl Workspace {
         if area.keyboard {
             taps.into_iter().for_each(|action| self.act(action));
         }
-        if self.controls.is_dragging() && !area.captured {
+        if is_pressed || self.controls.is_dragging() && !area.captured {
             // A press on the picture takes the keyboard from the fields beside it.
             ctx.memory_mut(|memory| {
                 if let Some(id) = memory.focused() {

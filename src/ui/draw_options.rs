@@ -53,7 +53,9 @@ pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec
         DrawKind::Text => {
             ui.horizontal(|ui| {
                 ui.label("Font");
-                for (font, name) in [(Font::Light, "Light"), (Font::Mono, "Monospace")] {
+                for (font, name) in
+                    [(Font::Bold, "Bold"), (Font::Light, "Light"), (Font::Mono, "Mono")]
+                {
                     ui.selectable_value(&mut options.font, font, name);
                 }
             });

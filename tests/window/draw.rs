@@ -93,3 +93,26 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
     ];
     assert_eq!(labels, drawn, "{script}");
 }
+
+#[test]
+fn letters_are_typed_in_the_panel_and_cut_into_a_face() {
+    let display = display();
+    let program = start(&display, &[]);
+    program.key(&["Alt_L", "y"]);
+    // The field, whose letters are no keys of tools.
+    program.click([1150, 129]);
+    program.key(&["Control_L", "a"]);
+    ["m", "u", "g"].iter().for_each(|letter| program.key(&[letter]));
+    let before = shot(&program, "letters-1-typed").part(PICTURE);
+    program.drag(LEFT, &[[470, 380], [460, 400]]);
+    program.leave_picture();
+    let after = shot(&program, "letters-2-cut").part(PICTURE);
+    assert!(before.differing(&after) > 500, "{}", before.differing(&after));
+    program.key(&["Control_L", "z"]);
+    program.leave_picture();
+    let undone = shot(&program, "letters-3-undone").part(PICTURE);
+    assert_eq!(before.differing(&undone), 0, "all letters are one step");
+    program.key(&["Control_L", "q"]);
+    program.settle();
+    program.leave_without_saving();
+}

@@ -40,7 +40,7 @@ impl Default for DrawOptions {
             on_surface: true,
             upright: true,
             text: "Text".to_string(),
-            text_height: 16.0,
+            text_height: 24.0,
             text_depth: 2.0,
             font: Font::default(),
         }
