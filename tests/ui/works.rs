@@ -260,8 +260,55 @@ fn made(script: &str, name: &str) -> Sculptor {
 }
 
 #[test]
+fn a_bust_is_made_in_the_window() {
+    let sculptor = made(include_str!("works/bust.txt"), "bust.vsc");
+    // Mirrored to the voxel.
+    let grid = sculptor.harness.state().session().document().grid();
+    let dims = grid.dims().as_ivec3();
+    for z in 0..dims.z {
+        for y in 0..dims.y {
+            for x in 0..dims.x / 2 {
+                let other = glam::IVec3::new(dims.x - 1 - x, y, z);
+                assert_eq!(grid.get(glam::IVec3::new(x, y, z)), grid.get(other), "{x} {y} {z}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_creature_is_made_in_the_window() {
+    made(include_str!("works/creature.txt"), "creature.vsc");
+}
+
+#[test]
+fn a_pot_with_a_lid_is_made_in_the_window() {
+    let sculptor = made(include_str!("works/pot.txt"), "pot.vsc");
+    let grid = sculptor.harness.state().session().document().grid();
+    let hollow = glam::IVec3::new(80, 60, 80);
+    assert!(!grid.get(hollow) && grid.get(hollow.with_y(12)), "there is room in it, and a bottom");
+    assert!((96..160).any(|y| grid.get(hollow.with_y(y))), "the lid is over it");
+}
+
+/// What hands in a headset begin is what the pointer makes of the same lines, but for what follows from where it looks.
+#[test]
+fn the_same_bust_is_begun_by_hand_in_a_headset() {
+    let mut sculptor = Sculptor::new(true);
+    sculptor.follow(include_str!("works/bust-by-hand.txt"));
+    let document = sculptor.harness.state().session().document();
+    assert_eq!(document.history().undo_count(), sculptor.strokes + 1);
+    let by_hand = document.grid().opaque_count() as f32;
+    // The solids of the bust that was made in the window.
+    let solids = include_str!("works/bust.txt").split("# The neck runs").next().unwrap();
+    let mut other = Sculptor::new(false);
+    other.follow(solids);
+    let by_pointer = other.harness.state().session().document().grid().opaque_count() as f32;
+    assert!((by_hand / by_pointer - 1.0).abs() < 0.06, "{by_hand} {by_pointer}");
+    sculptor.save("bust-by-hand.vsc");
+}
+
+#[test]
 fn a_script_of_ones_own() {
-    // For trying: VS_WORK names a script; its result is target/test-output/works/own.vsc.
+    // For trying scripts: VS_WORK names one, and its result is target/test-output/works/own.vsc.
     let Some(path) = std::env::var_os("VS_WORK").map(PathBuf::from) else { return };
     made(&std::fs::read_to_string(path).unwrap(), "own.vsc");
 }

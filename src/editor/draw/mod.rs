@@ -90,7 +90,7 @@ impl Editor {
             }
             _ => {
                 let middle = || picker.sight().at_depth(at, picker.sight().depth(view.middle()));
-                let point = picker.target(grid, at).unwrap_or_else(middle);
+                let point = seen.map_or_else(middle, |seen| seen.point);
                 Some(Ground { point, face: Vec3::ZERO })
             }
         }
