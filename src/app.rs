@@ -22,6 +22,7 @@ mod references;
 mod screenshot;
 mod stereo_screen;
 mod study;
+mod symmetry_lines;
 mod tool_outline;
 pub mod workspace;
 

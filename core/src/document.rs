@@ -330,6 +330,7 @@ impl Document {
                 Ok(Applied::default())
             }
             Command::Symmetry(symmetry) => {
+                symmetry.check().map_err(CommandError::Symmetry)?;
                 self.symmetry = *symmetry;
                 Ok(Applied::default())
             }

@@ -5,6 +5,7 @@ use std::f32::consts::TAU;
 
 use glam::{Quat, UVec3, Vec2, Vec3};
 
+use super::symmetry_lines;
 use super::tool_outline::outline_of;
 use crate::document::Document;
 use crate::editor::draw::Sketch;
@@ -22,9 +23,11 @@ const CUT: Rgb = Rgb::new(0xff, 0x6b, 0x57);
 const MARKER: Rgb = Rgb::new(0x4a, 0xc8, 0xf0);
 const SELECTED: Rgb = Rgb::new(0x58, 0xd0, 0x78);
 const PASTE: Rgb = Rgb::new(0xf4, 0xc8, 0x40);
+/// Most images of a tool that are outlined.
+const MOST_IMAGES: usize = 15;
 /// What is masked.
 const MASK: Rgb = Rgb::new(0x5f, 0x8d, 0xd3);
-const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
+pub(super) const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 const RED: Rgb = Rgb::new(0xf0, 0x30, 0x28);
 /// Segments of a circle.
 pub(super) const SEGMENTS: usize = 40;
@@ -96,13 +99,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
         let edge = |from, to| Line { from, to, colour, width_px: 1.2, opacity: [0.6, 0.0] };
         lines.extend(box_edges(Vec3::ZERO, grid.dims().as_vec3()).map(|(a, b)| edge(a, b)));
     }
-    for (axis, plane) in document.symmetry().planes(grid.dims()).into_iter().enumerate() {
-        if let Some(plane) = plane {
-            lines.extend(plane_edges(axis, plane, grid.dims()).into_iter().map(|(from, to)| {
-                Line { from, to, colour: MIRROR, width_px: 1.2, opacity: [0.8, 0.3] }
-            }));
-        }
-    }
+    lines.extend(symmetry_lines::lines(document));
     let marking = tool.kind == ToolKind::Marker;
     if selection.limits() || marking {
         for selected in selection.boxes() {
@@ -133,7 +130,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
             };
             lines.extend(outline_of(&shape, grid).into_iter().map(outline(colour)));
             lines.extend(rope(scene).map(outline(colour)));
-            for image in document.symmetry().images(grid.dims()).iter().skip(1) {
+            for image in document.images().iter().skip(1).take(MOST_IMAGES) {
                 let mirrored = outline_of(&image.primitive(&shape), grid);
                 lines.extend(mirrored.into_iter().map(outline(MIRROR)));
             }
@@ -174,7 +171,7 @@ fn sketched(scene: &OverlayScene) -> Vec<Line> {
     let drawn = sketch.lines.iter().map(own([1.0, 0.7], 2.0));
     let mut lines: Vec<Line> = drawn.chain(sketch.faint.iter().map(own([0.6, 0.4], 1.4))).collect();
     let document = scene.document;
-    for image in document.symmetry().images(document.grid().dims()).iter().skip(1) {
+    for image in document.images().iter().skip(1).take(MOST_IMAGES) {
         lines.extend(sketch.lines.iter().map(|[from, to]| Line {
             from: image.point(*from),
             to: image.point(*to),
@@ -216,7 +213,7 @@ fn footprint_edges(scene: &OverlayScene, kind: SprayKind) -> Vec<(Vec3, Vec3)> {
 }
 
 /// The rim of a mirror plane and a cross in it.
-fn plane_edges(axis: usize, plane: f32, dims: UVec3) -> Vec<(Vec3, Vec3)> {
+pub(super) fn plane_edges(axis: usize, plane: f32, dims: UVec3) -> Vec<(Vec3, Vec3)> {
     let dims = dims.as_vec3();
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let at = |a: f32, b: f32| {
@@ -340,7 +337,7 @@ mod tests {
         state.view.line = false;
         assert_eq!(count(&state, &tool, &document), (3 * SEGMENTS, true));
         // A plane with its cross, and the image of the tool.
-        let symmetry = Symmetry { axes: [Some(Parity::Even), None, None] };
+        let symmetry = Symmetry::of_axes([Some(Parity::Even), None, None]);
         document.apply(&Command::Symmetry(symmetry)).unwrap();
         assert_eq!(count(&state, &tool, &document), (6 + 6 * SEGMENTS, true));
         tool.kind = ToolKind::Marker;

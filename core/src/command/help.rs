@@ -139,8 +139,8 @@ pub const COMMANDS: &[CommandHelp] = &[
     CommandHelp { verb: "limit", usage: "on|off", tooltip: "Limit all tools to the selection" },
     CommandHelp {
         verb: "symmetry",
-        usage: "[x=off|even|odd] [y=off|even|odd] [z=off|even|odd]",
-        tooltip: "Mirror what tools do at planes through the grid's centre",
+        usage: "[x=off|even|odd] [y=off|even|odd] [z=off|even|odd] [plane=X,Y,Z normal=X,Y,Z] [radial=N about=X,Y,Z axis=X,Y,Z]",
+        tooltip: "Mirror what tools do at planes through the grid's centre or at one anywhere, and repeat it around an axis",
     },
     CommandHelp { verb: "copy", usage: "", tooltip: "Copy the voxels in the marker" },
     CommandHelp {

@@ -6,11 +6,11 @@ use std::fmt;
 use glam::{IVec3, UVec3};
 
 use super::arguments::Arguments;
-use super::{ParseError, list, number, numbers, parse_ivec3};
+use super::{ParseError, list, number, numbers, parse_ivec3, parse_vec3};
 use crate::command::{Area, Command, SelectOp};
 use crate::sculpture::orientation::{Orientation, Up};
 use crate::sculpture::region::VoxelBox;
-use crate::tools::symmetry::{Parity, Symmetry};
+use crate::tools::symmetry::{MirrorPlane, Parity, Radial, Symmetry};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -30,7 +30,16 @@ pub fn write(command: &Command, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Command::Symmetry(symmetry) => {
             AXES.iter().zip(symmetry.axes).try_for_each(|(axis, parity)| {
                 write!(f, " {axis}={}", parity.map_or("off", Parity::name))
-            })
+            })?;
+            if let Some(MirrorPlane { at_vx, normal }) = symmetry.plane {
+                let (at, normal) = (list(at_vx.to_array()), list(normal.to_array()));
+                write!(f, " plane={at} normal={normal}")?;
+            }
+            if let Some(Radial { at_vx, axis, count }) = symmetry.radial {
+                let (at, axis) = (list(at_vx.to_array()), list(axis.to_array()));
+                write!(f, " radial={count} about={at} axis={axis}")?;
+            }
+            Ok(())
         }
         Command::Paste { at, orientation } => {
             write!(f, " at={} axes={orientation}", list(at.to_array()))
@@ -75,6 +84,15 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
             let mut symmetry = Symmetry::default();
             for (axis, name) in AXES.into_iter().enumerate() {
                 symmetry.axes[axis] = args.optional(name, parse_parity)?.flatten();
+            }
+            if let Some(at_vx) = args.optional("plane", parse_vec3)? {
+                let normal = args.required("normal", parse_vec3)?;
+                symmetry.plane = Some(MirrorPlane { at_vx, normal });
+            }
+            if let Some(count) = args.optional("radial", number)? {
+                let (at_vx, axis) =
+                    (args.required("about", parse_vec3)?, args.required("axis", parse_vec3)?);
+                symmetry.radial = Some(Radial { at_vx, axis, count });
             }
             Command::Symmetry(symmetry)
         }

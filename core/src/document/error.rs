@@ -90,6 +90,9 @@ pub enum CommandError {
     /// A number of a change of colours is out of range; the text says which.
     #[error("{0}")]
     Tint(&'static str),
+    /// The symmetry is not possible; the text says why.
+    #[error("{0}")]
+    Symmetry(&'static str),
     /// A number of a change of the mask is out of range; the text says which.
     #[error("{0}")]
     Mask(&'static str),

@@ -75,7 +75,7 @@ impl Document {
     }
 
     fn put_in_mask(&mut self, what: &MaskArea, adds: bool) -> Result<EditStats, CommandError> {
-        let images = self.symmetry.images(self.grid().dims());
+        let images = self.images();
         let mut stats = EditStats::default();
         match what {
             MaskArea::Area(Area::Grid) => stats += self.edit_mask(&Everywhere, adds)?,
@@ -176,7 +176,7 @@ impl Document {
             return Err(CommandError::NotOnSurface(at));
         }
         let centre = at.as_vec3() + 0.5;
-        let images = self.symmetry.images(grid.dims()).into_iter();
+        let images = self.images().into_iter();
         let voxels = images.map(|image| image.point(centre).floor().as_ivec3());
         Ok(voxels.filter(|v| flood::is_on_surface(grid, *v)).map(|v| v.as_uvec3()).collect())
     }

@@ -99,7 +99,7 @@ impl Document {
         back_is_exact: bool,
     ) -> Change {
         self.selection = self.selection.oriented(orientation, self.grid().dims());
-        self.symmetry.axes = orientation.permuted(self.symmetry.axes);
+        self.symmetry = self.symmetry.oriented(orientation, self.grid().dims());
         let old = self.put_contents(contents);
         let before = (!back_is_exact).then(|| Box::new(Arc::unwrap_or_clone(old)));
         Change::Oriented { back: orientation.inverse(), before }

@@ -121,6 +121,11 @@ impl Document {
         Ok(Applied { stats, steps: 0 })
     }
 
+    /// The images of tools by the symmetry in use, the identity first.
+    pub fn images(&self) -> Vec<Image> {
+        self.symmetry.images(self.grid().dims(), self.grid().voxel_size())
+    }
+
     fn construct(&mut self, op: EditOp, primitive: &Primitive) -> Result<EditStats, CommandError> {
         primitive.check().map_err(CommandError::Primitive)?;
         if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
@@ -137,7 +142,7 @@ impl Document {
         if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
             return Err(CommandError::NoColour);
         }
-        let images = self.symmetry.images(self.grid().dims());
+        let images = self.images();
         let regions: Vec<_> = images.iter().map(|image| image.form(form, self.grid())).collect();
         self.check_colour_memory(|document, exact| {
             regions.iter().map(|region| document.new_pages(region, op, exact)).sum()
@@ -162,7 +167,7 @@ impl Document {
         let mut stats = EditStats::default();
         for (image, region) in self.images_of(primitive, EditOp::Recolour(self.new_colour()))? {
             stats += self.paint(&region, |v, _| {
-                let p = placed.tool_point(image.point(v.as_vec3() + 0.5));
+                let p = placed.tool_point(image.origin_of(v.as_dvec3() + 0.5).as_vec3());
                 texture.sample(picture_point(primitive.solid, p))
             });
         }
@@ -184,7 +189,7 @@ impl Document {
             return Err(CommandError::NoColour);
         }
         let texture = self.picture(picture)?;
-        let images = self.symmetry.images(self.grid().dims()).into_iter();
+        let images = self.images().into_iter();
         let stamps = images.map(|image| {
             let footprint = image.footprint(footprint);
             let stencil = Stencil::new(&texture, &footprint, colour, cover);
@@ -217,7 +222,7 @@ impl Document {
     ) -> Result<Vec<(Image, PlacedSolid)>, CommandError> {
         let voxel_size = self.grid().voxel_size();
         let placed = |image: Image| (image, image.placed(primitive, voxel_size));
-        let images = self.symmetry.images(self.grid().dims());
+        let images = self.images();
         let solids: Vec<_> = images.into_iter().map(placed).collect();
         self.check_colour_memory(|document, exact| {
             solids.iter().map(|(_, region)| document.new_pages(region, op, exact)).sum()
@@ -237,7 +242,7 @@ impl Document {
                 SpraySurface::Now => None,
             };
             let surface = surface.unwrap_or(self.grid());
-            let images = self.symmetry.images(self.grid().dims());
+            let images = self.images();
             Stamp::union(images.iter().map(|image| {
                 let footprint = image.footprint(&spray.footprint);
                 Spray { footprint, ..*spray }.stamp(self.grid(), surface)

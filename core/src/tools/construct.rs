@@ -14,6 +14,7 @@ use super::construct_planes::Planes;
 use super::construct_quadric::Quadric;
 use super::construct_spans::RowSpans;
 pub use super::solid::{Shape, Solid};
+use super::symmetry::Image;
 use crate::sculpture::Brick;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_coords};
 use crate::sculpture::grid::MAX_AXIS_VX;
@@ -52,7 +53,7 @@ impl Primitive {
 
     /// The region that this solid covers in a grid whose voxels have edges of `voxel_size`.
     pub fn in_grid(&self, voxel_size: Vec3) -> PlacedSolid {
-        PlacedSolid::new(self, voxel_size, [None; 3])
+        PlacedSolid::new(self, voxel_size, &Image::of_planes([None; 3]))
     }
 
     /// Its shape in tool space.
@@ -63,7 +64,12 @@ impl Primitive {
     /// [`Primitive::in_grid`], mirrored at the planes (voxel coordinates) of the axes that have one.
     /// Covers exactly the mirrored voxels where a plane lies between voxels or through their centres.
     pub fn mirrored_in_grid(&self, voxel_size: Vec3, planes: [Option<f32>; 3]) -> PlacedSolid {
-        PlacedSolid::new(self, voxel_size, planes)
+        PlacedSolid::new(self, voxel_size, &Image::of_planes(planes))
+    }
+
+    /// The image of [`Primitive::in_grid`].
+    pub fn image_in_grid(&self, voxel_size: Vec3, image: &Image) -> PlacedSolid {
+        PlacedSolid::new(self, voxel_size, image)
     }
 }
 
@@ -92,27 +98,27 @@ enum Cut {
 }
 
 impl PlacedSolid {
-    fn new(primitive: &Primitive, voxel_size: Vec3, planes: [Option<f32>; 3]) -> PlacedSolid {
+    fn new(primitive: &Primitive, voxel_size: Vec3, image: &Image) -> PlacedSolid {
         let Primitive { centre_vx, half, rotation, .. } = *primitive;
         let shape = primitive.shape();
-        let (mut centre_vx, half) = (centre_vx.as_dvec3(), half.as_dvec3());
+        let (centre_vx, half) = (image.point_exactly(centre_vx.as_dvec3()), half.as_dvec3());
         let stretch = voxel_size.as_dvec3() / voxel_size.as_dvec3().min_element();
         let rotation = DMat3::from_quat(rotation.as_dquat().normalize());
         // Signs are changed after all rounding, so that an image is rounded as the solid is.
-        let mut mirror = DVec3::ONE;
-        for (axis, plane) in planes.into_iter().enumerate() {
-            if let Some(plane) = plane {
-                centre_vx[axis] = 2.0 * f64::from(plane) - centre_vx[axis];
-                mirror[axis] = -1.0;
-            }
-        }
-        let mirror = DMat3::from_diagonal(mirror);
-        let tool_from_vx = DMat3::from_diagonal(half.recip())
-            * rotation.transpose()
-            * DMat3::from_diagonal(stretch)
-            * mirror;
-        let vx_from_tool =
-            mirror * DMat3::from_diagonal(stretch.recip()) * rotation * DMat3::from_diagonal(half);
+        let (tool_from_world, world_from_tool) = (
+            DMat3::from_diagonal(half.recip()) * rotation.transpose(),
+            rotation * DMat3::from_diagonal(half),
+        );
+        let (stretched, shrunk) =
+            (DMat3::from_diagonal(stretch), DMat3::from_diagonal(stretch.recip()));
+        let linear = image.linear();
+        let (tool_from_vx, vx_from_tool) = match image.is_along_grid() {
+            true => (tool_from_world * stretched * linear, linear * shrunk * world_from_tool),
+            false => (
+                tool_from_world * linear.transpose() * stretched,
+                shrunk * linear * world_from_tool,
+            ),
+        };
 
         let axes = vx_from_tool.transpose();
         let support = |sign: f64| {

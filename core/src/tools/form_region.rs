@@ -10,19 +10,19 @@ use glam::{DQuat, DVec2, DVec3, DVec4, IVec3, UVec3, Vec3};
 use super::form::{Form, Pose};
 use super::form_curve::{Piece, pieces};
 use super::form_outline::Outlines;
+use super::symmetry::Image;
 use crate::sculpture::Brick;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::grid::Grid;
 use crate::sculpture::region::{Region, RowReach, VoxelBox};
 
-/// A form, or its mirror image, in the voxel coordinates of one grid.
+/// A form, or an image of it, in the voxel coordinates of one grid.
 #[derive(Clone, Debug)]
 pub struct PlacedForm {
     kind: Kind,
     /// Edges of a voxel in units of the smallest.
     stretch: DVec3,
-    /// The mirror planes, in voxel coordinates.
-    planes: [Option<f32>; 3],
+    image: Image,
     bounds: VoxelBox,
     /// More than distances are wrong by.
     rounding: f64,
@@ -74,9 +74,9 @@ fn around_y(p: DVec3) -> DVec2 {
 }
 
 impl PlacedForm {
-    /// `form`, which must be valid, mirrored at the planes (voxel coordinates) of the axes that have one. Covers exactly
-    /// the mirrored voxels where a plane lies between voxels or through their centres.
-    pub fn new(form: &Form, grid: &Grid, planes: [Option<f32>; 3]) -> PlacedForm {
+    /// An image of `form`, which must be valid. Covers exactly the mirrored voxels where all planes lie along the grid,
+    /// between voxels or through their centres.
+    pub fn new(form: &Form, grid: &Grid, image: Image) -> PlacedForm {
         let voxel_size = grid.voxel_size().as_dvec3();
         let stretch = voxel_size / voxel_size.min_element();
         let flat =
@@ -130,13 +130,19 @@ impl PlacedForm {
         let mut form = PlacedForm {
             kind,
             stretch,
-            planes,
+            image,
             bounds: VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO },
             rounding: 0.0,
         };
         let dims = grid.dims().as_dvec3();
-        let [a, b] = [low, high].map(|corner| form.mirrored(corner / stretch));
-        let (low, high) = ((a.min(b) - 1.0).floor(), (a.max(b) + 1.0).ceil());
+        let (low, high) = match low.is_finite() && high.is_finite() {
+            true => {
+                let [low, high] =
+                    around([low / stretch, high / stretch], |p| image.point_exactly(p));
+                ((low - 1.0).floor(), (high + 1.0).ceil())
+            }
+            false => (DVec3::ZERO, dims),
+        };
         form.bounds = VoxelBox {
             min: low.clamp(DVec3::ZERO, dims).as_ivec3(),
             max: high.clamp(DVec3::ZERO, dims).as_ivec3(),
@@ -167,20 +173,10 @@ impl PlacedForm {
         }
     }
 
-    /// The mirror image of a point in voxel coordinates: exact for centres of voxels.
-    fn mirrored(&self, mut p: DVec3) -> DVec3 {
-        for (axis, plane) in self.planes.into_iter().enumerate() {
-            if let Some(plane) = plane {
-                p[axis] = 2.0 * f64::from(plane) - p[axis];
-            }
-        }
-        p
-    }
-
     /// The distance of a point (voxel coordinates) from the surface, below 0 inside. Of a tube: from those of its pieces
     /// that are named.
     fn distance(&self, p_vx: DVec3, near: &[u32]) -> f64 {
-        let p = self.mirrored(p_vx) * self.stretch;
+        let p = self.image.origin_of(p_vx) * self.stretch;
         match &self.kind {
             Kind::HalfSpace { at, normal } => (*at - p).dot(*normal),
             Kind::Ring { frame, radius, tube } => {
@@ -210,8 +206,8 @@ impl PlacedForm {
     /// The pieces of a tube that reach a box of voxels; none of other forms.
     fn near(&self, min: UVec3, max: UVec3) -> Vec<u32> {
         let Kind::Tube(pieces) = &self.kind else { return Vec::new() };
-        let [a, b] = [min, max].map(|corner| self.mirrored(corner.as_dvec3()) * self.stretch);
-        let (min, max) = (a.min(b), a.max(b));
+        let corners = [min, max].map(|corner| corner.as_dvec3());
+        let [min, max] = around(corners, |p| self.image.origin_of(p) * self.stretch);
         let reaches = |piece: &Piece| {
             let [low, high] = piece.bounds();
             low.cmple(max + self.rounding).all() && high.cmpge(min - self.rounding).all()
@@ -254,6 +250,14 @@ impl PlacedForm {
             }
         }
     }
+}
+
+/// A box around the images of the corners of a box, which has a lowest and a highest one.
+fn around([low, high]: [DVec3; 2], image: impl Fn(DVec3) -> DVec3) -> [DVec3; 2] {
+    let corner =
+        |i: u32| DVec3::select(glam::BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), low, high);
+    let images = (0..8).map(|i| image(corner(i)));
+    images.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
 }
 
 /// The part of a form in a row of bricks.

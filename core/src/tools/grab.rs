@@ -5,13 +5,13 @@
 //! so that the map neither folds nor tears, whatever the length. There the smoothed existence bits are interpolated, so
 //! that surfaces move by fractions of a voxel. Changes nothing itself.
 
-use glam::{DVec3, UVec3, Vec3};
+use glam::{UVec3, Vec3};
 
 use super::grab_flow::Flow;
 pub use super::grab_motion::Motion;
 use super::grab_motion::Pull;
 use super::spray::Stamp;
-use super::symmetry::Symmetry;
+use super::symmetry::{Symmetry, origin_of};
 use crate::sculpture::Brick;
 use crate::sculpture::Rgb;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_index};
@@ -206,16 +206,13 @@ impl Grab {
         if steps == 0 {
             return Pulled::default();
         }
-        let origin = DVec3::from(symmetry.planes(dims).map(|plane| plane.map_or(0.0, f64::from)));
-        let pulls: Vec<Pull> = symmetry
-            .images(dims)
+        let images = symmetry.images(dims, contents.grid.voxel_size());
+        let origin = origin_of(&images);
+        let pulls: Vec<Pull> = images
             .iter()
-            .map(|image| {
-                let signs = image.vector(Vec3::ONE).as_dvec3();
-                Pull {
-                    centre: (self.centre_vx.as_dvec3() - origin) * signs,
-                    step: self.motion.step(steps, signs),
-                }
+            .map(|image| Pull {
+                centre: image.relative(self.centre_vx.as_dvec3(), origin),
+                step: self.motion.step(steps, image),
             })
             .collect();
         // What a pull moves stays within its reach, and so does where it comes from.
@@ -237,13 +234,14 @@ impl Grab {
             };
             boxes = boxes.into_iter().reduce(join).into_iter().collect();
         }
-        // Pulls that do not meet move clay one by one.
-        let together = if apart { 1 } else { pulls.len() };
         let falloff = self.falloff;
-        let flow = Flow { pulls: &pulls, together, origin, steps, stretch, radius, falloff };
-        Pulled::union(
-            boxes.into_iter().filter_map(|reach| flow.carry_out(contents, reach)).collect(),
-        )
+        let flow = |pulls| Flow { pulls, origin, steps, stretch, radius, falloff };
+        // Pulls that do not meet move clay one by one.
+        let parts = boxes.into_iter().enumerate().filter_map(|(i, reach)| {
+            let pulls = if apart { &pulls[i..=i] } else { &pulls[..] };
+            flow(pulls).carry_out(contents, reach)
+        });
+        Pulled::union(parts.collect())
     }
 }
 

@@ -12,6 +12,7 @@ use super::grab::{Falloff, Pulled};
 use super::grab_field::{FINE, Field, MARGIN_VX};
 use super::grab_motion::{EDGE, Pull, Row};
 use super::spray::Stamp;
+use super::symmetry::MAX_IMAGES;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind, local_index};
 use crate::sculpture::history::Contents;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
@@ -20,8 +21,8 @@ use crate::sculpture::{Brick, Rgb};
 /// Approximations of where a step comes from; each is [`STEP_SLOPE`] times as far off as the one before.
 const ROUNDS: usize = 3;
 
-/// Most mirror images.
-const MOST_PULLS: usize = 8;
+/// As many images as planes along the grid make; more take more memory for each row.
+const FEW_PULLS: usize = 8;
 
 /// The motion of all pulls together.
 ///
@@ -29,8 +30,6 @@ const MOST_PULLS: usize = 8;
 /// result is symmetric to the voxel.
 pub struct Flow<'a> {
     pub pulls: &'a [Pull],
-    /// How many of them may move the same clay.
-    pub together: usize,
     /// In voxel coordinates.
     pub origin: DVec3,
     pub steps: usize,
@@ -84,7 +83,7 @@ impl Flow<'_> {
             let steps = self.steps as f64;
             (down, up) = (down.max(above * steps), up.max(below * steps));
         }
-        let most = self.together as f64;
+        let most = self.pulls.len() as f64;
         VoxelBox {
             min: b * edge - (down * most).ceil().as_ivec3() - 1,
             max: (b + 1) * edge + (up * most).ceil().as_ivec3() + 1,
@@ -106,7 +105,14 @@ impl Flow<'_> {
         let bounds = margin(reach).intersect(margin(grid)).intersect(margin(sources));
         let field = Field::new(&contents.grid, bounds);
         let level = Level::new();
-        let move_brick = |b: &UVec3| dispatch!(level, simd => self.move_brick(simd, contents, &field, *b, arrives));
+        let move_brick = |b: &UVec3| match self.pulls.len() <= FEW_PULLS {
+            true => dispatch!(level, simd => {
+                self.move_brick::<_, FEW_PULLS>(simd, contents, &field, *b, arrives)
+            }),
+            false => dispatch!(level, simd => {
+                self.move_brick::<_, MAX_IMAGES>(simd, contents, &field, *b, arrives)
+            }),
+        };
         let done: Vec<Option<Moved>> = bricks.par_iter().map(move_brick).collect();
         let list = |part: fn(&Moved) -> Brick| {
             let of = |(b, moved): (&UVec3, &Option<Moved>)| {
@@ -130,7 +136,7 @@ impl Flow<'_> {
 
     /// None if nothing changes in the brick.
     #[inline(always)]
-    fn move_brick<S: Simd>(
+    fn move_brick<S: Simd, const PULLS: usize>(
         &self,
         _simd: S,
         contents: &Contents,
@@ -144,7 +150,7 @@ impl Flow<'_> {
         for row in 0..BRICK_EDGE_VX * BRICK_EDGE_VX {
             let [y, z] = [row % BRICK_EDGE_VX, row / BRICK_EDGE_VX];
             let start = b * BRICK_EDGE_VX + UVec3::new(0, y, z);
-            let offsets = self.row_of_offsets(start);
+            let offsets = self.row_of_offsets::<PULLS>(start);
             for x in 0..BRICK_EDGE_VX {
                 let v = start + UVec3::X * x;
                 let offset = IVec3::from(offsets.map(|axis| axis[x as usize]));
@@ -177,9 +183,9 @@ impl Flow<'_> {
 
     /// How far away what arrives at the middles of eight voxels comes from, in units of 1 / [`FINE`] voxel.
     #[inline(always)]
-    fn row_of_offsets(&self, start: UVec3) -> [[i32; EDGE]; 3] {
+    fn row_of_offsets<const PULLS: usize>(&self, start: UVec3) -> [[i32; EDGE]; 3] {
         let first = start.as_dvec3() + 0.5 - self.origin;
-        let mut from_centres = [[[0.0; EDGE]; 3]; MOST_PULLS];
+        let mut from_centres = [[[0.0; EDGE]; 3]; PULLS];
         for (pull, from_centre) in self.pulls.iter().zip(&mut from_centres) {
             let from = (first - pull.centre).to_array();
             *from_centre = from.map(|from| [from as f32; EDGE]);
@@ -208,14 +214,14 @@ impl Flow<'_> {
 
     /// `arrived` less what the clay at `at` moves in a step. All are relative to the voxels.
     #[inline(always)]
-    fn before(
+    fn before<const PULLS: usize>(
         &self,
-        from_centres: &[Row; MOST_PULLS],
+        from_centres: &[Row; PULLS],
         arrived: &Row,
         at: &Row,
         step: usize,
     ) -> Row {
-        let mut shifts = [[[0.0; EDGE]; 3]; MOST_PULLS];
+        let mut shifts = [[[0.0; EDGE]; 3]; PULLS];
         let scale = self.stretch.as_vec3().to_array();
         for ((pull, from_centre), shift) in self.pulls.iter().zip(from_centres).zip(&mut shifts) {
             let centre = (pull.way() * step as f64).as_vec3().to_array();
@@ -229,10 +235,14 @@ impl Flow<'_> {
             pull.shift(&from, self.stretch, self.radius, self.falloff, shift);
         }
         // Images are added as a mirror plane pairs them.
-        let mut count = self.pulls.len();
+        let (mut count, mut last) = (self.pulls.len(), [[0.0; EDGE]; 3]);
         while count > 1 {
-            count /= 2;
-            for i in 0..count {
+            let pairs = count / 2;
+            if count % 2 == 1 {
+                // Nothing is added to the last one yet; it waits behind the sums.
+                last = shifts[count - 1];
+            }
+            for i in 0..pairs {
                 let other = shifts[2 * i + 1];
                 for (axis, other) in other.iter().enumerate() {
                     for x in 0..EDGE {
@@ -240,6 +250,10 @@ impl Flow<'_> {
                     }
                 }
             }
+            if count % 2 == 1 {
+                shifts[pairs] = last;
+            }
+            count = pairs + count % 2;
         }
         let mut before = *arrived;
         for (before, shift) in before.iter_mut().zip(&shifts[0]) {

@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 
 use super::deform::DeformKind;
 use super::grab::Falloff;
+use super::symmetry::Image;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 
 /// Eight voxels of a row of a brick: something along each axis.
@@ -57,15 +58,15 @@ pub struct Pull {
 }
 
 impl Motion {
-    /// This in `steps` steps, mirrored by `signs`.
-    pub fn step(&self, steps: usize, signs: DVec3) -> Step {
+    /// An image of this in `steps` steps.
+    pub fn step(&self, steps: usize, image: &Image) -> Step {
         let share = 1.0 / steps as f64;
-        let unit = |normal: Vec3| normal.as_dvec3().normalize_or(DVec3::Y) * signs;
+        let unit = |normal: Vec3| image.normal(normal.as_dvec3().normalize_or(DVec3::Y));
         match *self {
-            Motion::Pull { by_vx } => Step::Shift(by_vx.as_dvec3() * share * signs),
+            Motion::Pull { by_vx } => Step::Shift(image.vector_exactly(by_vx.as_dvec3() * share)),
             // In a mirror turns go the other way round.
             Motion::Twist { normal, angle_deg } => Step::Turn {
-                axis: unit(normal) * signs.element_product(),
+                axis: unit(normal) * if image.is_reflection() { -1.0 } else { 1.0 },
                 angle: f64::from(angle_deg).to_radians() * share,
             },
             Motion::Pinch { normal, strength } => {

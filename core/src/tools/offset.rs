@@ -10,7 +10,7 @@ use glam::{DVec3, IVec3, Vec3};
 use super::distance::Distances;
 use super::grab::Falloff;
 use super::spray::Stamp;
-use super::symmetry::Symmetry;
+use super::symmetry::{Symmetry, origin_of};
 use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
@@ -148,22 +148,22 @@ impl Offset {
         let dims = grid.dims();
         let size = grid.voxel_size().as_dvec3();
         let edges = size / size.min_element();
-        let origin = DVec3::from(symmetry.planes(dims).map(|plane| plane.map_or(0.0, f64::from)));
+        let images = symmetry.images(dims, grid.voxel_size());
+        let origin = origin_of(&images);
         let normal = match self.target {
             Target::Plane { normal, .. } | Target::Drawn { normal, .. } => normal,
             Target::Along(_) => Vec3::Y,
         };
-        Stamp::union(symmetry.images(dims).iter().map(|image| {
-            let signs = image.vector(Vec3::ONE);
+        Stamp::union(images.iter().map(|image| {
             self.one(
                 grid,
                 &Ball {
                     origin,
-                    centre: (self.centre_vx.as_dvec3() - origin) * signs.as_dvec3(),
+                    centre: image.relative(self.centre_vx.as_dvec3(), origin),
                     edges,
                     radius: self.radius,
                     falloff: self.falloff,
-                    normal: normal * signs,
+                    normal: image.normal(normal.as_dvec3()).as_vec3(),
                 },
             )
         }))

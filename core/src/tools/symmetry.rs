@@ -1,15 +1,17 @@
-//! Mirror planes: the mirror images of a tool that are used together with it.
+//! Symmetry: the images of a tool that are used together with it.
 //!
-//! Planes are perpendicular to the axes of the grid at its centre: between two voxels (even) or through
-//! the middle of one (odd). Computes mirrored tools; changes nothing itself.
+//! Mirror planes are perpendicular to the axes of the grid at its centre, between two voxels (even) or through the middle
+//! of one (odd); one more may lie anywhere; and tools may be repeated around an axis. Images keep lengths and angles in the
+//! world, also where voxels are not cubes. Computes images of tools; changes nothing itself.
 
-use glam::{Quat, UVec3, Vec3};
+use glam::{DMat3, DQuat, DVec3, IVec3, Mat3, Quat, UVec3, Vec3};
 
 use super::construct::{PlacedSolid, Primitive};
 use super::form::Form;
 use super::form_region::PlacedForm;
 use super::spray::Footprint;
 use crate::sculpture::grid::Grid;
+use crate::sculpture::orientation::Orientation;
 
 /// The position of a mirror plane relative to the voxels.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -33,15 +35,110 @@ impl Parity {
     }
 }
 
-/// The mirror planes in use, by the axis that they are perpendicular to.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+/// Most images of a tool.
+pub const MAX_IMAGES: usize = 64;
+/// Furthest place from the origin, in voxels.
+const FURTHEST_VX: f32 = 1e6;
+
+/// A mirror plane anywhere.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct MirrorPlane {
+    /// A point of it, in voxel coordinates.
+    pub at_vx: Vec3,
+    /// Perpendicular to it in the world, along axes of the grid; of any length.
+    pub normal: Vec3,
+}
+
+/// An axis around which tools are repeated.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Radial {
+    /// A point of it, in voxel coordinates.
+    pub at_vx: Vec3,
+    /// Its direction in the world, along axes of the grid; of any length.
+    pub axis: Vec3,
+    /// How often a tool is there, all around: at least 2.
+    pub count: u32,
+}
+
+/// The symmetry in use: mirror planes by the axis that they are perpendicular to, one anywhere, and an axis of rotation.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Symmetry {
     /// For each axis the parity of its mirror plane, if it has one.
     pub axes: [Option<Parity>; 3],
+    /// A further mirror plane.
+    pub plane: Option<MirrorPlane>,
+    /// The axis of rotation.
+    pub radial: Option<Radial>,
 }
 
 impl Symmetry {
-    /// Positions of the planes in a grid of `dims` voxels, in voxel coordinates.
+    /// Mirror planes through the grid's centre alone.
+    pub const fn of_axes(axes: [Option<Parity>; 3]) -> Symmetry {
+        Symmetry { axes, plane: None, radial: None }
+    }
+
+    /// An error that says what is not valid, if anything is.
+    pub fn check(&self) -> Result<(), &'static str> {
+        let place = |p: Vec3| p.is_finite() && p.abs().max_element() <= FURTHEST_VX;
+        let direction = |v: Vec3| {
+            let length = v.as_dvec3().length();
+            length > 1e-12 && length.is_finite()
+        };
+        if let Some(MirrorPlane { at_vx, normal }) = self.plane {
+            if !place(at_vx) {
+                return Err("the mirror plane must be within a million voxels");
+            }
+            if !direction(normal) {
+                return Err("the normal of the mirror plane must have a direction");
+            }
+        }
+        if let Some(Radial { at_vx, axis, count }) = self.radial {
+            if !place(at_vx) {
+                return Err("the axis of rotation must be within a million voxels");
+            }
+            if !direction(axis) {
+                return Err("the axis of rotation must have a direction");
+            }
+            if !(2..=MAX_IMAGES as u32).contains(&count) {
+                return Err("a rotation repeats a tool 2 to 64 times");
+            }
+        }
+        match self.image_count() <= MAX_IMAGES {
+            true => Ok(()),
+            false => Err("a tool may have 64 images; use fewer planes or a smaller count"),
+        }
+    }
+
+    fn image_count(&self) -> usize {
+        let planes = self.axes.iter().flatten().count() + usize::from(self.plane.is_some());
+        (1 << planes) * self.radial.map_or(1, |radial| radial.count as usize)
+    }
+
+    /// The same about the same voxels after a grid of `dims` voxels was laid another way.
+    pub fn oriented(&self, orientation: Orientation, dims: UVec3) -> Symmetry {
+        let place = |v: IVec3| orientation.destination(v, dims).as_vec3();
+        let first = place(IVec3::ZERO);
+        let turn = Mat3::from_cols(
+            place(IVec3::X) - first,
+            place(IVec3::Y) - first,
+            place(IVec3::Z) - first,
+        );
+        let point = |p: Vec3| turn * (p - 0.5) + first + 0.5;
+        Symmetry {
+            axes: orientation.permuted(self.axes),
+            plane: self.plane.map(|MirrorPlane { at_vx, normal }| MirrorPlane {
+                at_vx: point(at_vx),
+                normal: turn * normal,
+            }),
+            radial: self.radial.map(|Radial { at_vx, axis, count }| Radial {
+                at_vx: point(at_vx),
+                axis: turn * axis,
+                count,
+            }),
+        }
+    }
+
+    /// Positions of the planes of the axes in a grid of `dims` voxels, in voxel coordinates.
     pub fn planes(&self, dims: UVec3) -> [Option<f32>; 3] {
         std::array::from_fn(|axis| {
             let middle = (dims[axis] / 2) as f32;
@@ -52,66 +149,253 @@ impl Symmetry {
         })
     }
 
-    /// All images, starting with the identity: 1, 2, 4 or 8.
-    pub fn images(&self, dims: UVec3) -> Vec<Image> {
-        let mut images = vec![Image { planes: [None; 3] }];
-        for (axis, plane) in self.planes(dims).into_iter().enumerate() {
-            if plane.is_some() {
-                let more: Vec<Image> = images
-                    .iter()
-                    .map(|image| {
-                        let mut image = *image;
-                        image.planes[axis] = plane;
-                        image
-                    })
-                    .collect();
-                images.extend(more);
-            }
+    /// All images in a grid of `dims` voxels with edges of `voxel_size`, starting with the identity. The symmetry must be
+    /// valid.
+    pub fn images(&self, dims: UVec3, voxel_size: Vec3) -> Vec<Image> {
+        let mut images = vec![Image { planes: [None; 3], moved: None }];
+        let mut planes: Vec<(usize, f32)> = Vec::new();
+        let of_axes = self.planes(dims).into_iter().enumerate();
+        planes.extend(of_axes.filter_map(|(axis, plane)| Some((axis, plane?))));
+        // One along the grid is as exact as those of the axes.
+        let along = self.plane.and_then(|plane| {
+            let axis = grid_axis(plane.normal)?;
+            self.axes[axis].is_none().then_some((axis, plane.at_vx[axis]))
+        });
+        planes.extend(along);
+        for (axis, plane) in planes {
+            let mirrored = |image: &Image| {
+                let mut image = *image;
+                image.planes[axis] = Some(plane);
+                image
+            };
+            let more: Vec<Image> = images.iter().map(mirrored).collect();
+            images.extend(more);
+        }
+        let stretch = voxel_size.as_dvec3() / voxel_size.as_dvec3().min_element();
+        if let Some(plane) = self.plane.filter(|_| along.is_none()) {
+            let mirror = Move::mirror(&plane, stretch);
+            let more: Vec<Image> = images.iter().map(|image| image.then(mirror)).collect();
+            images.extend(more);
+        }
+        if let Some(radial) = self.radial {
+            let turned = |k: u32| {
+                let turn = Move::turn(&radial, k, stretch);
+                images.iter().map(move |image| match radial.half_turn(k, image) {
+                    Some(planes) => Image { planes, moved: None },
+                    None => image.then(turn),
+                })
+            };
+            let more: Vec<Image> = (1..radial.count).flat_map(turned).collect();
+            images.extend(more);
         }
         images
     }
 }
 
-/// One mirror image: reflected at the plane of each axis that has one.
+impl Radial {
+    /// Half a turn about an axis of the grid is what two mirror planes do, and as exact: those of `image` with it, if
+    /// that is so.
+    fn half_turn(&self, k: u32, image: &Image) -> Option<[Option<f32>; 3]> {
+        let axis = grid_axis(self.axis).filter(|_| 2 * k == self.count && image.moved.is_none())?;
+        let mut planes = image.planes;
+        for other in (0..3).filter(|other| *other != axis) {
+            if planes[other].replace(self.at_vx[other]).is_some() {
+                return None;
+            }
+        }
+        Some(planes)
+    }
+}
+
+/// The point in voxel coordinates that all mirror planes along the grid go through.
+pub(super) fn origin_of(images: &[Image]) -> DVec3 {
+    let plane = |axis: usize| images.iter().find_map(|image| image.planes[axis]);
+    DVec3::from([0, 1, 2].map(|axis| plane(axis).map_or(0.0, f64::from)))
+}
+
+/// The axis of the grid along which a direction lies.
+fn grid_axis(direction: Vec3) -> Option<usize> {
+    let mut others = (0..3).filter(|axis| direction[*axis] != 0.0);
+    others.next().filter(|_| others.next().is_none())
+}
+
+/// A mirroring or a turn, in units of the smallest edge of a voxel.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Move {
+    /// Orthogonal.
+    linear: DMat3,
+    offset: DVec3,
+    /// Edges of a voxel in units of the smallest.
+    stretch: DVec3,
+}
+
+impl Move {
+    fn mirror(plane: &MirrorPlane, stretch: DVec3) -> Move {
+        let normal = plane.normal.as_dvec3().normalize();
+        let outer = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
+        Move::about(plane.at_vx, DMat3::IDENTITY - outer * 2.0, stretch)
+    }
+
+    /// The `k`th of the turns.
+    fn turn(radial: &Radial, k: u32, stretch: DVec3) -> Move {
+        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(radial.count);
+        let turn = DMat3::from_axis_angle(radial.axis.as_dvec3().normalize(), angle);
+        Move::about(radial.at_vx, turn, stretch)
+    }
+
+    /// What leaves a point (voxel coordinates) where it is.
+    fn about(at_vx: Vec3, linear: DMat3, stretch: DVec3) -> Move {
+        // Quarter turns are exact.
+        let snapped = |v: f64| if (v - v.round()).abs() < 1e-12 { v.round() } else { v };
+        let linear = DMat3::from_cols_array(&linear.to_cols_array().map(snapped));
+        let at = at_vx.as_dvec3() * stretch;
+        Move { linear, offset: at - linear * at, stretch }
+    }
+
+    fn after(&self, first: &Move) -> Move {
+        Move {
+            linear: self.linear * first.linear,
+            offset: self.linear * first.offset + self.offset,
+            stretch: self.stretch,
+        }
+    }
+}
+
+/// One image: reflected at the plane of each axis that has one, then moved.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Image {
     planes: [Option<f32>; 3],
+    moved: Option<Move>,
 }
 
 impl Image {
-    /// The mirror image of a point in grid coordinates.
-    pub fn point(&self, mut p: Vec3) -> Vec3 {
+    /// Reflected at the planes (voxel coordinates) of the axes that have one.
+    pub const fn of_planes(planes: [Option<f32>; 3]) -> Image {
+        Image { planes, moved: None }
+    }
+
+    fn then(&self, next: Move) -> Image {
+        let moved = self.moved.map_or(next, |first| next.after(&first));
+        Image { moved: Some(moved), ..*self }
+    }
+
+    /// Whether it is made by planes along the grid alone, and so differs in signs only.
+    pub(super) fn is_along_grid(&self) -> bool {
+        self.moved.is_none()
+    }
+
+    fn mirrored(&self, mut p: DVec3) -> DVec3 {
         for (axis, plane) in self.planes.into_iter().enumerate() {
             if let Some(plane) = plane {
-                p[axis] = 2.0 * plane - p[axis];
+                p[axis] = 2.0 * f64::from(plane) - p[axis];
             }
         }
         p
     }
 
-    /// The mirror image of a direction in grid coordinates.
-    pub fn vector(&self, mut v: Vec3) -> Vec3 {
-        for (axis, plane) in self.planes.into_iter().enumerate() {
-            if plane.is_some() {
-                v[axis] = -v[axis];
+    /// -1 along each axis that is reflected, before it is moved.
+    pub(super) fn signs(&self) -> DVec3 {
+        DVec3::from(self.planes.map(|plane| if plane.is_some() { -1.0 } else { 1.0 }))
+    }
+
+    /// The image of a point in grid coordinates: exact for centres of voxels where planes lie along the grid.
+    pub fn point_exactly(&self, p: DVec3) -> DVec3 {
+        let p = self.mirrored(p);
+        match &self.moved {
+            Some(moved) => (moved.linear * (p * moved.stretch) + moved.offset) / moved.stretch,
+            None => p,
+        }
+    }
+
+    /// The image of a point relative to `origin` ([`origin_of`] all images): of those along the grid, images differ in
+    /// signs only and are rounded alike.
+    pub(super) fn relative(&self, p: DVec3, origin: DVec3) -> DVec3 {
+        match self.moved {
+            Some(_) => self.point_exactly(p) - origin,
+            None => (p - origin) * self.signs(),
+        }
+    }
+
+    /// The point in grid coordinates whose image is `p`.
+    pub fn origin_of(&self, p: DVec3) -> DVec3 {
+        self.mirrored(match &self.moved {
+            Some(Move { linear, offset, stretch }) => {
+                linear.transpose() * (p * *stretch - *offset) / *stretch
+            }
+            None => p,
+        })
+    }
+
+    /// The image of a point in grid coordinates.
+    pub fn point(&self, p: Vec3) -> Vec3 {
+        match self.moved {
+            Some(_) => self.point_exactly(p.as_dvec3()).as_vec3(),
+            None => {
+                let mut p = p;
+                for (axis, plane) in self.planes.into_iter().enumerate() {
+                    if let Some(plane) = plane {
+                        p[axis] = 2.0 * plane - p[axis];
+                    }
+                }
+                p
             }
         }
-        v
     }
 
-    /// The voxels that the mirrored solid covers.
+    /// The image of a direction in grid coordinates.
+    pub fn vector(&self, v: Vec3) -> Vec3 {
+        self.vector_exactly(v.as_dvec3()).as_vec3()
+    }
+
+    /// The image of a direction in grid coordinates.
+    pub(super) fn vector_exactly(&self, v: DVec3) -> DVec3 {
+        let v = v * self.signs();
+        match &self.moved {
+            Some(moved) => moved.linear * (v * moved.stretch) / moved.stretch,
+            None => v,
+        }
+    }
+
+    /// The image of a direction in the world, along axes of the grid.
+    pub(super) fn normal(&self, normal: DVec3) -> DVec3 {
+        self.linear() * normal
+    }
+
+    /// The orthogonal map of directions in the world.
+    pub(super) fn linear(&self) -> DMat3 {
+        let mirror = DMat3::from_diagonal(self.signs());
+        self.moved.map_or(mirror, |moved| moved.linear * mirror)
+    }
+
+    /// Whether it is a reflection, which turns what turns the other way round.
+    pub(super) fn is_reflection(&self) -> bool {
+        self.linear().determinant() < 0.0
+    }
+
+    /// The voxels that the image of a solid covers.
     pub fn placed(&self, primitive: &Primitive, voxel_size: Vec3) -> PlacedSolid {
-        primitive.mirrored_in_grid(voxel_size, self.planes)
+        primitive.image_in_grid(voxel_size, self)
     }
 
-    /// The voxels that the mirrored form covers.
+    /// The voxels that the image of a form covers.
     pub fn form(&self, form: &Form, grid: &Grid) -> PlacedForm {
-        PlacedForm::new(form, grid, self.planes)
+        PlacedForm::new(form, grid, *self)
     }
 
     /// The mirrored solid as a primitive, for drawing. A reflection is no rotation; but every solid is
     /// symmetric about its own x plane, so that a further reflection there makes it one.
     pub fn primitive(&self, primitive: &Primitive) -> Primitive {
+        if self.moved.is_some() {
+            let own = if self.is_reflection() { DVec3::new(-1.0, 1.0, 1.0) } else { DVec3::ONE };
+            let rotation = DMat3::from_quat(primitive.rotation.as_dquat().normalize());
+            let rotation = self.linear() * rotation * DMat3::from_diagonal(own);
+            let rotation = DQuat::from_mat3(&rotation).normalize().as_quat().normalize();
+            return Primitive {
+                centre_vx: self.point(primitive.centre_vx),
+                rotation,
+                ..*primitive
+            };
+        }
         let mirrored = self.planes.iter().filter(|plane| plane.is_some()).count();
         let mut rotation = primitive.rotation;
         for (axis, plane) in self.planes.into_iter().enumerate() {
@@ -174,14 +458,14 @@ mod tests {
             rotation in rotation(),
         ) {
             let dims = UVec3::from(dims);
-            let symmetry = Symmetry { axes };
+            let symmetry = Symmetry::of_axes(axes);
             let primitive = Primitive {
                 solid,
                 centre_vx: centre.into(),
                 half: half.into(),
                 rotation,
             };
-            let images = symmetry.images(dims);
+            let images = symmetry.images(dims, Vec3::ONE);
             prop_assert_eq!(images.len(), 1 << axes.iter().flatten().count());
             let region = primitive.in_grid(Vec3::ONE);
             // Slightly smaller and larger, for centres on a face.
@@ -206,10 +490,10 @@ mod tests {
 
     #[test]
     fn planes_stand_between_voxels_or_through_one() {
-        let both = Symmetry { axes: [Some(Parity::Even), Some(Parity::Odd), None] };
+        let both = Symmetry::of_axes([Some(Parity::Even), Some(Parity::Odd), None]);
         assert_eq!(both.planes(UVec3::new(64, 64, 64)), [Some(32.0), Some(32.5), None]);
         assert_eq!(both.planes(UVec3::new(65, 65, 65)), [Some(32.0), Some(32.5), None]);
-        let images = both.images(UVec3::splat(64));
+        let images = both.images(UVec3::splat(64), Vec3::ONE);
         assert_eq!(images[3].point(Vec3::new(1.5, 32.5, 7.0)), Vec3::new(62.5, 32.5, 7.0));
         assert_eq!(images[0].point(Vec3::ONE), Vec3::ONE);
     }

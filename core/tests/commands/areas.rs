@@ -190,7 +190,7 @@ fn mirrored_tools_leave_a_mirrored_sculpture() {
             let mut document = document([edge; 3], true);
             let axes: [Option<Parity>; 3] =
                 std::array::from_fn(|axis| (axes >> axis & 1 == 1).then_some(parity));
-            document.apply(&Command::Symmetry(Symmetry { axes })).unwrap();
+            document.apply(&Command::Symmetry(Symmetry::of_axes(axes))).unwrap();
             run(
                 &mut document,
                 "subtract ellipsoid at=9.2,25.1,11.7 half=5.3,4,6.6 turn=20,30,40

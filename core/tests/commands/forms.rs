@@ -8,7 +8,7 @@ use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::tools::form::{Bead, Form, Pose};
 use sculpture_core::tools::form_region::PlacedForm;
-use sculpture_core::tools::symmetry::{Parity, Symmetry};
+use sculpture_core::tools::symmetry::{Image, Parity, Symmetry};
 
 use super::strategies::{new_sculpture, op, rotation};
 
@@ -78,7 +78,7 @@ proptest! {
     ) {
         let mut document = Document::new(&new, Limits::default()).unwrap();
         let parity = if odd { Parity::Odd } else { Parity::Even };
-        let symmetry = Symmetry { axes: mirrored.map(|mirrored| mirrored.then_some(parity)) };
+        let symmetry = Symmetry::of_axes(mirrored.map(|mirrored| mirrored.then_some(parity)));
         document.apply(&Command::Symmetry(symmetry)).unwrap();
         let before = document.contents().clone();
         let done = document.apply(&Command::Form { op, form: form.clone() });
@@ -91,9 +91,9 @@ proptest! {
             prop_assert!(matches!(op, EditOp::Recolour(_)), "no colours in this sculpture");
             return Ok(());
         }
-        let placed = PlacedForm::new(&form, document.grid(), [None; 3]);
+        let placed = PlacedForm::new(&form, document.grid(), Image::of_planes([None; 3]));
         let planes = symmetry.planes(document.grid().dims());
-        let images = symmetry.images(document.grid().dims()).len();
+        let images = document.images().len();
         for v in voxels(&document) {
             let inside = (0..8usize).filter(|image| {
                 (0..3).all(|axis| image >> axis & 1 == 0 || planes[axis].is_some())

@@ -14,5 +14,6 @@ mod orientations;
 mod refusals;
 mod script;
 pub mod strategies;
+mod symmetries;
 mod text;
 mod tints;

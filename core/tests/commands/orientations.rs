@@ -82,7 +82,7 @@ fn solids_and_their_mirror_images_equal_whole_numbers_in_all_48_orientations() {
     let dims = UVec3::new(21, 24, 19);
     let symmetries = (0..27).map(|i| {
         let parity = |i: u32| [None, Some(Parity::Even), Some(Parity::Odd)][i as usize % 3];
-        Symmetry { axes: [parity(i), parity(i / 3), parity(i / 9)] }
+        Symmetry::of_axes([parity(i), parity(i / 3), parity(i / 9)])
     });
     for symmetry in symmetries {
         for (i, (map, rotation)) in turns().into_iter().enumerate() {

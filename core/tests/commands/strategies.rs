@@ -237,7 +237,7 @@ fn area() -> impl Strategy<Value = Area> {
 
 pub fn symmetry() -> impl Strategy<Value = Symmetry> {
     let parity = || prop::option::of(prop::sample::select(&Parity::ALL[..]));
-    [parity(), parity(), parity()].prop_map(|axes| Symmetry { axes })
+    [parity(), parity(), parity()].prop_map(|axes| Symmetry::of_axes(axes))
 }
 
 pub fn orientation() -> impl Strategy<Value = Orientation> {

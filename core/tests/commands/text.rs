@@ -223,6 +223,7 @@ fn the_usage_of_each_command_matches_its_parser() {
         "limit off",
         "irreversible on",
         "symmetry x=even y=odd z=off",
+        "symmetry plane=1,2,3 normal=0,1,0.5 radial=5 about=1,2,3 axis=0,0,1",
         "symmetry",
         "grab at=1,2,3 radius=4.5 by=0,-3,2",
         "deform inflate at=1,2,3 radius=4.5 height=-2 falloff=smooth",
