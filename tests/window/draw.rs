@@ -49,14 +49,14 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
         [560, 440],
     ];
     draw("lathe", &profile);
-    program.key(&["u"]);
+    program.key(&["Alt_L", "u"]);
     draw("curve", &[[612, 370], [650, 360], [675, 400], [660, 450], [622, 470]]);
-    program.key(&["j"]);
+    program.key(&["Alt_L", "i"]);
     draw("line", &[[470, 530], [420, 380]]);
     program.key(&["Alt_L", "y"]);
     draw("text", &[[500, 560], [530, 575]]);
     program.key(&["1"]);
-    program.key(&["u"]);
+    program.key(&["Alt_L", "u"]);
     draw("mirrored", &[[400, 560], [420, 520], [440, 560], [460, 530]]);
     program.key(&["1"]);
     program.key(&["r"]);
