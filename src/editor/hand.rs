@@ -84,6 +84,7 @@ impl Editor {
 
     fn release_by_hand(&mut self) {
         self.hand.marker = None;
+        self.end_held_drawing();
         if std::mem::take(&mut self.hand.stroke) {
             self.end_stroke();
         }
@@ -123,7 +124,10 @@ impl Editor {
                 self.clay_moved();
                 self.catch_up();
             }
-            ToolKind::Draw(_) => self.tool.centre_vx = own.position,
+            ToolKind::Draw(_) => {
+                self.tool.centre_vx = own.position;
+                self.lead_held_drawing(own.position);
+            }
             ToolKind::Solid => {
                 self.tool.turn_by(turn);
                 self.tool.move_to(own.position);
@@ -160,7 +164,7 @@ impl Editor {
                 }
             }
             ToolKind::Deform => self.begin_clay(false, None, picker),
-            ToolKind::Draw(_) => {}
+            ToolKind::Draw(kind) => self.begin_held_drawing(kind, self.tool.centre_vx),
             ToolKind::Marker => {
                 self.hand.marker = self.hand.pose.map(|pose| self.in_grid(&pose, room).position);
             }

@@ -23,7 +23,7 @@ pub mod sprays;
 mod stroke;
 pub mod tool;
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use crate::command::Command;
 use crate::document::Document;
@@ -81,6 +81,8 @@ pub struct Editor {
     marker: MarkerTool,
     /// The solid that is being drawn.
     drawing: Option<Drawing>,
+    /// Where a hand that draws has been, in voxels; empty while none does.
+    held_way: Vec<Vec3>,
     /// Where the pointer is, in pixels of the picture; none while it is elsewhere.
     pointer: Option<Vec2>,
     /// A drag of `Sculpt` that began beside the sculpture rotates it.
@@ -108,6 +110,7 @@ impl Editor {
             footing: Footing::default(),
             marker: MarkerTool::default(),
             drawing: None,
+            held_way: Vec::new(),
             pointer: None,
             rotates_instead: false,
             lifted: false,

@@ -86,8 +86,8 @@ fn every_tool_is_taken_by_its_button_and_by_its_key() {
         ("Rectangle", Modifiers::ALT, Key::Q, DrawKind::Rectangle),
         ("Plane cut", Modifiers::ALT, Key::P, DrawKind::Plane),
         ("Box", Modifiers::ALT, Key::B, DrawKind::Box),
-        ("Line", Modifiers::NONE, Key::J, DrawKind::Line),
-        ("Curve", Modifiers::NONE, Key::U, DrawKind::Curve),
+        ("Line", Modifiers::ALT, Key::I, DrawKind::Line),
+        ("Curve", Modifiers::ALT, Key::U, DrawKind::Curve),
         ("Lathe", Modifiers::ALT, Key::W, DrawKind::Lathe),
         ("Text", Modifiers::ALT, Key::Y, DrawKind::Text),
     ] {
@@ -388,7 +388,7 @@ fn a_mug_is_made_in_few_acts() {
     assert!(has(&harness, [41, 30, 32]) && has(&harness, [15, 30, 32]), "a wall around");
     let cup = voxels(&harness);
     // The handle: from the wall through the air and back to it.
-    key(&mut harness, Modifiers::NONE, Key::U);
+    key(&mut harness, Modifiers::ALT, Key::U);
     acts += 1;
     harness.state_mut().editor.tool.draws.radii = [2.5, 2.5];
     acts += 2;

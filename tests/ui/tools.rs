@@ -6,7 +6,7 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::{IVec3, UVec3, Vec3};
 use virtual_sculpture::editor::tool::ToolKind;
-use virtual_sculpture::input::ToolMode;
+use virtual_sculpture::input::{DrawKind, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::sculpture::region::VoxelBox;
 use virtual_sculpture::tools::spray::SprayKind;
@@ -292,9 +292,10 @@ fn the_options_of_every_tool_fit_into_their_panel() {
     let mut harness = front();
     run(&mut harness, "copy");
     run(&mut harness, "select add");
-    for tool in
-        SprayKind::ALL.map(ToolKind::Spray).into_iter().chain([ToolKind::Solid, ToolKind::Marker])
-    {
+    let sprays = SprayKind::ALL.map(ToolKind::Spray);
+    let drawn = DrawKind::ALL.map(ToolKind::Draw);
+    let others = [ToolKind::Solid, ToolKind::Marker];
+    for tool in sprays.into_iter().chain(drawn).chain(others) {
         harness.state_mut().editor.tool.kind = tool;
         harness.state_mut().editor.tool.mode = ToolMode::Recolour;
         harness.state_mut().editor.tool.used_colour();

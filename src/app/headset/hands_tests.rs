@@ -13,7 +13,7 @@ use crate::config::Config;
 use crate::editor::tool::{NextPress, ToolKind};
 use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
 use crate::input::pad::stick::Response;
-use crate::input::{ActionEvent, Bindings};
+use crate::input::{ActionEvent, Bindings, DrawKind};
 use crate::sculpture::Rgb;
 use crate::session::Session;
 use crate::surface::{IndexMap, raycast};
@@ -112,6 +112,27 @@ fn a_jump_of_tracking_cuts_no_tunnel() {
             assert!(person.removed_voxels() > 100 && !person.is_opaque(Vec3::new(0.25, 0.5, 0.5)));
             assert!(person.is_opaque(Vec3::new(0.75, 0.5, 0.5)), "not beyond where the hand went");
         }
+    }
+}
+
+#[test]
+fn a_hand_draws_lines_and_curves_as_one_step() {
+    for kind in [DrawKind::Line, DrawKind::Curve] {
+        let mut person = Person::new(DIMS);
+        person.workspace.editor.tool.kind = ToolKind::Draw(kind);
+        let left = MIDDLE - Vec3::X * 0.2;
+        person.hold(left, 0.0, 5);
+        person.hold(left, 1.0, 2);
+        for i in 1..=40 {
+            let up = Vec3::Y * if (10..30).contains(&i) { 0.1 } else { 0.0 };
+            person.hold(left + Vec3::X * (0.01 * i as f32) + up, 1.0, 1);
+        }
+        assert_eq!(person.removed_voxels(), 0, "it is made when the trigger is let go");
+        person.hold(MIDDLE + Vec3::X * 0.2, 0.0, 3);
+        assert!(person.removed_voxels() > 1000, "{}", person.removed_voxels());
+        let straight = !person.is_opaque(Vec3::splat(0.5));
+        assert_eq!(straight, kind == DrawKind::Line, "a curve goes where the hand went");
+        assert_eq!(person.workspace.session().document().history().undo_count(), 1);
     }
 }
 

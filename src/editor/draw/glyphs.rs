@@ -274,7 +274,7 @@ mod tests {
                 };
                 for letter in line {
                     let count: usize = letter.outlines.iter().map(Vec::len).sum();
-                    assert!(count <= MAX_POINTS && count < 300, "{sign}: {count}");
+                    assert!(count < 300, "{sign}: {count}");
                     let wrong = (0..1600).filter(|i| {
                         let (x, y) = ((i % 40) as f32, (i / 40) as f32);
                         let p = Vec2::new(x * 5.0 - 99.7, y * 5.0 - 99.3);

@@ -6,6 +6,7 @@
 mod block;
 mod drawing;
 pub mod glyphs;
+mod held;
 mod lathe;
 pub mod options;
 mod outline;
@@ -147,10 +148,11 @@ impl Editor {
     /// Gives up what is being drawn, or what the next press was to do; false if there is neither.
     pub fn cancel_drawing(&mut self) -> bool {
         let was_meant = self.tool.next_press.take().is_some();
+        let was_held = !std::mem::take(&mut self.held_way).is_empty();
         let was_drawn = self.drawing.take().is_some();
         // The button that is still pressed does nothing more.
         self.lifted |= was_drawn;
-        was_drawn || was_meant
+        was_drawn || was_held || was_meant
     }
 
     /// Whether something is being drawn.
@@ -164,6 +166,9 @@ impl Editor {
             return Some(drawing.sketch(&self.tool.draws));
         }
         let ToolKind::Draw(kind) = self.tool.kind else { return None };
+        if self.hand.is_leading() {
+            return Some(self.held_sketch());
+        }
         let at = self.pointer.filter(|_| !self.is_stroking())?;
         Some(self.started(kind, false, at, picker)?.sketch(&self.tool.draws))
     }
