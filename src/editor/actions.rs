@@ -79,6 +79,8 @@ impl Editor {
             Action::Wand => self.wand(picker),
             Action::InvertMask => self.run(Command::Mask(MaskChange::Invert)),
             Action::ClearMask => self.run(Command::Mask(MaskChange::Clear)),
+            Action::MirrorPlane => self.toggle_plane(),
+            Action::Radial => self.toggle_radial(),
             Action::Mirror(axis) => {
                 let mut symmetry = self.document().symmetry();
                 let parity = &mut symmetry.axes[axis.index()];
@@ -114,6 +116,11 @@ impl Editor {
                 match self.tool.next_press.take() {
                     Some(NextPress::Flood) => self.flood(picker),
                     Some(NextPress::Wand) => self.wand(picker),
+                    Some(NextPress::Symmetry(what)) => {
+                        if let Some(at) = at.or(self.pointer) {
+                            self.place_symmetry(what, at, picker);
+                        }
+                    }
                     Some(NextPress::Pick) | None => self.pick_colour(picker),
                 }
             }

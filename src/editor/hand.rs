@@ -8,6 +8,7 @@ use glam::{Affine3A, Quat, UVec3, Vec3};
 use super::Editor;
 use super::actions::GROWTH_PER_NOTCH;
 use super::stroke::Guide;
+use super::symmetry::Placed;
 use super::tool::{NextPress, ToolKind};
 use crate::command::Command;
 use crate::input::hands::HandEvent;
@@ -34,6 +35,8 @@ pub struct HandTool {
     pose: Option<Pose>,
     /// The stroke under way is the hand's, not the mouse's.
     stroke: bool,
+    /// Of the symmetry, what goes with the hand.
+    symmetry: Option<Placed>,
     /// The marker goes with the hand, from this point of the grid.
     marker: Option<Vec3>,
 }
@@ -41,7 +44,7 @@ pub struct HandTool {
 impl HandTool {
     /// Whether the hand uses the tool.
     pub fn is_working(&self) -> bool {
-        self.stroke || self.marker.is_some()
+        self.stroke || self.marker.is_some() || self.symmetry.is_some()
     }
 
     /// Whether the tool goes with the hand.
@@ -83,7 +86,7 @@ impl Editor {
     }
 
     fn release_by_hand(&mut self) {
-        self.hand.marker = None;
+        (self.hand.marker, self.hand.symmetry) = (None, None);
         self.end_held_drawing();
         if std::mem::take(&mut self.hand.stroke) {
             self.end_stroke();
@@ -104,6 +107,10 @@ impl Editor {
         }
         let turn = own.rotation * self.tool.rotation().inverse();
         self.hand.pose = Some(*pose);
+        if let Some(what) = self.hand.symmetry {
+            self.hold_symmetry(what, own.position, own.rotation);
+            return;
+        }
         match self.tool.kind {
             ToolKind::Marker => {
                 if let Some(from) = &mut self.hand.marker {
@@ -141,11 +148,16 @@ impl Editor {
             return;
         }
         if let Some(next) = self.tool.next_press.take() {
+            if let NextPress::Symmetry(what) = next {
+                // It goes with the hand until the trigger is let go.
+                self.hand.symmetry = Some(what);
+                return;
+            }
             match (next, self.voxel_by_hand(room)) {
                 (NextPress::Flood, Some(voxel)) => self.flood_from(voxel),
                 (NextPress::Wand, Some(voxel)) => self.wand_from(voxel),
                 (NextPress::Pick, Some(voxel)) => self.take_colour_of(voxel),
-                (_, None) => {}
+                (NextPress::Symmetry(_), _) | (_, None) => {}
             }
             return;
         }

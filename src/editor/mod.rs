@@ -21,6 +21,7 @@ pub mod questions;
 pub mod recovery;
 pub mod sprays;
 mod stroke;
+pub mod symmetry;
 pub mod tool;
 
 use glam::{Vec2, Vec3};

@@ -10,6 +10,7 @@ use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 use super::deform::{DeformOptions, Deforms};
 use super::draw::DrawOptions;
 use super::sprays::{SprayOptions, Sprays};
+use super::symmetry::Placed;
 use crate::command::{Command, MaskArea, MaskChange};
 use crate::input::{DrawKind, ToolMode};
 use crate::sculpture::Rgb;
@@ -162,6 +163,8 @@ pub enum NextPress {
     Flood,
     /// Protects what hangs together with what it meets.
     Wand,
+    /// Places the mirror plane or the axis of rotation.
+    Symmetry(Placed),
 }
 
 /// An array to be made of the last operation.

@@ -176,6 +176,10 @@ pub enum Action {
     InvertMask,
     /// Releases everything.
     ClearMask,
+    /// Toggles the mirror plane that lies anywhere.
+    MirrorPlane,
+    /// Toggles the rotation of tools around an axis.
+    Radial,
     /// Toggles the symmetry plane across an axis.
     Mirror(Axis),
     /// Repeats the last operation with an offset.
@@ -370,6 +374,8 @@ impl Action {
         Action::Mirror(Axis::X),
         Action::Mirror(Axis::Y),
         Action::Mirror(Axis::Z),
+        Action::MirrorPlane,
+        Action::Radial,
         Action::Repeat,
         Action::SelectMarker,
         Action::DeselectMarker,

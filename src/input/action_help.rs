@@ -157,6 +157,10 @@ impl Action {
             Action::ToggleSnap => ("toggle-snap", Tap, "Snap the tool to whole voxels, or not"),
             Action::Mirror(Axis::X) => ("mirror-x", Tap, "Mirror symmetry in x (left and right)"),
             Action::Mirror(Axis::Y) => ("mirror-y", Tap, "Mirror symmetry in y (up and down)"),
+            Action::MirrorPlane => {
+                ("mirror-plane", Tap, "Mirror symmetry at a plane that is placed anywhere")
+            }
+            Action::Radial => ("radial", Tap, "Radial symmetry: repeat tools around an axis"),
             Action::Mirror(Axis::Z) => ("mirror-z", Tap, "Mirror symmetry in z (front and back)"),
             Action::Repeat => ("repeat", Tap, "Repeat the last operation with an offset"),
             Action::SelectMarker => ("select", Tap, "Add the marker's box to the selection"),

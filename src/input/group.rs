@@ -51,7 +51,7 @@ impl Group {
             }
             Grow | Shrink | Nudge(_) | Stretch(_) | AlignTool | ToggleFollow | ToggleSnap
             | ResetTool => Group::Pose,
-            Mirror(_) | Repeat => Group::Repetition,
+            Mirror(_) | MirrorPlane | Radial | Repeat => Group::Repetition,
             SelectMarker | DeselectMarker | DropBox | ClearSelection | ToggleLimit | FillMarker
             | ClearMarker | DyeMarker | Copy | Cut | Paste | TurnClip(_) | MirrorClip(_)
             | MoveContents(_) | Masks | InvertMask | ClearMask => Group::Areas,

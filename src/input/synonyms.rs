@@ -113,6 +113,8 @@ impl Action {
             Action::InvertMask => "inverse reverse swap",
             Action::ClearMask => "unmask deselect none remove",
             Action::Flood => "bucket fill flood paint colour",
+            Action::MirrorPlane => "symmetric reflect oblique free",
+            Action::Radial => "rotational kaleidoscope turn around circular polar",
             Action::Mirror(_) => "symmetric reflect flip",
             Action::Repeat => "array again pattern copies",
             Action::SelectMarker => "union extend",

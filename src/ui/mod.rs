@@ -54,6 +54,7 @@ pub mod state;
 pub mod status;
 pub mod stereo_options;
 pub mod switches;
+mod symmetry_options;
 pub mod theme;
 pub mod tints;
 pub mod toasts;

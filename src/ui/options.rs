@@ -6,13 +6,11 @@ use glam::Vec3;
 use super::buttons::{action_button, explain};
 use super::{
     UiContext, UiRequest, UiState, ar, gamepad, head, history, light, panels, stereo_options,
-    theme, tool_options, video,
+    symmetry_options, theme, tool_options, video,
 };
-use crate::command::Command;
 use crate::document::MAX_ARRAY;
 use crate::editor::tool::ToolEdit;
-use crate::input::{Action, Axis, Panel};
-use crate::tools::symmetry::Parity;
+use crate::input::{Action, Panel};
 
 pub fn show(
     root: &mut Ui,
@@ -74,7 +72,7 @@ pub fn content(
 ) {
     section(ui, "Tool", true, state, |ui, state| tool_options::show(ui, state, context, requests));
     section(ui, "Symmetry and array", false, state, |ui, _| {
-        symmetry(ui, context, requests);
+        symmetry_options::show(ui, context, requests);
         repeat(ui, context, requests);
     });
     section(ui, "View", false, state, |ui, state| view(ui, state, context, requests));
@@ -111,30 +109,6 @@ fn section(
         ui.ctx().request_repaint();
     }
     ui.add_space(4.0);
-}
-
-/// A mirror plane across each axis: none, between two voxels, or through one.
-fn symmetry(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    let mut symmetry = context.document.symmetry();
-    for (axis, name) in Axis::ALL.into_iter().zip(["X", "Y", "Z"]) {
-        ui.horizontal(|ui| {
-            let parity = &mut symmetry.axes[axis.index()];
-            let mut on = parity.is_some();
-            let mirror = ui.checkbox(&mut on, format!("Mirror {name}"));
-            if explain(mirror, context, Action::Mirror(axis)).changed() {
-                *parity = on.then_some(Parity::Even);
-            }
-            if let Some(parity) = parity {
-                ui.selectable_value(parity, Parity::Even, "Even")
-                    .on_hover_text("The mirror plane lies between two voxels");
-                ui.selectable_value(parity, Parity::Odd, "Odd")
-                    .on_hover_text("The mirror plane passes through the middle of a voxel");
-            }
-        });
-    }
-    if symmetry != context.document.symmetry() {
-        requests.push(UiRequest::Run(Command::Symmetry(symmetry)));
-    }
 }
 
 /// The last operation again and again.

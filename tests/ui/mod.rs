@@ -20,6 +20,7 @@ mod saved_history;
 mod stencils;
 mod surface;
 mod switches;
+mod symmetry;
 mod tints;
 mod toasts;
 mod tools;

@@ -10,6 +10,7 @@ use proptest::test_runner::TestRunner;
 
 use crate::app::Workspace;
 use crate::config::Config;
+use crate::editor::symmetry::Placed;
 use crate::editor::tool::{NextPress, ToolKind};
 use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
 use crate::input::pad::stick::Response;
@@ -133,6 +134,39 @@ fn a_hand_draws_lines_and_curves_as_one_step() {
         let straight = !person.is_opaque(Vec3::splat(0.5));
         assert_eq!(straight, kind == DrawKind::Line, "a curve goes where the hand went");
         assert_eq!(person.workspace.session().document().history().undo_count(), 1);
+    }
+}
+
+#[test]
+fn the_symmetry_goes_with_the_hand_until_the_trigger_is_let_go() {
+    for what in [Placed::Plane, Placed::Axis] {
+        let mut person = Person::new(DIMS);
+        person.workspace.editor.tool.next_press = Some(NextPress::Symmetry(what));
+        let place = |person: &Person| {
+            let symmetry = person.workspace.session().document().symmetry();
+            let plane = symmetry.plane.map(|plane| (plane.at_vx, plane.normal));
+            plane.or(symmetry.radial.map(|radial| (radial.at_vx, radial.axis)))
+        };
+        person.hold(MIDDLE, 0.0, 5);
+        assert_eq!(place(&person), None);
+        person.hold(MIDDLE, 1.0, 3);
+        let direction = if what == Placed::Plane { Vec3::X } else { Vec3::Y };
+        let (at, along) = place(&person).unwrap();
+        assert_eq!(along, direction);
+        assert!(at.distance(Vec3::splat(32.0)) < 1.0, "{at}");
+        // It goes along, and stays where the trigger is let go.
+        for i in 1..=20 {
+            person.hold(MIDDLE + Vec3::X * (0.004 * i as f32), 1.0, 1);
+        }
+        let moved = place(&person).unwrap().0;
+        assert!(moved.x > at.x + 8.0, "{moved}");
+        person.hold(MIDDLE + Vec3::X * 0.08, 0.0, 2);
+        person.hold(MIDDLE, 0.0, 20);
+        assert_eq!(place(&person).unwrap().0, moved);
+        assert_eq!(person.removed_voxels(), 0, "no tool was used");
+        person.hold(MIDDLE + Vec3::Z * 0.25, 0.0, 15);
+        person.hold(MIDDLE + Vec3::Z * 0.25, 1.0, 3);
+        assert!(person.removed_voxels() > 0, "the next press uses the tool again");
     }
 }
 

@@ -7,7 +7,6 @@ use glam::Vec3;
 use super::drawing::Sketch;
 use super::view::{chain, circle};
 use super::{DrawKind, Editor, tube};
-use crate::command::Command;
 use crate::editor::tool::ToolKind;
 
 /// Least distance from one place to the next, in voxels.
