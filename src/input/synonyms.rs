@@ -30,7 +30,7 @@ impl Action {
                 "printing printer slicer support overhang thin wall island cavity hollow repair analyse"
             }
             Action::Tints => {
-                "color hue saturation value brightness contrast gradient ramp noise speckle tint hsv"
+                "colour hue saturation value brightness contrast gradient ramp noise speckle tint hsv"
             }
             Action::Film => {
                 "movie video animation turntable spin rotate time lapse gif apng export"

@@ -201,6 +201,8 @@ fn what_the_mouse_does_comes_last_and_is_passed_over() {
     palette.go(&list, -1);
     assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
     palette.go(&list, 1);
+    assert_eq!(list[palette.chosen], Entry::Do(Action::Flood));
+    palette.go(&list, 1);
     assert_eq!(list[palette.chosen], Entry::Do(Action::Cancel));
     palette.go(&list, 1000);
     let last = &list[palette.chosen];
