@@ -6,9 +6,9 @@
 use glam::{Quat, UVec3, Vec2, Vec3};
 
 use super::stroke::{Guide, SurfaceGuide};
-use super::tool::{NextPress, ToolKind, Wand, WandRule};
+use super::tool::{NextPress, ToolKind};
 use super::{Editor, sprays};
-use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
+use crate::command::{Area, Command, MaskChange};
 use crate::input::Action;
 use crate::picking::Picker;
 use crate::sculpture::Placement;
@@ -292,28 +292,6 @@ impl Editor {
         let (colour, tolerance) = (self.tool.colour, self.tool.flood_tolerance);
         self.tool.used_colour();
         self.run(Command::Flood { at, colour, tolerance });
-    }
-
-    /// Protects what hangs together with the voxel that the pointer points at.
-    fn wand(&mut self, picker: &Picker) {
-        let grid = self.document().grid();
-        if let Some(voxel) = self.pointer.and_then(|at| picker.voxel(grid, at)) {
-            self.wand_from(voxel);
-        }
-    }
-
-    /// Protects what hangs together with a voxel of the surface, or releases it.
-    pub(super) fn wand_from(&mut self, at: UVec3) {
-        let Wand { rule, angle_deg, depth_vx, adds } = self.tool.wand;
-        let what = match rule {
-            WandRule::Colour => {
-                let by = PatchRule::Colour(self.tool.flood_tolerance);
-                MaskArea::Patch { at, by, depth_vx }
-            }
-            WandRule::Flat => MaskArea::Patch { at, by: PatchRule::Flat(angle_deg), depth_vx },
-            WandRule::Piece => MaskArea::Piece { at },
-        };
-        self.run(Command::Mask(MaskChange::Put { adds, what }));
     }
 
     pub(super) fn take_colour_of(&mut self, voxel: UVec3) {

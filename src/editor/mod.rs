@@ -23,6 +23,8 @@ pub mod sprays;
 mod stroke;
 pub mod symmetry;
 pub mod tool;
+pub mod tool_change;
+pub mod wand;
 
 use glam::{Vec2, Vec3};
 

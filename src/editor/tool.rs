@@ -11,14 +11,15 @@ use super::deform::{DeformOptions, Deforms};
 use super::draw::DrawOptions;
 use super::sprays::{SprayOptions, Sprays};
 use super::symmetry::Placed;
-use crate::command::{Command, MaskArea, MaskChange};
+use super::tool_change::ToolChange;
+use super::wand::Wand;
+use crate::command::Command;
 use crate::input::{DrawKind, ToolMode};
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
 use crate::tools::construct::{Primitive, Solid};
 use crate::tools::deform::DeformKind;
-use crate::tools::form::Form;
 use crate::tools::spray::{Footprint, Outline, SprayKind};
 
 /// Smallest and largest half extent that the interface offers.
@@ -86,72 +87,6 @@ pub struct ToolState {
     pub paste_orientation: Orientation,
     /// How often and how far on the last operation is repeated.
     pub array: ArrayOptions,
-}
-
-/// What a mode does to the voxels that a solid covers.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum ToolChange {
-    /// They are added, cut or painted.
-    Voxels(EditOp),
-    /// They are protected, or released.
-    Mask { adds: bool },
-}
-
-impl From<EditOp> for ToolChange {
-    fn from(op: EditOp) -> ToolChange {
-        ToolChange::Voxels(op)
-    }
-}
-
-impl ToolChange {
-    /// As a command about the voxels of a solid.
-    pub fn by_solid(self, primitive: Primitive) -> Command {
-        match self {
-            ToolChange::Voxels(op) => Command::Construct { op, primitive },
-            ToolChange::Mask { adds } => mask(adds, MaskArea::Solid(primitive)),
-        }
-    }
-
-    /// As a command about the voxels of a solid that is drawn.
-    pub fn by_form(self, form: Form) -> Command {
-        match self {
-            ToolChange::Voxels(op) => Command::Form { op, form },
-            ToolChange::Mask { adds } => mask(adds, MaskArea::Form(form)),
-        }
-    }
-}
-
-fn mask(adds: bool, what: MaskArea) -> Command {
-    Command::Mask(MaskChange::Put { adds, what })
-}
-
-/// What hangs together with a voxel for the wand.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum WandRule {
-    /// Voxels of the surface of nearly the same colour.
-    Colour,
-    /// Voxels of the surface that face nearly the same way.
-    Flat,
-    /// All voxels that are joined to it.
-    Piece,
-}
-
-/// What the wand protects.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Wand {
-    pub rule: WandRule,
-    /// How far normals may turn, in degrees.
-    pub angle_deg: f32,
-    /// How far from the surface voxels are protected with it.
-    pub depth_vx: u32,
-    /// It protects, or releases.
-    pub adds: bool,
-}
-
-impl Default for Wand {
-    fn default() -> Wand {
-        Wand { rule: WandRule::Flat, angle_deg: 15.0, depth_vx: 2, adds: true }
-    }
 }
 
 /// What a press may do once, instead of using the tool.

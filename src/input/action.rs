@@ -5,49 +5,11 @@
 
 use super::draw_kind::DrawKind;
 use super::panel::Panel;
+use super::tool_mode::ToolMode;
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
 use crate::tools::deform::DeformKind;
 use crate::tools::spray::SprayKind;
-
-/// What the tool does to the voxels it covers.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-pub enum ToolMode {
-    Add,
-    #[default]
-    Subtract,
-    Recolour,
-    /// Adds them to the mask.
-    Protect,
-    /// Takes them out of the mask: what the modifier that inverts the tool makes of `Protect`.
-    Release,
-}
-
-impl ToolMode {
-    /// The modes that are offered.
-    pub const ALL: [ToolMode; 4] =
-        [ToolMode::Add, ToolMode::Subtract, ToolMode::Recolour, ToolMode::Protect];
-
-    /// The next mode when cycling.
-    pub fn next(self) -> ToolMode {
-        match self {
-            ToolMode::Subtract => ToolMode::Add,
-            ToolMode::Add => ToolMode::Recolour,
-            ToolMode::Recolour => ToolMode::Protect,
-            ToolMode::Protect | ToolMode::Release => ToolMode::Subtract,
-        }
-    }
-
-    /// The mode while the modifier that inverts the tool is held.
-    pub fn inverted(self) -> ToolMode {
-        match self {
-            ToolMode::Add => ToolMode::Subtract,
-            ToolMode::Subtract | ToolMode::Recolour => ToolMode::Add,
-            ToolMode::Protect => ToolMode::Release,
-            ToolMode::Release => ToolMode::Protect,
-        }
-    }
-}
 
 /// A direction on the screen.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

@@ -1,8 +1,9 @@
 //! The names of the actions in key tables, and their help texts.
 
-use super::action::{Action, ActionHelp, Axis, Kind, Side, Step, ToolMode};
+use super::action::{Action, ActionHelp, Axis, Kind, Side, Step};
 use super::draw_kind::DrawKind;
 use super::panel::Panel;
+use super::tool_mode::ToolMode;
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
 use crate::tools::deform::DeformKind;

@@ -18,13 +18,15 @@ pub mod panel;
 pub mod personal;
 pub mod remap;
 mod synonyms;
+pub mod tool_mode;
 pub mod trigger;
 
-pub use action::{Action, Axis, Side, Step, ToolMode};
+pub use action::{Action, Axis, Side, Step};
 pub use bindings::Bindings;
 pub use draw_kind::DrawKind;
 pub use events::DeviceEvent;
 pub use mapper::{ActionEvent, Mapper};
 pub use panel::Panel;
 pub use personal::Personal;
+pub use tool_mode::ToolMode;
 pub use trigger::Trigger;

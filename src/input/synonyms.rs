@@ -4,9 +4,10 @@
 //! In lower case and British spelling, like normalised searches; words of the action's own help are
 //! not repeated.
 
-use super::action::{Action, Side, ToolMode};
+use super::action::{Action, Side};
 use super::draw_kind::DrawKind;
 use super::panel::Panel;
+use super::tool_mode::ToolMode;
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
 use crate::tools::deform::DeformKind;

@@ -6,7 +6,8 @@ use egui::{Button, DragValue, Grid, Slider, Ui, Window, pos2};
 
 use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::{Area, Command, MaskArea, MaskChange};
-use crate::editor::tool::{NextPress, ToolEdit, Wand, WandRule};
+use crate::editor::tool::{NextPress, ToolEdit};
+use crate::editor::wand::{Wand, WandRule};
 use crate::sculpture::ColourDepth;
 use crate::tools::mask::{MAX_GROWTH_VX, MAX_REACH_VX};
 

@@ -2,7 +2,8 @@
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use glam::{IVec3, Vec3};
-use virtual_sculpture::editor::tool::{NextPress, WandRule};
+use virtual_sculpture::editor::tool::NextPress;
+use virtual_sculpture::editor::wand::WandRule;
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::spray::SprayKind;

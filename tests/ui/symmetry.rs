@@ -6,13 +6,15 @@ use virtual_sculpture::editor::symmetry::Placed;
 use virtual_sculpture::editor::tool::NextPress;
 use virtual_sculpture::tools::symmetry::Symmetry;
 
-use super::bench::{Bench, bench, click, has, key, look, middle, rest, run, screen, send, voxels};
+use super::bench::{
+    Bench, bench_of, click, config, corner, has, key, look, middle, rest, run, screen, send, voxels,
+};
 
 const FULL: u64 = 64 * 64 * 64;
 
 /// A workspace with a solid block of 64^3 voxels, seen from the front, with the options of symmetry open.
 fn front() -> Bench {
-    let mut harness = bench();
+    let mut harness = bench_of(&config(64), egui::vec2(1280.0, 1200.0));
     rest(&mut harness);
     run(&mut harness, "place");
     click(&mut harness, "Symmetry and array");
@@ -69,7 +71,7 @@ fn a_plane_is_toggled_and_placed_along_the_line_of_sight() {
     // Beside the sculpture nothing is placed, and that is said.
     click(&mut harness, "Place plane");
     let before = symmetry(&harness);
-    let pos = super::bench::corner(&harness);
+    let pos = corner(&harness);
     send(&mut harness, Event::PointerMoved(pos));
     look(&mut harness);
     for pressed in [true, false] {

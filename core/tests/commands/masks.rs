@@ -2,7 +2,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::{Command, NewSculpture};
+use sculpture_core::command::{Command, MaskArea, MaskChange, NewSculpture, PatchRule};
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::format::Texts;
 use sculpture_core::format::history::{Shape, read_step, write_step};
@@ -10,6 +10,44 @@ use sculpture_core::format::{read_sculpture, write_sculpture};
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
+use sculpture_core::tools::form::Form;
+
+use super::strategies::{area, colour};
+
+/// Changes of the mask, with solids, voxels, numbers and lengths of those given.
+pub fn mask(
+    form: impl Strategy<Value = Form>,
+    voxel: std::ops::Range<u32>,
+    number: impl Strategy<Value = f32> + Clone,
+    length: std::ops::Range<u32>,
+) -> impl Strategy<Value = MaskChange> {
+    let at = || prop::array::uniform3(voxel.clone()).prop_map(UVec3::from);
+    let rule = prop_oneof![
+        number.clone().prop_map(PatchRule::Colour),
+        number.clone().prop_map(PatchRule::Flat),
+    ];
+    let what = prop_oneof![
+        area().prop_map(MaskArea::Area),
+        form.prop_map(MaskArea::Form),
+        (colour(), number).prop_map(|(colour, tolerance)| MaskArea::Colour { colour, tolerance }),
+        (length.clone(), length.clone())
+            .prop_map(|(reach_vx, depth_vx)| MaskArea::Cavities { reach_vx, depth_vx }),
+        (at(), rule, length.clone()).prop_map(|(at, by, depth_vx)| MaskArea::Patch {
+            at,
+            by,
+            depth_vx
+        }),
+        at().prop_map(|at| MaskArea::Piece { at }),
+    ];
+    prop_oneof![
+        1 => Just(MaskChange::Clear),
+        1 => Just(MaskChange::Invert),
+        1 => length.clone().prop_map(MaskChange::Grow),
+        1 => length.clone().prop_map(MaskChange::Shrink),
+        1 => length.prop_map(MaskChange::Smooth),
+        4 => (any::<bool>(), what).prop_map(|(adds, what)| MaskChange::Put { adds, what }),
+    ]
+}
 
 const DIMS: UVec3 = UVec3::new(40, 33, 28);
 

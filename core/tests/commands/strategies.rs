@@ -4,29 +4,22 @@ use std::path::PathBuf;
 
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::{
-    Area, Command, MaskArea, MaskChange, NewSculpture, PatchRule, SelectOp, SpraySurface,
-};
-use sculpture_core::format::options::{
-    Colouring, Cubic, Existence, ExportForm, ExportOptions, ImportOptions, MeshFill, MeshSize,
-    RawLayout, Region,
-};
-use sculpture_core::format::{MeshOptions, MeshUp, Samples};
-use sculpture_core::mesh::MeshKind;
+use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
 use sculpture_core::sculpture::edit::EditOp;
-use sculpture_core::sculpture::orientation::{Orientation, Up};
+use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
 use sculpture_core::tools::deform::{Brush, Deform, Draw, Plane};
-use sculpture_core::tools::form::Form;
 use sculpture_core::tools::grab::{Falloff, Grab, Motion};
 use sculpture_core::tools::mend::{Keep, Mend, Toward};
 use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 use sculpture_core::tools::tint::Tint;
 
+use super::file_options::{export, import};
 use super::forms::{form, small_form};
+use super::masks::mask;
 
 /// Few colours, so that voxels are often painted with the colour that they have.
 pub fn colour() -> impl Strategy<Value = Rgb> {
@@ -36,70 +29,6 @@ pub fn colour() -> impl Strategy<Value = Rgb> {
         Just(Rgb::new(0, 90, 255)),
         any::<[u8; 3]>().prop_map(Rgb),
     ]
-}
-
-fn import() -> impl Strategy<Value = ImportOptions> {
-    let threshold = (-1e9f64..1e9).prop_map(Existence::Threshold);
-    let range =
-        (-1e9f64..1e9, 0f64..1e9).prop_map(|(least, more)| Existence::Range(least, least + more));
-    let existence = prop_oneof![Just(Existence::Auto), threshold, range];
-    let colouring = prop::sample::select(&Colouring::NAMED[..]).prop_map(|(choice, _)| choice);
-    let colour_depth = prop::option::of(prop::sample::select(&ColourDepth::ALL[..]));
-    let samples = prop::sample::select(&Samples::NAMED[..]).prop_map(|(samples, _)| samples);
-    let dims = prop::array::uniform3(1u32..5000).prop_map(UVec3::from);
-    let voxel_size = prop::array::uniform3(1e-6f32..1e6).prop_map(Vec3::from);
-    let raw = (dims, samples, any::<u64>(), voxel_size).prop_map(
-        |(dims, samples, skip_bytes, voxel_size)| RawLayout {
-            dims,
-            samples,
-            skip_bytes,
-            voxel_size,
-        },
-    );
-    let upright = prop::option::of(prop::sample::select(&Up::NAMED[..]).prop_map(|(up, _)| up));
-    let longest = (1u32..=4096).prop_map(MeshSize::LongestVx);
-    let mesh_size = prop_oneof![longest, (1e-6f32..1e6).prop_map(MeshSize::VoxelMm)];
-    let mesh_fill = prop::sample::select(&MeshFill::NAMED[..]).prop_map(|(fill, _)| fill);
-    let of_mesh = (mesh_size, mesh_fill);
-    let edge = (1e-6f32..1e6).prop_map(Cubic::EdgeMm);
-    let cubic = prop_oneof![Just(Cubic::No), Just(Cubic::Finest), edge];
-    let corners = prop::array::uniform6(0u32..5000).prop_map(|[a, b, c, d, e, f]| {
-        let (a, b) = (UVec3::new(a, b, c), UVec3::new(d, e, f));
-        Region { low: a.min(b), high: a.max(b) }
-    });
-    let of_volume = (prop::option::of(corners), cubic, any::<bool>(), any::<bool>());
-    let of_all = (existence, colouring, colour_depth, upright, prop::option::of(raw));
-    (of_all, of_mesh, of_volume).prop_map(|(of_all, of_mesh, of_volume)| {
-        let (existence, colouring, colour_depth, upright, raw) = of_all;
-        let (region, cubic, largest_piece, fill_holes) = of_volume;
-        ImportOptions {
-            existence,
-            colouring,
-            colour_depth,
-            upright,
-            raw,
-            region,
-            cubic,
-            largest_piece,
-            fill_holes,
-            mesh_size: of_mesh.0,
-            mesh_fill: of_mesh.1,
-        }
-    })
-}
-
-fn export() -> impl Strategy<Value = ExportOptions> {
-    let form = prop::sample::select(&ExportForm::NAMED[..]);
-    let kind = prop::sample::select(&MeshKind::NAMED[..]);
-    let up = prop::option::of(prop::sample::select(&MeshUp::NAMED[..]));
-    let (voxel_mm, triangles) = (prop::option::of(any_number()), prop::option::of(any::<u64>()));
-    (form, kind, any::<bool>(), up, voxel_mm, triangles).prop_map(
-        |((form, _), (kind, _), points_only, up, voxel_mm, triangles)| {
-            let up = up.map(|(up, _)| up);
-            let mesh = MeshOptions { kind, points_only, up, voxel_mm, triangles };
-            ExportOptions { form, mesh }
-        },
-    )
 }
 
 fn outline() -> impl Strategy<Value = Outline> {
@@ -231,7 +160,7 @@ fn path() -> impl Strategy<Value = PathBuf> {
     hostile_text().prop_map(PathBuf::from)
 }
 
-fn area() -> impl Strategy<Value = Area> {
+pub fn area() -> impl Strategy<Value = Area> {
     prop::sample::select(&Area::ALL[..])
 }
 
@@ -331,41 +260,6 @@ pub fn area_work() -> impl Strategy<Value = Command> {
     ]
 }
 
-/// Changes of the mask, with solids, voxels, numbers and lengths of those given.
-fn mask(
-    form: impl Strategy<Value = Form>,
-    voxel: std::ops::Range<u32>,
-    number: impl Strategy<Value = f32> + Clone,
-    length: std::ops::Range<u32>,
-) -> impl Strategy<Value = MaskChange> {
-    let at = || prop::array::uniform3(voxel.clone()).prop_map(UVec3::from);
-    let rule = prop_oneof![
-        number.clone().prop_map(PatchRule::Colour),
-        number.clone().prop_map(PatchRule::Flat),
-    ];
-    let what = prop_oneof![
-        area().prop_map(MaskArea::Area),
-        form.prop_map(MaskArea::Form),
-        (colour(), number).prop_map(|(colour, tolerance)| MaskArea::Colour { colour, tolerance }),
-        (length.clone(), length.clone())
-            .prop_map(|(reach_vx, depth_vx)| MaskArea::Cavities { reach_vx, depth_vx }),
-        (at(), rule, length.clone()).prop_map(|(at, by, depth_vx)| MaskArea::Patch {
-            at,
-            by,
-            depth_vx
-        }),
-        at().prop_map(|at| MaskArea::Piece { at }),
-    ];
-    prop_oneof![
-        1 => Just(MaskChange::Clear),
-        1 => Just(MaskChange::Invert),
-        1 => length.clone().prop_map(MaskChange::Grow),
-        1 => length.clone().prop_map(MaskChange::Shrink),
-        1 => length.prop_map(MaskChange::Smooth),
-        4 => (any::<bool>(), what).prop_map(|(adds, what)| MaskChange::Put { adds, what }),
-    ]
-}
-
 /// Changes of colours that are possible.
 fn tint() -> impl Strategy<Value = Tint> {
     let point = || prop::array::uniform3(-9.0f32..30.0).prop_map(Vec3::from);
@@ -417,7 +311,7 @@ fn any_unit() -> impl Strategy<Value = Vec3> {
 }
 
 /// Every finite `f32`, not only those near 1.
-fn any_number() -> impl Strategy<Value = f32> {
+pub fn any_number() -> impl Strategy<Value = f32> {
     any::<u32>().prop_map(f32::from_bits).prop_filter("finite", |v| v.is_finite())
 }
 

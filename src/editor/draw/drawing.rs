@@ -10,7 +10,7 @@ use super::text::Stand;
 use super::view::{View, chain};
 use super::{block, glyphs, outline, tube};
 use crate::command::Command;
-use crate::editor::tool::ToolChange;
+use crate::editor::tool_change::ToolChange;
 use crate::input::{DrawKind, ToolMode};
 use crate::picking::{Picker, SurfacePoint};
 use crate::sculpture::Grid;

@@ -1,0 +1,43 @@
+//! What a mode of solids does to the voxels that they cover: the command for each solid.
+
+use crate::command::{Command, MaskArea, MaskChange};
+use crate::sculpture::edit::EditOp;
+use crate::tools::construct::Primitive;
+use crate::tools::form::Form;
+
+/// What a mode does to the voxels that a solid covers.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum ToolChange {
+    /// They are added, cut or painted.
+    Voxels(EditOp),
+    /// They are protected, or released.
+    Mask { adds: bool },
+}
+
+impl From<EditOp> for ToolChange {
+    fn from(op: EditOp) -> ToolChange {
+        ToolChange::Voxels(op)
+    }
+}
+
+impl ToolChange {
+    /// As a command about the voxels of a solid.
+    pub fn by_solid(self, primitive: Primitive) -> Command {
+        match self {
+            ToolChange::Voxels(op) => Command::Construct { op, primitive },
+            ToolChange::Mask { adds } => mask(adds, MaskArea::Solid(primitive)),
+        }
+    }
+
+    /// As a command about the voxels of a solid that is drawn.
+    pub fn by_form(self, form: Form) -> Command {
+        match self {
+            ToolChange::Voxels(op) => Command::Form { op, form },
+            ToolChange::Mask { adds } => mask(adds, MaskArea::Form(form)),
+        }
+    }
+}
+
+fn mask(adds: bool, what: MaskArea) -> Command {
+    Command::Mask(MaskChange::Put { adds, what })
+}

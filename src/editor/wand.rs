@@ -1,0 +1,60 @@
+//! The wand: what hangs together with a voxel of the surface is protected, or released.
+
+use glam::UVec3;
+
+use super::Editor;
+use crate::command::{Command, MaskArea, MaskChange, PatchRule};
+use crate::picking::Picker;
+
+/// What hangs together with a voxel for the wand.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum WandRule {
+    /// Voxels of the surface of nearly the same colour.
+    Colour,
+    /// Voxels of the surface that face nearly the same way.
+    Flat,
+    /// All voxels that are joined to it.
+    Piece,
+}
+
+/// What the wand protects.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Wand {
+    pub rule: WandRule,
+    /// How far normals may turn, in degrees.
+    pub angle_deg: f32,
+    /// How far from the surface voxels are protected with it.
+    pub depth_vx: u32,
+    /// It protects, or releases.
+    pub adds: bool,
+}
+
+impl Default for Wand {
+    fn default() -> Wand {
+        Wand { rule: WandRule::Flat, angle_deg: 15.0, depth_vx: 2, adds: true }
+    }
+}
+
+impl Editor {
+    /// Protects what hangs together with the voxel that the pointer points at.
+    pub(super) fn wand(&mut self, picker: &Picker) {
+        let grid = self.document().grid();
+        if let Some(voxel) = self.pointer.and_then(|at| picker.voxel(grid, at)) {
+            self.wand_from(voxel);
+        }
+    }
+
+    /// Protects what hangs together with a voxel of the surface, or releases it.
+    pub(super) fn wand_from(&mut self, at: UVec3) {
+        let Wand { rule, angle_deg, depth_vx, adds } = self.tool.wand;
+        let what = match rule {
+            WandRule::Colour => {
+                let by = PatchRule::Colour(self.tool.flood_tolerance);
+                MaskArea::Patch { at, by, depth_vx }
+            }
+            WandRule::Flat => MaskArea::Patch { at, by: PatchRule::Flat(angle_deg), depth_vx },
+            WandRule::Piece => MaskArea::Piece { at },
+        };
+        self.run(Command::Mask(MaskChange::Put { adds, what }));
+    }
+}
