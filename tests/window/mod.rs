@@ -18,6 +18,7 @@ mod in_use;
 mod keys;
 mod kills;
 mod light;
+mod masks;
 mod memory;
 mod panels;
 mod pictures;
