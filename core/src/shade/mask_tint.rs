@@ -11,10 +11,10 @@ use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
 /// Width of a line of the hatching, along any axis of the grid.
 const LINE_VX: u32 = 3;
 
-/// What is mixed into a protected voxel's colour, and the share of its own that is left out of 256: in dark lines and
-/// in light ones. So hatching is seen on black and on white.
-const DARK: (Rgb, u32) = (Rgb::new(14, 26, 66), 72);
-const LIGHT: (Rgb, u32) = (Rgb::new(70, 104, 172), 112);
+/// What is mixed into a protected voxel's colour in dark and in light lines, and how many parts in 256 its own colour
+/// keeps: so little that hatching is seen on black and on white, so much that painted colours can still be told apart.
+const DARK: (Rgb, u32) = (Rgb::new(12, 22, 60), 80);
+const LIGHT: (Rgb, u32) = (Rgb::new(64, 96, 160), 96);
 
 /// The colour in which the protected voxel at these coordinates is shown, from the one it would be shown in.
 #[inline]
