@@ -108,6 +108,7 @@ fn what_people_type_finds_the_action() {
         ("hide panels", Action::TogglePanels),
         ("copy picture", Action::CopyScreenshot),
         ("grid", Action::ToggleBounds),
+        ("show mask", Action::ToggleMask),
         ("fullscreen", Action::Fullscreen),
         ("full screen", Action::Fullscreen),
         ("screenshot", Action::Screenshot),

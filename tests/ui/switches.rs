@@ -116,6 +116,9 @@ fn the_view_is_zoomed_framed_and_saved_by_key_and_by_the_menu() {
     assert!(harness.state().ui.view.bounds);
     key(&mut harness, Modifiers::ALT, Key::G);
     assert!(!harness.state().ui.view.bounds);
+    assert!(harness.state().ui.view.mask);
+    key(&mut harness, Modifiers::COMMAND | Modifiers::ALT, Key::J);
+    assert!(!harness.state().ui.view.mask);
     assert_eq!(harness.state().ui.appearance.theme, Theme::Dark);
     key(&mut harness, Modifiers::ALT, Key::T);
     assert_eq!(harness.state().ui.appearance.theme, Theme::Light);
