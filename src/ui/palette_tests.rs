@@ -72,7 +72,7 @@ fn what_people_type_finds_the_action() {
         ("marquee", Action::Marker),
         ("select", Action::Marker),
         ("deselect", Action::ClearSelection),
-        ("mask", Action::ToggleLimit),
+        ("mask", Action::Spray(SprayKind::Mask)),
         ("mirror", Action::Mirror(Axis::X)),
         ("symmetry", Action::Mirror(Axis::X)),
         ("flip", Action::Mirror(Axis::X)),
