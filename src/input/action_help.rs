@@ -28,7 +28,7 @@ impl Action {
             Action::Wand => {
                 ("wand", Tap, "Mask what hangs together with the voxel under the pointer")
             }
-            Action::Masks => ("masks", Tap, "Open or close the window of masks"),
+            Action::Masks => ("masks", Tap, "Window of masks: what is protected from tools"),
             Action::InvertMask => {
                 ("invert-mask", Tap, "Protect what is not masked, and nothing else")
             }

@@ -87,7 +87,7 @@ fn what_is_painted_with_the_mask_is_kept_from_the_tool_and_undone_like_a_stroke(
 fn solids_protect_and_release() {
     let mut harness = front();
     key(&mut harness, Modifiers::NONE, Key::C);
-    key(&mut harness, Modifiers::SHIFT, Key::R);
+    key(&mut harness, Modifiers::SHIFT, Key::J);
     assert_eq!(harness.state().editor.tool.mode, ToolMode::Protect);
     let middle = at(&harness, 32.0, 32.0);
     press(&mut harness, middle);
