@@ -32,8 +32,8 @@ enum Hand {
     /// The main hand of a person in a room, who reaches this far with the tool.
     Tracked {
         mapper: Box<HandMapper>,
-        room: Room,
-        state: HandsState,
+        room: Box<Room>,
+        state: Box<HandsState>,
     },
 }
 
@@ -60,8 +60,8 @@ impl Sculptor {
                 let head = Pose { position: Vec3::Y * 1.6, rotation: Quat::IDENTITY };
                 Hand::Tracked {
                     mapper: Box::new(mapper),
-                    room: Room::before(&head, 0.7, 0.3, 0.6 / 224.0),
-                    state: HandsState::default(),
+                    room: Box::new(Room::before(&head, 0.7, 0.3, 0.6 / 224.0)),
+                    state: Box::default(),
                 }
             }
         };

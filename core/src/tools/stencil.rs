@@ -43,7 +43,7 @@ impl Stencil {
     pub fn colour(&self, v: UVec3, now: Rgb) -> Rgb {
         let ray = self.rays_from_grid * (v.as_vec3() + 0.5 - self.eye_vx);
         let place = ray.truncate() / ray.z / self.half;
-        if !(place.abs().max_element() <= 1.0) {
+        if !place.abs().cmple(Vec2::ONE).all() {
             return now;
         }
         let pixel = self.texture.sample(Vec2::new(place.x, -place.y) * 0.5 + 0.5);
