@@ -166,7 +166,7 @@ pub fn area() -> impl Strategy<Value = Area> {
 
 pub fn symmetry() -> impl Strategy<Value = Symmetry> {
     let parity = || prop::option::of(prop::sample::select(&Parity::ALL[..]));
-    [parity(), parity(), parity()].prop_map(|axes| Symmetry::of_axes(axes))
+    [parity(), parity(), parity()].prop_map(Symmetry::of_axes)
 }
 
 pub fn orientation() -> impl Strategy<Value = Orientation> {
