@@ -95,6 +95,8 @@ pub struct SavedHistories {
 
 #[derive(Debug)]
 struct Writing {
+    /// The file whose history it is.
+    path: PathBuf,
     thread: JoinHandle<()>,
     is_given_up: Arc<AtomicBool>,
 }
@@ -110,17 +112,18 @@ impl SavedHistories {
         &self.options
     }
 
-    /// Writes a history on a thread; does not wait. One that is still being written is given up for it: its file is
-    /// not the latest any more.
+    /// Writes a history on a thread; does not wait. One of the same file that is still being written is given up for it:
+    /// the file does not hold that any more. One of another file is written first.
     pub fn keep(&self, history: HistoryToKeep) {
         let mut writing = self.writing();
         let former = writing.take();
-        if let Some(former) = &former {
+        if let Some(former) = former.as_ref().filter(|former| former.path == history.path) {
             former.is_given_up.store(true, Ordering::Relaxed);
         }
         let shelf = HistoryShelf::new(&self.options);
         let is_given_up = Arc::new(AtomicBool::new(false));
         let (given_up, messages) = (is_given_up.clone(), self.messages.clone());
+        let path = history.path.clone();
         let work = move || {
             if let Some(former) = former {
                 // What went wrong there has been told.
@@ -132,7 +135,7 @@ impl SavedHistories {
             }
         };
         match std::thread::Builder::new().name("saved history".to_string()).spawn(work) {
-            Ok(thread) => *writing = Some(Writing { thread, is_given_up }),
+            Ok(thread) => *writing = Some(Writing { path, thread, is_given_up }),
             Err(error) => self.tell(format!("the undo history is not kept: {error}")),
         }
     }

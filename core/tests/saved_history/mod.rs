@@ -165,6 +165,27 @@ fn a_script_that_saves_closes_and_opens_can_undo() {
     assert!(!session.modified(), "this is what the file holds");
 }
 
+/// However soon another file is saved: writing the first one's history goes on.
+#[test]
+fn files_saved_one_after_another_have_a_history_each() {
+    const STEPS: usize = 300;
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = begin("new dims=24,20,12 colour=24", on_disk(folder.path()));
+    for i in 0..STEPS {
+        execute(&mut session, &format!("dye colour=#{i:06x}"));
+    }
+    let paths: Vec<PathBuf> = (0..4).map(|i| folder.path().join(format!("{i}.vsc"))).collect();
+    for (i, path) in paths.iter().enumerate() {
+        execute(&mut session, &format!("subtract ellipsoid at=9,9,6 half={}", i + 2));
+        execute(&mut session, &format!("save {path:?}"));
+    }
+    drop(session);
+    for (i, path) in paths.iter().enumerate() {
+        let session = reopen(path, on_disk(folder.path()));
+        assert_eq!(counts(&session), [STEPS + i + 1, 0], "{}", path.display());
+    }
+}
+
 #[test]
 fn a_history_survives_many_generations_and_a_new_name() {
     let folder = tempfile::tempdir().unwrap();
