@@ -122,7 +122,7 @@ fn an_edit_allocates_for_its_command_and_nothing_for_its_voxels() {
             half: Vec3::splat(radius),
             rotation: Quat::IDENTITY,
         };
-        Command::Construct { op: EditOp::Subtract, primitive }
+        Command::Construct { op: EditOp::Subtract, primitive, to_vx: None }
     };
     // Within one stroke, whose undo record has saved the bricks already, after many such strokes.
     let mut allocations = |radius: f32| {

@@ -44,7 +44,8 @@ fn forget_dirty(document: &mut Document) {
 }
 
 fn construct(op: EditOp, solid: Solid, centre: Vec3, half: Vec3, rotation: Quat) -> Command {
-    Command::Construct { op, primitive: Primitive { solid, centre_vx: centre, half, rotation } }
+    let primitive = Primitive { solid, centre_vx: centre, half, rotation };
+    Command::Construct { op, primitive, to_vx: None }
 }
 
 fn subtract(solid: Solid, half: Vec3, rotation: Quat) -> Command {
@@ -211,9 +212,8 @@ fn time_of(
     total
 }
 
-/// Straight strokes of 200 voxels through a solid block, as the editor places their stamps
-/// ([`Primitive::spacing_along`]), and a stamp every 0.35 of the half extent, which leaves ridges.
-/// Cuboid and pyramid are turned, and go along a diagonal of their own, where they need most stamps.
+/// Straight strokes of 200 voxels through a solid block along a diagonal of the turned solid: in sweeps of a fifth of the
+/// half extent, as the editor makes them, and in stamps as far apart, which leave ridges.
 fn strokes(c: &mut Criterion) {
     const LENGTH_VX: f32 = 200.0;
     let turned = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
@@ -222,26 +222,28 @@ fn strokes(c: &mut Criterion) {
     group.sample_size(10);
     let mut document = document(true, ColourDepth::None);
     forget_dirty(&mut document);
-    for (name, solid) in
-        [("ball", Solid::Ellipsoid), ("cuboid", Solid::Cuboid), ("pyramid", Solid::Pyramid)]
-    {
-        for half in [8.0, 24.0, 48.0] {
-            let tool = |centre_vx| Primitive {
+    for solid in Solid::ALL {
+        for half in [8.0, 48.0] {
+            let from = Vec3::splat(256.0) - diagonal * (0.5 * LENGTH_VX);
+            let at = |i: u32| from + diagonal * (i as f32 * 0.2 * half);
+            let tool = |i| Primitive {
                 solid,
-                centre_vx,
+                centre_vx: at(i),
                 half: Vec3::splat(half),
                 rotation: turned,
             };
-            let from = Vec3::splat(256.0) - diagonal * (0.5 * LENGTH_VX);
-            let swept = tool(from).spacing_along(diagonal);
-            for (way, spacing) in [("swept", swept), ("sparse", 0.35 * half)] {
-                let stamps: Vec<Command> = (0..=(LENGTH_VX / spacing) as u32)
-                    .map(|i| from + diagonal * (i as f32 * spacing))
-                    .map(|at| Command::Construct { op: EditOp::Subtract, primitive: tool(at) })
+            for swept in [true, false] {
+                let uses: Vec<Command> = (0..(LENGTH_VX / (0.2 * half)) as u32)
+                    .map(|i| Command::Construct {
+                        op: EditOp::Subtract,
+                        primitive: tool(i),
+                        to_vx: swept.then(|| at(i + 1)),
+                    })
                     .collect();
-                let id = format!("{name}_{half}_{way}_{}_stamps", stamps.len());
+                let way = if swept { "sweeps" } else { "stamps" };
+                let id = format!("{}_{half}_{}_{way}", solid.name(), uses.len());
                 group.bench_function(id, |b| {
-                    b.iter_custom(|runs| time_of(&mut document, runs, Some("stroke"), &stamps));
+                    b.iter_custom(|runs| time_of(&mut document, runs, Some("stroke"), &uses));
                 });
             }
         }

@@ -96,12 +96,14 @@ pub enum Command {
     End,
     /// End the open stroke and revert its changes.
     Cancel,
-    /// Add, subtract or recolour the voxels inside a solid.
+    /// Add, subtract or recolour the voxels inside a solid, or of what it sweeps.
     Construct {
         /// What happens to the voxels.
         op: EditOp,
         /// The solid.
         primitive: Primitive,
+        /// Where its centre goes, in voxel coordinates: all that it sweeps on the straight way there. None if it stays.
+        to_vx: Option<Vec3>,
     },
     /// Add, subtract or recolour the voxels inside a solid that is drawn.
     Form {

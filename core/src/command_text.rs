@@ -149,8 +149,8 @@ impl fmt::Display for Command {
                 export::write(export, f)
             }
             Command::Begin { label } => write!(f, " {}", Quoted(label)),
-            Command::Construct { op, primitive } => {
-                write!(f, " {primitive}")?;
+            Command::Construct { op, primitive, to_vx } => {
+                write_placed(primitive, *to_vx, f)?;
                 write_colour(op, f)
             }
             Command::Form { op, form } => {
@@ -202,6 +202,15 @@ impl fmt::Display for Command {
             Command::End | Command::Cancel | Command::Copy | Command::Cut => Ok(()),
         }
     }
+}
+
+fn write_placed(
+    primitive: &Primitive,
+    to_vx: Option<Vec3>,
+    f: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    write!(f, " {primitive}")?;
+    to_vx.map_or(Ok(()), |to| write!(f, " to={}", list(to.to_array())))
 }
 
 fn write_colour(op: &EditOp, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -367,8 +376,17 @@ fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseErr
     if let Some(form) = form::parse(&name, args)? {
         return Ok(Command::Form { op: op(args)?, form });
     }
-    let primitive = parse_placed(&name, args, &names)?;
-    Ok(Command::Construct { op: op(args)?, primitive })
+    let (primitive, to_vx) = parse_swept(&name, args, &names)?;
+    Ok(Command::Construct { op: op(args)?, primitive, to_vx })
+}
+
+/// Reads what follows the name of a solid that may sweep.
+fn parse_swept(
+    name: &str,
+    args: &mut Arguments,
+    names: &str,
+) -> Result<(Primitive, Option<Vec3>), ParseError> {
+    Ok((parse_placed(name, args, names)?, args.optional("to", parse_vec3)?))
 }
 
 fn parse_steps(args: &mut Arguments) -> Result<Option<u32>, ParseError> {

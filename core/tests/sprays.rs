@@ -71,7 +71,7 @@ proptest! {
                 half: Vec3::splat(half),
                 rotation: glam::Quat::IDENTITY,
             };
-            document.apply(&Command::Construct { op: EditOp::Subtract, primitive }).unwrap();
+            document.apply(&Command::Construct { op: EditOp::Subtract, primitive, to_vx: None }).unwrap();
         }
         let before = document.contents().clone();
         let steps = document.history().undo_count();

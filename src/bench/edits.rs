@@ -227,7 +227,7 @@ fn carves(document: &mut Document, runs: usize) -> Result<Vec<EditReport>, Comma
 
 fn subtract(solid: Solid, centre_vx: Vec3, half: Vec3, rotation: Quat) -> Command {
     let primitive = Primitive { solid, centre_vx, half, rotation };
-    Command::Construct { op: EditOp::Subtract, primitive }
+    Command::Construct { op: EditOp::Subtract, primitive, to_vx: None }
 }
 
 fn take_back(document: &mut Document) -> Result<(), CommandError> {

@@ -48,7 +48,7 @@ pub fn run(kernel: Kernel, document: &mut Document, size: UVec2, repeat: usize) 
     let carve = |rotation, half| {
         let centre_vx = document.grid().dims().as_vec3() * 0.49;
         let primitive = Primitive { solid: Solid::Ellipsoid, centre_vx, half, rotation };
-        Command::Construct { op: EditOp::Subtract, primitive }
+        Command::Construct { op: EditOp::Subtract, primitive, to_vx: None }
     };
     let ball = carve(Quat::IDENTITY, Vec3::splat(64.0));
     let turn = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);

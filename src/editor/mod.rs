@@ -21,6 +21,7 @@ pub mod questions;
 pub mod recovery;
 pub mod sprays;
 mod stroke;
+pub mod sweep;
 pub mod symmetry;
 pub mod tool;
 pub mod tool_change;

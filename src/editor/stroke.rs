@@ -9,6 +9,7 @@ use super::dabs::Dabs;
 use super::deform::HeldClay;
 use super::path::Path;
 use super::sprays::SprayOptions;
+use super::sweep::{Leg, Sweep};
 use super::tool::ToolState;
 use super::{Editor, Outcome};
 use crate::command::{Area, Command};
@@ -17,6 +18,7 @@ use crate::picking::Picker;
 use crate::picking::geometry::{lasting, surface_point};
 use crate::sculpture::Grid;
 use crate::surface::IndexMap;
+use crate::tools::construct::Primitive;
 use crate::tools::spray::{Footprint, SprayKind};
 
 /// Spacing of a spray's path as a share of its radius.
@@ -79,6 +81,7 @@ pub(super) enum Work {
     Solid {
         mode: ToolMode,
         guide: Guide,
+        sweep: Sweep,
     },
     Spray {
         kind: SprayKind,
@@ -98,7 +101,7 @@ pub(super) enum Work {
 /// A stroke that is not finished.
 pub(super) struct Stroke {
     pub work: Work,
-    /// In voxels; in pixels with z = 0 for sprays; of no use to clay that is held.
+    /// In voxels; in pixels with z = 0 for sprays; of no use to clay that is held, nor to solids, which sweep.
     pub path: Path,
     /// Voxels that it has changed so far.
     pub changed: u64,
@@ -145,13 +148,19 @@ impl Stroke {
 }
 
 impl ToolState {
-    /// Leads `path` over the surface to `centre_vx`: straight, or where the surface leaps with the tool
+    /// The solid in hand with its centre at a place, or in the middle of the voxel there.
+    fn primitive_at(&self, centre_vx: Vec3) -> Primitive {
+        Primitive { centre_vx: self.snapped(centre_vx), ..self.primitive() }
+    }
+
+    /// Leads `sweep` over the surface to `centre_vx`: straight, or where the surface leaps with the tool
     /// lifted.
-    fn go_over_surface(&self, path: &mut Path, centre_vx: Vec3, sample: impl FnMut(Vec3)) {
-        if path.distance(centre_vx) > LEAP * 2.0 * self.half().max_element() {
-            path.jump_to(centre_vx, sample);
+    fn go_over_surface(&self, sweep: &mut Sweep, centre_vx: Vec3, mut leg: impl FnMut(Leg)) {
+        if sweep.distance(centre_vx) > LEAP * 2.0 * self.half().max_element() {
+            sweep.finish(&self.primitive(), &mut leg);
+            sweep.jump(&self.primitive_at(centre_vx), leg);
         } else {
-            path.sweep_to(centre_vx, &self.primitive(), sample);
+            sweep.lead(&self.primitive_at(centre_vx), leg);
         }
     }
 }
@@ -256,15 +265,18 @@ impl Editor {
         if self.stroke.is_some() {
             return;
         }
-        let command = self.tool.command(mode);
+        let command = self.tool.command(mode, &Leg::place(&self.tool.primitive()));
         if !self.execute(&Command::Begin { label: command.label() }) {
             return;
         }
         let edges = self.session.document().grid().voxel_size();
         let edges = edges / edges.min_element();
-        let spacing = self.tool.primitive().spacing_anywhere();
-        let path = Path::new(self.tool.centre_vx, spacing, edges);
-        self.stroke = Some(Stroke { work: Work::Solid { mode, guide }, path, changed: 0 });
+        let sweep = Sweep::new(&self.tool.primitive(), edges);
+        self.stroke = Some(Stroke {
+            work: Work::Solid { mode, guide, sweep },
+            path: Path::new(Vec3::ZERO, 1.0, Vec3::ONE),
+            changed: 0,
+        });
         if mode == ToolMode::Add || mode == ToolMode::Recolour && self.tool.picture.is_none() {
             self.tool.used_colour();
         }
@@ -276,12 +288,13 @@ impl Editor {
     /// Leads the stroke to a point of the picture.
     pub(super) fn lead_stroke(&mut self, to: Vec2, picker: &Picker) {
         let Some(mut stroke) = self.stroke.take_if(|_| to.is_finite()) else { return };
-        let mut stops = Vec::new();
-        let Stroke { work, path, .. } = &mut stroke;
+        let mut legs = Vec::new();
+        let mut end = None;
         if let Work::Solid {
             guide: Guide::Surface(guide) | Guide::Tool { hovering: Some(guide) },
+            sweep,
             ..
-        } = work
+        } = &mut stroke.work
         {
             let grid = self.session.document().grid();
             let from = guide.at;
@@ -289,14 +302,14 @@ impl Editor {
             for i in 1..=looks {
                 let look = from.lerp(to, i as f32 / looks as f32);
                 let centre = guide.centre_at(look, grid, picker);
-                self.tool.go_over_surface(path, centre, |stop| stops.push(stop));
+                self.tool.go_over_surface(sweep, centre, |leg| legs.push(leg));
+                end = Some(centre);
             }
             guide.at = to;
         }
         self.stroke = Some(stroke);
-        self.use_tool_at(&stops);
-        if let Some(stroke) = &self.stroke {
-            let end = stroke.path.end();
+        self.sweep_tool(&legs);
+        if let (Some(stroke), Some(end)) = (&self.stroke, end) {
             self.tool.move_to(end);
             if let Some(SurfaceGuide { lift, .. }) = stroke.surface_guide() {
                 self.led_over(end - *lift);
@@ -313,25 +326,23 @@ impl Editor {
     /// The pointer has put the tool on `point`, which is seen at `at`: a solid that is held down
     /// follows it from here on.
     pub(super) fn hover_stroke(&mut self, at: Vec2, point: Vec3, picker: &Picker) {
-        let mut stops = Vec::new();
+        let mut legs = Vec::new();
         let to = self.tool.centre_vx;
         let grid = self.session.document().grid();
         if let Some(Stroke {
-            work: Work::Solid { guide: Guide::Tool { hovering }, .. },
-            path,
+            work: Work::Solid { guide: Guide::Tool { hovering }, sweep, .. },
             ..
         }) = &mut self.stroke
         {
             *hovering = Some(SurfaceGuide::new(at, point, &self.tool, grid, picker));
-            self.tool.go_over_surface(path, to, |stop| stops.push(stop));
+            self.tool.go_over_surface(sweep, to, |leg| legs.push(leg));
         }
-        self.use_tool_at(&stops);
-        self.tool.centre_vx = to;
+        self.sweep_tool(&legs);
     }
 
     /// The tool was moved by something else; a stroke that it leads follows.
     pub(super) fn tool_moved(&mut self, picker: &Picker) {
-        let mut stops = Vec::new();
+        let mut legs = Vec::new();
         let to = self.tool.centre_vx;
         self.clay_moved();
         if self.tool.spray().is_some() {
@@ -343,33 +354,40 @@ impl Editor {
             return;
         }
         if let Some(Stroke {
-            work: Work::Solid { guide: Guide::Tool { hovering }, .. },
-            path,
+            work: Work::Solid { guide: Guide::Tool { hovering }, sweep, .. },
             ..
         }) = &mut self.stroke
         {
             *hovering = None;
-            path.sweep_to(to, &self.tool.primitive(), |stop| stops.push(stop));
+            sweep.lead(&self.tool.primitive_at(to), |leg| legs.push(leg));
         }
-        self.use_tool_at(&stops);
-        self.tool.centre_vx = to;
+        self.sweep_tool(&legs);
     }
 
-    fn use_tool_at(&mut self, stops: &[Vec3]) {
-        for &stop in stops {
+    fn sweep_tool(&mut self, legs: &[Leg]) {
+        for leg in legs {
             let Some(Stroke { work: Work::Solid { mode, .. }, .. }) = &self.stroke else {
                 return;
             };
-            let mode = *mode;
-            self.tool.move_to(stop);
-            if !self.execute(&self.tool.command(mode)) {
+            if !self.execute(&self.tool.command(*mode, leg)) {
                 self.cancel_stroke();
             }
         }
     }
 
+    /// Lets a solid arrive where it has been led.
+    fn finish_sweep(&mut self) {
+        let mut legs = Vec::new();
+        let tool = self.tool.primitive();
+        if let Some(Stroke { work: Work::Solid { sweep, .. }, .. }) = &mut self.stroke {
+            sweep.finish(&tool, |leg| legs.push(leg));
+        }
+        self.sweep_tool(&legs);
+    }
+
     pub(super) fn end_stroke(&mut self) {
         self.catch_up();
+        self.finish_sweep();
         self.pressure = 1.0;
         if let Some(stroke) = self.stroke.take()
             && self.execute(&Command::End)

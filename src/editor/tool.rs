@@ -10,6 +10,7 @@ use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 use super::deform::{DeformOptions, Deforms};
 use super::draw::DrawOptions;
 use super::sprays::{SprayOptions, Sprays};
+use super::sweep::Leg;
 use super::symmetry::Placed;
 use super::tool_change::ToolChange;
 use super::wand::Wand;
@@ -270,8 +271,13 @@ impl ToolState {
     /// Puts the tool somewhere, at a voxel's centre if it snaps.
     pub fn move_to(&mut self, centre_vx: Vec3) {
         if centre_vx.is_finite() {
-            self.centre_vx = if self.snap { centre_vx.floor() + 0.5 } else { centre_vx };
+            self.centre_vx = self.snapped(centre_vx);
         }
+    }
+
+    /// A place, or the middle of the voxel there.
+    pub(super) fn snapped(&self, centre_vx: Vec3) -> Vec3 {
+        if self.snap { centre_vx.floor() + 0.5 } else { centre_vx }
     }
 
     /// Puts the tool where the pointer meets the surface, whose face looks along `normal` (a unit
@@ -383,12 +389,13 @@ impl ToolState {
         }
     }
 
-    /// What a solid does where it is.
-    pub fn command(&self, mode: ToolMode) -> Command {
+    /// What a solid does on a piece of its way. An image is put down where it ends.
+    pub fn command(&self, mode: ToolMode, leg: &Leg) -> Command {
+        let at = |centre_vx| Primitive { centre_vx, rotation: leg.rotation, ..self.primitive() };
         if let (ToolMode::Recolour, Some(picture)) = (mode, &self.picture) {
-            return Command::Texture { primitive: self.primitive(), picture: picture.clone() };
+            return Command::Texture { primitive: at(leg.end()), picture: picture.clone() };
         }
-        self.change(mode).by_solid(self.primitive())
+        self.change(mode).by_solid(at(leg.from), leg.to)
     }
 
     /// What a mode does to voxels.

@@ -1,5 +1,7 @@
 //! What a mode of solids does to the voxels that they cover: the command for each solid.
 
+use glam::Vec3;
+
 use crate::command::{Command, MaskArea, MaskChange};
 use crate::sculpture::edit::EditOp;
 use crate::tools::construct::Primitive;
@@ -21,11 +23,11 @@ impl From<EditOp> for ToolChange {
 }
 
 impl ToolChange {
-    /// As a command about the voxels of a solid.
-    pub fn by_solid(self, primitive: Primitive) -> Command {
+    /// As a command about the voxels of a solid, or of what it sweeps on the straight way of its centre to `to_vx`.
+    pub fn by_solid(self, primitive: Primitive, to_vx: Option<Vec3>) -> Command {
         match self {
-            ToolChange::Voxels(op) => Command::Construct { op, primitive },
-            ToolChange::Mask { adds } => mask(adds, MaskArea::Solid(primitive)),
+            ToolChange::Voxels(op) => Command::Construct { op, primitive, to_vx },
+            ToolChange::Mask { adds } => mask(adds, MaskArea::Solid { primitive, to_vx }),
         }
     }
 

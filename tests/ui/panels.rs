@@ -8,6 +8,7 @@ use egui_kittest::kittest::Queryable;
 use glam::UVec3;
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::command::Command;
+use virtual_sculpture::editor::sweep::Leg;
 use virtual_sculpture::input::{Bindings, Panel, ToolMode};
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::session::Session;
@@ -422,9 +423,9 @@ fn scripts_say_what_the_mouse_does() {
     let at = middle(&harness);
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
     let tool = &harness.state().editor.tool;
-    let text = tool.command(tool.mode).to_string();
-    let again: Command = text.parse().unwrap();
-    assert_eq!(again, tool.command(tool.mode));
+    let command = tool.command(tool.mode, &Leg::place(&tool.primitive()));
+    let again: Command = command.to_string().parse().unwrap();
+    assert_eq!(again, command);
 }
 
 #[test]

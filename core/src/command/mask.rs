@@ -1,6 +1,6 @@
 //! What commands do to the mask: the voxels that all tools leave alone.
 
-use glam::UVec3;
+use glam::{UVec3, Vec3};
 
 use super::Area;
 use crate::sculpture::Rgb;
@@ -35,7 +35,12 @@ pub enum MaskArea {
     /// Those of an area, existing or not.
     Area(Area),
     /// Those inside a solid, existing or not.
-    Solid(Primitive),
+    Solid {
+        /// The solid.
+        primitive: Primitive,
+        /// Where its centre goes, as of [`Command::Construct`](super::Command::Construct).
+        to_vx: Option<Vec3>,
+    },
     /// Those inside a solid that is drawn, existing or not.
     Form(Form),
     /// Existing ones of a colour.
@@ -97,7 +102,7 @@ impl MaskArea {
     pub const fn name(&self) -> &'static str {
         match self {
             MaskArea::Area(area) => area.name(),
-            MaskArea::Solid(primitive) => primitive.solid.name(),
+            MaskArea::Solid { primitive, .. } => primitive.solid.name(),
             MaskArea::Form(form) => form.name(),
             MaskArea::Colour { .. } => "colour",
             MaskArea::Cavities { .. } => "cavities",

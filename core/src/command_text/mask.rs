@@ -5,7 +5,7 @@ use std::fmt;
 use glam::UVec3;
 
 use super::arguments::Arguments;
-use super::{ParseError, form, list, number, numbers, parse_colour, parse_placed};
+use super::{ParseError, form, list, number, numbers, parse_colour, parse_swept, write_placed};
 use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
 use crate::tools::construct::Solid;
 use crate::tools::form::Form;
@@ -24,7 +24,7 @@ pub fn write(change: &MaskChange, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         MaskChange::Smooth(around) => write!(f, " around={around}"),
         MaskChange::Put { what, .. } => match what {
             MaskArea::Area(area) => write!(f, " {}", area.name()),
-            MaskArea::Solid(primitive) => write!(f, " {primitive}"),
+            MaskArea::Solid { primitive, to_vx } => write_placed(primitive, *to_vx, f),
             MaskArea::Form(form) => form::write(form, f),
             MaskArea::Colour { colour, tolerance } => {
                 write!(f, " colour colour={colour} tolerance={tolerance}")
@@ -96,7 +96,10 @@ fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
         "piece" => MaskArea::Piece { at: args.required("at", place)? },
         _ => match form::parse(&name, args)? {
             Some(form) => MaskArea::Form(form),
-            None => MaskArea::Solid(parse_placed(&name, args, &names)?),
+            None => {
+                let (primitive, to_vx) = parse_swept(&name, args, &names)?;
+                MaskArea::Solid { primitive, to_vx }
+            }
         },
     })
 }

@@ -11,6 +11,7 @@ use crate::sculpture::edit::{EditStats, edit_mask};
 use crate::sculpture::permit::{Permit, Permitted};
 use crate::sculpture::region::{Everywhere, ListedBricks, Region};
 use crate::sculpture::{Grid, Rgb};
+use crate::tools::construct::check_way;
 use crate::tools::flood;
 use crate::tools::mask::{self, MAX_GROWTH_VX, MAX_REACH_VX};
 use crate::tools::pieces::{Part, pieces};
@@ -88,11 +89,12 @@ impl Document {
             MaskArea::Area(Area::Selection) => {
                 stats += self.edit_mask(&self.selection.stack().clone(), adds)?;
             }
-            MaskArea::Solid(primitive) => {
-                primitive.check().map_err(CommandError::Primitive)?;
+            MaskArea::Solid { primitive, to_vx } => {
+                let checked = primitive.check().and_then(|()| check_way(*to_vx));
+                checked.map_err(CommandError::Primitive)?;
                 let voxel_size = self.grid().voxel_size();
                 for image in images {
-                    stats += self.edit_mask(&image.placed(primitive, voxel_size), adds)?;
+                    stats += self.edit_mask(&image.placed(primitive, *to_vx, voxel_size), adds)?;
                 }
             }
             MaskArea::Form(form) => {

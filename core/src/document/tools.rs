@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{IVec3, UVec3};
+use glam::{IVec3, UVec3, Vec3};
 
 use super::{Applied, CommandError, Document};
 use crate::command::{Command, SpraySurface};
@@ -19,7 +19,7 @@ use crate::sculpture::permit::{Permit, Permitted};
 use crate::sculpture::region::{ListedBricks, Region};
 use crate::sculpture::selection::MARKER_LIMIT_VX;
 use crate::sculpture::{Brick, Rgb};
-use crate::tools::construct::{PlacedSolid, Primitive};
+use crate::tools::construct::{PlacedSolid, Primitive, check_way};
 use crate::tools::deform::Deform;
 use crate::tools::form::Form;
 use crate::tools::grab::Grab;
@@ -37,7 +37,9 @@ impl Document {
     /// Uses a tool once and remembers it for arrays.
     pub(super) fn use_tool(&mut self, command: &Command) -> Result<Applied, CommandError> {
         let stats = match command {
-            Command::Construct { op, primitive } => self.construct(*op, primitive)?,
+            Command::Construct { op, primitive, to_vx } => {
+                self.construct(*op, primitive, *to_vx)?
+            }
             Command::Form { op, form } => self.form(*op, form)?,
             Command::Texture { primitive, picture } => self.texture(primitive, picture)?,
             Command::Spray { spray, surface } => self.spray(spray, *surface)?,
@@ -126,12 +128,17 @@ impl Document {
         self.symmetry.images(self.grid().dims(), self.grid().voxel_size())
     }
 
-    fn construct(&mut self, op: EditOp, primitive: &Primitive) -> Result<EditStats, CommandError> {
-        primitive.check().map_err(CommandError::Primitive)?;
+    fn construct(
+        &mut self,
+        op: EditOp,
+        primitive: &Primitive,
+        to_vx: Option<Vec3>,
+    ) -> Result<EditStats, CommandError> {
+        primitive.check().and_then(|()| check_way(to_vx)).map_err(CommandError::Primitive)?;
         if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
             return Err(CommandError::NoColour);
         }
-        let regions = self.images_of(primitive, op)?;
+        let regions = self.images_of(primitive, to_vx, op)?;
         let mut stats = EditStats::default();
         regions.iter().for_each(|(_, region)| stats += self.edit(region, op));
         Ok(stats)
@@ -165,7 +172,9 @@ impl Document {
         let texture = self.picture(picture)?;
         let placed = primitive.in_grid(self.grid().voxel_size());
         let mut stats = EditStats::default();
-        for (image, region) in self.images_of(primitive, EditOp::Recolour(self.new_colour()))? {
+        for (image, region) in
+            self.images_of(primitive, None, EditOp::Recolour(self.new_colour()))?
+        {
             stats += self.paint(&region, |v, _| {
                 let p = placed.tool_point(image.origin_of(v.as_dvec3() + 0.5).as_vec3());
                 texture.sample(picture_point(primitive.solid, p))
@@ -218,10 +227,11 @@ impl Document {
     fn images_of(
         &self,
         primitive: &Primitive,
+        to_vx: Option<Vec3>,
         op: EditOp,
     ) -> Result<Vec<(Image, PlacedSolid)>, CommandError> {
         let voxel_size = self.grid().voxel_size();
-        let placed = |image: Image| (image, image.placed(primitive, voxel_size));
+        let placed = |image: Image| (image, image.placed(primitive, to_vx, voxel_size));
         let images = self.images();
         let solids: Vec<_> = images.into_iter().map(placed).collect();
         self.check_colour_memory(|document, exact| {
@@ -433,9 +443,11 @@ impl Command {
         let solid =
             |primitive: &Primitive| Primitive { centre_vx: primitive.centre_vx + by, ..*primitive };
         Some(match self {
-            Command::Construct { op, primitive } => {
-                Command::Construct { op: *op, primitive: solid(primitive) }
-            }
+            Command::Construct { op, primitive, to_vx } => Command::Construct {
+                op: *op,
+                primitive: solid(primitive),
+                to_vx: to_vx.map(|to| to + by),
+            },
             Command::Form { op, form } => Command::Form { op: *op, form: form.shifted(by) },
             Command::Texture { primitive, picture } => {
                 Command::Texture { primitive: solid(primitive), picture: picture.clone() }

@@ -1,7 +1,7 @@
-//! The construction solids at any pose.
+//! The construction solids at any pose, and what they sweep on a straight way.
 //!
-//! From a pose in voxel coordinates to a [`Region`] of the voxels whose centres lie inside.
-//! [`PlacedSolid::contains_voxel`] is the definition; the rows of the region equal it on every voxel.
+//! From a pose in voxel coordinates to a [`Region`] of the voxels whose centres lie inside, or that the solid passes
+//! over. [`PlacedSolid::contains_voxel`] is the definition; the rows of the region equal it on every voxel.
 //! Knows no document.
 
 use std::ops::Range;
@@ -10,13 +10,15 @@ use fearless_simd::Simd;
 use glam::{DMat3, DVec3, IVec3, Quat, UVec3, Vec3};
 
 use super::construct_ends::{Magnitudes, solve};
-use super::construct_planes::Planes;
+use super::construct_planes::{Faces, Planes};
 use super::construct_quadric::Quadric;
 use super::construct_spans::RowSpans;
+use super::construct_swept::SweptQuadric;
+use super::eighths::set_by_eighths;
 pub use super::solid::{Shape, Solid};
 use super::symmetry::Image;
 use crate::sculpture::Brick;
-use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_coords};
+use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::region::{Region, RowReach, VoxelBox};
 
@@ -53,7 +55,13 @@ impl Primitive {
 
     /// The region that this solid covers in a grid whose voxels have edges of `voxel_size`.
     pub fn in_grid(&self, voxel_size: Vec3) -> PlacedSolid {
-        PlacedSolid::new(self, voxel_size, &Image::of_planes([None; 3]))
+        self.swept_in_grid(None, voxel_size)
+    }
+
+    /// The region that this solid sweeps on the straight way of its centre to `to_vx`, without turning; of the solid
+    /// alone for none.
+    pub fn swept_in_grid(&self, to_vx: Option<Vec3>, voxel_size: Vec3) -> PlacedSolid {
+        PlacedSolid::new(self, to_vx, voxel_size, &Image::of_planes([None; 3]))
     }
 
     /// Its shape in tool space.
@@ -61,15 +69,23 @@ impl Primitive {
         Shape::new(self.solid, self.half.as_dvec3())
     }
 
-    /// [`Primitive::in_grid`], mirrored at the planes (voxel coordinates) of the axes that have one.
-    /// Covers exactly the mirrored voxels where a plane lies between voxels or through their centres.
-    pub fn mirrored_in_grid(&self, voxel_size: Vec3, planes: [Option<f32>; 3]) -> PlacedSolid {
-        PlacedSolid::new(self, voxel_size, &Image::of_planes(planes))
+    /// The image of [`Primitive::swept_in_grid`]. Mirrored at planes along the grid, it covers exactly the mirrored
+    /// voxels where they lie between voxels or through their centres.
+    pub fn image_in_grid(
+        &self,
+        to_vx: Option<Vec3>,
+        voxel_size: Vec3,
+        image: &Image,
+    ) -> PlacedSolid {
+        PlacedSolid::new(self, to_vx, voxel_size, image)
     }
+}
 
-    /// The image of [`Primitive::in_grid`].
-    pub fn image_in_grid(&self, voxel_size: Vec3, image: &Image) -> PlacedSolid {
-        PlacedSolid::new(self, voxel_size, image)
+/// An error that says so if a sweep does not end in a place.
+pub fn check_way(to_vx: Option<Vec3>) -> Result<(), &'static str> {
+    match to_vx {
+        Some(to) if !to.is_finite() => Err("the end of the way"),
+        _ => Ok(()),
     }
 }
 
@@ -77,9 +93,12 @@ impl Primitive {
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedSolid {
     shape: Shape,
+    /// Where it is at first.
     centre_vx: DVec3,
     /// Linear part of the map from voxel coordinates (less the centre) to tool space.
     tool_from_vx: DMat3,
+    /// How far the solid goes, in tool space; none if it stays.
+    way: Option<DVec3>,
     bounds: VoxelBox,
     /// The part of the bounds that a grid can have.
     reachable: VoxelBox,
@@ -90,6 +109,7 @@ pub struct PlacedSolid {
 #[derive(Clone, Copy, Debug)]
 enum Cut {
     Quadric(Quadric),
+    SweptQuadric(SweptQuadric),
     Planes(Planes),
     /// A cuboid along the grid's axes: all of a box of voxels.
     Box(VoxelBox),
@@ -98,9 +118,16 @@ enum Cut {
 }
 
 impl PlacedSolid {
-    fn new(primitive: &Primitive, voxel_size: Vec3, image: &Image) -> PlacedSolid {
+    fn new(
+        primitive: &Primitive,
+        to_vx: Option<Vec3>,
+        voxel_size: Vec3,
+        image: &Image,
+    ) -> PlacedSolid {
         let Primitive { centre_vx, half, rotation, .. } = *primitive;
         let shape = primitive.shape();
+        let way_vx = to_vx.map(|to| to.as_dvec3() - centre_vx.as_dvec3());
+        let way_vx = way_vx.filter(|way| *way != DVec3::ZERO);
         let (centre_vx, half) = (image.point_exactly(centre_vx.as_dvec3()), half.as_dvec3());
         let stretch = voxel_size.as_dvec3() / voxel_size.as_dvec3().min_element();
         let rotation = DMat3::from_quat(rotation.as_dquat().normalize());
@@ -111,6 +138,8 @@ impl PlacedSolid {
         );
         let (stretched, shrunk) =
             (DMat3::from_diagonal(stretch), DMat3::from_diagonal(stretch.recip()));
+        // An image of the solid moves along the image of the way, which in tool space is the same.
+        let way = way_vx.map(|way| tool_from_world * stretched * way);
         let linear = image.linear();
         let (tool_from_vx, vx_from_tool) = match image.is_along_grid() {
             true => (tool_from_world * stretched * linear, linear * shrunk * world_from_tool),
@@ -122,7 +151,14 @@ impl PlacedSolid {
 
         let axes = vx_from_tool.transpose();
         let support = |sign: f64| {
-            let along = |axis: DVec3| shape.support(axis * sign) * (1.0 + 1e-9) + 1.0;
+            let along = |axis: DVec3| {
+                let reach = shape.support(axis * sign) * (1.0 + 1e-9) + 1.0;
+                let Some(way) = way else { return reach };
+                // What a sweep covers far from its beginning is rounded as numbers there are.
+                let rounding = 1e-12
+                    * (centre_vx.abs().max_element() + (axis.abs() * way.abs()).element_sum());
+                reach + (axis.dot(way) * sign).max(0.0) + rounding
+            };
             DVec3::new(along(axes.x_axis), along(axes.y_axis), along(axes.z_axis))
         };
         let limit = DVec3::splat(1e9);
@@ -137,6 +173,7 @@ impl PlacedSolid {
             shape,
             centre_vx,
             tool_from_vx,
+            way,
             bounds,
             reachable,
             cut: Cut::Box(VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO }),
@@ -151,7 +188,8 @@ impl PlacedSolid {
         let m = self.tool_from_vx;
         let VoxelBox { min, max } = self.reachable;
         let off_axis = m - DMat3::from_diagonal(DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z));
-        if self.shape.solid() == Solid::Cuboid && off_axis == DMat3::ZERO {
+        let along_grid = off_axis == DMat3::ZERO;
+        if self.shape.solid() == Solid::Cuboid && along_grid && self.way.is_none() {
             let axis = |axis: usize| {
                 // A cuboid is its own mirror image, so a reversed axis (from a mirror plane, or a
                 // half turn) is one that is not.
@@ -183,9 +221,13 @@ impl PlacedSolid {
                 + largest(m.z_axis, distance_vx.z),
         };
         match self.shape.solid() {
-            Solid::Ellipsoid => Cut::Quadric(Quadric::new(&m, self.centre_vx, &sizes)),
+            Solid::Ellipsoid => match self.way {
+                None => Cut::Quadric(Quadric::new(&m, self.centre_vx, &sizes)),
+                Some(way) => Cut::SweptQuadric(SweptQuadric::new(&m, self.centre_vx, way, &sizes)),
+            },
             solid @ (Solid::Cuboid | Solid::Pyramid) => {
-                Cut::Planes(Planes::new(solid.half_spaces(), &m, self.centre_vx, &sizes))
+                let faces = Faces::swept(solid.half_spaces(), self.way.unwrap_or_default());
+                Cut::Planes(Planes::new(&faces, &m, self.centre_vx, &sizes))
             }
             Solid::Cylinder
             | Solid::Cone
@@ -195,13 +237,17 @@ impl PlacedSolid {
         }
     }
 
-    /// Whether the centre of a voxel lies inside: the definition that every row equals.
+    /// Whether the centre of a voxel lies inside, or the solid passes over it: the definition that every row equals.
     #[inline(always)]
     pub fn contains_voxel(&self, v: IVec3) -> bool {
-        self.shape.contains(self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx))
+        let p = self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx);
+        match self.way {
+            None => self.shape.contains(p),
+            Some(way) => self.shape.passes(p, way, 0.0),
+        }
     }
 
-    /// A point in voxel coordinates, mapped to tool space, where the solid fills [-1, 1].
+    /// A point in voxel coordinates, mapped to tool space, where the solid at its first place fills [-1, 1].
     pub fn tool_point(&self, p: Vec3) -> Vec3 {
         (self.tool_from_vx * (p.as_dvec3() - self.centre_vx)).as_vec3()
     }
@@ -217,25 +263,33 @@ impl PlacedSolid {
             + rounding * middle.abs();
         let m = self.tool_from_vx;
         let abs = DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
-        let centre = m * middle;
+        let (centre, way) = (m * middle, self.way.unwrap_or_default());
         let extent = abs * reach;
         // The test rounds positions by less than this, too.
-        let extent = extent + 16.0 * rounding * (1.0 + centre.abs() + extent + abs * middle.abs());
-        self.shape.covers(centre - extent, centre + extent)
+        let largest = 1.0 + centre.abs() + way.abs() + extent + abs * middle.abs();
+        let slack = self.shape.slack(extent + 16.0 * rounding * largest);
+        // Not known where numbers are too large, or proportions beyond all digits leave no thickness.
+        if !slack.is_finite() {
+            return None;
+        }
+        let slack = slack * (1.0 + 1e-9) + 1e-12;
+        match () {
+            _ if !self.shape.passes(centre, way, slack) => Some(false),
+            _ if self.shape.passes(centre, way, -slack) => Some(true),
+            () => None,
+        }
     }
 
     /// The voxels inside of the brick at `origin_vx`, each by the definition where that is needed.
     fn test_brick(&self, origin_vx: UVec3) -> Brick {
-        match self.covers(origin_vx, origin_vx + BRICK_EDGE_VX) {
-            Some(true) => return Brick::FULL,
-            Some(false) => return Brick::EMPTY,
-            None => {}
-        }
         let mut mask = Brick::EMPTY;
-        for local in (0..BRICK_VOXELS).map(local_coords) {
-            let v = origin_vx + UVec3::from(local);
-            mask.set(local[0], local[1], local[2], self.contains_voxel(v.as_ivec3()));
-        }
+        set_by_eighths(&mut mask, |local, edge| {
+            let min = origin_vx + local;
+            match edge {
+                1 => Some(self.contains_voxel(min.as_ivec3())),
+                _ => self.covers(min, min + edge),
+            }
+        });
         mask
     }
 }
@@ -293,6 +347,7 @@ impl Region for PlacedSolid {
         let exact = |v| self.contains_voxel(v);
         let connected = match &self.cut {
             Cut::Quadric(quadric) => solve(simd, quadric, &x, y_vx, z_vx, exact, spans),
+            Cut::SweptQuadric(swept) => solve(simd, swept, &x, y_vx, z_vx, exact, spans),
             Cut::Planes(planes) => solve(simd, planes, &x, y_vx, z_vx, exact, spans),
             Cut::Box(inside) => {
                 cut_box(inside, y_vx, z_vx, spans);

@@ -1,5 +1,5 @@
-//! Intersects rows with a solid of flat faces at any pose: each face that a row can cross determines
-//! one end, linear in the row's coordinates; a face along the row leaves it whole or empty.
+//! Intersects rows with a solid of flat faces at any pose, or what it sweeps on a straight way: each face that a row can
+//! cross determines one end, linear in the row's coordinates; a face along the row leaves it whole or empty.
 
 use std::ops::Range;
 
@@ -15,11 +15,57 @@ const FLAT: f64 = 1e-4;
 /// No voxel index is as large.
 const FAR: f64 = 1e30;
 
+/// Most faces of a solid with flat faces and of what it sweeps: a cuboid has six, and goes with up to six of its edges
+/// ahead.
+const MOST_FACES: usize = 12;
+
 /// A half space of tool space: `normal . p <= distance`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Default, Debug)]
 pub struct HalfSpace {
     pub normal: DVec3,
     pub distance: f64,
+}
+
+/// The half spaces that meet in a solid, or in what it sweeps.
+#[derive(Clone, Copy, Debug)]
+pub struct Faces {
+    faces: [HalfSpace; MOST_FACES],
+    len: usize,
+}
+
+impl Faces {
+    /// Those of what a solid sweeps that moves by `way`. A point is in it if at some time t from 0 to 1 it is in all
+    /// half spaces of the solid moved by `t way`; t is eliminated by the method of Fourier and Motzkin: each bound of t
+    /// from below is at most each from above.
+    pub fn swept(solid: &[HalfSpace], way: DVec3) -> Faces {
+        let mut swept = Faces { faces: [HalfSpace::default(); MOST_FACES], len: 0 };
+        for face in solid {
+            let distance = face.distance + face.normal.dot(way).max(0.0);
+            swept.push(HalfSpace { distance, ..*face });
+        }
+        for ahead in solid {
+            for behind in solid {
+                let (rise, fall) = (ahead.normal.dot(way), -behind.normal.dot(way));
+                if rise <= 0.0 || fall <= 0.0 {
+                    continue;
+                }
+                // The face through their common edge along the way.
+                let share = fall / (rise + fall);
+                let normal = ahead.normal * share + behind.normal * (1.0 - share);
+                let distance = ahead.distance * share + behind.distance * (1.0 - share);
+                // Opposite faces have no common edge and bound nothing.
+                if ahead.normal != -behind.normal {
+                    swept.push(HalfSpace { normal, distance });
+                }
+            }
+        }
+        swept
+    }
+
+    fn push(&mut self, face: HalfSpace) {
+        self.faces[self.len] = face;
+        self.len += 1;
+    }
 }
 
 /// A number that is linear in the distances of a row from the centre, with its error.
@@ -49,12 +95,12 @@ enum Kind {
     Along,
 }
 
-/// A solid of up to six faces prepared for its rows.
+/// A solid prepared for its rows.
 #[derive(Clone, Copy, Debug)]
 pub struct Planes {
     centre: DVec3,
     /// Those of [`Kind::From`], then of [`Kind::To`], then of [`Kind::Along`].
-    faces: [Linear; 6],
+    faces: [Linear; MOST_FACES],
     first_to: usize,
     first_along: usize,
     len: usize,
@@ -67,21 +113,21 @@ pub struct Planes {
 /// eight rows.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalPlanes {
-    at: [[f32; 6]; 8],
+    at: [[f32; MOST_FACES]; 8],
     /// How they change with the steps of eight rows along y.
-    of_step: [[f32; 8]; 6],
+    of_step: [[f32; 8]; MOST_FACES],
 }
 
 impl Planes {
     pub fn new(
-        half_spaces: &[HalfSpace],
+        solid: &Faces,
         tool_from_vx: &DMat3,
         centre_vx: DVec3,
         sizes: &Magnitudes,
     ) -> Planes {
         let mut planes = Planes {
             centre: centre_vx - 0.5,
-            faces: [Linear::default(); 6],
+            faces: [Linear::default(); MOST_FACES],
             first_to: 0,
             first_along: 0,
             len: 0,
@@ -94,7 +140,7 @@ impl Planes {
                 Kind::To => planes.first_to = planes.len,
                 Kind::Along => planes.first_along = planes.len,
             }
-            for HalfSpace { normal, distance } in half_spaces {
+            for HalfSpace { normal, distance } in &solid.faces[..solid.len] {
                 // How far a row's points are beyond the face: slope . (dx, dy, dz) - distance
                 let slope = tool_from_vx.transpose() * *normal;
                 let kind_of_face = match slope.x {
@@ -167,7 +213,7 @@ impl RowSolver for Planes {
     #[inline(always)]
     fn local(&self, origin: f64, y: f64, z: f64) -> Option<(LocalPlanes, f32)> {
         let (dy, dz) = (y - self.centre.y, z - self.centre.z);
-        let mut local = LocalPlanes { at: [[0.0; 6]; 8], of_step: [[0.0; 8]; 6] };
+        let mut local = LocalPlanes { at: [[0.0; MOST_FACES]; 8], of_step: [[0.0; 8]; MOST_FACES] };
         for (i, face) in self.faces[..self.len].iter().enumerate() {
             let origin = if i < self.first_along { origin } else { 0.0 };
             let first = face.at(dy, dz) - origin;

@@ -6,6 +6,7 @@ use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 
 use super::construct::{PlacedSolid, Primitive, Solid, SolidRow};
+use super::symmetry::Image;
 use crate::sculpture::Brick;
 use crate::sculpture::region::Region;
 use crate::surface::raycast::tests::levels;
@@ -113,6 +114,21 @@ fn coordinate() -> impl Strategy<Value = f32> {
     ]
 }
 
+/// Short and long, along axes, nearly along axes, and not at all.
+fn way() -> impl Strategy<Value = Vec3> {
+    let any = || {
+        prop_oneof![
+            3 => -40.0f32..40.0,
+            1 => -1.0f32..1.0,
+            2 => Just(0.0),
+            1 => (-20i8..20).prop_map(f32::from),
+            1 => -1e-5f32..1e-5,
+            1 => prop::sample::select(vec![-1e30f32, 1e30, 1e-30, 4000.0]),
+        ]
+    };
+    prop::array::uniform3(any()).prop_map(Vec3::from)
+}
+
 fn voxel_size() -> impl Strategy<Value = Vec3> {
     prop_oneof![
         2 => Just(Vec3::ONE),
@@ -153,7 +169,59 @@ proptest! {
     ) {
         prop_assert!(primitive.check().is_ok());
         check(&primitive.in_grid(size), dims)?;
-        check(&primitive.mirrored_in_grid(size, planes), dims)?;
+        check(&primitive.image_in_grid(None, size, &Image::of_planes(planes)), dims)?;
+    }
+
+    #[test]
+    fn rows_of_sweeps_equal_the_definition(
+        primitive in primitive(),
+        way in way(),
+        size in voxel_size(),
+        dims in dims(),
+        planes in prop::array::uniform3(prop::option::of((0u8..50).prop_map(|p| f32::from(p) / 2.0))),
+    ) {
+        let to = Some(primitive.centre_vx + way);
+        check(&primitive.swept_in_grid(to, size), dims)?;
+        check(&primitive.image_in_grid(to, size, &Image::of_planes(planes)), dims)?;
+    }
+
+    /// A sweep covers what the solid covers at places of its way, nothing that one a little larger does not, and the
+    /// same from its other end.
+    #[test]
+    fn a_sweep_is_the_solid_at_all_places_of_its_way(
+        solid in solid(),
+        half in prop::array::uniform3(1.0f32..9.0),
+        from in prop::array::uniform3(0.0f32..30.0),
+        way in way(),
+        rotation in rotation(),
+        size in voxel_size(),
+    ) {
+        let primitive = Primitive { solid, centre_vx: from.into(), half: half.into(), rotation };
+        let to = primitive.centre_vx + way.clamp(Vec3::splat(-30.0), Vec3::splat(30.0));
+        let swept = primitive.swept_in_grid(Some(to), size);
+        let back = Primitive { centre_vx: to, ..primitive }.swept_in_grid(Some(primitive.centre_vx), size);
+        let stamp = |share: f32, by: f32| {
+            let centre_vx = primitive.centre_vx.lerp(to, share);
+            Primitive { centre_vx, half: primitive.half * by, ..primitive }.in_grid(size)
+        };
+        let count = 120u16;
+        let share = |i: u16| f32::from(i) / f32::from(count);
+        // Between two of these a solid moves by at most half a voxel.
+        let inner: Vec<_> = (0..=count).map(|i| stamp(share(i), 0.9995)).collect();
+        let outer: Vec<_> = (0..=count).map(|i| stamp(share(i), 1.0005)).collect();
+        let larger: Vec<_> = (0..=count).map(|i| stamp(share(i), 1.35)).collect();
+        for i in 0..3000 {
+            let v = IVec3::new(i % 14, i / 14 % 14, i / 196) * 2 + 1;
+            let covered = swept.contains_voxel(v);
+            prop_assert!(covered || !inner.iter().any(|stamp| stamp.contains_voxel(v)), "{} is left out", v);
+            // A larger torus is not larger everywhere.
+            let bounded = solid == Solid::Torus || larger.iter().any(|stamp| stamp.contains_voxel(v));
+            prop_assert!(!covered || bounded, "{} is covered", v);
+            if covered != back.contains_voxel(v) {
+                // On the surface of both.
+                prop_assert!(outer.iter().any(|stamp| stamp.contains_voxel(v)), "{}", v);
+            }
+        }
     }
 
     /// Solids so large, and so placed, that a face runs through the grid: here the rounding
@@ -166,6 +234,7 @@ proptest! {
         in_grid in prop::array::uniform3(0.0f64..30.0),
         rotation in rotation(),
         flat in prop::array::uniform3(any::<bool>()),
+        way in way(),
     ) {
         let half = 10f64.powf(exponent);
         let halves = flat.map(|flat| if flat { half as f32 } else { 20.0 });
@@ -174,6 +243,8 @@ proptest! {
         let primitive = Primitive { solid, centre_vx: centre, half: halves.into(), rotation };
         prop_assume!(primitive.check().is_ok());
         check(&primitive.in_grid(Vec3::ONE), UVec3::new(40, 20, 20))?;
+        let to = Some(primitive.centre_vx + way);
+        check(&primitive.swept_in_grid(to, Vec3::ONE), UVec3::new(40, 20, 20))?;
     }
 }
 
@@ -186,11 +257,14 @@ proptest! {
         primitive in primitive(),
         centre_x in -100.0f32..4200.0,
         half_x in prop_oneof![0.5f32..30.0, 100.0f32..5000.0],
+        way in way(),
     ) {
         let mut primitive = primitive;
         primitive.centre_vx.x = centre_x;
         primitive.half.x = half_x;
         check(&primitive.in_grid(Vec3::ONE), UVec3::new(4096, 9, 3))?;
+        let to = Some(primitive.centre_vx + way);
+        check(&primitive.swept_in_grid(to, Vec3::ONE), UVec3::new(4096, 9, 3))?;
     }
 }
 
@@ -240,6 +314,8 @@ fn extremes_of_f32_are_refused_or_equal_the_definition() {
                         rotation: Quat::from_euler(EulerRot::XYZ, 0.3, centre.signum(), 2.0),
                     };
                     check(&primitive.in_grid(size), UVec3::splat(17)).unwrap();
+                    let to = Some(Vec3::new(8.0, other, -half));
+                    check(&primitive.swept_in_grid(to, size), UVec3::splat(17)).unwrap();
                 }
             }
         }

@@ -7,11 +7,13 @@ mod construct_ends;
 mod construct_planes;
 mod construct_quadric;
 mod construct_spans;
+mod construct_swept;
 #[cfg(test)]
 mod construct_tests;
 pub mod deform;
 mod distance;
 pub mod drain;
+mod eighths;
 pub mod filter;
 pub mod flood;
 pub mod form;
@@ -37,11 +39,11 @@ pub mod pieces;
 #[cfg(test)]
 mod pieces_tests;
 mod solid;
+mod solid_way;
 pub mod spray;
 #[cfg(test)]
 mod spray_tests;
 pub mod stencil;
-pub mod sweep;
 pub mod symmetry;
 pub mod texture;
 pub mod thickness;

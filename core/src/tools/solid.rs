@@ -1,5 +1,4 @@
-//! The solids of the construction tools in tool space: their inside test, reach, and the boxes that lie wholly inside
-//! or outside.
+//! The solids of the construction tools in tool space: their inside test and reach.
 //!
 //! From a kind and half extents to a [`Shape`]. Knows no voxels and no pose.
 
@@ -143,6 +142,11 @@ impl Shape {
         self.solid
     }
 
+    /// Extent of the core along each axis.
+    pub(super) fn core(&self) -> DVec3 {
+        self.core
+    }
+
     /// Half extents of the ellipsoid that rounds it; 1 where there is no core.
     pub fn round(&self) -> DVec3 {
         self.round
@@ -172,67 +176,6 @@ impl Shape {
             }
             Solid::RoundedCuboid => {
                 ((p.abs() - self.core).max(DVec3::ZERO) / self.round).length_squared() <= 1.0
-            }
-        }
-    }
-
-    /// Whether all or none of a box is inside; None where it may be a part. `low` and `high` bound the box's points in
-    /// tool space, with a margin for all rounding of the points; not a number where that is not known.
-    pub(super) fn covers(&self, low: DVec3, high: DVec3) -> Option<bool> {
-        // Beyond the rounding of what is compared here.
-        const LESS: f64 = 1.0 - 1e-12;
-        const MORE: f64 = 1.0 + 1e-12;
-        let outermost = low.abs().max(high.abs());
-        let innermost = low.max(-high).max(DVec3::ZERO);
-        let known = low.is_finite() && high.is_finite();
-        // Proportions beyond all digits leave no thickness.
-        if !known || self.round.min_element() <= 0.0 {
-            return None;
-        }
-        let around = |p: DVec3| p.x * p.x + p.z * p.z;
-        let decide = |least: f64, most: f64| match () {
-            _ if least > MORE => Some(false),
-            _ if most < LESS => Some(true),
-            _ => None,
-        };
-        match self.solid {
-            Solid::Ellipsoid => decide(innermost.length_squared(), outermost.length_squared()),
-            Solid::Cuboid => decide(innermost.max_element(), outermost.max_element()),
-            Solid::Pyramid => {
-                let half_width = |y: f64| (0.5 * (1.0 - y)).max(0.0);
-                let (widest, narrowest) = (half_width(low.y), half_width(high.y));
-                let [least, most] = [innermost, outermost].map(|p| p.x.max(p.z));
-                let outside = innermost.y > MORE || least > widest * MORE;
-                let inside = outermost.y < LESS && most < narrowest * LESS;
-                (outside || inside).then_some(inside)
-            }
-            Solid::Cylinder => {
-                decide(around(innermost).max(innermost.y), around(outermost).max(outermost.y))
-            }
-            Solid::Cone => {
-                let square = |y: f64| (0.5 * (1.0 - y)).max(0.0).powi(2);
-                let (widest, narrowest) = (square(low.y), square(high.y));
-                let outside = innermost.y > MORE || around(innermost) > widest * MORE;
-                let inside = outermost.y < LESS && around(outermost) < narrowest * LESS;
-                (outside || inside).then_some(inside)
-            }
-            Solid::Torus => {
-                let out = |p: DVec3| (around(p).sqrt() - self.core.x) / self.round.x;
-                let (from, to) = (out(innermost), out(outermost));
-                let [least, most] = [innermost, outermost].map(|p| (p.y / self.round.y).powi(2));
-                let nearest = from.max(-to).max(0.0);
-                let furthest = from.abs().max(to.abs());
-                decide(nearest * nearest + least, furthest * furthest + most)
-            }
-            Solid::Capsule => {
-                let [least, most] = [innermost, outermost]
-                    .map(|p| around(p) + ((p.y - self.core.y).max(0.0) / self.round.y).powi(2));
-                decide(least, most)
-            }
-            Solid::RoundedCuboid => {
-                let [least, most] = [innermost, outermost]
-                    .map(|p| ((p - self.core).max(DVec3::ZERO) / self.round).length_squared());
-                decide(least, most)
             }
         }
     }
@@ -273,30 +216,6 @@ mod tests {
     }
 
     proptest! {
-        /// Boxes are decided as all of their points would be, and not left undecided far from the surface.
-        #[test]
-        fn boxes_are_as_their_points(
-            solid in prop::sample::select(&Solid::ALL[..]),
-            half in half(),
-            low in prop::array::uniform3(-1.5f64..1.4),
-            size in prop::array::uniform3(prop_oneof![Just(0.0), 0.0f64..0.2, 0.0f64..2.5]),
-            shares in prop::collection::vec(prop::array::uniform3(0.0f64..=1.0), 20),
-        ) {
-            let shape = Shape::new(solid, half);
-            let (low, size) = (DVec3::from(low), DVec3::from(size));
-            let corners = (0..8u8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from));
-            let all: Vec<bool> = corners
-                .chain(shares)
-                .map(|share| shape.contains(low + size * DVec3::from(share)))
-                .collect();
-            if let Some(inside) = shape.covers(low, low + size) {
-                prop_assert!(all.iter().all(|point| *point == inside));
-            } else if size == DVec3::ZERO {
-                // A point is undecided only where it is on the surface.
-                prop_assert!(shape.contains(low * (1.0 - 1e-9)) != shape.contains(low * (1.0 + 1e-9)));
-            }
-        }
-
         /// No point reaches further than the support, and some reach it.
         #[test]
         fn the_support_is_as_far_as_points_reach(

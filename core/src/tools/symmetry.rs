@@ -372,9 +372,14 @@ impl Image {
         self.linear().determinant() < 0.0
     }
 
-    /// The voxels that the image of a solid covers.
-    pub fn placed(&self, primitive: &Primitive, voxel_size: Vec3) -> PlacedSolid {
-        primitive.image_in_grid(voxel_size, self)
+    /// The voxels that the image of a solid covers, or sweeps on the image of the way to `to_vx`.
+    pub fn placed(
+        &self,
+        primitive: &Primitive,
+        to_vx: Option<Vec3>,
+        voxel_size: Vec3,
+    ) -> PlacedSolid {
+        primitive.image_in_grid(to_vx, voxel_size, self)
     }
 
     /// The voxels that the image of a form covers.
@@ -456,8 +461,10 @@ mod tests {
             centre in prop::array::uniform3(prop_oneof![0f32..20.0, (0u8..40).prop_map(|c| f32::from(c) / 2.0)]),
             half in prop::array::uniform3(prop_oneof![1f32..8.0, (1u8..16).prop_map(|h| f32::from(h) / 2.0)]),
             rotation in rotation(),
+            to in prop::option::of(prop::array::uniform3(prop_oneof![0f32..20.0, (0u8..40).prop_map(|c| f32::from(c) / 2.0)])),
         ) {
             let dims = UVec3::from(dims);
+            let to = to.map(Vec3::from);
             let symmetry = Symmetry::of_axes(axes);
             let primitive = Primitive {
                 solid,
@@ -467,15 +474,16 @@ mod tests {
             };
             let images = symmetry.images(dims, Vec3::ONE);
             prop_assert_eq!(images.len(), 1 << axes.iter().flatten().count());
-            let region = primitive.in_grid(Vec3::ONE);
+            let region = primitive.swept_in_grid(to, Vec3::ONE);
             // Slightly smaller and larger, for centres on a face.
             let scaled = |by: f32| Primitive { half: primitive.half * by, ..primitive };
-            let (inner, outer) = (scaled(0.9999).in_grid(Vec3::ONE), scaled(1.0001).in_grid(Vec3::ONE));
+            let (inner, outer) =
+                (scaled(0.9999).swept_in_grid(to, Vec3::ONE), scaled(1.0001).swept_in_grid(to, Vec3::ONE));
             for image in &images {
-                let placed = image.placed(&primitive, Vec3::ONE);
+                let placed = image.placed(&primitive, to, Vec3::ONE);
                 let mirrored = image.primitive(&primitive);
                 prop_assert!(mirrored.check().is_ok());
-                let mirrored = mirrored.in_grid(Vec3::ONE);
+                let mirrored = mirrored.swept_in_grid(to.map(|to| image.point(to)), Vec3::ONE);
                 for i in 0..4000 {
                     let v = IVec3::new(i % 16, i / 16 % 16, i / 256) + 2;
                     let other = (image.point(v.as_vec3() + 0.5) - 0.5).as_ivec3();

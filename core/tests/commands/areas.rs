@@ -111,7 +111,7 @@ proptest! {
     ) {
         let mut document = document([20, 17, 23], false);
         for (op, primitive) in shapes {
-            document.apply(&Command::Construct { op, primitive }).unwrap();
+            document.apply(&Command::Construct { op, primitive, to_vx: None }).unwrap();
         }
         document.apply(&Command::Mark(from)).unwrap();
         let before = document.contents().clone();
@@ -162,7 +162,7 @@ proptest! {
             for (op, primitive) in &shapes {
                 let mut primitive = *primitive;
                 primitive.centre_vx += (step * i as i32).as_vec3();
-                let construct = Command::Construct { op: *op, primitive };
+                let construct = Command::Construct { op: *op, primitive, to_vx: None };
                 other.apply(&construct).unwrap();
                 if i == 0 {
                     one.apply(&construct).unwrap();

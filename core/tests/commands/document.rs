@@ -186,7 +186,7 @@ pub fn ball(op: EditOp, centre: Vec3, radius: f32) -> Command {
         half: Vec3::splat(radius),
         rotation: Quat::IDENTITY,
     };
-    Command::Construct { op, primitive }
+    Command::Construct { op, primitive, to_vx: None }
 }
 
 pub const RED: Rgb = Rgb::new(255, 0, 0);
@@ -216,7 +216,8 @@ fn large_edits_equal_the_definition() {
         ];
         document.apply(&Command::Begin { label: "large".into() }).unwrap();
         for (op, primitive) in steps {
-            let applied = document.apply(&Command::Construct { op, primitive }).unwrap();
+            let applied =
+                document.apply(&Command::Construct { op, primitive, to_vx: None }).unwrap();
             let placed = primitive.in_grid(Vec3::ONE);
             let done = model.edit(op, |v| placed.contains_voxel(v));
             let stats = applied.stats;

@@ -164,8 +164,8 @@ impl Model {
             {
                 return None;
             }
-            Command::Construct { op, primitive } => {
-                let placed = primitive.in_grid(self.now.voxel_size);
+            Command::Construct { op, primitive, to_vx } => {
+                let placed = primitive.swept_in_grid(*to_vx, self.now.voxel_size);
                 self.edit(*op, |v| placed.contains_voxel(v))
             }
             Command::Fill { area: Area::Grid, colour } => self.edit(EditOp::Add(*colour), |_| true),

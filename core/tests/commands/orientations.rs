@@ -73,7 +73,7 @@ fn covers(primitive: &Primitive, map: &AxisMap, voxel_size: Vec3, v: DVec3) -> b
 fn grid_with(new: &NewSculpture, symmetry: Symmetry, op: EditOp, primitive: Primitive) -> Grid {
     let mut document = Document::new(new, Limits::default()).unwrap();
     document.apply(&Command::Symmetry(symmetry)).unwrap();
-    document.apply(&Command::Construct { op, primitive }).unwrap();
+    document.apply(&Command::Construct { op, primitive, to_vx: None }).unwrap();
     document.grid().clone()
 }
 

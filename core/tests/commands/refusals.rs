@@ -146,7 +146,8 @@ fn hostile() -> impl Strategy<Value = Command> {
         });
     prop_oneof![
         1 => new,
-        3 => (op(), solid()).prop_map(|(op, primitive)| Command::Construct { op, primitive }),
+        3 => (op(), solid(), prop::option::of(vector()))
+            .prop_map(|(op, primitive, to_vx)| Command::Construct { op, primitive, to_vx }),
         1 => solid().prop_map(|primitive| Command::Texture { primitive, picture: "none.png".into() }),
         3 => spray(),
         2 => (whole_vector(), whole_vector())

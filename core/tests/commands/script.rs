@@ -60,7 +60,7 @@ fn a_script_of_200_solids_saves_reloads_and_undoes_to_identical_bytes() {
         if i % 20 == 0 {
             script += &format!("begin \"part {i}\"\n");
         }
-        script += &format!("{}\n", Command::Construct { op, primitive });
+        script += &format!("{}\n", Command::Construct { op, primitive, to_vx: None });
         if i % 20 == 13 {
             script += "end\n";
         }

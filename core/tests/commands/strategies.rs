@@ -323,10 +323,12 @@ fn any_vec3() -> impl Strategy<Value = Vec3> {
 pub fn any_command() -> impl Strategy<Value = Command> {
     let steps = || prop::option::of(any::<u32>());
     let solid = prop::sample::select(&Solid::ALL[..]);
-    let construct = (op(), solid, any_vec3(), any_vec3(), rotation()).prop_map(
-        |(op, solid, centre_vx, half, rotation)| Command::Construct {
+    let way = prop::option::of(any_vec3());
+    let construct = (op(), solid, any_vec3(), any_vec3(), rotation(), way).prop_map(
+        |(op, solid, centre_vx, half, rotation, to_vx)| Command::Construct {
             op,
             primitive: Primitive { solid, centre_vx, half, rotation },
+            to_vx,
         },
     );
     let new = (new_sculpture(9), any::<[u32; 3]>(), any_vec3()).prop_map(|(new, dims, size)| {
@@ -427,8 +429,9 @@ fn falloff() -> impl Strategy<Value = Falloff> {
 /// Commands of normal work on a small sculpture, in and out of strokes.
 pub fn work() -> impl Strategy<Value = Command> {
     let steps = || prop_oneof![4 => (1u32..4).prop_map(Some), 1 => Just(None)];
-    let edit = (op(), primitive(-4.0..28.0, 0.3..14.0))
-        .prop_map(|(op, primitive)| Command::Construct { op, primitive });
+    let way = prop::option::of(prop::array::uniform3(-4f32..28.0).prop_map(Vec3::from));
+    let edit = (op(), primitive(-4.0..28.0, 0.3..14.0), way)
+        .prop_map(|(op, primitive, to_vx)| Command::Construct { op, primitive, to_vx });
     prop_oneof![
         20 => edit,
         2 => prop::option::of(colour())

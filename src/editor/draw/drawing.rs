@@ -190,7 +190,7 @@ impl Drawing {
             }
             DrawKind::Box => self
                 .corners(self.last(), options.height)
-                .map(|corners| vec![change.by_solid(block::cuboid(view, corners))]),
+                .map(|corners| vec![change.by_solid(block::cuboid(view, corners), None)]),
             DrawKind::Line => {
                 let end = self.places.last().copied().unwrap_or(point);
                 Some(one(tube::line(point, end, options.radii)))

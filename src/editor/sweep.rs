@@ -1,0 +1,275 @@
+//! The way of a solid that is led through the grid: straight pieces that it sweeps exactly ([`Leg`]), however the hand
+//! moved and however often the device spoke.
+//!
+//! From places and rotations of the tool to legs. Knows no voxels and no document.
+
+use glam::{Quat, Vec3};
+
+use crate::tools::construct::{Primitive, Solid};
+
+/// How far the tool may have gone beside its way when it goes straight on, in edges of the smallest voxel edge.
+const BESIDE: f32 = 0.15;
+/// How far the tool may lag behind the hand, as a share of its smallest half extent: legs are no shorter without need.
+const LAG: f32 = 0.2;
+/// How far the furthest points of a tool that turns go from one use to the next, in edges of the smallest voxel edge.
+const TURN: f32 = 0.6;
+/// Most uses for one turn: beyond that the hand has leapt.
+const MOST_TURNS: f32 = 16.0;
+/// Longest way that a tool sweeps, in edges of the smallest voxel edge; beyond that something has leapt, and the tool is
+/// lifted.
+const FURTHEST: f32 = 4096.0;
+
+/// A straight piece of the way, or a place.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Leg {
+    /// Where the tool is at first, in voxels.
+    pub from: Vec3,
+    /// Where it goes; none if it stays.
+    pub to: Option<Vec3>,
+    /// How it is turned.
+    pub rotation: Quat,
+}
+
+impl Leg {
+    /// The place where a tool is.
+    pub fn place(tool: &Primitive) -> Leg {
+        Leg { from: tool.centre_vx, to: None, rotation: tool.rotation }
+    }
+
+    /// Where it ends.
+    pub fn end(&self) -> Vec3 {
+        self.to.unwrap_or(self.from)
+    }
+}
+
+/// A way that is being drawn.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Sweep {
+    /// Where the last leg ended, and how the tool was turned there.
+    used: Vec3,
+    rotation: Quat,
+    /// Where the tool is.
+    at: Vec3,
+    /// The direction of the way since the last leg, in edges; none yet while the tool stays.
+    heading: Option<Vec3>,
+    /// Length of a voxel edge on each axis, in edges of the smallest.
+    edges: Vec3,
+}
+
+impl Sweep {
+    /// A way from where `tool` is, and has been used. `edges`: length of a voxel edge on each axis.
+    pub fn new(tool: &Primitive, edges: Vec3) -> Sweep {
+        let (at, rotation) = (tool.centre_vx, tool.rotation);
+        Sweep { used: at, rotation, at, heading: None, edges }
+    }
+
+    /// Leads `tool` straight to where it is now and gives the legs that are due. To what is too far for any movement it
+    /// jumps, and what is no point it does not hear.
+    pub fn lead(&mut self, tool: &Primitive, mut leg: impl FnMut(Leg)) {
+        let to = tool.centre_vx;
+        if !to.is_finite() {
+            return;
+        }
+        if self.distance(to) > FURTHEST {
+            self.finish(tool, &mut leg);
+            self.jump(tool, leg);
+            return;
+        }
+        let way = (to - self.used) * self.edges;
+        match self.heading {
+            Some(heading) if !is_straight_on(heading, (self.at - self.used) * self.edges, way) => {
+                self.finish(tool, &mut leg);
+                self.heading = ((to - self.at) * self.edges).try_normalize();
+            }
+            Some(_) => {}
+            None => self.heading = way.try_normalize(),
+        }
+        self.at = to;
+        let length = ((to - self.used) * self.edges).length();
+        if length >= LAG * tool.half.min_element() || self.turns(tool) >= 1.0 {
+            self.finish(tool, leg);
+        }
+    }
+
+    /// Gives the legs to where the tool has been led, without waiting for more.
+    pub fn finish(&mut self, tool: &Primitive, mut leg: impl FnMut(Leg)) {
+        let (from, to) = (self.used, self.at);
+        let (before, after) = (self.rotation, tool.rotation);
+        let turns = self.turns(tool);
+        if from == to && turns < 1.0 {
+            return;
+        }
+        let count = turns.ceil().clamp(1.0, MOST_TURNS);
+        let mut last = from;
+        for i in 1..=count as u32 {
+            let share = i as f32 / count;
+            // Not a bit beside the last one.
+            let (next, rotation) = match share < 1.0 {
+                true => (from.lerp(to, share), before.slerp(after, share).normalize()),
+                false => (to, after),
+            };
+            leg(Leg { from: last, to: (next != last).then_some(next), rotation });
+            last = next;
+        }
+        (self.used, self.rotation, self.heading) = (to, after, None);
+    }
+
+    /// Goes on where `tool` is without the way there, and uses it there.
+    pub fn jump(&mut self, tool: &Primitive, mut leg: impl FnMut(Leg)) {
+        *self = Sweep::new(tool, self.edges);
+        leg(Leg::place(tool));
+    }
+
+    /// Distance from where the tool has been led, in edges of the smallest voxel edge.
+    pub fn distance(&self, to: Vec3) -> f32 {
+        ((to - self.at) * self.edges).length()
+    }
+
+    /// How many uses the turn of `tool` since the last leg needs.
+    fn turns(&self, tool: &Primitive) -> f32 {
+        let ball = tool.solid == Solid::Ellipsoid && tool.half == Vec3::splat(tool.half.x);
+        match ball || tool.rotation == self.rotation {
+            true => 0.0,
+            false => self.rotation.angle_between(tool.rotation) * tool.half.length() / TURN,
+        }
+    }
+}
+
+/// Whether a way that has begun along `heading` and was at `at` goes straight on to `to`; both from its beginning.
+fn is_straight_on(heading: Vec3, at: Vec3, to: Vec3) -> bool {
+    let ahead = to.dot(heading);
+    ahead >= at.dot(heading) && (to - heading * ahead).length() <= BESIDE
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn tool(half: f32) -> Primitive {
+        Primitive {
+            solid: Solid::Cuboid,
+            centre_vx: Vec3::ZERO,
+            half: Vec3::splat(half),
+            rotation: Quat::IDENTITY,
+        }
+    }
+
+    /// The legs of a way through points, and to its end.
+    fn legs(points: &[Vec3], half: f32, edges: Vec3) -> Vec<Leg> {
+        let at = |centre_vx| Primitive { centre_vx, ..tool(half) };
+        let mut sweep = Sweep::new(&at(points[0]), edges);
+        let mut out = Vec::new();
+        for &point in &points[1..] {
+            sweep.lead(&at(point), |leg| out.push(leg));
+        }
+        sweep.finish(&at(sweep.at), |leg| out.push(leg));
+        out
+    }
+
+    #[test]
+    fn a_straight_way_is_a_leg_for_each_lag() {
+        let points: Vec<Vec3> = (0..=100).map(|i| Vec3::X * i as f32 * 0.5).collect();
+        let out = legs(&points, 10.0, Vec3::ONE);
+        assert_eq!(out.len(), 25);
+        assert!(out.iter().all(|leg| leg.to == Some(leg.from + Vec3::X * 2.0)), "{out:?}");
+        let once = legs(&[Vec3::ZERO, Vec3::X * 50.0], 10.0, Vec3::ONE);
+        let whole = Leg { from: Vec3::ZERO, to: Some(Vec3::X * 50.0), rotation: Quat::IDENTITY };
+        assert_eq!(once, [whole]);
+        // The end is reached, however little is left.
+        let short = legs(&[Vec3::ZERO, Vec3::X * 0.1], 10.0, Vec3::ONE);
+        assert_eq!(short.last().map(Leg::end), Some(Vec3::X * 0.1));
+    }
+
+    #[test]
+    fn what_is_too_far_is_jumped_to_and_what_is_no_point_is_not_heard() {
+        for far in [1e5, 1e7, 1e30, f32::MAX] {
+            let out = legs(&[Vec3::ZERO, Vec3::X * far, Vec3::ZERO], 1.0, Vec3::ONE);
+            let ends: Vec<_> = out.iter().map(|leg| (leg.from, leg.to)).collect();
+            assert_eq!(ends, [(Vec3::X * far, None), (Vec3::ZERO, None)], "{far}");
+        }
+        let points = [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, Vec3::X * 3.0];
+        let out = legs(&points, 1.0, Vec3::ONE);
+        assert_eq!(out.iter().map(Leg::end).collect::<Vec<_>>(), [Vec3::X * 3.0]);
+    }
+
+    #[test]
+    fn a_tool_that_turns_is_used_as_often_as_its_corners_need() {
+        let mut sweep = Sweep::new(&tool(20.0), Vec3::ONE);
+        let turned = |degrees: f32, solid| Primitive {
+            solid,
+            rotation: Quat::from_rotation_y(degrees.to_radians()),
+            ..tool(20.0)
+        };
+        let mut out = Vec::new();
+        sweep.lead(&turned(0.5, Solid::Cuboid), |leg| out.push(leg));
+        assert_eq!(out, [], "that little is nothing yet");
+        sweep.lead(&turned(4.0, Solid::Cuboid), |leg| out.push(leg));
+        // A corner 34.6 voxels from the middle goes 2.4 voxels.
+        assert_eq!(out.len(), 5);
+        assert!(out.iter().all(|leg| leg.from == Vec3::ZERO && leg.to.is_none()));
+        assert_eq!(out[4].rotation, turned(4.0, Solid::Cuboid).rotation);
+        // A ball is what it is.
+        let mut ball = Sweep::new(&turned(0.0, Solid::Ellipsoid), Vec3::ONE);
+        ball.lead(&turned(90.0, Solid::Ellipsoid), |leg| panic!("{leg:?}"));
+        // On the way turns are spread evenly.
+        let moved = Primitive { centre_vx: Vec3::X * 10.0, ..turned(0.0, Solid::Cuboid) };
+        out.clear();
+        sweep.lead(&moved, |leg| out.push(leg));
+        assert_eq!(out.len(), 5);
+        assert!((out[0].end().x - 2.0).abs() < 1e-5 && out[4].to == Some(Vec3::X * 10.0));
+    }
+
+    proptest! {
+        /// Legs follow one another without a gap, no point of the way is further beside them than twice the tolerance,
+        /// and they end where it does.
+        #[test]
+        fn legs_are_the_way(
+            steps in prop::collection::vec(prop::array::uniform3(prop_oneof![-6f32..6.0, -0.2f32..0.2, Just(0.0)]), 1..40),
+            half in prop_oneof![Just(1.0f32), 2f32..80.0],
+            long in 1f32..3.0,
+        ) {
+            let edges = Vec3::new(1.0, long, 1.0);
+            let mut points = vec![Vec3::splat(5.0)];
+            for step in steps {
+                points.push(points[points.len() - 1] + Vec3::from(step));
+            }
+            let out = legs(&points, half, edges);
+            let mut at = points[0];
+            for leg in &out {
+                prop_assert_eq!(leg.from, at);
+                at = leg.end();
+            }
+            prop_assert_eq!(at, points[points.len() - 1]);
+            prop_assert!(out.len() <= points.len());
+            for point in &points {
+                let beside = out.iter().map(|leg| {
+                    let (way, p) = ((leg.end() - leg.from) * edges, (*point - leg.from) * edges);
+                    let share = (p.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+                    (p - way * share).length()
+                });
+                let nearest = beside.fold(f32::INFINITY, f32::min);
+                prop_assert!(out.is_empty() || nearest <= 2.0 * BESIDE + 1e-4, "{} beside", nearest);
+            }
+        }
+
+        /// Whatever a way goes through, it ends, with few legs, all of them between points.
+        #[test]
+        fn a_way_ends_wherever_it_goes(
+            ways in prop::collection::vec(prop::array::uniform3(prop::num::f32::ANY), 1..20),
+            half in prop::num::f32::POSITIVE,
+        ) {
+            let mut sweep = Sweep::new(&tool(half), Vec3::ONE);
+            let mut count = 0;
+            for way in ways {
+                sweep.lead(&Primitive { centre_vx: way.into(), ..tool(half) }, |leg| {
+                    assert!(leg.from.is_finite() && leg.end().is_finite(), "{leg:?}");
+                    count += 1;
+                });
+                prop_assert!(sweep.at.is_finite());
+            }
+            prop_assert!(count <= 40);
+        }
+    }
+}
