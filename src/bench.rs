@@ -17,6 +17,7 @@ mod plot;
 mod report;
 mod statistics;
 mod subjects;
+mod uses;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -192,7 +193,8 @@ pub fn run(
         scenes.push(measure_scene(subject, job, config, device.as_ref(), progress)?);
     }
     progress.begin("measuring edits");
-    let edits = edits::edits(job.suite.edits(), config.limits())?;
+    let mut edits = edits::edits(job.suite.edits(), config.limits())?;
+    edits.extend(uses::uses(job.suite.edits(), config.limits())?);
     progress.end();
     let report = Report {
         program: format!("virtual-sculpture {}", env!("CARGO_PKG_VERSION")),

@@ -43,13 +43,21 @@ impl EditReport {
 /// Edge of the block that is edited.
 const BLOCK_VX: u32 = 512;
 
+/// A piece of a stroke of a solid of half edge 64, as the editor makes them.
+const SWEEP_VX: Vec3 = Vec3::new(9.0, 7.0, 6.0);
+
 /// The measured commands, each on a full block.
 pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError> {
-    let mut document = block(limits)?;
+    let mut document = block(ColourDepth::None, limits)?;
     let turn = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
     let even = Vec3::splat(64.0);
     let centre = Vec3::new(251.3, 260.7, 255.1);
     let cut = |solid, half, turn| subtract(solid, centre, half, turn);
+    let swept = |solid| Command::Construct {
+        op: EditOp::Subtract,
+        primitive: Primitive { solid, centre_vx: centre, half: even, rotation: turn },
+        to_vx: Some(centre + SWEEP_VX),
+    };
     let grab = Grab {
         centre_vx: Vec3::new(256.0, 512.0, 256.0),
         radius: 48.0,
@@ -67,7 +75,8 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
     let moved =
         |motion| Command::Grab { grab: Grab { motion, ..grab }, surface: SpraySurface::Now };
     let twist = moved(Motion::Twist { normal: plane.normal, angle_deg: 20.0 });
-    let pinch = moved(Motion::Pinch { normal: plane.normal, strength: 0.5 });
+    // The most of a use in a stroke.
+    let pinch = moved(Motion::Pinch { normal: plane.normal, strength: 0.1 });
     let form = |form| Command::Form { op: EditOp::Subtract, form };
     let pose = Pose { at_vx: centre, rotation: turn };
     let commands = [
@@ -79,6 +88,10 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         ("turned pyramid of half edge 64", cut(Solid::Pyramid, even, turn)),
         ("turned cylinder of half edge 64", cut(Solid::Cylinder, even, turn)),
         ("turned torus of half edge 64", cut(Solid::Torus, even, turn)),
+        ("sweep of a sphere of radius 64", swept(Solid::Ellipsoid)),
+        ("sweep of a turned cuboid of half edge 64", swept(Solid::Cuboid)),
+        ("sweep of a turned cylinder of half edge 64", swept(Solid::Cylinder)),
+        ("sweep of a turned torus of half edge 64", swept(Solid::Torus)),
         ("half space across", form(Form::HalfSpace { at_vx: centre, normal: plane.normal })),
         ("turned ring of radius 64 and 16", form(Form::Ring { pose, radius: 64.0, tube: 16.0 })),
         ("tube of radius 12 along a curve of 9 points", form(coil(centre))),
@@ -97,19 +110,29 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
     ];
     let mut reports = Vec::new();
     for (name, command) in commands {
-        let mut voxels = 0;
-        let times = measure(runs, || {
-            let start = Instant::now();
-            voxels = document.apply(&command)?.stats.voxels_changed();
-            let time = start.elapsed();
-            take_back(&mut document)?;
-            Ok::<Duration, CommandError>(time)
-        })?;
-        reports.extend(times.map(|times| EditReport::of(name, voxels, times)));
+        reports.extend(timed(&mut document, name, &command, runs)?);
     }
     reports.extend(carves(&mut document, runs.div_ceil(4))?);
     reports.extend(meshes_made_anew(&mut document, runs.div_ceil(4))?);
     Ok(reports)
+}
+
+/// Applies a command again and again, each time taken back.
+pub(super) fn timed(
+    document: &mut Document,
+    name: &str,
+    command: &Command,
+    runs: usize,
+) -> Result<Option<EditReport>, CommandError> {
+    let mut voxels = 0;
+    let times = measure(runs, || {
+        let start = Instant::now();
+        voxels = document.apply(command)?.stats.voxels_changed();
+        let time = start.elapsed();
+        take_back(document)?;
+        Ok::<Duration, CommandError>(time)
+    })?;
+    Ok(times.map(|times| EditReport::of(name, voxels, times)))
 }
 
 /// Meshes of the cheese that follow a ball of radius 64 carved out of its middle; the blocks made anew for voxels.
@@ -225,22 +248,23 @@ fn carves(document: &mut Document, runs: usize) -> Result<Vec<EditReport>, Comma
     Ok(reports.filter_map(|(name, times)| Some(EditReport::of(name, voxels, times?))).collect())
 }
 
-fn subtract(solid: Solid, centre_vx: Vec3, half: Vec3, rotation: Quat) -> Command {
+pub(super) fn subtract(solid: Solid, centre_vx: Vec3, half: Vec3, rotation: Quat) -> Command {
     let primitive = Primitive { solid, centre_vx, half, rotation };
     Command::Construct { op: EditOp::Subtract, primitive, to_vx: None }
 }
 
-fn take_back(document: &mut Document) -> Result<(), CommandError> {
+pub(super) fn take_back(document: &mut Document) -> Result<(), CommandError> {
     document.apply(&Command::Undo { steps: Some(1) })?;
     document.drain_changes(|_, _| ());
     Ok(())
 }
 
-fn block(limits: Limits) -> Result<Document, CommandError> {
+/// A full block.
+pub(super) fn block(colour_depth: ColourDepth, limits: Limits) -> Result<Document, CommandError> {
     let new = NewSculpture {
         dims: UVec3::splat(BLOCK_VX),
         voxel_size: Vec3::ONE,
-        colour_depth: ColourDepth::None,
+        colour_depth,
         base: Rgb::new(200, 190, 170),
         solid: true,
     };
@@ -329,12 +353,19 @@ mod tests {
     #[test]
     fn every_edit_is_reported_and_taken_back() {
         let reports = edits(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 25);
+        assert_eq!(reports.len(), 29);
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
         let ball = 4.0 / 3.0 * std::f64::consts::PI * 64f64.powi(3);
         assert!((voxels("sphere") as f64 / ball - 1.0).abs() < 1e-3);
         assert_eq!(voxels("cuboid"), 128 * 128 * 128);
         assert!((voxels("turned cylinder") as f64 / (1.5 * ball) - 1.0).abs() < 1e-3);
+        // A prism on the silhouette is added.
+        assert!(
+            (voxels("sweep of a sphere") as f64 / ball - 1.0 - 0.75 * 166f64.sqrt() / 64.0).abs()
+                < 1e-3
+        );
+        assert!(voxels("sweep of a turned cylinder") > voxels("turned cylinder") * 21 / 20);
+        assert!(voxels("sweep of a turned torus") > voxels("turned torus") * 21 / 20);
         // Radii of a third and two thirds.
         let torus = std::f64::consts::PI.powi(2) * 4.0 / 27.0 * 64f64.powi(3);
         assert!((voxels("turned torus") as f64 / torus - 1.0).abs() < 1e-3);

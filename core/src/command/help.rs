@@ -48,17 +48,17 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "add",
-        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=RX,RY,RZ | turn=X,Y,Z,W] [colour=#rrggbb] | half-space at=X,Y,Z normal=X,Y,Z | ring at=X,Y,Z radius=R tube=R [turn=...] | tube points=X,Y,Z,R;X,Y,Z,R;... | lathe at=X,Y,Z profile=R,H;R,H;... [turn=...] | extrusion at=X,Y,Z depth=D outline=X,Y;X,Y;...[/X,Y;...] [turn=...]",
+        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=RX,RY,RZ | turn=X,Y,Z,W] [to=X,Y,Z] [colour=#rrggbb] | half-space at=X,Y,Z normal=X,Y,Z | ring at=X,Y,Z radius=R tube=R [turn=...] | tube points=X,Y,Z,R;X,Y,Z,R;... | lathe at=X,Y,Z profile=R,H;R,H;... [turn=...] | extrusion at=X,Y,Z depth=D outline=X,Y;X,Y;...[/X,Y;...] [turn=...]",
         tooltip: "Fill the voxels inside a solid (ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule, rounded-cuboid, or a half space, ring, tube, lathe or extrusion); new ones get the colour, or the base colour",
     },
     CommandHelp {
         verb: "subtract",
-        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] | half-space ... | ring ... | tube ... | lathe ... | extrusion ...",
+        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z] | half-space ... | ring ... | tube ... | lathe ... | extrusion ...",
         tooltip: "Remove the voxels inside a solid",
     },
     CommandHelp {
         verb: "recolour",
-        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] colour=#rrggbb | half-space ... | ring ... | tube ... | lathe ... | extrusion ...",
+        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z] colour=#rrggbb | half-space ... | ring ... | tube ... | lathe ... | extrusion ...",
         tooltip: "Recolour the voxels inside a solid",
     },
     CommandHelp {

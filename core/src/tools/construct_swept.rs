@@ -5,13 +5,13 @@
 //! row at that time, `middle + drift tau - half_length sqrt(rest)`, is convex in tau, so that the lowest one is where its
 //! slope is 0, at tau0 - lead sqrt(most), or at the end of the way that is nearest to there; and the highest accordingly.
 
-use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::{DMat3, DVec3};
 
 use super::construct_ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, STEPS};
 
 /// Rows with a smaller rest are decided one by one, as of an ellipsoid that stays.
-const SHORT_ROW: f64 = 1e-3;
+const SHORT_ROW: f64 = 2e-3;
 /// A way that leads less than this across rows, in tool space, leads along them.
 const ALONG: f64 = 1e-7;
 
@@ -155,9 +155,11 @@ impl RowSolver for SweptQuadric {
         let largest = most.abs()
             + 8.0 * (most_y.abs() + most_z.abs())
             + 64.0 * (self.yy.abs() + self.yz.abs() + self.zz.abs());
-        let tau_error = 6.0 * ROUNDING_32 * (self.tau0.largest(dy, dz) + self.end) + self.error;
-        // Tau at an end of a row that is not empty is within 1 of tau0.
-        let error = 8.0 * ROUNDING_32 * (largest + 1.0) + self.error + 4.0 * tau_error;
+        let tau0 = self.tau0.at(dy, dz);
+        let largest_tau = tau0.abs() + 8.0 * (self.tau0.y.abs() + self.tau0.z.abs()) + self.end;
+        let tau_error = 4.0 * ROUNDING_32 * largest_tau + self.error;
+        // Tau at an end of a row that is not empty is within 1 of tau0, so that twice its error is the square's.
+        let error = 6.0 * ROUNDING_32 * (largest + 1.0) + self.error + 2.5 * tau_error;
         let short = SHORT_ROW.max(4.0 * error);
         let middle = self.middle.at(dy, dz) - origin;
         let largest_x = middle.abs()
@@ -168,7 +170,7 @@ impl RowSolver for SweptQuadric {
             - self.along[0];
         // Where the slope is 0 an error of tau counts by its square and the curvature, which is below
         // 1 / (short / 2)^(3/2) half lengths.
-        let bend = tau_error * tau_error * (0.5 * short).powf(-1.5);
+        let bend = tau_error * tau_error / (0.5 * short * (0.5 * short).sqrt());
         let margin = (error / short.sqrt() + bend) * self.half_length
             + 8.0 * ROUNDING_32 * largest_x
             + self.middle_error;
@@ -179,7 +181,6 @@ impl RowSolver for SweptQuadric {
             middle: [0.0; 8],
             short: short as f32,
         };
-        let tau0 = self.tau0.at(dy, dz);
         for step in 0..8 {
             let step_z = step as f64;
             local.most[step] = (most + (most_z - self.zz * step_z) * step_z) as f32;
@@ -188,7 +189,7 @@ impl RowSolver for SweptQuadric {
             local.middle[step] = (middle + self.middle.z * step_z) as f32;
         }
         // Where a number is too large for f32, nothing is known.
-        let largest = largest.max(tau0.abs()).max(self.drift.abs()).max(largest_x);
+        let largest = largest.max(largest_tau).max(self.drift.abs()).max(largest_x);
         let tame = self.tame && error < 0.1 && largest < 1e30;
         Some((local, if tame { margin as f32 } else { f32::INFINITY }))
     }
@@ -200,22 +201,20 @@ impl RowSolver for SweptQuadric {
         let tau0 = steps * self.tau0.y as f32 + local.tau0[step_z];
         let middle = steps * self.middle.y as f32 + local.middle[step_z];
         let lead = most.max(0.0).sqrt() * self.lead as f32;
+        let low = (tau0 - lead).max(0.0).min(self.end as f32);
+        let high = (tau0 + lead).max(0.0).min(self.end as f32);
+        let (off_low, off_high) = (low - tau0, high - tau0);
+        let (rest_low, rest_high) = (most - off_low * off_low, most - off_high * off_high);
         let (half_length, drift) = (self.half_length as f32, self.drift as f32);
-        let mut doubtful = mask32x8::splat(simd, false);
-        let mut end = |tau: f32x8<S>| {
-            let tau = tau.max(0.0).min(self.end as f32);
-            let off = tau - tau0;
-            let rest = most - off * off;
-            doubtful |= rest.abs().simd_lt(local.short);
-            (middle + tau * drift, rest, rest.max(0.0).sqrt() * half_length)
-        };
-        let (from, rest, half) = end(tau0 - lead);
-        let from = from - half + self.along[0] as f32;
-        let (to, _, half) = end(tau0 + lead);
-        let to = to + half + self.along[1] as f32;
-        // A row outside ends before it begins.
-        let to = rest.simd_lt(0.0).select(from, to);
-        Ends { from, to, doubtful }
+        let from = middle + low * drift - rest_low.max(0.0).sqrt() * half_length;
+        let to = middle + high * drift + rest_high.max(0.0).sqrt() * half_length;
+        let (from, to) = (from + self.along[0] as f32, to + self.along[1] as f32);
+        Ends {
+            from,
+            // A row outside ends before it begins.
+            to: rest_low.simd_lt(0.0).select(from, to),
+            doubtful: rest_low.abs().min(rest_high.abs()).simd_lt(local.short),
+        }
     }
 
     fn bracket(&self, y: f64, z: f64) -> Bracket {

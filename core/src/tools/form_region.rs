@@ -7,7 +7,6 @@
 use fearless_simd::Simd;
 use glam::{DQuat, DVec2, DVec3, DVec4, IVec3, UVec3, Vec3};
 
-use super::eighths::set_by_eighths;
 use super::form::{Form, Pose};
 use super::form_curve::{Piece, pieces};
 use super::form_outline::Outlines;
@@ -228,6 +227,29 @@ impl PlacedForm {
             false => None,
         }
     }
+
+    /// Sets the voxels inside of a cube of the brick at `origin`, by eighths where it is not decided as a whole.
+    fn test_cube(&self, origin: UVec3, local: UVec3, edge: u32, near: &[u32], mask: &mut Brick) {
+        match self.covers(origin + local, edge, near) {
+            Some(false) => {}
+            Some(true) => {
+                for z in local.z..local.z + edge {
+                    for y in local.y..local.y + edge {
+                        for x in local.x..local.x + edge {
+                            mask.set(x, y, z, true);
+                        }
+                    }
+                }
+            }
+            None => {
+                let half = edge / 2;
+                for eighth in 0..8u32 {
+                    let corner = UVec3::new(eighth & 1, eighth >> 1 & 1, eighth >> 2);
+                    self.test_cube(origin, local + corner * half, half, near, mask);
+                }
+            }
+        }
+    }
 }
 
 /// A box around the images of the corners of a box, which has a lowest and a highest one.
@@ -281,7 +303,7 @@ impl Region for PlacedForm {
     fn mask<S: Simd>(&self, _: S, row: &FormRow, _: &RowReach, brick_x: u32) -> Brick {
         let origin = UVec3::new(brick_x * BRICK_EDGE_VX, row.y_vx, row.z_vx);
         let mut mask = Brick::EMPTY;
-        set_by_eighths(&mut mask, |local, edge| self.covers(origin + local, edge, &row.near));
+        self.test_cube(origin, UVec3::ZERO, BRICK_EDGE_VX, &row.near, &mut mask);
         mask
     }
 }

@@ -13,7 +13,6 @@ mod construct_tests;
 pub mod deform;
 mod distance;
 pub mod drain;
-mod eighths;
 pub mod filter;
 pub mod flood;
 pub mod form;
@@ -28,6 +27,7 @@ mod grab_motion;
 mod grab_motion_tests;
 #[cfg(test)]
 mod grab_tests;
+mod lanes;
 #[cfg(test)]
 mod limit_tests;
 pub mod mask;

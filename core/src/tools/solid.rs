@@ -5,6 +5,7 @@
 use glam::DVec3;
 
 use super::construct_planes::HalfSpace;
+use super::lanes::Lanes;
 
 /// The kind of a solid. In tool space it lies in [-1, 1] on every axis.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -155,29 +156,50 @@ impl Shape {
     /// The inside test in tool space.
     #[inline(always)]
     pub fn contains(&self, p: DVec3) -> bool {
-        let around_y = p.x * p.x + p.z * p.z;
+        self.holds(p.to_array())
+    }
+
+    /// The inside test of one point or eight, as coordinates in tool space.
+    #[inline(always)]
+    pub(super) fn holds<N: Lanes>(&self, [x, y, z]: [N; 3]) -> N::Mask {
+        let one = x.all(1.0);
+        let around_y = x * x + z * z;
         match self.solid {
-            Solid::Ellipsoid => p.length_squared() <= 1.0,
-            Solid::Cuboid => p.abs().max_element() <= 1.0,
-            Solid::Pyramid => p.y.abs() <= 1.0 && p.x.abs().max(p.z.abs()) <= 0.5 * (1.0 - p.y),
-            Solid::Cylinder => p.y.abs() <= 1.0 && around_y <= 1.0,
+            Solid::Ellipsoid => (x * x + y * y + z * z).at_most(one),
+            Solid::Cuboid => x.abs().max(y.abs()).max(z.abs()).at_most(one),
+            Solid::Pyramid => y.abs().at_most(one) & x.abs().max(z.abs()).at_most((one - y) * 0.5),
+            Solid::Cylinder => y.abs().at_most(one) & around_y.at_most(one),
             Solid::Cone => {
-                let radius = 0.5 * (1.0 - p.y);
-                p.y.abs() <= 1.0 && around_y <= radius * radius
+                let radius = (one - y) * 0.5;
+                y.abs().at_most(one) & around_y.at_most(radius * radius)
             }
             Solid::Torus => {
                 let out = (around_y.sqrt() - self.core.x) / self.round.x;
-                let up = p.y / self.round.y;
-                out * out + up * up <= 1.0
+                let up = y / self.round.y;
+                (out * out + up * up).at_most(one)
             }
             Solid::Capsule => {
-                let up = (p.y.abs() - self.core.y).max(0.0) / self.round.y;
-                around_y + up * up <= 1.0
+                let up = (y.abs() - self.core.y).max(x.all(0.0)) / self.round.y;
+                (around_y + up * up).at_most(one)
             }
             Solid::RoundedCuboid => {
-                ((p.abs() - self.core).max(DVec3::ZERO) / self.round).length_squared() <= 1.0
+                let [x, y, z] = self.beyond_core([x, y, z]);
+                (x * x + y * y + z * z).at_most(one)
             }
         }
+    }
+
+    /// The part of a point that is beyond the core, without sign, in units of the ellipsoid that rounds it.
+    #[inline(always)]
+    pub(super) fn beyond_core<N: Lanes>(&self, p: [N; 3]) -> [N; 3] {
+        let (core, round) = (self.core, self.round);
+        let [x, y, z] = p;
+        let zero = x.all(0.0);
+        [
+            (x.abs() - core.x).max(zero) / round.x,
+            (y.abs() - core.y).max(zero) / round.y,
+            (z.abs() - core.z).max(zero) / round.z,
+        ]
     }
 
     /// The largest `direction . p` over the solid.

@@ -7,16 +7,18 @@
 //!
 //! Pure geometry in tool space, exact up to rounding, but for the torus ([`FINEST`]).
 
-use glam::swizzles::Vec3Swizzles;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
+use super::lanes::Lanes;
 use super::solid::{Shape, Solid};
 
 /// The way of a torus is looked at in steps in which its value changes by at least this: a thousandth of the tube's
 /// radius.
 const FINEST: f64 = 1e-3;
-/// Nor in more steps than this.
+/// Nor in more steps than this, while it is in the box around the torus.
 const MOST_STEPS: f64 = 16384.0;
+/// Times from 0 to 1 that differ by less than this may be equal.
+const NO_TIME: f64 = 1e-15;
 
 impl Shape {
     /// The most by which the value changes over `offset` (at least 0 on each axis), in any direction with such parts.
@@ -36,167 +38,241 @@ impl Shape {
 
     /// Whether the solid, led from its place straight along `way`, passes over `p`; with a value up to `margin` instead
     /// of 0, which makes it larger or smaller.
-    #[inline]
     pub(super) fn passes(&self, p: DVec3, way: DVec3, margin: f64) -> bool {
-        let most = 1.0 + margin;
         // What is no number is in nothing.
-        if !(p.is_finite() && way.is_finite()) {
-            return false;
-        }
-        // Half the base of a solid with an apex.
+        p.is_finite() && way.is_finite() && self.passes_over(p.to_array(), way, margin)
+    }
+
+    /// The same of one point or eight, all of them numbers, as coordinates in tool space.
+    #[inline(always)]
+    pub(super) fn passes_over<N: Lanes>(&self, p: [N; 3], way: DVec3, margin: f64) -> N::Mask {
+        let [x, y, z] = p;
+        let most = 1.0 + margin;
+        // Half the base of a solid with an apex: its limit where heights have no digits left.
         let widest = 1.0 + 1.5 * margin;
         match self.solid() {
             Solid::Cuboid => {
-                let mut times = Times::ALL;
-                for axis in 0..3 {
-                    times.keep(p[axis] - most, -way[axis]);
-                    times.keep(-p[axis] - most, way[axis]);
+                let mut times = Times::all(x);
+                for (at, way) in [(x, way.x), (y, way.y), (z, way.z)] {
+                    times.keep_within(at, way, most);
                 }
                 times.are_some()
             }
             Solid::Pyramid => {
-                let mut times = Times::within_height(p, way, margin);
-                let (height, rise) = (0.5 * p.y - 0.5 - margin, -0.5 * way.y);
-                for (side, along) in [(p.x, way.x), (p.z, way.z)] {
-                    // The base: for heights that have no digits left.
-                    times.keep(side - widest, -along);
-                    times.keep(-side - widest, along);
+                let mut times = Times::all(x);
+                times.keep_within(y, way.y, most);
+                let (height, rise) = (y * 0.5 - (0.5 + margin), -0.5 * way.y);
+                for (side, along) in [(x, way.x), (z, way.z)] {
+                    times.keep_within(side, along, widest);
                     times.keep(height + side, rise - along);
                     times.keep(height - side, rise + along);
                 }
                 times.are_some()
             }
             Solid::Cylinder => {
-                let times = Times::within_height(p, way, margin);
-                let (p, way) = (p.xz(), way.xz());
-                let nearest = times.clamp(p.dot(way) / way.length_squared());
+                let mut times = Times::all(x);
+                times.keep_within(y, way.y, most);
+                let across = Across::new(x, z, way);
+                let squared = across.squared(times.clamp(across.foot));
                 times.are_some()
-                    && most >= 0.0
-                    && (p - way * nearest).length_squared() <= most * most
+                    & squared.at_most(x.all(most.max(0.0) * most))
+                    & x.all(0.0).at_most(x.all(most))
             }
             Solid::Cone => {
-                let times = Times::within_height(p, way, margin);
+                let mut times = Times::all(x);
+                times.keep_within(y, way.y, most);
                 // The radius at the height of the point: at the start, and how it grows with time.
-                let (radius, grows) = (0.5 * (1.0 - p.y) + margin, 0.5 * way.y);
-                let (p, way) = (p.xz(), way.xz());
-                let nearest = times.clamp(furthest_into_cone(p, way, grows));
-                let radius = (radius + grows * nearest).min(widest);
-                times.are_some()
-                    && radius >= 0.0
-                    && (p - way * nearest).length_squared() <= radius * radius
+                let (radius, grows) = (y * -0.5 + (0.5 + margin), 0.5 * way.y);
+                let across = Across::new(x, z, way);
+                let deepest = times.clamp(across.deepest_in_cone(grows));
+                let radius = (radius + deepest * grows).min(x.all(widest));
+                let within = across.squared(deepest).at_most(radius * radius);
+                times.are_some() & within & x.all(0.0).at_most(radius)
             }
             Solid::Torus => self.torus_passes(p, way, margin),
             Solid::Ellipsoid | Solid::Capsule | Solid::RoundedCuboid => {
-                let nearest = p - way * self.nearest_of_sum(p, way);
-                let beyond = self.beyond_core(nearest);
-                most >= 0.0 && nearest.is_finite() && beyond.length_squared() <= most * most
+                let t = self.nearest_of_sum(p, way);
+                let [x, y, z] = self.beyond_core(behind(p, way, t));
+                let squared = x * x + y * y + z * z;
+                squared.at_most(t.all(most.max(0.0) * most)) & t.all(0.0).at_most(t.all(most))
             }
         }
-    }
-
-    /// The part of a point that is beyond the core of a sum with an ellipsoid, in units of the ellipsoid.
-    fn beyond_core(&self, p: DVec3) -> DVec3 {
-        (p.abs() - self.core()).max(DVec3::ZERO) / self.round()
     }
 
     /// When a sum of a box and an ellipsoid is nearest to a point, from 0 to 1. The square of the distance is convex in
     /// time, and of second degree between the times when the point passes a face of the box.
-    fn nearest_of_sum(&self, p: DVec3, way: DVec3) -> f64 {
-        let (core, round) = (self.core(), self.round());
-        let slope = |t: f64| {
-            let at = p - way * t;
-            let beyond = (at.abs() - core).max(DVec3::ZERO) * at.signum();
-            -(beyond * way / (round * round)).element_sum()
-        };
-        let (mut from, mut to) = ((0.0, slope(0.0)), (1.0, slope(1.0)));
-        if from.1 >= 0.0 {
-            return 0.0;
-        }
-        if to.1 <= 0.0 {
-            return 1.0;
-        }
+    #[inline(always)]
+    fn nearest_of_sum<N: Lanes>(&self, p: [N; 3], way: DVec3) -> N {
+        let core = self.core();
+        let zero = p[0].all(0.0);
+        let (mut from, mut to) = (zero, p[0].all(1.0));
+        let (mut slope_from, mut slope_to) =
+            (self.slope_of_sum(p, way, from), self.slope_of_sum(p, way, to));
+        let (first, last) = (zero.at_most(slope_from), slope_to.at_most(zero));
         for axis in 0..3 {
+            // Without a core the two halves are one parabola.
+            let inverse = way[axis].recip();
+            if core[axis] == 0.0 || !inverse.is_finite() {
+                continue;
+            }
             for face in [-core[axis], core[axis]] {
-                let t = (p[axis] - face) / way[axis];
-                if t > from.0 && t < to.0 {
-                    let there = (t, slope(t));
-                    if there.1 < 0.0 { from = there } else { to = there }
+                let t = (p[axis] - face) * inverse;
+                let between = from.below(t) & t.below(to);
+                if N::is_none(between) {
+                    continue;
                 }
+                let t = t.where_true(between, zero);
+                let slope = self.slope_of_sum(p, way, t);
+                let (before, after) = (between & slope.below(zero), between & zero.at_most(slope));
+                (from, slope_from) =
+                    (t.where_true(before, from), slope.where_true(before, slope_from));
+                (to, slope_to) = (t.where_true(after, to), slope.where_true(after, slope_to));
             }
         }
-        from.0 + (to.0 - from.0) * (from.1 / (from.1 - to.1))
+        let change = slope_from - slope_to;
+        // At one of the ends, or where the slope is 0.
+        let level = change.at_most(zero) & zero.at_most(change);
+        let t = from + (to - from) * (slope_from / p[0].all(1.0).where_true(level, change));
+        zero.where_true(first, p[0].all(1.0).where_true(last, t))
     }
 
-    /// Follows the way as far as the value lets the point be outside.
-    fn torus_passes(&self, p: DVec3, way: DVec3, margin: f64) -> bool {
-        let change = self.slack(way.abs());
-        let least = (FINEST / change).max(MOST_STEPS.recip());
-        let mut t = 0.0;
-        loop {
-            let at = p - way * f64::min(t, 1.0);
-            let out = (at.x.hypot(at.z) - self.core().x) / self.round().x;
-            let value = out.hypot(at.y / self.round().y) - 1.0 - margin;
-            if value <= 0.0 {
-                return true;
-            }
-            // Also where it is no number.
-            if t >= 1.0 || !value.is_finite() {
-                return false;
-            }
-            t += (value / change).max(least);
+    /// Half the slope of the square of the distance at a time.
+    #[inline(always)]
+    fn slope_of_sum<N: Lanes>(&self, p: [N; 3], way: DVec3, t: N) -> N {
+        let (core, round) = (self.core(), self.round());
+        let at = behind(p, way, t);
+        let mut slope = t.all(0.0);
+        for axis in 0..3 {
+            // What is beyond the core, with its sign.
+            let nearest = at[axis].max(t.all(-core[axis])).min(t.all(core[axis]));
+            slope = slope - (at[axis] - nearest) * (way[axis] / (round[axis] * round[axis]));
         }
+        slope
+    }
+
+    /// Follows the way, while it is in the box around the solid, as far as the value lets the point be outside.
+    #[inline(always)]
+    fn torus_passes<N: Lanes>(&self, p: [N; 3], way: DVec3, margin: f64) -> N::Mask {
+        let zero = p[0].all(0.0);
+        let mut times = Times::all(zero);
+        let box_half = 1.0 + margin.max(0.0);
+        for (at, way) in [(p[0], way.x), (p[1], way.y), (p[2], way.z)] {
+            times.keep_within(at, way, box_half);
+        }
+        let Times { from, to } = times;
+        let inverse = self.slack(way.abs()).max(f64::MIN_POSITIVE).recip();
+        let least = ((to - from) * MOST_STEPS.recip()).max(zero.all(FINEST * inverse + NO_TIME));
+        let mut t = from;
+        let mut value = self.torus_value(behind(p, way, t), margin);
+        let mut inside = value.at_most(zero) & times.are_some();
+        while !N::is_all(inside | to.at_most(t)) {
+            t = (t + (value * inverse).max(least)).min(to);
+            value = self.torus_value(behind(p, way, t), margin);
+            inside = inside | (value.at_most(zero) & times.are_some());
+        }
+        inside
+    }
+
+    #[inline(always)]
+    fn torus_value<N: Lanes>(&self, [x, y, z]: [N; 3], margin: f64) -> N {
+        let out = ((x * x + z * z).sqrt() - self.core().x) / self.round().x;
+        let up = y / self.round().y;
+        (out * out + up * up).sqrt() - (1.0 + margin)
     }
 }
 
-/// When a point that moves by `-way` and is at `p` at first is furthest inside of a circle that grows by `grows`: any
-/// time, not a number where it makes no difference.
-fn furthest_into_cone(p: DVec2, way: DVec2, grows: f64) -> f64 {
-    // The least of |p - t way| - grows t, which is convex: hypot(aside, length u) - grows u with u from the foot.
-    let squared = way.length_squared();
-    let foot = p.dot(way) / squared;
-    let aside = (p - way * foot).length();
-    match squared - grows * grows {
-        steep if steep > 0.0 => foot + aside * grows / (squared * steep).sqrt(),
-        _ => f64::INFINITY.copysign(grows),
+/// Where a point is, seen from a solid that has moved along `way` for a time.
+#[inline(always)]
+fn behind<N: Lanes>([x, y, z]: [N; 3], way: DVec3, t: N) -> [N; 3] {
+    [x - t * way.x, y - t * way.y, z - t * way.z]
+}
+
+/// The motion of a point across the y axis.
+struct Across<N> {
+    at: [N; 2],
+    way: [f64; 2],
+    /// Square of the length of the way, and one over it; 0 if there is none.
+    squared_way: f64,
+    inverse: f64,
+    /// When it is nearest to the axis: any time.
+    foot: N,
+}
+
+impl<N: Lanes> Across<N> {
+    #[inline(always)]
+    fn new(x: N, z: N, way: DVec3) -> Across<N> {
+        let squared_way = way.x * way.x + way.z * way.z;
+        let inverse =
+            Some(squared_way.recip()).filter(|inverse| inverse.is_finite()).unwrap_or(0.0);
+        let foot = (x * way.x + z * way.z) * inverse;
+        Across { at: [x, z], way: [way.x, way.z], squared_way, inverse, foot }
+    }
+
+    /// Square of the distance from the axis at a time.
+    #[inline(always)]
+    fn squared(&self, t: N) -> N {
+        let [x, z] = [self.at[0] - t * self.way[0], self.at[1] - t * self.way[1]];
+        x * x + z * z
+    }
+
+    /// When the point is furthest inside of a circle around the axis that grows by `grows`: the least of
+    /// hypot(aside, length u) - grows u, which is convex, with u from the foot.
+    #[inline(always)]
+    fn deepest_in_cone(&self, grows: f64) -> N {
+        let steep = self.squared_way - grows * grows;
+        if steep <= 0.0 || self.inverse == 0.0 {
+            return self.foot.all(f64::INFINITY.copysign(grows));
+        }
+        let aside = self.squared(self.foot).sqrt();
+        self.foot + aside * (grows / (self.squared_way * steep).sqrt())
     }
 }
 
 /// The times from 0 to 1 at which linear conditions hold.
 #[derive(Clone, Copy)]
-struct Times {
-    from: f64,
-    to: f64,
+struct Times<N> {
+    from: N,
+    to: N,
 }
 
-impl Times {
-    const ALL: Times = Times { from: 0.0, to: 1.0 };
+impl<N: Lanes> Times<N> {
+    /// All, of as many points as `like` has.
+    #[inline(always)]
+    fn all(like: N) -> Times<N> {
+        Times { from: like.all(0.0), to: like.all(1.0) }
+    }
 
-    /// Those with a height within -1 to 1 and a margin.
-    fn within_height(p: DVec3, way: DVec3, margin: f64) -> Times {
-        let mut times = Times::ALL;
-        times.keep(p.y - 1.0 - margin, -way.y);
-        times.keep(-p.y - 1.0 - margin, way.y);
-        times
+    /// Keeps those at which a coordinate that goes from `at` by `-way` is within `-most` to `most`.
+    #[inline(always)]
+    fn keep_within(&mut self, at: N, way: f64, most: f64) {
+        self.keep(at - most, -way);
+        self.keep(at * -1.0 - most, way);
     }
 
     /// Keeps those at which `start + change t` is at most 0.
-    #[inline]
-    fn keep(&mut self, start: f64, change: f64) {
-        let turn = -start / change;
+    #[inline(always)]
+    fn keep(&mut self, start: N, change: f64) {
+        let inverse = change.recip();
+        let turn = start * -inverse;
         match () {
+            // No change, or less than can be told.
+            _ if !inverse.is_finite() => {
+                let held = start.at_most(start.all(0.0));
+                self.to = self.to.where_true(held, start.all(f64::NEG_INFINITY));
+            }
             _ if change > 0.0 => self.to = self.to.min(turn),
-            _ if change < 0.0 => self.from = self.from.max(turn),
-            _ if start <= 0.0 => {}
-            () => self.to = f64::NEG_INFINITY,
+            () => self.from = self.from.max(turn),
         }
     }
 
-    fn are_some(self) -> bool {
-        self.from <= self.to
+    #[inline(always)]
+    fn are_some(self) -> N::Mask {
+        self.from.at_most(self.to)
     }
 
-    /// The one nearest to `t`, the first if that is no number.
-    fn clamp(self, t: f64) -> f64 {
+    /// The one nearest to `t`.
+    #[inline(always)]
+    fn clamp(self, t: N) -> N {
         t.max(self.from).min(self.to)
     }
 }

@@ -1,0 +1,141 @@
+//! Benchmarks of single uses of brushes, masks and symmetry, as a person makes them: on the face of a coloured block of
+//! 512³ voxels, seen from half a block before it.
+
+use std::path::Path;
+
+use glam::{Quat, UVec3, Vec3};
+
+use super::edits::{EditReport, block, subtract, take_back, timed};
+use crate::command::{Command, MaskArea, MaskChange, PatchRule, SpraySurface};
+use crate::document::CommandError;
+use crate::sculpture::{ColourDepth, Limits, Rgb};
+use crate::tools::construct::{Primitive, Solid};
+use crate::tools::spray::{Effect, Footprint, Outline, Spray};
+use crate::tools::symmetry::{MirrorPlane, Radial, Symmetry};
+use crate::tools::texture::Texture;
+
+/// The middle of the face.
+const TOP_VX: Vec3 = Vec3::new(256.0, 512.0, 256.0);
+/// A name for the stencil.
+const PICTURE: &str = "stripes";
+const COLOUR: Rgb = Rgb::new(190, 30, 60);
+
+/// The measured uses. A face with a hollow gives filters and masks something to do.
+pub fn uses(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError> {
+    let mut document = block(ColourDepth::Bits24, limits)?;
+    if let Some(stripes) = stripes() {
+        document.learn_picture(Path::new(PICTURE), stripes);
+    }
+    document.apply(&cut(TOP_VX, 64.0))?;
+    let mut reports = Vec::new();
+    for (name, command) in brushes() {
+        reports.extend(timed(&mut document, &format!("{name}, radius 48"), &command, runs)?);
+    }
+    for (name, what) in areas() {
+        let command = Command::Mask(MaskChange::Put { adds: true, what });
+        reports.extend(timed(&mut document, &format!("mask of {name}"), &command, runs)?);
+    }
+    document.apply(&mask_ball(128.0))?;
+    for (name, change) in [
+        ("mask grown by 4", MaskChange::Grow(4)),
+        ("mask shrunk by 4", MaskChange::Shrink(4)),
+        ("mask evened within 2", MaskChange::Smooth(2)),
+        ("mask inverted", MaskChange::Invert),
+        ("mask cleared", MaskChange::Clear),
+    ] {
+        reports.extend(timed(&mut document, name, &Command::Mask(change), runs)?);
+    }
+    let aside = cut(TOP_VX + Vec3::X * 128.0, 64.0);
+    reports.extend(timed(&mut document, "sphere of 64 over the edge of a mask", &aside, runs)?);
+    take_back(&mut document)?;
+    let plane = MirrorPlane { at_vx: TOP_VX, normal: Vec3::new(1.0, 0.1, 0.2) };
+    let radial = Radial { at_vx: TOP_VX, axis: Vec3::Y, count: 8 };
+    for (name, symmetry) in [
+        ("sphere of 64 and its image", Symmetry { plane: Some(plane), ..Symmetry::default() }),
+        ("sphere of 64, eightfold", Symmetry { radial: Some(radial), ..Symmetry::default() }),
+    ] {
+        document.apply(&Command::Symmetry(symmetry))?;
+        reports.extend(timed(&mut document, name, &aside, runs)?);
+    }
+    Ok(reports)
+}
+
+/// Brushes of 48 rays around the middle, a voxel apart.
+fn brushes() -> Vec<(&'static str, Command)> {
+    let footprint = Footprint {
+        eye_vx: TOP_VX + Vec3::Y * 256.0,
+        aim: Vec3::NEG_Y * 256.0,
+        across: Vec3::X,
+        down: Vec3::Z,
+        radius: 48.0,
+        outline: Outline::Round,
+    };
+    let spray = |effect, reach_vx| Command::Spray {
+        spray: Spray { effect, footprint, reach_vx },
+        surface: SpraySurface::Now,
+    };
+    let stencil = Command::Stencil { picture: PICTURE.into(), footprint, colour: None, cover: 1.0 };
+    vec![
+        ("brush", spray(Effect::Paintbrush { colour: COLOUR, cover: 0.5 }, 0.0)),
+        ("stencil", stencil),
+        ("devourer of depth 4", spray(Effect::Devourer { outline: Outline::Round }, 4.0)),
+        ("clay of height 4", spray(Effect::Clay { colour: COLOUR }, 4.0)),
+        ("erosion", spray(Effect::Erosion { threshold: 14 }, 1.0)),
+        ("dilation", spray(Effect::Dilation { threshold: 12, colour: None }, 1.0)),
+        ("growth", spray(Effect::Growth { threshold: 14, colour: None }, 1.0)),
+        ("smooth", spray(Effect::Smooth { radius_vx: 2 }, 2.0)),
+        ("mask brush of depth 4", spray(Effect::Mask { adds: true }, 4.0)),
+    ]
+}
+
+fn areas() -> Vec<(&'static str, MaskArea)> {
+    let at = UVec3::new(20, 511, 20);
+    vec![
+        ("cavities", MaskArea::Cavities { reach_vx: 4, depth_vx: 2 }),
+        ("a flat patch", MaskArea::Patch { at, by: PatchRule::Flat(20.0), depth_vx: 2 }),
+        ("a patch of one colour", MaskArea::Patch { at, by: PatchRule::Colour(0.1), depth_vx: 2 }),
+        ("a piece", MaskArea::Piece { at }),
+    ]
+}
+
+fn cut(centre_vx: Vec3, radius: f32) -> Command {
+    subtract(Solid::Ellipsoid, centre_vx, Vec3::splat(radius), Quat::IDENTITY)
+}
+
+fn mask_ball(radius: f32) -> Command {
+    let primitive = Primitive {
+        solid: Solid::Ellipsoid,
+        centre_vx: TOP_VX,
+        half: Vec3::splat(radius),
+        rotation: Quat::IDENTITY,
+    };
+    let what = MaskArea::Solid { primitive, to_vx: None };
+    Command::Mask(MaskChange::Put { adds: true, what })
+}
+
+/// 64 by 64 pixels.
+fn stripes() -> Option<Texture> {
+    let pixel = |i: u32| match i % 64 / 8 % 2 {
+        0 => Rgb::new(240, 240, 230),
+        _ => Rgb::new(40, 60, 90),
+    };
+    Texture::new(64, (0..64 * 64).map(pixel).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_use_does_something() {
+        let reports = uses(1, Limits::default()).unwrap();
+        assert_eq!(reports.len(), 21);
+        for report in &reports {
+            assert!(report.voxels > 100, "{report:?}");
+        }
+        // What a ball takes away from another one is what it takes, but for what is there no more or masked.
+        let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
+        assert!(voxels("sphere of 64 over") < voxels("sphere of 64 and") / 2);
+        assert!(voxels("sphere of 64, eightfold") > 3 * voxels("sphere of 64 and"));
+    }
+}
