@@ -194,19 +194,26 @@ fn follow_edits(
         "undo 1",
         "symmetry x=even",
         "subtract pyramid at=20,70,60 half=10,10,10 turn=0,45,0",
+        "mask add ellipsoid at=24,44,66 half=12,9,14 turn=20,30,40",
+        "mask grow by=3",
+        "mask subtract cuboid at=50,60,68 half=9,6,8 to=60,40,68",
+        "mask invert",
         "undo all",
         "redo all",
+        "mask clear",
     ];
-    // The frame stays; the second line and the tool move.
+    // The frame stays; the second line and the tool move, unless the mask alone changes: that is to be seen by itself.
     let frame = line(Vec3::ZERO, Vec3::splat(80.0));
     let mut document = new_document();
     let mut follower = new_painter();
     let mut before = follower.paint(&eyes, mode, (&[], &[frame]), &mut document);
-    for (i, text) in edits.into_iter().enumerate() {
+    let mut moves = 0;
+    for text in edits {
+        moves += usize::from(!text.starts_with("mask"));
         let command: Command = text.parse().unwrap();
         document.apply(&command).unwrap();
-        let place = Vec3::new(10.0 + 9.0 * i as f32, 40.0, 70.0);
-        let previews = &[preview(place)][..usize::from(i % 3 != 1)];
+        let place = Vec3::new(5.0 + 8.0 * moves as f32, 40.0, 70.0);
+        let previews = &[preview(place)][..usize::from(moves % 3 != 1)];
         let lines = [frame, line(place, place + Vec3::Y * 20.0)];
         let tools = (previews, lines.as_slice());
         let followed = follower.paint(&eyes, mode, tools, &mut document);

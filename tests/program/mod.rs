@@ -7,6 +7,7 @@ mod film;
 mod final_picture;
 #[cfg(target_os = "linux")]
 mod limits;
+mod masks;
 mod meshes;
 mod orthographic;
 mod pipe;

@@ -76,6 +76,17 @@ pub fn send(harness: &mut Bench, event: Event) {
     harness.step();
 }
 
+/// A click on the picture, which is looked at before and after.
+pub fn press(harness: &mut Bench, pos: Pos2) {
+    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+    send(harness, Event::PointerMoved(pos));
+    look(harness);
+    for pressed in [true, false] {
+        send(harness, Event::PointerButton { pos, button, pressed, modifiers });
+        look(harness);
+    }
+}
+
 pub fn drag(harness: &mut Bench, button: PointerButton, modifiers: Modifiers, way: &[Pos2]) {
     let press = |pos, pressed| Event::PointerButton { pos, button, pressed, modifiers };
     send(harness, Event::PointerMoved(way[0]));

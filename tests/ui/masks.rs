@@ -9,7 +9,7 @@ use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::spray::SprayKind;
 
 use super::bench::{
-    Bench, bench, click, corner, drag, has, key, look, rest, run, screen, send, voxels,
+    Bench, bench, click, corner, drag, has, key, look, press, rest, run, screen, send, voxels,
 };
 
 const FULL: u64 = 64 * 64 * 64;
@@ -41,16 +41,6 @@ fn at(harness: &Bench, x: f32, y: f32) -> Pos2 {
 fn stroke(harness: &mut Bench, modifiers: Modifiers, from: [f32; 2], to: [f32; 2]) {
     let way = [from, to].map(|[x, y]| at(harness, x, y));
     drag(harness, PointerButton::Primary, modifiers, &way);
-}
-
-fn press(harness: &mut Bench, pos: Pos2) {
-    send(harness, Event::PointerMoved(pos));
-    look(harness);
-    for pressed in [true, false] {
-        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-        send(harness, Event::PointerButton { pos, button, pressed, modifiers });
-        look(harness);
-    }
 }
 
 #[test]

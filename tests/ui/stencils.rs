@@ -1,11 +1,10 @@
 //! The brush paints images on the surface, and colours through them.
 
-use egui::{Event, Modifiers, PointerButton};
 use virtual_sculpture::editor::tool::{ToolEdit, ToolKind};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::spray::SprayKind;
 
-use super::bench::{Bench, bench, has, look, middle, rest, run, send};
+use super::bench::{Bench, bench, has, middle, press, rest, run};
 
 const RED: Rgb = Rgb::new(255, 0, 0);
 const WHITE: Rgb = Rgb::new(255, 255, 255);
@@ -29,15 +28,9 @@ fn with_stencil(folder: &std::path::Path) -> Bench {
     harness
 }
 
-fn press(harness: &mut Bench) {
-    let pos = middle(harness);
-    send(harness, Event::PointerMoved(pos));
-    look(harness);
-    for pressed in [true, false] {
-        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-        send(harness, Event::PointerButton { pos, button, pressed, modifiers });
-        look(harness);
-    }
+fn press_middle(harness: &mut Bench) {
+    let at = middle(harness);
+    press(harness, at);
 }
 
 fn colours(harness: &Bench) -> [Rgb; 3] {
@@ -51,12 +44,12 @@ fn the_brush_paints_an_image_or_a_colour_through_it() {
     let mut harness = with_stencil(folder.path());
     rest(&mut harness);
     assert!(has(&harness, "halves.png") && has(&harness, "Colour through it"));
-    press(&mut harness);
+    press_middle(&mut harness);
     assert_eq!(colours(&harness), [WHITE, BLACK, Rgb::STONE]);
     run(&mut harness, "undo");
     assert_eq!(colours(&harness), [Rgb::STONE; 3]);
     harness.state_mut().editor.tool.edit(ToolEdit::ThroughStencil(true));
-    press(&mut harness);
+    press_middle(&mut harness);
     assert_eq!(colours(&harness), [RED, Rgb::STONE, Rgb::STONE]);
     // A solid has an image of its own.
     harness.state_mut().editor.tool.kind = ToolKind::Solid;
@@ -65,7 +58,7 @@ fn the_brush_paints_an_image_or_a_colour_through_it() {
     harness.state_mut().editor.tool.kind = ToolKind::Spray(SprayKind::Paintbrush);
     harness.state_mut().editor.tool.edit(ToolEdit::Picture(Some("/nonexistent/leaf.png".into())));
     let before = harness.state().session().document().contents().clone();
-    press(&mut harness);
+    press_middle(&mut harness);
     assert!(*harness.state().session().document().contents() == before);
     assert!(harness.state().ui.toasts.texts().any(|(_, text)| text.contains("leaf.png")));
 }

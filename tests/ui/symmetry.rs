@@ -1,13 +1,14 @@
 //! Symmetry in the interface: a mirror plane and an axis of rotation, placed by key, by a press and by numbers.
 
-use egui::{Event, Key, Modifiers, PointerButton};
+use egui::{Event, Key, Modifiers};
 use glam::{IVec3, Vec3};
 use virtual_sculpture::editor::symmetry::Placed;
 use virtual_sculpture::editor::tool::NextPress;
 use virtual_sculpture::tools::symmetry::Symmetry;
 
 use super::bench::{
-    Bench, bench_of, click, config, corner, has, key, look, middle, rest, run, screen, send, voxels,
+    Bench, bench_of, click, config, corner, has, key, middle, press, rest, run, screen, send,
+    voxels,
 };
 
 const FULL: u64 = 64 * 64 * 64;
@@ -25,15 +26,9 @@ fn symmetry(harness: &Bench) -> Symmetry {
     harness.state().session().document().symmetry()
 }
 
-fn press(harness: &mut Bench, at: Vec3) {
+fn press_at(harness: &mut Bench, at: Vec3) {
     let pos = screen(harness, at);
-    send(harness, Event::PointerMoved(pos));
-    look(harness);
-    for pressed in [true, false] {
-        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-        send(harness, Event::PointerButton { pos, button, pressed, modifiers });
-        look(harness);
-    }
+    press(harness, pos);
 }
 
 fn is_cut(harness: &Bench, v: [i32; 3]) -> bool {
@@ -45,7 +40,7 @@ fn a_plane_is_toggled_and_placed_along_the_line_of_sight() {
     let mut harness = front();
     key(&mut harness, Modifiers::NONE, Key::Num4);
     assert_eq!(symmetry(&harness).plane.unwrap().normal, Vec3::X);
-    press(&mut harness, Vec3::new(20.0, 32.0, 64.0));
+    press_at(&mut harness, Vec3::new(20.0, 32.0, 64.0));
     assert!(is_cut(&harness, [20, 32, 63]) && is_cut(&harness, [43, 32, 63]));
     assert!(!is_cut(&harness, [32, 32, 63]));
     run(&mut harness, "undo");
@@ -54,14 +49,14 @@ fn a_plane_is_toggled_and_placed_along_the_line_of_sight() {
     // Seen from the front, a plane through a press lies across x; the press uses no tool.
     click(&mut harness, "Place plane");
     assert_eq!(harness.state().editor.tool.next_press, Some(NextPress::Symmetry(Placed::Plane)));
-    press(&mut harness, Vec3::new(32.0, 20.0, 64.0));
+    press_at(&mut harness, Vec3::new(32.0, 20.0, 64.0));
     let plane = symmetry(&harness).plane.unwrap();
     assert_eq!((plane.normal, plane.at_vx.x), (Vec3::X, 32.0));
     assert_eq!(voxels(&harness), FULL);
     // Turned about the vertical by 45 degrees, it is the diagonal one.
     run(&mut harness, "place turn=0,45,0");
     click(&mut harness, "Place plane");
-    press(&mut harness, Vec3::new(0.0, 32.0, 64.0));
+    press_at(&mut harness, Vec3::new(0.0, 32.0, 64.0));
     let normal = symmetry(&harness).plane.unwrap().normal;
     assert!(normal.y.abs() < 0.05 && (normal.x.abs() - normal.z.abs()).abs() < 0.1, "{normal}");
     // Its numbers are shown.
@@ -72,12 +67,7 @@ fn a_plane_is_toggled_and_placed_along_the_line_of_sight() {
     click(&mut harness, "Place plane");
     let before = symmetry(&harness);
     let pos = corner(&harness);
-    send(&mut harness, Event::PointerMoved(pos));
-    look(&mut harness);
-    for pressed in [true, false] {
-        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-        send(&mut harness, Event::PointerButton { pos, button, pressed, modifiers });
-    }
+    press(&mut harness, pos);
     assert_eq!(symmetry(&harness), before);
     assert!(harness.state().ui.toasts.texts().any(|(_, text)| text.contains("on the surface")));
 }
@@ -89,10 +79,10 @@ fn tools_are_repeated_around_an_axis_that_is_placed() {
     let radial = symmetry(&harness).radial.unwrap();
     assert_eq!((radial.axis, radial.count, radial.at_vx), (Vec3::Y, 6, Vec3::splat(32.0)));
     click(&mut harness, "Place axis");
-    press(&mut harness, Vec3::new(32.2, 31.9, 64.0));
+    press_at(&mut harness, Vec3::new(32.2, 31.9, 64.0));
     let radial = symmetry(&harness).radial.unwrap();
     assert_eq!((radial.axis, radial.at_vx.x, radial.at_vx.y), (Vec3::Z, 32.0, 32.0));
-    press(&mut harness, Vec3::new(52.0, 32.0, 64.0));
+    press_at(&mut harness, Vec3::new(52.0, 32.0, 64.0));
     assert_eq!(harness.state().session().document().history().undo_count(), 1, "one step");
     for k in 0..6 {
         let (sin, cos) = (k as f32 * std::f32::consts::TAU / 6.0).sin_cos();

@@ -1,9 +1,11 @@
 //! Flood fills where one presses, and the window of colours: each is one command that undo takes back.
 
-use egui::{Event, Key, Modifiers, PointerButton};
+use egui::{Event, Key, Modifiers};
 use virtual_sculpture::sculpture::Rgb;
 
-use super::bench::{Bench, bench, click, click_once, has, key, look, middle, rest, run, send};
+use super::bench::{
+    Bench, bench, click, click_once, has, key, look, middle, press, rest, run, send,
+};
 
 const RED: Rgb = Rgb::new(255, 0, 0);
 const GREEN: Rgb = Rgb::new(0, 255, 0);
@@ -15,17 +17,6 @@ fn front() -> Bench {
     run(&mut harness, "place");
     harness.state_mut().editor.tool.colour = RED;
     harness
-}
-
-fn press(harness: &mut Bench) {
-    let pos = middle(harness);
-    send(harness, Event::PointerMoved(pos));
-    look(harness);
-    for pressed in [true, false] {
-        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-        send(harness, Event::PointerButton { pos, button, pressed, modifiers });
-        look(harness);
-    }
 }
 
 fn colour_at(harness: &Bench, v: [u32; 3]) -> Rgb {
@@ -55,11 +46,11 @@ fn a_patch_is_flooded_by_key_and_by_the_next_press() {
     // Chosen, the next press floods and uses no tool; the one after that uses the tool.
     harness.state_mut().editor.tool.flood_tolerance = 1.0;
     click(&mut harness, "💧 Flood");
-    press(&mut harness);
+    press(&mut harness, at);
     assert_eq!(last_step(&harness), "flood");
     assert_eq!(colour_at(&harness, [32, 50, 63]), RED, "all colours are alike enough");
     assert_eq!(harness.state().editor.tool.next_press, None);
-    press(&mut harness);
+    press(&mut harness, at);
     assert_ne!(last_step(&harness), "flood");
 }
 

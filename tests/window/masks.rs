@@ -43,6 +43,19 @@ fn a_mask_is_seen_and_kept_and_symmetry_is_drawn() {
     program.leave_picture();
     let radial = shot(&program, "mask-7-radial").part(PICTURE);
     assert!(cleared.differing(&radial) > 300, "{}", cleared.differing(&radial));
+    // All of it masked and seen to be, saved pictures are as without.
+    program.key(&["Control_L", "j"]);
+    program.leave_picture();
+    let all = shot(&program, "mask-8-all").part(PICTURE);
+    assert!(radial.differing(&all) > 1000, "{}", radial.differing(&all));
+    program.key(&["F12"]);
+    program.settle();
+    program.key(&["Control_L", "Shift_L", "j"]);
+    program.key(&["F12"]);
+    program.settle();
+    let [masked, bare] = ["sculpture-1.png", "sculpture-2.png"]
+        .map(|name| image::open(program.folder().join(name)).unwrap().to_rgb8());
+    assert!(masked == bare, "the mask is seen in a saved picture");
     program.key(&["Control_L", "q"]);
     program.settle();
     program.leave_without_saving();

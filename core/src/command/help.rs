@@ -123,7 +123,7 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "mask",
-        usage: "add|subtract grid|selection|marker|SOLID at=X,Y,Z half=A[,B,C] [turn=...]|half-space ...|ring ...|tube ...|lathe ...|extrusion ...|colour colour=#rrggbb [tolerance=0..1]|cavities [within=1..4] [depth=0..4]|patch at=X,Y,Z [tolerance=0..1|angle=DEGREES] [depth=0..4]|piece at=X,Y,Z | clear | invert | grow [by=VOXELS] | shrink [by=VOXELS] | smooth [around=1..8]",
+        usage: "add|subtract grid|selection|marker|SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z]|half-space ...|ring ...|tube ...|lathe ...|extrusion ...|colour colour=#rrggbb [tolerance=0..1]|cavities [within=1..4] [depth=0..4]|patch at=X,Y,Z [tolerance=0..1|angle=DEGREES] [depth=0..4]|piece at=X,Y,Z | clear | invert | grow [by=VOXELS] | shrink [by=VOXELS] | smooth [around=1..8]",
         tooltip: "Protect voxels from all tools, or no longer: an area, what a solid contains, a colour, cavities of the surface, a patch of one colour or direction, or all that hangs together",
     },
     CommandHelp {

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::model::{Box3, Model, Sculpture};
-use super::statement::{Area, Axes, Op, Statement};
+use super::statement::{Area, Axes, Op, Ray, Statement};
 
 impl Model {
     /// Executes a statement; false if it must be refused.
@@ -25,6 +25,7 @@ impl Model {
                     bits: *bits,
                     base: *base,
                     voxels: vec![],
+                    masked: vec![false; dims.iter().product()],
                 };
                 new.base = new.kept(*base);
                 new.voxels = vec![solid.then_some(new.base); dims.iter().product()];
@@ -54,33 +55,29 @@ impl Model {
                 false
             }
             Statement::Solid { op, placed } => {
-                let sculpture = self.now.clone();
-                let solid = placed.ready(sculpture.size);
-                // A voxel is covered if the solid holds its centre or the image of that.
-                let covered: Vec<bool> = sculpture
-                    .all()
-                    .map(|v| self.images(v.map(|v| v as f64 + 0.5)))
-                    .map(|images| images.iter().any(|p| solid.beyond(*p) <= 0.0))
-                    .collect();
+                let (sculpture, covered) = (self.now.clone(), self.covered(placed));
                 self.op(*op, |v| sculpture.place(v).is_some_and(|place| covered[place]));
                 self.used(statement);
                 true
             }
             Statement::Brush { ray, colour } => {
-                let met = self.met(ray);
+                let met = self.sure(ray);
                 self.op(Op::Recolour(*colour), |v| met.contains(&v));
                 self.used(statement);
                 true
             }
             Statement::Devour { ray, reach } => {
-                let met = self.met(ray);
-                let distance = |a: [i64; 3], b: [i64; 3]| {
-                    (0..3).map(|i| ((a[i] - b[i]) as f64).powi(2)).sum::<f64>().sqrt()
-                };
-                self.op(Op::Subtract, |v| met.iter().any(|m| distance(*m, v) <= *reach));
+                let (sculpture, near) = (self.now.clone(), self.near(ray, *reach));
+                self.op(Op::Subtract, |v| sculpture.place(v).is_some_and(|place| near[place]));
                 self.used(statement);
                 true
             }
+            Statement::Protect { adds, ray, reach } => {
+                self.cover_with_mask(*adds, self.near(ray, *reach));
+                self.used(statement);
+                true
+            }
+            Statement::Mask(change) => self.change_mask(change),
             Statement::Fill { area, colour } => self.area(*area, Op::Add(*colour)),
             Statement::Clear { area } => self.area(*area, Op::Subtract),
             Statement::Dye { area, colour } => self.area(*area, Op::Recolour(*colour)),
@@ -101,11 +98,12 @@ impl Model {
                 self.limit = *on;
                 true
             }
-            Statement::Symmetry(mirrors) => {
-                self.mirrors = *mirrors;
+            Statement::Symmetry(symmetry) if symmetry.image_count() > 64 => false,
+            Statement::Symmetry(symmetry) => {
+                self.symmetry = *symmetry;
                 true
             }
-            Statement::Copy => match self.copy() {
+            Statement::Copy => match self.copy(false) {
                 Some((copied, _)) => {
                     self.copied = Some(copied);
                     true
@@ -113,7 +111,7 @@ impl Model {
                 None => false,
             },
             Statement::Cut => {
-                let Some((copied, _)) = self.copy() else { return false };
+                let Some((copied, _)) = self.copy(true) else { return false };
                 self.copied = Some(copied);
                 self.area(Area::Marker, Op::Subtract)
             }
@@ -135,23 +133,32 @@ impl Model {
     }
 
     fn area(&mut self, area: Area, op: Op) -> bool {
-        let (marker, boxes) = (self.marker, self.boxes.clone());
-        if area == Area::Selection && boxes.is_empty() {
+        if area == Area::Selection && self.boxes.is_empty() {
             return false;
         }
-        self.op(op, |v| match area {
-            Area::Grid => true,
-            Area::Marker => marker.contains(v),
-            Area::Selection => {
-                boxes.iter().rev().find(|(b, _)| b.contains(v)).is_some_and(|(_, adds)| *adds)
-            }
-        });
+        let sculpture = self.now.clone();
+        let covered: Vec<bool> = sculpture.all().map(|v| self.is_in(area, v)).collect();
+        self.op(op, |v| sculpture.place(v).is_some_and(|place| covered[place]));
         true
+    }
+
+    /// What each image of a ray meets. Scripts have no others.
+    fn sure(&self, ray: &Ray) -> Vec<[i64; 3]> {
+        self.met(ray).expect("a ray of which it is sure what it meets")
+    }
+
+    /// For each voxel whether it is within `reach` voxels of one that an image of the ray meets.
+    fn near(&self, ray: &Ray, reach: f64) -> Vec<bool> {
+        let met = self.sure(ray);
+        let distance = |a: [i64; 3], b: [i64; 3]| {
+            (0..3).map(|i| ((a[i] - b[i]) as f64).powi(2)).sum::<f64>().sqrt()
+        };
+        self.now.all().map(|v| met.iter().any(|m| distance(*m, v) <= reach)).collect()
     }
 
     /// Turns what is marked about its middle, and moves it; the marker goes along.
     fn carry(&mut self, by: [i64; 3], axes: &Axes) -> bool {
-        let Some((copied, from)) = self.copy() else { return false };
+        let Some((copied, from)) = self.copy(true) else { return false };
         let mut turned = [0; 3];
         (0..3).for_each(|i| turned[axes[i].0] = copied.size[i]);
         let at: [i64; 3] =
@@ -191,10 +198,12 @@ impl Statement {
     fn shifted(&self, by: [i64; 3]) -> Statement {
         let mut statement = self.clone();
         match &mut statement {
-            Statement::Solid { placed, .. } => (0..3).for_each(|i| placed.at[i] += by[i] as f64),
+            Statement::Solid { placed, .. } => *placed = placed.shifted(by),
             Statement::Paste { at, .. } => (0..3).for_each(|i| at[i] += by[i]),
-            Statement::Brush { ray, .. } | Statement::Devour { ray, .. } => {
-                (0..3).for_each(|i| ray.through[i] += by[i]);
+            Statement::Brush { ray, .. }
+            | Statement::Devour { ray, .. }
+            | Statement::Protect { ray, .. } => {
+                *ray = ray.shifted(by);
             }
             _ => unreachable!("no use of a tool"),
         }

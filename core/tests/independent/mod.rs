@@ -1,17 +1,22 @@
 //! Random scripts, executed by the library and by a model that was written independently of it: from
 //! the manual only, with an array of voxels, `f64`, and none of the library's code. After each
-//! command every voxel and its colour are compared, and whether the command was refused.
+//! command every voxel, its colour and whether it is protected are compared, and whether the command was refused.
 //!
 //! `SCULPTURE_SCRIPTS` sets the number of scripts (default 200), `SCULPTURE_SCRIPTS_FROM` the first
 //! seed.
 
 mod execute;
 mod generator;
+mod mask;
+mod matrix;
 mod model;
 mod orient;
 mod random;
+mod rays;
 mod solid;
 mod statement;
+mod sweep;
+mod symmetry;
 
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::command::{Command, NewSculpture};
@@ -46,6 +51,10 @@ fn difference(document: &Document, model: &Model) -> Option<String> {
         let here = document.contents().colour(v).map(|colour| colour.0);
         if here != *colour {
             return Some(format!("voxel {v}: {here:?}, the model {colour:?}"));
+        }
+        let (masked, expected) = (document.mask().is_some_and(|m| m.get(v)), sculpture.masked[i]);
+        if masked != expected {
+            return Some(format!("voxel {v}: protected {masked}, the model {expected}"));
         }
     }
     None
@@ -86,6 +95,9 @@ fn agree(seed: u64, used: &mut std::collections::BTreeMap<&'static str, u64>) ->
         if expected {
             done += 1;
             *used.entry(command.verb()).or_default() += 1;
+            for form in generator::FORMS.into_iter().filter(|form| text.contains(form)) {
+                *used.entry(form).or_default() += 1;
+            }
         }
     }
     done
@@ -98,8 +110,8 @@ fn random_scripts_equal_the_independent_model() {
     let commands: u64 = (first..first + count).map(|seed| agree(seed, &mut used)).sum();
     trials::note!("{count} scripts, {commands} commands without a difference: {used:?}");
     if count >= 100 {
-        for verb in generator::VERBS {
-            assert!(used.contains_key(verb), "`{verb}` was never accepted");
+        for form in generator::VERBS.iter().chain(&generator::FORMS) {
+            assert!(used.contains_key(form), "`{form}` was never accepted");
         }
     }
 }

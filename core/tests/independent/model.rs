@@ -3,7 +3,9 @@
 use std::rc::Rc;
 
 use super::orient::inverse;
-use super::statement::{Axes, Colour, Mirror, Op, Ray, Statement};
+use super::solid::Placed;
+use super::statement::{Area, Axes, Colour, Op, Statement};
+use super::symmetry::{Image, Symmetry};
 
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sculpture {
@@ -15,6 +17,8 @@ pub struct Sculpture {
     pub base: Colour,
     /// The colour of each voxel that exists, x fastest, then y, then z.
     pub voxels: Vec<Option<Colour>>,
+    /// Which voxels are protected.
+    pub masked: Vec<bool>,
 }
 
 /// A half-open box.
@@ -52,7 +56,7 @@ pub struct Model {
     pub marker: Box3,
     pub boxes: Vec<(Box3, bool)>,
     pub limit: bool,
-    pub mirrors: [Mirror; 3],
+    pub symmetry: Symmetry,
     pub copied: Option<Copied>,
     pub uses: Vec<Statement>,
     pub last_uses: Vec<Statement>,
@@ -96,8 +100,14 @@ impl Model {
     /// A single voxel of the stone, without colours.
     pub fn new() -> Model {
         let base = [0xc8, 0xbe, 0xaa];
-        let voxel =
-            Sculpture { dims: [1; 3], size: [1.0; 3], bits: 0, base, voxels: vec![Some(base)] };
+        let voxel = Sculpture {
+            dims: [1; 3],
+            size: [1.0; 3],
+            bits: 0,
+            base,
+            voxels: vec![Some(base)],
+            masked: vec![false],
+        };
         Model {
             now: Rc::new(voxel),
             undo: Vec::new(),
@@ -106,7 +116,7 @@ impl Model {
             marker: Box3 { min: [0; 3], max: [1; 3] },
             boxes: Vec::new(),
             limit: false,
-            mirrors: [Mirror::Off; 3],
+            symmetry: Symmetry::OFF,
             copied: None,
             uses: Vec::new(),
             last_uses: Vec::new(),
@@ -126,31 +136,38 @@ impl Model {
         self.stroke.is_some()
     }
 
-    /// The images of a point (voxels) of a tool, itself among them: whole sets of mirrorings.
-    pub fn images(&self, point: [f64; 3]) -> Vec<[f64; 3]> {
-        let mut images = vec![point];
-        for (axis, mirror) in self.mirrors.into_iter().enumerate() {
-            let middle = (self.now.dims[axis] / 2) as f64;
-            let plane = match mirror {
-                Mirror::Off => continue,
-                Mirror::Even => middle,
-                Mirror::Odd => middle + 0.5,
-            };
-            for i in 0..images.len() {
-                let mut image = images[i];
-                image[axis] = 2.0 * plane - image[axis];
-                images.push(image);
-            }
+    /// A tool and its images.
+    pub fn images(&self) -> Vec<Image> {
+        self.symmetry.images(self.now.dims, self.now.size)
+    }
+
+    /// For each voxel whether a solid or an image of it holds its centre.
+    pub fn covered(&self, placed: &Placed) -> Vec<bool> {
+        let (solid, images) = (placed.ready(self.now.size), self.images());
+        let centres = self.now.all().map(|v| v.map(|v| v as f64 + 0.5));
+        let holds = |centre| images.iter().any(|i| solid.beyond(i.origin(centre)) <= 0.0);
+        centres.map(holds).collect()
+    }
+
+    pub fn is_in(&self, area: Area, v: [i64; 3]) -> bool {
+        match area {
+            Area::Grid => true,
+            Area::Marker => self.marker.contains(v),
+            Area::Selection => self.selected(v),
         }
-        images
     }
 
     fn selected(&self, v: [i64; 3]) -> bool {
         self.boxes.iter().rev().find(|(b, _)| b.contains(v)).is_some_and(|(_, adds)| *adds)
     }
 
-    fn may_change(&self, v: [i64; 3]) -> bool {
+    pub fn is_within_limit(&self, v: [i64; 3]) -> bool {
         !self.limit || self.boxes.is_empty() || self.selected(v)
+    }
+
+    fn may_change(&self, v: [i64; 3]) -> bool {
+        let masked = self.now.place(v).is_some_and(|place| self.now.masked[place]);
+        !masked && self.is_within_limit(v)
     }
 
     pub fn begin_with(&mut self, sculpture: Sculpture) {
@@ -202,35 +219,15 @@ impl Model {
         });
     }
 
-    /// The first voxel that each image of the ray meets.
-    pub fn met(&self, ray: &Ray) -> Vec<[i64; 3]> {
-        let through = ray.through.map(|v| v as f64 + 0.5);
-        let mut met = Vec::new();
-        for (i, image) in self.images(through).into_iter().enumerate() {
-            // Images come in pairs: each mirroring doubles them, so its bit says whether it is in.
-            let used: Vec<usize> = (0..3).filter(|&a| self.mirrors[a] != Mirror::Off).collect();
-            let bit = used.iter().position(|&a| a == ray.axis);
-            let turned = bit.is_some_and(|bit| i >> bit & 1 != 0);
-            let length = self.now.dims[ray.axis] as i64;
-            let mut v = image.map(|p| p.floor() as i64);
-            for k in 0..length {
-                v[ray.axis] = if ray.rising != turned { k } else { length - 1 - k };
-                if self.now.get(v).is_some() {
-                    met.push(v);
-                    break;
-                }
-            }
-        }
-        met
-    }
-
-    pub fn copy(&self) -> Option<(Copied, [i64; 3])> {
+    /// What is marked; without what is protected where it `leaves` its place.
+    pub fn copy(&self, leaves: bool) -> Option<(Copied, [i64; 3])> {
         let from = self.marker.min.map(|v| v.max(0));
         let end: [i64; 3] =
             std::array::from_fn(|i| self.marker.max[i].min(self.now.dims[i] as i64));
         let size: [i64; 3] = std::array::from_fn(|i| end[i] - from[i]);
         let mut voxels = Vec::new();
-        for v in self.now.all().filter(|v| self.marker.contains(*v) && self.may_change(*v)) {
+        let may = |v| if leaves { self.may_change(v) } else { self.is_within_limit(v) };
+        for v in self.now.all().filter(|v| self.marker.contains(*v) && may(*v)) {
             if let Some(colour) = self.now.get(v) {
                 voxels.push((std::array::from_fn(|i| v[i] - from[i]), colour));
             }

@@ -34,10 +34,11 @@ impl Sculpture {
             oriented.dims[axis] = self.dims[i];
             oriented.size[axis] = self.size[i];
         }
-        for (v, voxel) in self.all().zip(&self.voxels) {
+        for (v, (voxel, masked)) in self.all().zip(self.voxels.iter().zip(&self.masked)) {
             let voxel_box = Box3 { min: v, max: v.map(|v| v + 1) };
             let place = oriented.place(voxel_box.oriented(self.dims, axes).min).unwrap();
             oriented.voxels[place] = *voxel;
+            oriented.masked[place] = *masked;
         }
         oriented
     }
@@ -60,8 +61,7 @@ impl Model {
         let dims = self.now.dims;
         self.marker = self.marker.oriented(dims, axes);
         self.boxes.iter_mut().for_each(|(b, _)| *b = b.oriented(dims, axes));
-        let mirrors = self.mirrors;
-        axes.iter().zip(mirrors).for_each(|(&(axis, _), mirror)| self.mirrors[axis] = mirror);
+        self.symmetry = self.symmetry.oriented(dims, axes);
         self.now = oriented;
         self.last_uses.clear();
     }

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
+use super::matrix::{Matrix, Vector, apply, minus, times, transposed};
 use super::statement::list;
+use super::sweep::{least, least_of_convex};
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Shape {
@@ -38,19 +40,6 @@ pub enum Turn {
     Quaternion([f64; 4]),
 }
 
-/// Rows of a matrix.
-type Matrix = [[f64; 3]; 3];
-
-fn times(a: &Matrix, b: &Matrix) -> Matrix {
-    let mut out = [[0.0; 3]; 3];
-    for (row, out) in out.iter_mut().enumerate() {
-        for (column, out) in out.iter_mut().enumerate() {
-            *out = (0..3).map(|k| a[row][k] * b[k][column]).sum();
-        }
-    }
-    out
-}
-
 impl Turn {
     /// Takes directions of the tool to directions of the grid.
     fn matrix(&self) -> Matrix {
@@ -84,6 +73,8 @@ pub struct Placed {
     /// In edges of the smallest voxel edge.
     pub half: [f64; 3],
     pub turn: Turn,
+    /// Where its centre goes, straight and without turning; none if it stays.
+    pub to: Option<[f64; 3]>,
 }
 
 /// A solid in the voxels of one sculpture.
@@ -91,25 +82,57 @@ pub struct Ready<'a> {
     placed: &'a Placed,
     turn: Matrix,
     edges: [f64; 3],
+    /// How far it goes, in tool space.
+    way: Option<Vector>,
 }
 
 impl Placed {
     pub fn ready(&self, edges: [f64; 3]) -> Ready<'_> {
         let smallest = edges.iter().copied().fold(f64::INFINITY, f64::min);
-        Ready { placed: self, turn: self.turn.matrix(), edges: edges.map(|e| e / smallest) }
+        let edges = edges.map(|e| e / smallest);
+        let mut ready = Ready { placed: self, turn: self.turn.matrix(), edges, way: None };
+        ready.way = self.to.map(|to| ready.in_tool(minus(to, self.at)));
+        ready
+    }
+
+    /// The same further by `by` voxels.
+    pub fn shifted(&self, by: [i64; 3]) -> Placed {
+        let shift = |p: [f64; 3]| std::array::from_fn(|i| p[i] + by[i] as f64);
+        Placed { at: shift(self.at), to: self.to.map(shift), ..*self }
     }
 }
 
 impl Ready<'_> {
-    /// How far outside the solid a point (voxels) is, less than 0 inside and 0 on its surface; in
+    /// A difference of points (voxels) in tool space: back by the transposed matrix, then by the half extents.
+    fn in_tool(&self, offset: Vector) -> Vector {
+        let offset = std::array::from_fn(|i| offset[i] * self.edges[i]);
+        let turned = apply(&transposed(&self.turn), offset);
+        std::array::from_fn(|i| turned[i] / self.placed.half[i])
+    }
+
+    /// How far outside the solid, or of what it sweeps, a point (voxels) is, less than 0 inside and 0 on its surface; in
     /// units of tool space, and no true distance.
     pub fn beyond(&self, point: [f64; 3]) -> f64 {
-        let Placed { shape, at, half, .. } = self.placed;
-        let offset: [f64; 3] = std::array::from_fn(|i| (point[i] - at[i]) * self.edges[i]);
-        // Back by the transposed matrix, then by the half extents.
-        let [x, y, z]: [f64; 3] = std::array::from_fn(|i| {
-            (0..3).map(|k| self.turn[k][i] * offset[k]).sum::<f64>() / half[i]
-        });
+        let p = self.in_tool(minus(point, self.placed.at));
+        let Some(way) = self.way else { return self.beyond_at(p) };
+        // Beside the box around all of the way.
+        let beside = |i: usize| {
+            let (a, b) = (p[i], p[i] - way[i]);
+            a.min(b) > 1.2 || a.max(b) < -1.2
+        };
+        if (0..3).any(beside) {
+            return 0.1;
+        }
+        let then = |t: f64| self.beyond_at(std::array::from_fn(|i| p[i] - t * way[i]));
+        match self.placed.shape {
+            Shape::Torus => least(&then),
+            _ => least_of_convex(&then),
+        }
+    }
+
+    /// How far outside the solid a point of tool space is.
+    fn beyond_at(&self, [x, y, z]: Vector) -> f64 {
+        let Placed { shape, half, .. } = self.placed;
         match shape {
             Shape::Ellipsoid => (x * x + y * y + z * z).sqrt() - 1.0,
             Shape::Cuboid => x.abs().max(y.abs()).max(z.abs()) - 1.0,
@@ -137,8 +160,19 @@ impl Ready<'_> {
 
     /// Whether a point is nearer to the surface than rounding can tell.
     pub fn doubtful(&self, point: [f64; 3]) -> bool {
-        let smallest = self.placed.half.iter().copied().fold(f64::INFINITY, f64::min);
-        self.beyond(point).abs() * smallest.min(1.0) < 1e-4
+        let Placed { shape, half, .. } = self.placed;
+        let smallest = half.iter().copied().fold(f64::INFINITY, f64::min);
+        let coarse = match (shape, self.way) {
+            // The way of a torus is followed in steps: of a thousandth of the tube's radius, no more than 2^14.
+            (Shape::Torus, Some([x, y, z])) => {
+                let width = half[0].min(half[2]);
+                let tube = half[1].min(width / 3.0);
+                let fastest = (x.hypot(z) * width / tube).hypot(y * half[1] / tube);
+                f64::max(1.1e-3, fastest / 16000.0)
+            }
+            _ => 0.0,
+        };
+        self.beyond(point).abs() < f64::max(1e-4 / smallest.min(1.0), coarse)
     }
 }
 
@@ -150,8 +184,9 @@ impl fmt::Display for Placed {
         };
         write!(f, "{name} at={} half={} turn=", list(&self.at), list(&self.half))?;
         match self.turn {
-            Turn::Angles(angles) => write!(f, "{}", list(&angles)),
-            Turn::Quaternion(q) => write!(f, "{}", list(&q)),
+            Turn::Angles(angles) => write!(f, "{}", list(&angles))?,
+            Turn::Quaternion(q) => write!(f, "{}", list(&q))?,
         }
+        self.to.map_or(Ok(()), |to| write!(f, " to={}", list(&to)))
     }
 }

@@ -3,19 +3,12 @@
 use std::fmt;
 
 use super::solid::Placed;
+use super::symmetry::{Plane, Radial, Symmetry};
 
 pub type Colour = [u8; 3];
 
 /// Where the x, y and z axes of a copy go, and which are reversed.
 pub type Axes = [(usize, bool); 3];
-
-/// None, or a mirror plane between two voxels (`Even`) or through one (`Odd`).
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Mirror {
-    Off,
-    Even,
-    Odd,
-}
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Area {
@@ -29,6 +22,22 @@ pub enum Op {
     Add(Option<Colour>),
     Subtract,
     Recolour(Colour),
+}
+
+#[derive(Clone, Debug)]
+pub enum MaskChange {
+    Clear,
+    Invert,
+    Grow(usize),
+    Shrink(usize),
+    Put { adds: bool, what: MaskWhat },
+}
+
+#[derive(Clone, Debug)]
+pub enum MaskWhat {
+    Area(Area),
+    Solid(Placed),
+    Colour { colour: Colour, tolerance: f64 },
 }
 
 /// One ray along an axis, from outside through the centres of voxels.
@@ -65,6 +74,13 @@ pub enum Statement {
         ray: Ray,
         reach: f64,
     },
+    /// Adds to the mask, or takes out of it, what is near what the ray meets.
+    Protect {
+        adds: bool,
+        ray: Ray,
+        reach: f64,
+    },
+    Mask(MaskChange),
     Fill {
         area: Area,
         colour: Option<Colour>,
@@ -86,7 +102,7 @@ pub enum Statement {
     Drop,
     ClearSelection,
     Limit(bool),
-    Symmetry([Mirror; 3]),
+    Symmetry(Symmetry),
     Copy,
     Cut,
     Paste {
@@ -130,15 +146,12 @@ fn area(area: Area) -> &'static str {
     }
 }
 
-/// The eye is 100 voxels before the grid. The spacing of rays does not matter to a single ray.
+/// The spacing of rays does not matter to a single ray.
 fn ray(ray: &Ray) -> String {
-    let (mut eye, mut aim) = (ray.through.map(|v| v as f64 + 0.5), [0; 3]);
-    eye[ray.axis] = if ray.rising { -100.0 } else { 160.0 };
-    aim[ray.axis] = if ray.rising { 1 } else { -1 };
     let (mut across, mut down) = ([0.0; 3], [0.0; 3]);
     across[(ray.axis + 1) % 3] = 0.001;
     down[(ray.axis + 2) % 3] = 0.001;
-    let (eye, aim) = (list(&eye), list(&aim));
+    let (eye, aim) = (list(&ray.eye()), list(&ray.aim()));
     format!("eye={eye} aim={aim} across={} down={} radius=0", list(&across), list(&down))
 }
 
@@ -169,6 +182,11 @@ impl fmt::Display for Statement {
             Statement::Devour { ray: r, reach } => {
                 write!(f, "spray devourer {} reach={reach}", ray(r))
             }
+            Statement::Protect { adds, ray: r, reach } => {
+                let effect = if *adds { "mask" } else { "unmask" };
+                write!(f, "spray {effect} {} reach={reach}", ray(r))
+            }
+            Statement::Mask(change) => write!(f, "mask {change}"),
             Statement::Fill { area: a, colour: None } => write!(f, "fill {}", area(*a)),
             Statement::Fill { area: a, colour: Some(c) } => {
                 write!(f, "fill {} colour={}", area(*a), colour(*c))
@@ -183,11 +201,17 @@ impl fmt::Display for Statement {
             Statement::Drop => write!(f, "select drop"),
             Statement::ClearSelection => write!(f, "select clear"),
             Statement::Limit(on) => write!(f, "limit {}", if *on { "on" } else { "off" }),
-            Statement::Symmetry(mirrors) => {
+            Statement::Symmetry(Symmetry { mirrors, plane, radial }) => {
                 write!(f, "symmetry")?;
                 for (axis, mirror) in ["x", "y", "z"].iter().zip(mirrors) {
                     let word = format!("{mirror:?}").to_lowercase();
                     write!(f, " {axis}={word}")?;
+                }
+                if let Some(Plane { at, normal }) = plane {
+                    write!(f, " plane={} normal={}", list(at), list(normal))?;
+                }
+                if let Some(Radial { count, about, axis }) = radial {
+                    write!(f, " radial={count} about={} axis={}", list(about), list(axis))?;
                 }
                 Ok(())
             }
@@ -201,6 +225,27 @@ impl fmt::Display for Statement {
             Statement::Orient(a) => write!(f, "orient axes={}", axes(a)),
             Statement::Undo(n) => write!(f, "undo {}", steps(n)),
             Statement::Redo(n) => write!(f, "redo {}", steps(n)),
+        }
+    }
+}
+
+impl fmt::Display for MaskChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MaskChange::Clear => write!(f, "clear"),
+            MaskChange::Invert => write!(f, "invert"),
+            MaskChange::Grow(by) => write!(f, "grow by={by}"),
+            MaskChange::Shrink(by) => write!(f, "shrink by={by}"),
+            MaskChange::Put { adds, what } => {
+                write!(f, "{} ", if *adds { "add" } else { "subtract" })?;
+                match what {
+                    MaskWhat::Area(a) => write!(f, "{}", area(*a)),
+                    MaskWhat::Solid(placed) => write!(f, "{placed}"),
+                    MaskWhat::Colour { colour: c, tolerance } => {
+                        write!(f, "colour colour={} tolerance={tolerance}", colour(*c))
+                    }
+                }
+            }
         }
     }
 }
