@@ -17,7 +17,7 @@ mod eighths;
 pub mod filter;
 pub mod flood;
 pub mod form;
-mod form_curve;
+pub mod form_curve;
 mod form_outline;
 pub mod form_region;
 pub mod grab;
