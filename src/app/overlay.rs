@@ -265,6 +265,7 @@ mod tests {
     use crate::command::NewSculpture;
     use crate::config::Config;
     use crate::document::Limits;
+    use crate::input::DrawKind;
     use crate::sculpture::ColourDepth;
     use crate::tools::symmetry::{Parity, Symmetry};
     use crate::ui::UiState;
@@ -349,5 +350,32 @@ mod tests {
         tool.kind = ToolKind::Solid;
         state.view.tool = false;
         assert_eq!(count(&state, &tool, &document), (6, false));
+    }
+
+    #[test]
+    fn what_is_drawn_is_shown_with_its_mirror_images() {
+        let mut document = document();
+        let symmetry = Symmetry::of_axes([Some(Parity::Even), None, None]);
+        document.apply(&Command::Symmetry(symmetry)).unwrap();
+        let mut state = UiState::new(&Config::default().ui_options());
+        state.view.bounds = false;
+        let mut tool = ToolState::new(document.grid().dims());
+        tool.kind = ToolKind::Draw(DrawKind::Box);
+        let line = [Vec3::ONE, Vec3::new(2.0, 1.0, 1.0)];
+        let scene = OverlayScene {
+            tool: &tool,
+            document: &document,
+            view: &state.view,
+            theme: Theme::Dark,
+            seen: None,
+            pointer: None,
+            stroking: false,
+            sketch: Some(Sketch { mode: ToolMode::Add, lines: vec![line], faint: vec![line] }),
+            depth: 1.0,
+        };
+        let lines = lines(&scene);
+        // After those of the plane.
+        let ends: Vec<[Vec3; 2]> = lines.iter().skip(6).map(|line| [line.from, line.to]).collect();
+        assert_eq!(ends, [line, line, [Vec3::new(7.0, 1.0, 1.0), Vec3::new(6.0, 1.0, 1.0)]]);
     }
 }

@@ -294,6 +294,7 @@ impl Workspace {
             assumed_up: self.editor.session().assumed_up(),
             modified: self.editor.session().modified(),
             tool: &self.editor.tool,
+            drawn: self.editor.progress(),
             presets: self.controls.presets(),
             pristine: self.controls.pristine(),
             preset: self.controls.preset,
@@ -373,6 +374,10 @@ impl Workspace {
                 true => CursorIcon::Crosshair,
                 false => CursorIcon::Grabbing,
             };
+        }
+        if self.editor.is_drawing() {
+            // What several presses draw takes a press anywhere.
+            return CursorIcon::Crosshair;
         }
         let at = root.input(|input| input.pointer.hover_pos()).map(|at| {
             let at = (at - self.display.picture.min) * root.pixels_per_point();

@@ -25,6 +25,8 @@ impl Editor {
     /// Carries out an action that asks once. Actions of others than the editor do nothing here.
     pub fn act(&mut self, action: Action, picker: &Picker) {
         match action {
+            // What is not finished comes before what is.
+            Action::Undo | Action::DropBox if self.take_back_press() => {}
             Action::Undo => self.run(Command::Undo { steps: Some(1) }),
             Action::Redo => self.run(Command::Redo { steps: Some(1) }),
             Action::Fill => self.run(Command::Fill { area: Area::Grid, colour: None }),
@@ -42,7 +44,10 @@ impl Editor {
                 self.tool.deform = kind;
                 self.tool.kind = ToolKind::Deform;
             }
-            Action::Draw(kind) => self.tool.kind = ToolKind::Draw(kind),
+            Action::Draw(kind) => {
+                self.tool.kind = ToolKind::Draw(kind);
+                self.unfinished = None;
+            }
             Action::Mode(mode) => {
                 self.tool.mode = mode;
                 if !matches!(self.tool.kind, ToolKind::Draw(_)) {
@@ -123,6 +128,18 @@ impl Editor {
                     }
                     Some(NextPress::Pick) | None => self.pick_colour(picker),
                 }
+            }
+            (Action::Apply, _) if self.has_unfinished() => self.finish_unfinished(),
+            (
+                Action::Sculpt
+                | Action::SculptInverse
+                | Action::SculptSmooth
+                | Action::MoveTool
+                | Action::MoveToolDeep,
+                Some(at),
+            ) if self.has_unfinished() => {
+                // The rest of the last press does nothing.
+                self.lifted |= self.press_unfinished(at, picker) && action.is_stroke();
             }
             (Action::Apply, _) => self.apply_tool(picker),
             (Action::PickColour, _) => self.pick_colour(picker),
@@ -217,6 +234,7 @@ impl Editor {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth if self.lifted => {}
             _ if self.drawing.is_some() => self.lead_drawing(at, picker),
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
+                _ if self.unfinished.is_some() => self.lead_unfinished(at, picker),
                 _ if self.marker.drag.is_some() => self.drag_marker(at, picker),
                 Some(stroke) if stroke.is_spray() => self.lead_spray(at, picker),
                 Some(stroke) if stroke.is_clay() => self.lead_clay(at, picker),
@@ -224,6 +242,9 @@ impl Editor {
                 _ => self.drag_tool(by, false, picker),
             },
             Action::PickColour => self.pick_colour(picker),
+            Action::MoveTool | Action::MoveToolDeep if self.has_unfinished() => {
+                self.lead_unfinished(at, picker);
+            }
             Action::MoveTool | Action::MoveToolDeep if self.tool.spray().is_some() => {
                 self.lead_spray(at, picker);
             }
@@ -242,6 +263,8 @@ impl Editor {
     pub fn lift(&mut self) {
         let stroke = self.stroke.as_ref().is_some_and(|stroke| stroke.is_led_over_picture());
         let drag = self.marker.drag.take().is_some() | self.drawing.take().is_some();
+        // What several presses draw goes on in the new view.
+        self.release_unfinished();
         if stroke {
             self.end_stroke();
         }
@@ -253,6 +276,7 @@ impl Editor {
 
     /// A drag or a hold is over.
     pub fn end(&mut self, action: Action) {
+        self.release_unfinished();
         match action {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth | Action::Apply => {
                 self.rotates_instead = false;

@@ -191,7 +191,7 @@ impl Editor {
 
     /// Another sculpture is there: the tool begins anew, and so do views of it.
     pub(super) fn sculpture_replaced(&mut self) {
-        self.drawing = None;
+        (self.drawing, self.unfinished) = (None, None);
         self.held_way.clear();
         self.tool.reset_pose(self.session.document().grid().dims());
         self.leave_ground();

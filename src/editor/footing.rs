@@ -59,8 +59,9 @@ impl Editor {
             // A spray that a key holds down goes with the pointer.
             self.lead_spray(at, picker);
         }
-        // So does what is drawn with a key held.
+        // So does what is drawn with a key held, or by several presses.
         self.lead_drawing(at, picker);
+        self.lead_unfinished(at, picker);
         if self.stroke.as_ref().is_some_and(Stroke::is_clay) {
             self.lead_clay(at, picker);
             return;

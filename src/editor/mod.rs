@@ -35,7 +35,7 @@ use crate::notice::Notice;
 use crate::session::Session;
 
 use autosave::Autosave;
-use draw::Drawing;
+use draw::{Drawing, Unfinished};
 use footing::Footing;
 use hand::HandTool;
 use job::{Busy, Jobs};
@@ -85,6 +85,8 @@ pub struct Editor {
     marker: MarkerTool,
     /// The solid that is being drawn.
     drawing: Option<Drawing>,
+    /// One that is drawn by several presses, between them.
+    unfinished: Option<Unfinished>,
     /// Where a hand that draws has been, in voxels; empty while none does.
     held_way: Vec<Vec3>,
     /// Where the pointer is, in pixels of the picture; none while it is elsewhere.
@@ -114,6 +116,7 @@ impl Editor {
             footing: Footing::default(),
             marker: MarkerTool::default(),
             drawing: None,
+            unfinished: None,
             held_way: Vec::new(),
             pointer: None,
             rotates_instead: false,

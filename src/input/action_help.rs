@@ -168,7 +168,11 @@ impl Action {
             Action::DeselectMarker => {
                 ("deselect", Tap, "Subtract the marker's box from the selection")
             }
-            Action::DropBox => ("drop-box", Tap, "Take the last box off the selection"),
+            Action::DropBox => (
+                "drop-box",
+                Tap,
+                "Take the last box off the selection, or the last point off the curve that is drawn",
+            ),
             Action::ClearSelection => ("clear-selection", Tap, "Deselect all"),
             Action::ToggleLimit => {
                 ("toggle-limit", Tap, "Limit all tools to the selection, or not")
@@ -349,9 +353,11 @@ const fn drawn(kind: DrawKind) -> &'static str {
         DrawKind::Plane => {
             "Plane cut: drag a line across the sculpture; what lies on the hatched side goes, inverted the other"
         }
-        DrawKind::Box => "Box: drag its base on a face; its height is an option",
+        DrawKind::Box => "Box: drag its base on a face, let go, lead its height and click",
         DrawKind::Line => "Line: drag from end to end; a straight tube, or a cone, with round ends",
-        DrawKind::Curve => "Curve: draw a path by hand; a tube along it, which may taper",
+        DrawKind::Curve => {
+            "Curve: draw a path by hand, or click from point to point; a tube along it, which may taper"
+        }
         DrawKind::Lathe => {
             "Lathe: press on the axis and draw half a profile; it is turned about the vertical"
         }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use egui::{Grid, Slider, TextEdit, Ui};
 
 use super::toolbox::mode_name;
-use super::{UiContext, UiRequest};
+use super::{UiContext, UiRequest, draw_progress};
 use crate::editor::draw::DrawOptions;
 use crate::editor::draw::glyphs::{Font, MOST_LETTERS};
 use crate::editor::draw::options::{LENGTHS, RADII};
@@ -31,10 +31,16 @@ pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec
         )
         .on_hover_text(hint);
     }
+    if kind == DrawKind::Box {
+        ui.checkbox(&mut options.height_by_pointer, "Height by the pointer").on_hover_text(
+            "Once the base is dragged, the pointer raises or sinks the box, and a click ends it. Off: the height is a number",
+        );
+    }
     let has_numbers = match kind {
         DrawKind::Lasso | DrawKind::Rectangle => mode == ToolMode::Add,
         DrawKind::Plane | DrawKind::Lathe => false,
-        DrawKind::Box | DrawKind::Line | DrawKind::Curve | DrawKind::Text => true,
+        DrawKind::Box => !options.height_by_pointer,
+        DrawKind::Line | DrawKind::Curve | DrawKind::Text => true,
     };
     if has_numbers {
         Grid::new("draw").num_columns(2).show(ui, |ui| numbers(ui, kind, mode, &mut options));
@@ -62,7 +68,11 @@ pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec
         }
         _ => {}
     }
-    ui.add(egui::Label::new(egui::RichText::new(advice(kind, mode)).small().weak()).wrap());
+    let advice = match context.drawn {
+        Some(drawn) => draw_progress::advice(drawn, context),
+        None => advice(kind, mode, before).to_string(),
+    };
+    ui.add(egui::Label::new(egui::RichText::new(advice).small().weak()).wrap());
     if options != *before {
         requests.push(UiRequest::Tool(ToolEdit::Draw(options)));
     }
@@ -91,8 +101,8 @@ fn numbers(ui: &mut Ui, kind: DrawKind, mode: ToolMode, options: &mut DrawOption
         }
         DrawKind::Line | DrawKind::Curve => {
             let [start, end] = &mut options.radii;
-            number("Start radius", start, RADII, "Radius of the tube where the drag begins");
-            number("End radius", end, RADII, "Radius of the tube where the drag ends");
+            number("Start radius", start, RADII, "Radius of the tube where it begins");
+            number("End radius", end, RADII, "Radius of the tube where it ends");
         }
         DrawKind::Text => {
             let hint = "Height of capital letters";
@@ -105,7 +115,7 @@ fn numbers(ui: &mut Ui, kind: DrawKind, mode: ToolMode, options: &mut DrawOption
 }
 
 /// What to do with the tool.
-fn advice(kind: DrawKind, mode: ToolMode) -> &'static str {
+fn advice(kind: DrawKind, mode: ToolMode, options: &DrawOptions) -> &'static str {
     match (kind, mode) {
         (DrawKind::Lasso | DrawKind::Rectangle, ToolMode::Add) => {
             "Drag an outline over the picture: a slab of this shape is added where the drag begins."
@@ -116,10 +126,13 @@ fn advice(kind: DrawKind, mode: ToolMode) -> &'static str {
         (DrawKind::Plane, _) => {
             "Drag a line over the picture: the hatched side is meant, with Ctrl the other. Escape gives up."
         }
+        (DrawKind::Box, _) if options.height_by_pointer => {
+            "Drag over a face from corner to corner of the base, let go, lead the height, click."
+        }
         (DrawKind::Box, _) => "Drag over a face from corner to corner of the base.",
         (DrawKind::Line, _) => "Drag from end to end. A click makes a ball.",
         (DrawKind::Curve, _) => {
-            "Draw the path of the tube. Beside the sculpture it keeps its distance."
+            "Draw the path of the tube, or click from point to point. Beside the sculpture it keeps its distance."
         }
         (DrawKind::Lathe, _) => {
             "Press on the axis and draw half of the outline; straight lines close it to the axis."

@@ -14,6 +14,7 @@ use crate::editor::draw::options::{LENGTHS, RADII};
 #[serde(default)]
 pub struct KeptDraw {
     thickness: Option<f64>,
+    height_by_pointer: Option<bool>,
     height: Option<f64>,
     start_radius: Option<f64>,
     end_radius: Option<f64>,
@@ -29,6 +30,7 @@ impl KeptDraw {
     pub fn of(options: &DrawOptions) -> KeptDraw {
         KeptDraw {
             thickness: Some(neat(options.thickness)),
+            height_by_pointer: Some(options.height_by_pointer),
             height: Some(neat(options.height)),
             start_radius: Some(neat(options.radii[0])),
             end_radius: Some(neat(options.radii[1])),
@@ -52,6 +54,7 @@ impl KeptDraw {
         number(self.end_radius, RADII, &mut options.radii[1]);
         number(self.text_height, LENGTHS, &mut options.text_height);
         number(self.text_depth, LENGTHS, &mut options.text_depth);
+        options.height_by_pointer = self.height_by_pointer.unwrap_or(options.height_by_pointer);
         options.on_surface = self.on_surface.unwrap_or(options.on_surface);
         options.upright = self.upright.unwrap_or(options.upright);
         if let Some(text) = self.text.as_ref().filter(|text| text.chars().count() <= MOST_LETTERS) {
@@ -70,6 +73,7 @@ mod tests {
     fn options_are_found_again_and_nonsense_is_not_believed() {
         let before = DrawOptions {
             thickness: 33.3,
+            height_by_pointer: false,
             height: 5.0,
             radii: [7.0, 1.5],
             on_surface: false,

@@ -12,6 +12,7 @@ mod deform_options;
 pub mod dialogs;
 mod draw_icons;
 mod draw_options;
+mod draw_progress;
 mod dropped;
 pub mod export_dialog;
 pub mod files;
@@ -75,6 +76,7 @@ use egui::{Ui, vec2};
 
 use crate::controls::pads::PadStatus;
 use crate::document::Document;
+use crate::editor::draw::Progress;
 use crate::editor::tool::ToolState;
 use crate::input::{Action, Bindings};
 use crate::screen::headset::Blend;
@@ -111,6 +113,8 @@ pub struct UiContext<'a> {
     /// Something would be lost by leaving now.
     pub modified: bool,
     pub tool: &'a ToolState,
+    /// How far what is drawn by several presses is, if there is any.
+    pub drawn: Option<Progress>,
     /// The tables of bindings to choose from.
     pub presets: &'a [Bindings],
     /// The same as the program brings them along.

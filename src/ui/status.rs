@@ -4,7 +4,7 @@
 use egui::{Align, Frame, Layout, Margin, Panel, Ui};
 
 use super::buttons::explain;
-use super::{UiContext, ar, gamepad, head};
+use super::{UiContext, ar, draw_progress, gamepad, head};
 use crate::editor::tool::ToolKind;
 use crate::input::Action;
 
@@ -34,8 +34,12 @@ pub fn show(root: &mut Ui, context: &UiContext) {
     });
 }
 
-/// Where the tool is; of a spray, what it points at.
+/// Where the tool is; of a spray, what it points at; of a drawing that waits for the next press, how far it is.
 fn place(ui: &mut Ui, context: &UiContext) {
+    if let Some(drawn) = context.drawn {
+        ui.strong(draw_progress::line(drawn, context));
+        return;
+    }
     let text = |what: &str, at: glam::Vec3| format!("{what} {:.0} {:.0} {:.0}", at.x, at.y, at.z);
     let (shown, tip) = match context.tool.kind {
         ToolKind::Solid | ToolKind::Deform => {

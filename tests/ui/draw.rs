@@ -9,10 +9,10 @@ use virtual_sculpture::sculpture::Rgb;
 
 use super::bench::{self, Bench, key, look, middle, rest, run, screen, send, voxels};
 
-const FULL: u64 = 64 * 64 * 64;
+pub const FULL: u64 = 64 * 64 * 64;
 
 /// A solid block of 64^3 voxels, seen from the front, with a tool that draws.
-fn front(kind: DrawKind, mode: ToolMode) -> Bench {
+pub fn front(kind: DrawKind, mode: ToolMode) -> Bench {
     let mut harness = bench::bench();
     rest(&mut harness);
     run(&mut harness, "place");
@@ -21,50 +21,50 @@ fn front(kind: DrawKind, mode: ToolMode) -> Bench {
     harness
 }
 
-fn press(harness: &mut Bench, modifiers: Modifiers, pos: Pos2, pressed: bool) {
+pub fn press(harness: &mut Bench, modifiers: Modifiers, pos: Pos2, pressed: bool) {
     let button = PointerButton::Primary;
     send(harness, Event::PointerButton { pos, button, pressed, modifiers });
 }
 
 /// Presses where a way begins and goes along it, without a release.
-fn draw_half(harness: &mut Bench, modifiers: Modifiers, way: &[Pos2]) {
+pub fn draw_half(harness: &mut Bench, modifiers: Modifiers, way: &[Pos2]) {
     send(harness, Event::PointerMoved(way[0]));
     press(harness, modifiers, way[0], true);
     way.iter().for_each(|pos| send(harness, Event::PointerMoved(*pos)));
 }
 
-fn draw_with(harness: &mut Bench, modifiers: Modifiers, way: &[Pos2]) {
+pub fn draw_with(harness: &mut Bench, modifiers: Modifiers, way: &[Pos2]) {
     draw_half(harness, modifiers, way);
     press(harness, modifiers, way[way.len() - 1], false);
     look(harness);
 }
 
-fn draw(harness: &mut Bench, way: &[Pos2]) {
+pub fn draw(harness: &mut Bench, way: &[Pos2]) {
     draw_with(harness, Modifiers::NONE, way);
 }
 
 /// A way between places of the grid, in small steps.
-fn through(harness: &Bench, places: &[[f32; 3]]) -> Vec<Pos2> {
+pub fn through(harness: &Bench, places: &[[f32; 3]]) -> Vec<Pos2> {
     let places: Vec<Vec3> = places.iter().map(|p| Vec3::from(*p)).collect();
     let step = |pair: &[Vec3], i: u32| pair[0].lerp(pair[1], i as f32 / 12.0);
     let legs = places.windows(2).flat_map(|pair| (0..=12).map(move |i| step(pair, i)));
     legs.map(|place| screen(harness, place)).collect()
 }
 
-fn has(harness: &Bench, v: [i32; 3]) -> bool {
+pub fn has(harness: &Bench, v: [i32; 3]) -> bool {
     harness.state().session().document().grid().get(IVec3::from(v))
 }
 
-fn steps(harness: &Bench) -> Vec<String> {
+pub fn steps(harness: &Bench) -> Vec<String> {
     harness.state().session().document().history().undo_labels().map(String::from).collect()
 }
 
-fn told(harness: &Bench, text: &str) -> bool {
+pub fn told(harness: &Bench, text: &str) -> bool {
     harness.state().ui.toasts.texts().any(|(_, toast)| toast.contains(text))
 }
 
 /// What was drawn was one step, and undo takes all of it back.
-fn is_one_step(harness: &mut Bench, before: u64) {
+pub fn is_one_step(harness: &mut Bench, before: u64) {
     assert_eq!(steps(harness).len(), 1, "{:?}", steps(harness));
     key(harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(voxels(harness), before);
@@ -162,7 +162,8 @@ fn a_plane_takes_the_hatched_side_and_with_ctrl_the_other() {
 #[test]
 fn a_box_grows_out_of_the_face_or_into_it() {
     let mut harness = front(DrawKind::Box, ToolMode::Subtract);
-    harness.state_mut().editor.tool.draws.height = 5.0;
+    let draws = &mut harness.state_mut().editor.tool.draws;
+    (draws.height_by_pointer, draws.height) = (false, 5.0);
     let way = through(&harness, &[[20.5, 20.5, 64.0], [29.5, 24.5, 64.0]]);
     draw(&mut harness, &way);
     assert_eq!(FULL - voxels(&harness), 10 * 5 * 5);
@@ -185,6 +186,7 @@ fn a_box_grows_out_of_the_face_or_into_it() {
 #[test]
 fn a_box_is_added_to_an_empty_grid_on_the_wall_that_is_seen() {
     let mut harness = front(DrawKind::Box, ToolMode::Add);
+    harness.state_mut().editor.tool.draws.height_by_pointer = false;
     run(&mut harness, "clear");
     let way = through(&harness, &[[20.5, 20.5, 0.0], [24.5, 22.5, 0.0]]);
     draw(&mut harness, &way);

@@ -4,6 +4,7 @@ mod bench;
 mod board;
 mod changed_on_disk;
 mod draw;
+mod draw_presses;
 mod files;
 mod import;
 mod in_use;

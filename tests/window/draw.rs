@@ -18,8 +18,8 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
         program.display().device(kind, detail, at);
         program.settle();
     };
-    // Draws, with a picture before the button is released and one after.
-    let draw = |name: &str, way: &[[i16; 2]]| {
+    // Draws, with a picture before the button is released, and gives that before it was pressed.
+    let base = |name: &str, way: &[[i16; 2]]| {
         let before = shot(&program, &format!("draw-{name}-0")).part(PICTURE);
         device(MOTION, 0, way[0]);
         shot(&program, &format!("draw-{name}-1-before"));
@@ -27,16 +27,33 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
         way.iter().for_each(|at| device(MOTION, 0, *at));
         let during = shot(&program, &format!("draw-{name}-2-during")).part(PICTURE);
         device(BUTTON + 1, LEFT, way[way.len() - 1]);
+        assert!(before.differing(&during) > 100, "{name} shows nothing while it is drawn");
+        before
+    };
+    // The same, with a picture after it.
+    let draw = |name: &str, way: &[[i16; 2]]| {
+        let before = base(name, way);
         program.leave_picture();
         let after = shot(&program, &format!("draw-{name}-3-after")).part(PICTURE);
-        assert!(before.differing(&during) > 100, "{name} shows nothing while it is drawn");
         assert!(before.differing(&after) > 300, "{name} changes nothing");
+    };
+    let click = |at: [i16; 2]| {
+        device(MOTION, 0, at);
+        device(BUTTON, LEFT, at);
+        device(BUTTON + 1, LEFT, at);
     };
     // In an empty grid: a plinth on its floor, a vase on it with a handle, an inscription.
     program.key(&["Control_L", "Delete"]);
     program.key(&["t"]);
     program.key(&["Alt_L", "b"]);
-    draw("box", &[[440, 540], [560, 600], [640, 590]]);
+    base("box", &[[440, 540], [560, 600], [640, 590]]);
+    // The pointer raises it, and a click ends it.
+    device(MOTION, 0, [640, 540]);
+    let raised = shot(&program, "draw-box-4-raised").part(PICTURE);
+    click([640, 540]);
+    program.leave_picture();
+    let ended = shot(&program, "draw-box-5-ended").part(PICTURE);
+    assert!(raised.differing(&ended) > 300, "a click makes the box");
     program.key(&["Alt_L", "w"]);
     let profile = [
         [560, 500],
@@ -58,6 +75,16 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
     program.key(&["1"]);
     program.key(&["Alt_L", "u"]);
     draw("mirrored", &[[400, 560], [420, 520], [440, 560], [460, 530]]);
+    // Point by point, each seen with its image.
+    let before = shot(&program, "draw-points-0").part(PICTURE);
+    [[420, 460], [470, 420], [500, 470]].iter().for_each(|at| click(*at));
+    device(MOTION, 0, [530, 400]);
+    let during = shot(&program, "draw-points-1-during").part(PICTURE);
+    assert!(before.differing(&during) > 300, "a curve by points is shown");
+    program.key(&["Return"]);
+    program.leave_picture();
+    let after = shot(&program, "draw-points-2-after").part(PICTURE);
+    assert!(before.differing(&after) > 300, "Enter makes it");
     program.key(&["1"]);
     program.key(&["r"]);
     program.key(&["Alt_L", "p"]);
@@ -86,6 +113,7 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
         "add tube",
         "add tube",
         "text",
+        "add tube",
         "add tube",
         "subtract half-space",
         "subtract extrusion",

@@ -3,7 +3,9 @@
 //!
 //! Pure geometry in units of the smallest edge of a voxel.
 
-use glam::{DVec3, DVec4};
+use glam::{DVec3, DVec4, Vec3};
+
+use super::form::Bead;
 
 /// Furthest that the pieces may be from the curve.
 const TOLERANCE: f64 = 0.02;
@@ -61,10 +63,25 @@ impl Piece {
 
 /// The pieces of a centripetal Catmull-Rom spline through balls whose neighbours differ in place.
 pub fn pieces(balls: &[DVec4]) -> Vec<Piece> {
-    if let [ball] = balls {
-        return vec![Piece::new(*ball, *ball)];
+    match way(balls)[..] {
+        [ball] => vec![Piece::new(ball, ball)],
+        ref way => way.windows(2).map(|pair| Piece::new(pair[0], pair[1])).collect(),
     }
-    let mut pieces = Vec::new();
+}
+
+/// The way of the ball that sweeps a tube, for what shows one: from bead to bead in straight lines that are as near to
+/// its curve as those of its voxels. `edges`: of a voxel, in units of the smallest. Neighbours must differ in place.
+pub fn way_of_tube(beads: &[Bead], edges: Vec3) -> Vec<Bead> {
+    let ball = |bead: &Bead| (bead.at_vx * edges).as_dvec3().extend(f64::from(bead.radius));
+    let balls: Vec<DVec4> = beads.iter().map(ball).collect();
+    let bead =
+        |ball: DVec4| Bead { at_vx: ball.truncate().as_vec3() / edges, radius: ball.w as f32 };
+    way(&balls).into_iter().map(bead).collect()
+}
+
+/// The balls at the ends of the pieces, in order.
+fn way(balls: &[DVec4]) -> Vec<DVec4> {
+    let mut way: Vec<DVec4> = balls.first().copied().into_iter().collect();
     for i in 1..balls.len() {
         let (a, b) = (balls[i - 1], balls[i]);
         // Beyond the ends the curve goes straight on.
@@ -77,14 +94,10 @@ pub fn pieces(balls: &[DVec4]) -> Vec<Piece> {
         });
         // A chord of an n-th of the way is n^2 times as close to the curve.
         let count = (bend.fold(0.0, f64::max) / TOLERANCE).sqrt().ceil().clamp(1.0, MAX_PIECES);
-        let mut last = a;
-        for part in 1..=count as u32 {
-            let next = if f64::from(part) == count { b } else { span.at(f64::from(part) / count) };
-            pieces.push(Piece::new(last, next));
-            last = next;
-        }
+        let inner = (1..count as u32).map(|part| span.at(f64::from(part) / count));
+        way.extend(inner.chain([b]));
     }
-    pieces
+    way
 }
 
 /// The part of the spline between the middle two of four balls.
@@ -131,6 +144,19 @@ mod tests {
     fn ball() -> impl Strategy<Value = DVec4> {
         (prop::array::uniform3(-20.0..20.0f64), 0.1..8.0f64)
             .prop_map(|(at, radius)| DVec3::from(at).extend(radius))
+    }
+
+    #[test]
+    fn the_way_of_a_tube_goes_through_its_beads_and_bends_between_them() {
+        let bead = |x: f32, y: f32, radius| Bead { at_vx: Vec3::new(x, y, 1.0), radius };
+        let beads = [bead(0.0, 0.0, 3.0), bead(20.0, 10.0, 2.0), bead(40.0, 0.0, 1.0)];
+        let way = way_of_tube(&beads, Vec3::new(1.0, 2.0, 1.0));
+        assert!(way.len() > 10 && beads.iter().all(|bead| way.contains(bead)), "{way:?}");
+        let straight = |p: &Bead| p.at_vx.y == 10.0 - (p.at_vx.x - 20.0).abs() * 0.5;
+        assert!(!way.iter().all(straight));
+        assert_eq!(way_of_tube(&beads[..2], Vec3::ONE), beads[..2]);
+        assert_eq!(way_of_tube(&beads[..1], Vec3::ONE), beads[..1]);
+        assert_eq!(way_of_tube(&[], Vec3::ONE), []);
     }
 
     proptest! {

@@ -16,7 +16,7 @@ pub mod drain;
 pub mod filter;
 pub mod flood;
 pub mod form;
-mod form_curve;
+pub mod form_curve;
 mod form_outline;
 pub mod form_region;
 pub mod grab;

@@ -1,6 +1,6 @@
-//! A box by drag: its base on a face, in whole voxels.
+//! A box: its base dragged on a face, in whole voxels, and its height, fixed or led by the pointer.
 //!
-//! From a face and a pixel to the corners of the box and a cuboid.
+//! From a face and pixels to the corners of the box and a cuboid.
 
 use glam::{Quat, Vec2, Vec3};
 
@@ -8,43 +8,143 @@ use super::view::View;
 use crate::picking::SurfacePoint;
 use crate::tools::construct::{Primitive, Solid};
 
-/// The lowest and the highest corner of the box whose base goes from the voxel at `base` to the one at a pixel, in the
-/// plane of the face; `height` (in units of the smallest edge of a voxel) outwards, or inwards. None where the pixel does
-/// not show the plane.
-pub fn corners(
-    view: &View,
-    base: &SurfacePoint,
-    at: Vec2,
-    height: f32,
-    outwards: bool,
-) -> Option<[Vec3; 2]> {
-    let SurfacePoint { point, face } = *base;
-    let axis = face.abs().max_position();
-    let rays = &view.sight.rays;
-    let direction = rays.direction_at(at.x, at.y);
-    let t = (point[axis] - rays.origin[axis]) / direction[axis];
-    if !(t.is_finite() && t > 0.0) {
-        return None;
-    }
-    let met = rays.origin + direction * t;
-    let voxel = |p: Vec3| p.floor().clamp(Vec3::ZERO, view.dims.as_vec3() - 1.0);
-    let (a, b) = (voxel(point), voxel(met));
-    let (mut low, mut high) = (a.min(b), a.max(b) + 1.0);
-    let plane = point[axis].round();
-    let layers = (height / view.edges[axis]).round().max(1.0);
-    let end = plane + face[axis].signum() * if outwards { layers } else { -layers };
-    (low[axis], high[axis]) = (plane.min(end), plane.max(end));
-    Some([low, high])
+/// Where the normal of the face is seen shorter than this share of its length, it nearly points at the eye, and the
+/// pointer leads the height by going up and down in the picture instead of along it.
+const LEAST_SEEN: f32 = 0.25;
+
+/// The base of a box, in the plane of a face.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Base {
+    /// Its lowest and its highest corner, in whole voxels; both in the plane.
+    low: Vec3,
+    high: Vec3,
+    /// Out of the face: a unit vector along an axis.
+    face: Vec3,
+    /// Where its drag has ended in the plane, which may be beside the grid.
+    end: Vec3,
 }
 
-/// The cuboid between two corners.
-pub fn cuboid(view: &View, [low, high]: [Vec3; 2]) -> Primitive {
+impl Base {
+    /// From the voxel at `from` to the one at a pixel, in the plane of the face. None where the pixel does not show it.
+    pub fn new(view: &View, from: &SurfacePoint, at: Vec2) -> Option<Base> {
+        let SurfacePoint { point, face } = *from;
+        let axis = face.abs().max_position();
+        let rays = &view.sight.rays;
+        let direction = rays.direction_at(at.x, at.y);
+        let t = (point[axis] - rays.origin[axis]) / direction[axis];
+        if !(t.is_finite() && t > 0.0) {
+            return None;
+        }
+        let dims = view.dims.as_vec3();
+        let met = rays.origin + direction * t;
+        let voxel = |p: Vec3| p.floor().clamp(Vec3::ZERO, dims - 1.0);
+        let (a, b) = (voxel(point), voxel(met));
+        let (mut low, mut high) = (a.min(b), a.max(b) + 1.0);
+        let plane = point[axis].round();
+        (low[axis], high[axis]) = (plane, plane);
+        // The horizon of the plane is far beyond every grid.
+        let mut end = met.clamp(-dims, 2.0 * dims);
+        end[axis] = plane;
+        Some(Base { low, high, face, end })
+    }
+
+    /// The index of the axis of the face.
+    fn axis(&self) -> usize {
+        self.face.abs().max_position()
+    }
+
+    /// The lowest and the highest corner of the box that reaches so many voxels out of the face, or, below 0, into it.
+    pub fn raised(&self, layers: f32) -> [Vec3; 2] {
+        let axis = self.axis();
+        let Base { mut low, mut high, .. } = *self;
+        let end = low[axis] + self.face[axis].signum() * layers;
+        (low[axis], high[axis]) = (low[axis].min(end), low[axis].max(end));
+        [low, high]
+    }
+
+    /// The height to which a pixel leads the box, in voxels out of the face (below 0: into it), within the grid: there the
+    /// normal through the end of the base's drag is seen nearest to the pixel, so that the edge under the pointer stays
+    /// under it. If the normal nearly points at the eye: as far as the pixel is above that end, or below it. None behind
+    /// the eye.
+    pub fn layers_at(&self, view: &View, at: Vec2) -> Option<i32> {
+        let sight = &view.sight;
+        let axis = self.axis();
+        let (plane, size) = (self.low[axis] as i32, view.dims[axis] as i32);
+        let (into, out) = match self.face[axis] > 0.0 {
+            true => (plane, size - plane),
+            false => (size - plane, plane),
+        };
+        let place = |layers: i32| self.end + self.face * layers as f32;
+        let foot = sight.pixel_of(self.end)?;
+        let voxels_a_pixel = sight.along(Vec3::AXES[axis], 1.0, self.end);
+        let seen = sight.pixel_of(place(1))?.distance(foot) * voxels_a_pixel;
+        if seen < LEAST_SEEN {
+            return Some((((foot.y - at.y) * voxels_a_pixel).round() as i32).clamp(-into, out));
+        }
+        let off = |layers: i32| Some((sight.pixel_of(place(layers))?.distance(at), layers));
+        let nearest = (-into..=out).filter_map(off).min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map(|(_, layers)| layers)
+    }
+}
+
+/// A box whose base stands, and whose height the pointer leads.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Raised {
+    base: Base,
+    /// Out of the face, in voxels.
+    layers: i32,
+}
+
+impl Raised {
+    pub fn new(base: Base) -> Raised {
+        Raised { base, layers: 0 }
+    }
+
+    /// The pointer goes to a pixel of a view, which may be another than that of the base.
+    pub fn lead(&mut self, view: &View, at: Vec2) {
+        self.layers = self.base.layers_at(view, at).unwrap_or(self.layers);
+    }
+
+    /// Its height in voxels out of the face, below 0 into it; never 0, but one on the side that is meant.
+    pub fn layers(&self, outwards: bool) -> i32 {
+        match self.layers {
+            0 if outwards => 1,
+            0 => -1,
+            layers => layers,
+        }
+    }
+
+    /// Its lowest and its highest corner.
+    pub fn corners(&self, outwards: bool) -> [Vec3; 2] {
+        self.base.raised(self.layers(outwards) as f32)
+    }
+}
+
+/// The lowest and the highest corner of the box on a base; `height` (in units of the smallest edge of a voxel) outwards,
+/// or inwards.
+pub fn corners(view: &View, base: &Base, height: f32, outwards: bool) -> [Vec3; 2] {
+    let layers = (height / view.edges[base.axis()]).round().max(1.0);
+    base.raised(if outwards { layers } else { -layers })
+}
+
+/// The cuboid between two corners. `edges`: of a voxel, in units of the smallest.
+pub fn cuboid(edges: Vec3, [low, high]: [Vec3; 2]) -> Primitive {
     Primitive {
         solid: Solid::Cuboid,
         centre_vx: (low + high) * 0.5,
-        half: (high - low) * 0.5 * view.edges,
+        half: (high - low) * 0.5 * edges,
         rotation: Quat::IDENTITY,
     }
+}
+
+/// The twelve edges of the box between two corners.
+pub fn edges_of([low, high]: [Vec3; 2]) -> Vec<[Vec3; 2]> {
+    let corner = |i: u32| {
+        let pick = |bit: u32, axis: usize| if i >> bit & 1 == 0 { low[axis] } else { high[axis] };
+        Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
+    };
+    let pairs = (0..8).flat_map(|i| (0..3).map(move |bit| (i, i | 1 << bit)));
+    pairs.filter(|(a, b)| a != b).map(|(a, b)| [corner(a), corner(b)]).collect()
 }
 
 /// The wall of the grid's box that is seen from inside at a pixel, and its side that faces the inside; none beside it.
@@ -85,16 +185,17 @@ mod tests {
             other[v] = if other[v] > 0.5 * dims[v] { other[v] - 2.0 } else { other[v] + 2.0 };
             let at = view.sight.pixel_of(other).unwrap();
             let height = 5.0 * view.edges[axis];
-            let [low, high] = corners(&view, &wall, at, height, true).unwrap();
+            let base = Base::new(&view, &wall, at).unwrap();
+            let [low, high] = corners(&view, &base, height, true);
             let size = high - low;
             assert!((size[u] - 4.0).abs() <= 1.0 && (size[v] - 3.0).abs() <= 1.0, "{size}");
             assert_eq!(size[axis], 5.0);
             assert!(low.cmpge(Vec3::ZERO).all() && high.cmple(dims).all());
-            let primitive = cuboid(&view, [low, high]);
+            let primitive = cuboid(view.edges, [low, high]);
             primitive.check().unwrap();
             assert_eq!(primitive.half * 2.0 / view.edges, size);
             // Inwards it lies behind the wall.
-            let [low, high] = corners(&view, &wall, at, height, false).unwrap();
+            let [low, high] = corners(&view, &base, height, false);
             assert!(low[axis] < 0.0 || high[axis] > dims[axis]);
         }
     }
@@ -102,12 +203,86 @@ mod tests {
     #[test]
     fn a_click_is_one_voxel_wide_and_the_base_ends_with_the_grid() {
         let view = &views()[0];
-        let base = SurfacePoint { point: Vec3::new(30.5, 20.5, 50.0), face: Vec3::Z };
-        let at = view.sight.pixel_of(base.point).unwrap();
-        let [low, high] = corners(view, &base, at + 0.01, 0.0, true).unwrap();
+        let from = SurfacePoint { point: Vec3::new(30.5, 20.5, 50.0), face: Vec3::Z };
+        let at = view.sight.pixel_of(from.point).unwrap();
+        let base = |at| Base::new(view, &from, at).unwrap();
+        let [low, high] = corners(view, &base(at + 0.01), 0.0, true);
         assert_eq!(high - low, Vec3::ONE);
-        let [_, high] = corners(view, &base, Vec2::new(1e6, -1e6), 1.0, true).unwrap();
+        let [_, high] = corners(view, &base(Vec2::new(1e6, -1e6)), 1.0, true);
         assert_eq!(high.truncate(), view.dims.as_vec3().truncate());
         assert_eq!(far_wall(view, Vec2::new(-1e4, 0.0)), None);
+    }
+
+    /// A base on each face that is seen well enough, from its middle outwards.
+    fn bases(view: &View) -> Vec<Base> {
+        let faces = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
+        let near = |face: &Vec3| -view.way(view.sight.rays.size.as_vec2() * 0.5).dot(*face);
+        let base = |face: Vec3| {
+            let middle = view.middle().round() + 0.5 * (Vec3::ONE - face.abs());
+            let from = SurfacePoint { point: middle, face };
+            let beside = middle + 3.0 * (Vec3::ONE - face.abs());
+            Base::new(view, &from, view.sight.pixel_of(beside).unwrap())
+        };
+        faces.filter(|face| near(face) > 0.1).filter_map(base).collect()
+    }
+
+    #[test]
+    fn the_height_is_where_the_normal_is_seen_nearest_to_the_pointer() {
+        let mut led = 0;
+        for view in views() {
+            for base in bases(&view) {
+                let foot = view.sight.pixel_of(base.end).unwrap();
+                assert_eq!(base.layers_at(&view, foot), Some(0), "no leap after the base");
+                let step = view.sight.pixel_of(base.end + base.face).unwrap() - foot;
+                let seen = view.sight.along(Vec3::AXES[base.axis()], 1.0, base.end);
+                if step.length() * seen < LEAST_SEEN {
+                    continue;
+                }
+                led += 1;
+                for layers in [-7, -1, 4, 9] {
+                    let top = view.sight.pixel_of(base.end + base.face * layers as f32).unwrap();
+                    assert_eq!(base.layers_at(&view, top), Some(layers));
+                    // Across the normal the pointer may go as it likes.
+                    let aside = step.perp().normalize() * 3.0;
+                    let near = base.layers_at(&view, top + aside).unwrap();
+                    assert!((near - layers).abs() <= 1, "{near} {layers}");
+                }
+                // It ends with the grid, however far the pointer goes.
+                for far in [1e3, -1e3, 1e6, -1e6] {
+                    let layers = base.layers_at(&view, foot + step * far).unwrap();
+                    let [low, high] = base.raised(layers as f32);
+                    let dims = view.dims.as_vec3();
+                    assert!(low.cmpge(Vec3::ZERO).all() && high.cmple(dims).all());
+                    assert!(layers.abs() > 9 && (layers > 0) == (far > 0.0), "{layers} {far}");
+                }
+            }
+        }
+        assert!(led > 5, "{led}");
+    }
+
+    #[test]
+    fn a_normal_that_points_at_the_eye_is_followed_by_going_up_and_down() {
+        let view = &views()[0];
+        let from = SurfacePoint { point: Vec3::new(30.5, 20.5, 30.0), face: Vec3::Z };
+        let base = Base::new(view, &from, view.sight.pixel_of(from.point).unwrap()).unwrap();
+        let foot = view.sight.pixel_of(base.end).unwrap();
+        let voxel_px = 1.0 / view.sight.along(Vec3::Z, 1.0, base.end);
+        let at = |layers: f32| base.layers_at(view, foot - Vec2::Y * layers * voxel_px);
+        assert_eq!([at(0.0), at(6.0), at(-6.0)], [Some(0), Some(6), Some(-6)]);
+        assert_eq!([at(1e9), at(-1e9)], [Some(20), Some(-30)], "as far as the grid");
+        assert_eq!(base.layers_at(view, Vec2::NAN), Some(0));
+    }
+
+    #[test]
+    fn a_raised_box_is_never_flat() {
+        let view = &views()[0];
+        let from = SurfacePoint { point: Vec3::new(30.5, 20.5, 30.0), face: Vec3::Z };
+        let at = view.sight.pixel_of(from.point).unwrap();
+        let mut raised = Raised::new(Base::new(view, &from, at).unwrap());
+        assert_eq!((raised.layers(true), raised.layers(false)), (1, -1));
+        let [low, high] = raised.corners(false);
+        assert_eq!((low.z, high.z), (29.0, 30.0));
+        raised.lead(view, at - Vec2::Y * 10.0);
+        assert!(raised.layers(true) > 1 && raised.layers(true) == raised.layers(false));
     }
 }

@@ -4,8 +4,10 @@
 
 use glam::{Vec2, Vec3};
 
+use super::block::Base;
 use super::lathe::Axis;
 use super::options::DrawOptions;
+use super::points::CLICK_PX;
 use super::text::Stand;
 use super::view::{View, chain};
 use super::{block, glyphs, outline, tube};
@@ -123,7 +125,7 @@ impl Drawing {
                 }
             }
             DrawKind::Rectangle | DrawKind::Plane | DrawKind::Text => self.go_to(at),
-            DrawKind::Box if self.corners(at, 1.0).is_some() => self.go_to(at),
+            DrawKind::Box if self.base_to(at).is_some() => self.go_to(at),
             DrawKind::Box => {}
         }
     }
@@ -153,10 +155,32 @@ impl Drawing {
         place
     }
 
-    /// Of a box whose base goes to a pixel.
-    fn corners(&self, at: Vec2, height: f32) -> Option<[Vec3; 2]> {
-        let base = SurfacePoint { point: self.ground.point, face: self.ground.face };
-        block::corners(&self.view, &base, at, height, self.mode == ToolMode::Add)
+    /// Where it begins, in voxels.
+    pub fn start(&self) -> Vec3 {
+        self.ground.point
+    }
+
+    /// Whether the pointer has stayed where it was pressed.
+    pub fn is_click(&self) -> bool {
+        self.way.iter().all(|at| at.distance(self.way[0]) <= CLICK_PX)
+    }
+
+    /// The base of a box as it has been dragged so far.
+    pub fn base(&self) -> Option<Base> {
+        self.base_to(self.last())
+    }
+
+    /// The base of a box that goes to a pixel.
+    fn base_to(&self, at: Vec2) -> Option<Base> {
+        let from = SurfacePoint { point: self.ground.point, face: self.ground.face };
+        Base::new(&self.view, &from, at)
+    }
+
+    /// Of a box on its base: of a height that is set or, where the pointer leads it later, as low as it can be.
+    fn corners(&self, options: &DrawOptions) -> Option<[Vec3; 2]> {
+        let height = if options.height_by_pointer { 0.0 } else { options.height };
+        let base = self.base()?;
+        Some(block::corners(&self.view, &base, height, self.mode == ToolMode::Add))
     }
 
     /// The outline over the picture.
@@ -189,8 +213,8 @@ impl Drawing {
                 outline::half_space(view, self.way[0], self.last(), self.inverse).map(one)
             }
             DrawKind::Box => self
-                .corners(self.last(), options.height)
-                .map(|corners| vec![change.by_solid(block::cuboid(view, corners), None)]),
+                .corners(options)
+                .map(|corners| vec![change.by_solid(block::cuboid(view.edges, corners), None)]),
             DrawKind::Line => {
                 let end = self.places.last().copied().unwrap_or(point);
                 Some(one(tube::line(point, end, options.radii)))
@@ -249,8 +273,7 @@ impl Drawing {
                 (lines, vec![[from - far, from].map(place), [to, to + far].map(place)])
             }
             DrawKind::Box => {
-                let corners = self.corners(self.last(), options.height);
-                (corners.map(edges).unwrap_or_default(), Vec::new())
+                (self.corners(options).map(block::edges_of).unwrap_or_default(), Vec::new())
             }
             DrawKind::Line | DrawKind::Curve => {
                 (tube::sketch(view, &self.places, options.radii), Vec::new())
@@ -278,14 +301,4 @@ fn halve<T>(points: &mut Vec<T>) {
             keep
         });
     }
-}
-
-/// The twelve edges of a box.
-fn edges([low, high]: [Vec3; 2]) -> Vec<[Vec3; 2]> {
-    let corner = |i: u32| {
-        let pick = |bit: u32, axis: usize| if i >> bit & 1 == 0 { low[axis] } else { high[axis] };
-        Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
-    };
-    let pairs = (0..8).flat_map(|i| (0..3).map(move |bit| (i, i | 1 << bit)));
-    pairs.filter(|(a, b)| a != b).map(|(a, b)| [corner(a), corner(b)]).collect()
 }

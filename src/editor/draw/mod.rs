@@ -1,7 +1,8 @@
 //! Tools that draw solids: a drag over the picture becomes a lasso, a box, a tube, a turned solid or letters.
 //!
 //! Takes pixels of the picture; every solid is a command, as any script may write it: mirrored, limited to the selection
-//! and undone like others. What each drag means is in the files beside this one. Knows no window and no egui.
+//! and undone like others. What each drag means, and what several presses draw, is in the files beside this one. Knows no
+//! window and no egui.
 
 mod block;
 mod drawing;
@@ -10,9 +11,11 @@ mod held;
 mod lathe;
 pub mod options;
 mod outline;
+mod points;
 mod text;
 mod thin;
 mod tube;
+mod unfinished;
 mod view;
 
 use glam::{Vec2, Vec3};
@@ -28,6 +31,8 @@ use crate::picking::{Picker, SurfacePoint};
 pub use drawing::Sketch;
 pub(super) use drawing::{Drawing, Ground};
 pub use options::DrawOptions;
+pub use unfinished::Progress;
+pub(super) use unfinished::Unfinished;
 use view::View;
 
 /// Radius around letters in which the surface says where they face, in units of the smallest edge of a voxel.
@@ -111,9 +116,10 @@ impl Editor {
         self.drawing = Some(drawing);
     }
 
-    /// The drag is over: what was drawn is made.
+    /// The drag is over: what was drawn is made, unless more presses follow.
     pub(super) fn end_drawing(&mut self) {
-        let Some(drawing) = self.drawing.take() else { return };
+        let drawing = self.drawing.take().and_then(|drawing| self.leave_unfinished(drawing));
+        let Some(drawing) = drawing else { return };
         let mode = drawing.mode();
         match drawing.commands(&self.tool.draws, self.tool.change(mode)) {
             Ok(commands) => self.carry_out_drawn(drawing.kind(), mode, commands),
@@ -152,18 +158,22 @@ impl Editor {
         let was_drawn = self.drawing.take().is_some();
         // The button that is still pressed does nothing more.
         self.lifted |= was_drawn;
-        was_drawn || was_held || was_meant
+        let was_unfinished = self.cancel_unfinished();
+        was_drawn || was_unfinished || was_held || was_meant
     }
 
     /// Whether something is being drawn.
     pub fn is_drawing(&self) -> bool {
-        self.drawing.is_some()
+        self.drawing.is_some() || self.progress().is_some()
     }
 
     /// What is being drawn, or what a press would begin with, as lines.
     pub fn sketch(&self, picker: &Picker) -> Option<Sketch> {
         if let Some(drawing) = &self.drawing {
             return Some(drawing.sketch(&self.tool.draws));
+        }
+        if let Some(sketch) = self.unfinished_sketch(picker) {
+            return Some(sketch);
         }
         let ToolKind::Draw(kind) = self.tool.kind else { return None };
         if self.hand.is_leading() {

@@ -15,6 +15,8 @@ pub const LENGTHS: RangeInclusive<f32> = 1.0..=512.0;
 pub struct DrawOptions {
     /// Of a slab that lasso and rectangle add, along the line of sight.
     pub thickness: f32,
+    /// The pointer leads the height of a box once its base stands; else it is `height`.
+    pub height_by_pointer: bool,
     /// Of a box over its base.
     pub height: f32,
     /// Of a tube at its beginning and its end.
@@ -35,6 +37,7 @@ impl Default for DrawOptions {
     fn default() -> Self {
         DrawOptions {
             thickness: 12.0,
+            height_by_pointer: true,
             height: 12.0,
             radii: [4.0, 4.0],
             on_surface: true,
@@ -57,12 +60,12 @@ impl DrawOptions {
         };
         match kind {
             DrawKind::Lasso | DrawKind::Rectangle => scaled(&mut self.thickness, LENGTHS),
-            DrawKind::Box => scaled(&mut self.height, LENGTHS),
+            DrawKind::Box if !self.height_by_pointer => scaled(&mut self.height, LENGTHS),
             DrawKind::Line | DrawKind::Curve => {
                 self.radii.iter_mut().for_each(|radius| scaled(radius, RADII));
             }
             DrawKind::Text => scaled(&mut self.text_height, LENGTHS),
-            DrawKind::Plane | DrawKind::Lathe => {}
+            DrawKind::Box | DrawKind::Plane | DrawKind::Lathe => {}
         }
     }
 }
@@ -73,15 +76,21 @@ mod tests {
 
     #[test]
     fn sizes_are_scaled_within_their_range() {
+        let before = DrawOptions { height_by_pointer: false, ..DrawOptions::default() };
         for kind in DrawKind::ALL {
-            let mut options = DrawOptions::default();
+            let mut options = before.clone();
             options.scale(kind, 2.0);
             let scales = !matches!(kind, DrawKind::Plane | DrawKind::Lathe);
-            assert_eq!(options != DrawOptions::default(), scales, "{kind:?}");
+            assert_eq!(options != before, scales, "{kind:?}");
             options.scale(kind, 1e9);
             options.scale(kind, f32::NAN);
             options.scale(kind, 1e-9);
             assert!(RADII.contains(&options.radii[0]) && LENGTHS.contains(&options.text_height));
+            assert!(LENGTHS.contains(&options.height));
         }
+        // A height that nobody sees is not changed.
+        let mut options = DrawOptions::default();
+        options.scale(DrawKind::Box, 2.0);
+        assert_eq!(options, DrawOptions::default());
     }
 }

@@ -1,6 +1,7 @@
-//! Lines and curves: tubes along what the pointer or a hand has drawn.
+//! Lines and curves: tubes along what the pointer or a hand has drawn, or through points.
 //!
-//! Takes places of the grid in voxels; gives a [`Form::Tube`] with few beads, so that its command is short.
+//! Takes places of the grid in voxels; gives a [`Form::Tube`] with few beads, so that its command is short, and the lines
+//! that show it.
 
 use std::sync::Arc;
 
@@ -9,6 +10,7 @@ use glam::Vec3;
 use super::thin::{evened, length, thinned_to};
 use super::view::{View, chain};
 use crate::tools::form::{Bead, Form};
+use crate::tools::form_curve::way_of_tube;
 
 /// Most beads of a curve.
 const MOST_BEADS: usize = 256;
@@ -18,6 +20,8 @@ const EVEN_OVER: f32 = 0.6;
 const EVEN_RANGE: std::ops::RangeInclusive<f32> = 0.7..=4.0;
 /// How far a bead may lie from the way, as a share of the radius.
 const TOLERANCE: f32 = 0.06;
+/// Least distance from one bead to the next, in units of the smallest edge.
+const LEAST_STEP: f32 = 1e-2;
 
 /// A straight tube between two places; a ball if they are the same.
 pub fn line(from_vx: Vec3, to_vx: Vec3, radii: [f32; 2]) -> Form {
@@ -38,19 +42,29 @@ pub fn curve(way_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<Form> {
     }
     let even = even(&way, thick);
     let mut thin = thinned_to(&even, (TOLERANCE * thick).max(0.2), MOST_BEADS);
-    thin.dedup_by(|a, b| a.distance(*b) < 1e-2);
-    let total = length(&thin).max(f32::MIN_POSITIVE);
+    thin.dedup_by(|a, b| a.distance(*b) < LEAST_STEP);
+    Some(Form::Tube { beads: beads(&thin, radii, edges) })
+}
+
+/// A tube along a smooth curve through places (voxels), its radius changing evenly from the first to the last; none
+/// without a place.
+pub fn through(places_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<Form> {
+    let mut places: Vec<Vec3> = places_vx.iter().map(|p| *p * edges).collect();
+    places.dedup_by(|a, b| a.distance(*b) < LEAST_STEP);
+    (!places.is_empty()).then(|| Form::Tube { beads: beads(&places, radii, edges) })
+}
+
+/// Beads at places (units of the smallest edge), their radii by their shares of the way.
+fn beads(places: &[Vec3], radii: [f32; 2], edges: Vec3) -> Arc<[Bead]> {
+    let total = length(places).max(f32::MIN_POSITIVE);
     let mut gone = 0.0;
-    let mut before = thin[0];
-    let beads: Arc<[Bead]> = thin
-        .iter()
-        .map(|p| {
-            gone += p.distance(std::mem::replace(&mut before, *p));
-            let radius = radii[0] + (radii[1] - radii[0]) * (gone / total).min(1.0);
-            Bead { at_vx: *p / edges, radius }
-        })
-        .collect();
-    Some(Form::Tube { beads })
+    let mut before = places.first().copied().unwrap_or_default();
+    let bead = |p: &Vec3| {
+        gone += p.distance(std::mem::replace(&mut before, *p));
+        let radius = radii[0] + (radii[1] - radii[0]) * (gone / total).min(1.0);
+        Bead { at_vx: *p / edges, radius }
+    };
+    places.iter().map(bead).collect()
 }
 
 /// A way (units of the smallest edge) for a tube of a radius without the trembling of a hand.
@@ -59,26 +73,43 @@ fn even(way: &[Vec3], radius: f32) -> Vec<Vec3> {
     evened(way, 0.5 * over, over)
 }
 
-/// What shows a tube while it is drawn: its middle line and, beside it, its outline.
+/// What shows a tube while it is drawn along a way: its middle line and, beside it, its outline.
 pub fn sketch(view: &View, way_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
-    let (Some(first), Some(last)) = (way_vx.first(), way_vx.last()) else { return Vec::new() };
     let way: Vec<Vec3> = way_vx.iter().map(|p| *p * view.edges).collect();
-    let even: Vec<Vec3> =
-        even(&way, 0.5 * (radii[0] + radii[1])).into_iter().map(|p| p / view.edges).collect();
-    let mut lines: Vec<[Vec3; 2]> = chain(&even).collect();
-    lines.extend(view.circle(*first, radii[0]));
-    lines.extend(view.circle(*last, radii[1]));
+    let even = even(&way, 0.5 * (radii[0] + radii[1]));
     let count = even.len() as f32 - 1.0;
+    let bead = |(i, p): (usize, &Vec3)| Bead {
+        at_vx: *p / view.edges,
+        radius: radii[0] + (radii[1] - radii[0]) * (i as f32 / count),
+    };
+    let beads: Vec<Bead> = even.iter().enumerate().map(bead).collect();
+    outline(view, &beads)
+}
+
+/// What shows a tube through places while they are chosen.
+pub fn sketch_through(view: &View, places_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
+    match through(places_vx, radii, view.edges) {
+        Some(Form::Tube { beads }) => outline(view, &way_of_tube(&beads, view.edges)),
+        _ => Vec::new(),
+    }
+}
+
+/// The middle line of a tube, its ends, and its outline as the viewer sees it.
+fn outline(view: &View, way: &[Bead]) -> Vec<[Vec3; 2]> {
+    let (Some(first), Some(last)) = (way.first(), way.last()) else { return Vec::new() };
+    let middle: Vec<Vec3> = way.iter().map(|bead| bead.at_vx).collect();
+    let mut lines: Vec<[Vec3; 2]> = chain(&middle).collect();
+    lines.extend(view.circle(first.at_vx, first.radius));
+    lines.extend(view.circle(last.at_vx, last.radius));
     let eye = view.eye();
     let rim = |side: f32| -> Vec<Vec3> {
-        let at = |(i, pair): (usize, &[Vec3])| {
-            let (a, b) = (pair[0] * view.edges, pair[1] * view.edges);
+        let at = |pair: &[Bead]| {
+            let (a, b) = (pair[0].at_vx * view.edges, pair[1].at_vx * view.edges);
             let out = (b - a).cross(a - eye).normalize_or_zero() * side;
-            let radius = |share: f32| radii[0] + (radii[1] - radii[0]) * share;
-            [(a, i as f32), (b, i as f32 + 1.0)]
-                .map(|(p, i)| (p + out * radius(i / count)) / view.edges)
+            [(a, pair[0].radius), (b, pair[1].radius)]
+                .map(|(p, radius)| (p + out * radius) / view.edges)
         };
-        even.windows(2).enumerate().flat_map(at).collect()
+        way.windows(2).flat_map(at).collect()
     };
     for side in [-1.0, 1.0] {
         lines.extend(chain(&rim(side)));
@@ -125,6 +156,42 @@ mod tests {
         let Some(Form::Tube { beads }) = curve(&round, [3.0, 3.0], Vec3::ONE) else { panic!() };
         assert!((6..40).contains(&beads.len()), "{}", beads.len());
         assert!(beads.iter().all(|bead| (bead.at_vx.length() - 30.0).abs() < 0.4), "{beads:?}");
+    }
+
+    #[test]
+    fn a_tube_goes_through_the_places_that_were_chosen() {
+        let places = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 30.0, 0.0]];
+        let places = places.map(Vec3::from);
+        let Some(Form::Tube { beads }) = through(&places, [4.0, 2.0], Vec3::ONE) else { panic!() };
+        let at: Vec<Vec3> = beads.iter().map(|bead| bead.at_vx).collect();
+        assert_eq!(at, places[1..], "what follows in the same place counts once");
+        let radii: Vec<f32> = beads.iter().map(|bead| bead.radius).collect();
+        assert_eq!(radii, [4.0, 3.5, 2.0]);
+        let Some(Form::Tube { beads }) = through(&places[..2], [4.0, 2.0], Vec3::ONE) else {
+            panic!()
+        };
+        assert_eq!(beads[..], [Bead { at_vx: Vec3::ZERO, radius: 4.0 }]);
+        assert_eq!(through(&[], [4.0, 2.0], Vec3::ONE), None);
+    }
+
+    #[test]
+    fn what_shows_a_tube_goes_through_the_places_and_is_as_wide() {
+        for view in super::super::view::tests::views() {
+            let middle = view.middle();
+            let places = [middle, middle + Vec3::new(9.0, 0.0, 4.0), middle + Vec3::Y * 8.0];
+            let lines = sketch_through(&view, &places, [3.0, 3.0]);
+            for place in places {
+                let to = |end: &[Vec3; 2]| end[0].distance(place).min(end[1].distance(place));
+                assert!(lines.iter().map(to).fold(f32::MAX, f32::min) < 1e-3);
+            }
+            let off = |p: &Vec3| {
+                let near = lines.iter().map(|line| (line[0] - *p) * view.edges);
+                near.map(|offset| (offset.length() - 3.0).abs()).fold(f32::MAX, f32::min)
+            };
+            assert!(off(&places[1]) < 0.1, "{}", off(&places[1]));
+            assert!(sketch_through(&view, &[], [3.0, 3.0]).is_empty());
+            assert_eq!(sketch_through(&view, &places[..1], [3.0, 3.0]).len(), 64);
+        }
     }
 
     proptest! {
