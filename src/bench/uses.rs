@@ -131,7 +131,7 @@ mod tests {
         let reports = uses(1, Limits::default()).unwrap();
         assert_eq!(reports.len(), 21);
         for report in &reports {
-            assert!(report.voxels > 100, "{report:?}");
+            assert!(report.voxels > 0, "{report:?}");
         }
         // What a ball takes away from another one is what it takes, but for what is there no more or masked.
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;

@@ -197,7 +197,9 @@ proptest! {
         size in voxel_size(),
     ) {
         let primitive = Primitive { solid, centre_vx: from.into(), half: half.into(), rotation };
-        let to = primitive.centre_vx + way.clamp(Vec3::splat(-30.0), Vec3::splat(30.0));
+        // In edges of the smallest voxel edge, as are half extents.
+        let way = way.clamp(Vec3::splat(-30.0), Vec3::splat(30.0)) / (size / size.min_element());
+        let to = primitive.centre_vx + way;
         let swept = primitive.swept_in_grid(Some(to), size);
         let back = Primitive { centre_vx: to, ..primitive }.swept_in_grid(Some(primitive.centre_vx), size);
         let stamp = |share: f32, by: f32| {

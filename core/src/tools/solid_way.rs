@@ -133,7 +133,8 @@ impl Shape {
         // At one of the ends, or where the slope is 0.
         let level = change.at_most(zero) & zero.at_most(change);
         let t = from + (to - from) * (slope_from / p[0].all(1.0).where_true(level, change));
-        zero.where_true(first, p[0].all(1.0).where_true(last, t))
+        // A time even where slopes are no numbers.
+        zero.where_true(first, p[0].all(1.0).where_true(last, t.max(zero)))
     }
 
     /// Half the slope of the square of the distance at a time.
