@@ -3,6 +3,7 @@
 
 pub mod ball;
 pub mod construct;
+mod construct_bricks;
 mod construct_ends;
 mod construct_planes;
 mod construct_quadric;
@@ -45,6 +46,8 @@ pub mod spray;
 mod spray_tests;
 pub mod stencil;
 pub mod symmetry;
+#[cfg(test)]
+mod symmetry_tests;
 pub mod texture;
 pub mod thickness;
 pub mod tint;
