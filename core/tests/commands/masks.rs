@@ -94,6 +94,8 @@ const CHANGES: &[&str] = &[
     "subtract cuboid at=20,12,14 half=30 turn=10,20,30",
     "recolour torus at=20,16,14 half=16,6,16 colour=#00ff00",
     "add half-space at=0,16,0 normal=0,1,0",
+    "subtract cone at=8,14,8 half=6 turn=60,0,0 to=30,20,20",
+    "add capsule at=8,14,8 half=5 to=34,26,20 colour=#808000",
     "subtract tube points=0,16,14,6;20,18,14,4;40,10,14,5",
     "recolour extrusion at=20,16,14 depth=60 outline=-20,-20;20,-20;20,20;-20,20 colour=#123456",
     "spray paintbrush eye=20,90,14 aim=0,-1,0 across=0.01,0,0 down=0,0,0.01 radius=24 colour=#ffff00",

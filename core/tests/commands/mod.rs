@@ -4,6 +4,7 @@ mod areas;
 mod budget;
 mod clay;
 mod document;
+mod every_tool;
 mod file_options;
 mod files;
 pub mod forms;

@@ -42,6 +42,8 @@ const TOOLS: &[&str] = &[
     "subtract extrusion at=32,32,31 depth=30 outline=-3,-3;4,-2;1,4 turn=20,30,10",
     "subtract lathe at=34,33,31 profile=0,-4;4,-3;2,5 turn=30,10,20",
     "add half-space at=40,40,36 normal=1,1.2,0.7",
+    "add cuboid at=31,33,29 half=4,2,3 turn=10,20,30 to=36,40,31 colour=#ff0000",
+    "subtract cylinder at=31,33,29 half=4,5,3 turn=10,20,30 to=36,36,35",
     "spray devourer eye=60,70,55 aim=-29,-39,-26 across=0.5,-0.4,0 down=0,0.3,-0.5 radius=5 reach=3",
     "spray clay eye=60,70,55 aim=-29,-39,-26 across=0.5,-0.4,0 down=0,0.3,-0.5 radius=5 reach=4 colour=#ffff00",
     "spray smooth eye=60,70,55 aim=-29,-39,-26 across=0.5,-0.4,0 down=0,0.3,-0.5 radius=6 reach=4",
