@@ -10,7 +10,6 @@ use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 use super::deform::{DeformOptions, Deforms};
 use super::draw::DrawOptions;
 use super::sprays::{SprayOptions, Sprays};
-use super::sweep::Leg;
 use super::symmetry::Placed;
 use super::tool_change::ToolChange;
 use super::wand::Wand;
@@ -387,15 +386,6 @@ impl ToolState {
             half: Vec3::splat(self.deforms.of(self.deform).radius),
             rotation: Quat::IDENTITY,
         }
-    }
-
-    /// What a solid does on a piece of its way. An image is put down where it ends.
-    pub fn command(&self, mode: ToolMode, leg: &Leg) -> Command {
-        let at = |centre_vx| Primitive { centre_vx, rotation: leg.rotation, ..self.primitive() };
-        if let (ToolMode::Recolour, Some(picture)) = (mode, &self.picture) {
-            return Command::Texture { primitive: at(leg.end()), picture: picture.clone() };
-        }
-        self.change(mode).by_solid(at(leg.from), leg.to)
     }
 
     /// What a mode does to voxels.

@@ -2,7 +2,10 @@
 
 use glam::Vec3;
 
+use super::sweep::Leg;
+use super::tool::ToolState;
 use crate::command::{Command, MaskArea, MaskChange};
+use crate::input::ToolMode;
 use crate::sculpture::edit::EditOp;
 use crate::tools::construct::Primitive;
 use crate::tools::form::Form;
@@ -37,6 +40,17 @@ impl ToolChange {
             ToolChange::Voxels(op) => Command::Form { op, form },
             ToolChange::Mask { adds } => mask(adds, MaskArea::Form(form)),
         }
+    }
+}
+
+impl ToolState {
+    /// What a solid does on a piece of its way. An image is put down where it ends.
+    pub fn command(&self, mode: ToolMode, leg: &Leg) -> Command {
+        let at = |centre_vx| Primitive { centre_vx, rotation: leg.rotation, ..self.primitive() };
+        if let (ToolMode::Recolour, Some(picture)) = (mode, &self.picture) {
+            return Command::Texture { primitive: at(leg.end()), picture: picture.clone() };
+        }
+        self.change(mode).by_solid(at(leg.from), leg.to)
     }
 }
 
