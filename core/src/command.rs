@@ -19,10 +19,11 @@ use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::Primitive;
 use crate::tools::deform::Deform;
+use crate::tools::footprint::Footprint;
 use crate::tools::form::Form;
 use crate::tools::grab::{Grab, Motion};
 use crate::tools::mend::Mend;
-use crate::tools::spray::{Footprint, Spray};
+use crate::tools::spray::Spray;
 use crate::tools::symmetry::Symmetry;
 use crate::tools::tint::Tint;
 

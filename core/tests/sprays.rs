@@ -8,7 +8,8 @@ use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
-use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
+use sculpture_core::tools::footprint::{Coverage, Footprint, Outline};
+use sculpture_core::tools::spray::{Effect, Spray};
 
 const RED: Rgb = Rgb::new(220, 20, 30);
 
@@ -24,7 +25,7 @@ fn block(colour_depth: ColourDepth) -> Document {
 }
 
 /// A footprint that looks from `eye` at `target`, with rays half a voxel apart there.
-fn looking(eye: Vec3, target: Vec3, radius: f32) -> Footprint {
+fn looking(eye: Vec3, target: Vec3, radius: f32, coverage: Coverage) -> Footprint {
     let aim = target - eye;
     let across = aim.any_orthonormal_vector();
     let down = aim.cross(across).normalize_or(Vec3::Y);
@@ -35,6 +36,7 @@ fn looking(eye: Vec3, target: Vec3, radius: f32) -> Footprint {
         down: down * 0.5,
         radius,
         outline: Outline::Round,
+        coverage,
     }
 }
 
@@ -62,6 +64,7 @@ proptest! {
     fn sprays_change_only_what_they_may_and_undo_exactly(
         bites in prop::collection::vec((point(), 3f32..9.0), 1..5),
         sprays in prop::collection::vec((effect(), point(), point(), 0f32..10.0), 1..6),
+        coverage in prop::sample::select(&Coverage::ALL),
     ) {
         let mut document = block(ColourDepth::Bits16);
         for (centre_vx, half) in bites {
@@ -77,7 +80,7 @@ proptest! {
         let steps = document.history().undo_count();
         for (effect, direction, target, radius) in sprays {
             let eye = target + (direction - 18.0).normalize_or(Vec3::Z) * 90.0;
-            let spray = Spray { effect, footprint: looking(eye, target, radius), reach_vx: 2.5 };
+            let spray = Spray { effect, footprint: looking(eye, target, radius, coverage), reach_vx: 2.5 };
             let old = document.contents().clone();
             let command = Command::Spray { spray, surface: SpraySurface::Now };
             let stats = document.apply(&command).unwrap().stats;
@@ -115,7 +118,12 @@ fn a_stroke_on_its_first_surface_cuts_each_voxel_once() {
     let removed = |surface| {
         let mut document = block(ColourDepth::None);
         let effect = Effect::Devourer { outline: Outline::Round };
-        let footprint = looking(Vec3::new(20.0, 90.0, 20.0), Vec3::new(20.0, 36.0, 20.0), 4.0);
+        let footprint = looking(
+            Vec3::new(20.0, 90.0, 20.0),
+            Vec3::new(20.0, 36.0, 20.0),
+            4.0,
+            Coverage::Visible,
+        );
         let spray = Spray { effect, footprint, reach_vx: 2.0 };
         document.apply(&Command::Begin { label: "groove".to_string() }).unwrap();
         let bite = || Command::Spray { spray, surface };
@@ -139,7 +147,8 @@ fn a_stroke_on_its_first_surface_cuts_each_voxel_once() {
 fn unusable_sprays_are_refused_and_change_nothing() {
     let mut document = block(ColourDepth::None);
     let before = document.contents().clone();
-    let footprint = looking(Vec3::new(20.0, 90.0, 20.0), Vec3::new(20.0, 36.0, 20.0), 4.0);
+    let footprint =
+        looking(Vec3::new(20.0, 90.0, 20.0), Vec3::new(20.0, 36.0, 20.0), 4.0, Coverage::Visible);
     let paint = Effect::Paintbrush { colour: RED, cover: 1.0 };
     let mut apply = |effect, reach_vx| {
         let spray = Spray { effect, footprint, reach_vx };

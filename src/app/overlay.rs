@@ -16,7 +16,8 @@ use crate::sculpture::Rgb;
 use crate::sculpture::region::VoxelBox;
 use crate::surface::IndexMap;
 use crate::tools::construct::{Primitive, Solid};
-use crate::tools::spray::{Outline, SprayKind};
+use crate::tools::footprint::Outline;
+use crate::tools::spray::SprayKind;
 use crate::ui::{Theme, ViewState};
 
 const CUT: Rgb = Rgb::new(0xff, 0x6b, 0x57);

@@ -10,7 +10,8 @@ use crate::command::{Command, MaskArea, MaskChange, PatchRule, SpraySurface};
 use crate::document::CommandError;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::tools::construct::{Primitive, Solid};
-use crate::tools::spray::{Effect, Footprint, Outline, Spray};
+use crate::tools::footprint::{Coverage, Footprint, Outline};
+use crate::tools::spray::{Effect, Spray};
 use crate::tools::symmetry::{MirrorPlane, Radial, Symmetry};
 use crate::tools::texture::Texture;
 
@@ -69,6 +70,7 @@ fn brushes() -> Vec<(&'static str, Command)> {
         down: Vec3::Z,
         radius: 48.0,
         outline: Outline::Round,
+        coverage: Coverage::Visible,
     };
     let spray = |effect, reach_vx| Command::Spray {
         spray: Spray { effect, footprint, reach_vx },

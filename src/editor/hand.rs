@@ -14,7 +14,7 @@ use crate::command::Command;
 use crate::input::hands::HandEvent;
 use crate::picking::Picker;
 use crate::surface::raycast;
-use crate::tools::spray::{Footprint, MAX_FOOTPRINT};
+use crate::tools::footprint::{Coverage, Footprint, MAX_FOOTPRINT};
 use crate::view::{Pose, Room};
 
 /// Where a spray held in a hand has the width that is shown, in metres from it.
@@ -218,6 +218,7 @@ impl Editor {
             down: way(Vec3::NEG_Y) * SPRAY_STEP,
             radius: options.radius_px.min(MAX_FOOTPRINT),
             outline: options.outline,
+            coverage: Coverage::Visible,
         })
     }
 

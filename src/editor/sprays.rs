@@ -2,7 +2,8 @@
 
 use crate::command::{Command, SpraySurface};
 use crate::sculpture::Rgb;
-use crate::tools::spray::{Effect, Footprint, MAX_FOOTPRINT, Outline, Spray, SprayKind};
+use crate::tools::footprint::{Footprint, MAX_FOOTPRINT, Outline};
+use crate::tools::spray::{Effect, Spray, SprayKind};
 
 /// The options of one spray tool. What it has no use for is ignored.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -121,6 +122,7 @@ pub fn opposite(kind: SprayKind) -> SprayKind {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tools::footprint::Coverage;
     use glam::Vec3;
 
     #[test]
@@ -133,6 +135,7 @@ mod tests {
             down: Vec3::Y,
             radius: 20.0,
             outline: Outline::Round,
+            coverage: Coverage::Visible,
         };
         for kind in SprayKind::ALL {
             let command = sprays.of(kind).command(kind, Rgb::STONE, footprint);

@@ -19,7 +19,8 @@ use crate::picking::geometry::{lasting, surface_point};
 use crate::sculpture::Grid;
 use crate::surface::IndexMap;
 use crate::tools::construct::Primitive;
-use crate::tools::spray::{Footprint, SprayKind};
+use crate::tools::footprint::Footprint;
+use crate::tools::spray::SprayKind;
 
 /// Spacing of a spray's path as a share of its radius.
 const SPACING: f32 = 0.35;

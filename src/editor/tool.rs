@@ -20,7 +20,8 @@ use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
 use crate::tools::construct::{Primitive, Solid};
 use crate::tools::deform::DeformKind;
-use crate::tools::spray::{Footprint, Outline, SprayKind};
+use crate::tools::footprint::{Footprint, Outline};
+use crate::tools::spray::SprayKind;
 
 /// Smallest and largest half extent that the interface offers.
 pub const HALF_RANGE: std::ops::RangeInclusive<f32> = 0.5..=2048.0;

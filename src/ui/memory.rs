@@ -27,7 +27,8 @@ use crate::input::{DrawKind, Panel, ToolMode};
 use crate::sculpture::Rgb;
 use crate::tools::construct::Solid;
 use crate::tools::deform::DeformKind;
-use crate::tools::spray::{MAX_FOOTPRINT, MAX_REACH_VX, Outline, SprayKind};
+use crate::tools::footprint::{MAX_FOOTPRINT, Outline};
+use crate::tools::spray::{MAX_REACH_VX, SprayKind};
 
 const HEAD: &str = "\
 # What Virtual Sculpture remembers from one start to the next. Settings stand in config.toml; this

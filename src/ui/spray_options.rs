@@ -5,7 +5,8 @@ use egui::{Slider, Ui};
 use super::top_bar::capital;
 use crate::command::SpraySurface;
 use crate::editor::sprays::SprayOptions;
-use crate::tools::spray::{MAX_FOOTPRINT, MAX_REACH_VX, Outline, SprayKind};
+use crate::tools::footprint::{MAX_FOOTPRINT, Outline};
+use crate::tools::spray::{MAX_REACH_VX, SprayKind};
 
 /// Leaves room for a name before and a number with its unit behind.
 const SLIDER_WIDTH: f32 = 80.0;

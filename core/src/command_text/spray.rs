@@ -6,7 +6,8 @@ use super::arguments::Arguments;
 use super::{ParseError, list, number, parse_colour, parse_vec3};
 use crate::command::{Command, SpraySurface};
 use crate::sculpture::Rgb;
-use crate::tools::spray::{Effect, Footprint, Outline, Spray};
+use crate::tools::footprint::{Coverage, Footprint, Outline};
+use crate::tools::spray::{Effect, Spray};
 
 /// How far a spray reaches if no one says otherwise, in voxels.
 const DEFAULT_REACH_VX: f32 = 3.0;
@@ -39,7 +40,12 @@ fn write_rays(footprint: &Footprint, f: &mut fmt::Formatter<'_>) -> fmt::Result 
     for (key, vector) in [("eye", eye_vx), ("aim", aim), ("across", across), ("down", down)] {
         write!(f, " {key}={}", list(vector.to_array()))?;
     }
-    write!(f, " radius={radius}")
+    write!(f, " radius={radius}")?;
+    match footprint.coverage {
+        // Recordings from before there was another one say nothing.
+        Coverage::Rays => Ok(()),
+        coverage => write!(f, " takes={}", coverage.name()),
+    }
 }
 
 /// Writes what follows the image of a stencil.
@@ -72,6 +78,7 @@ fn parse_rays(args: &mut Arguments, outline: Outline) -> Result<Footprint, Parse
         down: args.required("down", parse_vec3)?,
         radius: args.required("radius", number)?,
         outline,
+        coverage: args.optional("takes", parse_coverage)?.unwrap_or_default(),
     })
 }
 
@@ -123,6 +130,11 @@ pub fn parse_surface(args: &mut Arguments) -> Result<SpraySurface, ParseError> {
         _ => Err("must be now or stroke".to_string()),
     })?;
     Ok(surface.unwrap_or_default())
+}
+
+fn parse_coverage(text: &str) -> Result<Coverage, String> {
+    let coverage = Coverage::ALL.into_iter().find(|coverage| coverage.name() == text);
+    coverage.ok_or_else(|| "must be rays or visible".to_string())
 }
 
 fn parse_outline(text: &str) -> Result<Outline, String> {

@@ -4,6 +4,8 @@
 //! Input is a box of voxel coordinates, which may reach beyond the grid (nothing exists there); output
 //! are brick masks. Knows no tool.
 
+use std::ops::Range;
+
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
@@ -146,29 +148,65 @@ impl BitBlock {
         }
     }
 
-    /// Sets the voxels whose centres lie within `radius_vx` of the centre of `v`.
-    pub fn set_ball(&mut self, v: IVec3, radius_vx: f32) {
-        let reach = radius_vx.max(0.0) as i32;
-        let limit = radius_vx * radius_vx;
-        for dz in -reach..=reach {
-            for dy in -reach..=reach {
-                let rest = limit - (dy * dy + dz * dz) as f32;
-                if rest >= 0.0 {
-                    let dx = rest.sqrt() as i32;
-                    self.set_span(v.x - dx, v.x + dx, v.y + dy, v.z + dz);
-                }
-            }
-        }
+    /// Sets the voxels whose centres are at most `squared_vx` (squared) from that of a voxel of `seeds`, a block of
+    /// the same place and size.
+    pub fn add_balls(&mut self, seeds: &BitBlock, squared_vx: u32) {
+        let reach = squared_vx.isqrt() as i32;
+        self.add_spans(seeds, reach, |dy, dz| {
+            let rest = squared_vx.checked_sub((dy * dy + dz * dz) as u32)?;
+            Some(rest.isqrt())
+        });
     }
 
-    /// Sets the voxels of the cube that reaches `radius_vx` voxels from `v` on every side.
-    pub fn set_cube(&mut self, v: IVec3, radius_vx: f32) {
-        let reach = radius_vx.max(0.0) as i32;
-        for dz in -reach..=reach {
-            for dy in -reach..=reach {
-                self.set_span(v.x - reach, v.x + reach, v.y + dy, v.z + dz);
+    /// Sets the voxels of the cubes that reach `reach_vx` voxels from those of `seeds` on every side, a block of the same
+    /// place and size.
+    pub fn add_cubes(&mut self, seeds: &BitBlock, reach_vx: u32) {
+        self.add_spans(seeds, reach_vx as i32, |_, _| Some(reach_vx));
+    }
+
+    /// Sets, in the rows up to `reach` away, the voxels that are as far along x from a seed as `span` says for the
+    /// row's distance on y and z.
+    fn add_spans(
+        &mut self,
+        seeds: &BitBlock,
+        reach: i32,
+        span: impl Fn(i32, i32) -> Option<u32> + Sync,
+    ) {
+        debug_assert!(self.origin == seeds.origin && self.size == seeds.size);
+        let (rows, width) = (self.size.y as i32, self.words_per_row.max(1));
+        // The words of each row that have seeds.
+        let filled = |y: i32, z: i32| -> Option<(&[u64], Range<usize>)> {
+            let row = seeds.row(y, z)?;
+            let first = row.iter().position(|word| *word != 0)?;
+            let last = row.iter().rposition(|word| *word != 0)?;
+            Some((row, first..last + 1))
+        };
+        self.layers_mut(1).enumerate().for_each(|(z, out)| {
+            // The seeds of a row, wider by what was asked for last.
+            let (mut wide, mut scratch) = (vec![0; width], vec![0; width]);
+            for dz in -reach..=reach {
+                for y in 0..rows {
+                    let Some((row, range)) = filled(y, z as i32 + dz) else { continue };
+                    let mut known = None;
+                    for dy in -reach..=reach {
+                        let Some(by) = span(dy, dz).filter(|_| (0..rows).contains(&(y + dy)))
+                        else {
+                            continue;
+                        };
+                        if known != Some(by) {
+                            widen(row, &range, by as usize, &mut wide, &mut scratch);
+                            known = Some(by);
+                        }
+                        let words = (by as usize).div_ceil(64);
+                        let (first, end) =
+                            (range.start.saturating_sub(words), (range.end + words).min(width));
+                        let start = (y + dy) as usize * width;
+                        let out = &mut out[start + first..start + end];
+                        out.iter_mut().zip(&wide[first..end]).for_each(|(out, wide)| *out |= wide);
+                    }
+                }
             }
-        }
+        });
     }
 
     /// Combines two blocks of the same place and size word by word.
@@ -243,6 +281,39 @@ impl BitBlock {
     }
 }
 
+/// Writes to `wide` the bits of a row, of which only the words of `range` have some, and those up to `by` beside them.
+fn widen(row: &[u64], range: &Range<usize>, by: usize, wide: &mut [u64], scratch: &mut [u64]) {
+    let words = by.div_ceil(64);
+    let end = (range.end + words).min(wide.len());
+    let reached = range.start.saturating_sub(words)..end;
+    wide[reached.clone()].fill(0);
+    wide[range.clone()].copy_from_slice(&row[range.clone()]);
+    // Doubled as often as possible, then by the rest.
+    let mut done = 0;
+    while done < by {
+        let step = (by - done).min(2 * done + 1);
+        let (jump, shift) = (step / 64, step % 64);
+        scratch[reached.clone()].copy_from_slice(&wide[reached.clone()]);
+        for (out, at) in wide[reached.clone()].iter_mut().zip(reached.clone()) {
+            let word = |at: Option<usize>| {
+                at.filter(|at| reached.contains(at)).map_or(0, |at| scratch[at])
+            };
+            let up = |jump: usize| word(at.checked_sub(jump));
+            let down = |jump: usize| word(Some(at + jump));
+            *out |= match shift {
+                0 => up(jump) | down(jump),
+                _ => {
+                    up(jump) << shift
+                        | up(jump + 1) >> (64 - shift)
+                        | down(jump) >> shift
+                        | down(jump + 1) << (64 - shift)
+                }
+            };
+        }
+        done += step;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -280,18 +351,22 @@ mod tests {
 
         #[test]
         fn balls_and_cubes_are_what_they_say(
-            v in prop::array::uniform3(-5i32..70), radius in 0f32..9.0,
+            v in prop::array::uniform3(10i32..60), radius in 0f32..9.0,
         ) {
             let v = IVec3::from(v);
-            let (min, max) = (IVec3::splat(-3), IVec3::new(75, 66, 70));
+            let (min, max) = (IVec3::splat(-3), IVec3::new(140, 66, 70));
             let (mut ball, mut cube) = (BitBlock::empty(min, max), BitBlock::empty(min, max));
-            ball.set_ball(v, radius);
-            cube.set_cube(v, radius);
+            let (mut seeds, others) = (ball.emptied(), [IVec3::new(3, -2, 1), IVec3::new(70, 1, 0)]);
+            let middles = [v, v + others[0], v + others[1]];
+            middles.iter().for_each(|v| seeds.set_span(v.x, v.x, v.y, v.z));
+            ball.add_balls(&seeds, (radius * radius) as u32);
+            cube.add_cubes(&seeds, radius as u32);
             for z in min.z..max.z { for y in min.y..max.y { for x in min.x..max.x {
                 let at = IVec3::new(x, y, z);
-                let d = at - v;
-                prop_assert_eq!(ball.get(at), d.length_squared() as f32 <= radius * radius);
-                prop_assert_eq!(cube.get(at), d.abs().max_element() as f32 <= radius);
+                let ways = || middles.iter().map(|v| at - v);
+                let near = |d: IVec3| d.length_squared() as f32 <= radius * radius;
+                prop_assert_eq!(ball.get(at), ways().any(near));
+                prop_assert_eq!(cube.get(at), ways().any(|d| d.abs().max_element() as f32 <= radius));
             } } }
         }
     }

@@ -16,6 +16,7 @@ mod distance;
 pub mod drain;
 pub mod filter;
 pub mod flood;
+pub mod footprint;
 pub mod form;
 pub mod form_curve;
 mod form_outline;
@@ -51,3 +52,6 @@ mod symmetry_tests;
 pub mod texture;
 pub mod thickness;
 pub mod tint;
+pub mod visible;
+#[cfg(test)]
+mod visible_tests;

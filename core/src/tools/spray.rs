@@ -1,50 +1,23 @@
-//! Spray tools: the voxels that a footprint of rays, cast onto the surface, adds, removes or paints.
+//! Spray tools: the voxels that a footprint on the surface adds, removes or paints.
 //!
 //! From the visible grid (or the grid when the stroke began) and a [`Spray`] to the voxels to change, as
 //! a [`Stamp`]. Changes nothing itself and knows no document.
 //!
-//! The rays are the rays of the picture's pixels under the footprint, so that the tool works on
-//! exactly what is on the screen (J. Mueller 2005: "congruent with the picture").
+//! The footprint lies in the picture, so that the tool works on exactly what is on the screen
+//! (J. Mueller 2005: "congruent with the picture").
 
-use std::collections::HashSet;
-
-use glam::{IVec3, UVec2, UVec3, Vec3};
+use glam::{IVec3, UVec3};
 
 use super::filter;
+use super::footprint::{Footprint, MAX_FOOTPRINT, Outline, Touch};
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{ColourDepth, Grid, Rgb};
-use crate::surface::raycast;
 
-/// Largest radius of a footprint, in rays.
-pub const MAX_FOOTPRINT: f32 = 256.0;
 /// Largest reach of a spray around a hit, in voxels.
 pub const MAX_REACH_VX: f32 = 64.0;
 /// Most rounds of growth.
 const GROWTH_ROUNDS: u32 = 64;
-
-/// The outline of a footprint, and the shape that is cut or added around a hit.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-pub enum Outline {
-    /// A disc, or a ball.
-    #[default]
-    Round,
-    /// A square, or a cube.
-    Square,
-}
-
-impl Outline {
-    /// Both outlines.
-    pub const ALL: [Outline; 2] = [Outline::Round, Outline::Square];
-
-    /// Its name in the text form.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Outline::Round => "round",
-            Outline::Square => "square",
-        }
-    }
-}
 
 /// What a spray does where its rays meet the surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -180,23 +153,6 @@ impl Effect {
     }
 }
 
-/// Rays under a footprint: through `aim + across * i + down * j` for whole i, j within `radius`.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Footprint {
-    /// The eye, in grid coordinates.
-    pub eye_vx: Vec3,
-    /// Direction of the middle ray.
-    pub aim: Vec3,
-    /// Change of direction from a ray to its right neighbour.
-    pub across: Vec3,
-    /// Change of direction from a ray to the one below.
-    pub down: Vec3,
-    /// In rays, 0 to [`MAX_FOOTPRINT`].
-    pub radius: f32,
-    /// Shape of the footprint in the picture.
-    pub outline: Outline,
-}
-
 /// A spray tool used once.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Spray {
@@ -237,13 +193,6 @@ impl Stamp {
     }
 }
 
-/// A voxel hit by a ray, and the distance of the ray from the footprint's centre (0) to its rim (1).
-#[derive(Clone, Copy, PartialEq, Debug)]
-struct SprayHit {
-    voxel: IVec3,
-    offset: f32,
-}
-
 impl Spray {
     /// An error that names the first invalid field, if there is one.
     pub fn check(&self) -> Result<(), &'static str> {
@@ -276,7 +225,7 @@ impl Spray {
     /// The voxels that this spray changes in `grid`. Its rays are cast on `surface`: the same grid, or
     /// the grid when the stroke began, of the same size.
     pub fn stamp(&self, grid: &Grid, surface: &Grid) -> Stamp {
-        let hits = self.footprint.hits(surface);
+        let hits = self.footprint.touched(surface);
         if hits.is_empty() {
             return Stamp::default();
         }
@@ -285,7 +234,7 @@ impl Spray {
         match self.effect {
             Effect::Paintbrush { .. } => {
                 let mut seen = BitBlock::empty(min, max);
-                hits.iter().for_each(|hit| seen.set_ball(hit.voxel, 0.0));
+                hits.iter().for_each(|Touch { voxel: v, .. }| seen.set_span(v.x, v.x, v.y, v.z));
                 Stamp { paint: bricks(&seen), ..Stamp::default() }
             }
             Effect::Devourer { outline } => {
@@ -369,7 +318,7 @@ impl Spray {
     }
 
     /// A box of all voxels that may change and the neighbours that filters read.
-    fn bounds(&self, hits: &[SprayHit]) -> (IVec3, IVec3) {
+    fn bounds(&self, hits: &[Touch]) -> (IVec3, IVec3) {
         let margin = self.reach_vx.ceil() as i32
             + match self.effect {
                 Effect::Smooth { radius_vx } => radius_vx as i32,
@@ -383,27 +332,36 @@ impl Spray {
     /// The voxels around each hit, up to the `reach` for its offset from the centre.
     fn around(
         &self,
-        hits: &[SprayHit],
+        hits: &[Touch],
         min: IVec3,
         max: IVec3,
         reach: impl Fn(f32) -> f32,
         outline: Outline,
     ) -> BitBlock {
-        let mut block = BitBlock::empty(min, max);
-        for hit in hits {
+        // Distances between voxels are roots of whole numbers: reaches between two of them are the same.
+        let steps = |offset: f32| match outline {
+            Outline::Round => reach(offset).max(0.0).powi(2) as u32,
+            Outline::Square => reach(offset).max(0.0) as u32,
+        };
+        let mut hits: Vec<(u32, IVec3)> = hits.iter().map(|h| (steps(h.offset), h.voxel)).collect();
+        hits.sort_unstable_by_key(|(steps, _)| *steps);
+        let mut around = BitBlock::empty(min, max);
+        for alike in hits.chunk_by(|(a, _), (b, _)| a == b) {
+            let mut seeds = around.emptied();
+            alike.iter().for_each(|(_, v)| seeds.set_span(v.x, v.x, v.y, v.z));
             match outline {
-                Outline::Round => block.set_ball(hit.voxel, reach(hit.offset)),
-                Outline::Square => block.set_cube(hit.voxel, reach(hit.offset)),
+                Outline::Round => around.add_balls(&seeds, alike[0].0),
+                Outline::Square => around.add_cubes(&seeds, alike[0].0),
             }
         }
-        block
+        around
     }
 
     /// The existing voxels near the hits, and those that may change.
     fn neighbourhood(
         &self,
         grid: &Grid,
-        hits: &[SprayHit],
+        hits: &[Touch],
         min: IVec3,
         max: IVec3,
     ) -> (BitBlock, BitBlock) {
@@ -423,56 +381,4 @@ fn mixed(v: u32) -> u32 {
     let v = (v ^ v >> 16).wrapping_mul(0x85eb_ca6b);
     let v = (v ^ v >> 13).wrapping_mul(0xc2b2_ae35);
     v ^ v >> 16
-}
-
-impl Footprint {
-    /// The voxels that the rays hit, each once, with its smallest offset.
-    fn hits(&self, surface: &Grid) -> Vec<SprayHit> {
-        let reach = self.radius as i32;
-        let mut seen = HashSet::new();
-        let mut hits = Vec::new();
-        // From the centre outwards, so that a voxel keeps its smallest offset.
-        let mut rays: Vec<(f32, i32, i32)> = Vec::new();
-        for j in -reach..=reach {
-            for i in -reach..=reach {
-                let (x, y) = (i as f32, j as f32);
-                let distance = match self.outline {
-                    Outline::Round => x.hypot(y),
-                    Outline::Square => x.abs().max(y.abs()),
-                };
-                if distance <= self.radius {
-                    rays.push((distance / self.radius.max(1.0), i, j));
-                }
-            }
-        }
-        rays.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (offset, i, j) in rays {
-            let direction = self.aim + self.across * i as f32 + self.down * j as f32;
-            if let Some(hit) = raycast::cast(surface, self.eye_vx, direction)
-                && seen.insert(hit.voxel)
-            {
-                hits.push(SprayHit { voxel: hit.voxel.as_ivec3(), offset });
-            }
-        }
-        hits
-    }
-}
-
-impl Footprint {
-    /// The footprint around pixel (x, y) of a picture made with `rays`.
-    pub fn of_pixel(
-        rays: &crate::view::PixelRays,
-        pixel: UVec2,
-        radius: f32,
-        outline: Outline,
-    ) -> Footprint {
-        Footprint {
-            eye_vx: rays.origin,
-            aim: rays.direction(pixel.x, pixel.y),
-            across: rays.step_x,
-            down: rays.step_y,
-            radius,
-            outline,
-        }
-    }
 }

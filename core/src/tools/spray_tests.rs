@@ -1,6 +1,7 @@
 //! Tests of the voxels that sprays add, remove and paint.
 
-use super::spray::{Effect, Footprint, Outline, Spray, Stamp};
+use super::footprint::{Coverage, Footprint, Outline};
+use super::spray::{Effect, Spray, Stamp};
 use crate::sculpture::brick::local_coords;
 use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{Brick, ColourDepth, Grid, Rgb};
@@ -25,6 +26,7 @@ fn from_above(radius: f32, outline: Outline) -> Footprint {
         down: Vec3::Z / height,
         radius,
         outline,
+        coverage: Coverage::Rays,
     }
 }
 

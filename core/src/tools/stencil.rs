@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::{Mat3, UVec3, Vec2, Vec3};
 
-use super::spray::Footprint;
+use super::footprint::Footprint;
 use super::texture::Texture;
 use crate::sculpture::Rgb;
 
@@ -66,7 +66,7 @@ fn brightness(Rgb([r, g, b]): Rgb) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::spray::Outline;
+    use crate::tools::footprint::{Coverage, Outline};
 
     /// Rays straight down the z axis, a voxel apart at z = 0.
     fn looking_down(radius: f32) -> Footprint {
@@ -77,6 +77,7 @@ mod tests {
             down: Vec3::NEG_Y,
             radius,
             outline: Outline::Square,
+            coverage: Coverage::Visible,
         }
     }
 

@@ -7,9 +7,9 @@
 use glam::{DMat3, DQuat, DVec3, IVec3, Mat3, Quat, UVec3, Vec3};
 
 use super::construct::{PlacedSolid, Primitive};
+use super::footprint::Footprint;
 use super::form::Form;
 use super::form_region::PlacedForm;
-use super::spray::Footprint;
 use crate::sculpture::grid::Grid;
 use crate::sculpture::orientation::Orientation;
 

@@ -11,7 +11,8 @@ use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::selection::Selection;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
-use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
+use sculpture_core::tools::footprint::{Coverage, Footprint, Outline};
+use sculpture_core::tools::spray::{Effect, Spray};
 use sculpture_core::tools::symmetry::Symmetry;
 
 use super::strategies::{any_command, area_work, new_sculpture, op, orientation, work};
@@ -118,11 +119,11 @@ fn spray() -> impl Strategy<Value = Command> {
         Just(Effect::Clay { colour: Rgb::new(255, 0, 0) }),
     ];
     let rays = (vector(), vector(), vector(), vector(), number());
-    (effect, rays, number(), any::<bool>()).prop_map(
-        |(effect, (eye_vx, aim, across, down, radius), reach_vx, stroke)| {
+    (effect, rays, number(), any::<bool>(), prop::sample::select(&Coverage::ALL)).prop_map(
+        |(effect, (eye_vx, aim, across, down, radius), reach_vx, stroke, coverage)| {
             let radius = if radius > 12.0 && radius <= 256.0 { 12.0 } else { radius };
             let footprint =
-                Footprint { eye_vx, aim, across, down, radius, outline: Outline::Round };
+                Footprint { eye_vx, aim, across, down, radius, outline: Outline::Round, coverage };
             let surface = if stroke { SpraySurface::Stroke } else { SpraySurface::Now };
             Command::Spray { spray: Spray { effect, footprint, reach_vx }, surface }
         },

@@ -11,9 +11,10 @@ use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
 use sculpture_core::tools::deform::{Brush, Deform, Draw, Plane};
+use sculpture_core::tools::footprint::{Coverage, Footprint, Outline};
 use sculpture_core::tools::grab::{Falloff, Grab, Motion};
 use sculpture_core::tools::mend::{Keep, Mend, Toward};
-use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
+use sculpture_core::tools::spray::{Effect, Spray};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 use sculpture_core::tools::tint::Tint;
 
@@ -35,6 +36,10 @@ fn outline() -> impl Strategy<Value = Outline> {
     prop::sample::select(&Outline::ALL[..])
 }
 
+fn coverage() -> impl Strategy<Value = Coverage> {
+    prop::sample::select(&Coverage::ALL)
+}
+
 /// Sprays whose vectors come from `vector`.
 pub fn spray<S: Strategy<Value = Vec3>>(vector: impl Fn() -> S) -> impl Strategy<Value = Spray> {
     let effect = prop_oneof![
@@ -49,16 +54,16 @@ pub fn spray<S: Strategy<Value = Vec3>>(vector: impl Fn() -> S) -> impl Strategy
         colour().prop_map(|colour| Effect::Clay { colour }),
         any::<bool>().prop_map(|adds| Effect::Mask { adds }),
     ];
-    let footprint = (vector(), vector(), vector(), vector(), 0f32..6.0, outline()).prop_map(
-        |(eye_vx, aim, across, down, radius, outline)| Footprint {
+    let footprint = (vector(), vector(), vector(), vector(), 0f32..6.0, outline(), coverage())
+        .prop_map(|(eye_vx, aim, across, down, radius, outline, coverage)| Footprint {
             eye_vx,
             aim,
             across,
             down,
             radius,
             outline,
-        },
-    );
+            coverage,
+        });
     (effect, footprint, 0f32..5.0).prop_map(|(effect, footprint, reach_vx)| Spray {
         effect,
         footprint,
@@ -382,12 +387,21 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         area().prop_map(|area| Command::Clear { area }),
         (area(), colour()).prop_map(|(area, colour)| Command::Dye { area, colour }),
         (area(), any_tint()).prop_map(|(area, tint)| Command::Tint { area, tint }),
-        (path(), prop::array::uniform4(any_vec3()), any_number(), prop::option::of(colour()))
-            .prop_map(|(picture, [eye_vx, aim, across, down], radius, colour)| {
-                let outline = Outline::Square;
-                let footprint = Footprint { eye_vx, aim, across, down, radius, outline };
-                Command::Stencil { picture, footprint, colour, cover: radius }
-            },),
+        (
+            path(),
+            prop::array::uniform4(any_vec3()),
+            any_number(),
+            prop::option::of(colour()),
+            coverage()
+        )
+            .prop_map(
+                |(picture, [eye_vx, aim, across, down], radius, colour, coverage)| {
+                    let outline = Outline::Square;
+                    let footprint =
+                        Footprint { eye_vx, aim, across, down, radius, outline, coverage };
+                    Command::Stencil { picture, footprint, colour, cover: radius }
+                },
+            ),
         mask(form(any_vec3, any_number), 0..u32::MAX, -1e9f32..1e9, 0..u32::MAX)
             .prop_map(Command::Mask),
         (any::<[u32; 3]>(), colour(), any_number()).prop_map(|(at, colour, tolerance)| {

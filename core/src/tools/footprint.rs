@@ -1,0 +1,155 @@
+//! Footprints: where a brush is in the picture, and the voxels of the surface that it takes there.
+//!
+//! From rays around an aim and a grid to [`Touch`]es. A footprint either takes the visible voxels whose
+//! projection lies inside its outline ([`super::visible`]) or, as commands recorded before did, the voxels
+//! that its rays meet. Changes nothing; knows no brush.
+
+use std::collections::HashSet;
+
+use glam::{IVec3, UVec2, Vec3};
+
+use super::visible;
+use crate::sculpture::Grid;
+use crate::surface::raycast;
+
+/// Largest radius of a footprint, in rays.
+pub const MAX_FOOTPRINT: f32 = 256.0;
+
+/// The outline of a footprint, and the shape that is cut or added around a hit.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Outline {
+    /// A disc, or a ball.
+    #[default]
+    Round,
+    /// A square, or a cube.
+    Square,
+}
+
+impl Outline {
+    /// Both outlines.
+    pub const ALL: [Outline; 2] = [Outline::Round, Outline::Square];
+
+    /// Its name in the text form.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Outline::Round => "round",
+            Outline::Square => "square",
+        }
+    }
+
+    /// How far the ray `x` to the right and `y` down is from the middle one, in the measure of this outline.
+    #[inline(always)]
+    pub fn distance(self, x: f32, y: f32) -> f32 {
+        match self {
+            Outline::Round => x.hypot(y),
+            Outline::Square => x.abs().max(y.abs()),
+        }
+    }
+}
+
+/// Which voxels of the surface a footprint takes.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Coverage {
+    /// Those that its rays meet: some or all of those under it, as the ratio of voxel to ray has it. Commands
+    /// without a word about it mean this.
+    #[default]
+    Rays,
+    /// All visible ones whose middle is projected into its outline ([`super::visible`]).
+    Visible,
+}
+
+impl Coverage {
+    /// Both.
+    pub const ALL: [Coverage; 2] = [Coverage::Rays, Coverage::Visible];
+
+    /// Its name in the text form.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Coverage::Rays => "rays",
+            Coverage::Visible => "visible",
+        }
+    }
+}
+
+/// Rays under a footprint: through `aim + across * i + down * j` for i, j within `radius`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Footprint {
+    /// The eye, in grid coordinates.
+    pub eye_vx: Vec3,
+    /// Direction of the middle ray.
+    pub aim: Vec3,
+    /// Change of direction from a ray to its right neighbour.
+    pub across: Vec3,
+    /// Change of direction from a ray to the one below.
+    pub down: Vec3,
+    /// In rays, 0 to [`MAX_FOOTPRINT`].
+    pub radius: f32,
+    /// Shape of the footprint in the picture.
+    pub outline: Outline,
+    /// The voxels that it takes.
+    pub coverage: Coverage,
+}
+
+/// A voxel of the surface under a footprint, and its distance from the footprint's centre (0) to its rim (1).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Touch {
+    /// The voxel.
+    pub voxel: IVec3,
+    /// Of the middle of the voxel, or of the first ray that met it.
+    pub offset: f32,
+}
+
+impl Footprint {
+    /// The footprint around pixel (x, y) of a picture made with `rays`: all that is visible in it.
+    pub fn of_pixel(
+        rays: &crate::view::PixelRays,
+        pixel: UVec2,
+        radius: f32,
+        outline: Outline,
+    ) -> Footprint {
+        Footprint {
+            eye_vx: rays.origin,
+            aim: rays.direction(pixel.x, pixel.y),
+            across: rays.step_x,
+            down: rays.step_y,
+            radius,
+            outline,
+            coverage: Coverage::Visible,
+        }
+    }
+
+    /// The voxels of `surface` that this footprint takes, each once.
+    pub fn touched(&self, surface: &Grid) -> Vec<Touch> {
+        match self.coverage {
+            Coverage::Rays => self.met_by_rays(surface),
+            Coverage::Visible => visible::under(self, surface),
+        }
+    }
+
+    /// The voxels that the rays meet, each with its smallest offset.
+    fn met_by_rays(&self, surface: &Grid) -> Vec<Touch> {
+        let reach = self.radius as i32;
+        let mut seen = HashSet::new();
+        let mut touched = Vec::new();
+        // From the centre outwards, so that a voxel keeps its smallest offset.
+        let mut rays: Vec<(f32, i32, i32)> = Vec::new();
+        for j in -reach..=reach {
+            for i in -reach..=reach {
+                let distance = self.outline.distance(i as f32, j as f32);
+                if distance <= self.radius {
+                    rays.push((distance / self.radius.max(1.0), i, j));
+                }
+            }
+        }
+        rays.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (offset, i, j) in rays {
+            let direction = self.aim + self.across * i as f32 + self.down * j as f32;
+            if let Some(hit) = raycast::cast(surface, self.eye_vx, direction)
+                && seen.insert(hit.voxel)
+            {
+                touched.push(Touch { voxel: hit.voxel.as_ivec3(), offset });
+            }
+        }
+        touched
+    }
+}

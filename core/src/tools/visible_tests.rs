@@ -1,0 +1,272 @@
+//! What a footprint takes, against a plain definition, and against what a person sees: no visible voxel under the
+//! outline is left, and none behind the visible surface is taken, at every ratio of voxel to ray and from every side.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::{DMat3, DVec3, IVec3, UVec3, Vec3};
+use proptest::prelude::*;
+
+use super::footprint::{Coverage, Footprint, Outline};
+use super::visible::{LEAST_TURN, LIFT_VX};
+use crate::sculpture::Grid;
+use crate::surface::raycast;
+
+fn grid(dims: UVec3, exists: impl Fn(IVec3) -> bool) -> Grid {
+    let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+    for v in voxels(dims).filter(|v| exists(*v)) {
+        grid.set(v, true);
+    }
+    grid
+}
+
+fn voxels(dims: UVec3) -> impl Iterator<Item = IVec3> {
+    let UVec3 { x, y, z } = dims;
+    (0..z).flat_map(move |z| {
+        (0..y).flat_map(move |y| (0..x).map(move |x| UVec3::new(x, y, z).as_ivec3()))
+    })
+}
+
+/// What is sculpted: flat faces, stairs, a ball, thin bars, walls one behind the other, dust.
+fn scene(kind: usize, dims: UVec3) -> Grid {
+    let size = dims.as_vec3();
+    grid(dims, |v| {
+        let p = v.as_vec3() + 0.5;
+        match kind {
+            0 => p.y < 0.6 * size.y,
+            1 => p.y < 0.3 * p.x + 0.1 * p.z + 0.2 * size.y,
+            2 => (p - 0.5 * size).length() < 0.45 * size.min_element(),
+            3 => v.x % 9 == 0 && v.z % 7 == 0 || v.y == 5 && v.z % 5 == 0,
+            4 => v.z % 16 < 2 && v.y > v.z / 4,
+            _ => (v.x * 7919 + v.y * 104_729 + v.z * 1_299_709) as u32 % 97 < 9,
+        }
+    })
+}
+
+/// A footprint of `radius` rays, `spacing_vx` voxels apart at the target, from `away` voxels in the direction `from`.
+fn looking(target: Vec3, from: Vec3, away: f32, spacing_vx: f32, radius: f32) -> Footprint {
+    let from = from.normalize();
+    let across = from.any_orthonormal_vector();
+    Footprint {
+        eye_vx: target + from * away,
+        aim: -from,
+        across: across * (spacing_vx / away),
+        down: from.cross(across) * (spacing_vx / away),
+        radius,
+        outline: Outline::Round,
+        coverage: Coverage::Visible,
+    }
+}
+
+/// How far the middle of a voxel is from the middle ray, in rays; infinite behind the eye.
+fn distance(footprint: &Footprint, v: IVec3) -> f64 {
+    let [across, down, aim] = [footprint.across, footprint.down, footprint.aim].map(Vec3::as_dvec3);
+    let from_eye = v.as_dvec3() + 0.5 - footprint.eye_vx.as_dvec3();
+    let DVec3 { x, y, z } = DMat3::from_cols(across, down, aim).inverse() * from_eye;
+    if z <= 0.0 { f64::INFINITY } else { (x / z).hypot(y / z) }
+}
+
+/// The middles of the open faces of a voxel that are turned to the eye, relative to the eye, with their normals.
+fn turned_faces(grid: &Grid, eye: Vec3, v: IVec3) -> impl Iterator<Item = (Vec3, Vec3)> {
+    let middle = v.as_vec3() + 0.5 - eye;
+    let normals = [IVec3::X, IVec3::Y, IVec3::Z].into_iter().flat_map(|n| [n, -n]);
+    normals.filter(move |n| grid.get(v) && !grid.get(v + n)).filter_map(move |n| {
+        let normal = n.as_vec3();
+        let face = middle + 0.5 * normal;
+        (-face.dot(normal) > LEAST_TURN * middle.length()).then_some((face, normal))
+    })
+}
+
+fn is_free(grid: &Grid, eye: Vec3, to: Vec3) -> bool {
+    raycast::cast(grid, eye, to).is_none_or(|hit| hit.t >= 1.0 - 1e-3 / to.length().max(1.0))
+}
+
+/// Whether the eye sees a point less than a voxel above an open face of a voxel, over its middle or half a voxel beside.
+fn is_nearly_seen(grid: &Grid, eye: Vec3, v: IVec3) -> bool {
+    turned_faces(grid, eye, v).any(|(face, normal)| {
+        let beside = (0..27).map(|i| IVec3::new(i % 3, i / 3 % 3, i / 9) - 1);
+        let beside = beside.map(|step| 0.5 * step.as_vec3() * (Vec3::ONE - normal.abs()));
+        beside.into_iter().any(|beside| {
+            let heights = [0.001, 0.3, 0.6, LIFT_VX];
+            heights.iter().any(|height| is_free(grid, eye, face + beside * 0.99 + *height * normal))
+        })
+    })
+}
+
+/// The definition of the module, voxel by voxel, of those that are not within a hundredth of a ray of the outline: what
+/// is seen over its middle is taken, what is taken is seen at least half a voxel beside it.
+fn check(grid: &Grid, footprint: &Footprint) -> Result<usize, TestCaseError> {
+    let eye = footprint.eye_vx;
+    let touched = footprint.touched(grid);
+    let taken: HashSet<IVec3> = touched.iter().map(|touch| touch.voxel).collect();
+    prop_assert_eq!(taken.len(), touched.len(), "each once");
+    let middle = raycast::cast(grid, eye, footprint.aim).map(|hit| hit.voxel.as_ivec3());
+    prop_assert!(middle.is_none_or(|v| taken.contains(&v)));
+    for v in voxels(grid.dims()).filter(|v| grid.get(*v) && Some(*v) != middle) {
+        let away = distance(footprint, v);
+        if (away - f64::from(footprint.radius)).abs() < 0.01 {
+            continue;
+        }
+        let inside = away < f64::from(footprint.radius);
+        let mut faces = turned_faces(grid, eye, v);
+        let seen = inside && faces.any(|(face, _)| is_free(grid, eye, face * (1.0 - 1e-5)));
+        prop_assert!(taken.contains(&v) || !seen, "{} at {} rays is left", v, away);
+        let nearly = inside && is_nearly_seen(grid, eye, v);
+        prop_assert!(nearly || !taken.contains(&v), "{} at {} rays is hidden", v, away);
+    }
+    Ok(taken.len())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn a_footprint_takes_what_the_definition_says(
+        kind in 0usize..6,
+        from in prop::array::uniform3(-1f32..1.0),
+        target in prop::array::uniform3(0f32..44.0),
+        away in 4f32..400.0,
+        spacing in 0.02f32..6.0,
+        radius in 0f32..24.0,
+    ) {
+        let from = Vec3::from(from);
+        // Not wider than a wide lens.
+        prop_assume!(from.length() > 0.1 && radius * spacing < 1.5 * away);
+        let grid = scene(kind, UVec3::new(44, 41, 38));
+        check(&grid, &looking(target.into(), from, away, spacing, radius))?;
+    }
+}
+
+/// The directions in which people look at a face that points up: from straight above to five degrees above it.
+fn slants() -> impl Iterator<Item = Vec3> {
+    [0f32, 45.0, 80.0, 85.0].into_iter().flat_map(|degrees| {
+        let slant = degrees.to_radians();
+        [0f32, 0.6, 1.5707].map(|turn| {
+            let level = Vec3::new(turn.cos(), 0.0, turn.sin());
+            level * slant.sin() + Vec3::Y * slant.cos()
+        })
+    })
+}
+
+/// Along rays far closer than those of the footprint, every voxel that is met and whose middle is inside is taken.
+fn leaves_nothing(grid: &Grid, footprint: &Footprint, fineness: i32) {
+    let taken: HashSet<IVec3> = footprint.touched(grid).iter().map(|t| t.voxel).collect();
+    let reach = footprint.radius as i32 * fineness;
+    // A voxel of which half an edge is seen in both directions; of all that pixels show, nothing.
+    let spacing_vx =
+        footprint.across.length() * (footprint.eye_vx - Vec3::new(48.0, 32.0, 48.0)).length();
+    let many = (0.5 / spacing_vx * fineness as f32).powi(2).ceil() as u32;
+    let mut seen: HashMap<IVec3, u32> = HashMap::new();
+    for j in -reach..=reach {
+        for i in -reach..=reach {
+            let shown = i % fineness == 0 && j % fineness == 0;
+            let (i, j) = (i as f32 / fineness as f32, j as f32 / fineness as f32);
+            let way = footprint.aim + footprint.across * i + footprint.down * j;
+            let Some(hit) = raycast::cast(grid, footprint.eye_vx, way) else { continue };
+            let v = hit.voxel.as_ivec3();
+            let turned = way.normalize().dot(hit.face.as_vec3()).abs() > LEAST_TURN;
+            if turned
+                && distance(footprint, v) < f64::from(footprint.radius - 1.0)
+                && !taken.contains(&v)
+            {
+                *seen.entry(v).or_default() += if shown { many } else { 1 };
+            }
+        }
+    }
+    let left: Vec<_> = seen.iter().filter(|(_, count)| **count >= many).collect();
+    assert!(left.is_empty(), "{} of {} left: {:?}", left.len(), taken.len(), left.first());
+    assert!(!taken.is_empty());
+}
+
+#[test]
+fn nothing_visible_is_left_from_any_side_at_any_distance() {
+    let dims = UVec3::new(96, 64, 96);
+    for kind in 0..6 {
+        let grid = scene(kind, dims);
+        for from in slants() {
+            for (spacing, fineness) in [(0.1f32, 1), (0.7, 3), (2.0, 8), (5.0, 12)] {
+                let radius = (20.0 / spacing).clamp(4.0, 24.0);
+                leaves_nothing(
+                    &grid,
+                    &looking(dims.as_vec3() * 0.5, from, 300.0, spacing, radius),
+                    fineness,
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_large_plate_is_covered_wholly_where_a_voxel_is_smaller_than_a_ray() {
+    // Thin, so that it needs little memory.
+    let dims = UVec3::new(1600, 8, 1600);
+    let mut plate = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+    plate.fill_bricks(|_| crate::sculpture::Brick::FULL);
+    let target = Vec3::new(800.0, 8.0, 800.0);
+    for from in slants() {
+        let footprint = looking(target, from, 4000.0, 4.0, 20.0);
+        let taken: HashSet<IVec3> = footprint.touched(&plate).iter().map(|t| t.voxel).collect();
+        for (x, z) in (0..1600).flat_map(|x| (0..1600).map(move |z| (x, z))) {
+            let v = IVec3::new(x, 7, z);
+            let away = distance(&footprint, v);
+            assert!(away > 19.9 || taken.contains(&v), "{v} is left, from {from}");
+            assert!(away < 20.1 || !taken.contains(&v), "{v} is outside, from {from}");
+        }
+        assert!(
+            taken.iter().all(|v| v.y == 7 || [0, 1599].contains(&v.x) || [0, 1599].contains(&v.z))
+        );
+    }
+}
+
+/// Nothing behind the visible surface: from a point within a voxel and a half of each voxel taken the eye is seen.
+#[test]
+fn nothing_behind_the_visible_surface_is_taken() {
+    let dims = UVec3::new(64, 64, 64);
+    for kind in 0..5 {
+        let grid = scene(kind, dims);
+        for from in slants() {
+            for (away, spacing, radius) in
+                [(200.0, 0.3, 24.0), (200.0, 3.0, 8.0), (5000.0, 1.0, 24.0)]
+            {
+                let footprint = looking(dims.as_vec3() * 0.5, from, away, spacing, radius);
+                for touch in footprint.touched(&grid) {
+                    let seen = is_nearly_seen(&grid, footprint.eye_vx, touch.voxel);
+                    assert!(seen, "{} of scene {kind} from {from}", touch.voxel);
+                }
+            }
+        }
+    }
+    // Two walls, the nearer with a slit: of the farther one only what is seen through the slit.
+    let walls = grid(UVec3::new(64, 64, 40), |v| v.z < 4 || v.z > 30 && v.x.abs_diff(32) > 2);
+    let touched = looking(Vec3::new(32.0, 32.0, 40.0), Vec3::Z, 500.0, 1.0, 20.0).touched(&walls);
+    assert!(touched.iter().any(|t| t.voxel.z == 3));
+    assert!(touched.iter().filter(|t| t.voxel.z < 4).all(|t| t.voxel.x.abs_diff(32) <= 4));
+}
+
+#[test]
+fn a_brush_smaller_than_a_voxel_takes_the_one_under_it() {
+    let grid = scene(0, UVec3::new(44, 41, 38));
+    // A corner of a voxel, whose middle is far outside.
+    let target = Vec3::new(20.1, 24.0, 20.1);
+    let touched = looking(target, Vec3::Y, 10.0, 0.02, 3.0).touched(&grid);
+    assert_eq!(touched.iter().map(|t| t.voxel).collect::<Vec<_>>(), [IVec3::new(20, 23, 20)]);
+    // No radius, and rays that span no picture.
+    let point = looking(target, Vec3::Y, 10.0, 2.0, 0.0);
+    assert_eq!(point.touched(&grid).len(), 1);
+    let flat = Footprint { down: point.across, radius: 8.0, ..point };
+    assert_eq!(flat.touched(&grid).len(), 1);
+    // From within the stone.
+    let inside = looking(Vec3::splat(10.0), Vec3::Y, 4.0, 0.5, 8.0);
+    assert_eq!(inside.touched(&grid).len(), 1);
+    // Beside everything.
+    let beside = looking(Vec3::new(-300.0, 10.0, 10.0), Vec3::Y, 10.0, 1.0, 8.0);
+    assert!(beside.touched(&grid).is_empty());
+}
+
+#[test]
+fn a_wall_that_is_seen_edge_on_is_not_taken_down_to_its_foot() {
+    let tower = grid(UVec3::new(64, 120, 64), |v| v.x < 32);
+    let touched =
+        looking(Vec3::new(32.0, 120.0, 32.0), Vec3::Y, 40_000.0, 0.5, 20.0).touched(&tower);
+    assert!(touched.iter().all(|t| t.voxel.y == 119));
+    assert!(!touched.is_empty());
+}
