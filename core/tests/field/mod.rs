@@ -4,11 +4,13 @@
 //! Files that were made for these tests lie in `fixtures/field`; those of other projects are in the shared folder, and are
 //! skipped where it is missing.
 
+mod scans;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use glam::{UVec3, Vec3};
-use sculpture_core::format::options::{Existence, ImportOptions, MeshSize};
+use sculpture_core::format::options::{Colouring, Existence, ImportOptions, MeshSize, RawLayout};
 use sculpture_core::format::{self, Loaded};
 use sculpture_core::sculpture::brick::local_coords;
 use sculpture_core::sculpture::history::Contents;
@@ -28,6 +30,8 @@ struct Right {
     size: Option<MeshSize>,
     /// Of the sculpture, y up.
     dims: Option<[u32; 3]>,
+    /// Size and edges of a voxel in the file.
+    file_dims: Option<[u32; 3]>,
     voxel: Option<[f32; 3]>,
     count: Option<u64>,
     /// How many voxels have which colour; all of them if these are named.
@@ -85,13 +89,14 @@ fn wrong(path: &Path, right: &Right) -> Vec<String> {
     if let Some(dims) = right.dims {
         check("size", grid.dims().to_string(), UVec3::from(dims).to_string());
     }
+    let volume = || format::load_volume(path, &options(right), &Limits::default(), &()).unwrap();
+    if let Some(dims) = right.file_dims {
+        check("size in the file", volume().dims.to_string(), UVec3::from(dims).to_string());
+    }
     if let Some(voxel) = right.voxel {
-        let near = (grid.voxel_size() - Vec3::from(voxel)).abs().max_element() < 1e-5;
-        check(
-            "voxel",
-            format!("{near} {}", grid.voxel_size()),
-            format!("true {}", grid.voxel_size()),
-        );
+        let found = volume().voxel_size;
+        let is_near = (found - Vec3::from(voxel)).abs().max_element() < 1e-5;
+        check(&format!("voxel {found}"), is_near.to_string(), "true".to_string());
     }
     if let Some(count) = right.count {
         check("voxels", all.len().to_string(), count.to_string());
@@ -106,7 +111,7 @@ fn wrong(path: &Path, right: &Right) -> Vec<String> {
         check("colours with", format!("{:?}", colours.contains_key(shown)), "true".to_string());
     }
     if !right.layers.is_empty() {
-        let volume = format::load_volume(path, &options(right), &Limits::default(), &()).unwrap();
+        let volume = volume();
         let dense = |v: UVec3| volume.density(v).is_some_and(|density| density >= 500.0);
         let (width, height) = (volume.dims.x, volume.dims.y);
         let of = |z: u32| {
@@ -155,8 +160,8 @@ fn a_box(dims: [u32; 3]) -> Right {
 
 /// The scan of 24 x 20 x 10 in the file.
 fn scan() -> Right {
-    let (dims, count) = (Some([24, 20, 10]), Some(780));
-    Right { existence: DENSE, dims, count, layers: &LAYERS, ..Right::default() }
+    let (file_dims, count) = (Some([24, 20, 10]), Some(780));
+    Right { existence: DENSE, file_dims, count, layers: &LAYERS, ..Right::default() }
 }
 
 const FINE: Option<[f32; 3]> = Some([0.5, 0.5, 2.0]);
