@@ -4,6 +4,7 @@
 //! Files that were made for these tests lie in `fixtures/field`; those of other projects are in the shared folder, and are
 //! skipped where it is missing.
 
+mod made;
 mod scans;
 
 use std::collections::BTreeMap;
