@@ -177,3 +177,88 @@ fn text_ply_whose_values_are_not_in_lines_is_read() {
     std::fs::write(&path, format!("{header}end_header\n{values}\n")).unwrap();
     check(path, Right { is_silent: true, ..a_box([10, 30, 20]) });
 }
+
+/// The corners and faces of a box of 10 x 20 x 30.
+const CORNERS: [[i32; 3]; 8] = [
+    [0, 0, 0],
+    [0, 0, 30],
+    [0, 20, 0],
+    [0, 20, 30],
+    [10, 0, 0],
+    [10, 0, 30],
+    [10, 20, 0],
+    [10, 20, 30],
+];
+const FACES: [[i32; 4]; 6] =
+    [[1, 2, 4, 3], [5, 7, 8, 6], [1, 5, 6, 2], [3, 4, 8, 7], [1, 3, 7, 5], [2, 6, 8, 4]];
+
+fn ply_header(format: &str, faces: &str) -> String {
+    format!(
+        "ply\nformat {format} 1.0\ncomment\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n\
+         {faces}end_header\n"
+    )
+}
+
+/// Two triangles of each face as a strip.
+fn strips() -> Vec<i32> {
+    FACES.iter().flat_map(|[a, b, c, d]| [a - 1, b - 1, d - 1, c - 1, -1]).collect()
+}
+
+#[test]
+fn ply_strips_of_triangles_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ply");
+    let header = ply_header(
+        "binary_little_endian",
+        "element tristrips 1\nproperty list int int vertex_indices\n",
+    );
+    let mut file = header.into_bytes();
+    CORNERS.iter().flatten().for_each(|at| file.extend((*at as f32).to_le_bytes()));
+    file.extend((strips().len() as i32).to_le_bytes());
+    strips().iter().for_each(|corner| file.extend(corner.to_le_bytes()));
+    std::fs::write(&path, file).unwrap();
+    check(path, Right { is_silent: true, ..a_box([10, 30, 20]) });
+}
+
+#[test]
+fn ply_headers_with_windows_line_ends_and_numbers_on_lines_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ply");
+    let faces = "element face 7\nproperty list uchar int vertex_index\n";
+    let header = ply_header("binary_little_endian", &faces.replace('7', "6")).replace('\n', "\r\n");
+    let mut file = header.into_bytes();
+    CORNERS.iter().flatten().for_each(|at| file.extend((*at as f32).to_le_bytes()));
+    for face in FACES {
+        file.push(4);
+        face.iter().for_each(|corner| file.extend((corner - 1).to_le_bytes()));
+    }
+    std::fs::write(&path, file).unwrap();
+    check(path.clone(), Right { is_silent: true, ..a_box([10, 30, 20]) });
+    // Each number on a line; then a face without corners whose line goes on with the next face.
+    let of = |face: [i32; 4]| {
+        format!("4 {} {} {} {}\n", face[0] - 1, face[1] - 1, face[2] - 1, face[3] - 1)
+    };
+    let all: String = FACES.map(of).concat();
+    for separator in ["\n", " "] {
+        let corners: Vec<String> =
+            CORNERS.iter().map(|[x, y, z]| format!("{x}{separator}{y}{separator}{z}\n")).collect();
+        let text = format!("{}{}0 {all}", ply_header("ascii", faces), corners.concat());
+        let text = if separator == "\n" { text.replace("0 4 ", "0\n4 ") } else { text };
+        std::fs::write(&path, text).unwrap();
+        check(path.clone(), Right { is_silent: true, ..a_box([10, 30, 20]) });
+    }
+}
+
+#[test]
+fn obj_faces_that_count_backwards_count_from_where_they_stand() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    // Each face behind its own corners.
+    let of = |face: [i32; 4]| {
+        let corners = face.map(|corner| CORNERS[corner as usize - 1]);
+        let corners = corners.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+        format!("{corners}f -4 -3//-3 -2 -1\n")
+    };
+    std::fs::write(&path, FACES.map(of).concat()).unwrap();
+    check(path, Right { is_silent: true, ..a_box([10, 20, 30]) });
+}

@@ -31,6 +31,7 @@ pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
         match element.name.as_str() {
             "vertex" => vertices(element, &mut values, &mut mesh, &mut corner_colours)?,
             "face" => faces(element, &mut values, &mut mesh, &mut face_colours)?,
+            "tristrips" => strips(element, &mut values, &mut mesh)?,
             _ => (0..element.count).try_for_each(|_| values.skip(element))?,
         }
     }
@@ -112,6 +113,27 @@ fn faces(
         for pair in numbers.get(1..).unwrap_or_default().windows(2) {
             mesh.triangles.push([numbers[0], pair[0], pair[1]]);
             colours.extend(colour.as_ref().map(|colour| colour(&row)));
+        }
+    }
+    Ok(())
+}
+
+/// Strips of triangles, one behind another in a list; -1 ends one. Each triangle shares an edge with the one before.
+fn strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Result<(), FormatError> {
+    let list = element.properties.iter().position(|p| p.length.is_some());
+    let list = list.ok_or_else(|| values.bytes.fault("the strips have no list of corners"))?;
+    let (mut row, mut corners) = (Vec::new(), Vec::new());
+    for _ in 0..element.count {
+        corners.clear();
+        values.element(element, &mut row, Some((list, &mut corners)))?;
+        for strip in corners.split(|corner| *corner < 0.0) {
+            for (i, own) in strip.windows(3).enumerate() {
+                let [a, b, c] = [own[0], own[1], own[2]].map(|corner| corner as u32);
+                // One without area only leads from a strip to the next.
+                if a != b && b != c && a != c {
+                    mesh.triangles.push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                }
+            }
         }
     }
     Ok(())
