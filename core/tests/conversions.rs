@@ -109,6 +109,15 @@ fn foreign(folder: &TempDir) -> Vec<PathBuf> {
     pair[344..348].copy_from_slice(b"ni1\0");
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     std::io::Write::write_all(&mut packed, &[nifti.clone(), bytes.clone()].concat()).unwrap();
+    let packed_pair = [pair.clone(), bytes.clone()].map(|part| {
+        let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        std::io::Write::write_all(&mut packed, &part).unwrap();
+        packed.finish().unwrap()
+    });
+    let mha = "ObjectType = Image\nNDims = 3\nDimSize = 8 6 5\nElementType = MET_UCHAR\n\
+               ElementSpacing = 1 1 1\nElementDataFile = ";
+    let vtk = "# vtk DataFile Version 3.0\n\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 8 6 5\n\
+               SPACING 1 1 1\nPOINT_DATA 240\nSCALARS a unsigned_char\nLOOKUP_TABLE default\n";
     let mut tiff = Cursor::new(Vec::new());
     let mut encoder = tiff::encoder::TiffEncoder::new(&mut tiff).unwrap();
     for page in bytes.chunks(48) {
@@ -133,13 +142,19 @@ fn foreign(folder: &TempDir) -> Vec<PathBuf> {
     let runs: Vec<u8> = order.flat_map(|v| [u8::from(exists(v)), 1]).collect();
     write("shape.img", &[&bytes]);
     write("shape.img2", &[&rgb]);
+    write("packed.img.gz", &[&packed_pair[1]]);
+    write("mhd.img", &[&bytes]);
     vec![
         write("shape.nii", &[&nifti, &bytes]),
         write("shape.nii.gz", &[&packed.finish().unwrap()]),
         write("shape.hdr", &[&pair[..348], &[0; 4]]),
         write("shape.nrrd", &[nrrd.as_bytes(), b"\n", &rgb]),
         write("shape.nhdr", &[detached.as_bytes()]),
+        write("packed.hdr.gz", &[&packed_pair[0]]),
+        write("shape.mha", &[mha.as_bytes(), b"LOCAL\n", &bytes]),
+        write("shape.mhd", &[mha.as_bytes(), b"mhd.img\n"]),
         write("shape.vti", &[vti.as_bytes()]),
+        write("shape.vtk", &[vtk.as_bytes(), &bytes]),
         write("shape.tif", &[&tiff]),
         write("shape.tiff", &[&tiff]),
         write("shape.dcm", &[&dicom(&bytes)]),

@@ -12,6 +12,7 @@ mod bad_files;
 mod commands;
 mod conversions;
 mod example;
+mod field;
 mod file_access;
 mod formats;
 mod fuzz;

@@ -110,7 +110,7 @@ fn damaged_archives_are_refused_with_a_place() {
         (good.replace("objectid='1'", "objectid='7'"), "object 7"),
         (good.replace("objectid='1'/>", "objectid='1' transform='1 0 0'/>"), "twelve numbers"),
         (good.replace("<build>", "<built>").replace("</build>", "</built>"), "<build>"),
-        (good.replace("objectid='1'/>", "objectid='1' path='/3D/b.model'/>"), "production"),
+        (good.replace("objectid='1'/>", "objectid='1' path='/3D/b.model'/>"), "b.model"),
         (good.replace(item, ""), "no triangles"),
         (model("millimeter", "", "", round, "<item objectid='2'/>"), "nested without end"),
         (good[..900].to_string(), "XML"),

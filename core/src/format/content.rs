@@ -21,7 +21,7 @@ const STL_TRIANGLE_BYTES: u64 = 50;
 const NIFTI_MAGIC_AT: usize = 344;
 
 /// What begins with these bytes at that place is of this format.
-const KNOWN: [(usize, &[u8], Format); 18] = [
+const KNOWN: [(usize, &[u8], Format); 19] = [
     (0, b"\x89VSC\r\n\x1A\n", Format::Vsc),
     (0, b"PVM\n", Format::Pvm),
     (0, b"PVM2\n", Format::Pvm),
@@ -40,10 +40,11 @@ const KNOWN: [(usize, &[u8], Format); 18] = [
     (0, b"ply\n", Format::Mesh(mesh_in::Kind::Ply)),
     (0, b"ply\r", Format::Mesh(mesh_in::Kind::Ply)),
     (0, b"solid ", Format::Mesh(mesh_in::Kind::Stl)),
+    (0, b"# vtk DataFile Version", Format::Scan(scan::Kind::Vtk)),
 ];
 
 /// What begins with these bytes at that place is not read.
-const FOREIGN: [(usize, &[u8], &str); 16] = [
+const FOREIGN: [(usize, &[u8], &str); 17] = [
     (0, b"\x89PNG", "a PNG image"),
     (0, b"\xFF\xD8\xFF", "a JPEG image"),
     (0, b"GIF8", "a GIF image"),
@@ -53,6 +54,7 @@ const FOREIGN: [(usize, &[u8], &str); 16] = [
     (0, b"BZh", "something packed with bzip2; unpack it first"),
     (0, b"\xFD7zXZ", "something packed with xz; unpack it first"),
     (0, b"\x28\xB5\x2F\xFD", "something packed with zstd; unpack it first"),
+    (257, b"ustar", "a tar archive; unpack it first"),
     (0, b"7z\xBC\xAF", "a 7z archive; unpack it first"),
     (0, b"\x89HDF", "an HDF5 file"),
     (0, b" BDV", "an OpenVDB volume"),
@@ -80,14 +82,17 @@ enum Content {
 
 /// The format of a file that is to be read, or of a folder with the slices of a scan; and what to say where name and
 /// content disagree.
-pub fn format_of(path: &Path) -> Result<(Format, Option<String>), FormatError> {
+///
+/// With a layout for raw voxels (`is_described`) a file of an unknown name holds such.
+pub fn format_of(path: &Path, is_described: bool) -> Result<(Format, Option<String>), FormatError> {
     if path.is_dir() {
         let kind = scan::kind_of_folder(path).ok_or(FormatError::NoScanInFolder)?;
         return Ok((Format::Scan(kind), None));
     }
     let by_name = Format::of(path);
     // Raw voxels may begin with anything; their layout is what counts.
-    if matches!(by_name, Ok(Format::Raw)) {
+    let is_open = by_name.is_err() || scan::lacks_header(path);
+    if matches!(by_name, Ok(Format::Raw)) || is_described && is_open {
         return Ok((Format::Raw, None));
     }
     let content = store::open(path).map_or(Content::Unknown, |file| {
@@ -114,13 +119,14 @@ pub fn format_of(path: &Path) -> Result<(Format, Option<String>), FormatError> {
         (Ok(Format::Mesh(mesh_in::Kind::ThreeMf)), Content::Zip) => {
             Ok((Format::Mesh(mesh_in::Kind::ThreeMf), None))
         }
-        (Ok(_), Content::Zip) => Err(FormatError::OtherContent("a ZIP archive; unpack it first")),
-        (Ok(_), Content::Gzip) => {
-            Err(FormatError::OtherContent("something packed with gzip; unpack it first"))
-        }
+        (Ok(_), Content::Zip) => Err(FormatError::Packed("a ZIP archive")),
+        (Ok(_), Content::Gzip) => Err(FormatError::Packed("something packed with gzip")),
         (Ok(_), Content::Foreign(what)) => Err(FormatError::OtherContent(what)),
         (Ok(named), _) => Ok((named, None)),
         (Err(_), Content::Known(held)) => Ok((held, None)),
+        (Err(_), Content::Zip) => Err(FormatError::Packed("a ZIP archive")),
+        (Err(_), Content::Gzip) => Err(FormatError::Packed("something packed with gzip")),
+        (Err(_), Content::Foreign(what)) => Err(FormatError::OtherContent(what)),
         (Err(error), _) => Err(error),
     }
 }
@@ -138,6 +144,12 @@ fn content_of(start: &[u8], length: u64) -> Content {
     }
     if let Some((.., format)) = KNOWN.iter().find(|(at, magic, _)| begins(*at, magic)) {
         return Content::Known(*format);
+    }
+    if start.get(..6).is_some_and(|word| word.eq_ignore_ascii_case(b"solid ")) {
+        return Content::Known(Format::Mesh(mesh_in::Kind::Stl));
+    }
+    if scan::is_dicom(start) {
+        return Content::Known(Format::Scan(scan::Kind::Dicom));
     }
     if is_nifti(start) {
         return Content::Known(Format::Scan(scan::Kind::Nifti));
@@ -183,6 +195,8 @@ fn name_of(format: Format) -> &'static str {
         Format::Scan(scan::Kind::Nifti) => "a NIfTI scan (.nii)",
         Format::Scan(scan::Kind::Nrrd) => "an NRRD scan (.nrrd)",
         Format::Scan(scan::Kind::Vti) => "VTK image data (.vti)",
+        Format::Scan(scan::Kind::Vtk) => "legacy VTK data (.vtk)",
+        Format::Scan(scan::Kind::Meta) => "a MetaImage (.mha)",
         Format::Scan(scan::Kind::Tiff) => "a TIFF stack (.tif)",
         Format::Scan(scan::Kind::Dicom) => "DICOM (.dcm)",
         Format::Voxel(voxel::Kind::Vox) => "a MagicaVoxel model (.vox)",

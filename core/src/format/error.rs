@@ -31,7 +31,7 @@ pub enum FormatError {
     NoScanInFolder,
     /// No format has this file extension.
     #[error(
-        "the file extension `{0}` is unknown; read are .{list}",
+        "the file extension `{0}` is unknown; read are .{list}; voxels alone, under any name, with `--raw 128x128x64:u16le`",
         list = super::READ_ENDINGS.join(", .")
     )]
     UnknownEnding(String),
@@ -50,6 +50,9 @@ pub enum FormatError {
     /// A file that holds something else than its name says, which is not read.
     #[error("choose another file; the name is that of another kind of file: this one holds {0}")]
     OtherContent(&'static str),
+    /// A file that is packed, whatever its name says.
+    #[error("this file holds {0}; unpack it first, and open what is inside")]
+    Packed(&'static str),
     /// Reading needs more memory than the limits allow.
     #[error(
         "reading this file needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \

@@ -71,7 +71,7 @@ pub fn info_with(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Info, FormatError> {
-    let (format, disagreement) = content::format_of(path)?;
+    let (format, disagreement) = content::format_of(path, options.raw.is_some())?;
     let mut info = info_as(format, path, options, limits, progress)?;
     info.notes.splice(0..0, disagreement);
     Ok(info)

@@ -1,5 +1,8 @@
 //! Colours for labels: whole numbers that name parts of a body, such as tissues, instead of measuring them.
 
+use glam::UVec3;
+
+use super::volume::{Texts, Volume};
 use crate::sculpture::Rgb;
 
 /// From a hue to the next, as a share of the circle. Steps of the golden ratio never come near one another soon.
@@ -25,6 +28,39 @@ pub fn colours() -> [Rgb; 256] {
 #[inline]
 pub fn colour(colours: &[Rgb; 256], label: f32) -> Rgb {
     colours[(label as i64 & 255) as usize]
+}
+
+/// Fewest and most different numbers of a volume that looks like one of labels, and voxels for each of them.
+const LABELS: std::ops::RangeInclusive<usize> = 3..=64;
+const VOXELS_PER_LABEL: usize = 100;
+
+/// Whether a volume holds nothing but few whole numbers, 0 among them, as labels do.
+pub fn look_like_labels(volume: &Volume) -> bool {
+    let bytes = volume.samples.bytes() as usize;
+    if !volume.samples.is_density() {
+        return false;
+    }
+    let (mut patterns, mut last): (Vec<&[u8]>, &[u8]) = (Vec::new(), &[]);
+    for voxel in volume.data.chunks_exact(bytes) {
+        if voxel != last && !patterns.contains(&voxel) {
+            if patterns.len() == *LABELS.end() {
+                return false;
+            }
+            patterns.push(voxel);
+        }
+        last = voxel;
+    }
+    let values = |voxel: &&[u8]| {
+        let Volume { voxel_size, samples, .. } = *volume;
+        let (dims, data, texts) = (UVec3::ONE, voxel.to_vec(), Texts::default());
+        let one = Volume { dims, voxel_size, samples, data, texts };
+        one.density(UVec3::ZERO).unwrap_or(f32::NAN)
+    };
+    let values: Vec<f32> = patterns.iter().map(values).collect();
+    LABELS.contains(&values.len())
+        && values.contains(&0.0)
+        && values.iter().all(|value| *value >= 0.0 && value.fract() == 0.0)
+        && volume.data.len() / bytes >= VOXELS_PER_LABEL * values.len()
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ pub use self::info::{Densities, Info, info, info_with};
 pub use self::mesh_out::{
     MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh, save_mesh_again, usual_up,
 };
-use self::options::{Colouring, ExportForm, ExportOptions, ImportOptions};
+use self::options::{Colouring, Existence, ExportForm, ExportOptions, ImportOptions};
 pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};
 pub use self::scan::base64;
 pub use self::signature::Signature;
@@ -64,9 +64,10 @@ use crate::sculpture::orientation::{Orientation, Up};
 use crate::sculpture::{Grid, Limits};
 
 /// Extensions of the files that can be read.
-pub const READ_ENDINGS: [&str; 23] = [
-    "vsc", "pvm", "raw", "nii", "nii.gz", "hdr", "nrrd", "nhdr", "vti", "tif", "tiff", "dcm",
-    "dicom", "vox", "qb", "gox", "binvox", "obj", "stl", "ply", "glb", "gltf", "3mf",
+pub const READ_ENDINGS: [&str; 27] = [
+    "vsc", "pvm", "raw", "nii", "nii.gz", "hdr", "hdr.gz", "nrrd", "nhdr", "mha", "mhd", "vti",
+    "vtk", "tif", "tiff", "dcm", "dicom", "vox", "qb", "gox", "binvox", "obj", "stl", "ply", "glb",
+    "gltf", "3mf",
 ];
 /// Extensions of the files that can be written.
 pub const WRITE_ENDINGS: [&str; 10] =
@@ -122,7 +123,7 @@ pub fn may_be_read(path: &Path) -> bool {
 
 /// Whether a file or folder can be read, by its name and, where that says nothing, by its content.
 pub fn can_be_read(path: &Path) -> bool {
-    content::format_of(path).is_ok()
+    content::format_of(path, false).is_ok()
 }
 
 /// Whether a file of that name stores a sculpture without loss, unlike a volume for other programs.
@@ -160,7 +161,7 @@ pub fn load(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Loaded, FormatError> {
-    let (format, disagreement) = content::format_of(path)?;
+    let (format, disagreement) = content::format_of(path, options.raw.is_some())?;
     let mut loaded = load_as(format, path, options, limits, progress)?;
     let of_itself = matches!(format, Format::Vsc | Format::Scan(_) | Format::Mesh(_));
     let unused = options.upright.filter(|_| of_itself && loaded.assumed_up.is_none()).map(|up| {
@@ -200,7 +201,7 @@ fn load_as(
         Format::Pvm | Format::Raw | Format::Scan(_) => {}
     }
     let (volume, source) = open_volume(format, path, options, limits, progress)?;
-    let options = &source.adapted(options);
+    let options = &source.adapted(options, volume.samples);
     let signature = import::trusted_signature(&volume);
     let mut contents = import::to_contents(&volume, signature, options, limits, progress)?;
     let Volume { samples, texts, data, .. } = volume;
@@ -249,7 +250,7 @@ pub fn load_volume(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Volume, FormatError> {
-    let (format, _) = content::format_of(path)?;
+    let (format, _) = content::format_of(path, options.raw.is_some())?;
     open_volume(format, path, options, limits, progress).map(|(volume, _)| volume)
 }
 
@@ -360,8 +361,12 @@ struct Source {
 
 impl Source {
     /// The options, with what the file says where they leave it open.
-    fn adapted(&self, options: &ImportOptions) -> ImportOptions {
+    fn adapted(&self, options: &ImportOptions, samples: Samples) -> ImportOptions {
         let colouring = match options.colouring {
+            // Segments have colours of their own.
+            Colouring::Auto | Colouring::Labels if self.is_label && !samples.is_density() => {
+                Colouring::Auto
+            }
             Colouring::Auto if self.is_label => Colouring::Labels,
             chosen => chosen,
         };
@@ -378,7 +383,9 @@ fn open_volume(
     progress: &dyn Progress,
 ) -> Result<(Volume, Source), FormatError> {
     let (volume, source) = read_volume(format, path, options, limits, progress)?;
-    let is_label = import::trusted_signature(&volume).is_some_and(|s| s.form == ExportForm::Packed);
+    let is_packed =
+        import::trusted_signature(&volume).is_some_and(|s| s.form == ExportForm::Packed);
+    let is_label = is_packed || source.is_label;
     let volume = prepare::prepare(volume, options, is_label, budget_bytes(limits), progress)?;
     Ok((volume, source))
 }
@@ -404,7 +411,15 @@ fn read_volume(
         }
         Format::Scan(kind) => {
             let (scan, file_bytes) = scan::load(path, kind, options, limits, progress)?;
-            let scan::Scan { volume, frame, kind, is_label, notes } = scan;
+            let scan::Scan { volume, frame, kind, is_label, mut notes } = scan;
+            let is_open =
+                options.colouring == Colouring::Auto && options.existence == Existence::Auto;
+            if is_open && !is_label && labels::look_like_labels(&volume) {
+                notes.push(
+                    "it holds few whole numbers, as labels are: `--colouring labels` gives each a colour of its own"
+                        .to_string(),
+                );
+            }
             Ok((volume, Source { kind, file_bytes, frame, is_label, notes }))
         }
         Format::Pvm => {

@@ -6,18 +6,34 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{Mat4, Quat, Vec2, Vec3};
+use glam::{Affine2, Mat4, Quat, Vec2, Vec3};
 use serde_json::Value;
 
 use super::Imported;
 use super::glb_json::{Glb, fault, whole};
 use super::gltf_files::Beside;
 use crate::format::FormatError;
+use crate::format::error::excerpt;
 use crate::format::picture::picture_of;
 use crate::progress::Progress;
 use crate::sculpture::Rgb;
 use crate::voxelise::Skin;
 
+/// Extensions that a file may require: read here, or without meaning for shape and colour.
+const KNOWN_EXTENSIONS: [&str; 7] = [
+    INSTANCING,
+    SPECULAR_GLOSSINESS,
+    TEXTURE_TRANSFORM,
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_xmp_json_ld",
+    "KHR_animation_pointer",
+];
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
+/// All other extensions of materials change how a surface shines or lets light through, not its base colour.
+const OF_MATERIALS: &str = "KHR_materials_";
 /// Deepest nesting of nodes, and most visits of nodes: children may be shared.
 const MOST_DEPTH: usize = 200;
 const MOST_VISITS: u32 = 1 << 20;
@@ -29,8 +45,8 @@ struct Reader<'a> {
     glb: Glb<'a>,
     beside: Beside<'a>,
     out: Imported,
-    /// Which set of texture coordinates the texture of each material uses.
-    uv_sets: Vec<usize>,
+    /// How the texture of each material is laid.
+    layings: Vec<Laying>,
     has_colours: bool,
     visits: u32,
 }
@@ -45,14 +61,18 @@ pub fn read(
     let beside = Beside::new(path, budget_bytes, progress);
     let glb = Glb::read(file, &beside)?;
     let required = glb.json.get("extensionsRequired").and_then(Value::as_array);
-    let packed = required.into_iter().flatten().filter_map(Value::as_str);
-    if let Some(name) = packed.into_iter().find(|name| name.contains("compression")) {
-        return Err(fault("the description", format!("{name} cannot be read; export without it")));
+    let is_known = |name: &&str| KNOWN_EXTENSIONS.contains(name) || name.starts_with(OF_MATERIALS);
+    let mut required = required.into_iter().flatten().filter_map(Value::as_str);
+    if let Some(name) = required.find(|name| !is_known(name)) {
+        let name = excerpt(name.as_bytes());
+        return Err(FormatError::Scan(format!(
+            "the file needs the extension {name}, which is not read; export it without"
+        )));
     }
     let kind = if glb.is_binary { "glTF 2.0, binary" } else { "glTF 2.0" };
     let out = Imported { kind: kind.to_string(), ..Imported::default() };
     let mut reader =
-        Reader { glb, beside, out, uv_sets: Vec::new(), has_colours: false, visits: 0 };
+        Reader { glb, beside, out, layings: Vec::new(), has_colours: false, visits: 0 };
     reader.materials();
     for root in reader.roots()? {
         reader.node(root, Mat4::IDENTITY, 0)?;
@@ -81,6 +101,36 @@ fn srgb(linear: f32) -> u8 {
     (v * 255.0).round() as u8
 }
 
+/// An extension of a part of the file.
+fn extension<'a>(object: &'a Value, name: &str) -> Option<&'a Value> {
+    object.get("extensions")?.get(name)
+}
+
+/// How a texture is laid on a surface.
+#[derive(Clone, Copy, Debug, Default)]
+struct Laying {
+    /// Which set of coordinates it uses.
+    uv_set: usize,
+    /// What becomes of these.
+    transform: Affine2,
+}
+
+impl Laying {
+    fn of(texture: &Value) -> Laying {
+        let own = extension(texture, TEXTURE_TRANSFORM).unwrap_or(&Value::Null);
+        let of = |key: &str, usual: Vec2| numbers(own, key).map_or(usual, Vec2::from_array);
+        let angle = own.get("rotation").and_then(Value::as_f64).unwrap_or(0.0) as f32;
+        // Its angles are those of coordinates whose second one grows downwards.
+        let transform = Affine2::from_scale_angle_translation(
+            of("scale", Vec2::ONE),
+            -angle,
+            of("offset", Vec2::ZERO),
+        );
+        let uv_set = whole(own, "texCoord").or_else(|| whole(texture, "texCoord")).unwrap_or(0);
+        Laying { uv_set, transform }
+    }
+}
+
 impl Reader<'_> {
     /// The nodes of the scene; all nodes that are no children where there is none.
     fn roots(&self) -> Result<Vec<usize>, FormatError> {
@@ -99,12 +149,18 @@ impl Reader<'_> {
     /// Materials; a texture that cannot be read is left out with a note.
     fn materials(&mut self) {
         for (number, material) in list(&self.glb.json, "materials").iter().enumerate() {
+            // Who has both means the older one for programs that know it.
+            let older = extension(material, SPECULAR_GLOSSINESS);
             let surface = material.get("pbrMetallicRoughness").unwrap_or(&Value::Null);
-            let [r, g, b, _] = numbers(surface, "baseColorFactor").unwrap_or([1.0; 4]);
+            let (surface, factor, texture) = match older {
+                Some(older) => (older, "diffuseFactor", "diffuseTexture"),
+                None => (surface, "baseColorFactor", "baseColorTexture"),
+            };
+            let [r, g, b, _] = numbers(surface, factor).unwrap_or([1.0; 4]);
             let mut skin = Skin { colour: Rgb([r, g, b].map(srgb)), texture: None };
-            let mut uv_set = 0;
-            if let Some(base) = surface.get("baseColorTexture") {
-                uv_set = whole(base, "texCoord").unwrap_or(0);
+            let mut laying = Laying::default();
+            if let Some(base) = surface.get(texture) {
+                laying = Laying::of(base);
                 match self.texture(base) {
                     Ok(texture) => skin.texture = Some(Arc::new(texture)),
                     Err(error) => {
@@ -114,7 +170,7 @@ impl Reader<'_> {
                     }
                 }
             }
-            self.uv_sets.push(uv_set);
+            self.layings.push(laying);
             self.out.mesh.skins.push(skin);
         }
     }
@@ -147,14 +203,57 @@ impl Reader<'_> {
         };
         let world = above * own;
         if let Some(mesh) = whole(&node, "mesh") {
-            for primitive in list(&self.glb.entry("meshes", mesh)?.clone(), "primitives") {
-                self.primitive(primitive, world)?;
+            let copies = match extension(&node, INSTANCING) {
+                Some(instancing) => self.copies(instancing)?,
+                None => vec![Mat4::IDENTITY],
+            };
+            let mesh = self.glb.entry("meshes", mesh)?.clone();
+            for copy in copies {
+                for primitive in list(&mesh, "primitives") {
+                    self.primitive(primitive, world * copy)?;
+                }
             }
         }
         for child in list(&node, "children").iter().filter_map(Value::as_u64) {
             self.node(child as usize, world, depth + 1)?;
         }
         Ok(())
+    }
+
+    /// Where the copies of a mesh stand that a node has by its extension.
+    fn copies(&mut self, instancing: &Value) -> Result<Vec<Mat4>, FormatError> {
+        let attributes = instancing.get("attributes").unwrap_or(&Value::Null);
+        let numbers = |name: &str, width: usize| match whole(attributes, name) {
+            Some(at) => {
+                let numbers = self.glb.numbers(at)?;
+                let fault = || fault(name, "the copies of a mesh have numbers of another kind");
+                (numbers.width == width).then_some(Some(numbers.values)).ok_or_else(fault)
+            }
+            None => Ok(None),
+        };
+        let (shifts, turns) = (numbers("TRANSLATION", 3)?, numbers("ROTATION", 4)?);
+        let scales = numbers("SCALE", 3)?;
+        let counts = [(&shifts, 3), (&turns, 4), (&scales, 3)];
+        let counts =
+            counts.into_iter().filter_map(|(all, width)| Some(all.as_ref()?.len() / width));
+        let count = counts.min().unwrap_or(1);
+        self.visits = self.visits.saturating_add(u32::try_from(count).unwrap_or(u32::MAX));
+        if self.visits > MOST_VISITS {
+            return Err(fault(INSTANCING, "it has more than a million copies"));
+        }
+        let of = |all: &Option<Vec<f32>>, i: usize| {
+            all.as_ref().and_then(|all| all.get(3 * i..3 * i + 3).map(Vec3::from_slice))
+        };
+        let turn = |i: usize| turns.as_ref()?.get(4 * i..4 * i + 4).map(Quat::from_slice);
+        Ok((0..count)
+            .map(|i| {
+                Mat4::from_scale_rotation_translation(
+                    of(&scales, i).unwrap_or(Vec3::ONE),
+                    turn(i).unwrap_or(Quat::IDENTITY).normalize(),
+                    of(&shifts, i).unwrap_or(Vec3::ZERO),
+                )
+            })
+            .collect())
     }
 
     fn primitive(&mut self, primitive: &Value, world: Mat4) -> Result<(), FormatError> {
@@ -190,7 +289,8 @@ impl Reader<'_> {
             return Err(fault("the scene", "it has more than 2^25 triangles, copies counted"));
         }
         let material = whole(primitive, "material").unwrap_or(usize::MAX);
-        let uv_set = self.uv_sets.get(material).copied().unwrap_or(0);
+        let laying = self.layings.get(material).copied().unwrap_or_default();
+        let uv_set = laying.uv_set;
         let uvs = self.attribute(attributes, &format!("TEXCOORD_{uv_set}"), points.len())?;
         let colours = self.attribute(attributes, "COLOR_0", points.len())?;
         let mesh = &mut self.out.mesh;
@@ -209,7 +309,8 @@ impl Reader<'_> {
             mesh.corner_uvs.push(triangle.map(|corner| {
                 uvs.as_ref().map_or(Vec2::ZERO, |uvs| {
                     let (u, v, _) = at(corner, uvs);
-                    Vec2::new(u, 1.0 - v)
+                    let Vec2 { x, y } = laying.transform.transform_point2(Vec2::new(u, v));
+                    Vec2::new(x, 1.0 - y)
                 })
             }));
             mesh.corner_colours.push(triangle.map(|corner| {

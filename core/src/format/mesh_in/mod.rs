@@ -14,6 +14,7 @@ mod ply;
 mod ply_header;
 mod stl;
 mod three_mf;
+mod three_mf_parts;
 
 use std::path::{Component, Path, PathBuf};
 

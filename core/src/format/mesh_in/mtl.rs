@@ -64,8 +64,23 @@ impl Materials {
         false
     }
 
+    /// Adds the materials of the files that a line names: one whose name may have spaces, or else several.
+    pub fn load_all(&mut self, names: &str, folder: &Path) {
+        let is_one = within(folder, names).is_some_and(|path| path.is_file());
+        let several: Vec<&str> = names.split_ascii_whitespace().collect();
+        if is_one || several.len() < 2 {
+            return self.load(names, folder);
+        }
+        // Where none of them is there, the whole is what is missed.
+        let is_there = |name: &&str| within(folder, name).is_some_and(|path| path.is_file());
+        if !several.iter().any(is_there) {
+            return self.load(names, folder);
+        }
+        several.into_iter().for_each(|name| self.load(name, folder));
+    }
+
     /// Adds the materials of a file.
-    pub fn load(&mut self, name: &str, folder: &Path) {
+    fn load(&mut self, name: &str, folder: &Path) {
         self.asked += 1;
         let Some(path) = within(folder, name) else {
             self.notes

@@ -1,7 +1,9 @@
 //! Reads Wavefront `.obj`: polygons with places in textures, colours of corners, and materials.
 //!
-//! Lines of other kinds (normals, groups, curves) are skipped.
+//! Lines of other kinds (normals, groups, curves) are skipped; faces and places in textures that say nothing are left out,
+//! with a note.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
@@ -25,6 +27,9 @@ struct Reader {
     has_uvs: bool,
     materials: Materials,
     material: u32,
+    /// Faces of fewer than three corners, and corners whose place in the texture is not there.
+    flat_faces: usize,
+    missing_uvs: usize,
 }
 
 /// Reads the file of `path`; materials and textures from its folder, or folders in it, alone.
@@ -32,7 +37,7 @@ pub fn read(file: &[u8], path: &Path) -> Result<Imported, FormatError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut reader = Reader { material: NONE, ..Reader::default() };
     let text = String::from_utf8_lossy(file);
-    for (line, words) in text.lines().enumerate() {
+    for (line, words) in whole_lines(&text) {
         let mut words = words.split_ascii_whitespace();
         match words.next() {
             Some("v") => reader.position(words, line)?,
@@ -44,7 +49,9 @@ pub fn read(file: &[u8], path: &Path) -> Result<Imported, FormatError> {
                 reader.uvs.push(uv);
             }
             Some("f") => reader.face(words, line)?,
-            Some("mtllib") => reader.materials.load(&words.collect::<Vec<_>>().join(" "), folder),
+            Some("mtllib") => {
+                reader.materials.load_all(&words.collect::<Vec<_>>().join(" "), folder);
+            }
             Some("usemtl") => {
                 let name = words.collect::<Vec<_>>().join(" ");
                 reader.material = reader.materials.number(&name).unwrap_or(NONE);
@@ -90,16 +97,24 @@ impl Reader {
             let mut parts = word.split('/');
             let position = index(parts.next(), self.out.mesh.positions.len(), line)?;
             let uv = match parts.next().filter(|part| !part.is_empty()) {
-                Some(part) => {
-                    self.has_uvs = true;
-                    self.uvs[index(Some(part), self.uvs.len(), line)? as usize]
-                }
+                Some(part) => match index(Some(part), self.uvs.len(), line) {
+                    Ok(at) => {
+                        self.has_uvs = true;
+                        self.uvs[at as usize]
+                    }
+                    // The shape does not need it.
+                    Err(_) => {
+                        self.missing_uvs += 1;
+                        Vec2::ZERO
+                    }
+                },
                 None => Vec2::ZERO,
             };
             corners.push((position, uv));
         }
         if corners.len() < 3 {
-            return Err(at_line(line, "a face has fewer than three corners"));
+            self.flat_faces += 1;
+            return Ok(());
         }
         let mesh = &mut self.out.mesh;
         for pair in corners[1..].windows(2) {
@@ -115,6 +130,16 @@ impl Reader {
         let Imported { mut mesh, mut notes, .. } = self.out;
         mesh.skins = self.materials.skins;
         notes.extend(self.materials.notes);
+        if self.flat_faces > 0 {
+            let count = self.flat_faces;
+            notes.push(format!("faces of fewer than three corners, which were left out: {count}"));
+        }
+        if self.missing_uvs > 0 {
+            let count = self.missing_uvs;
+            notes.push(format!(
+                "corners whose place in the texture is not in the file, and whose colours were left out: {count}"
+            ));
+        }
         if self.has_colours {
             // Some programs write levels of 0 to 255.
             let levels = self.colours.iter().flatten().any(|level| *level > 1.0);
@@ -134,6 +159,26 @@ impl Reader {
         }
         Imported { mesh, kind: "Wavefront OBJ".to_string(), notes, of: None }
     }
+}
+
+/// The lines of a text with their numbers from 0; one that ends with `\` goes on in the next.
+fn whole_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let mut lines = text.strip_prefix('\u{FEFF}').unwrap_or(text).lines().enumerate();
+    std::iter::from_fn(move || {
+        let (number, line) = lines.next()?;
+        let mut whole = Cow::Borrowed(line);
+        while let Some(before) = whole.trim_end().strip_suffix('\\') {
+            let mut before = before.to_string();
+            let Some((_, next)) = lines.next() else {
+                whole = Cow::Owned(before);
+                break;
+            };
+            before.push(' ');
+            before.push_str(next);
+            whole = Cow::Owned(before);
+        }
+        Some((number, whole))
+    })
 }
 
 /// An index from 0 on: files count from 1, or backwards from -1.

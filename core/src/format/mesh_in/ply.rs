@@ -18,6 +18,7 @@ const CHANNELS: [[&str; 3]; 3] =
 pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
     let header = ply_header::read(file)?;
     let mut values = Values::new(&header, file);
+    values.find_lines(&header);
     let mut mesh = Mesh::default();
     let mut corner_colours = Vec::new();
     let mut face_colours = Vec::new();
@@ -30,6 +31,7 @@ pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
         match element.name.as_str() {
             "vertex" => vertices(element, &mut values, &mut mesh, &mut corner_colours)?,
             "face" => faces(element, &mut values, &mut mesh, &mut face_colours)?,
+            "tristrips" => strips(element, &mut values, &mut mesh)?,
             _ => (0..element.count).try_for_each(|_| values.skip(element))?,
         }
     }
@@ -48,7 +50,11 @@ pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
         Encoding::Little => "binary, little-endian",
         Encoding::Big => "binary, big-endian",
     };
-    Ok(Imported { mesh, kind: format!("PLY, {encoding}"), ..Imported::default() })
+    let undeclared = values.undeclared;
+    let note =
+        format!("values that the header does not declare, which were left out: {undeclared}");
+    let notes = if undeclared > 0 { vec![note] } else { Vec::new() };
+    Ok(Imported { mesh, kind: format!("PLY, {encoding}"), notes, ..Imported::default() })
 }
 
 /// Places of properties with these names.
@@ -112,11 +118,36 @@ fn faces(
     Ok(())
 }
 
+/// Strips of triangles, one behind another in a list; -1 ends one. Each triangle shares an edge with the one before.
+fn strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Result<(), FormatError> {
+    let list = element.properties.iter().position(|p| p.length.is_some());
+    let list = list.ok_or_else(|| values.bytes.fault("the strips have no list of corners"))?;
+    let (mut row, mut corners) = (Vec::new(), Vec::new());
+    for _ in 0..element.count {
+        corners.clear();
+        values.element(element, &mut row, Some((list, &mut corners)))?;
+        for strip in corners.split(|corner| *corner < 0.0) {
+            for (i, own) in strip.windows(3).enumerate() {
+                let [a, b, c] = [own[0], own[1], own[2]].map(|corner| corner as u32);
+                // One without area only leads from a strip to the next.
+                if a != b && b != c && a != c {
+                    mesh.triangles.push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
 /// The numbers after the header.
 struct Values<'a> {
     bytes: Bytes<'a>,
     encoding: Encoding,
     line: usize,
+    /// Whether each element of a text has a line of its own, as it should; else values follow one another.
+    has_lines: bool,
+    /// Values behind those of an element on its line.
+    undeclared: usize,
 }
 
 impl<'a> Values<'a> {
@@ -124,7 +155,29 @@ impl<'a> Values<'a> {
         let mut bytes = Bytes::new(file);
         // The header is there, so that this cannot fail.
         let _ = bytes.take(header.bytes);
-        Values { bytes, encoding: header.encoding, line: header.lines }
+        let (encoding, line) = (header.encoding, header.lines);
+        Values { bytes, encoding, line, has_lines: false, undeclared: 0 }
+    }
+
+    /// Finds out whether the text has a line for each element.
+    fn find_lines(&mut self, header: &Header) {
+        if self.encoding == Encoding::Text {
+            let lines = self.bytes.rest().split(|byte| *byte == b'\n');
+            let filled = lines.filter(|line| !line.trim_ascii().is_empty()).count() as u64;
+            let elements = header.elements.iter().fold(0u64, |n, own| n.saturating_add(own.count));
+            self.has_lines = filled >= elements;
+        }
+    }
+
+    /// Leaves out what follows on the line.
+    fn end_line(&mut self) {
+        let rest = self.bytes.rest();
+        let end = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
+        let behind = &rest[..end];
+        let words = behind.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        self.undeclared += words.count();
+        // As many bytes are there.
+        let _ = self.bytes.take(end);
     }
 
     /// The values of the next element, with 0 for lists; those of the list `wanted` go to its vector.
@@ -153,6 +206,9 @@ impl<'a> Values<'a> {
                 }
             }
             row.push(0.0);
+        }
+        if self.has_lines {
+            self.end_line();
         }
         Ok(())
     }

@@ -9,16 +9,28 @@ use crate::voxelise::Mesh;
 const HEADER_BYTES: usize = 84;
 const TRIANGLE_BYTES: usize = 50;
 
-/// Reads a file. A binary one may begin with the word of text files, so that its length decides first.
+/// Bytes in which a text has a facet, or its end.
+const BEGINNING_BYTES: usize = 1 << 12;
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
+/// Reads a file. A binary one may begin with the word of text files, so that its length decides first, and then whether
+/// words of a text follow. Words count in capitals or not.
 pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
     let count = file.get(HEADER_BYTES - 4..HEADER_BYTES);
     let count = count.map(|n| u64::from(u32::from_le_bytes([n[0], n[1], n[2], n[3]])));
     let expected = count.map(|count| HEADER_BYTES as u64 + count * TRIANGLE_BYTES as u64);
-    let is_text = file.trim_ascii_start().starts_with(b"solid");
+    let is_text = is_text(file);
     let length = file.len() as u64;
     match (count, expected) {
         (Some(_), Some(expected)) if expected == length || !is_text && expected < length => {
-            Ok(binary(&file[HEADER_BYTES..expected as usize]))
+            let mut imported = binary(&file[HEADER_BYTES..expected as usize]);
+            if expected < length {
+                let behind = length - expected;
+                imported
+                    .notes
+                    .push(format!("{behind} bytes behind the last triangle were left out"));
+            }
+            Ok(imported)
         }
         _ if is_text => text(file),
         (Some(count), _) => Err(FormatError::Malformed {
@@ -30,6 +42,17 @@ pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
             what: "this is neither a binary STL file nor one that begins with `solid`".to_string(),
         }),
     }
+}
+
+/// Whether a file begins as a text does: with its first word, and soon another that no header of a binary file has, or
+/// nothing but text.
+fn is_text(file: &[u8]) -> bool {
+    let text = file.strip_prefix(BYTE_ORDER_MARK).unwrap_or(file).trim_ascii_start();
+    let begins = text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    let start = text[..text.len().min(BEGINNING_BYTES)].to_ascii_lowercase();
+    let holds = |word: &[u8]| start.windows(word.len()).any(|part| part == word);
+    let is_printable = || start.iter().all(|byte| *byte >= b' ' || byte.is_ascii_whitespace());
+    begins && (holds(b"facet") || holds(b"endsolid") || is_printable())
 }
 
 fn binary(triangles: &[u8]) -> Imported {
@@ -53,10 +76,14 @@ fn text(file: &[u8]) -> Result<Imported, FormatError> {
     let mut mesh = Mesh::default();
     let mut corners = Vec::new();
     let mut is_ended = false;
-    let text = String::from_utf8_lossy(file);
+    let text = String::from_utf8_lossy(file.strip_prefix(BYTE_ORDER_MARK).unwrap_or(file));
     for (line, words) in text.lines().enumerate() {
         let mut words = words.split_ascii_whitespace();
-        match words.next().unwrap_or("") {
+        let mut word = words.next().unwrap_or("").to_ascii_lowercase();
+        if word == "end" {
+            word.push_str(&words.next().unwrap_or("").to_ascii_lowercase());
+        }
+        match word.as_str() {
             "vertex" => {
                 let mut next = || number(words.next(), line);
                 corners.push(Vec3::new(next()?, next()?, next()?));

@@ -1,9 +1,10 @@
-//! Reads `.3mf` (3mf.io, core specification 1.3): the triangles of all objects where the build puts them, with colours of
-//! colour groups and base materials.
+//! Reads `.3mf` (3mf.io, core specification 1.3, production extension 1.1): the triangles of all objects where the build
+//! puts them, from all models of the archive, with colours of colour groups and base materials. What slicers do not print
+//! (`three_mf_parts.rs`) is left out, and said.
 //!
 //! An archive may unpack to far more than it has: what is unpacked is bounded, and so are copies of objects.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::io::{Cursor, Read};
 
 use glam::{Mat4, Vec3, Vec4};
@@ -12,6 +13,7 @@ use zip::ZipArchive;
 
 use super::Imported;
 use super::glb_json::fault;
+use super::three_mf_parts::{PLACES, Parts};
 use crate::format::FormatError;
 use crate::format::error::{excerpt, printable};
 use crate::format::pvm::check_budget;
@@ -21,6 +23,7 @@ use crate::sculpture::Rgb;
 const USUAL_PLACE: &str = "3D/3dmodel.model";
 const RELATIONS: &str = "_rels/.rels";
 const MODEL_TYPE: &str = "/3dmodel";
+const MODEL_ENDING: &str = ".model";
 /// Deepest nesting of components, and most of them: they may be shared.
 const MOST_DEPTH: usize = 100;
 const MOST_VISITS: u32 = 1 << 20;
@@ -31,9 +34,26 @@ const MOST_TRIANGLES: usize = 1 << 25;
 pub fn read(file: &[u8], budget_bytes: u64) -> Result<Imported, FormatError> {
     let mut archive = ZipArchive::new(Cursor::new(file)).map_err(damaged)?;
     let name = model_name(&mut archive, budget_bytes)?;
-    let text = entry(&mut archive, &name, budget_bytes)?;
-    let xml = parse(&text)?;
-    let model = xml.root_element();
+    // A name that is none can be no model's, which is named in the XML.
+    let others = archive.file_names().filter_map(|other| Some(other.ok()?.into_owned()));
+    let is_other = |other: &String| other.ends_with(MODEL_ENDING) && !is_same_name(other, &name);
+    let others: Vec<String> = others.filter(is_other).collect();
+    let mut left_bytes = budget_bytes;
+    let mut texts: Vec<(String, String)> = Vec::new();
+    for name in std::iter::once(name).chain(others) {
+        let text = entry(&mut archive, &name, left_bytes)?;
+        left_bytes = left_bytes.saturating_sub(text.len() as u64);
+        texts.push((name, text));
+    }
+    let mut parts = Parts::default();
+    for place in PLACES {
+        if archive.index_for_name(place).is_some() {
+            parts.read(&entry(&mut archive, place, left_bytes)?);
+        }
+    }
+    let models = texts.iter().map(|(name, text)| Ok((name.as_str(), parse(text)?)));
+    let models: Vec<(&str, Document)> = models.collect::<Result<_, FormatError>>()?;
+    let model = models[0].1.root_element();
     if model.tag_name().name() != "model" {
         return Err(fault("the model", "it does not begin with <model>"));
     }
@@ -50,19 +70,33 @@ pub fn read(file: &[u8], budget_bytes: u64) -> Result<Imported, FormatError> {
         }
     };
     let out = Imported { kind: "3MF".to_string(), ..Imported::default() };
-    let (objects, colours) = (HashMap::new(), HashMap::new());
-    let mut reader = Reader { objects, colours, out, has_colours: false, visits: 0 };
-    reader.resources(model)?;
+    let (objects, colours, left_out) = (HashMap::new(), HashMap::new(), BTreeMap::new());
+    let names = models.iter().map(|(name, _)| *name).collect();
+    let (has_colours, visits) = (false, 0);
+    let mut reader = Reader { names, objects, colours, parts, left_out, out, has_colours, visits };
+    for (number, (_, xml)) in models.iter().enumerate() {
+        reader.resources(number, xml.root_element())?;
+    }
     let build =
         children(model, "build").next().ok_or_else(|| fault("the model", "<build> is missing"))?;
     let to_mm = Mat4::from_scale(Vec3::splat(mm_per_unit));
     for item in children(build, "item") {
-        reader.placed(item, to_mm, 0)?;
+        reader.placed(item, 0, None, to_mm, 0)?;
     }
+    let left_out = reader.left_out.iter();
+    let said = left_out.map(|(kind, count)| {
+        format!("parts left out as they are no part of the print, {kind}: {count}")
+    });
+    reader.out.notes.extend(said);
     if !reader.has_colours {
         reader.out.mesh.corner_colours = Vec::new();
     }
     Ok(reader.out)
+}
+
+/// Whether two names in an archive are the same; one may begin with a slash.
+fn is_same_name(a: &str, b: &str) -> bool {
+    a.trim_start_matches('/').eq_ignore_ascii_case(b.trim_start_matches('/'))
 }
 
 fn damaged(error: zip::result::ZipError) -> FormatError {
@@ -135,21 +169,33 @@ fn colour(text: &str) -> Option<Rgb> {
     text.get(..7)?.parse().ok()
 }
 
+/// An object or a group of colours: the number of its model in the archive, and its own there.
+type Id = (usize, u32);
+
 struct Reader<'a, 'b> {
-    objects: HashMap<u32, Node<'a, 'b>>,
-    /// Of colour groups and base materials, by their ids.
-    colours: HashMap<u32, Vec<Rgb>>,
+    /// Of the models; the first one has the build.
+    names: Vec<&'a str>,
+    objects: HashMap<Id, Node<'a, 'b>>,
+    /// Of colour groups and base materials.
+    colours: HashMap<Id, Vec<Rgb>>,
+    parts: Parts,
+    /// How many parts of each kind were left out.
+    left_out: BTreeMap<&'static str, usize>,
     out: Imported,
     has_colours: bool,
     visits: u32,
 }
 
 impl<'a, 'b> Reader<'a, 'b> {
-    fn resources(&mut self, model: Node<'a, 'b>) -> Result<(), FormatError> {
+    fn resources(
+        &mut self,
+        number_of_model: usize,
+        model: Node<'a, 'b>,
+    ) -> Result<(), FormatError> {
         for node in children(model, "resources").flat_map(|resources| resources.children()) {
             let (tag, attribute) = match node.tag_name().name() {
                 "object" => {
-                    self.objects.insert(number(node, "id")?, node);
+                    self.objects.insert((number_of_model, number(node, "id")?), node);
                     continue;
                 }
                 "colorgroup" => ("color", "color"),
@@ -157,42 +203,66 @@ impl<'a, 'b> Reader<'a, 'b> {
                 _ => continue,
             };
             let of = |node: Node| node.attribute(attribute).and_then(colour).unwrap_or(Rgb::STONE);
-            self.colours.insert(number(node, "id")?, children(node, tag).map(of).collect());
+            let id = (number_of_model, number(node, "id")?);
+            self.colours.insert(id, children(node, tag).map(of).collect());
         }
         Ok(())
     }
 
-    /// The object that an item or a component puts somewhere.
-    fn placed(&mut self, node: Node<'a, 'b>, above: Mat4, depth: usize) -> Result<(), FormatError> {
+    /// The object that an item, or a component of the object `within`, of a model puts somewhere.
+    fn placed(
+        &mut self,
+        node: Node<'a, 'b>,
+        model: usize,
+        within: Option<u32>,
+        above: Mat4,
+        depth: usize,
+    ) -> Result<(), FormatError> {
         self.visits += 1;
         if depth > MOST_DEPTH || self.visits > MOST_VISITS {
             return Err(fault("the build", "components are nested without end, or too many"));
         }
-        if node.attributes().any(|attribute| attribute.name() == "path") {
-            return Err(FormatError::Scan(
-                "its parts lie in several models of the archive (production extension); export it as one".to_string(),
-            ));
-        }
+        let path = node.attributes().find(|attribute| attribute.name() == "path");
+        let model = match path.map(|path| path.value()) {
+            None => model,
+            Some(path) => {
+                let named = self.names.iter().position(|name| is_same_name(name, path));
+                named.ok_or_else(|| {
+                    let shown = excerpt(path.as_bytes());
+                    fault(format!("`{shown}` in the archive"), "it is named, but not there")
+                })?
+            }
+        };
         let id = number(node, "objectid")?;
-        let object = self.objects.get(&id).copied();
+        let object = self.objects.get(&(model, id)).copied();
         let object =
             object.ok_or_else(|| fault(format!("object {id}"), "it is named, but not there"))?;
         if let Some(kind @ ("support" | "solidsupport" | "other")) = object.attribute("type") {
             self.out.notes.push(format!("an object of the type `{kind}` was left out"));
             return Ok(());
         }
+        if let Some(kind) = within.and_then(|within| self.parts.of_component(within, id)) {
+            *self.left_out.entry(kind).or_default() += 1;
+            return Ok(());
+        }
         let world = above * transform(node)?;
         for mesh in children(object, "mesh") {
-            self.mesh(object, mesh, world)?;
+            self.mesh(object, (model, id), mesh, world)?;
         }
         for component in children(object, "components").flat_map(|node| children(node, "component"))
         {
-            self.placed(component, world, depth + 1)?;
+            self.placed(component, model, Some(id), world, depth + 1)?;
         }
         Ok(())
     }
 
-    fn mesh(&mut self, object: Node, mesh: Node, world: Mat4) -> Result<(), FormatError> {
+    fn mesh(
+        &mut self,
+        object: Node,
+        (model, id): Id,
+        mesh: Node,
+        world: Mat4,
+    ) -> Result<(), FormatError> {
         let first = self.out.mesh.positions.len();
         for vertex in children(mesh, "vertices").flat_map(|node| children(node, "vertex")) {
             let [x, y, z] = ["x", "y", "z"].map(|axis| number(vertex, axis));
@@ -201,14 +271,24 @@ impl<'a, 'b> Reader<'a, 'b> {
         }
         let count = self.out.mesh.positions.len() - first;
         let is_mirrored = world.determinant() < 0.0;
-        for node in children(mesh, "triangles").flat_map(|node| children(node, "triangle")) {
+        let triangles = children(mesh, "triangles").flat_map(|node| children(node, "triangle"));
+        let mut last_left_out = None;
+        for (i, node) in triangles.enumerate() {
+            let left_out = self.parts.of_triangle(id, i);
+            if let Some(kind) = left_out.filter(|_| left_out != last_left_out) {
+                *self.left_out.entry(kind).or_default() += 1;
+            }
+            last_left_out = left_out;
+            if left_out.is_some() {
+                continue;
+            }
             let [a, b, c] = ["v1", "v2", "v3"].map(|corner| number::<u32>(node, corner));
             let mut triangle = [a?, b?, c?];
             if let Some(corner) = triangle.iter().find(|corner| **corner as usize >= count) {
                 let what = format!("corner {corner} is named, but there are {count}");
                 return Err(fault("<triangle>", what));
             }
-            let mut colours = self.corners(object, node);
+            let mut colours = self.corners(model, object, node);
             if is_mirrored {
                 triangle.swap(1, 2);
                 colours.swap(1, 2);
@@ -224,14 +304,14 @@ impl<'a, 'b> Reader<'a, 'b> {
     }
 
     /// The colours of the corners of a triangle: its own, those of its object, or none.
-    fn corners(&mut self, object: Node, triangle: Node) -> [Rgb; 3] {
+    fn corners(&mut self, model: usize, object: Node, triangle: Node) -> [Rgb; 3] {
         let index = |node: Node, name: &str| node.attribute(name)?.trim().parse::<usize>().ok();
         let own = index(triangle, "p1").map(|first| {
             let of = |name| index(triangle, name).unwrap_or(first);
             [first, of("p2"), of("p3")]
         });
         let group = index(triangle, "pid").or(index(object, "pid"));
-        let group = group.and_then(|id| self.colours.get(&u32::try_from(id).ok()?));
+        let group = group.and_then(|id| self.colours.get(&(model, u32::try_from(id).ok()?)));
         let (Some(group), Some(corners)) =
             (group, own.or(index(object, "pindex").map(|index| [index; 3])))
         else {

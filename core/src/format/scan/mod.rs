@@ -1,4 +1,4 @@
-//! Reads scans of medicine and science: DICOM, NIfTI, NRRD, VTK image data and TIFF stacks.
+//! Reads scans of medicine and science: DICOM, NIfTI, NRRD, MetaImage, VTK image data of both kinds, and TIFF stacks.
 //!
 //! Takes a path; gives a volume with the spacing of its voxels, how its axes lie in the patient or the world, and notes on
 //! what was left out. Headers are checked against the limits before memory is allocated, and compressed voxels are
@@ -7,19 +7,23 @@
 pub mod base64;
 mod dicom;
 mod frame;
+mod meta;
 mod nifti;
 mod nrrd;
 mod nrrd_header;
 mod numbers;
+mod segments;
 mod tiff;
+mod unit;
 mod unpack;
 mod vti;
+mod vtk;
 
 use std::path::{Component, Path, PathBuf};
 
 use glam::{UVec3, Vec3};
 
-pub use self::dicom::has_dicom;
+pub use self::dicom::{has_dicom, is_dicom};
 pub use self::frame::Frame;
 use super::options::ImportOptions;
 use super::{FormatError, Volume, budget_bytes, prepare, store};
@@ -35,6 +39,10 @@ pub enum Kind {
     Nrrd,
     /// VTK image data.
     Vti,
+    /// Legacy files of VTK: structured points.
+    Vtk,
+    /// MetaImage, `.mha`, `.mhd`.
+    Meta,
     /// Pages of one file, or numbered files in a folder.
     Tiff,
     /// A file, or all files of a series in a folder.
@@ -43,18 +51,29 @@ pub enum Kind {
 
 impl Kind {
     /// Endings with their formats.
-    pub const ENDINGS: [(&'static str, Kind); 10] = [
+    pub const ENDINGS: [(&'static str, Kind); 16] = [
         ("nii", Kind::Nifti),
         ("nii.gz", Kind::Nifti),
         ("hdr", Kind::Nifti),
+        ("hdr.gz", Kind::Nifti),
+        ("img", Kind::Nifti),
+        ("img.gz", Kind::Nifti),
         ("nrrd", Kind::Nrrd),
         ("nhdr", Kind::Nrrd),
         ("vti", Kind::Vti),
+        ("vtk", Kind::Vtk),
+        ("mha", Kind::Meta),
+        ("mhd", Kind::Meta),
         ("tif", Kind::Tiff),
         ("tiff", Kind::Tiff),
         ("dcm", Kind::Dicom),
         ("dicom", Kind::Dicom),
     ];
+}
+
+/// Whether the name is that of the voxels of a pair whose header is not there.
+pub fn lacks_header(path: &Path) -> bool {
+    nifti::header_of(path).is_err()
 }
 
 /// A scan as it was read.
@@ -136,6 +155,7 @@ pub fn load(
 ) -> Result<(Scan, u64), FormatError> {
     let first = match kind {
         Kind::Tiff if path.is_dir() => tiff::first_of(path),
+        Kind::Nifti => nifti::header_of(path)?,
         _ => None,
     };
     let path = first.as_deref().unwrap_or(path);
@@ -148,6 +168,8 @@ pub fn load(
     match kind {
         Kind::Nifti => of_file(&|file| nifti::read(path, file, &reading)),
         Kind::Nrrd => of_file(&|file| nrrd::read(file, &reading)),
+        Kind::Vtk => of_file(&|file| vtk::read(file, &reading)),
+        Kind::Meta => of_file(&|file| meta::read(file, &reading)),
         Kind::Vti => of_file(&|file| vti::read(file, &reading)),
         Kind::Tiff => of_file(&|file| tiff::read(path, file, &reading)),
         Kind::Dicom => dicom::read(path, &reading),

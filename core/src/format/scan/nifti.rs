@@ -3,7 +3,7 @@
 //! Takes the bytes of a file; gives its first volume with spacing and orientation. Both byte orders are read.
 
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
 use glam::{DMat3, DQuat, DVec3, UVec3, Vec3};
@@ -54,9 +54,7 @@ pub fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
     reading.admit(header.dims, header.voxel_size)?;
     let bytes = header.number.check(header.dims, reading.rest_bytes(file.len() as u64))?;
     let data = if header.is_pair {
-        let beside = [("hdr", "img"), ("HDR", "IMG")];
-        let ending = beside.iter().find(|(own, _)| path.extension().is_some_and(|e| e == *own));
-        let image = path.with_extension(ending.map_or("img", |(_, image)| image));
+        let image = partner(path, "hdr", "img").unwrap_or_else(|| path.with_extension("img"));
         voxels(reading.read_beside(&image)?, header.offset, bytes, reading)?
     } else {
         voxels(file, header.offset, bytes, reading)?
@@ -78,6 +76,35 @@ pub fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
         is_label: header.is_label,
         notes,
     })
+}
+
+/// The header of a pair whose voxels lie in `path`; none for a file that has both.
+pub fn header_of(path: &Path) -> Result<Option<PathBuf>, FormatError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    if !name.ends_with(".img") && !name.ends_with(".img.gz") {
+        return Ok(None);
+    }
+    partner(path, "img", "hdr").map(Some).ok_or_else(|| {
+        FormatError::Scan(
+            "a file of this name holds the voxels of a scan, whose header of the same name and the ending .hdr is not \
+             beside it; put it there, or describe the voxels with `--raw 128x128x64:u16le`"
+                .to_string(),
+        )
+    })
+}
+
+/// The other file of a pair that is there, packed or not: with `to` instead of `from` in its ending, in capitals or not.
+fn partner(path: &Path, from: &str, to: &str) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let lower = name.to_ascii_lowercase();
+    let stem = [format!(".{from}.gz"), format!(".{from}")]
+        .into_iter()
+        .find_map(|ending| lower.strip_suffix(&ending).map(|stem| &name[..stem.len()]))?;
+    let is_packed = lower.ends_with(".gz");
+    let packings = if is_packed { [".gz", ""] } else { ["", ".gz"] };
+    let endings = packings.map(|gz| format!(".{to}{gz}"));
+    let endings = endings.into_iter().flat_map(|own| [own.clone(), own.to_ascii_uppercase()]);
+    endings.map(|ending| path.with_file_name(format!("{stem}{ending}"))).find(|path| path.is_file())
 }
 
 fn voxels(

@@ -11,9 +11,11 @@ use glam::{DVec3, UVec3, Vec3};
 use super::frame::Frame;
 use super::nrrd_header::{Axis, Encoding, Header};
 use super::numbers::{Number, volume};
+use super::segments::Segments;
 use super::unpack::{cut, exactly, malformed};
 use super::{Reading, Scan};
 use crate::format::FormatError;
+use crate::format::volume::Samples;
 
 pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let header = Header::parse(&file)?;
@@ -37,8 +39,28 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         4 => Number::Rgba,
         _ => header.number,
     };
-    let data = layout.gather(data, number.bytes() as usize);
-    let samples = number.into_samples(data, header.is_big, [1.0, 0.0]);
+    let mut notes = layout.notes.clone();
+    if !header.unknown_units.is_empty() {
+        let units = header.unknown_units.join("`, `");
+        notes.push(format!("lengths in the unknown unit `{units}` were taken as millimetres"));
+    }
+    let segments = Segments::of(&header.pairs, layout.volumes).filter(|_| layout.colours == 1);
+    let samples = match &segments {
+        Some(segments) => {
+            notes.retain(|note| !note.starts_with(FIRST_OF));
+            notes.push(segments.note());
+            let coloured = header.number.check(layout.dims, u64::MAX)? / header.number.bytes();
+            let layers = coloured.saturating_mul(4 * (layout.volumes + 2));
+            let rest_bytes = reading.rest_bytes(file_bytes + total);
+            crate::format::pvm::check_budget(layers, rest_bytes)?;
+            let layers = layout.layers(&data, number, header.is_big);
+            (Samples::Rgba8, segments.colours(&layers))
+        }
+        None => {
+            let data = layout.gather(data, number.bytes() as usize);
+            number.into_samples(data, header.is_big, [1.0, 0.0])
+        }
+    };
     let packing = match header.encoding {
         Encoding::Raw => "not packed",
         Encoding::Text => "as text",
@@ -55,8 +77,8 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         volume: volume(layout.dims, layout.voxel_size, samples, header.content),
         frame: layout.frame,
         kind: format!("NRRD, {packing}{elsewhere}"),
-        is_label: false,
-        notes: layout.notes,
+        is_label: segments.is_some(),
+        notes,
     })
 }
 
@@ -165,10 +187,16 @@ struct Layout {
     strides: [u64; 3],
     /// Numbers of the first axis that are one colour; 1 for densities.
     colours: u64,
+    /// How many volumes there are along all other axes, and from one to the next, where one axis has them.
+    volumes: u64,
+    volume_stride: u64,
     voxel_size: Vec3,
     frame: Frame,
     notes: Vec<String>,
 }
+
+/// How it is said that only one of several volumes is taken.
+const FIRST_OF: &str = "first of ";
 
 impl Layout {
     fn of(header: &Header) -> Result<Layout, FormatError> {
@@ -177,6 +205,8 @@ impl Layout {
             && match first.kind.to_ascii_lowercase().as_str() {
                 "rgb-color" | "3-color" => first.size == 3,
                 "rgba-color" | "4-color" => first.size == 4,
+                // As ITK writes colours.
+                "vector" | "3-vector" | "4-vector" => matches!(first.size, 3 | 4),
                 _ => false,
             };
         let is_space = |axis: &Axis| {
@@ -194,12 +224,14 @@ impl Layout {
             .filter(|i| is_space(&header.axes[*i]) && !(is_colour && *i == 0))
             .collect();
         chosen.truncate(3);
-        let left_out: u64 = (0..header.axes.len())
+        let others: Vec<usize> = (0..header.axes.len())
             .filter(|i| !(chosen.contains(i) || is_colour && *i == 0))
-            .fold(1, |n, i| n.saturating_mul(header.axes[i].size));
+            .collect();
+        let left_out: u64 =
+            others.iter().copied().fold(1, |n, i| n.saturating_mul(header.axes[i].size));
         let mut notes = Vec::new();
         if left_out > 1 {
-            notes.push(format!("first of {left_out} volumes taken"));
+            notes.push(format!("{FIRST_OF}{left_out} volumes taken"));
         }
         if chosen.is_empty() {
             return Err(malformed("the header", "no axis lies in space"));
@@ -208,7 +240,8 @@ impl Layout {
         let size =
             |i: usize| axis(i).map_or(1, |axis| u32::try_from(axis.size).unwrap_or(u32::MAX));
         let length = |i: usize| {
-            let length = axis(i).and_then(|a| a.direction.map(DVec3::length).or(a.spacing));
+            let spaced = |axis: &Axis| axis.spacing.map(|length| length * axis.mm_per_unit);
+            let length = axis(i).and_then(|a| a.direction.map(DVec3::length).or(spaced(a)));
             length.filter(|n| n.is_finite() && *n != 0.0).map(f64::abs)
         };
         let lengths = [0, 1, 2].map(length);
@@ -219,10 +252,23 @@ impl Layout {
             dims: UVec3::new(size(0), size(1), size(2)),
             strides: [0, 1, 2].map(|i| chosen.get(i).map_or(0, |place| strides[*place])),
             colours: if is_colour { first.size } else { 1 },
+            volumes: if others.len() == 1 { left_out } else { 1 },
+            volume_stride: others.first().map_or(0, |place| strides[*place]),
             voxel_size: lengths.map(|length| length.unwrap_or(1.0) as f32).into(),
             frame: frame(header, [0, 1, 2].map(|i| axis(i).and_then(|axis| axis.direction))),
             notes,
         })
+    }
+
+    /// The numbers of all volumes along the other axis.
+    fn layers(&self, data: &[u8], number: Number, is_big: bool) -> Vec<Vec<f32>> {
+        let bytes = number.bytes() as usize;
+        let of = |volume: u64| {
+            let own = data[(volume * self.volume_stride) as usize * bytes..].to_vec();
+            let floats = number.to_floats(&self.gather(own, bytes), is_big, [1.0, 0.0]);
+            floats.as_chunks().0.iter().map(|number| f32::from_le_bytes(*number)).collect()
+        };
+        (0..self.volumes).map(of).collect()
     }
 
     /// The voxels of the volume, x fastest, of `bytes` each.

@@ -34,6 +34,8 @@ pub struct Axis {
     pub spacing: Option<f64>,
     /// From a voxel to the next, in the space of the file.
     pub direction: Option<DVec3>,
+    /// Millimetres of its lengths, where the file names their unit.
+    pub mm_per_unit: f64,
     /// What it stands for, such as `domain` or `RGB-color`.
     pub kind: String,
 }
@@ -54,6 +56,10 @@ pub struct Header {
     pub line_skip: u64,
     /// The files with the voxels, in order; none where they follow the header.
     pub data_files: Vec<String>,
+    /// Pairs of keys and values of other programs.
+    pub pairs: HashMap<String, String>,
+    /// Units that are not known, and taken for millimetres.
+    pub unknown_units: Vec<String>,
     /// The field `content`.
     pub content: Vec<u8>,
     /// Bytes of the header with the empty line behind it.
@@ -70,6 +76,7 @@ impl Header {
         }
         let start = &file[..file.len().min(MOST_BYTES)];
         let mut fields: HashMap<String, String> = HashMap::new();
+        let mut pairs: HashMap<String, String> = HashMap::new();
         // The names that follow `data file: LIST`, to the end of the header.
         let mut listed: Option<Vec<String>> = None;
         let mut at = 0;
@@ -87,8 +94,11 @@ impl Header {
                 names.push(text.trim().to_string());
                 continue;
             }
-            // Comments, and pairs of a key and a value that mean nothing to a reader.
-            if text.starts_with('#') || text.contains(":=") {
+            if text.starts_with('#') {
+                continue;
+            }
+            if let Some((key, value)) = text.split_once(":=") {
+                pairs.insert(key.to_string(), value.to_string());
                 continue;
             }
             let Some((name, value)) = text.split_once(": ").or_else(|| text.split_once(':')) else {
@@ -115,7 +125,7 @@ impl Header {
             (None, Some(name)) => numbered(name)?,
             (None, None) => Vec::new(),
         };
-        Header::of(&fields, data_files, at)
+        Ok(Header { pairs, ..Header::of(&fields, data_files, at)? })
     }
 
     fn of(
@@ -142,8 +152,11 @@ impl Header {
         if sizes.contains(&0) {
             return Err(malformed("the header", "an axis has no voxels"));
         }
-        let mut axes: Vec<Axis> =
-            sizes.into_iter().map(|size| Axis { size, ..Axis::default() }).collect();
+        let mut axes: Vec<Axis> = sizes
+            .into_iter()
+            .map(|size| Axis { size, mm_per_unit: 1.0, ..Axis::default() })
+            .collect();
+        extents(field, &mut axes)?;
         if let Some(text) = field("spacings") {
             let spacings: Vec<f64> = words("spacings", text)?;
             axes.iter_mut().zip(spacings).for_each(|(axis, n)| axis.spacing = Some(n));
@@ -152,8 +165,23 @@ impl Header {
             let kinds = text.split_whitespace();
             axes.iter_mut().zip(kinds).for_each(|(axis, kind)| axis.kind = kind.to_string());
         }
+        let mut unknown_units = Vec::new();
+        let mut mm = |unit: &str| {
+            mm_per_unit(unit).unwrap_or_else(|| {
+                unknown_units.push(excerpt(unit.as_bytes()));
+                1.0
+            })
+        };
+        if let Some(text) = field("units") {
+            let units = quoted(text).into_iter();
+            axes.iter_mut().zip(units).for_each(|(axis, unit)| axis.mm_per_unit = mm(unit));
+        }
         if let Some(text) = field("spacedirections") {
-            let vectors = directions(text)?;
+            let units = field("spaceunits").map(quoted).unwrap_or_default();
+            let unit = |i: usize| units.get(i).copied().unwrap_or("");
+            // Of the axes of the space, not of the file.
+            let to_mm = DVec3::from_array([0, 1, 2].map(|i| mm(unit(i))));
+            let vectors = directions(text)?.into_iter().map(|v| v.map(|v| v * to_mm));
             axes.iter_mut().zip(vectors).for_each(|(axis, v)| axis.direction = v);
         }
         let number = number(required("type")?)?;
@@ -171,7 +199,8 @@ impl Header {
             }
         };
         let is_big = match field("endian").map(str::to_ascii_lowercase).as_deref() {
-            Some("big") => true,
+            // Text has no order of bytes.
+            Some("big") => encoding != Encoding::Text,
             Some("little") => false,
             None if number.bytes() == 1 || encoding == Encoding::Text => false,
             _ => return Err(malformed("the header", "`endian` must be little or big")),
@@ -191,9 +220,46 @@ impl Header {
             byte_skip: skip,
             line_skip: or_zero("lineskip")?.max(0) as u64,
             data_files,
+            pairs: HashMap::new(),
+            unknown_units,
             content: field("content").unwrap_or_default().as_bytes().to_vec(),
             bytes,
         })
+    }
+}
+
+/// The lengths of voxels of axes that say where their first and last one lie instead.
+fn extents<'a>(
+    field: impl Fn(&str) -> Option<&'a str>,
+    axes: &mut [Axis],
+) -> Result<(), FormatError> {
+    let (Some(mins), Some(maxs)) = (field("axismins"), field("axismaxs")) else { return Ok(()) };
+    let (mins, maxs) = (words::<f64>("axis mins", mins)?, words::<f64>("axis maxs", maxs)?);
+    let centers = field("centers").or(field("centerings")).unwrap_or_default();
+    let mut centers = centers.split_whitespace();
+    for (axis, (min, max)) in axes.iter_mut().zip(mins.into_iter().zip(maxs)) {
+        // From the middle of the first voxel to that of the last, or from edge to edge.
+        let is_node = centers.next().is_some_and(|center| center.eq_ignore_ascii_case("node"));
+        let steps = if is_node { axis.size.saturating_sub(1) } else { axis.size };
+        axis.spacing = Some((max - min) / steps as f64).filter(|n| n.is_finite());
+    }
+    Ok(())
+}
+
+/// Words that may stand between quotes.
+fn quoted(text: &str) -> Vec<&str> {
+    if text.contains('"') {
+        text.split('"').skip(1).step_by(2).collect()
+    } else {
+        text.split_whitespace().collect()
+    }
+}
+
+/// Millimetres of a unit of length; 1 where none is named.
+fn mm_per_unit(unit: &str) -> Option<f64> {
+    match unit.trim().to_ascii_lowercase().as_str() {
+        "???" | "none" => Some(1.0),
+        unit => super::unit::mm_per_unit(unit),
     }
 }
 

@@ -1,21 +1,29 @@
 //! TIFF stacks (TIFF 6.0, BigTIFF): the pages of one file, or the numbered files of a folder, one page each.
 //!
-//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. The distances of voxels are known
-//! where ImageJ noted them. Which way is up no TIFF file says.
+//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Which pages are the layers of one
+//! channel and one time, and the distances of voxels, are known where ImageJ or an OME-TIFF notes them (`tiff/told.rs`). Which
+//! way is up no TIFF file says.
+
+mod palette;
+#[cfg(test)]
+mod tests;
+mod told;
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use glam::{UVec3, Vec3};
-use tiff::decoder::ifd::Value;
+use glam::UVec3;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
+use self::told::Told;
 use super::frame::Frame;
 use super::numbers::{Number, volume};
-use super::unpack::malformed;
+use super::unpack::{cut, malformed};
 use super::{Reading, Scan};
+use crate::format::error::printable;
+use crate::format::volume::Samples;
 use crate::format::{FormatError, go_on};
 use crate::sculpture::grid::MAX_AXIS_VX;
 
@@ -34,7 +42,8 @@ struct Page {
     colours: ColorType,
 }
 
-pub fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+pub fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+    let palette = palette::taken(&mut file);
     let (page, own) = pages_alike(&file)?;
     let mut notes = Vec::new();
     if own.others > 0 {
@@ -43,22 +52,32 @@ pub fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
             own.others
         ));
     }
-    let series = if own.alike.len() == 1 { series(path, &mut notes) } else { Vec::new() };
-    let depth = own.alike.len().max(series.len());
+    let told = Told::of(&mut open(&file)?);
+    let behind = if own.alike.len() == 1 { behind_first(&file, &told)? } else { None };
+    let pages = if behind.is_some() { (0..told.images).collect() } else { own.alike };
+    let is_one = pages.len() == 1;
+    let pages = told.pages_of_one_volume(pages, &mut notes);
+    let series = if is_one { series(path, &mut notes) } else { Vec::new() };
+    let depth = pages.len().max(series.len());
     let Some(depth) = u32::try_from(depth).ok().filter(|depth| *depth <= MAX_AXIS_VX) else {
         return Err(FormatError::Scan(format!(
             "{depth} pages; at most {MAX_AXIS_VX} are read; leave some out, or scale it down"
         )));
     };
     let dims = UVec3::new(page.width, page.height, depth);
-    let voxel_size = spacing(&mut open(&file)?);
+    let voxel_size = told.voxel_size;
     reading.admit(dims, voxel_size)?;
     let mut stack = Stack { page, number: None, data: Vec::new(), dims, reading };
 
     reading.progress.begin("reading pages");
-    let added = match series.is_empty() {
-        true => own.alike.iter().try_for_each(|&i| stack.add(&file, i)),
-        false => series.iter().try_for_each(|path| stack.add(&reading.read(path)?, 0)),
+    let added = match (series.is_empty(), behind) {
+        (true, Some(begin)) => stack.add_behind(&file, begin, &pages),
+        (true, None) => pages.iter().try_for_each(|&i| stack.add(&file, i)),
+        (false, _) => series.iter().try_for_each(|path| {
+            let mut file = reading.read(path)?;
+            palette::taken(&mut file);
+            stack.add(&file, 0)
+        }),
     };
     reading.progress.end();
     added?;
@@ -66,9 +85,31 @@ pub fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
         0 => format!("TIFF, pages: {depth}"),
         files => format!("TIFF, series of {files} files"),
     };
-    let samples = stack.number.unwrap_or(Number::U8).into_samples(stack.data, false, [1.0, 0.0]);
+    let number = stack.number.unwrap_or(Number::U8);
+    let samples = match palette.filter(|_| number == Number::U8) {
+        Some(_) if told.is_of_imagej => {
+            notes.push("its palette, by which ImageJ shows densities, was left out".to_string());
+            number.into_samples(stack.data, false, [1.0, 0.0])
+        }
+        Some(palette) => {
+            (Samples::Rgb8, stack.data.iter().flat_map(|i| palette[usize::from(*i)]).collect())
+        }
+        None => number.into_samples(stack.data, false, [1.0, 0.0]),
+    };
     let volume = volume(dims, voxel_size, samples, Vec::new());
     Ok(Scan { volume, frame: Frame::Unknown, kind, is_label: false, notes })
+}
+
+/// Where the first page begins whose others follow it without directories of their own, as ImageJ writes large files.
+/// None where they do not.
+fn behind_first(file: &[u8], told: &Told) -> Result<Option<usize>, FormatError> {
+    let mut pages = open(file)?;
+    let is_packed = !matches!(pages.get_tag_u32(Tag::Compression), Ok(1) | Err(_));
+    if !told.is_of_imagej || told.images < 2 || is_packed {
+        return Ok(None);
+    }
+    let begins = pages.get_tag_u64_vec(Tag::StripOffsets).ok();
+    Ok(begins.and_then(|begins| usize::try_from(*begins.first()?).ok()))
 }
 
 /// The pages of a file.
@@ -125,6 +166,35 @@ struct Stack<'a> {
 }
 
 impl Stack<'_> {
+    /// Appends pages that follow the first one, which begins at byte `begin`.
+    fn add_behind(&mut self, file: &[u8], begin: usize, all: &[usize]) -> Result<(), FormatError> {
+        // The first page tells the numbers.
+        let mut first = Stack { data: Vec::new(), dims: self.dims, ..*self };
+        first.add(file, 0)?;
+        let number = first.number.unwrap_or(Number::U8);
+        let layer = first.data.len();
+        let width = if matches!(number, Number::Rgb | Number::Rgba) { 1 } else { number.bytes() };
+        let is_big = file.starts_with(b"MM");
+        let whole = number.check(self.dims, self.reading.rest_bytes(file.len() as u64))?;
+        self.number = Some(number);
+        self.data.reserve_exact(whole as usize);
+        for i in all {
+            go_on(self.reading.progress)?;
+            let at = i.checked_mul(layer).and_then(|at| at.checked_add(begin));
+            let bytes = at.and_then(|at| file.get(at..)?.get(..layer));
+            let bytes = bytes.ok_or_else(|| {
+                cut((layer * (i + 1)) as u64, file.len().saturating_sub(begin) as u64)
+            })?;
+            let start = self.data.len();
+            self.data.extend_from_slice(bytes);
+            if is_big {
+                self.data[start..].chunks_exact_mut(width as usize).for_each(<[u8]>::reverse);
+            }
+            self.reading.progress.advance(self.data.len() as f32 / whole as f32);
+        }
+        Ok(())
+    }
+
     /// Appends page `i` of a file.
     fn add(&mut self, file: &[u8], i: usize) -> Result<(), FormatError> {
         go_on(self.reading.progress)?;
@@ -253,182 +323,14 @@ fn numbered(path: &Path) -> Option<(String, String, u64)> {
     Some((prefix.to_string(), ending, number))
 }
 
-/// Edges of a voxel in millimetres, as ImageJ writes them; 1 where nothing is known.
-fn spacing(pages: &mut Pages) -> Vec3 {
-    let text = pages.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
-    if !text.starts_with("ImageJ=") {
-        return Vec3::ONE;
-    }
-    let of = |key: &str| text.lines().find_map(|line| line.strip_prefix(key)).map(str::trim);
-    let unit_mm = match of("unit=") {
-        Some("mm" | "millimeter") => 1.0,
-        Some("cm") => 10.0,
-        Some("micron" | "um" | "µm" | "\\u00B5m") => 1e-3,
-        Some("nm") => 1e-6,
-        Some("inch") => 25.4,
-        _ => return Vec3::ONE,
-    };
-    let edge = |value: Option<f64>| {
-        let edge_mm = value.unwrap_or(1.0) * unit_mm;
-        if edge_mm.is_finite() && edge_mm > 0.0 { edge_mm as f32 } else { 1.0 }
-    };
-    let mut per_unit = |tag| match pages.get_tag(tag) {
-        Ok(Value::Rational(count, units)) => Some(f64::from(units) / f64::from(count)),
-        _ => None,
-    };
-    let (x, y) = (per_unit(Tag::XResolution), per_unit(Tag::YResolution));
-    Vec3::new(edge(x), edge(y), edge(of("spacing=").and_then(|text| text.parse().ok()).or(x)))
-}
-
+/// What a library says of a file that it does not read.
 fn damaged(error: TiffError) -> FormatError {
     match error {
         TiffError::LimitsExceeded => malformed("the TIFF file", "more pixels than its header says"),
-        error => malformed("the TIFF file", error.to_string()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use tiff::encoder::colortype::{ColorType as Coding, Gray8, Gray16, Gray32Float, RGB8};
-    use tiff::encoder::{Rational, TiffEncoder, TiffValue};
-
-    use super::*;
-    use crate::format::options::ImportOptions;
-    use crate::format::{Samples, Volume, info, load_volume};
-    use crate::sculpture::Limits as Memory;
-
-    /// A file of pages of 3 x 2 pixels, with a description.
-    fn file<C: Coding>(pages: &[Vec<C::Inner>], description: &str) -> Vec<u8>
-    where
-        [C::Inner]: TiffValue,
-    {
-        let mut bytes = Cursor::new(Vec::new());
-        let mut encoder = TiffEncoder::new(&mut bytes).unwrap();
-        for page in pages {
-            let mut image = encoder.new_image::<C>(3, 2).unwrap();
-            image.encoder().write_tag(Tag::ImageDescription, description).unwrap();
-            let resolution = Rational { n: 4, d: 1 };
-            image.encoder().write_tag(Tag::XResolution, resolution.clone()).unwrap();
-            image.encoder().write_tag(Tag::YResolution, resolution).unwrap();
-            image.write_data(page).unwrap();
-        }
-        bytes.into_inner()
-    }
-
-    fn load(path: &Path) -> Result<Volume, FormatError> {
-        load_volume(path, &ImportOptions::default(), &Memory::default(), &())
-    }
-
-    #[test]
-    fn pages_are_layers_of_any_type() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("stack.tif");
-        let pages = [0u8, 10, 20, 30].map(|z| (z..z + 6).collect::<Vec<u8>>());
-        let as_of = |volume: &Volume| {
-            let dims = volume.dims;
-            assert_eq!(dims, UVec3::new(3, 2, 4));
-            let at = |i: u32| UVec3::new(i % 3, i / 3 % 2, i / 6);
-            (0..24).map(|i| volume.density(at(i)).unwrap()).collect::<Vec<f32>>()
-        };
-        let expected: Vec<f32> = pages.concat().into_iter().map(f32::from).collect();
-        std::fs::write(&path, file::<Gray8>(&pages, "")).unwrap();
-        let volume = load(&path).unwrap();
-        assert_eq!((as_of(&volume), volume.samples), (expected.clone(), Samples::U8));
-        assert_eq!(volume.voxel_size, Vec3::ONE);
-
-        let wide = pages.clone().map(|page| page.into_iter().map(u16::from).collect());
-        let told = "ImageJ=1.54f\nimages=4\nunit=micron\nspacing=2.5\n";
-        std::fs::write(&path, file::<Gray16>(&wide, told)).unwrap();
-        let volume = load(&path).unwrap();
-        assert_eq!((as_of(&volume), volume.samples), (expected.clone(), Samples::U16Le));
-        assert_eq!(volume.voxel_size, Vec3::new(0.25e-3, 0.25e-3, 2.5e-3));
-
-        let floats = pages.clone().map(|page| page.into_iter().map(f32::from).collect());
-        std::fs::write(&path, file::<Gray32Float>(&floats, "")).unwrap();
-        let volume = load(&path).unwrap();
-        assert_eq!((as_of(&volume), volume.samples), (expected, Samples::F32Le));
-        assert_eq!(info(&path).unwrap().kind, "TIFF, pages: 4");
-
-        std::fs::write(&path, file::<RGB8>(&[vec![7; 18]], "")).unwrap();
-        assert_eq!(load(&path).unwrap().samples, Samples::Rgb8);
-    }
-
-    #[test]
-    fn numbered_files_are_one_stack() {
-        let folder = tempfile::tempdir().unwrap();
-        let write = |name: &str, value: u8| {
-            let path = folder.path().join(name);
-            std::fs::write(&path, file::<Gray8>(&[vec![value; 6]], "")).unwrap();
-            path
-        };
-        let numbers = [(1, "1"), (2, "2"), (9, "9"), (10, "10")];
-        for (value, number) in numbers {
-            write(&format!("slice{number}.tif"), value);
-        }
-        write("other1.tif", 99);
-        let path = folder.path().join("slice9.tif");
-        let volume = load(&path).unwrap();
-        assert_eq!(volume.dims, UVec3::new(3, 2, 4));
-        let layers = [0, 1, 2, 3].map(|z| volume.density(UVec3::new(0, 0, z)));
-        assert_eq!(layers, [1.0, 2.0, 9.0, 10.0].map(Some));
-        let told = info(&path).unwrap();
-        assert_eq!(told.kind, "TIFF, series of 4 files");
-        assert!(told.notes.iter().any(|note| note.ends_with(": 6")), "{:?}", told.notes);
-        std::fs::write(&path, file::<Gray16>(&[vec![0; 6]], "")).unwrap();
-        assert!(load(&path).is_err());
-        assert_eq!(load(&folder.path().join("other1.tif")).unwrap().dims.z, 1);
-    }
-
-    #[test]
-    fn a_folder_is_its_longest_series() {
-        let folder = tempfile::tempdir().unwrap();
-        let write = |name: &str, value: u8| {
-            std::fs::write(folder.path().join(name), file::<Gray8>(&[vec![value; 6]], "")).unwrap();
-        };
-        assert_eq!(first_of(folder.path()), None);
-        assert_eq!(first_of(&folder.path().join("missing")), None);
-        std::fs::write(folder.path().join("1.txt"), "no picture").unwrap();
-        std::fs::create_dir(folder.path().join("0.tif")).unwrap();
-        assert!(load(folder.path()).is_err());
-        write("cover.tif", 77);
-        assert_eq!(load(folder.path()).unwrap().dims.z, 1);
-        for (value, number) in [(3, "03"), (2, "02"), (10, "10")] {
-            write(&format!("head{number}.TIF"), value);
-        }
-        write("arm1.tif", 50);
-        write("arm2.tif", 51);
-        let volume = load(folder.path()).unwrap();
-        let layers = [0, 1, 2].map(|z| volume.density(UVec3::new(0, 0, z)));
-        assert_eq!((volume.dims.z, layers), (3, [2.0, 3.0, 10.0].map(Some)));
-        let told = info(folder.path()).unwrap();
-        assert_eq!(told.kind, "TIFF, series of 3 files");
-        assert!(told.notes.iter().any(|note| note.ends_with(": 6")), "{:?}", told.notes);
-    }
-
-    #[test]
-    fn damaged_files_are_errors() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("bad.tif");
-        let whole = file::<Gray16>(&[vec![1; 6], vec![2; 6]], "");
-        for end in 0..whole.len() {
-            std::fs::write(&path, &whole[..end]).unwrap();
-            // What is cut off may be beyond the last pixel.
-            let _ = load(&path);
-        }
-        for at in 0..whole.len() {
-            for bit in [0, 7] {
-                let mut bytes = whole.clone();
-                bytes[at] ^= 1 << bit;
-                std::fs::write(&path, &bytes).unwrap();
-                let _ = load(&path);
-            }
-        }
-        for (content, told) in [(&b"\x89PNG"[..], "a PNG image"), (b"neither", "the TIFF file")] {
-            std::fs::write(&path, content).unwrap();
-            let error = load(&path).unwrap_err().to_string();
-            assert!(error.contains(told), "{error}");
-        }
-        std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
-        assert!(load(&path).is_err());
+        TiffError::UnsupportedError(error) => FormatError::Scan(format!(
+            "this kind of TIFF file is not read ({}); save it without compression, or with LZW or Deflate, as grey or RGB",
+            printable(&error.to_string())
+        )),
+        error => malformed("the TIFF file", printable(&error.to_string())),
     }
 }

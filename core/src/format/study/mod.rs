@@ -41,7 +41,7 @@ impl Family {
 /// What may be asked about a file. None for sculptures, which leave nothing open, and for files that cannot be
 /// read.
 pub fn family(path: &Path) -> Option<Family> {
-    match content::format_of(path).ok()?.0 {
+    match content::format_of(path, false).ok()?.0 {
         Format::Vsc => None,
         Format::Voxel(_) => Some(Family::Model),
         Format::Pvm | Format::Raw | Format::Scan(_) => Some(Family::Volume),
@@ -85,7 +85,7 @@ pub fn study(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Study, FormatError> {
-    let (format, _) = content::format_of(path)?;
+    let (format, _) = content::format_of(path, options.raw.is_some())?;
     match format {
         Format::Vsc => Ok(Study::Settled),
         Format::Voxel(kind) => {

@@ -1,40 +1,33 @@
 //! Reads Goxel's `.gox`: chunks of blocks of 16^3 voxels, each stored as a PNG of 64x64 pixels, and of layers that
-//! say where blocks stand. z points up.
+//! say where blocks stand; `gox_layer.rs` makes voxels of them. z points up.
 
 use std::io::Cursor;
 
 use glam::I64Vec3;
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::{Model, Sink, upright};
+use super::gox_layer::{self, Layer};
+use super::{Model, Sink};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;
-use crate::sculpture::Rgb;
 use crate::sculpture::orientation::Up;
 
 /// Voxels along the edge of a block, and pixels along that of its picture.
-const EDGE_VX: i64 = 16;
+pub const EDGE_VX: i64 = 16;
 const PICTURE_EDGE: u32 = 64;
 /// The newest version that is known.
 const VERSION: u32 = 2;
 /// Voxels of this opacity or more exist, as Goxel draws them.
-const OPAQUE: u8 = 128;
+pub const OPAQUE: u8 = 128;
 
 /// A file.
 #[derive(Debug)]
 pub struct Gox<'a> {
     version: u32,
     blocks: Vec<Bytes<'a>>,
+    /// Hidden ones, too, which others may copy.
     layers: Vec<Layer>,
-    hidden: usize,
-}
-
-#[derive(Debug, Default)]
-struct Layer {
-    /// Number and lower corner of each of its blocks.
-    placed: Vec<(usize, I64Vec3)>,
-    is_hidden: bool,
 }
 
 /// Reads the structure of a file.
@@ -50,7 +43,7 @@ pub fn read(file: &[u8]) -> Result<Gox<'_>, FormatError> {
     if version > VERSION {
         return Err(start.fault(format!("version {version} is not known, only 1 and {VERSION}")));
     }
-    let mut gox = Gox { version, blocks: Vec::new(), layers: Vec::new(), hidden: 0 };
+    let mut gox = Gox { version, blocks: Vec::new(), layers: Vec::new() };
     while !bytes.is_empty() {
         let id = bytes.take(4)?;
         let length = bytes.count("bytes")?;
@@ -59,12 +52,10 @@ pub fn read(file: &[u8]) -> Result<Gox<'_>, FormatError> {
         bytes.u32()?;
         match id {
             b"BL16" => gox.blocks.push(chunk),
-            b"LAYR" => gox.layers.push(layer(chunk)?),
+            b"LAYR" => gox.layers.push(gox_layer::read(chunk)?),
             _ => {}
         }
     }
-    gox.hidden = gox.layers.iter().filter(|layer| layer.is_hidden).count();
-    gox.layers.retain(|layer| !layer.is_hidden);
     for (number, _) in gox.layers.iter().flat_map(|layer| &layer.placed) {
         if *number >= gox.blocks.len() {
             let there = gox.blocks.len();
@@ -72,30 +63,6 @@ pub fn read(file: &[u8]) -> Result<Gox<'_>, FormatError> {
         }
     }
     Ok(gox)
-}
-
-fn layer(mut chunk: Bytes<'_>) -> Result<Layer, FormatError> {
-    let mut layer = Layer::default();
-    for _ in 0..chunk.count("blocks")? {
-        let number = chunk.count("as the number of a block")?;
-        let corner = [chunk.i32()?, chunk.i32()?, chunk.i32()?].map(i64::from);
-        chunk.u32()?;
-        layer.placed.push((number, I64Vec3::from_array(corner)));
-    }
-    // Names and values; a name without length ends them.
-    while !chunk.is_empty() {
-        let length = chunk.count("bytes")?;
-        if length == 0 {
-            break;
-        }
-        let name = chunk.take(length)?;
-        let length = chunk.count("bytes")?;
-        let value = chunk.take(length)?;
-        if name == b"visible" {
-            layer.is_hidden = value.iter().all(|byte| *byte == 0);
-        }
-    }
-    Ok(layer)
 }
 
 /// The voxels of a block, x fastest, then y, then z.
@@ -115,9 +82,15 @@ fn decode(block: &Bytes<'_>) -> Result<Vec<[u8; 4]>, FormatError> {
     Ok(picture.pixels().map(|pixel| pixel.0).collect())
 }
 
+impl Gox<'_> {
+    fn visible(&self) -> impl Iterator<Item = &Layer> {
+        self.layers.iter().filter(|layer| !layer.is_hidden)
+    }
+}
+
 impl Model for Gox<'_> {
     fn kind(&self) -> String {
-        format!("Goxel, version {}, layers: {}", self.version, self.layers.len())
+        format!("Goxel, version {}, layers: {}", self.version, self.visible().count())
     }
 
     /// Goxel stores whole blocks, so the edges of their boxes mean nothing.
@@ -130,21 +103,16 @@ impl Model for Gox<'_> {
     }
 
     fn walk(&self, sink: &mut Sink<'_>) -> Result<(), FormatError> {
-        for (number, corner) in self.layers.iter().flat_map(|layer| &layer.placed) {
-            for (i, [r, g, b, opacity]) in (0..).zip(decode(&self.blocks[*number])?) {
-                if opacity >= OPAQUE {
-                    let place =
-                        I64Vec3::new(i % EDGE_VX, i / EDGE_VX % EDGE_VX, i / EDGE_VX / EDGE_VX);
-                    sink(upright(corner + place), Rgb([r, g, b]))?;
-                }
-            }
-        }
-        Ok(())
+        let decoded = |number: usize| decode(&self.blocks[number]);
+        self.visible().try_for_each(|layer| gox_layer::walk(layer, &self.layers, &decoded, sink))
     }
 
     fn notes(&self) -> Vec<String> {
-        let hidden = self.hidden;
-        let note = |_| format!("{hidden} hidden layers were left out");
-        (hidden > 0).then_some(()).map(note).into_iter().collect()
+        let hidden = self.layers.len() - self.visible().count();
+        let note = (hidden > 0).then(|| format!("{hidden} hidden layers were left out"));
+        let shapes = self.visible().filter_map(|layer| layer.unknown_shape.as_ref());
+        let shapes =
+            shapes.map(|shape| format!("a layer of the unknown shape `{shape}` was left out"));
+        note.into_iter().chain(shapes).collect()
     }
 }

@@ -8,6 +8,7 @@
 mod assemble;
 mod binvox;
 mod gox;
+mod gox_layer;
 mod palette;
 mod qb;
 mod qb_write;

@@ -18,6 +18,8 @@ use crate::sculpture::orientation::Up;
 pub const MAGIC: &[u8] = b"VOX ";
 /// Longest axis of a model.
 pub const MAX_EDGE_VX: u32 = 256;
+/// A name, and the bytes of the chunk and of its children.
+const CHUNK_HEADER_BYTES: usize = 12;
 
 /// A model as it lies in the file: four bytes a voxel, x, y, z and colour, z up.
 #[derive(Debug)]
@@ -45,6 +47,7 @@ struct Chunks<'a> {
     nodes: HashMap<i32, Node>,
     root: Option<i32>,
     hidden_layers: HashSet<i32>,
+    notes: Vec<String>,
 }
 
 /// Reads a file as far as its structure.
@@ -57,17 +60,27 @@ pub fn read(file: &[u8]) -> Result<Vox<'_>, FormatError> {
     if bytes.take(4)? != b"MAIN" {
         return Err(start.fault("the chunk MAIN is missing"));
     }
-    let (own, _children) = (bytes.count("bytes")?, bytes.count("bytes")?);
+    let (own, children) = (bytes.count("bytes")?, bytes.count("bytes")?);
     bytes.take(own)?;
+    // Some programs do not count what MAIN holds.
+    if (1..bytes.rest().len()).contains(&children) {
+        let behind = bytes.rest().len() - children;
+        bytes = bytes.part(children)?;
+        chunks.notes.push(format!("{behind} bytes behind the model were left out"));
+    }
     while !bytes.is_empty() {
+        if bytes.rest().len() < CHUNK_HEADER_BYTES {
+            let behind = bytes.rest().len();
+            chunks.notes.push(format!("{behind} bytes behind the model were left out"));
+            break;
+        }
         let id = bytes.take(4)?;
         let (own, children) = (bytes.count("bytes")?, bytes.count("bytes")?);
         let content = bytes.part(own)?;
         bytes.take(children)?;
         chunks.take(id, content)?;
     }
-    let mut notes = Vec::new();
-    let Chunks { parts, nodes, root, hidden_layers, palette, .. } = chunks;
+    let Chunks { parts, nodes, root, hidden_layers, palette, mut notes, .. } = chunks;
     let instances = match root {
         Some(root) => {
             let placed = scene::place(&nodes, root, &hidden_layers, parts.len())?;
@@ -108,24 +121,28 @@ impl<'a> Chunks<'a> {
                 let size = size.ok_or_else(|| start.fault("voxels without a chunk SIZE before"))?;
                 let count = chunk.count("voxels")?;
                 let (voxels, _) = chunk.take(count.saturating_mul(4))?.as_chunks();
-                let is_outside = |v: &&[u8; 4]| (0..3).any(|axis| i64::from(v[axis]) >= size[axis]);
-                if let Some([x, y, z, _]) = voxels.iter().find(is_outside) {
-                    return Err(start.fault(format!("voxel {x},{y},{z} is outside its model")));
+                let outside = voxels.iter().filter(|v| !is_inside(v, size)).count();
+                if outside > 0 {
+                    let note = "voxels outside of their model, which were left out";
+                    self.notes.push(format!("{note}: {outside}"));
                 }
                 self.parts.push(Part { size, voxels });
             }
             b"RGBA" => {
-                let start = chunk;
                 let (colours, _) = chunk.rest().as_chunks::<4>();
-                if colours.len() < 256 {
-                    return Err(start.fault(format!("{} colours instead of 256", colours.len())));
-                }
-                let mut palette = [Rgb::default(); 256];
+                // The last of 256 stands for nothing, and some programs write those alone that they use.
+                let mut palette = default_palette();
                 // Entry k is colour k + 1; 0 is no voxel.
                 palette[1..].iter_mut().zip(colours).for_each(|(to, from)| {
                     *to = Rgb([from[0], from[1], from[2]]);
                 });
                 self.palette = Some(palette);
+            }
+            b"TDCZ" => {
+                return Err(FormatError::Scan(
+                    "its voxels are packed as the game Teardown does (chunk TDCZ), which is not read; save the model anew with MagicaVoxel"
+                        .to_string(),
+                ));
             }
             b"nTRN" => {
                 let node = chunk.i32()?;
@@ -178,6 +195,11 @@ impl<'a> Chunks<'a> {
     }
 }
 
+/// Whether a voxel lies in its model.
+fn is_inside(voxel: &[u8; 4], size: I64Vec3) -> bool {
+    (0..3).all(|axis| i64::from(voxel[axis]) < size[axis])
+}
+
 /// Texts by their names.
 type Dictionary<'a> = HashMap<&'a [u8], &'a [u8]>;
 
@@ -228,8 +250,9 @@ impl Model for Vox<'_> {
     fn walk(&self, sink: &mut Sink<'_>) -> Result<(), FormatError> {
         for instance in &self.instances {
             let Part { size, voxels } = self.parts[instance.part];
-            for &[x, y, z, colour] in voxels {
-                if colour > 0 {
+            for voxel in voxels {
+                let &[x, y, z, colour] = voxel;
+                if colour > 0 && is_inside(voxel, size) {
                     let v = instance.place(I64Vec3::new(x.into(), y.into(), z.into()), size);
                     sink(upright(v), self.palette[usize::from(colour)])?;
                 }

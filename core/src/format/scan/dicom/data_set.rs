@@ -17,15 +17,64 @@ use crate::format::FormatError;
 /// Where a file says what it is, and the bytes there.
 const MAGIC_AT: usize = 128;
 const MAGIC: &[u8] = b"DICM";
+/// The group of a file's first elements but for the meta group.
+const FIRST_GROUP: u32 = 0x0008;
+/// Elements by which a file without a mark is known, and their greatest length.
+const BARE_ELEMENTS: usize = 4;
+const MOST_BARE_BYTES: u32 = 1 << 8;
 /// Elements of one file, and how deep sequences nest: both far more than real files have.
 const MOST_ELEMENTS: usize = 1 << 20;
 const MOST_DEPTH: usize = 32;
 /// A length that is not known beforehand.
 const UNDEFINED: u32 = u32::MAX;
 
-/// Whether the first bytes of a file are those of a DICOM file.
+/// Whether the first bytes of a file are those of a DICOM file, with its mark or without.
 pub fn is_dicom(start: &[u8]) -> bool {
-    start.get(MAGIC_AT..).is_some_and(|rest| rest.starts_with(MAGIC))
+    begin_of(start).is_some()
+}
+
+/// Where the elements of a file begin. Some files lack the mark, or what stands before it: those whose first elements are
+/// such as a DICOM file begins with.
+fn begin_of(file: &[u8]) -> Option<usize> {
+    if file.get(MAGIC_AT..).is_some_and(|rest| rest.starts_with(MAGIC)) {
+        return Some(MAGIC_AT + MAGIC.len());
+    }
+    let marked = file.starts_with(MAGIC).then_some(MAGIC.len());
+    // A stray byte before the first element has been seen.
+    let places = marked.into_iter().chain([0, 1, MAGIC_AT]);
+    places.into_iter().find(|at| file.get(*at..).is_some_and(begins_with_elements))
+}
+
+/// Whether bytes begin with little-endian elements of the groups that come first in a DICOM file, in order.
+fn begins_with_elements(bytes: &[u8]) -> bool {
+    let mut at = 0;
+    let mut last = 0;
+    for i in 0..BARE_ELEMENTS {
+        let Some(head) = bytes.get(at..).and_then(|rest| rest.first_chunk::<8>()) else {
+            return false;
+        };
+        let half = |i: usize| u32::from(u16::from_le_bytes([head[i], head[i + 1]]));
+        let tag = half(0) << 16 | half(2);
+        let is_first = i > 0 || matches!(tag >> 16, tags::META_GROUP | FIRST_GROUP);
+        if !is_first || tag <= last && i > 0 || !matches!(tag >> 16, 2..=0x28) {
+            return false;
+        }
+        let is_explicit = head[4..6].iter().all(u8::is_ascii_uppercase);
+        let is_long = matches!(&head[4..6], b"OB" | b"OW" | b"SQ" | b"UN" | b"UT");
+        let length = match (is_explicit, is_long) {
+            (true, true) => bytes
+                .get(at + 8..)
+                .and_then(|rest| rest.first_chunk())
+                .map_or(u32::MAX, |length| u32::from_le_bytes(*length) + 4),
+            (true, false) => half(6),
+            (false, _) => half(6) << 16 | half(4),
+        };
+        if length > MOST_BARE_BYTES {
+            return false;
+        }
+        (at, last) = (at + 8 + length as usize, tag);
+    }
+    true
 }
 
 /// How much of a file is there.
@@ -66,15 +115,15 @@ pub fn open(
     part: Part,
     budget_bytes: u64,
 ) -> Result<(Syntax, Cow<'_, [u8]>), FormatError> {
-    if !is_dicom(file) {
+    let Some(begin) = begin_of(file) else {
         return Err(FormatError::Scan(
-            "this is not a DICOM file: it has no `DICM` at byte 128; export it again from the program that it came from"
+            "this is not a DICOM file: it has no `DICM` at byte 128, and does not begin with elements either; export it again from the program that it came from"
                 .to_string(),
         ));
-    }
+    };
     let mut meta = Parser {
         bytes: file,
-        at: MAGIC_AT + MAGIC.len(),
+        at: begin,
         left: MOST_ELEMENTS,
         part,
         is_big: false,
@@ -83,8 +132,15 @@ pub fn open(
     let elements = meta.elements(file.len(), 0, true)?;
     let meta_end = meta.at;
     let meta = DataSet { elements, is_big: false };
-    let syntax = Syntax::of(&meta.text(tags::TRANSFER_SYNTAX).unwrap_or_default())?;
     let rest = &file[meta_end..];
+    let syntax = match meta.text(tags::TRANSFER_SYNTAX) {
+        // Without a word about it, the elements themselves tell.
+        None if meta.elements.is_empty() => match is_explicit(rest, false) {
+            Some(true) => Syntax::ExplicitLittle,
+            _ => Syntax::ImplicitLittle,
+        },
+        uid => Syntax::of(&uid.unwrap_or_default())?,
+    };
     if !syntax.is_deflated() {
         return Ok((syntax, Cow::Borrowed(rest)));
     }
@@ -101,10 +157,26 @@ pub fn open(
     }
 }
 
+/// Whether the elements of a data set say the types of their values, by the first of them. None where it cannot be told.
+fn is_explicit(bytes: &[u8], is_big: bool) -> Option<bool> {
+    let head = bytes.first_chunk::<8>()?;
+    if head[4..6].iter().all(u8::is_ascii_uppercase) {
+        return Some(true);
+    }
+    let group = [head[0], head[1]];
+    let group = if is_big { u16::from_be_bytes(group) } else { u16::from_le_bytes(group) };
+    // Then a length stands there, of a first element that is never long.
+    let length = [head[4], head[5], head[6], head[7]];
+    let length = if is_big { u32::from_be_bytes(length) } else { u32::from_le_bytes(length) };
+    (u32::from(group) == FIRST_GROUP && length <= MOST_BARE_BYTES).then_some(false)
+}
+
 impl<'a> DataSet<'a> {
     /// The elements of `bytes`, as [`open`] gives them.
     pub fn parse(bytes: &'a [u8], syntax: Syntax, part: Part) -> Result<DataSet<'a>, FormatError> {
-        let (is_big, is_explicit) = (syntax.is_big(), syntax.is_explicit());
+        let is_big = syntax.is_big();
+        // What the elements are counts, not what the header calls them.
+        let is_explicit = is_explicit(bytes, is_big).unwrap_or(syntax.is_explicit());
         let mut parser = Parser { bytes, at: 0, left: MOST_ELEMENTS, part, is_big, is_explicit };
         let elements = parser.elements(bytes.len(), 0, false)?;
         Ok(DataSet { elements, is_big })

@@ -13,7 +13,7 @@ use super::{Reading, frames};
 use crate::format::{FormatError, Texts, go_on, store};
 
 /// Bytes at the beginning of a file that tell whether it is DICOM, and those that say what it holds.
-const MAGIC_BYTES: usize = 132;
+const MAGIC_BYTES: usize = 512;
 const START_BYTES: u64 = 1 << 18;
 /// Files of a folder that are looked at.
 const MOST_FILES: usize = 1 << 16;
@@ -28,6 +28,8 @@ pub struct Found {
     pub files: Vec<PathBuf>,
     /// Of the files of one frame; their indices are those of `files`.
     pub planes: Vec<Plane>,
+    /// The index of the file that was asked for.
+    pub named: Option<usize>,
     pub notes: Vec<String>,
 }
 
@@ -104,7 +106,12 @@ impl Start {
 
 /// The series of the file `path`, or the only one of the folder `path`.
 pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
-    let alone = || Found { files: vec![path.to_path_buf()], planes: Vec::new(), notes: Vec::new() };
+    let alone = || Found {
+        files: vec![path.to_path_buf()],
+        planes: Vec::new(),
+        named: None,
+        notes: Vec::new(),
+    };
     let is_folder = path.is_dir();
     let own = if is_folder { None } else { Start::read(path) };
     if !is_folder {
@@ -133,7 +140,8 @@ pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
         let others = starts.len() - 1;
         let notes = (others > 0).then(|| format!("other files of the series left out: {others}"));
         let planes = vec![first.plane];
-        return Ok(Found { files: vec![first.path], planes, notes: notes.into_iter().collect() });
+        let (files, notes) = (vec![first.path], notes.into_iter().collect());
+        return Ok(Found { files, planes, named: None, notes });
     }
     let all = starts.len();
     starts.retain(|start| start.frames == 1 && start.is_like(&first));
@@ -150,11 +158,13 @@ pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
     let planes =
         starts.iter().enumerate().map(|(file, start)| Plane { file, ..start.plane.clone() });
     let planes = planes.collect();
-    Ok(Found { planes, files: starts.into_iter().map(|start| start.path).collect(), notes })
+    let named = starts.iter().position(|start| !is_folder && start.path == first.path);
+    let files = starts.into_iter().map(|start| start.path).collect();
+    Ok(Found { planes, files, named, notes })
 }
 
 fn nowhere() -> Plane {
-    Plane { file: 0, frame: 0, number: 0.0, position: None, axes: None }
+    Plane { file: 0, frame: 0, number: 0.0, position: None, axes: None, phases: Vec::new() }
 }
 
 /// What the DICOM files of a folder begin with.

@@ -6,6 +6,8 @@
 
 mod data_set;
 mod folder;
+mod padding;
+mod phases;
 mod pixels;
 mod series;
 mod syntax;
@@ -17,8 +19,10 @@ use std::path::Path;
 
 use glam::{DVec3, UVec3, Vec3};
 
+pub use self::data_set::is_dicom;
 use self::data_set::{DataSet, Part};
 pub use self::folder::has_dicom;
+use self::padding::Padding;
 use self::pixels::Layout;
 use self::series::{FrameData, Plane};
 use super::frame::Frame;
@@ -56,7 +60,7 @@ pub fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> 
             parallel
         }
     };
-    let layers = series::layers(planes)?;
+    let layers = series::layers(planes, found.named)?;
     notes.extend(layers.notes);
     let (count, file_count) = (layers.planes.len(), found.files.len());
     let Some(depth) = u32::try_from(count).ok().filter(|depth| *depth <= MAX_AXIS_VX) else {
@@ -78,6 +82,7 @@ pub fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> 
         notes.push("light and dark are swapped, as the file asks for (MONOCHROME1)".to_string());
     }
     reading.admit(dims, voxel_size)?;
+    let padding = Padding::of(&data, &layout);
     let text = |tag| data.text(tag);
     let description = text(tags::SERIES_DESCRIPTION).unwrap_or_default().into_bytes();
     let modality = text(tags::MODALITY).unwrap_or_default().escape_debug().to_string();
@@ -103,6 +108,14 @@ pub fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> 
     reading.progress.end();
     added?;
     let file_bytes = stack.bytes;
+    if let Some(padding) = padding.filter(|_| !stack.layers.is_scaled)
+        && padding.fill(&mut stack.layers.data, layout.number)
+    {
+        notes.push(
+            "what lies outside of the scanner's field (PixelPaddingValue) was taken as the least density inside"
+                .to_string(),
+        );
+    }
     let samples = stack.layers.into_samples(layout.number);
     let volume = volume(dims, voxel_size, samples, description);
     Ok((Scan { volume, frame, kind, is_label: false, notes }, file_bytes))

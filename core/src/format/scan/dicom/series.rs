@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 use super::data_set::DataSet;
+use super::phases;
 use super::tags::{self, Tag};
 use crate::format::FormatError;
 use crate::sculpture::grid::MAX_AXIS_VX;
@@ -15,7 +16,7 @@ const SAME_DIRECTION: f64 = 1e-2;
 /// Distances that differ by less than this share are equal.
 const SAME_DISTANCE: f64 = 0.02;
 /// Slices closer than this lie at the same place.
-const SAME_PLACE_MM: f64 = 1e-3;
+pub const SAME_PLACE_MM: f64 = 1e-3;
 /// Layers per slice beyond which distances are no volume's.
 const MOST_LAYERS: usize = 4;
 /// Slices that move sideways by more than this share of their distance were taken with a tilted gantry.
@@ -33,6 +34,8 @@ pub struct Plane {
     pub position: Option<DVec3>,
     /// Directions of rows and columns.
     pub axes: Option<[DVec3; 2]>,
+    /// What the file says for each of [`tags::PHASES`].
+    pub phases: Vec<String>,
 }
 
 /// The frame of a multi-frame file whose groups say something, then what frames have in common, then the file.
@@ -70,7 +73,15 @@ impl Plane {
             position = None;
         }
         let number = data.decimals::<1>(tags::INSTANCE_NUMBER).map_or(0.0, |[number]| number);
-        Plane { file, frame, number, position, axes }
+        let content = data.items(tags::FRAME_GROUPS).get(frame);
+        let content = content.and_then(|groups| groups.items(tags::CONTENT_GROUP).first());
+        let phase = |tag: &Tag| {
+            let bits = |data: &DataSet| data.u16(*tag).map(|number| format!("#{number:05}"));
+            // Frames number their times in binary.
+            content.and_then(bits).or_else(|| data.text(*tag)).unwrap_or_default()
+        };
+        let phases = tags::PHASES.iter().map(phase).collect();
+        Plane { file, frame, number, position, axes, phases }
     }
 
     /// Whether both can lie in one volume.
@@ -94,8 +105,9 @@ pub struct Layers {
     pub notes: Vec<String>,
 }
 
-/// Sorts parallel planes along their normal.
-pub fn layers(mut planes: Vec<Plane>) -> Result<Layers, FormatError> {
+/// Sorts parallel planes along their normal. Of several times, phases or echoes the one is taken that the file number
+/// `named` belongs to, or the first.
+pub fn layers(mut planes: Vec<Plane>, named: Option<usize>) -> Result<Layers, FormatError> {
     let mut notes = Vec::new();
     let normal = planes
         .first()
@@ -116,7 +128,13 @@ pub fn layers(mut planes: Vec<Plane>) -> Result<Layers, FormatError> {
     };
     placed.sort_by(order);
     let all = placed.len();
+    let (phases, mut placed) = phases::one_of(placed, named);
     placed.dedup_by(|after, before| after.0 - before.0 < SAME_PLACE_MM);
+    if phases > 1 {
+        notes.push(format!(
+            "its times, phases or echoes: {phases}; one was taken, whole: to have another, open one of its files"
+        ));
+    }
     if placed.len() < all {
         notes.push(format!(
             "slices left out, where another one lies at the same place, such as of another time or echo: {}",

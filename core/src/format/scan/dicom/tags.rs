@@ -25,6 +25,9 @@ pub const PIXEL_SPACING: Tag = 0x0028_0030;
 pub const FRAME_OFFSETS: Tag = 0x3004_000C;
 
 pub const SAMPLES_PER_PIXEL: Tag = 0x0028_0002;
+/// What is outside of the field of the scanner, in stored numbers: one, or all from this one to another.
+pub const PADDING: Tag = 0x0028_0120;
+pub const PADDING_LIMIT: Tag = 0x0028_0121;
 pub const PHOTOMETRIC: Tag = 0x0028_0004;
 pub const PLANAR: Tag = 0x0028_0006;
 pub const FRAMES: Tag = 0x0028_0008;
@@ -47,8 +50,29 @@ pub const VALUES_GROUP: Tag = 0x0028_9145;
 /// Of nuclear medicine.
 pub const DETECTORS: Tag = 0x0054_0022;
 
+/// What tells slices at the same place apart: the time, phase, echo or kind that they belong to.
+pub const PHASES: [Tag; 14] = [
+    0x0020_0100, // temporal position
+    0x0020_9241, // share of the heart's cycle
+    0x0018_0086, // number of the echo
+    0x0018_0081, // time of the echo
+    0x0018_9087, // diffusion
+    0x0018_1060, // time after the trigger
+    0x0020_0012, // number of the acquisition
+    0x0008_0008, // type of the image
+    0x0018_9073, // length of the acquisition
+    0x0054_1300, // time of the frame of reference
+    0x0008_0032, // time of the acquisition
+    0x0008_002A, // date and time of the acquisition
+    0x0008_0033, // time of the content
+    0x0020_9128, // temporal position of a frame
+];
+/// Of a frame: what it belongs to.
+pub const CONTENT_GROUP: Tag = 0x0020_9111;
+
 /// Sequences that are looked into, for files that do not say that they are some.
-pub const SEQUENCES: [Tag; 8] = [
+pub const SEQUENCES: [Tag; 9] = [
+    CONTENT_GROUP,
     SHARED_GROUPS,
     FRAME_GROUPS,
     POSITION_GROUP,

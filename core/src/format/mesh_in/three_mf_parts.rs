@@ -1,0 +1,77 @@
+//! What slicers note beside a `.3mf` about parts that are not printed: supports, modifiers, negative volumes.
+//!
+//! Takes the texts of their files in the archive (`Slic3r_PE_model.config` of PrusaSlicer and SuperSlicer,
+//! `model_settings.config` of Bambu Studio and OrcaSlicer); gives which triangles or components of which object are what.
+//! A file that cannot be read says nothing.
+
+use std::collections::HashMap;
+use std::ops::RangeInclusive;
+
+use roxmltree::{Document, Node};
+
+/// Where slicers keep it.
+pub const PLACES: [&str; 2] = ["Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"];
+
+/// Parts that are not printed, by the number of their object.
+#[derive(Default)]
+pub struct Parts {
+    /// Of PrusaSlicer: triangles of the object's mesh.
+    ranges: HashMap<u32, Vec<(RangeInclusive<usize>, &'static str)>>,
+    /// Of Bambu Studio: components of the object, by the number of what they place.
+    components: HashMap<(u32, u32), &'static str>,
+}
+
+impl Parts {
+    /// Adds what a file says.
+    pub fn read(&mut self, text: &str) {
+        let Ok(xml) = Document::parse(text) else { return };
+        let objects = xml.descendants().filter(|node| node.has_tag_name("object"));
+        for (object, id) in objects.filter_map(|node| Some((node, number(node, "id")?))) {
+            for part in object.children() {
+                let setting = |key: &str| {
+                    let settings = part.children().filter(|node| node.has_tag_name("metadata"));
+                    settings
+                        .filter(|node| node.attribute("key") == Some(key))
+                        .find_map(|node| node.attribute("value"))
+                };
+                // Older versions of the slicer know modifiers alone.
+                let older = || (setting("modifier") == Some("1")).then_some("ParameterModifier");
+                let kind = part.attribute("subtype").or_else(|| setting("volume_type"));
+                let Some(kind) = kind.or_else(older).and_then(named) else { continue };
+                let range = number(part, "firstid").zip(number(part, "lastid"));
+                if let Some((first, last)) = range {
+                    let range = first as usize..=last as usize;
+                    self.ranges.entry(id).or_default().push((range, kind));
+                } else if let Some(component) = number(part, "id") {
+                    self.components.insert((id, component), kind);
+                }
+            }
+        }
+    }
+
+    /// What a triangle of an object's mesh belongs to that is not printed.
+    pub fn of_triangle(&self, object: u32, triangle: usize) -> Option<&'static str> {
+        let ranges = self.ranges.get(&object)?;
+        ranges.iter().find(|(range, _)| range.contains(&triangle)).map(|(_, kind)| *kind)
+    }
+
+    /// What a component of an object is that is not printed.
+    pub fn of_component(&self, object: u32, component: u32) -> Option<&'static str> {
+        self.components.get(&(object, component)).copied()
+    }
+}
+
+fn number(node: Node, name: &str) -> Option<u32> {
+    node.attribute(name)?.trim().parse().ok()
+}
+
+/// For people: a kind of part that is not printed as it is.
+fn named(kind: &str) -> Option<&'static str> {
+    Some(match kind {
+        "SupportEnforcer" | "support_enforcer" => "support enforcer",
+        "SupportBlocker" | "support_blocker" => "support blocker",
+        "ParameterModifier" | "modifier_part" => "modifier",
+        "NegativeVolume" | "negative_part" => "negative volume, which takes away from others",
+        _ => return None,
+    })
+}

@@ -1,0 +1,131 @@
+//! Slices of a series that lie at the same places: several times, phases of a heart, echoes or kinds of picture. One of them
+//! is chosen before slices are stacked, so that none is made of parts of several.
+//!
+//! Takes planes with their places along the normal, in order; gives those of one phase. Where nothing in the files tells
+//! them apart, the order of their numbers does.
+
+use std::collections::BTreeMap;
+
+use super::series::{Plane, SAME_PLACE_MM};
+
+/// A plane with its place along the normal.
+type Placed = (f64, Plane);
+
+/// The planes of one phase, that of the file `named` or the first, and how many phases there are.
+pub fn one_of(placed: Vec<Placed>, named: Option<usize>) -> (usize, Vec<Placed>) {
+    // The number of the place of each plane.
+    let mut places: Vec<usize> = Vec::with_capacity(placed.len());
+    for (i, (at, _)) in placed.iter().enumerate() {
+        let is_new = i > 0 && at - placed[i - 1].0 >= SAME_PLACE_MM;
+        places.push(places.last().map_or(0, |last| last + usize::from(is_new)));
+    }
+    let count = places.last().map_or(0, |last| last + 1);
+    if count == placed.len() || count < 2 {
+        return (1, placed);
+    }
+    let groups = told_apart(&placed, &places, count).unwrap_or_else(|| in_turn(&placed, &places));
+    let is_named = |own: &&Vec<usize>| own.iter().any(|i| Some(placed[*i].1.file) == named);
+    let chosen = groups.iter().find(is_named).or(groups.first()).cloned().unwrap_or_default();
+    let mut is_chosen = vec![false; placed.len()];
+    chosen.into_iter().for_each(|i| is_chosen[i] = true);
+    let kept = placed.into_iter().zip(is_chosen).filter_map(|(own, is)| is.then_some(own));
+    // Single slices that were taken twice are no phases.
+    let phases = groups.iter().filter(|own| 2 * own.len() > count).count().max(1);
+    (phases, kept.collect())
+}
+
+/// The planes of each phase by one or two of the values in their files: such that no phase has two planes at a place, and
+/// one of them has all places.
+fn told_apart(placed: &[Placed], places: &[usize], count: usize) -> Option<Vec<Vec<usize>>> {
+    let keys = placed.first().map_or(0, |(_, plane)| plane.phases.len());
+    let pairs = (0..keys).flat_map(|a| (a + 1..keys).map(move |b| (a, b)));
+    for (a, b) in (0..keys).map(|key| (key, key)).chain(pairs) {
+        let mut groups: BTreeMap<[Value; 2], Vec<usize>> = BTreeMap::new();
+        for (i, (_, plane)) in placed.iter().enumerate() {
+            let value = |key: usize| Value::of(plane.phases.get(key).map_or("", String::as_str));
+            groups.entry([value(a), value(b)]).or_default().push(i);
+        }
+        let is_single =
+            |own: &Vec<usize>| own.windows(2).all(|pair| places[pair[0]] != places[pair[1]]);
+        let is_whole = |own: &Vec<usize>| own.len() == count;
+        if groups.len() > 1 && groups.values().all(is_single) && groups.values().any(is_whole) {
+            // Whole phases come first, in the order of their values.
+            let mut groups: Vec<Vec<usize>> = groups.into_values().collect();
+            groups.sort_by_key(|own| !is_whole(own));
+            return Some(groups);
+        }
+    }
+    None
+}
+
+/// The first planes of all places by their numbers, the second ones, and so on.
+fn in_turn(placed: &[Placed], places: &[usize]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let mut rank = 0;
+    for i in 0..placed.len() {
+        rank = if i > 0 && places[i] == places[i - 1] { rank + 1 } else { 0 };
+        if groups.len() <= rank {
+            groups.push(Vec::new());
+        }
+        groups[rank].push(i);
+    }
+    groups
+}
+
+/// A value that is sorted as a number where it is one.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+enum Value {
+    /// By its bits, which are in the order of the numbers.
+    Number(u64),
+    Text(String),
+}
+
+impl Value {
+    fn of(text: &str) -> Value {
+        match text.parse::<f64>() {
+            Ok(number) if number.is_finite() => {
+                let bits = number.to_bits();
+                Value::Number(if number.is_sign_negative() { !bits } else { bits | 1 << 63 })
+            }
+            _ => Value::Text(text.to_string()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(file: usize, phase: &str) -> Plane {
+        let phases = vec![phase.to_string()];
+        Plane { file, frame: 0, number: 0.0, position: None, axes: None, phases }
+    }
+
+    /// The files that are taken of planes with these places and phases, and the number of phases.
+    fn taken(all: &[(f64, &str)], named: Option<usize>) -> (usize, Vec<usize>) {
+        let all = all.iter().enumerate().map(|(file, (at, phase))| (*at, plane(file, phase)));
+        let mut all: Vec<Placed> = all.collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (phases, kept) = one_of(all, named);
+        (phases, kept.into_iter().map(|(_, plane)| plane.file).collect())
+    }
+
+    #[test]
+    fn one_phase_is_taken_whole() {
+        let all = [(0.0, "10"), (0.0, "2"), (1.0, "10"), (1.0, "2"), (2.0, "2"), (2.0, "10")];
+        // 2 is less than 10.
+        assert_eq!(taken(&all, None), (2, vec![1, 3, 4]));
+        assert_eq!(taken(&all, Some(2)), (2, vec![0, 2, 5]));
+        // Nothing tells them apart.
+        let same = all.map(|(at, _)| (at, "1"));
+        assert_eq!(taken(&same, None), (2, vec![0, 2, 4]));
+        // A slice that was taken twice is no phase.
+        assert_eq!(
+            taken(&[(0.0, "1"), (1.0, "1"), (1.0, "1"), (2.0, "1")], None),
+            (1, vec![0, 1, 3])
+        );
+        // Slices that have a value of their own each.
+        let own = [(0.0, "1"), (1.0, "2"), (2.0, "3")];
+        assert_eq!(taken(&own, None), (1, vec![0, 1, 2]));
+    }
+}

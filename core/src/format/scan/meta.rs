@@ -1,0 +1,216 @@
+//! MetaImage scans (itk.org/Wiki/MetaIO): `.mha` with the voxels behind the header, and `.mhd` with the voxels in another
+//! file or in several; raw, packed with zlib, or as text.
+//!
+//! Takes the bytes of a file; gives its first volume with spacing and orientation.
+
+use std::collections::HashMap;
+
+use flate2::read::ZlibDecoder;
+use glam::{DVec3, UVec3, Vec3};
+
+use super::frame::Frame;
+use super::numbers::{Number, volume};
+use super::unpack::{cut, exactly, malformed};
+use super::{Reading, Scan};
+use crate::format::FormatError;
+use crate::format::error::excerpt;
+
+/// Longest header.
+const MOST_BYTES: usize = 1 << 20;
+/// The field that ends a header: where the voxels are.
+const DATA_FILE: &str = "ElementDataFile";
+const MOST_AXES: usize = 8;
+
+struct Header {
+    fields: HashMap<String, String>,
+    /// The lines behind the last field, up to an empty one.
+    listed: Vec<String>,
+    bytes: usize,
+}
+
+impl Header {
+    fn parse(file: &[u8]) -> Result<Header, FormatError> {
+        let start = &file[..file.len().min(MOST_BYTES)];
+        let mut header = Header { fields: HashMap::new(), listed: Vec::new(), bytes: 0 };
+        let mut lines = start.split_inclusive(|byte| *byte == b'\n');
+        for line in lines.by_ref() {
+            header.bytes += line.len();
+            let text = String::from_utf8_lossy(line);
+            let text = text.trim();
+            if text.is_empty() {
+                continue;
+            }
+            let (name, value) = text.split_once('=').ok_or_else(|| {
+                FormatError::Scan(format!(
+                    "this is not a MetaImage: its header has the line `{}`; export it again as .mha",
+                    excerpt(text.as_bytes())
+                ))
+            })?;
+            let name = name.trim();
+            header.fields.insert(name.to_string(), value.trim().to_string());
+            if name == DATA_FILE {
+                if value.trim() == "LIST" {
+                    let names = lines.map(|line| String::from_utf8_lossy(line).trim().to_string());
+                    header.listed = names.filter(|name| !name.is_empty()).collect();
+                }
+                return Ok(header);
+            }
+        }
+        Err(malformed("the header", format!("the field `{DATA_FILE}` is missing")))
+    }
+
+    fn field(&self, names: &[&str]) -> Option<&str> {
+        names.iter().find_map(|name| self.fields.get(*name)).map(String::as_str)
+    }
+
+    fn numbers(&self, names: &[&str]) -> Result<Option<Vec<f64>>, FormatError> {
+        let Some(text) = self.field(names) else { return Ok(None) };
+        let numbers = text.split_whitespace().map(|word| word.parse().ok()).collect();
+        let wrong =
+            || malformed("the header", format!("`{}` is `{}`", names[0], excerpt(text.as_bytes())));
+        Option::ok_or_else(numbers, wrong).map(Some)
+    }
+
+    fn is(&self, names: &[&str]) -> bool {
+        self.field(names).is_some_and(|value| value.eq_ignore_ascii_case("true"))
+    }
+}
+
+pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+    let header = Header::parse(&file)?;
+    let sizes = header.numbers(&["DimSize"])?.unwrap_or_default();
+    let is_size = |size: &f64| (1.0..=f64::from(u32::MAX)).contains(size) && size.fract() == 0.0;
+    if sizes.is_empty() || sizes.len() > MOST_AXES || !sizes.iter().all(is_size) {
+        return Err(malformed("the header", "DimSize is no size of a volume"));
+    }
+    let size = |axis: usize| sizes.get(axis).map_or(1, |size| *size as u32);
+    let dims = UVec3::new(size(0), size(1), size(2));
+    let volumes: f64 = sizes.iter().skip(3).product();
+    let spacing = header.numbers(&["ElementSpacing", "ElementSize"])?;
+    let mut notes = Vec::new();
+    if spacing.is_none() {
+        notes.push("the file does not say how large a voxel is; 1 mm was taken".to_string());
+    }
+    let edge = |axis: usize| {
+        let edge = spacing.as_ref().and_then(|edges| edges.get(axis)).map(|edge| edge.abs() as f32);
+        edge.filter(|edge| edge.is_finite() && *edge > 0.0).unwrap_or(1.0)
+    };
+    let voxel_size = Vec3::new(edge(0), edge(1), edge(2));
+    reading.admit(dims, voxel_size)?;
+    let number = number(&header)?;
+    let file_bytes = file.len() as u64;
+    let bytes = number.check(dims, reading.rest_bytes(2 * file_bytes))?;
+    if volumes > 1.0 {
+        notes.push(format!("first of {volumes} volumes taken"));
+    }
+    let is_text = header.field(&["BinaryData"]).is_some_and(|is| is.eq_ignore_ascii_case("false"));
+    let is_packed = header.is(&["CompressedData"]);
+    let skip = header.numbers(&["HeaderSize"])?.and_then(|all| all.first().copied()).unwrap_or(0.0);
+    let coding = Coding { is_text, is_packed, skip, number, reading };
+    let place = header.field(&[DATA_FILE]).unwrap_or_default();
+    let (data, elsewhere) = match place {
+        "LOCAL" | "Local" | "local" => {
+            let own = Coding { skip: 0.0, ..coding };
+            (own.voxels(&file[header.bytes..], bytes)?, "")
+        }
+        "LIST" => {
+            let names = &header.listed;
+            let per_file = bytes / u64::from(dims.z);
+            if names.len() < dims.z as usize {
+                return Err(malformed("the header", "it lists fewer files than there are layers"));
+            }
+            let mut data = Vec::with_capacity(bytes as usize);
+            for name in &names[..dims.z as usize] {
+                data.extend(
+                    coding.voxels(&reading.read_beside(&reading.beside(name)?)?, per_file)?,
+                );
+            }
+            (data, ", voxels in several files")
+        }
+        pattern if pattern.contains('%') => {
+            return Err(FormatError::Scan(
+                "its voxels lie in numbered files (a pattern with %), which are not read; write it as .mha".to_string(),
+            ));
+        }
+        name => {
+            let file = reading.read_beside(&reading.beside(name)?)?;
+            (coding.voxels(&file, bytes)?, ", voxels in a second file")
+        }
+    };
+    let is_big = header.is(&["BinaryDataByteOrderMSB", "ElementByteOrderMSB"]) && !is_text;
+    let samples = number.into_samples(data, is_big, [1.0, 0.0]);
+    let packing = if is_packed { ", packed with zlib" } else { "" };
+    Ok(Scan {
+        volume: volume(dims, voxel_size, samples, Vec::new()),
+        frame: frame(&header)?,
+        kind: format!("MetaImage{packing}{elsewhere}"),
+        is_label: false,
+        notes,
+    })
+}
+
+/// How the voxels of a file are written.
+#[derive(Clone, Copy)]
+struct Coding<'a> {
+    is_text: bool,
+    is_packed: bool,
+    /// Bytes before them; -1: as many as there are before those at the end.
+    skip: f64,
+    number: Number,
+    reading: &'a Reading<'a>,
+}
+
+impl Coding<'_> {
+    fn voxels(&self, file: &[u8], bytes: u64) -> Result<Vec<u8>, FormatError> {
+        let found = file.len() as u64;
+        if self.is_text {
+            return super::nrrd::text(file, self.number, bytes);
+        }
+        if self.is_packed {
+            return exactly(&mut ZlibDecoder::new(file), 0, bytes, self.reading.progress);
+        }
+        let begin = match self.skip {
+            -1.0 => found.checked_sub(bytes),
+            skip if (0.0..=found as f64).contains(&skip) => Some(skip as u64),
+            _ => None,
+        };
+        let voxels = begin.and_then(|begin| file.get(begin as usize..)?.get(..bytes as usize));
+        voxels.map(<[u8]>::to_vec).ok_or_else(|| cut(bytes, found))
+    }
+}
+
+fn number(header: &Header) -> Result<Number, FormatError> {
+    let channels = header.numbers(&["ElementNumberOfChannels"])?;
+    let channels = channels.and_then(|all| all.first().copied()).unwrap_or(1.0);
+    let name = header.field(&["ElementType"]).unwrap_or_default();
+    Ok(match (name.strip_suffix("_ARRAY").unwrap_or(name), channels) {
+        ("MET_UCHAR", 3.0) => Number::Rgb,
+        ("MET_UCHAR", 4.0) => Number::Rgba,
+        ("MET_CHAR", 1.0) => Number::I8,
+        ("MET_UCHAR", 1.0) => Number::U8,
+        ("MET_SHORT", 1.0) => Number::I16,
+        ("MET_USHORT", 1.0) => Number::U16,
+        ("MET_INT" | "MET_LONG", 1.0) => Number::I32,
+        ("MET_UINT" | "MET_ULONG", 1.0) => Number::U32,
+        ("MET_LONG_LONG", 1.0) => Number::I64,
+        ("MET_ULONG_LONG", 1.0) => Number::U64,
+        ("MET_FLOAT", 1.0) => Number::F32,
+        ("MET_DOUBLE", 1.0) => Number::F64,
+        _ => {
+            return Err(FormatError::Scan(format!(
+                "voxels of {channels} x `{}` are not read; write one number a voxel, or 3 or 4 of MET_UCHAR",
+                excerpt(name.as_bytes())
+            )));
+        }
+    })
+}
+
+/// How the axes lie: x to the left, y to the back, z to the head.
+fn frame(header: &Header) -> Result<Frame, FormatError> {
+    let matrix = header.numbers(&["TransformMatrix", "Rotation", "Orientation"])?;
+    let matrix: Option<[f64; 9]> = matrix.and_then(|all| all.try_into().ok());
+    Ok(match matrix {
+        Some(m) => Frame::Patient([0, 3, 6].map(|i| DVec3::new(-m[i], -m[i + 1], m[i + 2]))),
+        None => Frame::Unknown,
+    })
+}
