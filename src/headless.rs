@@ -192,6 +192,10 @@ pub enum JobError {
     Input(std::io::Error),
     #[error("{0} of the commands from the standard input failed; their answers say why")]
     Refused(usize),
+    #[error(
+        "nobody reads the answers any more: of the standard input, only the lines up to {0} were executed (`--out` saves what they made)"
+    )]
+    Unheard(usize),
     #[error("there is no journal {0}; `virtual-sculpture recover` lists what was left")]
     NoJournal(u64),
     #[error("journal {0} belongs to a session that is still running")]

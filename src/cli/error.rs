@@ -131,6 +131,7 @@ fn job_code(error: &JobError) -> u8 {
         JobError::Picture(PictureError::Gpu(_) | PictureError::TraceDevice(_)) => 4,
         JobError::Session(_)
         | JobError::Input(_)
+        | JobError::Unheard(_)
         | JobError::Journal { .. }
         | JobError::JournalInUse(_)
         | JobError::ReplayDiffers { .. }

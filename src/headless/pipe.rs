@@ -2,10 +2,10 @@
 //! another program can drive this one through a pipe.
 //!
 //! Takes a session and lines of the script language; gives an [`Answer`] a line, empty lines and comments
-//! included. A command that fails changes nothing, and the next one is read. Does not know what the driver
-//! does with the answers.
+//! included. A command that fails changes nothing, and the next one is read; a line that is too long is refused like any
+//! other. Does not know what the driver does with the answers.
 
-use std::io::{BufRead, ErrorKind, Read};
+use std::io::{BufRead, Read};
 use std::path::Path;
 
 use serde::Serialize;
@@ -50,7 +50,8 @@ pub fn reads_input(job: &RunJob) -> bool {
     job.script == Path::new(STANDARD_INPUT)
 }
 
-/// Executes the lines of standard input until it ends. Returns how many were refused.
+/// Executes the lines of standard input until it ends. Returns how many were refused; after an error, what was executed
+/// before stays done.
 pub fn converse(session: &mut Session, progress: &dyn Progress) -> Result<usize, JobError> {
     answer_lines(session, std::io::stdin().lock(), progress, &mut |answer| {
         terminal::print_result(answer)
@@ -66,17 +67,25 @@ fn answer_lines(
     let (mut line, mut refused, mut bytes) = (0, 0, Vec::new());
     loop {
         bytes.clear();
-        match input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut bytes) {
-            Ok(0) => return Ok(refused),
-            Ok(read) if read as u64 == LONGEST_LINE && !bytes.ends_with(b"\n") => {
-                let what = format!("line {} is longer than {} MiB", line + 1, LONGEST_LINE >> 20);
-                return Err(JobError::Input(std::io::Error::new(ErrorKind::InvalidData, what)));
-            }
-            Ok(_) => line += 1,
-            Err(error) => return Err(JobError::Input(error)),
+        let read = input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut bytes);
+        let read = read.map_err(JobError::Input)?;
+        if read == 0 {
+            return Ok(refused);
         }
-        let first = line == 1;
-        let (steps, error) = match execute(session, &bytes, first, progress) {
+        line += 1;
+        let is_too_long = read as u64 == LONGEST_LINE && !bytes.ends_with(b"\n");
+        let done = if is_too_long {
+            // Whatever follows up to its end is not kept.
+            bytes = Vec::new();
+            input.skip_until(b'\n').map_err(JobError::Input)?;
+            Err(format!(
+                "the line is longer than the {} MiB that a command may have; divide it",
+                LONGEST_LINE >> 20
+            ))
+        } else {
+            execute(session, &bytes, line == 1, progress)
+        };
+        let (steps, error) = match done {
             Ok(steps) => (steps, None),
             Err(error) => (None, Some(error)),
         };
@@ -98,7 +107,10 @@ fn answer_lines(
         let said = serde_json::to_string(&said)
             .or_else(|_| serde_json::to_string(&Answer { file: None, ..said }))
             .map_err(|error| JobError::Input(error.into()))?;
-        answer(&said)?;
+        answer(&said).map_err(|error| match error {
+            OutputError::ReaderGone => JobError::Unheard(line),
+            error => JobError::Output(error),
+        })?;
     }
 }
 
@@ -138,7 +150,7 @@ mod tests {
         Session::new(&new, Limits::default()).unwrap()
     }
 
-    fn answers(input: &[u8]) -> (Vec<serde_json::Value>, Result<usize, JobError>) {
+    fn answers(input: impl BufRead) -> (Vec<serde_json::Value>, Result<usize, JobError>) {
         let mut session = session();
         let mut lines = Vec::new();
         let ended = answer_lines(&mut session, input, &(), &mut |line| {
@@ -172,11 +184,11 @@ mod tests {
 
     #[test]
     fn bytes_that_are_no_text_are_answered() {
-        let (lines, ended) = answers(b"\xff\xfe\x00\nclear\n");
+        let (lines, ended) = answers(&b"\xff\xfe\x00\nclear\n"[..]);
         assert_eq!((ended.unwrap(), lines.len()), (1, 2));
         assert!(lines[0]["error"].as_str().unwrap().contains("UTF-8"));
         assert_eq!(lines[1]["voxels"], 0);
-        assert!(answers(b"").0.is_empty());
+        assert!(answers(&b""[..]).0.is_empty());
     }
 
     #[test]
@@ -184,16 +196,23 @@ mod tests {
         let mut session = session();
         let input = &b"fill all\nclear\n"[..];
         let ended = answer_lines(&mut session, input, &(), &mut |_| Err(OutputError::ReaderGone));
-        assert!(matches!(ended, Err(JobError::Output(OutputError::ReaderGone))));
+        assert!(matches!(ended, Err(JobError::Unheard(1))));
+        assert_eq!(session.document().grid().opaque_count(), 512, "the second line is not read");
     }
 
     #[test]
-    fn an_endless_line_is_refused() {
-        let endless = std::io::BufReader::new(std::io::repeat(b'x'));
-        let mut session = session();
-        let ended = answer_lines(&mut session, endless, &(), &mut |_| Ok(()));
-        assert!(
-            matches!(ended, Err(JobError::Input(error)) if error.to_string().contains("64 MiB"))
-        );
+    fn a_line_that_is_too_long_is_refused_and_the_next_one_is_answered() {
+        for beyond in [0, 1, LONGEST_LINE / 2] {
+            let long = std::io::repeat(b'x').take(LONGEST_LINE + beyond);
+            let input = std::io::BufReader::new(long.chain(&b"\nclear\n"[..]));
+            let (lines, ended) = answers(input);
+            assert_eq!((ended.unwrap(), lines.len()), (1, 2), "{beyond}");
+            assert!(lines[0]["error"].as_str().unwrap().contains("64 MiB"));
+            assert_eq!((&lines[1]["line"], &lines[1]["voxels"]), (&2.into(), &0.into()));
+        }
+        // Also where the input ends within it.
+        let long = std::io::BufReader::new(std::io::repeat(b'x').take(2 * LONGEST_LINE));
+        let (lines, ended) = answers(long);
+        assert_eq!((ended.unwrap(), lines.len()), (1, 1));
     }
 }

@@ -53,15 +53,17 @@ pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
 fn run_piped(job: &RunJob, context: &Context) -> Result<(), JobError> {
     let mut session = job.session(context)?;
     let refused = pipe::converse(&mut session, &());
-    if job.output.is_none() || refused.is_err() {
-        tell_of_journal(&session);
-    }
-    let refused = refused?;
-    if let Some(path) = &job.output {
+    // What was done is saved however the conversation ended.
+    let saved = job.output.as_ref().map(|path| {
         let save = Command::Save { path: path.clone(), export: ExportOptions::default() };
-        session.execute(&save, context.progress)?;
-        tell_of_history(&session);
+        session.execute(&save, context.progress)
+    });
+    match (&saved, &refused) {
+        (Some(Ok(_)), Ok(_)) => tell_of_history(&session),
+        _ => tell_of_journal(&session),
     }
+    saved.transpose()?;
+    let refused = refused?;
     if let Some(out) = &job.render {
         let view = job.picture.view(context.config);
         let options = context.config.picture_options(context.device);

@@ -74,6 +74,40 @@ fn the_end_of_the_input_saves_and_renders() {
 }
 
 #[test]
+fn what_was_executed_is_saved_if_the_reader_of_the_answers_goes_away() {
+    let folder = folder();
+    for (more, saved) in [(&["--out", "c.vsc"][..], true), (&[], false)] {
+        let mut command = command(folder.path(), &[&["run", "-"], more].concat());
+        let mut process = command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut input = process.stdin.take().unwrap();
+        let mut output = BufReader::new(process.stdout.take().unwrap());
+        writeln!(input, "new dims=20,20,20 fill=solid\nsubtract cuboid at=10,10,20 half=10")
+            .unwrap();
+        let mut answers = String::new();
+        (0..2).for_each(|_| assert!(output.read_line(&mut answers).unwrap() > 0));
+        drop(output);
+        // It notices with the answer to the first line; there may be nobody for the others.
+        let _ = writeln!(input, "# nothing\nclear\nclear");
+        drop(input);
+        let ended = process.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+        assert_eq!(ended.status.code(), Some(1), "{said}");
+        assert!(said.contains("nobody reads the answers") && said.contains("up to 3"), "{said}");
+        assert_eq!(folder.path().join("c.vsc").exists(), saved);
+        if saved {
+            let (_, answers, _) = converse(folder.path(), &["--in", "c.vsc"], b"# again");
+            assert_eq!(answers[0]["voxels"], 4000);
+            std::fs::remove_file(folder.path().join("c.vsc")).unwrap();
+        }
+    }
+}
+
+#[test]
 fn facts_of_files_are_json_if_asked_for() {
     let folder = folder();
     let path = folder.path();

@@ -119,7 +119,7 @@ pub const COMMANDS: &[CommandHelp] = &[
     CommandHelp {
         verb: "flood",
         usage: "at=X,Y,Z colour=#rrggbb [tolerance=0..1]",
-        tooltip: "Recolour the patch of one colour on the surface around a voxel",
+        tooltip: "Recolour the patch of one colour on the surface around a voxel: voxels with an empty one among their 26 neighbours, joined by faces",
     },
     CommandHelp {
         verb: "mask",

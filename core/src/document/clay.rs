@@ -54,7 +54,7 @@ impl Document {
                 + inherited.new_pages(document.contents())
         })?;
         if surface == SpraySurface::Stroke {
-            self.keep_stroke_surface();
+            self.keep_stroke_surface()?;
         }
         let mut stats = self.edit(&stamp.remove, EditOp::Subtract);
         stats += self.edit(&stamp.add, EditOp::Add(None));

@@ -99,8 +99,8 @@ pub enum CommandError {
     /// There is no voxel of the surface to flood from.
     #[error("there is no voxel of the surface at {0}; name one that can be seen")]
     NotOnSurface(UVec3),
-    /// A number of the solid is not finite or not positive.
-    #[error("{0} of the solid must be finite and its half extent above zero")]
+    /// A number of the solid is out of range; the text says which.
+    #[error("{0}")]
     Primitive(&'static str),
     /// The image to paint with is not known to the document.
     #[error("the image {0} has not been loaded")]

@@ -205,9 +205,13 @@ impl Document {
             }
             false => {}
         }
+        let new = match self.contents.mask {
+            None => Some(Box::new(self.grid().try_emptied()?)),
+            Some(_) => None,
+        };
         let contents = Arc::make_mut(&mut self.contents);
         let recorder = self.recorder.for_mask(&contents.grid);
-        let mut bits = contents.mask.take().unwrap_or_else(|| Box::new(contents.grid.emptied()));
+        let Some(mut bits) = contents.mask.take().or(new) else { return Ok(EditStats::default()) };
         let permit = Permit { stack: self.selection.limit(), mask: None };
         let stats = match permit.is_everywhere() {
             true => edit_mask(&mut bits, region, adds, recorder, &mut self.dirty),

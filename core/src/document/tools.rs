@@ -263,7 +263,7 @@ impl Document {
             let mut stats = self.edit_mask(&stamp.add, true)?;
             stats += self.edit_mask(&stamp.remove, false)?;
             if surface == SpraySurface::Stroke {
-                self.keep_stroke_surface();
+                self.keep_stroke_surface()?;
             }
             return Ok(stats);
         }
@@ -278,7 +278,7 @@ impl Document {
                 + inherited.new_pages(document.contents())
         })?;
         if surface == SpraySurface::Stroke {
-            self.keep_stroke_surface();
+            self.keep_stroke_surface()?;
         }
         let mut stats = self.edit(&stamp.remove, EditOp::Subtract);
         stats += self.edit(&stamp.add, add);
@@ -301,10 +301,11 @@ impl Document {
     }
 
     /// Keeps the present surface for what follows in the open stroke, unless an earlier one is kept.
-    pub(super) fn keep_stroke_surface(&mut self) {
+    pub(super) fn keep_stroke_surface(&mut self) -> Result<(), CommandError> {
         if self.stroke_open() && self.stroke_surface.is_none() {
-            self.stroke_surface = Some(Box::new(self.grid().clone()));
+            self.stroke_surface = Some(Box::new(self.grid().copied()?));
         }
+        Ok(())
     }
 
     /// Pastes the clipboard: its voxels exist afterwards, in its colours.

@@ -6,7 +6,7 @@
 use std::fs::{self, File, OpenOptions};
 use std::io::{Error, ErrorKind, Read, Result, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use tempfile::NamedTempFile;
 
@@ -20,6 +20,8 @@ const PORTION_BYTES: u64 = 4 << 20;
 const TEXT_LIMIT_BYTES: u64 = 512 << 20;
 /// Prefix and suffix of temporary files.
 const UNFINISHED: [&str; 2] = [".virtual-sculpture-", ".part"];
+/// By then a living program has locked the file that it has made.
+const LOCKED_WITHIN: Duration = Duration::from_secs(60);
 /// Longest chain of symbolic links that is followed, as on Linux.
 const LINKS: usize = 40;
 
@@ -133,7 +135,7 @@ impl AtomicFile {
         // Only now is the new name sure to survive a crash. Other systems cannot sync folders.
         #[cfg(unix)]
         File::open(&folder)?.sync_all()?;
-        remove_abandoned(&folder);
+        remove_abandoned(&folder, fs::metadata(&target).and_then(|new| new.modified()).ok());
         Ok(())
     }
 }
@@ -263,17 +265,23 @@ fn is_held(error: &Error) -> bool {
 }
 
 /// Removes the unfinished files of programs that were killed while they wrote. Those of living ones are
-/// locked before the first byte is in them.
-fn remove_abandoned(folder: &Path) {
+/// locked before the first byte is in them, and soon after they were made: an empty one without a lock is abandoned if it
+/// is older than that, by the time of the file system `now`, which a new file has been given.
+fn remove_abandoned(folder: &Path, now: Option<SystemTime>) {
     let [prefix, suffix] = UNFINISHED;
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let is_unfinished = |name: &str| name.starts_with(prefix) && name.ends_with(suffix);
         if !entry.file_name().to_str().is_some_and(is_unfinished) {
             continue;
         }
-        let is_file = entry.metadata().is_ok_and(|found| found.is_file() && found.len() > 0);
+        let is_old = |found: &fs::Metadata| {
+            let age = now.zip(found.modified().ok()).map(|(now, made)| now.duration_since(made));
+            age.is_some_and(|age| age.is_ok_and(|age| age > LOCKED_WITHIN))
+        };
+        let Ok(found) = entry.metadata() else { continue };
+        let is_left = found.is_file() && (found.len() > 0 || is_old(&found));
         let is_free = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
-        if is_file && is_free() {
+        if is_left && is_free() {
             // Should it not go, the next save tries again.
             let _ = fs::remove_file(entry.path());
         }

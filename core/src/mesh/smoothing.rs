@@ -20,7 +20,7 @@ pub(super) struct Smoothing {
 impl Smoothing {
     /// For a grid of this size, within `limits`; all is outstanding.
     pub fn new(grid: &Grid, limits: &Limits) -> Result<Smoothing, MeshError> {
-        let levels = LevelSet::new(grid, limits.grid_bytes)?;
+        let levels = LevelSet::for_mesh(grid, limits.grid_bytes)?;
         Ok(Smoothing { normals: NormalField::default(), levels })
     }
 

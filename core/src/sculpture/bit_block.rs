@@ -148,6 +148,43 @@ impl BitBlock {
         }
     }
 
+    /// Gives each voxel that is not from `min` (inclusive) to `max` (exclusive) the value of the nearest one that is.
+    pub fn extend_border(&mut self, min: IVec3, max: IVec3) {
+        let (low, high) = (min - self.origin, max - 1 - self.origin);
+        let size = self.size.as_ivec3();
+        // What lies within both.
+        let (low, high) = (low.max(IVec3::ZERO), high.min(size - 1));
+        if self.words.is_empty() || low.cmpgt(high).any() {
+            return;
+        }
+        let width = self.words_per_row;
+        let place = |y: i32, z: i32| (y + z * size.y) as usize * width;
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                let get = |x: i32| self.words[place(y, z) + x as usize / 64] >> (x % 64) & 1 != 0;
+                let (first, last) = (get(low.x), get(high.x));
+                let row = &mut self.words[place(y, z)..][..width];
+                let mut set = |xs: Range<i32>, value: bool| {
+                    xs.for_each(|x| {
+                        let (word, bit) = (&mut row[x as usize / 64], 1 << (x % 64));
+                        if value { *word |= bit } else { *word &= !bit }
+                    });
+                };
+                set(0..low.x, first);
+                set(high.x + 1..size.x, last);
+            }
+        }
+        for z in 0..size.z {
+            for y in 0..size.y {
+                let (from_y, from_z) = (y.clamp(low.y, high.y), z.clamp(low.z, high.z));
+                if (from_y, from_z) != (y, z) {
+                    let from = place(from_y, from_z);
+                    self.words.copy_within(from..from + width, place(y, z));
+                }
+            }
+        }
+    }
+
     /// Sets the voxels whose centres are at most `squared_vx` (squared) from that of a voxel of `seeds`, a block of
     /// the same place and size.
     pub fn add_balls(&mut self, seeds: &BitBlock, squared_vx: u32) {

@@ -8,6 +8,8 @@
 //! Invariants: bits beyond `dims` are 0; voxel counts and occupancy always match the bits. Knows no
 //! colour, no history, no tool.
 
+use std::collections::TryReserveError;
+
 use glam::{IVec3, UVec3, Vec3};
 use thiserror::Error;
 
@@ -52,6 +54,17 @@ pub enum GridError {
         /// MiB allowed.
         budget_mib: u64,
     },
+    /// The system does not give the memory that is allowed.
+    #[error(
+        "grid of {dims} voxels: the system has not the {needed_mib} MiB that it needs; close other \
+         programs or sculptures, or choose a smaller grid"
+    )]
+    NoMemory {
+        /// Size in voxels.
+        dims: UVec3,
+        /// MiB needed.
+        needed_mib: u64,
+    },
     /// An edge length that is not finite or not positive.
     #[error("the voxel size {0} is not valid: it must be a positive, finite length on every axis")]
     VoxelSize(Vec3),
@@ -92,6 +105,10 @@ impl Grid {
         if !voxel_size.is_finite() || voxel_size.min_element() <= 0.0 {
             return Err(GridError::VoxelSize(voxel_size));
         }
+        Self::check_memory(dims, budget_bytes)
+    }
+
+    fn check_memory(dims: UVec3, budget_bytes: u64) -> Result<(), GridError> {
         let needed = Self::bytes_for(dims);
         if needed > budget_bytes {
             return Err(GridError::Memory {
@@ -106,19 +123,15 @@ impl Grid {
     /// An empty grid of `dims` voxels with edges of `voxel_size`, within `budget_bytes`.
     pub fn new(dims: UVec3, voxel_size: Vec3, budget_bytes: u64) -> Result<Grid, GridError> {
         Self::check(dims, voxel_size, budget_bytes)?;
-        let brick_dims = brick_dims(dims);
-        let occupancy_dims = occupancy_dims(brick_dims);
-        let brick_count = product(brick_dims) as usize;
-        Ok(Grid {
-            dims,
-            brick_dims,
-            voxel_size,
-            bricks: vec![Brick::EMPTY; brick_count],
-            counts: vec![0; brick_count],
-            occupancy: vec![0; product(occupancy_dims) as usize],
-            occupancy_dims,
-            opaque: 0,
-        })
+        Self::allocated(dims, voxel_size)
+    }
+
+    /// An empty grid of the cells between the middles of this one's voxels and beyond its border: one longer on each axis,
+    /// whatever sizes sculptures may have, within `budget_bytes`.
+    pub fn of_cells(&self, budget_bytes: u64) -> Result<Grid, GridError> {
+        let dims = self.dims + 1;
+        Self::check_memory(dims, budget_bytes)?;
+        Self::allocated(dims, self.voxel_size)
     }
 
     /// An empty grid of the same size.
@@ -130,6 +143,39 @@ impl Grid {
             opaque: 0,
             ..*self
         }
+    }
+
+    /// [`Grid::emptied`], unless the system lacks the memory for it.
+    pub fn try_emptied(&self) -> Result<Grid, GridError> {
+        Self::allocated(self.dims, self.voxel_size)
+    }
+
+    /// A copy, unless the system lacks the memory for it.
+    pub fn copied(&self) -> Result<Grid, GridError> {
+        let mut copy = self.try_emptied()?;
+        copy.bricks.copy_from_slice(&self.bricks);
+        copy.counts.copy_from_slice(&self.counts);
+        copy.occupancy.copy_from_slice(&self.occupancy);
+        copy.opaque = self.opaque;
+        Ok(copy)
+    }
+
+    fn allocated(dims: UVec3, voxel_size: Vec3) -> Result<Grid, GridError> {
+        let brick_dims = brick_dims(dims);
+        let occupancy_dims = occupancy_dims(brick_dims);
+        let brick_count = product(brick_dims) as usize;
+        let no_memory =
+            |_| GridError::NoMemory { dims, needed_mib: Self::bytes_for(dims).div_ceil(1 << 20) };
+        Ok(Grid {
+            dims,
+            brick_dims,
+            voxel_size,
+            bricks: filled(Brick::EMPTY, brick_count).map_err(no_memory)?,
+            counts: filled(0, brick_count).map_err(no_memory)?,
+            occupancy: filled(0, product(occupancy_dims) as usize).map_err(no_memory)?,
+            occupancy_dims,
+            opaque: 0,
+        })
     }
 
     /// Size in voxels.
@@ -302,6 +348,14 @@ pub fn brick_dims(dims: UVec3) -> UVec3 {
 
 fn occupancy_dims(brick_dims: UVec3) -> UVec3 {
     (brick_dims + 3) / 4
+}
+
+/// A list of `count` equal values, unless the system lacks the memory for it.
+fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, TryReserveError> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count)?;
+    list.resize(count, value);
+    Ok(list)
 }
 
 fn product(v: UVec3) -> u64 {

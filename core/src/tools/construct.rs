@@ -14,6 +14,7 @@ use super::construct_planes::{Faces, Planes};
 use super::construct_quadric::Quadric;
 use super::construct_spans::RowSpans;
 use super::construct_swept::SweptQuadric;
+use super::form::is_place;
 pub use super::solid::{Shape, Solid};
 use super::symmetry::Image;
 use crate::sculpture::Brick;
@@ -40,14 +41,14 @@ pub struct Primitive {
 impl Primitive {
     /// An error that names the first invalid field, if there is one.
     pub fn check(&self) -> Result<(), &'static str> {
-        if !self.centre_vx.is_finite() {
-            return Err("the centre");
+        if !is_place(self.centre_vx) {
+            return Err("the centre of the solid must be within a million voxels");
         }
         if !self.half.is_finite() || self.half.min_element() <= 0.0 {
-            return Err("the half extent");
+            return Err("the half extent of the solid must be finite and above zero");
         }
         if !self.rotation.is_finite() || !self.rotation.is_normalized() {
-            return Err("the rotation");
+            return Err("the rotation of the solid must be a quaternion of length 1");
         }
         Ok(())
     }
@@ -83,7 +84,9 @@ impl Primitive {
 /// An error that says so if a sweep does not end in a place.
 pub fn check_way(to_vx: Option<Vec3>) -> Result<(), &'static str> {
     match to_vx {
-        Some(to) if !to.is_finite() => Err("the end of the way"),
+        Some(to) if !is_place(to) => {
+            Err("the end of the way of the solid must be within a million voxels")
+        }
         _ => Ok(()),
     }
 }

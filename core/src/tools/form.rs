@@ -11,7 +11,12 @@ use glam::{Quat, Vec2, Vec3};
 /// Most points of a curve, or of all outlines together.
 pub const MAX_POINTS: usize = 1024;
 /// Furthest place from the origin and longest length, in voxels: far beyond every grid, and still exact.
-const FURTHEST_VX: f32 = 1e6;
+pub const FURTHEST_VX: f32 = 1e6;
+
+/// Whether a solid may be there, in voxel coordinates.
+pub fn is_place(p: Vec3) -> bool {
+    p.is_finite() && p.abs().max_element() <= FURTHEST_VX
+}
 
 /// A point of a tube's curve.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -94,7 +99,7 @@ impl Form {
 
     /// An error that says what is not valid, if anything is.
     pub fn check(&self) -> Result<(), &'static str> {
-        let place = |p: Vec3| p.is_finite() && p.abs().max_element() <= FURTHEST_VX;
+        let place = is_place;
         let length = |v: f32| v > 0.0 && v <= FURTHEST_VX;
         let pose = |pose: &Pose| match pose.rotation.is_finite() && pose.rotation.is_normalized() {
             _ if !place(pose.at_vx) => Err("the place must be within a million voxels"),

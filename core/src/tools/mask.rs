@@ -57,11 +57,16 @@ pub fn shrunk(mask: &Grid, by: u32) -> ListedBricks {
 }
 
 /// What `mask` gains and loses where its outline is evened by the majority of the cube of `radius_vx` around each voxel.
+/// Beyond the grid the mask goes on as it is at the border, which is no outline.
 pub fn evened(mask: &Grid, radius_vx: u32) -> (ListedBricks, ListedBricks) {
     let Some(bounds) = bounds_of(mask) else { return Default::default() };
     let reach = IVec3::splat(radius_vx as i32);
-    let bits = BitBlock::of_grid(mask, bounds.min - reach, bounds.max + reach);
-    let (added, removed) = filter::majority(&bits, &filled(&bits), radius_vx);
+    let mut bits = BitBlock::of_grid(mask, bounds.min - reach, bounds.max + reach);
+    let inside = VoxelBox::of_grid(mask);
+    bits.extend_border(inside.min, inside.max);
+    let mut may = filled(&bits);
+    may.keep_box(inside.min, inside.max);
+    let (added, removed) = filter::majority(&bits, &may, radius_vx);
     let bricks = |block: BitBlock| ListedBricks::new(block.bricks(mask.brick_dims()));
     (bricks(added), bricks(removed))
 }

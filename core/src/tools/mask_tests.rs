@@ -68,6 +68,38 @@ fn a_mask_of_everything_stays_and_one_at_the_border_shrinks_from_within() {
 }
 
 #[test]
+fn a_mask_is_evened_as_if_it_went_on_beyond_the_border() {
+    for radius in [1, 3, 8] {
+        let all = with(|_| true);
+        assert_eq!(evened(&all, radius), Default::default(), "{radius}");
+        // Planes that end at the border stay on all of it.
+        let slab = with(|v| v.x < 10);
+        assert_eq!(evened(&slab, radius), Default::default(), "{radius}");
+        let high = with(|v| v.z >= 30 && v.y >= 21);
+        let (added, removed) = evened(&high, radius);
+        let end =
+            |x: i32, v: IVec3| has(&removed, IVec3 { x, ..v }) || has(&added, IVec3 { x, ..v });
+        for v in every().filter(|v| v.x == 20) {
+            assert!((0..DIMS.x as i32).all(|x| end(x, v) == end(20, v)), "{v} of {radius}");
+        }
+    }
+    // Voxel by voxel, in a grid that ends within a brick and at its end.
+    let dims = DIMS.as_ivec3();
+    let noise = |v: IVec3| (v.x * 7 + v.y * 13 + v.z * 29 + v.x * v.y * 3 + v.y * v.z) % 5 < 3;
+    let mask = with(noise);
+    let (added, removed) = evened(&mask, 2);
+    for v in every().filter(|v| (*v - dims / 2).abs().cmpgt(dims / 2 - 4).any()) {
+        let around = (0..125).filter(|i| {
+            let at = v + IVec3::new(i % 5, i / 5 % 5, i / 25) - 2;
+            noise(at.clamp(IVec3::ZERO, dims - 1))
+        });
+        let most = around.count() > 62;
+        assert_eq!(has(&added, v), most && !noise(v), "{v}");
+        assert_eq!(has(&removed, v), !most && noise(v), "{v}");
+    }
+}
+
+#[test]
 fn what_sticks_out_of_an_outline_goes_and_planes_stay() {
     let bump = |v: IVec3| v.x < 16 || (v == IVec3::new(16, 12, 12));
     let (added, removed) = evened(&with(bump), 2);

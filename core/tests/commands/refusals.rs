@@ -239,3 +239,35 @@ fn an_array_that_cannot_be_finished_leaves_nothing() {
     document.apply(&"array count=2 step=0,8,0".parse().unwrap()).unwrap();
     assert_eq!(document.grid().opaque_count(), 64 * 4);
 }
+
+#[test]
+fn solids_beyond_a_million_voxels_are_refused_as_those_that_are_drawn_are() {
+    let new = NewSculpture {
+        dims: UVec3::splat(16),
+        voxel_size: Vec3::ONE,
+        colour_depth: ColourDepth::Bits24,
+        base: Rgb::STONE,
+        solid: true,
+    };
+    let mut document = Document::new(&new, Limits::default()).unwrap();
+    let before = State::of(&document);
+    for far in ["3e38", "-1e30", "1000001"] {
+        for solid in ["ellipsoid", "torus", "cone", "rounded-cuboid"] {
+            for verb in ["subtract", "add", "mask add"] {
+                for place in [
+                    format!("at={far},8,8 half=4"),
+                    format!("at=8,8,8 half=4 to=8,{far},8"),
+                    format!("at=8,8,{far} half=4 to=8,8,8"),
+                ] {
+                    let text = format!("{verb} {solid} {place}");
+                    let command: Command = text.parse().unwrap();
+                    let said = document.apply(&command).unwrap_err().to_string();
+                    assert!(said.contains("million voxels"), "{text}: {said}");
+                }
+            }
+        }
+    }
+    assert_eq!(State::of(&document), before);
+    let command: Command = "subtract cone at=8,8,8 half=4 to=8,8,1000000".parse().unwrap();
+    assert!(document.apply(&command).is_ok());
+}

@@ -108,6 +108,29 @@ fn what_killed_programs_left_is_removed_and_what_is_being_written_is_not() {
     assert_eq!(names(folder.path()), [".virtual-sculpture-def456.part", "a.vsc", "other.part"]);
 }
 
+#[test]
+fn empty_files_of_killed_programs_go_and_those_just_made_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = |name: &str, age_s: u64, locked: bool| {
+        let file = File::create(folder.path().join(name)).unwrap();
+        file.set_modified(SystemTime::now() - Duration::from_secs(age_s)).unwrap();
+        if locked {
+            file.try_lock().unwrap();
+        }
+        file
+    };
+    drop(made(".virtual-sculpture-killed.part", 3600, false));
+    drop(made(".virtual-sculpture-begun.part", 0, false));
+    let _busy = made(".virtual-sculpture-waits.part", 3600, true);
+    drop(made("empty.part", 3600, false));
+    write_atomically(&folder.path().join("a.vsc"), b"whole").unwrap();
+    let left = names(folder.path());
+    assert_eq!(
+        left,
+        [".virtual-sculpture-begun.part", ".virtual-sculpture-waits.part", "a.vsc", "empty.part"]
+    );
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn what_is_no_file_is_refused_at_once_and_no_text_is_endless() {

@@ -273,7 +273,7 @@ fn read_mask(file: &[u8], grid: &Grid, limits: &Limits) -> Result<Grid, FormatEr
         return Err(FormatError::Damaged("its mask does not fit its size"));
     }
     let (mask, _) = read(file, limits, &())?;
-    let mut bits = grid.emptied();
+    let mut bits = grid.try_emptied()?;
     bits.fill_bricks(|b| *mask.grid.brick(b));
     Ok(bits)
 }

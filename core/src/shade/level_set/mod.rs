@@ -30,7 +30,7 @@ use super::NormalField;
 use super::normal_field::PackedDepth;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind};
 use crate::sculpture::brick_set::BrickSet;
-use crate::sculpture::{Grid, GridError};
+use crate::sculpture::{Grid, GridError, NO_VOXEL};
 use crate::view::PixelRays;
 
 pub use self::layer::LevelLayer;
@@ -66,10 +66,21 @@ pub struct LevelSet {
 }
 
 impl LevelSet {
-    /// For a grid of this size, within `budget_bytes`; all levels are outstanding.
+    /// For pictures of a grid of this size, within `budget_bytes`; all levels are outstanding. An error, too, if there are
+    /// more cells than an index map can name.
     pub fn new(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
+        let UVec3 { x, y, z } = grid.dims() + 1;
+        let cells = u64::from(x) * u64::from(y) * u64::from(z);
+        match cells < u64::from(NO_VOXEL) {
+            true => LevelSet::for_mesh(grid, budget_bytes),
+            false => Err(GridError::Index(x, y, z, cells)),
+        }
+    }
+
+    /// [`LevelSet::new`] for what asks for levels alone and casts no rays: of a grid of any size.
+    pub fn for_mesh(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
         let count = grid.brick_count();
-        let cells = Grid::new(grid.dims() + 1, grid.voxel_size(), budget_bytes)?;
+        let cells = grid.of_cells(budget_bytes)?;
         let mut stale = BrickSet::new(count);
         (0..count as u32).for_each(|index| stale.insert(index));
         Ok(LevelSet {

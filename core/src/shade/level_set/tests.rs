@@ -344,3 +344,32 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_longest_grids_have_a_smooth_surface_and_those_with_too_many_cells_for_rays_have_levels() {
+    let dims = UVec3::new(4096, 24, 24);
+    let middle = Vec3::new(4084.0, 12.0, 12.0);
+    let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+    for i in 0..24 * 24 * 24 {
+        let v = IVec3::new(4072 + i % 24, i / 24 % 24, i / 576);
+        grid.set(v, (v.as_vec3() + 0.5).distance(middle) < 9.0);
+    }
+    let (normals, levels) = smooth(&grid);
+    let eye = middle + Vec3::new(-40.0, 3.0, 60.0);
+    let rays = PixelRays {
+        origin: eye,
+        corner: (middle - eye) / 60.0 - Vec3::new(0.12, 0.09, 0.0),
+        step_x: Vec3::X * 0.004,
+        step_y: Vec3::Y * 0.004,
+        size: UVec2::new(60, 45),
+    };
+    let mut map = IndexMap::new(rays);
+    LevelSampler::default().sample(&grid, &normals, &levels, &rays, &mut map);
+    let seen = map.voxels.iter().filter(|&&voxel| voxel != NO_VOXEL);
+    let far = seen.clone().map(|&voxel| grid.voxel_coords(voxel).as_vec3() + 0.5 - middle);
+    assert!(seen.count() > 300 && far.into_iter().all(|v| (7.0..9.0).contains(&v.length())));
+    // More cells than 2^32, of a grid that has fewer voxels.
+    let most = Grid::new(UVec3::new(4096, 1024, 1023), Vec3::ONE, 1 << 30).unwrap();
+    assert!(matches!(LevelSet::new(&most, 1 << 30), Err(GridError::Index(..))));
+    assert!(LevelSet::for_mesh(&most, 1 << 30).is_ok());
+}
