@@ -16,6 +16,10 @@ use crate::tools::spray::SprayKind;
 const ICON: f32 = 24.0;
 /// Least width of a button without a name.
 const BARE_WIDTH: f32 = 21.0;
+/// Height of a title.
+const TITLE: f32 = 18.0;
+/// Least height of a toolbox of two columns in which all tools have room with their names.
+const ROOMY: f32 = 900.0;
 
 pub fn show(
     root: &mut Ui,
@@ -60,7 +64,8 @@ pub fn content(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) {
-    ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
+    ui.spacing_mut().item_spacing = vec2(4.0, 3.0);
+    ui.spacing_mut().interact_size.y = TITLE;
     let tool = context.tool;
     let solids = Solid::ALL.map(|solid| Entry {
         name: solid_name(solid),
@@ -112,7 +117,10 @@ pub fn content(
         chosen: tool.kind == ToolKind::Deform && tool.deform == kind,
         action: Action::Deform(kind),
     });
-    group(ui, state, "Deform", |ui| tools(ui, context, &deforming, Look::Full, requests));
+    // Rather without names than out of sight.
+    let wide = theme::toolbox_columns(ui.available_width()) > 2;
+    let look = if wide || ui.clip_rect().height() > ROOMY { Look::Full } else { Look::Bare };
+    group(ui, state, "Deform", |ui| tools(ui, context, &deforming, look, requests));
 }
 
 /// A tool to choose.
@@ -196,7 +204,7 @@ fn tool(
 ) {
     let Entry { name, chosen, action } = entry;
     let (chosen, action) = (*chosen, *action);
-    let size = vec2(width, if look == Look::Bare { ICON + 6.0 } else { ICON + 24.0 });
+    let size = vec2(width, if look == Look::Bare { ICON + 6.0 } else { ICON + 22.0 });
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| {
         WidgetInfo::selected(WidgetType::SelectableLabel, ui.is_enabled(), chosen, name)

@@ -15,6 +15,7 @@ use super::brick::{BRICK_EDGE_VX, Brick};
 
 mod band;
 mod read;
+mod walls;
 mod word_reader;
 mod words;
 
