@@ -67,6 +67,9 @@ pub fn content(
     ui.spacing_mut().item_spacing = vec2(4.0, 3.0);
     ui.spacing_mut().interact_size.y = TITLE;
     let tool = context.tool;
+    // Rather without names than out of sight.
+    let wide = theme::toolbox_columns(ui.available_width()) > 2;
+    let look = if wide || ui.clip_rect().height() > ROOMY { Look::Full } else { Look::Bare };
     let solids = Solid::ALL.map(|solid| Entry {
         name: solid_name(solid),
         chosen: tool.kind == ToolKind::Solid && tool.solid == solid,
@@ -79,7 +82,7 @@ pub fn content(
         action: Action::Mode(mode),
     });
     group(ui, state, "Solids", |ui| {
-        tools(ui, context, &solids, Look::Full, requests);
+        tools(ui, context, &solids, look, requests);
         ui.add_space(2.0);
         tools(ui, context, &modes, Look::Bare, requests);
     });
@@ -117,9 +120,6 @@ pub fn content(
         chosen: tool.kind == ToolKind::Deform && tool.deform == kind,
         action: Action::Deform(kind),
     });
-    // Rather without names than out of sight.
-    let wide = theme::toolbox_columns(ui.available_width()) > 2;
-    let look = if wide || ui.clip_rect().height() > ROOMY { Look::Full } else { Look::Bare };
     group(ui, state, "Deform", |ui| tools(ui, context, &deforming, look, requests));
 }
 
