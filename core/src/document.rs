@@ -33,6 +33,7 @@ mod orient;
 mod snapshot;
 mod steps;
 mod tools;
+mod trial;
 
 pub use changes::ChangeSubscriber;
 use changes::Changes;
@@ -41,6 +42,7 @@ pub use mend::plan_mend;
 pub use orient::orient_contents;
 pub use snapshot::DocumentSnapshot;
 pub use tools::MAX_ARRAY;
+pub use trial::Heeds;
 
 /// The effect of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]

@@ -50,7 +50,7 @@ impl Workspace {
                 let (placement, up) = (*editor.document().placement(), self.ui.view.up);
                 editor.place(self.viewpoint.turntable.turned_by(&placement, angle, up));
             }
-            UiRequest::Tool(edit) => editor.tool.edit(edit),
+            UiRequest::Tool(edit) => editor.edit_tool(edit),
             UiRequest::Keys(change) => {
                 let notice = self.controls.change_keys(change);
                 self.show_notices(notice);
@@ -213,6 +213,9 @@ impl Workspace {
             self.editor.turn_tool(self.viewpoint.turntable.turn_of(by));
         } else if let Some(to) = self.viewpoint.dragged(action, &placement, by, self.ui.view.up) {
             self.editor.place(to);
+            if self.viewpoint.is_inside(self.editor.document()) {
+                self.ui.toasts.note("The view is inside the sculpture: the wheel leads out of it");
+            }
         } else {
             let picker = self.picker();
             self.editor.drag(action, at, by, &picker);
@@ -220,8 +223,7 @@ impl Workspace {
     }
 
     fn zoom(&mut self, notches: f32, at: Vec2) {
-        let placement = *self.editor.document().placement();
-        if let Some(to) = self.viewpoint.zoomed(&placement, notches, at) {
+        if let Some(to) = self.viewpoint.zoomed(self.editor.document(), notches, at) {
             self.editor.place(to);
         }
     }
@@ -360,11 +362,12 @@ impl Workspace {
                 self.editor.drag_tool(Vec2::new(0.0, pixels.z), true, &picker);
             }
         } else {
-            let turntable = &mut self.viewpoint.turntable;
-            let placement = self.editor.document().placement();
-            let mut to = turntable.shifted(placement, Vec2::new(pixels.x, -pixels.y));
-            to = turntable.brought_nearer(&to, pixels.z);
-            to = turntable.turned_by(&to, Vec2::new(turn.y, turn.x), self.ui.view.up);
+            let document = self.editor.document();
+            let across = Vec2::new(pixels.x, -pixels.y);
+            let mut to = self.viewpoint.turntable.shifted(document.placement(), across);
+            to = self.viewpoint.brought_nearer(document, &to, pixels.z);
+            to =
+                self.viewpoint.turntable.turned_by(&to, Vec2::new(turn.y, turn.x), self.ui.view.up);
             let rotation = (Quat::from_rotation_z(turn.z) * to.rotation).normalize();
             self.editor.place(Placement { rotation, ..to });
         }

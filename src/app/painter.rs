@@ -139,7 +139,7 @@ impl Workspace {
     pub(super) fn overlay_scene(&self) -> OverlayScene<'_> {
         let document = self.editor.document();
         let (grid, picker) = (document.grid(), self.picker());
-        let target = self.editor.pointer().and_then(|at| picker.target(grid, at));
+        let target = self.editor.pointer().and_then(|at| self.editor.target(at, &picker));
         OverlayScene {
             tool: &self.editor.tool,
             document,

@@ -261,6 +261,13 @@ impl Workspace {
         self.autosave(root);
     }
 
+    /// The messages alone, for who wears a headset and has the board closed.
+    pub fn show_messages(&mut self, root: &mut Ui) {
+        ui::theme::apply(root.ctx(), self.ui.appearance.theme, self.ui.appearance.scale);
+        let within = root.max_rect();
+        self.ui.toasts.show(root, within);
+    }
+
     /// Saves unsaved changes of long standing, if the person wants that.
     fn autosave(&mut self, root: &Ui) {
         let minutes = u64::from(self.ui.autosave.minutes);
@@ -383,8 +390,7 @@ impl Workspace {
             let at = (at - self.display.picture.min) * root.pixels_per_point();
             Vec2::new(at.x, at.y)
         });
-        let grid = self.editor.document().grid();
-        match at.and_then(|at| self.picker().target(grid, at)) {
+        match at.and_then(|at| self.editor.target(at, &self.picker())) {
             Some(_) => CursorIcon::Crosshair,
             None => CursorIcon::Grab,
         }

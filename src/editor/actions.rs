@@ -49,12 +49,12 @@ impl Editor {
                 self.unfinished = None;
             }
             Action::Mode(mode) => {
-                self.tool.mode = mode;
+                self.tool.set_mode(mode);
                 if !matches!(self.tool.kind, ToolKind::Draw(_)) {
                     self.tool.kind = ToolKind::Solid;
                 }
             }
-            Action::NextToolMode => self.tool.mode = self.tool.mode.next(),
+            Action::NextToolMode => self.tool.set_mode(self.tool.mode.next()),
             Action::Grow => self.resize(1.0, GROWTH),
             Action::Shrink => self.resize(-1.0, GROWTH),
             Action::ResetTool if self.tool.kind == ToolKind::Marker => self.reset_marker(),
@@ -163,7 +163,7 @@ impl Editor {
             self.rotates_instead = !self.begin_drawing(kind, inverse, at, picker);
             return;
         }
-        let target = picker.target(self.document().grid(), at);
+        let target = self.target(at, picker);
         self.rotates_instead = target.is_none();
         let Some(point) = target else { return };
         let tool = &self.tool;

@@ -121,7 +121,7 @@ impl Editor {
             Ok(applied) => {
                 let changed = applied.stats.voxels_changed();
                 self.voxels_changed += changed;
-                self.note_idle_area(command, changed);
+                self.note_changes(command, changed);
                 if self.session.document().grid().dims() != dims {
                     self.sculpture_replaced();
                 }
@@ -194,7 +194,7 @@ impl Editor {
         (self.drawing, self.unfinished) = (None, None);
         self.held_way.clear();
         self.tool.reset_pose(self.session.document().grid().dims());
-        self.leave_ground();
+        self.forget_footing();
         self.outcomes.push(Outcome::Replaced);
     }
 }

@@ -54,16 +54,6 @@ impl Dabs {
     pub fn is_led(&self) -> bool {
         self.guide.is_some()
     }
-
-    /// Whether it adds to what is there wherever it is used.
-    pub fn adds(&self) -> bool {
-        match self.kind {
-            DeformKind::Inflate | DeformKind::Draw => !self.inverse,
-            DeformKind::Crease => self.inverse,
-            _ => false,
-        }
-    }
-
     fn strength(&self) -> f32 {
         self.options.strength * if self.options.by_pressure { self.pressure } else { 1.0 }
     }
@@ -146,7 +136,7 @@ impl Editor {
         let pressure = self.pressure;
         let dabs =
             Dabs { kind, options, pressure, inverse, guide, start, normal, last: start, edges };
-        self.stroke = Some(Stroke { work: Work::Dabs(dabs), path, changed: 0 });
+        self.stroke = Some(Stroke::new(Work::Dabs(dabs), path));
         self.dab_at(&[start]);
     }
 

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 
 use super::Editor;
 use super::stroke::Stroke;
-use super::tool::{ToolKind, ToolState};
+use super::tool::{ToolEdit, ToolKind, ToolState};
 use crate::picking::{Picker, SurfacePoint};
 use crate::tools::construct::Solid;
 
@@ -15,6 +15,8 @@ pub(super) struct Footing {
     /// None once something else than the pointer has moved the tool.
     ground: Option<SurfacePoint>,
     choices: Option<Choices>,
+    /// Where the tool was used or put last, in voxels: in an empty grid the pointer leads it at that depth. None before.
+    worked_at: Option<Vec3>,
 }
 
 /// What the place of a tool depends on, besides the pointer.
@@ -73,12 +75,40 @@ impl Editor {
         let solid = self.tool.kind == ToolKind::Solid;
         if solid && self.is_hover_led(picker) {
             self.lead_stroke(at, picker);
-        } else if let Some(point) = picker.target(self.document().grid(), at) {
+        } else if let Some(point) = self.target(at, picker) {
             self.lead_tool_to(at, point, picker);
             if solid {
                 self.hover_stroke(at, point, picker);
             }
         }
+    }
+
+    /// The point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the plane of the
+    /// view in which the tool was used last.
+    pub fn target(&self, at: Vec2, picker: &Picker) -> Option<Vec3> {
+        let grid = self.document().grid();
+        let middle = grid.dims().as_vec3() * 0.5;
+        picker.target(grid, at, self.footing.worked_at.unwrap_or(middle))
+    }
+
+    /// The tool has been used, or put somewhere, where it is.
+    pub(super) fn note_worked(&mut self) {
+        self.footing.worked_at = Some(self.tool.centre_vx).filter(|at| at.is_finite());
+    }
+
+    /// Makes a change of the tool that a panel asks for.
+    pub fn edit_tool(&mut self, edit: ToolEdit) {
+        let placed = matches!(edit, ToolEdit::Place(_));
+        self.tool.edit(edit);
+        if placed {
+            self.leave_ground();
+        }
+    }
+
+    /// Another sculpture is there.
+    pub(super) fn forget_footing(&mut self) {
+        self.leave_ground();
+        self.footing.worked_at = None;
     }
 
     /// The point of the surface that the pointer has put the tool on; none once something else has
@@ -113,7 +143,9 @@ impl Editor {
 
     /// The tool is where it is meant to be, wherever the pointer is.
     pub fn leave_ground(&mut self) {
-        self.footing = Footing { ground: None, choices: Some(Choices::of(&self.tool)) };
+        let choices = Some(Choices::of(&self.tool));
+        self.footing = Footing { ground: None, choices, worked_at: self.footing.worked_at };
+        self.note_worked();
     }
 
     /// Lets the tool follow at once what was chosen about it.

@@ -43,7 +43,7 @@ impl Editor {
         let direction = rays.direction_at(at.x, at.y);
         let (min, max) = (start.min.as_vec3(), start.max.as_vec3());
         let face = entered_face(rays.origin, direction, min, max);
-        let surface = picker.target(self.document().grid(), at);
+        let surface = self.target(at, picker);
         let depth = |p: Vec3| (p - rays.origin).dot(direction) / direction.length_squared();
         // A face that the sculpture hides cannot be meant, unless its surface lies in the box.
         let hidden = |enter: f32| {
@@ -92,7 +92,7 @@ impl Editor {
                 self.mark(pulled_face(start, normal, pulled.round() as i32));
             }
             Some(MarkerDrag::Span { from }) => {
-                if let Some(point) = picker.target(self.document().grid(), at) {
+                if let Some(point) = self.target(at, picker) {
                     let to = self.voxel_behind(point, at, picker);
                     self.mark(VoxelBox { min: from.min(to), max: from.max(to) + 1 });
                 }

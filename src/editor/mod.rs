@@ -14,6 +14,7 @@ pub mod deform;
 pub mod draw;
 mod footing;
 pub mod hand;
+mod idle;
 pub mod job;
 mod marker;
 mod path;
@@ -38,6 +39,7 @@ use autosave::Autosave;
 use draw::{Drawing, Unfinished};
 use footing::Footing;
 use hand::HandTool;
+use idle::Walls;
 use job::{Busy, Jobs};
 use marker::MarkerTool;
 use questions::{ChangedOnDisk, Next, Unkept};
@@ -78,6 +80,7 @@ pub struct Editor {
     /// The tool in a hand in the room of a headset.
     pub hand: HandTool,
     stroke: Option<Stroke>,
+    walls: Walls,
     /// A stroke that is over, but cannot be undone: the person is asked whether to keep it.
     stroke_in_question: bool,
     /// Where the tool stands on the surface.
@@ -112,6 +115,7 @@ impl Editor {
             tool,
             hand: HandTool::default(),
             stroke: None,
+            walls: Walls::default(),
             stroke_in_question: false,
             footing: Footing::default(),
             marker: MarkerTool::default(),

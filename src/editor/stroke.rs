@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
+use super::Editor;
 use super::dabs::Dabs;
 use super::deform::HeldClay;
 use super::path::Path;
 use super::sprays::SprayOptions;
 use super::sweep::{Leg, Sweep};
 use super::tool::ToolState;
-use super::{Editor, Outcome};
-use crate::command::{Area, Command};
+use crate::command::Command;
 use crate::input::ToolMode;
 use crate::picking::Picker;
 use crate::picking::geometry::{lasting, surface_point};
@@ -106,12 +106,21 @@ pub(super) struct Stroke {
     pub path: Path,
     /// Voxels that it has changed so far.
     pub changed: u64,
+    /// The first commands, as long as they have changed nothing.
+    pub tried: Vec<Command>,
+    /// It has added, and would have gone on beyond the walls of the grid.
+    pub beyond: bool,
 }
 
 impl Stroke {
     /// A stroke that takes clay along.
     pub fn of_clay(held: HeldClay) -> Stroke {
-        Stroke { work: Work::Grab(held), path: Path::new(Vec3::ZERO, 1.0, Vec3::ONE), changed: 0 }
+        Stroke::new(Work::Grab(held), Path::new(Vec3::ZERO, 1.0, Vec3::ONE))
+    }
+
+    /// A stroke that has done nothing yet.
+    pub fn new(work: Work, path: Path) -> Stroke {
+        Stroke { work, path, changed: 0, tried: Vec::new(), beyond: false }
     }
 
     /// Whether a tool that deforms clay is at work.
@@ -188,7 +197,7 @@ impl Editor {
         };
         let spacing = (share * options.radius_px).max(1.0);
         let path = Path::new(at.extend(0.0), spacing, Vec3::ONE);
-        self.stroke = Some(Stroke { work: Work::Spray { kind, options }, path, changed: 0 });
+        self.stroke = Some(Stroke::new(Work::Spray { kind, options }, path));
         self.spray_at(&[at.extend(0.0)], picker);
     }
 
@@ -234,7 +243,7 @@ impl Editor {
             self.tool.used_colour();
         }
         let path = Path::new(footprint.eye_vx + footprint.aim, spacing_vx, Vec3::ONE);
-        self.stroke = Some(Stroke { work: Work::HeldSpray { kind, options }, path, changed: 0 });
+        self.stroke = Some(Stroke::new(Work::HeldSpray { kind, options }, path));
         self.use_held_spray(footprint);
     }
 
@@ -273,11 +282,8 @@ impl Editor {
         let edges = self.session.document().grid().voxel_size();
         let edges = edges / edges.min_element();
         let sweep = Sweep::new(&self.tool.primitive(), edges);
-        self.stroke = Some(Stroke {
-            work: Work::Solid { mode, guide, sweep },
-            path: Path::new(Vec3::ZERO, 1.0, Vec3::ONE),
-            changed: 0,
-        });
+        let path = Path::new(Vec3::ZERO, 1.0, Vec3::ONE);
+        self.stroke = Some(Stroke::new(Work::Solid { mode, guide, sweep }, path));
         if mode == ToolMode::Add || mode == ToolMode::Recolour && self.tool.picture.is_none() {
             self.tool.used_colour();
         }
@@ -390,48 +396,15 @@ impl Editor {
         self.catch_up();
         self.finish_sweep();
         self.pressure = 1.0;
-        if let Some(stroke) = self.stroke.take()
-            && self.execute(&Command::End)
-            && stroke.changed == 0
-        {
-            let adds = match stroke.work {
-                Work::Solid { mode, .. } => mode == ToolMode::Add,
-                Work::Spray { kind, .. } | Work::HeldSpray { kind, .. } => {
-                    matches!(kind, SprayKind::Clay | SprayKind::Dilation)
-                }
-                Work::Grab(held) if held.is_still() => return,
-                Work::Grab(_) => false,
-                Work::Dabs(dabs) => dabs.adds(),
-            };
-            self.note_idle(adds);
+        let Some(stroke) = self.stroke.take() else { return };
+        self.note_worked();
+        if !self.execute(&Command::End) {
+            return;
         }
-    }
-
-    /// Counts what a command has changed: within a stroke for its end, else what an area that
-    /// the limit has kept whole gives cause to say.
-    pub(super) fn note_idle_area(&mut self, command: &Command, changed: u64) {
-        match (&mut self.stroke, command) {
-            (Some(stroke), _) => stroke.changed += changed,
-            (
-                None,
-                Command::Fill { area: Area::Marker, .. }
-                | Command::Clear { area: Area::Marker }
-                | Command::Dye { area: Area::Marker, .. },
-            ) if changed == 0 => self.note_idle(false),
-            _ => {}
-        }
-    }
-
-    /// Says why nothing has changed, where that is not plain to see.
-    pub(super) fn note_idle(&mut self, adds: bool) {
-        if self.session.document().selection().limit().is_some() {
-            self.outcomes.push(Outcome::Limited);
-        } else if self.session.document().mask().is_some() {
-            self.note(
-                "Nothing changed: what is masked stays as it is (Ctrl+Shift+J clears the mask)",
-            );
-        } else if adds {
-            self.note("Nothing was added: this part of the grid is full, or lies outside it");
+        match stroke.work {
+            Work::Grab(held) if held.is_still() => {}
+            _ if stroke.changed == 0 => self.explain_idle(&stroke.tried),
+            _ => self.note_cut_off(stroke.beyond),
         }
     }
 

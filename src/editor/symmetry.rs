@@ -56,7 +56,7 @@ impl Editor {
     /// out of the surface.
     pub(super) fn place_symmetry(&mut self, what: Placed, at: Vec2, picker: &Picker) {
         let grid = self.document().grid();
-        let Some(point) = picker.target(grid, at) else {
+        let Some(point) = self.target(at, picker) else {
             self.note("Press on the surface to place it there");
             return;
         };

@@ -44,6 +44,17 @@ impl ToolChange {
 }
 
 impl ToolState {
+    /// Chooses what solids do. What rests on the surface cuts nothing, so that a tool that cuts rests only if that is asked
+    /// for then; afterwards it rests as before.
+    pub fn set_mode(&mut self, mode: ToolMode) {
+        match (self.mode == ToolMode::Subtract, mode == ToolMode::Subtract) {
+            (false, true) => self.rested = std::mem::take(&mut self.stand),
+            (true, false) => self.stand |= std::mem::take(&mut self.rested),
+            _ => {}
+        }
+        self.mode = mode;
+    }
+
     /// What a solid does on a piece of its way. An image is put down where it ends.
     pub fn command(&self, mode: ToolMode, leg: &Leg) -> Command {
         let at = |centre_vx| Primitive { centre_vx, rotation: leg.rotation, ..self.primitive() };

@@ -62,11 +62,13 @@ fn seen_face(grid: &Grid, voxel: UVec3, origin: Vec3, direction: Vec3) -> usize 
     axes.into_iter().find(|axis| direction[*axis] != 0.0 && is_open(*axis)).unwrap_or(axes[0])
 }
 
-/// The middle of the part of the ray through `at` that lies in the grid's box.
-pub fn box_point(rays: &PixelRays, dims: UVec3, at: Vec2) -> Option<Vec3> {
+/// The point of the ray through `at` as far from the eye as `last`, or the nearest one in the grid's box.
+pub fn box_point(sight: &Sight, dims: UVec3, at: Vec2, last: Vec3) -> Option<Vec3> {
+    let rays = &sight.rays;
     let direction = rays.direction_at(at.x, at.y);
     let (enter, leave) = enter_box(rays.origin, direction, Vec3::ZERO, dims.as_vec3())?;
-    Some(rays.origin + direction * (0.5 * (enter.max(0.0) + leave)))
+    let depth = sight.depth(last).clamp(enter.max(0.0), leave);
+    Some(sight.at_depth(at, depth))
 }
 
 /// The index of the voxel seen at `at` (pixels). Where only the device knows what is seen, the
@@ -244,9 +246,18 @@ mod tests {
     #[test]
     fn an_empty_grid_is_entered_at_its_middle() {
         let sight = sight(Quat::IDENTITY, UVec3::splat(16));
-        let point = box_point(&sight.rays, UVec3::splat(16), Vec2::new(100.0, 50.0)).unwrap();
+        let dims = UVec3::splat(16);
+        let at = |x, last| box_point(&sight, dims, Vec2::new(x, 50.0), last).unwrap();
+        let point = at(100.0, Vec3::splat(8.0));
         assert!(point.abs_diff_eq(Vec3::splat(8.0), 1e-3), "{point}");
-        assert_eq!(box_point(&sight.rays, UVec3::splat(16), Vec2::ZERO), None);
+        // Across the picture its depth stays, also where the ray leaves the box by a side.
+        for x in 90..110 {
+            assert!((at(x as f32, Vec3::splat(8.0)).z - 8.0).abs() < 1e-3);
+            assert!((at(x as f32, Vec3::new(0.0, 0.0, 13.0)).z - 13.0).abs() < 1e-3);
+        }
+        // What was worked at elsewhere leads to the border.
+        assert!((at(100.0, Vec3::new(8.0, 8.0, 40.0)).z - 16.0).abs() < 1e-3);
+        assert_eq!(box_point(&sight, dims, Vec2::ZERO, Vec3::splat(8.0)), None);
     }
 
     #[test]

@@ -38,11 +38,11 @@ impl Picker {
         self.map.as_ref()
     }
 
-    /// The point of the grid under a pixel: on the surface that was seen, or anywhere in the grid
-    /// while it is empty.
-    pub fn target(&self, grid: &Grid, at: Vec2) -> Option<Vec3> {
+    /// The point of the grid under a pixel: on the surface that was seen, or, while the grid is empty, in the plane of the
+    /// view through `last`, as far as that lies in the grid.
+    pub fn target(&self, grid: &Grid, at: Vec2, last: Vec3) -> Option<Vec3> {
         if grid.opaque_count() == 0 {
-            return geometry::box_point(&self.sight.rays, grid.dims(), at);
+            return geometry::box_point(&self.sight, grid.dims(), at, last);
         }
         Some(geometry::surface_point(self.map.as_ref()?, grid, at)?.point)
     }

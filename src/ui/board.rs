@@ -45,7 +45,7 @@ pub fn show(
             ui.add_enabled_ui(enabled, |ui| {
                 ScrollArea::vertical()
                     .auto_shrink(false)
-                    .show(ui, |ui| toolbox::content(ui, context, requests));
+                    .show(ui, |ui| toolbox::content(ui, state, context, requests));
             });
         },
     );

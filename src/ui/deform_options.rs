@@ -16,14 +16,7 @@ const SLIDER_WIDTH: f32 = 80.0;
 
 pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let kind = context.tool.deform;
-    ui.horizontal_wrapped(|ui| {
-        for choice in DeformKind::ALL {
-            let response = ui.selectable_label(choice == kind, deform_name(choice));
-            if explain(response, context, Action::Deform(choice)).clicked() {
-                requests.push(UiRequest::Do(Action::Deform(choice)));
-            }
-        }
-    });
+    ui.label(deform_name(kind));
     let before = *context.tool.deforms.of(kind);
     let mut options = before;
     ui.spacing_mut().slider_width = SLIDER_WIDTH;

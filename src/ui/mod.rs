@@ -50,6 +50,7 @@ pub mod print_check;
 pub mod recent;
 pub mod recovery_dialog;
 pub mod references;
+mod section;
 pub mod spray_options;
 pub mod state;
 pub mod status;

@@ -1,12 +1,12 @@
 //! The column on the right: options of the tool, the light and the view, and the history.
 
-use egui::{Checkbox, CollapsingHeader, ComboBox, DragValue, Frame, Margin, ScrollArea, Ui};
+use egui::{Checkbox, ComboBox, DragValue, Frame, Margin, RichText, ScrollArea, Ui};
 use glam::Vec3;
 
 use super::buttons::{action_button, explain};
 use super::{
-    UiContext, UiRequest, UiState, ar, gamepad, head, history, light, panels, stereo_options,
-    symmetry_options, theme, tool_options, video,
+    UiContext, UiRequest, UiState, ar, gamepad, head, history, light, panels, section,
+    stereo_options, symmetry_options, theme, tool_options, video,
 };
 use crate::document::MAX_ARRAY;
 use crate::editor::tool::ToolEdit;
@@ -92,7 +92,6 @@ pub fn content(
     });
 }
 
-/// `open`: whether it is so at the very first.
 fn section(
     ui: &mut Ui,
     title: &str,
@@ -100,15 +99,7 @@ fn section(
     state: &mut UiState,
     content: impl FnOnce(&mut Ui, &mut UiState),
 ) {
-    let before = state.layout.sections.get(title).copied().unwrap_or(open);
-    let shown = CollapsingHeader::new(egui::RichText::new(title).strong())
-        .open(Some(before))
-        .show_unindented(ui, |ui| content(ui, state));
-    if shown.header_response.clicked() {
-        state.layout.sections.insert(title.to_string(), !before);
-        ui.ctx().request_repaint();
-    }
-    ui.add_space(4.0);
+    section::show(ui, RichText::new(title).strong(), open, state, content);
 }
 
 /// The last operation again and again.

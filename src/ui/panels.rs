@@ -51,7 +51,7 @@ pub fn show(
             let scroll = ScrollArea::vertical().auto_shrink(false);
             match panel {
                 Panel::Toolbox => {
-                    scroll.show(ui, |ui| toolbox::content(ui, context, requests));
+                    scroll.show(ui, |ui| toolbox::content(ui, state, context, requests));
                 }
                 Panel::Options => {
                     scroll.show(ui, |ui| options::content(ui, state, context, requests));

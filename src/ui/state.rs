@@ -218,7 +218,7 @@ pub struct PanelLayout {
     pub windows: Windows,
     /// Nothing but the picture is shown in the main window. Not remembered.
     pub hidden: bool,
-    /// The sections of the options that were opened or closed.
+    /// The sections of the options and of the toolbox that were opened or closed, by their titles.
     pub sections: BTreeMap<String, bool>,
 }
 

@@ -18,6 +18,8 @@ use crate::sculpture::{ColourDepth, Rgb};
 use crate::tools::spray::SprayKind;
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
+/// Of a solid's centre from the corner of the grid, in voxels.
+const FARTHEST_VX: f32 = 8192.0;
 /// Stone, metal, plants, water and the signal colours.
 const PALETTE: [Rgb; 14] = [
     Rgb::new(0xf2, 0xee, 0xe6),
@@ -41,7 +43,11 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
     match tool.kind {
         ToolKind::Solid => {
             let mode = mode_name(tool.mode).to_lowercase();
-            ui.label(format!("{} — {mode}", solid_name(tool.solid)));
+            ui.horizontal(|ui| {
+                ui.label(format!("{} — {mode}", solid_name(tool.solid)));
+                ui.weak("with its centre at");
+            });
+            position(ui, tool, requests);
             size(ui, tool, requests);
             rotation(ui, context, requests);
             colour(ui, context, requests);
@@ -108,9 +114,11 @@ fn place(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     if !context.in_headset {
         follow(ui, context, requests);
     }
-    let snap = switch(ui, context.tool.snap, "Snap to voxels", ToolEdit::Snap, requests);
-    explain(snap, context, Action::ToggleSnap);
-    action_button(ui, context, "Reset tool", Action::ResetTool, true, requests);
+    ui.horizontal(|ui| {
+        let snap = switch(ui, context.tool.snap, "Snap to voxels", ToolEdit::Snap, requests);
+        explain(snap, context, Action::ToggleSnap);
+        action_button(ui, context, "Reset tool", Action::ResetTool, true, requests);
+    });
 }
 
 /// How the tool follows a pointer; in a headset it is where the hand is.
@@ -151,6 +159,28 @@ fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut
         ui.add(egui::Label::new(name).truncate()).on_hover_text(picture.display().to_string());
         if ui.small_button("✖").on_hover_text("Paint with the plain colour again").clicked() {
             requests.push(UiRequest::Tool(ToolEdit::Picture(None)));
+        }
+    });
+}
+
+/// Where a solid is, in numbers.
+fn position(ui: &mut Ui, tool: &ToolState, requests: &mut Vec<UiRequest>) {
+    ui.horizontal(|ui| {
+        let mut centre_vx = tool.centre_vx;
+        let mut changed = false;
+        for (axis, name) in AXES.iter().enumerate() {
+            let value = DragValue::new(&mut centre_vx[axis])
+                .range(-FARTHEST_VX..=FARTHEST_VX)
+                .speed(0.25)
+                .max_decimals(1)
+                .prefix(format!("{name} "));
+            let hint = format!(
+                "Centre along the grid's {name} axis in voxels; the tool then stays there instead of following the pointer"
+            );
+            changed |= ui.add(value).on_hover_text(hint).changed();
+        }
+        if changed {
+            requests.push(UiRequest::Tool(ToolEdit::Place(centre_vx)));
         }
     });
 }

@@ -1,4 +1,4 @@
-//! The tools on the left, in two columns: solids and what they do, sprays, the marker.
+//! The tools on the left, in two columns: solids and what they do, the marker, brushes. Each kind folds away under its title.
 
 use egui::{Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
 
@@ -6,15 +6,20 @@ use super::buttons::explain;
 use super::deform_options::deform_name;
 use super::draw_options::draw_name;
 use super::top_bar::capital;
-use super::{UiContext, UiRequest, UiState, draw_icons, icons, panels, theme};
+use super::{UiContext, UiRequest, UiState, draw_icons, icons, panels, section, theme};
 use crate::editor::tool::ToolKind;
 use crate::input::{Action, DrawKind, Panel, ToolMode};
 use crate::tools::construct::Solid;
+use crate::tools::deform::DeformKind;
 use crate::tools::spray::SprayKind;
 
 const ICON: f32 = 24.0;
 /// Least width of a button without a name.
 const BARE_WIDTH: f32 = 21.0;
+/// Height of a title.
+const TITLE: f32 = 18.0;
+/// Least height of a toolbox of two columns in which all tools have room with their names.
+const ROOMY: f32 = 900.0;
 
 pub fn show(
     root: &mut Ui,
@@ -32,26 +37,55 @@ pub fn show(
         .exact_size(theme::toolbox_width(root.ctx().content_rect().width()))
         .show(root, |ui| {
             panels::head(ui, Panel::Toolbox, state, context, requests);
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| content(ui, context, requests));
+            ScrollArea::vertical()
+                .auto_shrink(false)
+                .show(ui, |ui| content(ui, state, context, requests));
         });
 }
 
+/// The brushes that deform, those that are used most first.
+const DEFORMING: [DeformKind; 10] = [
+    DeformKind::Grab,
+    DeformKind::Draw,
+    DeformKind::Inflate,
+    DeformKind::Crease,
+    DeformKind::Flatten,
+    DeformKind::Scrape,
+    DeformKind::Fill,
+    DeformKind::Pinch,
+    DeformKind::Smear,
+    DeformKind::Twist,
+];
+
 /// The tools themselves.
-pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
+pub fn content(
+    ui: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
+    ui.spacing_mut().item_spacing = vec2(4.0, 3.0);
+    ui.spacing_mut().interact_size.y = TITLE;
+    let tool = context.tool;
+    // Rather without names than out of sight.
+    let wide = theme::toolbox_columns(ui.available_width()) > 2;
+    let look = if wide || ui.clip_rect().height() > ROOMY { Look::Full } else { Look::Bare };
     let solids = Solid::ALL.map(|solid| Entry {
         name: solid_name(solid),
-        chosen: context.tool.kind == ToolKind::Solid && context.tool.solid == solid,
+        chosen: tool.kind == ToolKind::Solid && tool.solid == solid,
         action: Action::Solid(solid),
     });
-    group(ui, context, "Solids", &solids, requests);
-    let shows_mode = matches!(context.tool.kind, ToolKind::Solid | ToolKind::Draw(_));
+    let shows_mode = matches!(tool.kind, ToolKind::Solid | ToolKind::Draw(_));
     let modes = ToolMode::ALL.map(|mode| Entry {
         name: mode_name(mode).to_string(),
-        chosen: shows_mode && context.tool.mode == mode,
+        chosen: shows_mode && tool.mode == mode,
         action: Action::Mode(mode),
     });
-    group_of(ui, context, "", &modes, Look::Bare, requests);
+    group(ui, state, "Solids", |ui| {
+        tools(ui, context, &solids, look, requests);
+        ui.add_space(2.0);
+        tools(ui, context, &modes, Look::Bare, requests);
+    });
     // A hand has no picture to draw over.
     let by_hand = |kind: &DrawKind| matches!(kind, DrawKind::Line | DrawKind::Curve);
     let drawn: Vec<Entry> = DrawKind::ALL
@@ -59,33 +93,34 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
         .filter(|kind| !context.in_headset || by_hand(kind))
         .map(|kind| Entry {
             name: draw_name(kind).to_string(),
-            chosen: context.tool.kind == ToolKind::Draw(kind),
+            chosen: tool.kind == ToolKind::Draw(kind),
             action: Action::Draw(kind),
         })
         .collect();
-    group_of(ui, context, "Drawn solids", &drawn, Look::Bare, requests);
+    group(ui, state, "Drawn solids", |ui| tools(ui, context, &drawn, Look::Bare, requests));
     let spray = |kind| Entry {
         name: capital(spray_name(kind)),
-        chosen: context.tool.kind == ToolKind::Spray(kind),
+        chosen: tool.kind == ToolKind::Spray(kind),
         action: Action::Spray(kind),
     };
+    let marker = Entry {
+        name: "Marker".to_string(),
+        chosen: tool.kind == ToolKind::Marker,
+        action: Action::Marker,
+    };
+    let selecting = [marker, spray(SprayKind::Mask)];
+    group(ui, state, "Selection", |ui| tools(ui, context, &selecting, Look::Full, requests));
     // What takes protection away is the mask's inverse.
     let is_mask = |kind: &SprayKind| matches!(kind, SprayKind::Mask | SprayKind::Unmask);
     let sprays = SprayKind::ALL.into_iter().filter(|kind| !is_mask(kind)).map(spray);
-    let kind = context.tool.deform;
-    let deform = Entry {
+    let sprays: Vec<Entry> = sprays.collect();
+    group(ui, state, "Brushes", |ui| tools(ui, context, &sprays, Look::Full, requests));
+    let deforming = DEFORMING.map(|kind| Entry {
         name: deform_name(kind),
-        chosen: context.tool.kind == ToolKind::Deform,
+        chosen: tool.kind == ToolKind::Deform && tool.deform == kind,
         action: Action::Deform(kind),
-    };
-    let brushes: Vec<Entry> = sprays.chain([deform]).collect();
-    group(ui, context, "Brushes", &brushes, requests);
-    let marker = Entry {
-        name: "Marker".to_string(),
-        chosen: context.tool.kind == ToolKind::Marker,
-        action: Action::Marker,
-    };
-    group(ui, context, "Selection", &[marker, spray(SprayKind::Mask)], requests);
+    });
+    group(ui, state, "Deform", |ui| tools(ui, context, &deforming, look, requests));
 }
 
 /// A tool to choose.
@@ -104,31 +139,19 @@ enum Look {
     Bare,
 }
 
-/// Tools under a heading, two in a row.
-fn group(
-    ui: &mut Ui,
-    context: &UiContext,
-    title: &str,
-    entries: &[Entry],
-    requests: &mut Vec<UiRequest>,
-) {
-    group_of(ui, context, title, entries, Look::Full, requests);
+/// Tools under a title that folds them away.
+fn group(ui: &mut Ui, state: &mut UiState, title: &str, content: impl FnOnce(&mut Ui)) {
+    section::show(ui, RichText::new(title).small().weak(), true, state, |ui, _| content(ui));
 }
 
-/// Tools under a heading, as many in a row as there is room for.
-fn group_of(
+/// Tools, as many in a row as there is room for.
+fn tools(
     ui: &mut Ui,
     context: &UiContext,
-    title: &str,
     entries: &[Entry],
     look: Look,
     requests: &mut Vec<UiRequest>,
 ) {
-    if title.is_empty() {
-        ui.add_space(2.0);
-    } else {
-        ui.label(RichText::new(title).small().weak());
-    }
     let gap = ui.spacing().item_spacing.x;
     let fitting = |least: f32| ((ui.available_width() + gap) / (least + gap)) as usize;
     let columns = match look {
@@ -142,7 +165,6 @@ fn group_of(
             row.iter().for_each(|entry| tool(ui, context, width, entry, look, requests));
         });
     }
-    ui.add_space(4.0);
 }
 
 /// What the interface calls a solid.
@@ -182,7 +204,7 @@ fn tool(
 ) {
     let Entry { name, chosen, action } = entry;
     let (chosen, action) = (*chosen, *action);
-    let size = vec2(width, if look == Look::Bare { ICON + 6.0 } else { ICON + 24.0 });
+    let size = vec2(width, if look == Look::Bare { ICON + 6.0 } else { ICON + 22.0 });
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| {
         WidgetInfo::selected(WidgetType::SelectableLabel, ui.is_enabled(), chosen, name)

@@ -5,6 +5,7 @@
 //! returning a [`Placement`], which is a command for the document. Knows no window, no interface and no
 //! Vulkan.
 
+mod approach;
 pub mod ar;
 pub mod calibration;
 pub mod camera;
@@ -177,14 +178,42 @@ impl Viewpoint {
         }
     }
 
-    /// Zooms by notches of the wheel about the pixel `at`. Returns the placement that keeps what is
-    /// there; none on a printed marker, where the sculpture itself grows.
-    pub fn zoomed(&mut self, placement: &Placement, notches: f32, at: Vec2) -> Option<Placement> {
+    /// Zooms by notches of the wheel about the pixel `at`, never into the sculpture, and out of it where the camera is
+    /// inside. Returns the placement that keeps what is there; none on a printed marker, where the sculpture itself grows.
+    pub fn zoomed(&mut self, document: &Document, notches: f32, at: Vec2) -> Option<Placement> {
         if self.ar.is_on() {
             self.ar.zoom(notches);
             return None;
         }
-        Some(self.turntable.zoomed(placement, notches, at))
+        let (grid, placement) = (document.grid(), document.placement());
+        let (eye, world_from_grid) = (self.turntable.eye(), document.world_from_grid());
+        let gap = self.turntable.gap();
+        if let Some(back) = approach::way_out(grid, &eye, &world_from_grid, gap) {
+            let middle = self.turntable.middle();
+            return Some(self.turntable.advanced(placement, -back, middle));
+        }
+        let surface = approach::surface_depth(grid, &eye, &world_from_grid, at);
+        Some(self.turntable.zoomed(placement, notches, at, surface))
+    }
+
+    /// The placement that brings the sculpture nearer by as much as a drag of `pixels` would move it, but not onto the
+    /// camera.
+    pub fn brought_nearer(
+        &mut self,
+        document: &Document,
+        placement: &Placement,
+        pixels: f32,
+    ) -> Placement {
+        let (eye, middle) = (self.turntable.eye(), self.turntable.middle());
+        let world_from_grid = document.world_from_grid();
+        let surface = approach::surface_depth(document.grid(), &eye, &world_from_grid, middle);
+        self.turntable.brought_nearer(placement, pixels, surface)
+    }
+
+    /// Whether the camera is inside the sculpture, where nothing is seen.
+    pub fn is_inside(&self, document: &Document) -> bool {
+        let eye = self.turntable.eye();
+        !self.ar.is_on() && approach::is_inside(document.grid(), &eye, &document.world_from_grid())
     }
 
     /// Opens and closes the camera as is wished, and hands its newest frame to the marker tracker.

@@ -137,31 +137,63 @@ impl Turntable {
     }
 
     /// Brings the sculpture nearer by as much as a drag of `pixels` across would move it, no
-    /// closer than can be seen. Before parallel rays, where that would change nothing, the picture grows
-    /// instead.
-    pub fn brought_nearer(&mut self, placement: &Placement, pixels: f32) -> Placement {
+    /// closer than can be seen, nor than to a surface at the distance `surface` before the camera. Before parallel rays,
+    /// where that would change nothing, the picture grows instead.
+    pub fn brought_nearer(
+        &mut self,
+        placement: &Placement,
+        pixels: f32,
+        surface: Option<f32>,
+    ) -> Placement {
         if self.orthographic {
             let range = self.radius * NEAREST..=self.radius * FARTHEST;
             let to = self.distance - pixels * self.world_per_pixel(placement);
             self.distance = to.clamp(*range.start(), *range.end());
             return *placement;
         }
+        let room = surface.map_or(f32::INFINITY, |surface| (surface - self.gap()).max(0.0));
         let nearest = self.distance - self.radius * NEAREST;
         let farthest = self.distance - self.radius * FARTHEST;
         let z = placement.translation.z;
-        let to =
-            (z + pixels * self.world_per_pixel(placement)).clamp(farthest.min(z), nearest.max(z));
+        let by = (pixels * self.world_per_pixel(placement)).min(room);
+        let to = (z + by).clamp(farthest.min(z), nearest.max(z));
         Placement { translation: placement.translation.with_z(to), ..*placement }
     }
 
-    /// Comes nearer by notches; what is under the pointer at the depth of the sculpture's centre
-    /// stays there.
-    pub fn zoomed(&mut self, placement: &Placement, notches: f32, at: Vec2) -> Placement {
+    /// How near the camera comes to a surface, in world units.
+    pub fn gap(&self) -> f32 {
+        self.radius * NEAREST
+    }
+
+    /// Comes nearer by notches; what is under the pointer stays there. `surface`: how far the surface under the pointer
+    /// is before the camera; it is approached and never reached. Where there is none, the camera approaches the depth of
+    /// the sculpture's centre.
+    pub fn zoomed(
+        &mut self,
+        placement: &Placement,
+        notches: f32,
+        at: Vec2,
+        surface: Option<f32>,
+    ) -> Placement {
+        let factor = ZOOM_PER_NOTCH.powf(notches.clamp(-20.0, 20.0));
+        match surface.filter(|_| !self.orthographic) {
+            Some(surface) => {
+                let to = match factor < 1.0 {
+                    true => (surface * factor).max(self.gap()).min(surface),
+                    false => surface.max(self.gap()) * factor,
+                };
+                self.advanced(placement, surface - to, at)
+            }
+            None => self.advanced(placement, self.distance * (1.0 - factor), at),
+        }
+    }
+
+    /// The camera goes ahead by world units, along the ray of the pixel `at`.
+    pub fn advanced(&mut self, placement: &Placement, by: f32, at: Vec2) -> Placement {
         let from_middle = (at - self.size.as_vec2() * 0.5) * Vec2::new(1.0, -1.0);
         let before = self.world_per_pixel(placement);
-        let factor = ZOOM_PER_NOTCH.powf(notches.clamp(-20.0, 20.0));
         let range = self.radius * NEAREST..=self.radius * FARTHEST;
-        self.distance = (self.distance * factor).clamp(*range.start(), *range.end());
+        self.distance = (self.distance - by).clamp(*range.start(), *range.end());
         let shift = from_middle * (self.world_per_pixel(placement) - before);
         Placement { translation: placement.translation + shift.extend(0.0), ..*placement }
     }
@@ -310,7 +342,7 @@ mod tests {
             (Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5) * turntable.size.as_vec2()
         };
         let at = pixel(&turntable, &placement);
-        let zoomed = turntable.zoomed(&placement, 5.0, at);
+        let zoomed = turntable.zoomed(&placement, 5.0, at, None);
         assert!(pixel(&turntable, &zoomed).abs_diff_eq(at, 0.1));
         let shifted = turntable.shifted(&zoomed, Vec2::new(30.0, -12.0));
         assert!(pixel(&turntable, &shifted).abs_diff_eq(at + Vec2::new(30.0, -12.0), 0.1));
@@ -332,7 +364,7 @@ mod tests {
                 b - a
             };
             let before = width(&turntable, &Placement::default());
-            let nearer = turntable.brought_nearer(&Placement::default(), 60.0);
+            let nearer = turntable.brought_nearer(&Placement::default(), 60.0, None);
             let after = width(&turntable, &nearer);
             assert!((1.1..1.3).contains(&(after / before)), "{before} {after}");
         }

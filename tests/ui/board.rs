@@ -135,3 +135,18 @@ fn a_scan_is_chosen_shown_and_imported_on_the_board() {
     assert_eq!(dims, glam::UVec3::new(24, 12, 24));
     assert!(!harness.state().ui.dialogs.import.is_open());
 }
+
+/// While the board is closed its messages are there all the same, and nothing else.
+#[test]
+fn messages_are_shown_without_the_board() {
+    let config = config(32);
+    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    let mut workspace = Workspace::new(session, &config, Bindings::presets().unwrap());
+    workspace.ui.toasts.note("Nothing was added: the tool was outside the grid");
+    let mut harness = Harness::builder()
+        .with_size(vec2(1250.0, 800.0))
+        .build_ui_state(|ui, bench: &mut Workspace| bench.show_messages(ui), workspace);
+    harness.run_steps(3);
+    assert!(has(&harness, "Nothing was added: the tool was outside the grid"));
+    assert!(!has(&harness, "Cuboid") && !has(&harness, "Menu"));
+}

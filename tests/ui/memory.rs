@@ -89,8 +89,12 @@ fn sections_of_the_options_stay_open_or_closed() {
     harness.get_by_label("Grid outline").rect();
     harness.get_all_by_label("Tool").next().unwrap().click();
     rest(&mut harness);
+    harness.get_by_label("Drawn solids").click();
+    rest(&mut harness);
     quit(harness);
     let harness = start(&file, &config(32));
+    assert!(harness.query_by_label("Lasso").is_none(), "nor do those of the toolbox");
+    harness.get_by_label("Marker").rect();
     harness.get_by_label("Grid outline").rect();
     assert!(harness.query_by_label("Snap to voxels").is_none());
 }

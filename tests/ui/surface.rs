@@ -2,8 +2,9 @@
 //! its options change.
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
+use egui_kittest::kittest::Queryable;
 use glam::{EulerRot, IVec3, Quat, Vec2, Vec3};
-use virtual_sculpture::editor::tool::ToolKind;
+use virtual_sculpture::editor::tool::{ToolEdit, ToolKind};
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::surface::raycast;
 use virtual_sculpture::tools::construct::Solid;
@@ -313,4 +314,39 @@ fn a_hovering_pointer_that_takes_over_from_keys_or_another_view_cuts_no_tunnel()
     space(&mut harness, false);
     assert!(!is_opaque(&harness, 16, 32, 0), "the tool goes on there");
     assert!((0..7).all(|i| is_opaque(&harness, 40 - 4 * i, 34, 5)), "no tunnel");
+}
+
+/// In an empty grid the pointer leads the tool at the depth at which it was used or put last, and a number puts it anywhere.
+#[test]
+fn a_tool_in_an_empty_grid_keeps_its_depth_and_takes_numbers() {
+    let mut harness = bench::bench();
+    rest(&mut harness);
+    bench::run(&mut harness, "clear grid");
+    bench::run(&mut harness, "place turn=0,0,0");
+    let depth = |harness: &Bench| {
+        let bench = harness.state();
+        let sight = virtual_sculpture::picking::Sight::new(&bench.eye(), &bench.world_from_grid());
+        sight.depth(bench.editor.tool.centre_vx)
+    };
+    let centre = bench::middle(&harness);
+    bench::run(&mut harness, "place turn=25,40,0");
+    send(&mut harness, Event::PointerMoved(centre));
+    let before = depth(&harness);
+    for i in -8..=8 {
+        send(&mut harness, Event::PointerMoved(centre + vec2(i as f32 * 14.0, 3.0)));
+        let now = depth(&harness);
+        assert!((now - before).abs() < 0.01 * before, "{now} after {before} at {i}");
+    }
+    // Put nearer by a number, from where the pointer then leads it.
+    harness.state_mut().editor.edit_tool(ToolEdit::Place(Vec3::new(20.0, 30.0, 50.0)));
+    let tool = &harness.state().editor.tool;
+    assert_eq!((tool.centre_vx, tool.follow), (Vec3::new(20.0, 30.0, 50.0), false));
+    let before = depth(&harness);
+    harness.state_mut().editor.tool.edit(ToolEdit::Follow(true));
+    for i in -2..=2 {
+        send(&mut harness, Event::PointerMoved(centre + vec2(i as f32 * 14.0, 3.0)));
+        let now = depth(&harness);
+        assert!((now - before).abs() < 0.01 * before, "{now} after {before} at {i}");
+    }
+    assert!(harness.get_all_by_role(egui::accesskit::Role::SpinButton).count() >= 9);
 }

@@ -3,7 +3,7 @@
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use glam::{IVec3, UVec3, Vec3};
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::{DrawKind, ToolMode};
@@ -359,4 +359,38 @@ fn the_limit_takes_the_marker_where_it_is_unless_more_is_selected() {
         key(&mut harness, Modifiers::NONE, Key::L);
         assert_eq!(boxes(&harness), chosen, "what was selected stays so");
     }
+}
+
+/// Brushes that deform are tools like others: each has its button in the toolbox, which says which of them is in hand.
+#[test]
+fn every_brush_that_deforms_has_its_button_and_its_section_folds() {
+    let mut harness = bench::bench_of(&bench::config(64), vec2(1280.0, 1200.0));
+    rest(&mut harness);
+    let buttons = ["Grab", "Draw", "Inflate", "Crease", "Flatten", "Scrape", "Fill up", "Pinch"];
+    for name in buttons.into_iter().chain(["Smear", "Twist"]) {
+        let button = harness.get_by_role_and_label(Role::Button, name);
+        assert!(button.rect().right() < 120.0, "{name} stands in the toolbox");
+        button.click();
+        rest(&mut harness);
+        let tool = &harness.state().editor.tool;
+        assert_eq!(tool.kind, ToolKind::Deform);
+        let kind = tool.deform;
+        let word = if name == "Fill up" { "fill".to_string() } else { name.to_lowercase() };
+        assert_eq!(kind.name(), word);
+        let chosen = |other: &str| {
+            let node = harness.get_by_role_and_label(Role::Button, other);
+            node.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
+        };
+        for other in buttons {
+            assert_eq!(chosen(other), other == name, "{other} beside {name}");
+        }
+        // The options are those of the tool in hand, and choose no other.
+        harness.get_by_label("Strength");
+        assert_eq!(harness.query_all_by_label(name).count(), 2, "button and title");
+    }
+    click(&mut harness, "Deform");
+    assert!(harness.query_by_role_and_label(Role::Button, "Pinch").is_none());
+    harness.get_by_label("Erosion");
+    click(&mut harness, "Deform");
+    harness.get_by_role_and_label(Role::Button, "Pinch");
 }

@@ -17,6 +17,7 @@ use super::brick::{BRICK_EDGE_VX, Brick};
 
 mod band;
 mod read;
+mod walls;
 mod word_reader;
 mod words;
 

@@ -24,6 +24,8 @@ pub struct PlacedForm {
     stretch: DVec3,
     image: Image,
     bounds: VoxelBox,
+    /// It ends, and by more than a voxel outside the grid.
+    leaves_grid: bool,
     /// More than distances are wrong by.
     rounding: f64,
 }
@@ -132,6 +134,7 @@ impl PlacedForm {
             stretch,
             image,
             bounds: VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO },
+            leaves_grid: false,
             rounding: 0.0,
         };
         let dims = grid.dims().as_dvec3();
@@ -143,6 +146,8 @@ impl PlacedForm {
             }
             false => (DVec3::ZERO, dims),
         };
+        // The bounds have a voxel to spare.
+        form.leaves_grid = low.cmplt(DVec3::splat(-2.0)).any() || high.cmpgt(dims + 2.0).any();
         form.bounds = VoxelBox {
             min: low.clamp(DVec3::ZERO, dims).as_ivec3(),
             max: high.clamp(DVec3::ZERO, dims).as_ivec3(),
@@ -151,6 +156,11 @@ impl PlacedForm {
         let longest = (dims * stretch).length() + form.anchor();
         form.rounding = 1e-13 * longest;
         form
+    }
+
+    /// Whether it ends, and by more than a voxel outside the grid.
+    pub fn leaves_grid(&self) -> bool {
+        self.leaves_grid
     }
 
     /// As long as the longest number that distances are made of.

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use glam::{IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::command::{Area, Command, NewSculpture};
-use sculpture_core::document::{CommandError, Document, Limits};
+use sculpture_core::document::{CommandError, Document, Heeds, Limits};
 use sculpture_core::sculpture::brick::local_index;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::Contents;
@@ -51,6 +51,43 @@ fn changed_bricks(before: &Contents, after: &Contents) -> HashSet<u32> {
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
+
+    /// What is only tried leaves nothing behind, and tells what happens if it is done in earnest.
+    #[test]
+    fn what_is_tried_leaves_nothing_behind(
+        new in new_sculpture(24),
+        commands in prop::collection::vec(work(), 1..20),
+        tried in prop::collection::vec(work(), 1..4),
+        heeds in (any::<bool>(), any::<bool>()).prop_map(|(limit, mask)| Heeds { limit, mask }),
+    ) {
+        let mut document = Document::new(&new, Limits::default()).unwrap();
+        for command in &commands {
+            let _ = document.apply(command);
+        }
+        let of = |document: &Document| {
+            let history = document.history();
+            (
+                document.contents().clone(),
+                (document.state(), document.revision(), document.stroke_open()),
+                (history.undo_count(), history.redo_count(), document.can_repeat()),
+                (document.selection().clone(), document.clip().cloned()),
+            )
+        };
+        let before = of(&document);
+        document.would_change(&tried, heeds);
+        prop_assert!(of(&document) == before);
+        if !document.stroke_open() {
+            let expected = document.would_change(&tried[..1], Heeds { limit: true, mask: true });
+            let is_tool = matches!(
+                tried[0],
+                Command::Construct { .. } | Command::Fill { .. } | Command::Clear { .. } | Command::Dye { .. }
+            );
+            match document.apply(&tried[0]) {
+                Ok(done) if is_tool => prop_assert_eq!(done.stats, expected),
+                _ => {}
+            }
+        }
+    }
 
     #[test]
     fn random_work_agrees_with_the_model(

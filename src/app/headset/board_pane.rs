@@ -58,9 +58,13 @@ impl BoardPane {
         self.ui.is_due(now_s)
     }
 
-    /// Runs a pass of the interface, in which the workspace does what is asked for.
-    pub fn pass(&mut self, workspace: &mut Workspace, now_s: f64) -> Pass {
-        let output = self.ui.pass(now_s, |root| workspace.show_on_board(root));
+    /// Runs a pass of the interface, in which the workspace does what is asked for; with `says_only` of nothing but its
+    /// messages.
+    pub fn pass(&mut self, workspace: &mut Workspace, now_s: f64, says_only: bool) -> Pass {
+        let output = self.ui.pass(now_s, |root| match says_only {
+            true => workspace.show_messages(root),
+            false => workspace.show_on_board(root),
+        });
         Pass { shapes: output.shapes, textures: output.textures_delta.into() }
     }
 

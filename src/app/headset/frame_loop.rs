@@ -184,13 +184,16 @@ impl XrFrameLoop {
         self.give_feedback(workspace, frame);
         let main = self.mapper.settings().main;
         let board = self.board.quad(hands, main, workspace.ui.dialogs.is_modal());
-        let due = board.is_some() && self.board.pane.is_due(now_s);
         let ray = ray_to_board(hands, main, board.as_ref());
+        // Messages are read where the board would be, which is not there to be pointed at.
+        let says_only = board.is_none() && workspace.ui.toasts.texts().next().is_some();
+        let board = if says_only { self.board.quad(hands, main, true) } else { board };
+        let due = board.is_some() && self.board.pane.is_due(now_s);
 
         // As late as possible: the eyes have moved meanwhile.
         let Some(targets) = self.session.acquire_targets(due) else { return Ok(false) };
         let (views, Some(room)) = (targets.views, self.placement.room()) else { return Ok(false) };
-        let mut pass = due.then(|| self.board.pane.pass(workspace, now_s));
+        let mut pass = due.then(|| self.board.pane.pass(workspace, now_s, says_only));
         let (mut recorder, slot) = self.session.begin_recording()?;
         self.draw(workspace, &mut recorder, slot, &room, &views, ray)?;
         if let Some(pictures) = self.renderer.pictures() {

@@ -14,7 +14,7 @@ use crate::editor::symmetry::Placed;
 use crate::editor::tool::{NextPress, ToolKind};
 use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
 use crate::input::pad::stick::Response;
-use crate::input::{ActionEvent, Bindings, DrawKind};
+use crate::input::{ActionEvent, Bindings, DrawKind, ToolMode};
 use crate::sculpture::Rgb;
 use crate::session::Session;
 use crate::surface::{IndexMap, raycast};
@@ -402,4 +402,24 @@ fn a_million_nonsensical_poses_do_no_harm() {
         assert!(placement.translation.is_finite() && placement.rotation.is_finite());
     }
     assert!(strokes > 1000, "{strokes} strokes");
+}
+
+/// Who adds beside the grid, or cuts where nothing is, is told so, however closed the board is.
+#[test]
+fn a_hand_that_changes_nothing_is_told_why() {
+    for (mode, why) in [
+        (ToolMode::Add, "Nothing was added: the tool was outside the grid"),
+        (ToolMode::Subtract, "Nothing was cut: there is nothing where the tool was"),
+    ] {
+        let mut person = Person::new(DIMS);
+        person.workspace.editor.tool.set_mode(mode);
+        // A choice for the pointer, which does not hold for a hand.
+        person.workspace.editor.tool.stand = true;
+        let beside = MIDDLE + Vec3::X * 0.6;
+        person.hold(beside, 0.0, 5);
+        person.hold(beside, 1.0, 3);
+        person.hold(beside, 0.0, 3);
+        let texts: Vec<_> = person.workspace.ui.toasts.texts().map(|(_, text)| text).collect();
+        assert_eq!(texts, [why]);
+    }
 }

@@ -88,7 +88,7 @@ impl Editor {
                 seen.or_else(wall).map(|SurfacePoint { point, face }| Ground { point, face })
             }
             DrawKind::Text => {
-                let point = picker.target(grid, at)?;
+                let point = self.target(at, picker)?;
                 let face = normal_around(grid, point, TEXT_GROUND)
                     .or(seen.map(|seen| seen.face))
                     .unwrap_or(Vec3::ZERO);
@@ -138,7 +138,10 @@ impl Editor {
             _ => self.execute_as_one(kind.name(), &commands),
         };
         if done && self.voxels_changed == before {
-            self.note_idle(mode == ToolMode::Add);
+            self.explain_idle(&commands);
+        } else if done {
+            let beyond = commands.iter().any(|command| self.goes_beyond(command));
+            self.note_cut_off(beyond);
         }
     }
 

@@ -1,0 +1,86 @@
+//! Tries commands without keeping anything of what they do, so that it can be said why others have done nothing.
+//!
+//! Takes commands that use tools or edit areas; gives what they would change; other commands are passed over. Leaves the document as it was.
+
+use std::sync::Arc;
+
+use super::Document;
+use crate::command::Command;
+use crate::sculpture::edit::EditStats;
+use crate::tools::spray::Effect;
+
+/// What keeps tools off in a trial.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Heeds {
+    /// The limit to the selection.
+    pub limit: bool,
+    /// The mask.
+    pub mask: bool,
+}
+
+impl Heeds {
+    /// Tools work everywhere.
+    pub const NOTHING: Heeds = Heeds { limit: false, mask: false };
+}
+
+impl Document {
+    /// What commands would change, one after the other, as far as they can be carried out. Within a stroke nothing is
+    /// tried.
+    pub fn would_change(&mut self, commands: &[Command], heeds: Heeds) -> EditStats {
+        let mut stats = EditStats::default();
+        if self.stroke.is_some() {
+            return stats;
+        }
+        let before = (self.state, self.states, self.revision);
+        let uses = std::mem::take(&mut self.uses);
+        let limits = self.selection.limits();
+        self.selection.set_limits(limits && heeds.limit);
+        // The mask keeps nothing off itself.
+        let about_mask = |command: &Command| match command {
+            Command::Mask(_) => true,
+            Command::Spray { spray, .. } => matches!(spray.effect, Effect::Mask { .. }),
+            _ => false,
+        };
+        let lifts = !heeds.mask && self.mask().is_some() && !commands.iter().any(about_mask);
+        let mask = if lifts { Arc::make_mut(&mut self.contents).mask.take() } else { None };
+
+        self.stroke = Some(String::new());
+        for command in commands.iter().filter(|command| can_be_tried(command)) {
+            if let Ok(applied) = self.apply(command) {
+                stats += applied.stats;
+            }
+        }
+        self.stroke = None;
+        self.stroke_surface = None;
+        self.take_back();
+
+        if lifts {
+            Arc::make_mut(&mut self.contents).mask = mask;
+        }
+        self.selection.set_limits(limits);
+        self.uses = uses;
+        (self.state, self.states, self.revision) = before;
+        stats
+    }
+}
+
+/// Whether all that a command changes is in the record of a stroke.
+fn can_be_tried(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Construct { .. }
+            | Command::Form { .. }
+            | Command::Texture { .. }
+            | Command::Stencil { .. }
+            | Command::Spray { .. }
+            | Command::Grab { .. }
+            | Command::Deform { .. }
+            | Command::Paste { .. }
+            | Command::Fill { .. }
+            | Command::Clear { .. }
+            | Command::Dye { .. }
+            | Command::Tint { .. }
+            | Command::Flood { .. }
+            | Command::Mask(_)
+    )
+}

@@ -1,0 +1,291 @@
+//! What is said when a tool has changed nothing, or only a part of what it was meant to: the reason, found by trying the
+//! same without what stands in the way.
+//!
+//! Takes the commands that were tried; gives messages. Changes nothing.
+
+use super::tool::ToolKind;
+use super::{Editor, Outcome};
+use crate::command::{Area, Command, MaskChange};
+use crate::document::Heeds;
+use crate::sculpture::Rgb;
+use crate::sculpture::edit::{EditOp, EditStats};
+use crate::sculpture::region::{Region, VoxelBox};
+use crate::tools::construct::{Primitive, Solid};
+use crate::tools::spray::{Effect, Footprint, Outline, Spray, SprayKind};
+
+/// Most commands that are tried again.
+pub(super) const MOST_TRIED: usize = 16;
+/// The bounds of a solid may be larger than the solid by this much, in voxels.
+const BOUNDS_MARGIN: i32 = 2;
+
+/// What is known of commands that change nothing, or meet the walls of the grid.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Walls {
+    /// Voxels at the walls before the stroke under way, if it may add some there.
+    before: Option<u64>,
+    /// It has been said that the last use of a tool was cut off.
+    said: bool,
+}
+
+impl Editor {
+    /// Says why commands have changed nothing.
+    pub(super) fn explain_idle(&mut self, tried: &[Command]) {
+        let Some(first) = tried.first() else { return };
+        let limited = self.document().selection().limit().is_some();
+        let masked = self.document().mask().is_some();
+        if (limited || masked) && self.trial(tried, Heeds::NOTHING).voxels_changed() > 0 {
+            let without_limit = Heeds { limit: false, mask: true };
+            if limited && self.trial(tried, without_limit).voxels_changed() > 0 || !masked {
+                self.outcomes.push(Outcome::Limited);
+            } else {
+                self.note(
+                    "Nothing changed: what is masked stays as it is (Ctrl+Shift+J clears the mask)",
+                );
+            }
+            return;
+        }
+        let why = self.why_idle(first);
+        self.note(why);
+    }
+
+    fn trial(&mut self, commands: &[Command], heeds: Heeds) -> EditStats {
+        self.session.document_mut().would_change(commands, heeds)
+    }
+
+    /// Whether commands would change something if tools worked everywhere.
+    fn meets(&mut self, commands: &[Command]) -> bool {
+        self.trial(commands, Heeds::NOTHING).voxels_changed() > 0
+    }
+
+    fn why_idle(&mut self, command: &Command) -> String {
+        let rests = self.tool.kind == ToolKind::Solid
+            && self.tool.stand
+            && self.tool.follow
+            && !self.hand.is_leading();
+        let rest = match rests {
+            true => {
+                "the tool rests on the surface and does not reach into it (Rest on the surface)"
+            }
+            false => "there is nothing where the tool was",
+        };
+        let text = match command {
+            Command::Construct { op: EditOp::Add(_), .. }
+            | Command::Form { op: EditOp::Add(_), .. } => {
+                // What is in the grid at all can be cut, once it is added.
+                let cut = with_op(command, EditOp::Subtract);
+                let covered = self.trial(&[cut, command.clone()], Heeds::NOTHING).voxels_added;
+                match covered {
+                    0 => "Nothing was added: the tool was outside the grid",
+                    _ => "Nothing was added: this part of the grid is full",
+                }
+                .to_string()
+            }
+            Command::Construct { op: EditOp::Subtract, .. }
+            | Command::Form { op: EditOp::Subtract, .. } => format!("Nothing was cut: {rest}"),
+            Command::Construct { op: EditOp::Recolour(colour), .. }
+            | Command::Form { op: EditOp::Recolour(colour), .. } => {
+                match self.meets(&[with_op(command, EditOp::Recolour(opposite(*colour)))]) {
+                    true => HAS_COLOUR.to_string(),
+                    false => format!("Nothing was painted: {rest}"),
+                }
+            }
+            Command::Texture { primitive, .. } => match self.meets(&[cut(primitive)]) {
+                true => "Nothing was painted: it shows this image already".to_string(),
+                false => format!("Nothing was painted: {rest}"),
+            },
+            Command::Spray { spray, .. } => self.why_brush_is_idle(&spray.footprint, spray.effect),
+            Command::Stencil { footprint, .. } => match self.meets(&[bite(footprint)]) {
+                true => {
+                    "Nothing was painted: it shows this image already, or the image is dark here"
+                        .to_string()
+                }
+                false => NO_SURFACE.to_string(),
+            },
+            Command::Grab { grab, .. } => self.why_clay_is_idle(grab.centre_vx, grab.radius),
+            Command::Deform { deform, .. } => {
+                self.why_clay_is_idle(deform.centre_vx, deform.radius)
+            }
+            Command::Fill { .. } => "Nothing was added: the area is full".to_string(),
+            Command::Clear { .. } => "Nothing was deleted: the area is empty".to_string(),
+            Command::Dye { area, colour } => {
+                let other = Command::Dye { area: *area, colour: opposite(*colour) };
+                match self.meets(&[other]) {
+                    true => HAS_COLOUR.to_string(),
+                    false => "Nothing was painted: the area is empty".to_string(),
+                }
+            }
+            Command::Flood { .. } => HAS_COLOUR.to_string(),
+            Command::Paste { at, orientation } => {
+                let inside = self.document().clip().is_some_and(|clip| {
+                    let all = self.whole();
+                    !clip.bounds(*at, *orientation).intersect(all).is_empty()
+                });
+                match inside {
+                    true => "Nothing changed: what was pasted is there already",
+                    false => "Nothing was pasted: the place is outside the grid",
+                }
+                .to_string()
+            }
+            Command::Mask(MaskChange::Put { adds: true, .. }) => {
+                "Nothing changed: it is masked already, or outside the grid".to_string()
+            }
+            Command::Mask(_) => "Nothing changed: there is no mask here".to_string(),
+            _ => "Nothing changed".to_string(),
+        };
+        text
+    }
+
+    fn why_brush_is_idle(&mut self, footprint: &Footprint, effect: Effect) -> String {
+        if !self.meets(&[bite(footprint)]) {
+            return NO_SURFACE.to_string();
+        }
+        match effect {
+            Effect::Paintbrush { .. } => HAS_COLOUR,
+            Effect::Clay { .. } => "Nothing was added: the grid ends here",
+            Effect::Mask { adds: true } => "Nothing changed: it is masked already",
+            Effect::Mask { adds: false } => "Nothing changed: there is no mask here",
+            Effect::Devourer { .. } => "Nothing was cut",
+            Effect::Erosion { .. } => "Nothing was removed: all voxels here have as many neighbours as the threshold",
+            Effect::Dilation { .. } | Effect::Growth { .. } => {
+                "Nothing was added: no place here has as many neighbours as the threshold, or the grid ends here"
+            }
+            Effect::Smooth { .. } => "Nothing changed: it is smooth here",
+        }
+        .to_string()
+    }
+
+    fn why_clay_is_idle(&mut self, centre_vx: glam::Vec3, radius: f32) -> String {
+        if self.tool.deforms.of(self.tool.deform).strength == 0.0 {
+            return "Nothing changed: the strength of the brush is 0".to_string();
+        }
+        let half = glam::Vec3::splat(radius);
+        let rotation = glam::Quat::IDENTITY;
+        let ball = Primitive { solid: Solid::Ellipsoid, centre_vx, half, rotation };
+        if !self.meets(&[cut(&ball)]) {
+            return "Nothing changed: there is no clay under the brush".to_string();
+        }
+        let beyond = self.goes_beyond(&with_op(&cut(&ball), EditOp::Add(None)));
+        match beyond {
+            true => {
+                "Nothing changed: the grid ends here, or the clay is already as the brush makes it"
+            }
+            false => "Nothing changed: the clay is already as the brush makes it",
+        }
+        .to_string()
+    }
+
+    fn whole(&self) -> VoxelBox {
+        VoxelBox { min: glam::IVec3::ZERO, max: self.document().grid().dims().as_ivec3() }
+    }
+
+    /// Whether a command adds, or would add, beyond the walls of the grid.
+    pub(super) fn goes_beyond(&self, command: &Command) -> bool {
+        let document = self.document();
+        let all = self.whole();
+        let leaves = |bounds: VoxelBox, margin: i32| {
+            (bounds.min + margin).cmplt(all.min).any() || (bounds.max - margin).cmpgt(all.max).any()
+        };
+        let grid = document.grid();
+        match command {
+            Command::Construct { op: EditOp::Add(_), primitive, to_vx } => {
+                let size = grid.voxel_size();
+                document.images().iter().any(|image| {
+                    leaves(image.placed(primitive, *to_vx, size).bounds_vx(), BOUNDS_MARGIN)
+                })
+            }
+            Command::Form { op: EditOp::Add(_), form } => {
+                document.images().iter().any(|image| image.form(form, grid).leaves_grid())
+            }
+            Command::Paste { at, orientation } => {
+                document.clip().is_some_and(|clip| leaves(clip.bounds(*at, *orientation), 0))
+            }
+            _ => false,
+        }
+    }
+
+    /// A stroke begins: whatever it adds at the walls is noticed at its end.
+    pub(super) fn note_walls(&mut self) {
+        let adds = match self.tool.kind {
+            ToolKind::Spray(kind) => {
+                matches!(kind, SprayKind::Clay | SprayKind::Dilation | SprayKind::Growth)
+            }
+            ToolKind::Deform => true,
+            _ => false,
+        };
+        self.walls.before = adds.then(|| self.document().grid().voxels_at_walls());
+    }
+
+    /// Says, once until a tool is used within the grid again, that what a tool has added was cut off. `beyond`: it is
+    /// known to have gone beyond the walls.
+    pub(super) fn note_cut_off(&mut self, beyond: bool) {
+        let before = self.walls.before.take();
+        let met = before.is_some_and(|before| self.document().grid().voxels_at_walls() > before);
+        let cut_off = beyond || met;
+        if cut_off && !self.walls.said {
+            self.note("The grid ends there: what would lie outside it was left out");
+        }
+        self.walls.said = cut_off;
+    }
+
+    /// Counts what a command has changed: within a stroke for its end, else says why it has changed nothing.
+    pub(super) fn note_changes(&mut self, command: &Command, changed: u64) {
+        if let Command::Begin { .. } = command {
+            return self.note_walls();
+        }
+        if let Some(mut stroke) = self.stroke.take() {
+            stroke.changed += changed;
+            stroke.beyond |= changed > 0 && self.goes_beyond(command);
+            if stroke.changed == 0 && stroke.tried.len() < MOST_TRIED {
+                stroke.tried.push(command.clone());
+            }
+            self.stroke = Some(stroke);
+            return;
+        }
+        if self.document().stroke_open() {
+            return;
+        }
+        let asked = matches!(
+            command,
+            Command::Fill { area: Area::Marker | Area::Selection, .. }
+                | Command::Clear { area: Area::Marker | Area::Selection }
+                | Command::Dye { area: Area::Marker | Area::Selection, .. }
+                | Command::Flood { .. }
+                | Command::Paste { .. }
+        );
+        match changed {
+            0 if asked => self.explain_idle(std::slice::from_ref(command)),
+            0 => {}
+            _ if matches!(command, Command::Paste { .. }) => {
+                self.note_cut_off(self.goes_beyond(command));
+            }
+            _ => {}
+        }
+    }
+}
+
+const HAS_COLOUR: &str = "Nothing was painted: it has this colour already";
+const NO_SURFACE: &str = "Nothing changed: the brush met no surface";
+
+fn opposite(colour: Rgb) -> Rgb {
+    Rgb(colour.0.map(|channel| !channel))
+}
+
+fn cut(primitive: &Primitive) -> Command {
+    Command::Construct { op: EditOp::Subtract, primitive: *primitive, to_vx: None }
+}
+
+/// Takes off the voxels that a brush sees.
+fn bite(footprint: &Footprint) -> Command {
+    let effect = Effect::Devourer { outline: Outline::Round };
+    let spray = Spray { effect, footprint: *footprint, reach_vx: 0.0 };
+    Command::Spray { spray, surface: crate::command::SpraySurface::Now }
+}
+
+/// The same solid with another operation.
+fn with_op(command: &Command, op: EditOp) -> Command {
+    match command.clone() {
+        Command::Construct { primitive, to_vx, .. } => Command::Construct { op, primitive, to_vx },
+        Command::Form { form, .. } => Command::Form { op, form },
+        other => other,
+    }
+}
