@@ -348,8 +348,12 @@ impl Search<'_> {
             if s <= nearest {
                 return true;
             }
-            let slack = SURELY_HIDDEN_VX * self.cone.per_voxel + (farthest - nearest);
-            doubtful[axis] = s <= farthest + slack;
+            let margin = SURELY_HIDDEN_VX * self.cone.per_voxel;
+            doubtful[axis] = s <= farthest + margin + (farthest - nearest) || {
+                let [i, j, s] = self.cone.project(above(middle, axis, 0.0));
+                let (nearest, farthest) = self.depths.around(i, j);
+                s <= farthest + margin + (farthest - nearest)
+            };
         }
         (0..3).filter(|axis| doubtful[*axis]).any(|axis| {
             self.sees(above(middle, axis, LIFT_VX)) || self.sees(above(middle, axis, 0.0))
