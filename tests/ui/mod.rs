@@ -6,6 +6,7 @@ mod changed_on_disk;
 mod draw;
 mod draw_presses;
 mod files;
+mod focus;
 mod import;
 mod in_use;
 mod keys;
