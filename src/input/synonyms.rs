@@ -21,7 +21,9 @@ impl Action {
             Action::Open => "load import read browse file",
             Action::Save => "write store file",
             Action::SaveAs => "convert copy rename file",
-            Action::Export => "write convert volume pvm raw other programs file",
+            Action::Export => {
+                "write convert volume pvm raw stl obj ply glb gltf 3mf vox mesh other programs file"
+            }
             Action::Screenshot => "screenshot capture snapshot photo image png export render",
             Action::CopyScreenshot => {
                 "screenshot capture snapshot photo image clipboard system paste"
@@ -168,7 +170,7 @@ impl Action {
             Action::Sculpt => "carve draw",
             Action::SculptInverse => "invert opposite",
             Action::SculptSmooth => "relax",
-            Action::TurnSculpture => "turn orbit spin tumble view",
+            Action::TurnSculpture => "turn orbit spin tumble free trackball view",
             Action::PanSculpture => "move shift translate view",
             Action::Zoom => "dolly closer nearer farther",
             Action::MoveTool | Action::MoveToolDeep => "drag translate",

@@ -13,6 +13,7 @@ mod keys;
 mod light;
 mod masks;
 mod memory;
+mod palette;
 mod panels;
 mod pictures;
 mod pressure;
