@@ -10,7 +10,7 @@ use egui::{WidgetInfo, WidgetType, vec2};
 use super::elsewhere::{ELSEWHERE, Elsewhere, Target};
 use super::filter::Filter;
 use super::spot::Spot;
-use super::{UiContext, UiRequest, UiState, theme};
+use super::{UiContext, UiRequest, UiState, numbers, theme};
 use crate::command::{COMMANDS, Command, CommandHelp};
 use crate::input::action::Kind;
 use crate::input::{Action, Bindings};
@@ -234,6 +234,7 @@ fn field(ui: &mut Ui, palette: &mut Palette) {
         .desired_width(f32::INFINITY)
         .show(ui);
     let response = &output.response.response;
+    numbers::words(response);
     response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Command"));
     // Asking for what it has would interrupt an input method, with every picture anew.
     if !response.has_focus() {

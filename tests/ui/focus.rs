@@ -108,3 +108,30 @@ fn escape_in_a_list_closes_the_list_alone() {
     rest(&mut harness);
     assert!(!harness.state().ui.dialogs.keys.open);
 }
+
+#[test]
+fn a_decimal_comma_counts_like_a_point_in_fields_for_numbers_alone() {
+    let mut harness = bench();
+    // A number of the options: the longest side of the tool.
+    let sizes: Vec<_> = harness.get_all_by_role(egui::accesskit::Role::SpinButton).collect();
+    let at = sizes[0].rect().center();
+    let before = harness.state().editor.tool.half();
+    for pressed in [true, false] {
+        send(&mut harness, egui::Event::PointerMoved(at));
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        send(&mut harness, egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+    }
+    rest(&mut harness);
+    key(&mut harness, Modifiers::COMMAND, Key::A);
+    for typed in ["1", "2", ",", "5"] {
+        send(&mut harness, egui::Event::Text(typed.to_string()));
+    }
+    key(&mut harness, Modifiers::NONE, Key::Enter);
+    rest(&mut harness);
+    let half = harness.state().editor.tool.half();
+    assert_ne!(half, before);
+    assert_eq!(half.max_element(), 6.25, "{half}");
+    // In a field for words it stays: `8,8,8` is three numbers.
+    super::bench::run_by_palette(&mut harness, "subtract cuboid at=8,8,8 half=2");
+    assert_eq!(voxels(&harness), 64u64.pow(3) - 64);
+}
