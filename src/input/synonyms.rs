@@ -104,6 +104,8 @@ impl Action {
             Action::NextToolMode => "switch toggle cycle",
             Action::Grow => "larger bigger increase resize size radius scale",
             Action::Shrink => "smaller decrease reduce resize size radius scale",
+            Action::LeadSize => "radius brush scale interactive",
+            Action::LeadStrength => "intensity opacity brush interactive",
             Action::ResetTool => "default restore centre",
             Action::Nudge(_) => "shift nudge",
             Action::Stretch(_) => "stretch lengthen longer resize",

@@ -16,6 +16,7 @@ mod memory;
 mod palette;
 mod panels;
 mod pictures;
+mod presets;
 mod pressure;
 mod print_check;
 mod recovery;
