@@ -2,7 +2,7 @@
 //!
 //! ARCHITECTURE.md is the map of the rooms below.
 
-// They panic where nobody reads: see `say`.
+// They panic where nobody reads: see `terminal`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod app;

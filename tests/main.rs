@@ -26,5 +26,6 @@ mod ui;
 mod video;
 #[cfg(target_os = "linux")]
 mod window;
+mod words;
 
 trials::main!();

@@ -173,6 +173,9 @@ impl Workspace {
 
     /// Does what an event of a device means.
     pub(super) fn answer_event(&mut self, event: &ActionEvent) {
+        if self.editor.lead_by(event) {
+            return self.settle();
+        }
         match *event {
             ActionEvent::Tap(action) => return self.act(action),
             ActionEvent::Begin { action, at } => {

@@ -4,6 +4,9 @@
 //! It only holds the parts and runs the passes; what follows from input is decided in `dispatch`.
 //! Knows no window and no Vulkan, so that all of it can be tested without either.
 
+mod key_focus;
+
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -29,6 +32,8 @@ use crate::viewpoint::ar::Ar;
 use crate::viewpoint::head::{Head, Monitor};
 use crate::viewpoint::{Viewpoint, Viewport};
 
+use key_focus::{Around, Heard, KeyFocus};
+
 /// What the window with its device, and a headset, report.
 pub struct Display {
     /// Name of the Vulkan device.
@@ -49,6 +54,8 @@ pub struct Workspace {
     pub controls: Controls,
     pub ui: UiState,
     pub display: Display,
+    /// Who has the keyboard in the main window, and in those of panels.
+    key_focus: BTreeMap<Option<Panel>, KeyFocus>,
     /// Where it is remembered how the program was left, if anywhere.
     pub(super) memory: Option<MemoryFile>,
     pub(super) leaving: bool,
@@ -79,6 +86,7 @@ impl Workspace {
                 blends: Vec::new(),
                 picture: Rect::ZERO,
             },
+            key_focus: BTreeMap::new(),
             memory: None,
             leaving: false,
             config: config.clone(),
@@ -221,12 +229,14 @@ impl Workspace {
     /// One pass of a panel in a window of its own. True if something was done there that other
     /// windows may show.
     pub fn show_panel(&mut self, panel: Panel, root: &mut Ui) -> bool {
+        let Heard { keyboard, kept } = self.hear_keys(Some(panel), root, false);
         let area = InputArea {
             rect: Rect::NOTHING,
             pixels_per_point: root.pixels_per_point(),
             hovered: false,
             captured: false,
-            keyboard: self.has_keyboard(root),
+            keyboard,
+            kept,
         };
         let (events, touched) =
             root.ctx().input(|input| (device_events(input, &area), is_touched(input)));
@@ -247,6 +257,7 @@ impl Workspace {
     /// window is let go.
     pub fn put_back(&mut self, panel: Panel) {
         self.ui.layout.detached.remove(&panel);
+        self.key_focus.remove(&Some(panel));
         for event in self.controls.panel_closed(panel) {
             self.answer_event(&event);
         }
@@ -330,21 +341,30 @@ impl Workspace {
         });
     }
 
-    /// Whether keys are meant for the sculpture rather than for a dialog or a field.
-    fn has_keyboard(&self, root: &Ui) -> bool {
-        !self.ui.dialogs.is_modal() && root.ctx().memory(|memory| memory.focused().is_none())
+    /// Which keys of a window are meant for the sculpture rather than for a dialog or a field.
+    fn hear_keys(&mut self, panel: Option<Panel>, root: &Ui, hovered: bool) -> Heard {
+        let dialogs = &mut self.ui.dialogs;
+        let around = Around {
+            asking: dialogs.is_asking(),
+            modal: dialogs.is_modal(),
+            closable: dialogs.has_window(),
+            hovered,
+        };
+        self.key_focus.entry(panel).or_default().pass(root.ctx(), around)
     }
 
     /// Does what the devices say about the picture as it was last shown.
     fn listen(&mut self, root: &Ui) {
         let ctx = root.ctx();
         let hovered = ctx.read_response(picture_id()).is_some_and(|r| r.contains_pointer());
+        let Heard { keyboard, kept } = self.hear_keys(None, root, hovered);
         let area = InputArea {
             rect: self.display.picture,
             pixels_per_point: root.pixels_per_point(),
             hovered: hovered && !self.ui.dialogs.is_modal(),
             captured: self.controls.is_dragging(),
-            keyboard: self.has_keyboard(root),
+            keyboard,
+            kept,
         };
         let events = ctx.input(|input| device_events(input, &area));
         let taps = ctx.input(|input| self.controls.take_shift_taps(&input.events));

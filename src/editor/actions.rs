@@ -5,6 +5,7 @@
 
 use glam::{Quat, UVec3, Vec2, Vec3};
 
+use super::lead::Led;
 use super::stroke::{Guide, SurfaceGuide};
 use super::tool::{NextPress, ToolKind};
 use super::{Editor, sprays};
@@ -57,6 +58,8 @@ impl Editor {
             Action::NextToolMode => self.tool.set_mode(self.tool.mode.next()),
             Action::Grow => self.resize(1.0, GROWTH),
             Action::Shrink => self.resize(-1.0, GROWTH),
+            Action::LeadSize => self.begin_leading(Led::Size),
+            Action::LeadStrength => self.begin_leading(Led::Strength),
             Action::ResetTool if self.tool.kind == ToolKind::Marker => self.reset_marker(),
             Action::ResetTool => {
                 self.tool.reset_pose(self.document().grid().dims());

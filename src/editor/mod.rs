@@ -16,6 +16,7 @@ mod footing;
 pub mod hand;
 mod idle;
 pub mod job;
+mod lead;
 mod marker;
 mod path;
 pub mod questions;
@@ -100,6 +101,8 @@ pub struct Editor {
     lifted: bool,
     /// How hard a pen or the trigger of a hand is pressed, 0 to 1; 1 where nothing tells.
     pressure: f32,
+    /// The size or the strength of the tool follows the pointer.
+    leading: Option<lead::Leading>,
     jobs: Jobs,
     autosave: Autosave,
     /// Voxels that commands have changed since the start.
@@ -126,6 +129,7 @@ impl Editor {
             rotates_instead: false,
             lifted: false,
             pressure: 1.0,
+            leading: None,
             jobs: Jobs::default(),
             autosave: Autosave::default(),
             voxels_changed: 0,

@@ -117,6 +117,10 @@ pub enum Action {
     Mode(ToolMode),
     Grow,
     Shrink,
+    /// Lets the pointer lead the size of the tool, until a click.
+    LeadSize,
+    /// The same with its strength.
+    LeadStrength,
     ResetTool,
     /// Moves the tool by one voxel.
     Nudge(Step),
@@ -317,6 +321,8 @@ impl Action {
         Action::NextToolMode,
         Action::Grow,
         Action::Shrink,
+        Action::LeadSize,
+        Action::LeadStrength,
         Action::Nudge(Step::Left),
         Action::Nudge(Step::Right),
         Action::Nudge(Step::Up),

@@ -212,6 +212,14 @@ impl Action {
             Action::ToggleFollow => {
                 ("toggle-follow", Tap, "Let the tool follow the pointer, or stay where it is")
             }
+            Action::LeadSize => {
+                ("lead-size", Tap, "Size by the pointer: right is larger; click to keep it")
+            }
+            Action::LeadStrength => (
+                "lead-strength",
+                Tap,
+                "Strength by the pointer: right is stronger; click to keep it",
+            ),
             Action::ResetTool => {
                 ("reset-tool", Tap, "Reset the tool's position, rotation and size")
             }

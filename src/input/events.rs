@@ -73,8 +73,31 @@ pub struct Viewport {
     pub hovered: bool,
     /// A button was pressed in the viewport and is still held.
     pub captured: bool,
-    /// No text field or other widget has the keyboard focus.
+    /// Neither a text field nor a dialog has the keyboard.
     pub keyboard: bool,
+    /// Keys that something else wants all the same.
+    pub kept: KeptKeys,
+}
+
+/// Keys that a button, a slider or an open list keeps from the viewport while it has the focus.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct KeptKeys {
+    pub enter: bool,
+    pub space: bool,
+    pub arrows: bool,
+    pub escape: bool,
+}
+
+impl KeptKeys {
+    fn has(self, key: Key) -> bool {
+        match key {
+            Key::Enter => self.enter,
+            Key::Space => self.space,
+            Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown => self.arrows,
+            Key::Escape => self.escape,
+            _ => false,
+        }
+    }
 }
 
 impl Viewport {
@@ -122,7 +145,9 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
             Event::Zoom(factor) if factor > 0.0 => {
                 wheel(viewport, pointer, factor.ln() / PINCH_PER_NOTCH, Modifiers::default())
             }
-            Event::Key { key, pressed: true, repeat, modifiers, .. } if viewport.keyboard => {
+            Event::Key { key, pressed: true, repeat, modifiers, .. }
+                if viewport.keyboard && !viewport.kept.has(key) =>
+            {
                 Some(DeviceEvent::KeyPressed { key, modifiers: modifiers.into(), repeat })
             }
             // A text field with the focus gets these itself.

@@ -49,8 +49,8 @@ impl Group {
             Solid(_) | Draw(_) | Mode(_) | Wand | NextToolMode | Spray(_) | Deform(_) | Marker => {
                 Group::Tools
             }
-            Grow | Shrink | Nudge(_) | Stretch(_) | AlignTool | ToggleFollow | ToggleSnap
-            | ResetTool => Group::Pose,
+            Grow | Shrink | LeadSize | LeadStrength | Nudge(_) | Stretch(_) | AlignTool
+            | ToggleFollow | ToggleSnap | ResetTool => Group::Pose,
             Mirror(_) | MirrorPlane | Radial | Repeat => Group::Repetition,
             SelectMarker | DeselectMarker | DropBox | ClearSelection | ToggleLimit | FillMarker
             | ClearMarker | DyeMarker | Copy | Cut | Paste | TurnClip(_) | MirrorClip(_)

@@ -21,7 +21,9 @@ impl Action {
             Action::Open => "load import read browse file",
             Action::Save => "write store file",
             Action::SaveAs => "convert copy rename file",
-            Action::Export => "write convert volume pvm raw other programs file",
+            Action::Export => {
+                "write convert volume pvm raw stl obj ply glb gltf 3mf vox mesh other programs file"
+            }
             Action::Screenshot => "screenshot capture snapshot photo image png export render",
             Action::CopyScreenshot => {
                 "screenshot capture snapshot photo image clipboard system paste"
@@ -102,6 +104,8 @@ impl Action {
             Action::NextToolMode => "switch toggle cycle",
             Action::Grow => "larger bigger increase resize size radius scale",
             Action::Shrink => "smaller decrease reduce resize size radius scale",
+            Action::LeadSize => "radius brush scale interactive",
+            Action::LeadStrength => "intensity opacity brush interactive",
             Action::ResetTool => "default restore centre",
             Action::Nudge(_) => "shift nudge",
             Action::Stretch(_) => "stretch lengthen longer resize",
@@ -168,7 +172,7 @@ impl Action {
             Action::Sculpt => "carve draw",
             Action::SculptInverse => "invert opposite",
             Action::SculptSmooth => "relax",
-            Action::TurnSculpture => "turn orbit spin tumble view",
+            Action::TurnSculpture => "turn orbit spin tumble free trackball view",
             Action::PanSculpture => "move shift translate view",
             Action::Zoom => "dolly closer nearer farther",
             Action::MoveTool | Action::MoveToolDeep => "drag translate",

@@ -5,8 +5,8 @@ use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui}
 
 use super::{
     UiContext, UiRequest, UiState, busy, changed_on_disk, export_dialog, files, film_dialog,
-    final_dialog, guide, history, import_dialog, in_use, light, new_dialog, options, palette,
-    recovery_dialog, theme, toolbox, top_bar, unkept, unsaved, upright,
+    final_dialog, guide, history, import_dialog, in_use, light, new_dialog, numbers, options,
+    palette, recovery_dialog, theme, toolbox, top_bar, unkept, unsaved, upright,
 };
 use crate::input::hands::HandSide;
 
@@ -35,6 +35,9 @@ pub fn show(
     requests: &mut Vec<UiRequest>,
 ) {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
+    if !state.dialogs.files.is_open() {
+        numbers::hear(root.ctx());
+    }
     top_bar::show(root, state, context, requests);
     upright::strip(root, state, context, requests);
     let enabled = !state.dialogs.is_modal();

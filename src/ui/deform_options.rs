@@ -3,6 +3,7 @@
 use egui::{Slider, Ui};
 
 use super::buttons::explain;
+use super::spot::{self, Spot};
 use super::top_bar::capital;
 use super::{UiContext, UiRequest};
 use crate::editor::deform::{DeformOptions, MAX_STEADY_PX};
@@ -62,10 +63,11 @@ pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
             let slider = Slider::new(&mut options.steady_px, 0.0..=MAX_STEADY_PX)
                 .fixed_decimals(0)
                 .suffix(" px");
-            ui.add(slider).labelled_by(label.id).on_hover_text(
+            let steady = ui.add(slider).labelled_by(label.id).on_hover_text(
                 "The pointer leads the brush on a rope of this length, so that a hand that trembles draws \
                  an even line; 0 without one",
             );
+            spot::mark(&steady, Spot::Steady);
             ui.end_row();
         }
         ui.label("Falloff");

@@ -88,8 +88,13 @@ impl Dialogs {
         }
     }
 
-    /// Whether a dialog lies over the sculpture and has the person's attention.
+    /// Whether a dialog or long work lies over the sculpture and has the person's attention.
     pub fn is_modal(&self) -> bool {
+        self.is_asking() || self.busy.is_some()
+    }
+
+    /// Whether a dialog waits for an answer.
+    pub fn is_asking(&self) -> bool {
         self.unsaved.is_some()
             || self.unkept.is_some()
             || self.changed_on_disk.is_some()
@@ -104,7 +109,6 @@ impl Dialogs {
             || self.palette.open
             || self.keys.is_catching()
             || self.files.is_open()
-            || self.busy.is_some()
     }
 
     /// Closes the uppermost open window; false if there is none.
@@ -119,10 +123,18 @@ impl Dialogs {
         if self.export.close() || self.import.close() || self.recovery.close() {
             return true;
         }
-        let open = [
-            &mut self.new.open,
-            &mut self.final_picture.open,
-            &mut self.film.open,
+        let asked = [&mut self.new.open, &mut self.final_picture.open, &mut self.film.open];
+        asked.into_iter().any(close) || self.windows().into_iter().any(close)
+    }
+
+    /// Whether a window is open that waits for no answer, and that Escape closes.
+    pub fn has_window(&mut self) -> bool {
+        self.windows().into_iter().any(|open| *open)
+    }
+
+    /// The windows beside the sculpture, those first that are closed first.
+    fn windows(&mut self) -> [&mut bool; 7] {
+        [
             &mut self.keys.open,
             &mut self.references_open,
             &mut self.print_check.open,
@@ -130,13 +142,11 @@ impl Dialogs {
             &mut self.masks.open,
             &mut self.light.open,
             &mut self.guide.open,
-        ];
-        match open.into_iter().find(|open| **open) {
-            Some(open) => {
-                *open = false;
-                true
-            }
-            None => false,
-        }
+        ]
     }
+}
+
+/// Closes what is open; false if it is not.
+fn close(open: &mut bool) -> bool {
+    std::mem::take(open)
 }

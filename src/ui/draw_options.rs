@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use egui::{Grid, Slider, TextEdit, Ui};
 
 use super::toolbox::mode_name;
-use super::{UiContext, UiRequest, draw_progress};
+use super::{UiContext, UiRequest, draw_progress, numbers};
 use crate::editor::draw::DrawOptions;
 use crate::editor::draw::glyphs::{Font, MOST_LETTERS};
 use crate::editor::draw::options::{LENGTHS, RADII};
@@ -23,13 +23,14 @@ pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec
     ui.spacing_mut().slider_width = SLIDER_WIDTH;
     if kind == DrawKind::Text {
         let hint = "What the letters say";
-        ui.add(
+        let field = ui.add(
             TextEdit::singleline(&mut options.text)
                 .hint_text("Text")
                 .char_limit(MOST_LETTERS)
                 .desired_width(f32::INFINITY),
-        )
-        .on_hover_text(hint);
+        );
+        numbers::words(&field);
+        field.on_hover_text(hint);
     }
     if kind == DrawKind::Box {
         ui.checkbox(&mut options.height_by_pointer, "Height by the pointer").on_hover_text(

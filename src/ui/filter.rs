@@ -14,6 +14,11 @@ impl Filter {
         self.0.is_empty()
     }
 
+    /// How many words are typed.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// Whether all words stand in `texts` together.
     pub fn takes(&self, texts: &[&str]) -> bool {
         self.rank("", texts, &[]).is_some()
@@ -57,12 +62,16 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
 
 /// The text in lower case, its American spellings in British, so that either finds the other.
 pub fn british(text: &str) -> String {
-    const SPELLINGS: [(&str, &str); 5] = [
+    const SPELLINGS: [(&str, &str); 9] = [
         ("color", "colour"),
         ("gray", "grey"),
         ("center", "centre"),
         ("maximize", "maximise"),
         ("customize", "customise"),
+        ("voxelize", "voxelise"),
+        ("stabilize", "stabilise"),
+        ("recenter", "recentre"),
+        ("randomize", "randomise"),
     ];
     let lower = text.to_lowercase();
     // What is British already stays: "colour" holds no "color".

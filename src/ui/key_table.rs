@@ -9,7 +9,7 @@ use egui::{Response, Window};
 use super::filter::Filter;
 use super::key_catch::Catch;
 use super::top_bar::capital;
-use super::{UiContext, UiRequest, UiState};
+use super::{UiContext, UiRequest, UiState, numbers};
 use crate::input::group::Group;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Bindings, Trigger};
@@ -98,6 +98,7 @@ fn head(
             .hint_text("Filter by name or key")
             .desired_width(240.0);
         let response = ui.add(field);
+        numbers::words(&response);
         response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Filter"));
         ui.add_enabled_ui(changed, |ui| {
             ui.menu_button("Reset all", |ui| {

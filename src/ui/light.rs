@@ -3,6 +3,7 @@
 use egui::{Button, ComboBox, DragValue, Grid, Response, RichText, Slider, Ui, Window, pos2};
 use glam::Vec3;
 
+use super::spot::{self, Spot};
 use super::{UiState, look, theme};
 use crate::render::light::{
     Lamp, LampFrame, LampKind, MAX_EXPOSURE_EV, MAX_INTENSITY, MAX_SUN_DEG,
@@ -49,7 +50,8 @@ pub fn show(root: &Ui, state: &mut UiState) {
 
 /// The light from everywhere, how stone shines, and how fine it is shaded.
 pub fn surface(ui: &mut Ui, state: &mut UiState) {
-    look::show(ui, state);
+    let looks = ui.scope(|ui| look::show(ui, state)).response;
+    spot::mark(&looks, Spot::Looks);
     ui.add_space(4.0);
     let on_ground = state.view.ground;
     let light = &mut state.view.light;
@@ -81,8 +83,10 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
     if tone.changed() {
         light.tone = if filmic { ToneMapping::Filmic } else { ToneMapping::Off };
     }
-    ui.checkbox(&mut finish.occlusion, "Ambient occlusion")
+    let occlusion = ui
+        .checkbox(&mut finish.occlusion, "Ambient occlusion")
         .on_hover_text("Darkens corners and crevices, which get less ambient light");
+    spot::mark(&occlusion, Spot::Occlusion);
     ui.checkbox(&mut light.shadow, "Shadows").on_hover_text(
         "The first distant light throws shadows: sharp while something moves, soft in the refined picture",
     );

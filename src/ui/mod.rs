@@ -14,6 +14,7 @@ mod draw_icons;
 mod draw_options;
 mod draw_progress;
 mod dropped;
+mod elsewhere;
 pub mod export_dialog;
 pub mod files;
 pub mod film_dialog;
@@ -42,6 +43,7 @@ mod memory_draw;
 mod memory_final;
 mod memory_references;
 pub mod new_dialog;
+mod numbers;
 pub mod options;
 pub mod palette;
 pub mod panels;
@@ -51,6 +53,7 @@ pub mod recent;
 pub mod recovery_dialog;
 pub mod references;
 mod section;
+mod spot;
 pub mod spray_options;
 pub mod state;
 pub mod status;
@@ -166,6 +169,9 @@ pub fn show(
 ) -> Response {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
     key_catch::listen(root, state, context, requests);
+    if !state.dialogs.files.is_open() {
+        numbers::hear(root.ctx());
+    }
     if !state.layout.hidden {
         top_bar::show(root, state, context, requests);
         status::show(root, context);

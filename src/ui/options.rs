@@ -4,6 +4,7 @@ use egui::{Checkbox, ComboBox, DragValue, Frame, Margin, RichText, ScrollArea, U
 use glam::Vec3;
 
 use super::buttons::{action_button, explain};
+use super::spot::{self, Spot};
 use super::{
     UiContext, UiRequest, UiState, ar, gamepad, head, history, light, panels, section,
     stereo_options, symmetry_options, theme, tool_options, video,
@@ -70,9 +71,11 @@ pub fn content(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) {
+    spot::begin(ui.ctx(), &mut state.layout.led_to, true);
     section(ui, "Tool", true, state, |ui, state| tool_options::show(ui, state, context, requests));
     section(ui, "Symmetry and array", false, state, |ui, _| {
-        symmetry_options::show(ui, context, requests);
+        let symmetry = ui.scope(|ui| symmetry_options::show(ui, context, requests)).response;
+        spot::mark(&symmetry, Spot::Symmetry);
         repeat(ui, context, requests);
     });
     section(ui, "View", false, state, |ui, state| view(ui, state, context, requests));
@@ -105,13 +108,14 @@ fn section(
 /// The last operation again and again.
 fn repeat(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mut array = context.tool.array;
-    ui.horizontal(|ui| {
+    let row = ui.horizontal(|ui| {
         ui.label("Repeat");
         ui.add(DragValue::new(&mut array.count).range(1..=MAX_ARRAY).suffix(" times"))
             .on_hover_text("How many times to repeat the last operation");
         let can = context.document.can_repeat();
         action_button(ui, context, "Apply", Action::Repeat, can, requests);
     });
+    spot::mark(&row.response, Spot::Array);
     ui.horizontal(|ui| {
         ui.label("Offset");
         for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {

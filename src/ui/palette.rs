@@ -1,12 +1,16 @@
-//! The palette: a field and a list of every action and every command of scripts. Typed words
-//! choose from the list; a typed line that is a command can be run.
+//! The palette: a field and a list of every action, of what is called otherwise elsewhere, and of every command of
+//! scripts. Typed words choose from the list; a typed line that is a command can be run.
+//!
+//! A word alone is looked for as the name of an action first: commands come after all actions that it finds.
 
 use egui::text::{CCursor, CCursorRange};
 use egui::{Align2, Button, Id, Key, Modal, Modifiers, RichText, ScrollArea, TextEdit, Ui};
 use egui::{WidgetInfo, WidgetType, vec2};
 
+use super::elsewhere::{ELSEWHERE, Elsewhere, Target};
 use super::filter::Filter;
-use super::{UiContext, UiRequest, UiState, theme};
+use super::spot::Spot;
+use super::{UiContext, UiRequest, UiState, numbers, theme};
 use crate::command::{COMMANDS, Command, CommandHelp};
 use crate::input::action::Kind;
 use crate::input::{Action, Bindings};
@@ -15,6 +19,9 @@ const WIDTH: f32 = 560.0;
 const HEIGHT: f32 = 380.0;
 /// From the top of the window, in points.
 const TOP: f32 = 60.0;
+
+/// Added to the ranks of commands for a word alone: behind whatever begins with the word or has it as a name.
+const AFTER_WORDS: u32 = 5;
 
 /// What is typed, and which entry is chosen.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -39,6 +46,8 @@ enum Entry {
     /// What is typed is this command.
     Run(Box<Command>),
     Do(Action),
+    /// What is called otherwise here, or is not here.
+    See(&'static Elsewhere),
     /// A command whose arguments are still to be typed.
     Complete(&'static CommandHelp),
 }
@@ -55,10 +64,13 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
     let typed = typed.trim();
     let verb = typed.split_whitespace().next().unwrap_or_default();
     let is_command = COMMANDS.iter().any(|command| command.verb == verb);
+    // A verb alone may be a word that is looked for, and is not wrong because it is not complete.
+    let alone = typed == verb;
     let (mut run, mut error) = (None, None);
     if is_command {
         match typed.parse::<Command>() {
             Ok(command) => run = Some(Entry::Run(Box::new(command))),
+            Err(_) if alone => {}
             Err(reason) => error = Some(reason.to_string()),
         }
     }
@@ -66,6 +78,9 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
     // Nothing typed: all in their order, what needs a hand on the mouse at the end.
     const LAST: u32 = u32::MAX;
     let mut ranked = Vec::new();
+    // Nothing typed leads to itself.
+    let elsewhere = ELSEWHERE.iter().filter(|_| !filter.is_empty());
+    ranked.extend(elsewhere.filter_map(|it| Some((it.rank(&filter)?, Entry::See(it)))));
     for &action in Action::ALL {
         let help = action.help();
         let triggers: Vec<String> =
@@ -78,22 +93,25 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
         }
     }
     for command in COMMANDS {
-        // Of equals the action comes first: it needs no arguments.
+        // Of equals the action comes first: it needs no arguments. What was typed as a verb with arguments is that command.
         let rank = filter.rank(command.verb, &[command.usage, command.tooltip], &[]);
-        let rank = if command.verb == verb { Some(0) } else { rank };
-        ranked.extend(
-            rank.map(|rank| (rank + u32::from(!filter.is_empty()), Entry::Complete(command))),
-        );
+        let rank = if command.verb == verb && !alone { Some(0) } else { rank };
+        let after = if alone { AFTER_WORDS } else { 1 };
+        let after = if filter.is_empty() { 0 } else { after };
+        ranked.extend(rank.map(|rank| (rank + after, Entry::Complete(command))));
     }
     ranked.sort_by_key(|(rank, _)| *rank);
     if let Some(run) = run {
-        // A verb alone may be a word that was searched for: then what has it for its title comes
-        // first.
-        let alone = typed == verb;
-        let at = ranked.iter().take_while(|(rank, _)| alone && *rank == 0).count();
+        let at = ranked.iter().take_while(|(rank, _)| alone && *rank < AFTER_WORDS).count();
         ranked.insert(at, (0, run));
     }
     (ranked.into_iter().map(|(_, entry)| entry).collect(), error)
+}
+
+/// The command whose verb is typed, and a space behind it, and nothing else yet.
+fn begun(typed: &str) -> Option<&'static CommandHelp> {
+    let verb = typed.strip_suffix(' ')?;
+    COMMANDS.iter().find(|command| command.verb == verb && !command.usage.is_empty())
 }
 
 fn triggers_of(action: Action, bindings: Option<&Bindings>) -> String {
@@ -109,6 +127,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
     let room = root.ctx().content_rect();
     let area = Modal::default_area(Id::new("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
     let palette = &mut state.dialogs.palette;
+    let mut led_to = None;
     let response = Modal::new(Id::new("palette")).area(area).show(root.ctx(), |ui| {
         ui.set_width(WIDTH.min(room.width() - 60.0));
         let keys = Keys::take(ui);
@@ -116,6 +135,8 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         let (list, error) = entries(&palette.text, bindings);
         if let Some(error) = error {
             ui.colored_label(theme::error_colour(ui.visuals()), error);
+        } else if let Some(command) = begun(&palette.text) {
+            ui.weak(format!("{} {}", command.verb, command.usage));
         }
         let moved = palette.go(&list, keys.by);
         let mut chosen = keys.enter.then(|| list.get(palette.chosen)).flatten();
@@ -136,9 +157,12 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
             }
         });
         if let Some(entry) = chosen.filter(|entry| entry.can_be_chosen()) {
-            palette.choose(entry, requests);
+            led_to = palette.choose(entry, requests);
         }
     });
+    if let Some(spot) = led_to {
+        spot.lead(state);
+    }
     if response.should_close() {
         state.dialogs.palette.open = false;
     }
@@ -175,21 +199,32 @@ impl Palette {
         self.chosen != before
     }
 
-    fn choose(&mut self, entry: &Entry, requests: &mut Vec<UiRequest>) {
+    /// Asks for what was chosen; gives the option that is to be shown.
+    fn choose(&mut self, entry: &Entry, requests: &mut Vec<UiRequest>) -> Option<Spot> {
+        let mut led_to = None;
         match entry {
             Entry::Run(command) => requests.push(UiRequest::Run((**command).clone())),
             Entry::Do(action) => requests.push(UiRequest::Do(*action)),
+            Entry::See(Elsewhere { target: Target::Do(action), .. }) => {
+                requests.push(UiRequest::Do(*action));
+            }
+            Entry::See(Elsewhere { target: Target::Option(spot), .. }) => {
+                requests.extend(spot.needs().map(UiRequest::Do));
+                led_to = Some(*spot);
+            }
             Entry::Complete(command) => {
                 // What is typed behind the verb already stays.
-                if self.text.split_whitespace().next() != Some(command.verb) {
+                let typed = self.text.split_whitespace().collect::<Vec<_>>();
+                if typed.first() != Some(&command.verb) || typed.len() == 1 {
                     self.text = format!("{} ", command.verb);
                     self.completed = true;
                     self.chosen = 0;
                 }
-                return;
+                return None;
             }
         }
         self.open = false;
+        led_to
     }
 }
 
@@ -199,6 +234,7 @@ fn field(ui: &mut Ui, palette: &mut Palette) {
         .desired_width(f32::INFINITY)
         .show(ui);
     let response = &output.response.response;
+    numbers::words(response);
     response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Command"));
     // Asking for what it has would interrupt an input method, with every picture anew.
     if !response.has_focus() {
@@ -237,6 +273,13 @@ fn row(ui: &mut Ui, entry: &Entry, chosen: bool, bindings: Option<&Bindings>) ->
                 ),
             };
             (RichText::new(help.text), format!("{triggers}{how}"), tip)
+        }
+        Entry::See(it) => {
+            let (right, what) = match it.target {
+                Target::Do(action) => (triggers_of(action, bindings), action.help().text),
+                Target::Option(_) => ("option".to_string(), "Opens the panel and shows the option"),
+            };
+            (RichText::new(it.text), right, format!("{}\n{what}", it.text))
         }
         Entry::Complete(command) => (
             RichText::new(format!("{} {}", command.verb, command.usage)).monospace(),

@@ -1,7 +1,7 @@
 //! Tests of the palette: what is listed for what is typed, and what is chosen.
 
 use super::*;
-use crate::input::{Axis, Panel, Side, ToolMode};
+use crate::input::{Axis, DrawKind, Panel, Side, ToolMode};
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
 use crate::tools::deform::DeformKind;
@@ -159,6 +159,13 @@ fn what_people_type_finds_the_action() {
     let wanted = expected.map(|(typed, action)| (typed, Some(action)));
     let wrong: Vec<_> = found.iter().zip(&wanted).filter(|(a, b)| a != b).collect();
     assert!(wrong.is_empty(), "found and wanted: {wrong:#?}");
+    // No entry for other words stands before it, unless it is meant to.
+    let led: Vec<&str> = expected
+        .iter()
+        .filter(|(typed, _)| matches!(listed(typed)[0], Entry::See(_)))
+        .map(|(typed, _)| *typed)
+        .collect();
+    assert_eq!(led, ["array", "gizmo"]);
 }
 
 #[test]
@@ -209,4 +216,99 @@ fn what_the_mouse_does_comes_last_and_is_passed_over() {
     let last = &list[palette.chosen];
     assert!(matches!(last, Entry::Complete(c) if c.verb == "place"), "{last:?}");
     assert!(!palette.go(&[], 1) || palette.chosen == 0);
+}
+
+/// The first entry that Enter chooses.
+fn chosen(typed: &str) -> Option<Entry> {
+    let mut palette = Palette { text: typed.to_string(), ..Palette::default() };
+    let list = listed(typed);
+    palette.go(&list, 0);
+    list.get(palette.chosen).filter(|entry| entry.can_be_chosen()).cloned()
+}
+
+#[test]
+fn the_name_of_an_action_beats_a_command() {
+    assert_eq!(chosen("symmetry"), Some(Entry::Do(Action::Mirror(Axis::X))));
+    assert_eq!(chosen("mask"), Some(Entry::Do(Action::Spray(SprayKind::Mask))));
+    assert_eq!(chosen("noise"), Some(Entry::Do(Action::Tints)));
+    assert!(
+        matches!(chosen("array"), Some(Entry::See(it)) if it.target == Target::Option(Spot::Array))
+    );
+    for help in COMMANDS {
+        let (list, error) = entries(help.verb, Some(&direct()));
+        assert_eq!(error, None, "{} is not wrong because it is not complete", help.verb);
+        let is_command = |entry: &Entry| matches!(entry, Entry::Run(_) | Entry::Complete(_));
+        let first = list.iter().position(is_command).unwrap();
+        let named = |entry: &Entry| match entry {
+            Entry::Do(action) => {
+                Filter::new(help.verb).rank(action.help().text, &[], &[]) == Some(0)
+            }
+            _ => false,
+        };
+        assert!(!list[first..].iter().any(named), "{}", help.verb);
+    }
+}
+
+#[test]
+fn a_command_that_is_not_complete_is_begun() {
+    for help in COMMANDS.iter().filter(|help| !help.usage.is_empty()) {
+        let mut palette = Palette { open: true, text: help.verb.to_string(), ..Palette::default() };
+        let mut requests = Vec::new();
+        palette.choose(&Entry::Complete(help), &mut requests);
+        assert_eq!((palette.text.as_str(), requests.len()), (&*format!("{} ", help.verb), 0));
+        assert!(palette.open && palette.completed);
+        assert_eq!(begun(&palette.text), Some(help), "its arguments are shown");
+    }
+}
+
+/// What people who know other programs look for, and what is not here under that word.
+#[test]
+fn what_is_called_otherwise_or_missing_is_said() {
+    let wanted = [
+        ("boolean", Target::Do(Action::Mode(ToolMode::Subtract))),
+        ("remesh", Target::Do(Action::Spray(SprayKind::Smooth))),
+        ("resample", Target::Do(Action::New)),
+        ("subdivide", Target::Do(Action::New)),
+        ("decimate", Target::Do(Action::Export)),
+        ("layers", Target::Do(Action::Masks)),
+        ("layer", Target::Do(Action::Masks)),
+        ("wireframe", Target::Do(Action::ToggleBounds)),
+        ("pivot", Target::Do(Action::ResetView)),
+        ("matcap", Target::Option(Spot::Looks)),
+        ("alpha", Target::Option(Spot::Stencil)),
+        ("stencil", Target::Option(Spot::Stencil)),
+        ("isolate", Target::Do(Action::Masks)),
+        ("transform", Target::Do(Action::Marker)),
+        ("gizmo", Target::Do(Action::Marker)),
+        ("voxelize", Target::Do(Action::Open)),
+        ("multires", Target::Do(Action::New)),
+        ("dyntopo", Target::Do(Action::Spray(SprayKind::Smooth))),
+        ("clay strips", Target::Do(Action::Spray(SprayKind::Clay))),
+        ("lazy", Target::Option(Spot::Steady)),
+        ("stabilizer", Target::Option(Spot::Steady)),
+        ("steady", Target::Option(Spot::Steady)),
+        ("material", Target::Option(Spot::Looks)),
+        ("xray", Target::Do(Action::Draw(DrawKind::Plane))),
+        ("measure", Target::Do(Action::Marker)),
+        ("merge", Target::Do(Action::Copy)),
+        ("extract", Target::Do(Action::Copy)),
+        ("thickness", Target::Do(Action::PrintCheck)),
+        ("enlarge grid", Target::Do(Action::New)),
+        ("canvas", Target::Do(Action::New)),
+        ("crop", Target::Do(Action::Marker)),
+        ("scale", Target::Do(Action::Grow)),
+        ("focus", Target::Do(Action::ResetView)),
+        ("hdri", Target::Do(Action::FinalPicture)),
+        ("ao", Target::Option(Spot::Occlusion)),
+        ("solid view", Target::Option(Spot::RenderMode)),
+    ];
+    for (typed, target) in wanted {
+        let found = chosen(typed);
+        assert!(
+            matches!(&found, Some(Entry::See(it)) if it.target == target),
+            "{typed}: {found:?}"
+        );
+    }
+    assert_eq!(chosen("export stl"), Some(Entry::Do(Action::Export)));
+    assert_eq!(listed("free rotate")[0], Entry::Do(Action::TurnSculpture));
 }

@@ -9,7 +9,7 @@ use egui::{Sense, Ui, pos2, vec2};
 use egui::{WidgetInfo, WidgetType};
 
 use super::buttons::{action_button, explain};
-use super::{UiContext, UiRequest, UiState, history, icons, options, theme, toolbox};
+use super::{UiContext, UiRequest, UiState, history, icons, numbers, options, theme, toolbox};
 use crate::input::{Action, Panel};
 
 const BUTTON: f32 = 18.0;
@@ -42,6 +42,9 @@ pub fn show(
     requests: &mut Vec<UiRequest>,
 ) {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
+    if !state.dialogs.files.is_open() {
+        numbers::hear(root.ctx());
+    }
     // What lies over the sculpture has the person's attention.
     let enabled = !state.dialogs.is_modal();
     let frame = Frame::central_panel(root.style()).inner_margin(Margin::same(8));

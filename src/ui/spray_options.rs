@@ -78,7 +78,7 @@ pub fn show(ui: &mut Ui, options: &mut SprayOptions, kind: SprayKind) {
     if !matches!(kind, Paintbrush | Mask | Unmask) {
         let mut once = options.surface == SpraySurface::Stroke;
         ui.checkbox(&mut once, "Once per stroke").on_hover_text(
-            "Uses the surface as it was when the stroke began, so that overlapping parts of the 
+            "Uses the surface as it was when the stroke began, so that overlapping parts of the \
              stroke are not cut or raised twice",
         );
         options.surface = if once { SpraySurface::Stroke } else { SpraySurface::Now };

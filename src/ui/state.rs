@@ -15,6 +15,7 @@ use super::film_dialog::FilmRequest;
 use super::final_dialog::FinalRequest;
 use super::recent::Recent;
 use super::references::Reference;
+use super::spot::Spot;
 use super::toasts::Toasts;
 use super::upright::Upright;
 use super::{SCALE_RANGE, Theme, ViewOptions, WindowOptions};
@@ -220,6 +221,8 @@ pub struct PanelLayout {
     pub hidden: bool,
     /// The sections of the options and of the toolbox that were opened or closed, by their titles.
     pub sections: BTreeMap<String, bool>,
+    /// The option that is to be shown. Not remembered.
+    pub led_to: Option<Spot>,
 }
 
 impl PanelLayout {

@@ -36,7 +36,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
             &mut stereo.convergence_percent,
             CONVERGENCE_PERCENT,
             " %",
-            "Distance that appears at screen depth, in percent of the distance to the sculpture's 
+            "Distance that appears at screen depth, in percent of the distance to the sculpture's \
              centre; less pushes the sculpture behind the screen",
         );
     });

@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::buttons::{action_button, explain};
 use super::files::FileTask;
+use super::spot::{self, Spot};
 use super::state::PasteAs;
 use super::toolbox::{mode_name, solid_name};
 use super::{
@@ -137,7 +138,7 @@ fn follow(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
 /// What a solid paints with instead of one colour.
 fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let tool = context.tool;
-    ui.horizontal(|ui| {
+    let row = ui.horizontal(|ui| {
         if ui
             .button("Image …")
             .on_hover_text("Paint with a PNG or JPEG image wrapped around a solid, or held under the brush as a stencil")
@@ -161,6 +162,7 @@ fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut
             requests.push(UiRequest::Tool(ToolEdit::Picture(None)));
         }
     });
+    spot::mark(&row.response, Spot::Stencil);
 }
 
 /// Where a solid is, in numbers.

@@ -5,6 +5,7 @@ use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 
 use super::Theme;
 use super::buttons::{action_button, explain};
+use super::spot::{self, Spot};
 use super::{UiContext, UiRequest, UiState, recent, switches, upright};
 use crate::input::{Action, Axis, Panel, Side};
 use crate::render::RenderMode;
@@ -52,6 +53,7 @@ pub fn show(
 }
 
 fn render_mode(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
+    spot::begin(ui.ctx(), &mut state.layout.led_to, false);
     let short = |mode: RenderMode| mode.label().trim_end_matches(" + software shader");
     let chosen = state.view.mode;
     let response = ComboBox::from_id_salt("render mode")
@@ -65,6 +67,7 @@ fn render_mode(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
             }
         })
         .response;
+    spot::mark(&response, Spot::RenderMode);
     explain(response, context, Action::NextRenderMode);
 }
 

@@ -4,7 +4,7 @@
 use egui::{ComboBox, TextEdit, Ui};
 
 use super::buttons::explain;
-use super::{UiContext, UiRequest, UiState};
+use super::{UiContext, UiRequest, UiState, numbers};
 use crate::input::Action;
 use crate::video::{Address, Fit};
 use crate::viewpoint::camera::{VideoState, VideoStatus};
@@ -70,9 +70,10 @@ fn source(ui: &mut Ui, state: &mut UiState) {
     let mut text = ui.data_mut(|data| data.get_temp::<String>(id)).unwrap_or(source.clone());
     let field = TextEdit::singleline(&mut text).hint_text("First camera").desired_width(176.0);
     let response = ui.add(field).on_hover_text(
-        "v4l2:/dev/video0, a .y4m or .mjpeg video, a folder of PNGs, or http://phone:8080/video; 
+        "v4l2:/dev/video0, a .y4m or .mjpeg video, a folder of PNGs, or http://phone:8080/video; \
          leave empty for the first camera",
     );
+    numbers::words(&response);
     if !response.lost_focus() {
         if response.has_focus() {
             ui.data_mut(|data| data.insert_temp(id, text));

@@ -30,6 +30,34 @@ pub use word_reader::WordReader;
 pub const MAX_AXIS_VX: u32 = 4096;
 /// Marks "no voxel" in an index map.
 pub const NO_VOXEL: u32 = u32::MAX;
+/// Voxels that an index can name.
+const MOST_VOXELS: u64 = NO_VOXEL as u64 - 1;
+
+/// The edge of the largest cube that `fits`, in voxels.
+fn largest_cube(fits: impl Fn(UVec3) -> bool) -> u32 {
+    // Whatever fits, smaller fits as well.
+    let (mut fitting, mut beyond) = (1, MAX_AXIS_VX + 1);
+    while beyond - fitting > 1 {
+        let middle = fitting.midpoint(beyond);
+        let edge = if fits(UVec3::splat(middle)) { &mut fitting } else { &mut beyond };
+        *edge = middle;
+    }
+    fitting
+}
+
+/// The largest sizes whose voxels an index can name: of a cube, and with these two axes.
+fn largest_named(x: &u32, y: &u32) -> String {
+    let cube = largest_cube(|dims| product(dims) <= MOST_VOXELS);
+    let z = (MOST_VOXELS / (u64::from(*x) * u64::from(*y))).min(u64::from(MAX_AXIS_VX));
+    format!("the largest is {cube}x{cube}x{cube}, or {x}x{y}x{z}")
+}
+
+/// The edge of the largest cube in a budget of memory, in voxels.
+fn largest_within(budget_mib: &u64) -> u32 {
+    largest_cube(|dims| {
+        product(dims) <= MOST_VOXELS && Grid::bytes_for(dims).div_ceil(1 << 20) <= *budget_mib
+    })
+}
 
 /// Why a grid cannot be made.
 #[derive(Debug, Error, PartialEq)]
@@ -39,13 +67,15 @@ pub enum GridError {
     Axis(u32, u32, u32),
     /// The size, and its number of voxels, which a `u32` index cannot address.
     #[error(
-        "grid of {0}x{1}x{2} voxels: {3} voxels are more than the 2^32-2 that a voxel index can name"
+        "grid of {0}x{1}x{2} voxels: {3} voxels are more than the 2^32-2 that a voxel index can name; \
+         {largest}", largest = largest_named(.0, .1)
     )]
     Index(u32, u32, u32, u64),
     /// The grid needs more bytes than allowed.
     #[error(
         "grid of {dims} voxels needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
-         choose a smaller grid or raise memory.grid_mib in the settings"
+         choose a smaller grid (at most {cube}x{cube}x{cube}) or raise memory.grid_mib in the settings",
+        cube = largest_within(.budget_mib)
     )]
     Memory {
         /// Size in voxels.
@@ -100,7 +130,7 @@ impl Grid {
             return Err(GridError::Axis(x, y, z));
         }
         let voxels = product(dims);
-        if voxels > u64::from(NO_VOXEL) - 1 {
+        if voxels > MOST_VOXELS {
             return Err(GridError::Index(x, y, z, voxels));
         }
         if !voxel_size.is_finite() || voxel_size.min_element() <= 0.0 {
@@ -396,6 +426,13 @@ mod tests {
         assert!(matches!(new([4096, 4096, 4096], u64::MAX), Err(GridError::Index(..))));
         let error = new([1024, 1024, 1024], 64 << 20).unwrap_err().to_string();
         assert!(error.contains("64 MiB allowed") && error.contains("memory.grid_mib"), "{error}");
+        assert!(error.contains("at most 800x800x800"), "{error}");
+        assert!(new([800; 3], 64 << 20).is_ok() && new([801; 3], 64 << 20).is_err());
+        let error = new([2048, 2048, 2048], u64::MAX).unwrap_err().to_string();
+        assert!(error.contains("the largest is 1625x1625x1625, or 2048x2048x1023"), "{error}");
+        let check = |dims| Grid::check(UVec3::from(dims), Vec3::ONE, u64::MAX);
+        assert!(check([1625; 3]).is_ok() && check([1626; 3]).is_err());
+        assert!(check([2048, 2048, 1023]).is_ok() && check([2048, 2048, 1024]).is_err());
         assert!(Grid::new(UVec3::ONE, Vec3::new(1.0, f32::NAN, 1.0), ROOM).is_err());
         assert!(Grid::new(UVec3::ONE, Vec3::new(1.0, 0.0, 1.0), ROOM).is_err());
     }

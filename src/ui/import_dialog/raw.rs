@@ -4,7 +4,7 @@
 
 use egui::{Key, TextEdit, Ui};
 
-use crate::ui::theme;
+use crate::ui::{numbers, theme};
 
 const HELP: &str = "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
     where TYPE is u8, u16le, u16be, i16le, i16be, f32le, f32be, rgb8 or rgba8";
@@ -16,6 +16,7 @@ pub fn layout(ui: &mut Ui, text: &mut String, error: Option<&String>) -> bool {
     let label = ui.label("Layout");
     let field = TextEdit::singleline(text).hint_text("128x256x256:u8");
     let field = ui.add(field.desired_width(f32::INFINITY)).labelled_by(label.id);
+    numbers::words(&field);
     ui.weak(HELP);
     if let Some(error) = error {
         ui.colored_label(theme::error_colour(ui.visuals()), error);

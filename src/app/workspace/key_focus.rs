@@ -1,0 +1,115 @@
+//! Which keys of a pass are meant for the sculpture, and which for fields, buttons, lists and dialogs.
+//!
+//! Takes egui's state and whether a dialog asks for an answer; gives what the viewport may hear. Must not know what the
+//! keys do.
+//!
+//! A field takes all keys, a button that has the focus only Enter and Space, a slider its arrows too, an open list
+//! Escape. After a dialog or a field the hand may press once too often: what confirms or closes there is heard again
+//! only when the pointer has been used over the picture.
+
+use egui::{Context, Event, EventFilter, Id, Key, Popup, Pos2};
+
+use crate::input::events::KeptKeys;
+
+/// What had the keyboard before, until the pointer is used over the picture.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+enum After {
+    #[default]
+    Nothing,
+    /// A field, which Enter leaves.
+    Field,
+    /// A dialog or a button, which Enter or Space may have closed.
+    Dialog,
+}
+
+/// Who has the keyboard in one window.
+#[derive(Clone, Debug, Default)]
+pub struct KeyFocus {
+    after: After,
+    /// Where the pointer was when that had the keyboard last.
+    pointer: Option<Pos2>,
+    /// What had the focus in the last pass.
+    focused: Option<Id>,
+}
+
+/// What the viewport hears in a pass.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Heard {
+    /// Whether it hears keys at all.
+    pub keyboard: bool,
+    pub kept: KeptKeys,
+}
+
+/// What the program knows besides egui.
+#[derive(Clone, Copy, Debug)]
+pub struct Around {
+    /// A dialog asks for an answer.
+    pub asking: bool,
+    /// That, or work that nothing can be done beside.
+    pub modal: bool,
+    /// Escape still has a window to close.
+    pub closable: bool,
+    /// The pointer is over the picture.
+    pub hovered: bool,
+}
+
+impl KeyFocus {
+    /// Looks who has the keyboard in this pass. To be called once a pass, before anything is shown.
+    pub fn pass(&mut self, ctx: &Context, around: Around) -> Heard {
+        let focused = ctx.memory(|memory| memory.focused());
+        // A field that gets the focus becomes one only when it is shown.
+        let is_new = focused.is_some() && focused != self.focused;
+        self.focused = focused;
+        let is_field = focused.is_some() && (is_new || ctx.text_edit_focused());
+        let listed = Popup::is_any_open(ctx);
+        let pointer = ctx.input(|input| input.pointer.latest_pos());
+        if around.asking {
+            (self.after, self.pointer) = (After::Dialog, pointer);
+        } else if focused.is_some() && !is_field && ctx.input(confirms) {
+            (self.after, self.pointer) = (After::Dialog, pointer);
+        } else if is_field {
+            (self.after, self.pointer) = (self.after.max(After::Field), pointer);
+        } else if around.hovered && (pointer != self.pointer || ctx.input(is_used)) {
+            self.after = After::Nothing;
+        }
+        // A slider is dragged, a button is not.
+        let slides = focused
+            .and_then(|id| ctx.read_response(id))
+            .is_some_and(|response| response.sense.senses_drag());
+        if let Some(id) = focused.filter(|_| !is_field && !slides && !listed && !around.modal) {
+            let arrows = EventFilter {
+                horizontal_arrows: true,
+                vertical_arrows: true,
+                ..Default::default()
+            };
+            ctx.memory_mut(|memory| memory.set_focus_lock_filter(id, arrows));
+        }
+        Heard {
+            keyboard: !around.modal && !is_field,
+            kept: KeptKeys {
+                enter: focused.is_some() || listed || self.after != After::Nothing,
+                space: focused.is_some() || listed || self.after == After::Dialog,
+                arrows: focused.is_some() && slides || listed,
+                escape: listed || self.after == After::Dialog && !around.closable,
+            },
+        }
+    }
+}
+
+impl After {
+    fn max(self, other: After) -> After {
+        if self == After::Dialog { self } else { other }
+    }
+}
+
+/// Whether a key is pressed that presses a button.
+fn confirms(input: &egui::InputState) -> bool {
+    input.key_pressed(Key::Enter) || input.key_pressed(Key::Space)
+}
+
+/// Whether the pointer does more than to rest.
+fn is_used(input: &egui::InputState) -> bool {
+    input.events.iter().any(|event| {
+        matches!(event, Event::PointerButton { pressed: true, .. } | Event::MouseWheel { .. })
+    })
+}
