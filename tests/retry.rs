@@ -75,7 +75,8 @@ Caused by:
 error: 1 target failed:
     `-p statue --test statue_tests`
 ";
-const NO_BUILD: &str = "error[E0425]: cannot find value `clay` in this scope\nerror: could not compile `statue`\n";
+const NO_BUILD: &str =
+    "error[E0425]: cannot find value `clay` in this scope\nerror: could not compile `statue`\n";
 
 /// A test command whose first run prints `first` and fails. Runs with a test's name pass unless it is among `failing`.
 fn command(folder: &Path, first: &str, failing: &[&str]) -> std::path::PathBuf {
