@@ -5,6 +5,8 @@
 //! by that file's text, once per stage. Each stage becomes `pub static NAME_STAGE: &[u32]` in
 //! `OUT_DIR/shaders.rs` (with a list of them all, `ALL`, for tests), and its expanded text `OUT_DIR/NAME.stage.wgsl`, which a test compares
 //! with the layouts on the Rust side. The entry point is always `main`.
+//!
+//! Also gives the program the commit that it is built from.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -18,10 +20,34 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-changed=shaders");
+    let commit = commit().unwrap_or_else(|| "unknown".to_string());
+    println!("cargo:rustc-env=VIRTUAL_SCULPTURE_COMMIT={commit}");
     if let Err(message) = build() {
         eprintln!("{message}");
         std::process::exit(1);
     }
+}
+
+/// The commit that is checked out, read without git. Known in release builds of a clone; other builds would compile
+/// the program anew after each commit.
+fn commit() -> Option<String> {
+    if env::var("PROFILE").ok()? != "release" {
+        return None;
+    }
+    let folder = Path::new(".git");
+    let read = |name: &str| {
+        let path = folder.join(name);
+        let text = fs::read_to_string(&path).ok()?;
+        println!("cargo:rerun-if-changed={}", path.display());
+        Some(text.trim().to_string())
+    };
+    let head = read("HEAD")?;
+    let Some(name) = head.strip_prefix("ref: ") else { return Some(head) };
+    read(name).or_else(|| {
+        let packed = read("packed-refs")?;
+        let line = packed.lines().find(|line| line.ends_with(&format!(" {name}")))?;
+        line.split(' ').next().map(str::to_string)
+    })
 }
 
 fn build() -> Result<(), String> {

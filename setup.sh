@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the system packages for building and running Virtual Sculpture that are missing. Rust itself must be there.
-# Usage: setup.sh [run|test]   (test adds the validation layers and a virtual display)
+# Usage: setup.sh [run|test]   (test adds the validation layers and virtual displays: X11, Wayland)
 # Installs on Debian and its derivatives; on other systems it prints what to install.
 set -euo pipefail
 
@@ -30,6 +30,7 @@ done
 if [ "$purpose" = test ]; then
     have_layer || missing+=(vulkan-validationlayers)
     command -v Xvfb >/dev/null || missing+=(xvfb)
+    command -v weston >/dev/null || missing+=(weston)
 fi
 
 if ! command -v cargo >/dev/null && [ -x "$HOME/.cargo/bin/cargo" ]; then
@@ -49,9 +50,9 @@ if [ ${#missing[@]} -gt 0 ]; then
     if ! command -v apt-get >/dev/null; then
         cat >&2 <<MESSAGE
 setup: this system has no apt-get. Please install the equivalents of: ${missing[*]}
-  Fedora:     gcc pkgconf systemd-devel vulkan-loader mesa-vulkan-drivers libxkbcommon-x11 libXcursor libXi libXrandr libX11-xcb vulkan-validation-layers xorg-x11-server-Xvfb
-  Arch:       gcc pkgconf systemd-libs vulkan-icd-loader vulkan-swrast libxkbcommon-x11 libxcursor libxi libxrandr libx11 vulkan-validation-layers xorg-server-xvfb
-  openSUSE:   gcc pkg-config libudev-devel libvulkan1 libvulkan_lvp libxkbcommon-x11-0 libXcursor1 libXi6 libXrandr2 libX11-xcb1 vulkan-validationlayers xorg-x11-server-Xvfb
+  Fedora:     gcc pkgconf systemd-devel vulkan-loader mesa-vulkan-drivers libxkbcommon-x11 libXcursor libXi libXrandr libX11-xcb vulkan-validation-layers xorg-x11-server-Xvfb weston
+  Arch:       gcc pkgconf systemd-libs vulkan-icd-loader vulkan-swrast libxkbcommon-x11 libxcursor libxi libxrandr libx11 vulkan-validation-layers xorg-server-xvfb weston
+  openSUSE:   gcc pkg-config libudev-devel libvulkan1 libvulkan_lvp libxkbcommon-x11-0 libXcursor1 libXi6 libXrandr2 libX11-xcb1 vulkan-validationlayers xorg-x11-server-Xvfb weston
 MESSAGE
         exit 1
     fi

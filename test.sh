@@ -7,4 +7,4 @@ cd "$(dirname "$0")"
 PATH="$PATH:$HOME/.cargo/bin"
 ./setup.sh test
 export VS_REQUIRE_VALIDATION=1 VS_REQUIRE_WINDOW=1
-cargo test --workspace --locked "$@"
+cargo test --workspace --locked --no-fail-fast "$@"

@@ -23,6 +23,7 @@ mod screenshot;
 mod stereo_screen;
 mod study;
 mod symmetry_lines;
+mod system_window;
 mod tool_outline;
 pub mod workspace;
 
@@ -46,8 +47,8 @@ use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
 use winit::error::{EventLoopError, OsError};
 use winit::event::WindowEvent;
-use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
-use winit::window::{Window, WindowId};
+use winit::event_loop::{ActiveEventLoop, ControlFlow};
+use winit::window::WindowId;
 
 use crate::config::Config;
 use crate::editor::recovery::{self, Kept};
@@ -84,9 +85,9 @@ const MIRROR_EVERY: Duration = Duration::from_millis(100);
 /// Why the program ended.
 #[derive(Debug, Error)]
 pub enum AppError {
-    #[error("cannot open a window: {0}")]
+    #[error("cannot open a window: {}", system_window::without_place(.0))]
     EventLoop(#[from] EventLoopError),
-    #[error("cannot open a window: {0}")]
+    #[error("cannot open a window: {}", system_window::without_place(.0))]
     Window(#[from] OsError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
@@ -110,7 +111,7 @@ pub fn run(
     eye_screenshots: Option<PathBuf>,
     journals: JournalOptions,
 ) -> Result<(), AppError> {
-    let event_loop = EventLoop::with_user_event().build()?;
+    let event_loop = system_window::event_loop()?;
     let proxy = event_loop.create_proxy();
     pad_device::listen(move |news| proxy.send_event(Wake::Pad(news)).is_ok());
     let mut workspace = Workspace::new(session, &config, Bindings::presets()?);
@@ -264,20 +265,15 @@ impl App {
 
     fn open_window(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let windows = &self.workspace.ui.layout.windows;
-        let mut size = windows.main.unwrap_or(self.config.window.size);
-        // The last size may be that of a larger screen.
+        let wanted = windows.main.unwrap_or(self.config.window.size);
         let screens = event_loop.available_monitors();
         let screens = screens.map(|screen| screen.size().to_logical::<u32>(screen.scale_factor()));
-        if let Some(largest) =
-            screens.max_by_key(|size| u64::from(size.width) * u64::from(size.height))
-            && windows.main.is_some()
-        {
-            size = [size[0].min(largest.width), size[1].min(largest.height)];
-        }
-        let attributes = Window::default_attributes()
+        let largest = screens.max_by_key(|size| u64::from(size.width) * u64::from(size.height));
+        let (size, is_tight) = system_window::fitting(wanted, largest);
+        let attributes = system_window::attributes()
             .with_title("Virtual Sculpture")
             .with_inner_size(LogicalSize::new(size[0], size[1]))
-            .with_maximized(windows.maximised)
+            .with_maximized(windows.maximised || is_tight)
             .with_min_inner_size(SMALLEST);
         let window = Arc::new(event_loop.create_window(attributes)?);
         let view = MainWindow::new(window, &self.device)?;

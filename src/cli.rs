@@ -49,9 +49,12 @@ use mesh_arguments::MeshArgs;
 
 use arguments::{named, parse_marker_mm, parse_size};
 
+const LOG_HELP: &str = "The environment variable RUST_LOG chooses what is logged, as a list of LEVEL and TARGET=LEVEL \
+    (virtual_sculpture=debug); it overrides --verbose and --quiet.";
+
 /// Shape a block of voxels as a sculptor shapes stone.
 #[derive(Parser, Debug)]
-#[command(version, about, long_about = None)]
+#[command(version, about, long_about = None, after_help = LOG_HELP)]
 pub struct Cli {
     /// Sculpture or volume to open in the window (.vsc, .pvm)
     pub file: Option<PathBuf>,
@@ -79,6 +82,9 @@ pub struct Cli {
     /// Print only errors and results
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Print to standard error what the program does, for reports of faults
+    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    pub verbose: bool,
     #[command(flatten)]
     pub import: ImportArgs,
     #[command(subcommand)]
@@ -304,11 +310,14 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(words) => return refuse(&words),
     };
-    terminal::init_log(cli.quiet);
+    terminal::init_log(cli.quiet, cli.verbose);
     last_words::speak_in_panics();
     match dispatch(cli) {
         Err(error) if !error.is_reader_gone() => {
             terminal::print_notice(format_args!("error: {error}"));
+            if matches!(error, ProgramError::App(_)) && error.exit_code() == 4 {
+                terminal::print_notice(doctor::system().join("\n"));
+            }
             console::show(&error.to_string());
             ExitCode::from(error.exit_code())
         }

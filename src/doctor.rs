@@ -1,13 +1,71 @@
 //! The job `doctor`: reports what this machine offers, and what to install if something is missing.
 //! It changes nothing and never fails.
 
-use crate::folders::personal_file;
+use crate::folders::{self, personal_file};
 use crate::gpu;
 use crate::screen::headset;
 
+/// What any report of a fault needs: the program, the system and the folders, a line each.
+pub fn system() -> Vec<String> {
+    vec![
+        format!(
+            "virtual-sculpture {} (commit {})",
+            env!("CARGO_PKG_VERSION"),
+            env!("VIRTUAL_SCULPTURE_COMMIT")
+        ),
+        format!("system: {}", operating_system()),
+        format!("session: {}", graphical_session()),
+        format!("memory: {}", memory()),
+        format!("state: {}", folders::state_folder().display()),
+        format!("journals: {}", folders::journal_folder().display()),
+    ]
+}
+
+fn operating_system() -> String {
+    let read = |path: &str| std::fs::read_to_string(path).ok();
+    let name = ["/etc/os-release", "/usr/lib/os-release"].iter().find_map(|path| {
+        let text = read(path)?;
+        let name = text.lines().find_map(|line| line.strip_prefix("PRETTY_NAME="))?;
+        Some(name.trim_matches('"').to_owned())
+    });
+    let kernel = read("/proc/sys/kernel/osrelease").map(|text| text.trim().to_owned());
+    let name = name.unwrap_or_else(|| std::env::consts::OS.to_owned());
+    let kernel = kernel.map_or_else(String::new, |kernel| format!(", kernel {kernel}"));
+    format!("{name}{kernel}, {}", std::env::consts::ARCH)
+}
+
+/// Wayland, X11 or none, by the variables that say so.
+fn graphical_session() -> String {
+    if !cfg!(target_os = "linux") {
+        return "that of the system".to_owned();
+    }
+    let names = ["WAYLAND_DISPLAY", "DISPLAY", "XDG_SESSION_TYPE", "XDG_CURRENT_DESKTOP"];
+    let value = |name| std::env::var(name).ok().filter(|value| !value.is_empty());
+    let set: Vec<String> =
+        names.into_iter().filter_map(|name| Some(format!("{name}={}", value(name)?))).collect();
+    let kind = match (value("WAYLAND_DISPLAY"), value("DISPLAY")) {
+        (Some(_), _) => "Wayland",
+        (None, Some(_)) => "X11",
+        (None, None) => "none",
+    };
+    if set.is_empty() { kind.to_owned() } else { format!("{kind} ({})", set.join(", ")) }
+}
+
+fn memory() -> String {
+    let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let mib = |name: &str| {
+        let kib = text.lines().find_map(|line| line.strip_prefix(name))?;
+        kib.split_whitespace().next()?.parse::<u64>().ok().map(|kib| kib / 1024)
+    };
+    match (mib("MemTotal:"), mib("MemAvailable:")) {
+        (Some(total), Some(free)) => format!("{total} MiB, {free} MiB available"),
+        _ => "unknown".to_owned(),
+    }
+}
+
 /// A line for each thing that the program can use.
 pub fn report() -> String {
-    let mut lines = vec![format!("virtual-sculpture {}", env!("CARGO_PKG_VERSION"))];
+    let mut lines = system();
     lines.push(match personal_file() {
         Some(path) if path.exists() => format!("settings: {}", path.display()),
         Some(path) => format!("settings: defaults ({} does not exist)", path.display()),

@@ -52,12 +52,21 @@ fn line(mut to: impl Write, text: impl Display) -> std::io::Result<()> {
 const DEFAULT_LOG: &str = "error,virtual_sculpture=warn,sculpture_core=warn,tracking=warn,\
                          winit=off,egui=off,calloop=off,sctk=off,smithay_client_toolkit=off";
 
-/// Starts writing the log to standard error: warnings of this program, or with `quiet` errors only.
+/// The filter with `--verbose`.
+const VERBOSE_LOG: &str =
+    "warn,virtual_sculpture=debug,sculpture_core=debug,tracking=debug,egui=off";
+
+/// Starts writing the log to standard error: warnings of this program, with `quiet` errors only, and with
+/// `verbose` what the program does.
 /// `RUST_LOG` overrides that, as a list of `level` and `target=level`. Colours only on a terminal
 /// without `NO_COLOR`.
-pub fn init_log(quiet: bool) {
+pub fn init_log(quiet: bool, verbose: bool) {
     use std::io::IsTerminal;
-    let default = if quiet { "error,winit=off,egui=off" } else { DEFAULT_LOG };
+    let default = match (quiet, verbose) {
+        (true, _) => "error,winit=off,egui=off",
+        (false, true) => VERBOSE_LOG,
+        (false, false) => DEFAULT_LOG,
+    };
     let wanted = std::env::var("RUST_LOG").ok().filter(|text| !text.is_empty());
     let filter: Option<Targets> = wanted.as_deref().and_then(|text| text.parse().ok());
     let malformed = wanted.filter(|_| filter.is_none());

@@ -18,6 +18,8 @@ mod hands;
 #[cfg(target_os = "linux")]
 mod headset;
 mod program;
+#[cfg(unix)]
+mod retry;
 mod rooms;
 #[cfg(unix)]
 mod signals;

@@ -14,6 +14,7 @@ use winit::window::{Window, WindowId};
 
 use super::AppError;
 use super::pane::{Interface, Pane};
+use super::system_window;
 use super::workspace::Workspace;
 use crate::gpu::{Device, GpuError};
 use crate::input::Panel;
@@ -190,7 +191,7 @@ impl PanelWindow {
         let place = place
             .filter(|place| place.corner_px.is_none_or(|corner| is_on_screen(event_loop, corner)));
         let place = place.unwrap_or_else(|| first_place(main, panel, scale));
-        let mut attributes = Window::default_attributes()
+        let mut attributes = system_window::attributes()
             .with_title(panel.title())
             .with_inner_size(Size::Physical(place.size_px.into()))
             .with_min_inner_size(SMALLEST);

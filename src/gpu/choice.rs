@@ -144,7 +144,29 @@ fn name_of(instance: &Instance, physical: vk::PhysicalDevice) -> String {
     device_name(&unsafe { instance.raw().get_physical_device_properties(physical) })
 }
 
-/// The name of every device of the computer, in the order of [`DeviceChoice::Index`], with the
+/// The version of Vulkan that a device offers, and its driver.
+fn driver_of(instance: &Instance, physical: vk::PhysicalDevice) -> String {
+    // SAFETY: a handle of this instance, which was listed.
+    let properties = unsafe { instance.raw().get_physical_device_properties(physical) };
+    let version = version_text(properties.api_version);
+    // Older devices know no names of drivers.
+    if properties.api_version < vk::API_VERSION_1_2 {
+        return format!("Vulkan {version}, driver {:#x}", properties.driver_version);
+    }
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+    // SAFETY: as above; a device of version 1.2 knows the structure, and the instance asks for more.
+    unsafe { instance.raw().get_physical_device_properties2(physical, &mut all) };
+    let text = |name: std::result::Result<&CStr, std::ffi::FromBytesUntilNulError>| {
+        name.map(|name| name.to_string_lossy().into_owned())
+    };
+    match (text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())) {
+        (Ok(name), Ok(info)) => format!("Vulkan {version}, {name} {info}"),
+        _ => format!("Vulkan {version}, driver {:#x}", properties.driver_version),
+    }
+}
+
+/// The name, version and driver of every device of the computer, in the order of [`DeviceChoice::Index`], with the
 /// reason if it cannot be used.
 pub fn survey() -> Result<Vec<(String, Option<String>)>> {
     let mut host = super::host::Headless;
@@ -156,7 +178,8 @@ pub fn survey() -> Result<Vec<(String, Option<String>)>> {
             Ok(candidate) => candidate.err(),
             Err(error) => Some(broken(&name, &error)),
         };
-        devices.push((name, fault));
+        let version = driver_of(&instance, physical);
+        devices.push((format!("{name} ({version})"), fault));
     }
     Ok(devices)
 }

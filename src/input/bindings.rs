@@ -15,10 +15,12 @@
 
 use std::collections::BTreeMap;
 
+use egui::Key;
 use serde::Deserialize;
 use thiserror::Error;
 
 use super::action::{Action, Kind};
+use super::events::Modifiers;
 use super::trigger::Trigger;
 
 /// The keyboard bindings that all presets share.
@@ -146,6 +148,19 @@ impl Bindings {
         self.table.iter().find(|(bound, _)| *bound == trigger).map(|(_, action)| *action)
     }
 
+    /// The action of a key: by its label or, if that is bound to nothing, by its place among Latin letters. Greek and
+    /// Hebrew keyboards have signs in the place of some letters.
+    pub fn action_of_key(
+        &self,
+        key: Key,
+        place: Option<Key>,
+        modifiers: Modifiers,
+    ) -> Option<Action> {
+        let by = |key| self.action(Trigger::Key { key, modifiers });
+        let letter = place.filter(|place| is_letter(*place) && !is_letter(key));
+        by(key).or_else(|| letter.and_then(by))
+    }
+
     /// The triggers of an action.
     pub fn triggers(&self, action: Action) -> impl Iterator<Item = Trigger> {
         self.table.iter().filter(move |(_, bound)| *bound == action).map(|(trigger, _)| *trigger)
@@ -176,6 +191,10 @@ pub(super) fn check_kind(kind: Kind, trigger: Trigger) -> Result<(), &'static st
         (Kind::Drag, _) => Err("mouse buttons"),
         (Kind::Wheel, _) => Err("the mouse wheel"),
     }
+}
+
+fn is_letter(key: Key) -> bool {
+    matches!(key.name().as_bytes(), [letter] if letter.is_ascii_alphabetic())
 }
 
 #[cfg(test)]
@@ -270,5 +289,22 @@ mod tests {
         assert_eq!(bindings.triggers(Action::Redo).count(), 2);
         assert_eq!(bindings.action("ctrl+shift+z".parse().unwrap()), Some(Action::Redo));
         assert_eq!(bindings.action("z".parse().unwrap()), None);
+    }
+
+    #[test]
+    fn a_sign_in_the_place_of_a_letter_is_that_letter_unless_it_is_bound() {
+        let plain = Modifiers::default();
+        let bindings = parse("undo = [\"q\"]\nredo = [\"w\"]").unwrap();
+        // Q on a Greek keyboard, and on a Hebrew one.
+        for sign in [Key::Semicolon, Key::Slash] {
+            let action = bindings.action_of_key(sign, Some(Key::Q), plain);
+            assert_eq!(action, Some(Action::Undo));
+        }
+        // A letter is itself: A on a French keyboard lies where Q is.
+        assert_eq!(bindings.action_of_key(Key::A, Some(Key::Q), plain), None);
+        assert_eq!(bindings.action_of_key(Key::W, Some(Key::Q), plain), Some(Action::Redo));
+        let bound = parse("undo = [\"q\"]\nredo = [\"semicolon\"]").unwrap();
+        let action = bound.action_of_key(Key::Semicolon, Some(Key::Q), plain);
+        assert_eq!(action, Some(Action::Redo));
     }
 }

@@ -53,6 +53,8 @@ pub enum DeviceEvent {
     },
     KeyPressed {
         key: Key,
+        /// The key at its place on a keyboard with Latin letters.
+        place: Option<Key>,
         modifiers: Modifiers,
         repeat: bool,
     },
@@ -145,10 +147,10 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
             Event::Zoom(factor) if factor > 0.0 => {
                 wheel(viewport, pointer, factor.ln() / PINCH_PER_NOTCH, Modifiers::default())
             }
-            Event::Key { key, pressed: true, repeat, modifiers, .. }
+            Event::Key { key, physical_key: place, pressed: true, repeat, modifiers }
                 if viewport.keyboard && !viewport.kept.has(key) =>
             {
-                Some(DeviceEvent::KeyPressed { key, modifiers: modifiers.into(), repeat })
+                Some(DeviceEvent::KeyPressed { key, place, modifiers: modifiers.into(), repeat })
             }
             // A text field with the focus gets these itself.
             Event::Copy if viewport.keyboard => Some(shortcut(Key::C, modifiers)),
@@ -193,7 +195,7 @@ pub fn touch_of(events: &[Event]) -> Touched {
 /// A key with ctrl that the window system has translated to an event of its own.
 fn shortcut(key: Key, modifiers: Modifiers) -> DeviceEvent {
     let modifiers = Modifiers { ctrl: true, ..modifiers };
-    DeviceEvent::KeyPressed { key, modifiers, repeat: false }
+    DeviceEvent::KeyPressed { key, place: None, modifiers, repeat: false }
 }
 
 fn wheel(

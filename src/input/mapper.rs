@@ -99,8 +99,9 @@ impl Mapper {
                 let action = bindings.action(Trigger::Wheel { modifiers });
                 actions.extend(action.map(|action| ActionEvent::Wheel { action, notches, at }));
             }
-            DeviceEvent::KeyPressed { key, modifiers, repeat } => {
-                self.key_pressed(key, modifiers, repeat, bindings, actions);
+            DeviceEvent::KeyPressed { key, place, modifiers, repeat } => {
+                let action = bindings.action_of_key(key, place, modifiers);
+                self.key_pressed(key, action, repeat, actions);
             }
             DeviceEvent::KeyReleased { key } => {
                 if let Some(held) = self.keys.iter().position(|(k, _)| *k == key) {
@@ -179,12 +180,11 @@ impl Mapper {
     fn key_pressed(
         &mut self,
         key: Key,
-        modifiers: Modifiers,
+        action: Option<Action>,
         repeat: bool,
-        bindings: &Bindings,
         actions: &mut Vec<ActionEvent>,
     ) {
-        let Some(action) = bindings.action(Trigger::Key { key, modifiers }) else { return };
+        let Some(action) = action else { return };
         let held = self.keys.iter().any(|(k, _)| *k == key);
         if action.help().kind == Kind::Hold {
             if !held && !repeat {
@@ -229,7 +229,7 @@ mod tests {
     }
 
     fn key(key: Key, modifiers: Modifiers, repeat: bool) -> DeviceEvent {
-        DeviceEvent::KeyPressed { key, modifiers, repeat }
+        DeviceEvent::KeyPressed { key, place: None, modifiers, repeat }
     }
 
     #[test]

@@ -120,13 +120,46 @@ fn visuals(theme: Theme) -> Visuals {
         widgets.inactive.fg_stroke.color = grey(0xd8);
         widgets.noninteractive.bg_stroke.color = grey(0x3a);
         widgets.inactive.weak_bg_fill = grey(0x34);
-        widgets.inactive.bg_fill = grey(0x3c);
+        widgets.inactive.bg_fill = grey(0x74);
         widgets.hovered.weak_bg_fill = grey(0x42);
+        widgets.hovered.bg_fill = grey(0x80);
+        widgets.active.bg_fill = grey(0x80);
     } else {
         widgets.noninteractive.fg_stroke.color = grey(0x38);
         widgets.inactive.fg_stroke.color = grey(0x28);
         widgets.inactive.weak_bg_fill = grey(0xdd);
-        widgets.inactive.bg_fill = grey(0xd2);
+        widgets.inactive.bg_fill = grey(0x88);
+        widgets.hovered.bg_fill = grey(0x7c);
+        widgets.active.bg_fill = grey(0x7c);
     }
     visuals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Contrast of two colours, as WCAG 2 defines it.
+    fn contrast(a: Color32, b: Color32) -> f32 {
+        let luminance = |colour: Color32| {
+            let [r, g, b, _] = egui::Rgba::from(colour).to_array();
+            0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05
+        };
+        let (a, b) = (luminance(a), luminance(b));
+        a.max(b) / a.min(b)
+    }
+
+    #[test]
+    fn checkboxes_stand_out_from_panels_and_their_ticks_from_them() {
+        for theme in [Theme::Dark, Theme::Light] {
+            let visuals = visuals(theme);
+            let widgets = &visuals.widgets;
+            for state in [&widgets.inactive, &widgets.hovered, &widgets.active] {
+                for behind in [visuals.panel_fill, visuals.window_fill, state.fg_stroke.color] {
+                    let contrast = contrast(state.bg_fill, behind);
+                    assert!(contrast >= 3.0, "{theme:?}: {contrast} to {behind:?}");
+                }
+            }
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! The program in its window, under a private X server, with real mouse and key events.
 //!
 //! Needs `Xvfb` (Debian, Ubuntu: xvfb). Without it the tests are skipped, or fail with
-//! `VS_REQUIRE_WINDOW=1`. Those on Wayland need `weston` (`VS_REQUIRE_WAYLAND=1`). Screenshots are left in
+//! `VS_REQUIRE_WINDOW=1`; so are those on Wayland without `weston`. Screenshots are left in
 //! target/test-output/window.
 
 mod changed_on_disk;

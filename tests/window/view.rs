@@ -1,8 +1,10 @@
 //! What helps to see in the window: orthographic view, axis gizmo, floor grid, reference pictures, hidden panels.
 
+use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _};
+
 use super::display::Picture;
 use super::program::{Program, SETTINGS};
-use super::{display, shot, tool_home};
+use super::{display, ready, shot, tool_home};
 
 /// The picture of the sculpture without the lower part, in which messages are shown.
 const UPPER: [u32; 4] = [120, 50, 900, 520];
@@ -66,4 +68,24 @@ fn the_view_has_parallel_rays_a_gizmo_a_floor_and_reference_pictures() {
     program.key(&["Escape"]);
     program.close();
     program.expect_clean_exit();
+}
+
+/// The session of a server that has ended may have left its variable.
+#[test]
+fn a_dead_wayland_server_is_left_for_the_x_server_which_knows_the_program() {
+    let display = display();
+    let folder = tempfile::tempdir().unwrap().keep();
+    let program = ready(Program::start_with_states(&display, folder, |command| {
+        command.env("WAYLAND_DISPLAY", "wayland-that-has-gone");
+    }));
+    let children = display.x.query_tree(display.root).unwrap().reply().unwrap().children;
+    let class = |window: u32| {
+        let (property, string) = (AtomEnum::WM_CLASS, AtomEnum::STRING);
+        let reply = display.x.get_property(false, window, property, string, 0, 64);
+        reply.unwrap().reply().unwrap().value
+    };
+    assert!(children.into_iter().any(|w| class(w) == b"virtual-sculpture\0virtual-sculpture\0"));
+    assert_eq!(program.count("taking that of DISPLAY"), 1, "{}", program.output());
+    program.close();
+    assert!(program.wait().0.success());
 }

@@ -2,7 +2,7 @@
 //! seat, and whose desktop shell shows all of them.
 //!
 //! Needs `weston` (Debian, Ubuntu: weston). Without it the tests are skipped, or fail
-//! with `VS_REQUIRE_WAYLAND=1`.
+//! with `VS_REQUIRE_WINDOW=1`.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -38,7 +38,7 @@ impl Weston {
             .spawn()
             .unwrap_or_else(|error| {
                 let lack = format!("Weston cannot be started ({error}); install weston");
-                trials::lacks("VS_REQUIRE_WAYLAND", &lack)
+                trials::lacks("VS_REQUIRE_WINDOW", &lack)
             });
         let mut weston = Weston { server, folder };
         weston.listen();
