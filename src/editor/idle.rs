@@ -11,7 +11,8 @@ use crate::sculpture::Rgb;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::region::{Region, VoxelBox};
 use crate::tools::construct::{Primitive, Solid};
-use crate::tools::spray::{Effect, Footprint, Outline, Spray, SprayKind};
+use crate::tools::footprint::{Footprint, Outline};
+use crate::tools::spray::{Effect, Spray, SprayKind};
 
 /// Most commands that are tried again.
 pub(super) const MOST_TRIED: usize = 16;
