@@ -72,13 +72,27 @@ fn brushes() -> Vec<(&'static str, Command)> {
         outline: Outline::Round,
         coverage: Coverage::Visible,
     };
-    let spray = |effect, reach_vx| Command::Spray {
+    let spray_under = |footprint, effect, reach_vx| Command::Spray {
         spray: Spray { effect, footprint, reach_vx },
         surface: SpraySurface::Now,
     };
+    let spray = |effect, reach_vx| spray_under(footprint, effect, reach_vx);
+    let paint = Effect::Paintbrush { colour: COLOUR, cover: 0.5 };
+    // As at 1024^3 in whole view, and from ten degrees above the surface.
+    let wide = Footprint { across: Vec3::X * 2.0, down: Vec3::Z * 2.0, ..footprint };
+    let way = Vec3::new(0.985, -0.174, 0.0);
+    let aslant = Footprint {
+        eye_vx: TOP_VX - way * 1024.0,
+        aim: way * 1024.0,
+        across: Vec3::Z,
+        down: way.cross(Vec3::Z),
+        ..footprint
+    };
     let stencil = Command::Stencil { picture: PICTURE.into(), footprint, colour: None, cover: 1.0 };
     vec![
-        ("brush", spray(Effect::Paintbrush { colour: COLOUR, cover: 0.5 }, 0.0)),
+        ("brush", spray(paint, 0.0)),
+        ("brush, two voxels a pixel", spray_under(wide, paint, 0.0)),
+        ("brush, seen aslant", spray_under(aslant, paint, 0.0)),
         ("stencil", stencil),
         ("devourer of depth 4", spray(Effect::Devourer { outline: Outline::Round }, 4.0)),
         ("clay of height 4", spray(Effect::Clay { colour: COLOUR }, 4.0)),
