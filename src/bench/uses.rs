@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn every_use_does_something() {
         let reports = uses(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 21);
+        assert_eq!(reports.len(), 23);
         for report in &reports {
             assert!(report.voxels > 0, "{report:?}");
         }

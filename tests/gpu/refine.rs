@@ -299,7 +299,9 @@ fn a_resting_picture_becomes_smooth() {
 #[test]
 fn a_grid_too_large_for_the_smooth_surface_shows_its_voxels() {
     with_device(|device| {
-        let mut grid = Grid::new(UVec3::new(MAX_AXIS_VX, 8, 8), Vec3::ONE, 1 << 24).unwrap();
+        // More cells than an index map can name.
+        let dims = UVec3::new(MAX_AXIS_VX, 1024, 1023);
+        let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
         for i in 0..60 {
             grid.set(IVec3::new(i % 8, i / 2 % 8, i / 8), true);
         }

@@ -112,9 +112,9 @@ fn escape_in_a_list_closes_the_list_alone() {
 #[test]
 fn a_decimal_comma_counts_like_a_point_in_fields_for_numbers_alone() {
     let mut harness = bench();
-    // A number of the options: the longest side of the tool.
+    // A number of the options, after those of the place: the longest side of the tool.
     let sizes: Vec<_> = harness.get_all_by_role(egui::accesskit::Role::SpinButton).collect();
-    let at = sizes[0].rect().center();
+    let at = sizes[3].rect().center();
     let before = harness.state().editor.tool.half();
     for pressed in [true, false] {
         send(&mut harness, egui::Event::PointerMoved(at));

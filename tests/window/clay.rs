@@ -12,9 +12,11 @@ use super::{LEFT, PICTURE, display, shot, start, tool_home};
 
 /// On the front face, just below its upper edge in the middle.
 const TOP: [i16; 2] = [575, 172];
-// Choices of the brush in the panel.
-const INFLATE: [i16; 2] = [1105, 105];
-const FILL: [i16; 2] = [1131, 138];
+// Brushes in the toolbox.
+const INFLATE: [i16; 2] = [71, 630];
+const FILL: [i16; 2] = [71, 663];
+/// The picture without the lower part, in which messages are shown.
+const UPPER: [u32; 4] = [120, 50, 900, 520];
 const CONTROL: u32 = 0xffe3;
 
 #[test]
@@ -98,7 +100,7 @@ fn grabbed_clay_goes_along_with_the_pointer_as_one_step() {
 }
 
 #[test]
-fn brushes_that_deform_are_chosen_in_the_panel_and_drawn_over_the_surface() {
+fn brushes_that_deform_are_chosen_in_the_toolbox_and_drawn_over_the_surface() {
     let display = display();
     let folder = tempfile::tempdir().unwrap();
     let recording = folder.path().join("brushes.sculpt");
@@ -167,15 +169,15 @@ fn clay_is_drawn_creased_pinched_twisted_and_smeared() {
         };
         shift(key);
         tool_home(&program);
-        let before = shot(&program, &format!("brushes-{key}-before")).part(PICTURE);
+        let before = shot(&program, &format!("brushes-{key}-before")).part(UPPER);
         invert(0);
         program.drag(LEFT, way);
         invert(1);
         tool_home(&program);
-        let after = shot(&program, &format!("brushes-{key}-done")).part(PICTURE);
+        let after = shot(&program, &format!("brushes-{key}-done")).part(UPPER);
         assert!(before.differing(&after) > 300, "{key}: {}", before.differing(&after));
         program.key(&["Control_L", "z"]);
-        let undone = shot(&program, &format!("brushes-{key}-undone")).part(PICTURE);
+        let undone = shot(&program, &format!("brushes-{key}-undone")).part(UPPER);
         assert_eq!(before.differing(&undone), 0, "{key}");
         program.key(&["Control_L", "y"]);
     };

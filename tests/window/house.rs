@@ -10,10 +10,10 @@ use virtual_sculpture::session::Session;
 use super::{LEFT, PICTURE, display, shot, start};
 
 // Swatches of the palette, in a window of 1280x800 with a solid selected.
-const STONE: [i16; 2] = [1085, 311];
-const DARK: [i16; 2] = [1145, 311];
-const RED: [i16; 2] = [1055, 341];
-const GREEN: [i16; 2] = [1145, 341];
+const STONE: [i16; 2] = [1085, 349];
+const DARK: [i16; 2] = [1145, 349];
+const RED: [i16; 2] = [1055, 377];
+const GREEN: [i16; 2] = [1145, 377];
 
 #[test]
 fn a_house_is_built_with_mouse_and_keys() {

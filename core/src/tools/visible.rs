@@ -2,10 +2,11 @@
 //!
 //! From a footprint and a grid to the voxels that
 //!
-//! 1. exist and have an open face that is turned to the eye, by more than a degree ([`LEAST_TURN`]);
+//! 1. exist and have an open face that is turned to the eye, by more than a degree ([`LEAST_TURN`]), or any open face
+//!    where the surface around them is turned to the eye: a step of a slope that is seen edge on;
 //! 2. have their middle projected into the outline;
-//! 3. are seen: a ray of the picture meets such a face, or nothing stands between the eye and its middle, or between the
-//!    eye and the point [`LIFT_VX`] above its middle. So a voxel that is hidden by less than a voxel of its own surface
+//! 3. are seen: a ray of the picture meets such a face, or nothing stands between the eye and the middle of it or of a
+//!    quarter, or between the eye and the point [`LIFT_VX`] above its middle. So a voxel that is hidden by less than a voxel of its own surface
 //!    counts, as the steps of a slope do that is seen aslant; what lies behind another part does not. Where slits or edges
 //!    are narrower than half a voxel, either may be found;
 //!
@@ -15,7 +16,7 @@
 //! farther apart than half a voxel. Voxels near its leaps get rays of their own. Bricks are found by walking the blocks of the grid that are in the cone
 //! and not hidden. Changes nothing; knows no brush.
 
-use glam::{DMat3, DVec3, IVec3, UVec2, UVec3, Vec3};
+use glam::{DMat3, DVec3, IVec3, UVec2, UVec3, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 
 use super::footprint::{Footprint, Touch};
@@ -30,6 +31,19 @@ use crate::view::PixelRays;
 pub const LIFT_VX: f32 = 0.9;
 /// The sine of the least angle between a face and the ray to it.
 pub const LEAST_TURN: f32 = 0.0175;
+
+/// The same for the surface around a voxel, whose normal is less exact.
+const STEPPED_TURN: f32 = 0.05;
+/// How far around a voxel its surface is looked at, in voxels.
+const SURFACE_VX: i32 = 4;
+/// The outward normals of the faces of a voxel.
+const SIDES: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
+
+/// How far beside the middle of a face its parts are, on both axes, in voxels.
+const PART_VX: f32 = 0.33;
+
+/// Least component of a direction.
+const LEAST_WAY: Vec3 = Vec3::splat(1e-20);
 
 /// Distance of the rays of the depth map where the surface is farthest, in voxels.
 const RAY_SPACING_VX: f32 = 0.5;
@@ -188,6 +202,8 @@ impl Depths {
                 let voxel = grid.voxel_coords(voxel);
                 let low = voxel.as_vec3() - eye_vx;
                 let way = view.direction(x, y as u32);
+                // As the caster takes them: no 0 is divided by 0.
+                let way = Vec3::select(way.abs().cmplt(LEAST_WAY), LEAST_WAY, way);
                 let (a, b) = (low / way, (low + 1.0) / way);
                 let entries = a.min(b);
                 *depth = entries.max_element().max(0.0);
@@ -314,9 +330,10 @@ impl Search<'_> {
     fn add_brick(&self, b: UVec3, touched: &mut Vec<Touch>) {
         let corner = (b * BRICK_EDGE_VX).as_vec3();
         let from_eye = corner - self.cone.eye;
-        let faces = open_faces(self.grid, b, from_eye);
+        let brick = self.grid.brick(b);
+        let open = SIDES.map(|side| brick.and_not(&neighbours(self.grid, b, side)));
         let met = self.depths.met(self.grid.brick_index(b));
-        let any = faces.iter().fold(met, |any, open| any.or(open));
+        let any = open.iter().fold(met, |any, open| any.or(open));
         let footprint = &self.cone.footprint;
         any.for_each(|local| {
             let v = Vec3::from(local_coords(local).map(|v| v as f32));
@@ -327,37 +344,63 @@ impl Search<'_> {
             if !(s > 0.0 && distance <= footprint.radius) {
                 return;
             }
-            let (word, bit) = (local as usize >> 6, local & 63);
-            let open = [0, 1, 2].map(|axis: usize| faces[axis].words[word] >> bit & 1 != 0);
-            if met.words[word] >> bit & 1 != 0 || self.is_seen(middle, open) {
-                let voxel = (corner + v).as_ivec3();
+            let voxel = (corner + v).as_ivec3();
+            let is_set = |brick: &Brick| brick.words[local as usize >> 6] >> (local & 63) & 1 != 0;
+            if is_set(&met) || self.is_seen(voxel, middle, open.each_ref().map(is_set)) {
                 touched.push(Touch { voxel, offset: distance / footprint.radius.max(1.0) });
             }
         });
     }
 
-    /// Whether a voxel is seen by one of its open faces. `middle`: of the voxel, from the eye.
+    /// Whether a voxel is seen by one of its open faces, of which there is one for each of [`SIDES`]. `middle`: of the
+    /// voxel, from the eye.
     #[inline(always)]
-    fn is_seen(&self, middle: Vec3, open: [bool; 3]) -> bool {
+    fn is_seen(&self, voxel: IVec3, middle: Vec3, open: [bool; 6]) -> bool {
         let least = LEAST_TURN * middle.length();
-        let turned = |axis: usize| open[axis] && middle[axis].abs() - 0.5 > least;
-        let mut doubtful = [false; 3];
-        for axis in (0..3).filter(|axis| turned(*axis)) {
-            let [i, j, s] = self.cone.project(above(middle, axis, LIFT_VX));
-            let (nearest, farthest) = self.depths.around(i, j);
-            if s <= nearest {
-                return true;
+        let normals = SIDES.map(IVec3::as_vec3);
+        let turned = normals.map(|normal| -(middle + 0.5 * normal).dot(normal) > least);
+        let mut doubtful = [false; 6];
+        for side in (0..6).filter(|side| open[*side] && turned[*side]) {
+            match self.by_depth(middle + (0.5 + LIFT_VX) * normals[side]) {
+                Some(true) => return true,
+                Some(false) => {
+                    doubtful[side] = self.by_depth(middle + 0.5 * normals[side]) != Some(false);
+                }
+                None => doubtful[side] = true,
             }
-            let margin = SURELY_HIDDEN_VX * self.cone.per_voxel;
-            doubtful[axis] = s <= farthest + margin + (farthest - nearest) || {
-                let [i, j, s] = self.cone.project(above(middle, axis, 0.0));
-                let (nearest, farthest) = self.depths.around(i, j);
-                s <= farthest + margin + (farthest - nearest)
-            };
         }
-        (0..3).filter(|axis| doubtful[*axis]).any(|axis| {
-            self.sees(above(middle, axis, LIFT_VX)) || self.sees(above(middle, axis, 0.0))
-        })
+        let sees = |side: usize, lift_vx: f32| self.sees(middle + (0.5 + lift_vx) * normals[side]);
+        let sees_part = |side: usize| {
+            let (right, up) = (normals[side].yzx() * PART_VX, normals[side].zxy() * PART_VX);
+            let face = middle + 0.5 * normals[side];
+            [right + up, right - up, up - right, -right - up]
+                .into_iter()
+                .any(|p| self.sees(face + p))
+        };
+        let sees_any = |side| sees(side, LIFT_VX) || sees(side, 0.0) || sees_part(side);
+        if (0..6).any(|side| doubtful[side] && sees_any(side)) {
+            return true;
+        }
+        // Steps whose faces are seen edge on, or from behind, of a surface that is turned to the eye.
+        let mut stepped = [false; 6];
+        for side in (0..6).filter(|side| open[*side] && !turned[*side]) {
+            stepped[side] = self.by_depth(middle + (0.5 + LIFT_VX) * normals[side]) != Some(false);
+        }
+        stepped != [false; 6]
+            && is_turned(self.grid, voxel, middle)
+            && (0..6).any(|side| stepped[side] && sees(side, LIFT_VX))
+    }
+
+    /// Whether a point, given from the eye, is seen, as far as the depth map tells.
+    #[inline(always)]
+    fn by_depth(&self, point: Vec3) -> Option<bool> {
+        let [i, j, s] = self.cone.project(point);
+        let (nearest, farthest) = self.depths.around(i, j);
+        if s <= nearest {
+            return Some(true);
+        }
+        let margin = SURELY_HIDDEN_VX * self.cone.per_voxel + (farthest - nearest);
+        (s > farthest + margin).then_some(false)
     }
 
     /// Whether nothing stands before a point, given from the eye.
@@ -368,60 +411,47 @@ impl Search<'_> {
     }
 }
 
-/// The point `lift_vx` above the face on `axis` that is turned to the eye, of a voxel whose middle is given from the eye.
-#[inline(always)]
-fn above(mut middle: Vec3, axis: usize, lift_vx: f32) -> Vec3 {
-    middle[axis] -= (0.5 + lift_vx).copysign(middle[axis]);
-    middle
-}
-
-/// For each axis the voxels of a brick with an open face that is turned to the eye. `from_eye`: its lower corner.
-fn open_faces(grid: &Grid, b: UVec3, from_eye: Vec3) -> [Brick; 3] {
-    let brick = grid.brick(b);
-    [0, 1, 2].map(|axis: usize| {
-        // Voxels below the eye show their upper face, those above it their lower one; around it neither.
-        let below = (-from_eye[axis]).ceil().clamp(0.0, 8.0) as u32;
-        let mut open = Brick::EMPTY;
-        if below > 0 {
-            open = brick.and_not(&neighbours(grid, b, axis, 1)).and(&layers(axis, below));
+/// Whether the surface around a voxel, whose middle is given from the eye, is turned to the eye: the mean of the ways to
+/// the empty voxels within [`SURFACE_VX`].
+pub(super) fn is_turned(grid: &Grid, voxel: IVec3, middle: Vec3) -> bool {
+    let reach = -SURFACE_VX..=SURFACE_VX;
+    let mut normal = IVec3::ZERO;
+    for z in reach.clone() {
+        for y in reach.clone() {
+            for x in reach.clone() {
+                let way = IVec3::new(x, y, z);
+                if way.length_squared() <= SURFACE_VX * SURFACE_VX && !grid.get(voxel + way) {
+                    normal += way;
+                }
+            }
         }
-        if below < BRICK_EDGE_VX {
-            let shut = neighbours(grid, b, axis, -1).or(&layers(axis, below));
-            open = open.or(&brick.and_not(&shut));
-        }
-        open
-    })
+    }
+    let normal = normal.as_vec3();
+    -normal.dot(middle) > STEPPED_TURN * normal.length() * middle.length()
 }
 
-/// The voxels of a brick whose coordinate on `axis` is below `end`.
-fn layers(axis: usize, end: u32) -> Brick {
-    let mut limit = [BRICK_EDGE_VX; 3];
-    limit[axis] = end;
-    Brick::below(limit)
-}
-
-/// The voxels of the brick `b` whose neighbour on `axis`, one up or down by `step`, exists.
-fn neighbours(grid: &Grid, b: UVec3, axis: usize, step: i32) -> Brick {
-    let mut at = b.as_ivec3();
-    at[axis] += step;
+/// The voxels of the brick `b` whose neighbour on a side exists.
+fn neighbours(grid: &Grid, b: UVec3, side: IVec3) -> Brick {
+    let at = b.as_ivec3() + side;
     let inside = at.cmpge(IVec3::ZERO).all() && at.cmplt(grid.brick_dims().as_ivec3()).all();
     let own = grid.brick(b).to_rows();
     let other = if inside { grid.brick(at.as_uvec3()).to_rows() } else { [0; 8] };
     const FIRST: u64 = 0x0101_0101_0101_0101;
     const LAST: u64 = FIRST << 7;
-    let rows: [u64; 8] = std::array::from_fn(|z| match (axis, step > 0) {
-        (0, true) => own[z] >> 1 & !LAST | (other[z] & FIRST) << 7,
-        (0, false) => own[z] << 1 & !FIRST | (other[z] & LAST) >> 7,
-        (1, true) => own[z] >> 8 | other[z] << 56,
-        (1, false) => own[z] << 8 | other[z] >> 56,
-        (_, true) => own.get(z + 1).copied().unwrap_or(other[0]),
-        (_, false) => {
-            if z > 0 {
-                own[z - 1]
-            } else {
-                other[7]
+    let rows: [u64; 8] =
+        std::array::from_fn(|z| match (side.abs().max_position(), side.element_sum() > 0) {
+            (0, true) => own[z] >> 1 & !LAST | (other[z] & FIRST) << 7,
+            (0, false) => own[z] << 1 & !FIRST | (other[z] & LAST) >> 7,
+            (1, true) => own[z] >> 8 | other[z] << 56,
+            (1, false) => own[z] << 8 | other[z] >> 56,
+            (_, true) => own.get(z + 1).copied().unwrap_or(other[0]),
+            (_, false) => {
+                if z > 0 {
+                    own[z - 1]
+                } else {
+                    other[7]
+                }
             }
-        }
-    });
+        });
     Brick::from_rows(&rows)
 }
