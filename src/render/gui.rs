@@ -29,6 +29,8 @@ pub struct Gui {
     // Dropped first, once the device is idle.
     renderer: Renderer<GpuAllocator>,
     textures: HashMap<TextureId, Texture>,
+    /// There was no memory for what was to be drawn last.
+    lacks_shapes: bool,
     /// Textures that memory was lacking for, to be tried again.
     lacking: HashMap<TextureId, Vec<ImageDelta>>,
     /// The error to report when memory was lacking.
@@ -106,6 +108,7 @@ impl Gui {
         Ok(Gui {
             renderer,
             textures: HashMap::new(),
+            lacks_shapes: false,
             lacking: HashMap::new(),
             lack: None,
             staging: Staging::new(device, name, usage, 1 << 16)?,
@@ -232,7 +235,8 @@ impl Gui {
         Ok(())
     }
 
-    /// Records the interface into a target of `size` pixels. Once per frame.
+    /// Records the interface into a target of `size` pixels. Once per frame. Where memory is lacking for its shapes, nothing
+    /// of it is shown ([`Gui::take_lack`]).
     pub fn draw(
         &mut self,
         recorder: &Recorder,
@@ -251,9 +255,21 @@ impl Gui {
             Primitive::Callback(_) => true,
         });
         let extent = vk::Extent2D { width: size[0], height: size[1] };
-        self.renderer
+        let drawn = self
+            .renderer
             .cmd_draw(recorder.raw(), extent, pixels_per_point, &primitives)
-            .map_err(|error| gpu_error("draw the interface", error))
+            .map_err(|error| gpu_error("draw the interface", error));
+        let lacked = std::mem::replace(&mut self.lacks_shapes, false);
+        match drawn {
+            Err(error @ GpuError::OutOfMemory(_)) => {
+                self.lacks_shapes = true;
+                if !lacked {
+                    self.lack = Some(error);
+                }
+                Ok(())
+            }
+            drawn => drawn,
+        }
     }
 }
 

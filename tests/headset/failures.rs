@@ -75,8 +75,8 @@ fn a_device_without_memory_for_the_sculpture_shows_it_in_another_mode() {
         assert_eq!(main.headset.validation_messages(), 0);
     } else if alone_in_network() {
         let mut runtime = Runtime::start();
-        // VK_ERROR_OUT_OF_DEVICE_MEMORY, from 12 MiB on: the letters of the board take 8.
-        runtime.faults = Some("allocate -2 12582912".to_owned());
+        // VK_ERROR_OUT_OF_DEVICE_MEMORY.
+        runtime.faults = Some("allocate -2 8388608".to_owned());
         runtime.run_client();
     }
 }

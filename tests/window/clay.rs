@@ -110,12 +110,12 @@ fn brushes_that_deform_are_chosen_in_the_toolbox_and_drawn_over_the_surface() {
     // A furrow along the front, with the modifier that inverts.
     program.click(INFLATE);
     tool_home(&program);
-    let before = shot(&program, "brush-1-before").part(PICTURE);
+    let before = shot(&program, "brush-1-before").part(UPPER);
     program.display().device(KEY, program.display().keycode(CONTROL), [0, 0]);
     program.drag(LEFT, &[[440, 300], [500, 330], [560, 300], [640, 340]]);
     program.display().device(KEY + 1, program.display().keycode(CONTROL), [0, 0]);
     tool_home(&program);
-    let furrow = shot(&program, "brush-3-furrow").part(PICTURE);
+    let furrow = shot(&program, "brush-3-furrow").part(UPPER);
     assert!(before.differing(&furrow) > 1500, "{}", before.differing(&furrow));
 
     // A part of it is filled up again, to the plane of the front.
@@ -123,13 +123,13 @@ fn brushes_that_deform_are_chosen_in_the_toolbox_and_drawn_over_the_surface() {
     shot(&program, "brush-4-fill");
     program.drag(LEFT, &[[740, 340], [680, 330], [600, 310]]);
     tool_home(&program);
-    let filled = shot(&program, "brush-5-filled").part(PICTURE);
+    let filled = shot(&program, "brush-5-filled").part(UPPER);
     assert!(filled.differing(&furrow) > 500, "{}", filled.differing(&furrow));
     assert!(filled.differing(&before) < furrow.differing(&before));
     program.key(&["Control_L", "z"]);
-    assert_eq!(furrow.differing(&shot(&program, "brush-6-undone").part(PICTURE)), 0);
+    assert_eq!(furrow.differing(&shot(&program, "brush-6-undone").part(UPPER)), 0);
     program.key(&["Control_L", "z"]);
-    assert_eq!(before.differing(&shot(&program, "brush-7-all-undone").part(PICTURE)), 0);
+    assert_eq!(before.differing(&shot(&program, "brush-7-all-undone").part(UPPER)), 0);
     program.key(&["Control_L", "y"]);
     program.key(&["Control_L", "q"]);
     program.settle();
