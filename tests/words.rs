@@ -68,9 +68,7 @@ fn broken_strings(code: &str) -> Vec<usize> {
             }
             '\\' if in_string && !raw => {
                 // An escaped line break is none.
-                if chars.next() == Some('\n') {
-                    line += 1;
-                }
+                line += usize::from(chars.next() == Some('\n'));
             }
             '"' if in_string => in_string = hashes && chars.peek() != Some(&'#'),
             '"' => {

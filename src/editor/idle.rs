@@ -69,7 +69,7 @@ impl Editor {
             }
             false => "there is nothing where the tool was",
         };
-        let text = match command {
+        match command {
             Command::Construct { op: EditOp::Add(_), .. }
             | Command::Form { op: EditOp::Add(_), .. } => {
                 // What is in the grid at all can be cut, once it is added.
@@ -132,8 +132,7 @@ impl Editor {
             }
             Command::Mask(_) => "Nothing changed: there is no mask here".to_string(),
             _ => "Nothing changed".to_string(),
-        };
-        text
+        }
     }
 
     fn why_brush_is_idle(&mut self, footprint: &Footprint, effect: Effect) -> String {

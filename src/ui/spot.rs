@@ -98,7 +98,7 @@ pub fn mark(response: &Response, spot: Spot) {
     if age_s < SCROLL_S {
         response.scroll_to_me(Some(Align::Center));
     }
-    if (age_s / CHANGE_S) as u64 % 2 == 0 {
+    if ((age_s / CHANGE_S) as u64).is_multiple_of(2) {
         let style = ctx.global_style();
         let stroke = Stroke::new(2.0, style.visuals.selection.stroke.color);
         let painter = ctx.layer_painter(response.layer_id);

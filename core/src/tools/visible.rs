@@ -98,7 +98,9 @@ impl Cone {
         let [across, down, aim] = [across, down, aim].map(Vec3::as_dvec3);
         let matrix = DMat3::from_cols(across, down, aim);
         let volume = matrix.determinant().abs();
-        if !(volume > LEAST_VOLUME * across.length() * down.length() * aim.length()) {
+        // Not a number is none, too.
+        let spans = volume > LEAST_VOLUME * across.length() * down.length() * aim.length();
+        if !spans {
             return None;
         }
         let inverse = matrix.inverse();

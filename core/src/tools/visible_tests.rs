@@ -149,7 +149,7 @@ proptest! {
 fn slants() -> impl Iterator<Item = Vec3> {
     [0f32, 45.0, 80.0, 85.0].into_iter().flat_map(|degrees| {
         let slant = degrees.to_radians();
-        [0f32, 0.6, 1.5707].map(|turn| {
+        [0f32, 0.6, std::f32::consts::FRAC_PI_2].map(|turn| {
             let level = Vec3::new(turn.cos(), 0.0, turn.sin());
             level * slant.sin() + Vec3::Y * slant.cos()
         })

@@ -63,9 +63,8 @@ impl KeyFocus {
         let is_field = focused.is_some() && (is_new || ctx.text_edit_focused());
         let listed = Popup::is_any_open(ctx);
         let pointer = ctx.input(|input| input.pointer.latest_pos());
-        if around.asking {
-            (self.after, self.pointer) = (After::Dialog, pointer);
-        } else if focused.is_some() && !is_field && ctx.input(confirms) {
+        let confirmed = focused.is_some() && !is_field && ctx.input(confirms);
+        if around.asking || confirmed {
             (self.after, self.pointer) = (After::Dialog, pointer);
         } else if is_field {
             (self.after, self.pointer) = (self.after.max(After::Field), pointer);
