@@ -9,7 +9,7 @@ use crate::command::Command;
 use crate::sculpture::edit::EditStats;
 use crate::tools::spray::Effect;
 
-/// What keeps tools off in a trial.
+/// The things that keep tools off in a trial.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Heeds {
     /// The limit to the selection.
@@ -24,7 +24,7 @@ impl Heeds {
 }
 
 impl Document {
-    /// What commands would change, one after the other, as far as they can be carried out. Within a stroke nothing is
+    /// Counts the voxels that commands would change, one after the other, as far as they can be carried out. Within a stroke nothing is
     /// tried.
     pub fn would_change(&mut self, commands: &[Command], heeds: Heeds) -> EditStats {
         let mut stats = EditStats::default();

@@ -111,7 +111,7 @@ fn extension<'a>(object: &'a Value, name: &str) -> Option<&'a Value> {
 struct Laying {
     /// Which set of coordinates it uses.
     uv_set: usize,
-    /// What becomes of these.
+    /// The outcome of these.
     transform: Affine2,
 }
 
