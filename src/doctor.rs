@@ -5,7 +5,7 @@ use crate::folders::{self, personal_file};
 use crate::gpu;
 use crate::screen::headset;
 
-/// What any report of a fault needs: the program, the system and the folders, a line each.
+/// The facts that any report of a fault needs: the program, the system and the folders, a line each.
 pub fn system() -> Vec<String> {
     vec![
         format!(

@@ -1,4 +1,4 @@
-//! What is written for people is true and readable: files that documents name are there, all modules of the core are
+//! Tests that texts for people are true and readable: files that documents name are there, all modules of the core are
 //! listed, and no text of the interface has a line break inside.
 
 use std::fs;
@@ -12,7 +12,7 @@ fn read(path: &str) -> String {
     fs::read_to_string(root().join(path)).unwrap()
 }
 
-/// What stands between backticks.
+/// The words between backticks.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
@@ -72,7 +72,7 @@ fn broken_strings(code: &str) -> Vec<usize> {
             }
             '"' if in_string => in_string = hashes && chars.peek() != Some(&'#'),
             '"' => {
-                // What begins with an escaped line break is a block of lines, such as the head of a file.
+                // A string that begins with an escaped line break is a block of lines, such as the head of a file.
                 let is_block = chars.clone().take(2).eq(['\\', '\n']);
                 hashes = before == '#';
                 (in_string, raw) = (true, is_block || hashes || before == 'r');

@@ -1,4 +1,4 @@
-//! What is asked of the window system: the event loop on a server that answers, and a main window that fits the
+//! Asks the window system for: the event loop on a server that answers, and a main window that fits the
 //! screen. Takes environment and sizes, returns winit's builders; knows nothing of what the windows show.
 
 use winit::dpi::LogicalSize;
@@ -8,7 +8,7 @@ use winit::window::{Window, WindowAttributes};
 /// By this name the desktop finds the program's icon: app_id on Wayland, class on X11.
 #[cfg(target_os = "linux")]
 const APPLICATION: &str = "virtual-sculpture";
-/// What a title bar, the window's frame and a panel of the desktop take of a screen, in points.
+/// The size that a title bar, the window's frame and a panel of the desktop take of a screen, in points.
 const AROUND_WINDOW: [u32; 2] = [16, 64];
 
 /// An event loop. On Linux that of X11, where WAYLAND_DISPLAY names a server that is not there and DISPLAY is set.

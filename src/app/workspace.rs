@@ -54,7 +54,7 @@ pub struct Workspace {
     pub controls: Controls,
     pub ui: UiState,
     pub display: Display,
-    /// Who has the keyboard in the main window, and in those of panels.
+    /// The owner of the keyboard in the main window, and in those of panels.
     key_focus: BTreeMap<Option<Panel>, KeyFocus>,
     /// Where it is remembered how the program was left, if anywhere.
     pub(super) memory: Option<MemoryFile>,

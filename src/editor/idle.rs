@@ -1,4 +1,4 @@
-//! What is said when a tool has changed nothing, or only a part of what it was meant to: the reason, found by trying the
+//! Says why a tool has changed nothing, or only a part of what it was meant to: the reason, found by trying the
 //! same without what stands in the way.
 //!
 //! Takes the commands that were tried; gives messages. Changes nothing.
@@ -19,7 +19,7 @@ pub(super) const MOST_TRIED: usize = 16;
 /// The bounds of a solid may be larger than the solid by this much, in voxels.
 const BOUNDS_MARGIN: i32 = 2;
 
-/// What is known of commands that change nothing, or meet the walls of the grid.
+/// The state of commands that change nothing, or meet the walls of the grid.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Walls {
     /// Voxels at the walls before the stroke under way, if it may add some there.
@@ -72,7 +72,7 @@ impl Editor {
         match command {
             Command::Construct { op: EditOp::Add(_), .. }
             | Command::Form { op: EditOp::Add(_), .. } => {
-                // What is in the grid at all can be cut, once it is added.
+                // The part that is in the grid can be cut, once it is added.
                 let cut = with_op(command, EditOp::Subtract);
                 let covered = self.trial(&[cut, command.clone()], Heeds::NOTHING).voxels_added;
                 match covered {

@@ -15,7 +15,7 @@ const DOUBLES_PX: f32 = 100.0;
 /// Pixels to the right from no strength to the full one.
 const FULL_PX: f32 = 250.0;
 
-/// What the pointer leads.
+/// The number that the pointer leads.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Led {
     Size,

@@ -75,7 +75,7 @@ fn answer_lines(
         line += 1;
         let is_too_long = read as u64 == LONGEST_LINE && !bytes.ends_with(b"\n");
         let done = if is_too_long {
-            // Whatever follows up to its end is not kept.
+            // The rest up to its end is not kept.
             bytes = Vec::new();
             input.skip_until(b'\n').map_err(JobError::Input)?;
             Err(format!(

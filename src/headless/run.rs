@@ -53,7 +53,7 @@ pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
 fn run_piped(job: &RunJob, context: &Context) -> Result<(), JobError> {
     let mut session = job.session(context)?;
     let refused = pipe::converse(&mut session, &());
-    // What was done is saved however the conversation ended.
+    // The changes are saved however the conversation ended.
     let saved = job.output.as_ref().map(|path| {
         let save = Command::Save { path: path.clone(), export: ExportOptions::default() };
         session.execute(&save, context.progress)

@@ -255,7 +255,7 @@ mod tests {
             assert!((at(x as f32, Vec3::splat(8.0)).z - 8.0).abs() < 1e-3);
             assert!((at(x as f32, Vec3::new(0.0, 0.0, 13.0)).z - 13.0).abs() < 1e-3);
         }
-        // What was worked at elsewhere leads to the border.
+        // Work at another place leads to the border.
         assert!((at(100.0, Vec3::new(8.0, 8.0, 40.0)).z - 16.0).abs() < 1e-3);
         assert_eq!(box_point(&sight, dims, Vec2::ZERO, Vec3::splat(8.0)), None);
     }

@@ -1,4 +1,4 @@
-//! What people look for who know other programs, and where it is here: an option of a panel, an action with another
+//! Lists the words of other programs, and where the thing is here: an option of a panel, an action with another
 //! name, or, where there is no such thing, the nearest to it.
 //!
 //! A table for the palette. Searches are compared in British spelling and lower case.
@@ -25,7 +25,7 @@ pub enum Target {
 pub struct Elsewhere {
     /// Separated by commas.
     pub names: &'static str,
-    /// What it is here, or why it is not, and what is nearest.
+    /// The thing here, or why there is none, and what is nearest.
     pub text: &'static str,
     pub target: Target,
 }

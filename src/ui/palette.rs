@@ -46,7 +46,7 @@ enum Entry {
     /// What is typed is this command.
     Run(Box<Command>),
     Do(Action),
-    /// What is called otherwise here, or is not here.
+    /// The things that are called otherwise here, or are not here.
     See(&'static Elsewhere),
     /// A command whose arguments are still to be typed.
     Complete(&'static CommandHelp),

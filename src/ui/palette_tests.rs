@@ -261,7 +261,7 @@ fn a_command_that_is_not_complete_is_begun() {
     }
 }
 
-/// What people who know other programs look for, and what is not here under that word.
+/// The words of other programs for things that are not here under that word.
 #[test]
 fn what_is_called_otherwise_or_missing_is_said() {
     let wanted = [

@@ -42,7 +42,7 @@ impl Spot {
         }
     }
 
-    /// What selects the tool that has the option.
+    /// The action that selects the tool that has the option.
     pub fn needs(self) -> Option<Action> {
         match self {
             Spot::Stencil => Some(Action::Spray(SprayKind::Paintbrush)),
@@ -61,7 +61,7 @@ impl Spot {
     }
 }
 
-/// What blinks in a window, and since when.
+/// The option that blinks in a window, and since when.
 #[derive(Clone, Copy)]
 struct Blinking {
     spot: Spot,
@@ -80,7 +80,7 @@ pub fn begin(ctx: &Context, led_to: &mut Option<Spot>, in_panel: bool) {
     }
 }
 
-/// What blinks in a window.
+/// The option that blinks in a window.
 pub fn blinking(ctx: &Context) -> Option<Spot> {
     let blinking = ctx.data(|data| data.get_temp::<Blinking>(id()))?;
     let age_s = ctx.input(|input| input.time) - blinking.since_s;

@@ -1,4 +1,4 @@
-//! Who hears keys: the sculpture, or a button, a slider, a list, a field and a dialog that have the focus.
+//! Tests which part hears keys: the sculpture, or a button, a slider, a list, a field and a dialog that have the focus.
 
 use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;

@@ -1,4 +1,4 @@
-//! What changes nothing, or is cut off by the walls of the grid, says why: once, and the reason that it is.
+//! Tests the reasons that are given for changes that do nothing or are cut off by the walls: once, and rightly.
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use glam::Vec3;
@@ -162,7 +162,7 @@ fn what_the_wall_cuts_off_is_said_once_until_it_is_not() {
     assert_eq!(cut_off(&mut harness, &mut ball(wall + Vec3::Y * 8.0)), 0, "it was said");
     assert_eq!(cut_off(&mut harness, &mut ball(inside)), 0);
     assert_eq!(cut_off(&mut harness, &mut ball(wall + Vec3::Y * 24.0)), 1);
-    // What ends flush with the wall is whole.
+    // A solid that ends flush with the wall is whole.
     let mut harness = front(false);
     run(&mut harness, "mark at=0,0,0 size=8,8,8");
     run(&mut harness, "copy");

@@ -152,7 +152,7 @@ impl BitBlock {
     pub fn extend_border(&mut self, min: IVec3, max: IVec3) {
         let (low, high) = (min - self.origin, max - 1 - self.origin);
         let size = self.size.as_ivec3();
-        // What lies within both.
+        // The part that lies within both.
         let (low, high) = (low.max(IVec3::ZERO), high.min(size - 1));
         if self.words.is_empty() || low.cmpgt(high).any() {
             return;

@@ -35,7 +35,7 @@ const MOST_VOXELS: u64 = NO_VOXEL as u64 - 1;
 
 /// The edge of the largest cube that `fits`, in voxels.
 fn largest_cube(fits: impl Fn(UVec3) -> bool) -> u32 {
-    // Whatever fits, smaller fits as well.
+    // If a size fits, smaller ones fit as well.
     let (mut fitting, mut beyond) = (1, MAX_AXIS_VX + 1);
     while beyond - fitting > 1 {
         let middle = fitting.midpoint(beyond);

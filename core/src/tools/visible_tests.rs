@@ -1,4 +1,4 @@
-//! What a footprint takes, against a plain definition, and against what a person sees: no visible voxel under the
+//! Tests the voxels that a footprint takes, against a plain definition, and against the picture that a person sees: no visible voxel under the
 //! outline is left, and none behind the visible surface is taken, at every ratio of voxel to ray and from every side.
 
 use std::collections::{HashMap, HashSet};
@@ -26,7 +26,7 @@ fn voxels(dims: UVec3) -> impl Iterator<Item = IVec3> {
     })
 }
 
-/// What is sculpted: flat faces, stairs, a ball, thin bars, walls one behind the other, dust.
+/// The sculpture: flat faces, stairs, a ball, thin bars, walls one behind the other, dust.
 fn scene(kind: usize, dims: UVec3) -> Grid {
     let size = dims.as_vec3();
     grid(dims, |v| {

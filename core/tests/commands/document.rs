@@ -52,7 +52,7 @@ fn changed_bricks(before: &Contents, after: &Contents) -> HashSet<u32> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
 
-    /// What is only tried leaves nothing behind, and tells what happens if it is done in earnest.
+    /// A trial leaves nothing behind, and tells what happens if it is done in earnest.
     #[test]
     fn what_is_tried_leaves_nothing_behind(
         new in new_sculpture(24),

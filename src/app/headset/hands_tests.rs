@@ -404,7 +404,7 @@ fn a_million_nonsensical_poses_do_no_harm() {
     assert!(strokes > 1000, "{strokes} strokes");
 }
 
-/// Who adds beside the grid, or cuts where nothing is, is told so, however closed the board is.
+/// A person who adds beside the grid, or cuts where nothing is, is told so, however closed the board is.
 #[test]
 fn a_hand_that_changes_nothing_is_told_why() {
     for (mode, why) in [

@@ -11,7 +11,7 @@ use egui::{Context, Event, EventFilter, Id, Key, Popup, Pos2};
 
 use crate::input::events::KeptKeys;
 
-/// What had the keyboard before, until the pointer is used over the picture.
+/// The owner of the keyboard before, until the pointer is used over the picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 enum After {
     #[default]
@@ -22,17 +22,17 @@ enum After {
     Dialog,
 }
 
-/// Who has the keyboard in one window.
+/// The owner of the keyboard in one window.
 #[derive(Clone, Debug, Default)]
 pub struct KeyFocus {
     after: After,
     /// Where the pointer was when that had the keyboard last.
     pointer: Option<Pos2>,
-    /// What had the focus in the last pass.
+    /// The widget that had the focus in the last pass.
     focused: Option<Id>,
 }
 
-/// What the viewport hears in a pass.
+/// The keys that the viewport hears in a pass.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Heard {
     /// Whether it hears keys at all.
@@ -40,7 +40,7 @@ pub struct Heard {
     pub kept: KeptKeys,
 }
 
-/// What the program knows besides egui.
+/// The state that the program knows besides egui.
 #[derive(Clone, Copy, Debug)]
 pub struct Around {
     /// A dialog asks for an answer.

@@ -149,7 +149,7 @@ impl Reader<'_> {
     /// Materials; a texture that cannot be read is left out with a note.
     fn materials(&mut self) {
         for (number, material) in list(&self.glb.json, "materials").iter().enumerate() {
-            // Who has both means the older one for programs that know it.
+            // A file that has both means the older one for programs that know it.
             let older = extension(material, SPECULAR_GLOSSINESS);
             let surface = material.get("pbrMetallicRoughness").unwrap_or(&Value::Null);
             let (surface, factor, texture) = match older {

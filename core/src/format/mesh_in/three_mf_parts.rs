@@ -1,4 +1,4 @@
-//! What slicers note beside a `.3mf` about parts that are not printed: supports, modifiers, negative volumes.
+//! Reads the notes of slicers beside a `.3mf` about parts that are not printed: supports, modifiers, negative volumes.
 //!
 //! Takes the texts of their files in the archive (`Slic3r_PE_model.config` of PrusaSlicer and SuperSlicer,
 //! `model_settings.config` of Bambu Studio and OrcaSlicer); gives which triangles or components of which object are what.
@@ -49,13 +49,13 @@ impl Parts {
         }
     }
 
-    /// What a triangle of an object's mesh belongs to that is not printed.
+    /// The part that is not printed to which a triangle of an object's mesh belongs.
     pub fn of_triangle(&self, object: u32, triangle: usize) -> Option<&'static str> {
         let ranges = self.ranges.get(&object)?;
         ranges.iter().find(|(range, _)| range.contains(&triangle)).map(|(_, kind)| *kind)
     }
 
-    /// What a component of an object is that is not printed.
+    /// The kind of a component that is not printed.
     pub fn of_component(&self, object: u32, component: u32) -> Option<&'static str> {
         self.components.get(&(object, component)).copied()
     }

@@ -323,7 +323,7 @@ fn numbered(path: &Path) -> Option<(String, String, u64)> {
     Some((prefix.to_string(), ending, number))
 }
 
-/// What a library says of a file that it does not read.
+/// The message of a library about a file that it does not read.
 fn damaged(error: TiffError) -> FormatError {
     match error {
         TiffError::LimitsExceeded => malformed("the TIFF file", "more pixels than its header says"),

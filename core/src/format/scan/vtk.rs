@@ -98,7 +98,7 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     })
 }
 
-/// What the lines before the array say.
+/// The values of the lines before the array.
 #[derive(Default)]
 struct Head {
     title: Vec<u8>,

@@ -175,7 +175,7 @@ impl<'a> DataSet<'a> {
     /// The elements of `bytes`, as [`open`] gives them.
     pub fn parse(bytes: &'a [u8], syntax: Syntax, part: Part) -> Result<DataSet<'a>, FormatError> {
         let is_big = syntax.is_big();
-        // What the elements are counts, not what the header calls them.
+        // The elements themselves count, not the header's name for them.
         let is_explicit = is_explicit(bytes, is_big).unwrap_or(syntax.is_explicit());
         let mut parser = Parser { bytes, at: 0, left: MOST_ELEMENTS, part, is_big, is_explicit };
         let elements = parser.elements(bytes.len(), 0, false)?;

@@ -34,7 +34,7 @@ pub struct Plane {
     pub position: Option<DVec3>,
     /// Directions of rows and columns.
     pub axes: Option<[DVec3; 2]>,
-    /// What the file says for each of [`tags::PHASES`].
+    /// The file's values for each of [`tags::PHASES`].
     pub phases: Vec<String>,
 }
 

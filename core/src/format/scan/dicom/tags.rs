@@ -25,7 +25,7 @@ pub const PIXEL_SPACING: Tag = 0x0028_0030;
 pub const FRAME_OFFSETS: Tag = 0x3004_000C;
 
 pub const SAMPLES_PER_PIXEL: Tag = 0x0028_0002;
-/// What is outside of the field of the scanner, in stored numbers: one, or all from this one to another.
+/// The values outside of the field of the scanner, in stored numbers: one, or all from this one to another.
 pub const PADDING: Tag = 0x0028_0120;
 pub const PADDING_LIMIT: Tag = 0x0028_0121;
 pub const PHOTOMETRIC: Tag = 0x0028_0004;
@@ -50,7 +50,7 @@ pub const VALUES_GROUP: Tag = 0x0028_9145;
 /// Of nuclear medicine.
 pub const DETECTORS: Tag = 0x0054_0022;
 
-/// What tells slices at the same place apart: the time, phase, echo or kind that they belong to.
+/// The attributes that tell slices at the same place apart: the time, phase, echo or kind that they belong to.
 pub const PHASES: [Tag; 14] = [
     0x0020_0100, // temporal position
     0x0020_9241, // share of the heart's cycle

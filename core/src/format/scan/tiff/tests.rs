@@ -125,7 +125,7 @@ fn damaged_files_are_errors() {
     let whole = file::<Gray16>(&[vec![1; 6], vec![2; 6]], "");
     for end in 0..whole.len() {
         std::fs::write(&path, &whole[..end]).unwrap();
-        // What is cut off may be beyond the last pixel.
+        // The part that is cut off may be beyond the last pixel.
         let _ = load(&path);
     }
     for at in 0..whole.len() {

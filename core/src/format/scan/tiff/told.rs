@@ -1,4 +1,4 @@
-//! What a TIFF file says of its pages beside their pixels: the note of ImageJ, or the description of an OME-TIFF
+//! Reads the words of a TIFF file about its pages beside their pixels: the note of ImageJ, or the description of an OME-TIFF
 //! (docs.openmicroscopy.org/ome-model).
 //!
 //! Takes the first page; gives the size of a voxel and which pages are the layers of one channel at one time.
@@ -174,7 +174,7 @@ impl Told {
 /// The page of each channel, layer and time.
 fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<(usize, usize, usize), usize> {
     let order = pixels.attribute("DimensionOrder").unwrap_or("XYCZT");
-    // What follows `from` planes behind the first of all.
+    // The rest, from `from` planes behind the first of all.
     let place = |mut from: usize| {
         let mut at = (0, 0, 0);
         for axis in order.chars() {
