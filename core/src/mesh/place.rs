@@ -7,7 +7,7 @@
 use std::ops::Range;
 use std::sync::LazyLock;
 
-use glam::{IVec3, UVec3, Vec3, Vec3A};
+use glam::{IVec3, UVec3, Vec3, Vec3A, Vec4};
 
 use super::contact::{CORNERS, Fan, MOST_FANS, beside, voxel_of};
 use super::rows::Rows;
@@ -71,7 +71,7 @@ impl Place for AtCorners {
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Mean {
-    /// The mean of the lower ends of the edges, from the corner of the lattice.
+    /// The mean of the lower ends of the edges, from the middle of the first voxel around the corner.
     start: Vec3A,
     /// The weight of the four edges along each axis; 0 where an edge is not the fan's.
     weights: [Vec3A; 4],
@@ -80,7 +80,7 @@ struct Mean {
 impl Mean {
     fn of(faces: u16) -> Mean {
         let weight = 1.0 / faces.count_ones().max(1) as f32;
-        let mut mean = Mean { start: Vec3A::splat(-0.5), weights: [Vec3A::ZERO; 4] };
+        let mut mean = Mean { start: Vec3A::ZERO, weights: [Vec3A::ZERO; 4] };
         for face in (0..12).filter(|face| faces >> face & 1 != 0) {
             let [low, _] = beside(face);
             mean.start += (voxel_of(low) + 1).as_vec3a() * weight;
@@ -94,7 +94,8 @@ impl Mean {
 static MEANS: LazyLock<[[Mean; MOST_FANS]; 256]> =
     LazyLock::new(|| CORNERS.each_ref().map(|corner| corner.fans.map(|fan| Mean::of(fan.faces))));
 
-/// On the smooth surface: in the mean of the places where it crosses the edges of a cell between voxel centres.
+/// On the smooth surface: the place nearest to the mean of those where it crosses the edges of a cell between voxel
+/// centres.
 pub struct OnSurface<'a> {
     grid: &'a Grid,
     levels: &'a LevelSet,
@@ -111,11 +112,51 @@ pub struct LevelsBeside {
 }
 
 impl LevelsBeside {
-    /// Distances of the eight voxels around a corner from the surface, on either side, in any unit.
+    /// The levels of the eight voxels around a corner.
     #[inline(always)]
-    fn distances(&self, corner: IVec3) -> [f32; 8] {
+    fn around(&self, corner: IVec3) -> [f32; 8] {
         let [x, y] = [corner.x as usize, corner.y as usize];
-        LevelLayer::corners(&self.low, &self.high, [x, y]).map(|level| f32::from(level).abs())
+        LevelLayer::corners(&self.low, &self.high, [x, y]).map(f32::from)
+    }
+}
+
+/// Between the middles of eight voxels, from 0 to 1: the trilinear value of `levels`, and its gradient.
+#[inline(always)]
+fn trilinear(levels: &[f32; 8], at: Vec3A) -> (f32, Vec3A) {
+    let &[a, b, c, d, e, f, g, h] = levels;
+    let (low, high) = (Vec4::new(a, b, c, d), Vec4::new(e, f, g, h));
+    let rise = high - low;
+    let [a, b, c, d] = (low + rise * at.z).to_array();
+    let [x, y] = [1.0 - at.x, 1.0 - at.y];
+    let weights = Vec4::new(x * y, at.x * y, x * at.y, at.x * at.y);
+    let gradient =
+        Vec3A::new(y * (b - a) + at.y * (d - c), x * (c - a) + at.x * (d - b), weights.dot(rise));
+    (weights.dot(Vec4::new(a, b, c, d)), gradient)
+}
+
+/// The vertex of a fan whose edges the surface crosses in `mean` in the mean: one step of Newton's method from there, so
+/// that the vertices of edges, corners and thin parts lie on the surface, too, and not within it.
+#[inline(always)]
+fn on_surface(levels: &[f32; 8], mean: Vec3A) -> Vec3A {
+    let (value, gradient) = trilinear(levels, mean);
+    let step = gradient * (value / gradient.length_squared().max(LEAST_GRADIENT_SQUARED));
+    (mean - step).clamp(Vec3A::splat(MARGIN_VX), Vec3A::splat(1.0 - MARGIN_VX))
+}
+
+/// How far vertices stay away from the sides of their cells, so that those of neighbours never meet.
+const MARGIN_VX: f32 = 1.0 / 32.0;
+/// A gradient (squared, in levels a voxel) so small that a step along it would lead anywhere.
+const LEAST_GRADIENT_SQUARED: f32 = 256.0;
+
+/// The vertex of a fan that is parted from others: where the surface is on the way from the mean of its crossings
+/// to its side of the corner, or there if the surface joins what the mesh parts.
+#[cold]
+fn on_parted_surface(levels: &[f32; 8], mean: Vec3A, apart: Vec3) -> Vec3A {
+    let end = Vec3A::splat(0.5) + Vec3A::from(apart) * GAP_VX;
+    let [from, to] = [mean, end].map(|at| trilinear(levels, at).0);
+    match from * to < 0.0 {
+        true => mean.lerp(end, from / (from - to)),
+        false => end,
     }
 }
 
@@ -143,7 +184,8 @@ impl Place for OnSurface<'_> {
 
     #[inline(always)]
     fn fan(&self, layer: &LevelsBeside, corner: IVec3, octants: u8, fan: usize) -> Vec3 {
-        let d = layer.distances(corner);
+        let levels = layer.around(corner);
+        let d = levels.map(f32::abs);
         let Mean { start, weights } = &self.means[octants as usize][fan];
         // The octants below and above the faces 0, 4 and 8 and those that follow, as `beside` says.
         let ends = [
@@ -152,22 +194,36 @@ impl Place for OnSurface<'_> {
             [[d[4], d[1], d[2]], [d[5], d[3], d[6]]],
             [[d[6], d[5], d[3]], [d[7], d[7], d[7]]],
         ];
-        let mut place = corner.as_vec3a() + *start;
+        let mut mean = *start;
         for ([low, high], weights) in ends.into_iter().zip(weights) {
             let low = Vec3A::from_array(low);
-            place += low / (low + Vec3A::from_array(high)) * *weights;
+            mean += low / (low + Vec3A::from_array(high)) * *weights;
         }
-        place.into()
+        let table = &CORNERS[octants as usize];
+        let place = match table.count {
+            1 => on_surface(&levels, mean),
+            _ => on_parted_surface(&levels, mean, table.fans[fan].apart),
+        };
+        Vec3::from(corner.as_vec3a() - 0.5 + place)
     }
 
     fn middle(&self, layer: &LevelsBeside, corner: IVec3, axis: usize, octant: usize) -> Vec3 {
-        let distances = layer.distances(corner);
+        let levels = layer.around(corner);
+        let [u, v] = [1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3)];
+        let [own, beside, other] =
+            [levels[octant], levels[octant ^ u] + levels[octant ^ v], levels[octant ^ u ^ v]];
+        // From the middle of the own voxel (0) towards that of the other one (1).
+        let level = |t: f32| own * (1.0 - t) * (1.0 - t) + beside * t * (1.0 - t) + other * t * t;
+        let (mut inside, mut outside) = (0.0, 0.5 - GAP_VX);
+        if level(outside) * own < 0.0 {
+            for _ in 0..16 {
+                let t = 0.5 * (inside + outside);
+                *(if level(t) * own < 0.0 { &mut outside } else { &mut inside }) = t;
+            }
+        }
         let mut middle = (voxel_of(octant) + 1).as_vec3();
-        for other in [(axis + 1) % 3, (axis + 2) % 3] {
-            let (a, b) = (distances[octant], distances[octant ^ 1 << other]);
-            let share = a / (a + b);
-            let step = if octant >> other & 1 != 0 { -share } else { share };
-            middle[other] += 0.5 * step;
+        for axis in [u, v].map(|bit: usize| bit.trailing_zeros() as usize) {
+            middle[axis] += if octant >> axis & 1 != 0 { -outside } else { outside };
         }
         corner.as_vec3() - 0.5 + middle
     }

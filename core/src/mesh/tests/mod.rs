@@ -4,3 +4,4 @@ pub(crate) mod check;
 mod kept;
 mod simplified;
 mod surfaces;
+mod thin;

@@ -7,6 +7,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
+use super::thin::{BricksAround, moved};
 use super::{FAR, LEAST, PageLevels, place};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind};
@@ -17,15 +18,18 @@ use crate::shade::normal_field::{NO_PAGE, PackedDepth};
 const EDGE: usize = 10;
 /// The bits of a row, a row for each y and z.
 type Rows = [[u16; EDGE]; EDGE];
+/// A plane for each voxel: its normal and, in units of a level, the depth of the voxel's middle below it. One without a
+/// normal lies at its depth to all sides.
+type Planes = [[[Plane; EDGE]; EDGE]; EDGE];
+pub(super) type Plane = (Vec3, f32);
 
 /// A brick with the surface in it and around it.
-pub(super) struct Band<'a> {
-    normals: &'a NormalField,
-    /// The pages of normals of the 27 bricks: the one in the middle has number 13.
-    pages: [u32; 27],
+pub(super) struct Band {
     /// Existing voxels, and surface voxels. Bit and index 0 are the voxel before the brick.
     existing: Rows,
     surface: Rows,
+    /// The planes of the surface voxels, moved where they are of a thin part; nothing of others.
+    planes: Planes,
     /// Voxels of the brick that touch a surface voxel, or are one.
     near: Rows,
 }
@@ -64,12 +68,12 @@ const RINGS: [&[[i8; 3]]; 3] = [
     ],
 ];
 
-/// Without a normal, a plane is half a voxel from the middle, on the side of the voxel that asks.
-const NO_NORMAL_DISTANCE: f32 = 0.5 * PackedDepth::PER_VX;
+/// Without a normal, a plane is half a voxel from the middle, to all sides.
+const NO_NORMAL_DEPTH: f32 = 0.5 * PackedDepth::PER_VX;
 
-impl Band<'_> {
+impl Band {
     /// The brick of linear index `index`; none if it has no voxel near the surface.
-    pub fn of<'a>(grid: &Grid, normals: &'a NormalField, index: u32) -> Option<Band<'a>> {
+    pub fn of(grid: &Grid, normals: &NormalField, index: u32) -> Option<Band> {
         let b = grid.brick_coords(index as usize).as_ivec3();
         let dims = grid.brick_dims().as_ivec3();
         let mut pages = [NO_PAGE; 27];
@@ -91,7 +95,13 @@ impl Band<'_> {
         if near == Rows::default() {
             return None;
         }
-        Some(Band { normals, pages, existing: existing_around(grid, b), surface, near })
+        let bricks = bricks_around(grid, b);
+        let planes = planes(&bricks, &surface, |at: IVec3| {
+            let brick: i32 = ((at + 8) >> 3i32).dot(IVec3::new(1, 3, 9));
+            let local: UVec3 = (at & 7).as_uvec3();
+            normals.plane(pages[brick as usize], local)
+        });
+        Some(Band { existing: joined(&bricks), surface, near, planes })
     }
 
     /// The levels of the brick's voxels.
@@ -132,7 +142,7 @@ impl Band<'_> {
                 let offset = IVec3::from(offset.map(i32::from));
                 let Some((normal, depth)) = self.plane(at + offset) else { continue };
                 sum += match normal == Vec3::ZERO {
-                    true => NO_NORMAL_DISTANCE,
+                    true => PackedDepth::PER_VX - depth,
                     false => {
                         let height = normal.dot(-offset.as_vec3()) * PackedDepth::PER_VX - depth;
                         height * side
@@ -149,20 +159,38 @@ impl Band<'_> {
 
     /// The plane of a surface voxel; coordinates are those of the brick, -1 to 8.
     #[inline(always)]
-    fn plane(&self, at: IVec3) -> Option<(Vec3, f32)> {
-        let padded = (at + 1).as_uvec3();
-        let row = self.surface[padded.z as usize][padded.y as usize];
-        if row >> padded.x & 1 == 0 {
-            return None;
-        }
-        let brick: i32 = ((at + 8) >> 3i32).dot(IVec3::new(1, 3, 9));
-        let local: UVec3 = (at & 7).as_uvec3();
-        self.normals.plane(self.pages[brick as usize], local)
+    fn plane(&self, at: IVec3) -> Option<Plane> {
+        let UVec3 { x, y, z } = (at + 1).as_uvec3();
+        let row = self.surface[z as usize][y as usize];
+        (row >> x & 1 != 0).then(|| self.planes[z as usize][y as usize][x as usize])
     }
 }
 
+/// The planes of the voxels of `surface`. `plane` gives those of the normals, by coordinates of the brick from -8 to 15.
+fn planes(bricks: &BricksAround, surface: &Rows, plane: impl Fn(IVec3) -> Option<Plane>) -> Planes {
+    let mut planes = [[[(Vec3::ZERO, NO_NORMAL_DEPTH); EDGE]; EDGE]; EDGE];
+    let rows = surface.iter().zip(&mut planes).zip(-1..);
+    for ((rows, planes), z) in rows {
+        for ((row, planes), y) in rows.iter().zip(planes).zip(-1..) {
+            let mut rest = *row;
+            while rest != 0 {
+                let x = rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                let at = IVec3::new(x as i32 - 1, y, z);
+                let Some(own) = plane(at) else { continue };
+                let own = match own.0 == Vec3::ZERO {
+                    true => (Vec3::ZERO, NO_NORMAL_DEPTH),
+                    false => own,
+                };
+                planes[x] = moved(bricks, at, own, &plane);
+            }
+        }
+    }
+    planes
+}
+
 /// Rows of the voxels in a brick and next to it, from the layers (`x + 8 y`) of the 27 bricks.
-fn joined(bricks: &[[u64; 8]; 27]) -> Rows {
+fn joined(bricks: &BricksAround) -> Rows {
     let mut rows = Rows::default();
     // Along an axis: the brick, and the voxel in it.
     let at = |i: usize| (i.div_ceil(8), (i + 7) % 8);
@@ -192,8 +220,8 @@ fn dilated(rows: &Rows) -> Rows {
     out
 }
 
-/// The existing voxels in the brick at brick coordinates `b`, which may be outside, and next to it.
-fn existing_around(grid: &Grid, b: IVec3) -> Rows {
+/// The existing voxels of the brick at brick coordinates `b`, which may be outside, and of the 26 around it.
+fn bricks_around(grid: &Grid, b: IVec3) -> BricksAround {
     let dims = grid.brick_dims().as_ivec3();
     let mut bricks = [[0; 8]; 27];
     for (i, offset) in around() {
@@ -207,12 +235,12 @@ fn existing_around(grid: &Grid, b: IVec3) -> Rows {
             };
         }
     }
-    joined(&bricks)
+    bricks
 }
 
 /// The cells of a brick of cells that have an existing voxel at one of their corners.
 pub(super) fn cells_at(grid: &Grid, b: IVec3) -> Brick {
-    let existing = existing_around(grid, b);
+    let existing = joined(&bricks_around(grid, b));
     let mut layers = [0u64; BRICK_EDGE_VX as usize];
     for (z, layer) in layers.iter_mut().enumerate() {
         for y in 0..8 {

@@ -21,6 +21,7 @@ mod ray;
 mod sample;
 #[cfg(test)]
 mod tests;
+mod thin;
 
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;

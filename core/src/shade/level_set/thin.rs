@@ -1,0 +1,85 @@
+//! Where the surface of thin parts lies: so that they keep their volume.
+//!
+//! Normals and depths are found by smoothing the bits, which moves both surfaces of a plate towards each other as soon
+//! as it is not much thicker than the Gaussian is wide. A run of few voxels along an axis whose ends face away from each
+//! other is thin: the planes of its ends are moved so that together they are as far apart as the run is long. What is thin
+//! along two axes or more, a bar or a needle, has planes further out, since the corners of a mesh lie within them.
+//!
+//! Takes the bits of a brick and those around it, and planes of surface voxels; gives other planes. Knows no pages.
+
+use glam::{IVec3, Vec3};
+
+use super::LEAST;
+use super::band::Plane;
+use crate::shade::normal_field::PackedDepth;
+
+/// The bits of the 27 bricks at and around one: number `x + 3 y + 9 z`, a word for each z, bit `x + 8 y`.
+pub(super) type BricksAround = [[u64; 8]; 27];
+
+/// The longest run that is thin.
+const MOST_VX: i32 = 5;
+/// The part of its normal along the axis from which on, and above which wholly, the end of a run faces along it.
+const FACING: [f32; 2] = [0.3, 0.6];
+/// How much further out the planes of a bar of one voxel lie than its sides.
+const CORNERS_VX: f32 = 0.28;
+
+/// Whether a voxel exists, by coordinates of the brick in the middle, from -8 to 15.
+#[inline(always)]
+fn exists(bricks: &BricksAround, at: IVec3) -> bool {
+    let brick = ((at + 8) >> 3i32).dot(IVec3::new(1, 3, 9)) as usize;
+    let local = at & 7;
+    bricks[brick][local.z as usize] >> (local.x + 8 * local.y) & 1 != 0
+}
+
+/// The plane of the surface voxel `at`, moved from `own` if the voxel is of a thin part. `plane` gives those of other
+/// surface voxels.
+#[inline(always)]
+pub(super) fn moved(
+    bricks: &BricksAround,
+    at: IVec3,
+    own: Plane,
+    plane: &impl Fn(IVec3) -> Option<Plane>,
+) -> Plane {
+    let (normal, depth) = own;
+    // Of the thin runs along each axis: how much they count, and how far the plane is to move.
+    let (mut weights, mut shifts) = (0.0, 0.0);
+    let (mut thin_axes, mut is_alone, mut least) = (0.0f32, false, MOST_VX);
+    for (axis, unit) in IVec3::AXES.into_iter().enumerate() {
+        let mut of_axis = 0.0f32;
+        for outwards in [unit, -unit] {
+            if exists(bricks, at + outwards) {
+                continue;
+            }
+            if !exists(bricks, at - outwards) {
+                (is_alone, of_axis, least) = (true, 1.0, 1);
+                break;
+            }
+            let [facing, fully] = FACING;
+            let along = normal[axis] * outwards[axis] as f32;
+            if along <= facing {
+                continue;
+            }
+            let end = (2..=MOST_VX).find(|&steps| !exists(bricks, at - outwards * steps));
+            let Some(length) = end else { continue };
+            let Some((other, other_depth)) = plane(at - outwards * (length - 1)) else { continue };
+            let other_along = -other[axis] * outwards[axis] as f32;
+            let weight = ((along.min(other_along) - facing) / (fully - facing)).clamp(0.0, 1.0);
+            if weight > 0.0 {
+                let apart = depth / along + other_depth / other_along;
+                let missing = along * 0.5 * (PackedDepth::PER_VX - apart);
+                let share = weight * along * along;
+                (weights, shifts) = (weights + share, shifts + share * missing * weight);
+                (of_axis, least) = (of_axis.max(weight), least.min(length));
+            }
+        }
+        thin_axes += of_axis;
+    }
+    // The corners of a bar's mesh lie within its planes: the less, the thicker it is.
+    let corners = (thin_axes - 1.0).clamp(0.0, 1.0) / (least * least) as f32;
+    let corners = corners * CORNERS_VX * PackedDepth::PER_VX;
+    match is_alone {
+        true => (Vec3::ZERO, 0.5 * PackedDepth::PER_VX + corners),
+        false if weights > 0.0 => (normal, (depth + shifts / weights + corners).max(LEAST.into())),
+        false => own,
+    }
+}
