@@ -3,7 +3,8 @@
 //! Normals and depths are found by smoothing the bits, which moves both surfaces of a plate towards each other as soon
 //! as it is not much thicker than the Gaussian is wide. A run of few voxels along an axis whose ends face away from each
 //! other is thin: the planes of its ends are moved so that together they are as far apart as the run is long. What is thin
-//! along two axes or more, a bar or a needle, has planes further out, since the corners of a mesh lie within them.
+//! along two axes or more, a bar or a needle, has planes further out, since the corners of a mesh lie within them. The
+//! edge of something thick is no thin part, though its runs are short, too: they are longer further inside.
 //!
 //! Takes the bits of a brick and those around it, and planes of surface voxels; gives other planes. Knows no pages.
 
@@ -20,6 +21,11 @@ pub(super) type BricksAround = [[u64; 8]; 27];
 const MOST_VX: i32 = 5;
 /// The part of its normal along the axis from which on, and above which wholly, the end of a run faces along it.
 const FACING: [f32; 2] = [0.3, 0.6];
+/// How far inside the runs of an edge are longer, by how much, and from which part of the mean normal of the ends on they
+/// lead inside.
+const INSIDE_VX: i32 = 2;
+const LONGER_VX: i32 = 2;
+const LEADS_INSIDE: f32 = 0.3;
 /// How much further out the planes of a bar of one voxel lie than its sides.
 const CORNERS_VX: f32 = 0.28;
 
@@ -29,6 +35,26 @@ fn exists(bricks: &BricksAround, at: IVec3) -> bool {
     let brick = ((at + 8) >> 3i32).dot(IVec3::new(1, 3, 9)) as usize;
     let local = at & 7;
     bricks[brick][local.z as usize] >> (local.x + 8 * local.y) & 1 != 0
+}
+
+/// Whether the run of `length` voxels along `axis` with `middle` in it is that of the edge of something thick: `normals`
+/// is the sum of those of its ends.
+fn is_edge(bricks: &BricksAround, middle: IVec3, axis: usize, length: i32, normals: Vec3) -> bool {
+    let mut aside = normals;
+    aside[axis] = 0.0;
+    let outwards = aside.abs().max_position();
+    if aside[outwards].abs() < LEADS_INSIDE {
+        return false;
+    }
+    let inside = middle - IVec3::AXES[outwards] * (INSIDE_VX * aside[outwards].signum() as i32);
+    if !exists(bricks, inside) {
+        return false;
+    }
+    // As far as the bricks are known.
+    let reach =
+        |unit: IVec3| (1..=MOST_VX).take_while(|s| exists(bricks, inside + unit * *s)).count();
+    let unit = IVec3::AXES[axis];
+    1 + reach(unit) as i32 + reach(-unit) as i32 >= length + LONGER_VX
 }
 
 /// The plane of the surface voxel `at`, moved from `own` if the voxel is of a thin part. `plane` gives those of other
@@ -51,6 +77,9 @@ pub(super) fn moved(
                 continue;
             }
             if !exists(bricks, at - outwards) {
+                if is_edge(bricks, at, axis, 1, normal) {
+                    break;
+                }
                 (is_alone, of_axis, least) = (true, 1.0, 1);
                 break;
             }
@@ -62,6 +91,9 @@ pub(super) fn moved(
             let end = (2..=MOST_VX).find(|&steps| !exists(bricks, at - outwards * steps));
             let Some(length) = end else { continue };
             let Some((other, other_depth)) = plane(at - outwards * (length - 1)) else { continue };
+            if is_edge(bricks, at - outwards * ((length - 1) / 2), axis, length, normal + other) {
+                continue;
+            }
             let other_along = -other[axis] * outwards[axis] as f32;
             let weight = ((along.min(other_along) - facing) / (fully - facing)).clamp(0.0, 1.0);
             if weight > 0.0 {
