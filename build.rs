@@ -121,6 +121,11 @@ impl Source {
         Ok(())
     }
 
+    /// Whether the file of that name is part of it.
+    fn includes(&self, name: &str) -> bool {
+        self.origin.iter().any(|(path, _)| path.ends_with(name))
+    }
+
     /// A message with the file and line that `location` of the expanded text came from.
     fn message(&self, location: Option<naga::SourceLocation>, text: &str) -> String {
         let place = location
@@ -157,6 +162,7 @@ fn compile(source: &Source, stage: ShaderStage) -> Result<Vec<u32>, String> {
     let entry = spv::PipelineOptions { shader_stage: stage, entry_point: "main".to_string() };
     spv::write_vec(&module, &info, &options, Some(&entry))
         .map(specialise)
+        .map(|words| if source.includes(EXACT) { uncontracted(words) } else { words })
         .map_err(|e| source.message(None, &e.to_string()))
 }
 
@@ -165,34 +171,63 @@ fn compile(source: &Source, stage: ShaderStage) -> Result<Vec<u32>, String> {
 const FIRST_SPECIALISED: u32 = 0x5bec_0000;
 const MAX_SPECIALISED: u32 = 16;
 
+/// The shared file whose arithmetic must be that of its twin on the CPU.
+const EXACT: &str = "ray.wgsl";
+
+const OP_DECORATE: u32 = 71;
+
+/// The instructions of a module: their place, length in words, and operation.
+fn instructions(words: &[u32]) -> impl Iterator<Item = (usize, usize, u32)> {
+    const HEADER_WORDS: usize = 5;
+    let mut at = HEADER_WORDS;
+    std::iter::from_fn(move || {
+        let first = *words.get(at)?;
+        let (place, length) = (at, (first >> 16) as usize);
+        at += length.max(1);
+        Some((place, length, first & 0xffff))
+    })
+}
+
+/// Adds these decorations where annotations are: before the types, of which the first are 19 to 33.
+fn annotate(words: &mut Vec<u32>, decorations: Vec<u32>) {
+    let is_annotation = |operation| matches!(operation, OP_DECORATE | 72 | 19..=33);
+    let place = instructions(words).find(|(_, _, operation)| is_annotation(*operation));
+    let place = place.map_or(words.len(), |(place, ..)| place);
+    words.splice(place..place, decorations);
+}
+
 /// Turns the constants of these literals into specialization constants (SPIR-V 1.5, 3.42).
 fn specialise(mut words: Vec<u32>) -> Vec<u32> {
-    const HEADER_WORDS: usize = 5;
-    const OP_DECORATE: u32 = 71;
     const OP_CONSTANT: u32 = 43;
     const OP_SPEC_CONSTANT: u32 = 50;
     const SPEC_ID: u32 = 1;
+    let found: Vec<(usize, u32)> = instructions(&words)
+        .filter(|(_, length, operation)| (*operation, *length) == (OP_CONSTANT, 4))
+        .map(|(at, ..)| (at, words[at + 3].wrapping_sub(FIRST_SPECIALISED)))
+        .filter(|(_, number)| *number < MAX_SPECIALISED)
+        .collect();
     let mut decorations = Vec::new();
-    let mut first_annotation = None;
-    let mut at = HEADER_WORDS;
-    while at < words.len() {
-        let (length, operation) = ((words[at] >> 16) as usize, words[at] & 0xffff);
-        // Annotations come before the types, of which the first are 19 to 33.
-        if matches!(operation, OP_DECORATE | 72 | 19..=33) {
-            first_annotation.get_or_insert(at);
-        }
-        if operation == OP_CONSTANT && length == 4 {
-            let number = words[at + 3].wrapping_sub(FIRST_SPECIALISED);
-            if number < MAX_SPECIALISED {
-                words[at] = 4 << 16 | OP_SPEC_CONSTANT;
-                words[at + 3] = 0;
-                decorations.extend([4 << 16 | OP_DECORATE, words[at + 2], SPEC_ID, number]);
-            }
-        }
-        at += length.max(1);
+    for (at, number) in found {
+        words[at] = 4 << 16 | OP_SPEC_CONSTANT;
+        words[at + 3] = 0;
+        decorations.extend([4 << 16 | OP_DECORATE, words[at + 2], SPEC_ID, number]);
     }
-    let place = first_annotation.unwrap_or(words.len());
-    words.splice(place..place, decorations);
+    annotate(&mut words, decorations);
+    words
+}
+
+/// Forbids that a product and a sum be rounded as one (SPIR-V 1.5, 3.20, `NoContraction`): then both are rounded like
+/// those of the CPU, and rays along the edges of voxels find the same voxels.
+fn uncontracted(mut words: Vec<u32>) -> Vec<u32> {
+    const NO_CONTRACTION: u32 = 42;
+    /// Sums, differences, products, of vectors and numbers, too, and dot products.
+    const ARITHMETIC: [u32; 5] = [129, 131, 133, 142, 148];
+    let results = instructions(&words)
+        .filter(|(_, _, operation)| ARITHMETIC.contains(operation))
+        .map(|(at, ..)| words[at + 2]);
+    let decorations =
+        results.flat_map(|result| [3 << 16 | OP_DECORATE, result, NO_CONTRACTION]).collect();
+    annotate(&mut words, decorations);
     words
 }
 

@@ -1,5 +1,6 @@
 // The arithmetic of a ray on the grid: the twin of core/src/surface/raycast/ray.rs. The same operations in the
-// same order, so that a GPU with correctly rounded division finds the same voxels.
+// same order, so that a GPU with correctly rounded division finds the same voxels. build.rs forbids that products and
+// sums be fused in what includes this file.
 
 const STANDSTILL: f32 = 1e-20;
 

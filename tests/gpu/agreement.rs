@@ -1,8 +1,7 @@
 //! Compares the device's index maps with those of the exact ray caster, pixel by pixel.
 //!
-//! Both traverse the same voxels by the same arithmetic, so on a device with correctly rounded `f32` division and
-//! multiplication they agree everywhere. Vulkan allows a division to be off by 2.5 ULP and a product and a sum to be
-//! fused; then a ray that passes within about a millionth of its length of a voxel's edge may be found on the other side
+//! Both traverse the same voxels by the same arithmetic, so on a device with correctly rounded `f32` division they agree
+//! everywhere. Vulkan allows a division to be off by 2.5 ULP (that a product and a sum be fused is forbidden); then a ray that passes within about a millionth of its length of a voxel's edge may be found on the other side
 //! of it. There the two see neighbours across an edge of the picture: the device's voxel is one that the caster sees
 //! through one of the nine pixels around, or if the ray is moved by less than half a pixel.
 
