@@ -179,7 +179,7 @@ fn text_ply_whose_values_are_not_in_lines_is_read() {
 }
 
 /// The corners and faces of a box of 10 x 20 x 30.
-const CORNERS: [[i32; 3]; 8] = [
+pub(super) const CORNERS: [[i32; 3]; 8] = [
     [0, 0, 0],
     [0, 0, 30],
     [0, 20, 0],
@@ -189,7 +189,7 @@ const CORNERS: [[i32; 3]; 8] = [
     [10, 20, 0],
     [10, 20, 30],
 ];
-const FACES: [[i32; 4]; 6] =
+pub(super) const FACES: [[i32; 4]; 6] =
     [[1, 2, 4, 3], [5, 7, 8, 6], [1, 5, 6, 2], [3, 4, 8, 7], [1, 3, 7, 5], [2, 6, 8, 4]];
 
 fn ply_header(format: &str, faces: &str) -> String {

@@ -5,6 +5,8 @@
 //! skipped where it is missing.
 
 mod made;
+mod reports;
+mod reports_scans;
 mod scans;
 
 use std::collections::BTreeMap;

@@ -38,6 +38,16 @@ pub struct Numbers {
     pub values: Vec<f32>,
 }
 
+/// The bytes of the numbers of an accessor: `width` to each element, of this type.
+struct Stored {
+    width: usize,
+    component: usize,
+    numbers: Vec<[u8; 4]>,
+}
+
+/// Most elements that are 0 because the file names nothing that they lie in.
+const MOST_ZEROS: usize = 1 << 22;
+
 impl<'a> Glb<'a> {
     /// Reads the chunks of a file, or the description that it is, and the files that this names.
     pub fn read(file: &'a [u8], beside: &Beside) -> Result<Glb<'a>, FormatError> {
@@ -75,72 +85,102 @@ impl<'a> Glb<'a> {
     /// The numbers of an accessor. Whole ones that stand for 0 to 1 become that.
     pub fn numbers(&self, at: usize) -> Result<Numbers, FormatError> {
         let accessor = self.entry("accessors", at)?;
-        let place = || format!("accessors {at}");
-        if accessor.get("sparse").is_some() {
-            return Err(fault(place(), "sparse numbers cannot be read; export without them"));
+        let stored = self.stored(accessor, &format!("accessors {at}"))?;
+        let is_share = accessor.get("normalized").and_then(Value::as_bool) == Some(true);
+        let number = |b: &[u8; 4]| {
+            let (value, full) = match stored.component {
+                5120 => (f32::from(b[0] as i8), 127.0),
+                5121 => (f32::from(b[0]), 255.0),
+                5122 => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
+                5123 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
+                5125 => (u32::from_le_bytes(*b) as f32, 1.0),
+                _ => (f32::from_le_bytes(*b), 1.0),
+            };
+            if is_share { value / full } else { value }
+        };
+        Ok(Numbers { width: stored.width, values: stored.numbers.iter().map(number).collect() })
+    }
+
+    /// The whole numbers of an accessor of indices.
+    pub fn indices(&self, at: usize) -> Result<Vec<u32>, FormatError> {
+        let accessor = self.entry("accessors", at)?;
+        let place = format!("accessors {at}");
+        let stored = self.stored(accessor, &place)?;
+        if stored.width != 1 || !matches!(stored.component, 5121 | 5123 | 5125) {
+            return Err(fault(place, "it does not number corners"));
         }
+        Ok(stored.numbers.iter().map(|number| u32::from_le_bytes(*number)).collect())
+    }
+
+    /// The bytes of each number of an accessor, those of short ones with zeros behind them.
+    fn stored(&self, accessor: &Value, place: &str) -> Result<Stored, FormatError> {
         let width = match accessor.get("type").and_then(Value::as_str) {
             Some("SCALAR") => 1,
             Some("VEC2") => 2,
             Some("VEC3") => 3,
             Some("VEC4") => 4,
-            _ => return Err(fault(place(), "its type cannot be read")),
+            _ => return Err(fault(place, "its type cannot be read")),
         };
         let component = whole(accessor, "componentType").unwrap_or(0);
+        let count = whole(accessor, "count").unwrap_or(0);
+        let sparse = accessor.get("sparse");
+        let mut numbers = match (accessor.get("bufferView"), sparse) {
+            // What the sparse numbers leave out is 0.
+            (None, Some(_)) if count <= MOST_ZEROS => vec![[0; 4]; count * width],
+            (None, Some(_)) => return Err(fault(place, "it has too many numbers that are 0")),
+            _ => self.listed(accessor, component, [count, width], place)?,
+        };
+        if let Some(sparse) = sparse {
+            let changed = whole(sparse, "count").unwrap_or(0);
+            let part = |key: &str| sparse.get(key).unwrap_or(&Value::Null);
+            let places = part("indices");
+            let of_places = whole(places, "componentType").unwrap_or(0);
+            let places = self.listed(places, of_places, [changed, 1], place)?;
+            let values = self.listed(part("values"), component, [changed, width], place)?;
+            for (at, value) in places.iter().zip(values.chunks_exact(width)) {
+                let at = u32::from_le_bytes(*at) as usize;
+                let target = at.checked_mul(width).and_then(|at| numbers.get_mut(at..at + width));
+                let target = target.ok_or_else(|| fault(place, "a sparse number is not in it"))?;
+                target.copy_from_slice(value);
+            }
+        }
+        Ok(Stored { width, component, numbers })
+    }
+
+    /// The bytes of `count` times `width` numbers in the view of a buffer that `list` names.
+    fn listed(
+        &self,
+        list: &Value,
+        component: usize,
+        [count, width]: [usize; 2],
+        place: &str,
+    ) -> Result<Vec<[u8; 4]>, FormatError> {
         let size = match component {
             5120 | 5121 => 1,
             5122 | 5123 => 2,
             5125 | 5126 => 4,
-            _ => return Err(fault(place(), "its type of numbers is not known")),
+            _ => return Err(fault(place, "its type of numbers is not known")),
         };
-        let count = whole(accessor, "count").unwrap_or(0);
-        let view_at = whole(accessor, "bufferView").ok_or_else(|| fault(place(), "it is empty"))?;
+        let view_at = whole(list, "bufferView").ok_or_else(|| fault(place, "it is empty"))?;
         let bytes = self.view(view_at)?;
-        let start = whole(accessor, "byteOffset").unwrap_or(0);
+        let start = whole(list, "byteOffset").unwrap_or(0);
         let stride = whole(self.entry("bufferViews", view_at)?, "byteStride");
         let stride = stride.unwrap_or(width * size).max(1);
         let end = count
             .checked_sub(1)
             .map(|last| last.checked_mul(stride)?.checked_add(start)?.checked_add(width * size));
         if end.is_some_and(|end| end.is_none_or(|end| end > bytes.len())) {
-            return Err(fault(place(), "it goes beyond the end of its view"));
+            return Err(fault(place, "it goes beyond the end of its view"));
         }
-        let is_share = accessor.get("normalized").and_then(Value::as_bool) == Some(true);
-        let mut values = Vec::with_capacity(count * width);
+        let mut numbers = Vec::with_capacity(count * width);
         for i in 0..count {
             for k in 0..width {
-                let b = &bytes[start + i * stride + k * size..];
-                let (value, full) = match component {
-                    5120 => (f32::from(b[0] as i8), 127.0),
-                    5121 => (f32::from(b[0]), 255.0),
-                    5122 => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
-                    5123 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
-                    5125 => (u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, 1.0),
-                    _ => (f32::from_le_bytes([b[0], b[1], b[2], b[3]]), 1.0),
-                };
-                values.push(if is_share { value / full } else { value });
+                let mut number = [0; 4];
+                number[..size].copy_from_slice(&bytes[start + i * stride + k * size..][..size]);
+                numbers.push(number);
             }
         }
-        Ok(Numbers { width, values })
-    }
-
-    /// The whole numbers of an accessor of indices.
-    pub fn indices(&self, at: usize) -> Result<Vec<u32>, FormatError> {
-        let accessor = self.entry("accessors", at)?;
-        if accessor.get("type").and_then(Value::as_str) != Some("SCALAR") {
-            return Err(fault(format!("accessors {at}"), "it does not number corners"));
-        }
-        if whole(accessor, "componentType") != Some(5125) {
-            return Ok(self.numbers(at)?.values.iter().map(|value| *value as u32).collect());
-        }
-        // Single precision would lose the lowest bits of these.
-        let (count, start) = (whole(accessor, "count"), whole(accessor, "byteOffset").unwrap_or(0));
-        let view = whole(accessor, "bufferView");
-        let place = || format!("accessors {at}");
-        let view = self.view(view.ok_or_else(|| fault(place(), "it is empty"))?)?;
-        let bytes = count.and_then(|n| view.get(start..start.checked_add(n.checked_mul(4)?)?));
-        let bytes = bytes.ok_or_else(|| fault(place(), "it goes beyond the end of its view"))?;
-        Ok(bytes.as_chunks().0.iter().map(|index| u32::from_le_bytes(*index)).collect())
+        Ok(numbers)
     }
 }
 

@@ -315,7 +315,15 @@ impl Coding<'_> {
         let text: Vec<u8> = text.iter().copied().filter(|c| !c.is_ascii_whitespace()).collect();
         let word = if self.wide { 8 } else { 4 };
         if !self.is_packed {
-            return self.of_bytes(&base64::decode(&text, self.bytes + word).ok_or_else(wrong)?);
+            // Some writers encode the length on its own, which padding behind it shows.
+            let own = base64::characters(word);
+            let (length, rest) = match text.get(own - 1) {
+                Some(b'=') => text.split_at(own),
+                _ => (&[][..], &text[..]),
+            };
+            let mut data = base64::decode(length, word).ok_or_else(wrong)?;
+            data.extend(base64::decode(rest, self.bytes + word).ok_or_else(wrong)?);
+            return self.of_bytes(&data);
         }
         // The lengths of the blocks are encoded on their own.
         let count = self.length(&base64::decode(&text, word).ok_or_else(wrong)?, 0)?;

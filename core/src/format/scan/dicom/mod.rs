@@ -6,6 +6,7 @@
 
 mod data_set;
 mod folder;
+mod jpeg2000;
 mod padding;
 mod phases;
 mod pixels;

@@ -1,11 +1,12 @@
-//! The pixels of a DICOM frame (PS3.3 C.7.6.3, PS3.5 chapter 8 and annexes A and G): native, in RLE or JPEG, to
-//! little-endian numbers without unused bits.
+//! The pixels of a DICOM frame (PS3.3 C.7.6.3, PS3.5 chapter 8 and annexes A and G): native, in RLE, JPEG or
+//! JPEG 2000, to little-endian numbers without unused bits.
 //!
 //! Takes the data set of a file; gives bytes of one frame at a time. Knows nothing of series or patients.
 
 use jpeg_decoder::{ColorTransform, Decoder, PixelFormat};
 
 use super::data_set::{DataSet, Stored};
+use super::jpeg2000;
 use super::syntax::Syntax;
 use super::tags;
 use crate::format::FormatError;
@@ -61,7 +62,8 @@ impl Layout {
         let colours = match (samples, photometric.as_str()) {
             (1, "MONOCHROME1") => Colours::Negative,
             (1, "MONOCHROME2" | "") => Colours::Grey,
-            (3, "RGB") => Colours::Rgb,
+            // The codestream itself says that it holds differences of colour; they are turned as it is unpacked.
+            (3, "RGB" | "YBR_RCT" | "YBR_ICT") => Colours::Rgb,
             (3, "YBR_FULL" | "YBR_FULL_422") => Colours::Ybr,
             _ => {
                 return Err(FormatError::Scan(format!(
@@ -172,6 +174,7 @@ impl Layout {
                 match syntax {
                     Syntax::Rle => self.unpack_rle(&packed)?,
                     Syntax::Jpeg => self.unpack_jpeg(&packed)?,
+                    Syntax::Jpeg2000 => self.unpack_jpeg2000(&packed)?,
                     _ => {
                         let frame = packed.get(..self.bytes());
                         frame.ok_or_else(|| cut(self.bytes() as u64, packed.len() as u64))?.to_vec()
@@ -183,8 +186,9 @@ impl Layout {
             bytes.chunks_exact_mut(self.width()).for_each(<[u8]>::reverse);
         }
         if self.number == Number::Rgb {
-            // Both ways of unpacking give red, green and blue for each pixel.
-            if self.is_planar && !matches!(syntax, Syntax::Rle | Syntax::Jpeg) {
+            // All ways of unpacking give red, green and blue for each pixel.
+            let is_packed = matches!(syntax, Syntax::Rle | Syntax::Jpeg | Syntax::Jpeg2000);
+            if self.is_planar && !is_packed {
                 bytes = interleaved(&bytes);
             }
             if self.colours == Colours::Ybr && syntax != Syntax::Jpeg {
@@ -262,6 +266,13 @@ impl Layout {
             }
         }
         Ok(bytes)
+    }
+
+    fn unpack_jpeg2000(&self, packed: &[u8]) -> Result<Vec<u8>, FormatError> {
+        let channels = if self.number == Number::Rgb { 3 } else { 1 };
+        let samples = jpeg2000::samples(packed, [self.columns, self.rows], channels)?;
+        let width = self.width();
+        Ok(samples.into_iter().flat_map(|s| s.to_le_bytes().into_iter().take(width)).collect())
     }
 
     fn unpack_jpeg(&self, packed: &[u8]) -> Result<Vec<u8>, FormatError> {

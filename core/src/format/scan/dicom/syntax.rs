@@ -13,17 +13,16 @@ pub enum Syntax {
     Encapsulated,
     /// 8 bits with loss, or without loss.
     Jpeg,
+    Jpeg2000,
     Rle,
 }
 
 /// Names of those that are not read, by how their identifiers go on after [`ROOT`].
-const OTHERS: [(&str, &str); 12] = [
+const OTHERS: [(&str, &str); 10] = [
     ("4.80", "JPEG-LS"),
     ("4.81", "JPEG-LS"),
-    ("4.90", "JPEG 2000"),
-    ("4.91", "JPEG 2000"),
-    ("4.92", "JPEG 2000"),
-    ("4.93", "JPEG 2000"),
+    ("4.92", "JPEG 2000 of several components"),
+    ("4.93", "JPEG 2000 of several components"),
     ("4.201", "High-Throughput JPEG 2000"),
     ("4.202", "High-Throughput JPEG 2000"),
     ("4.203", "High-Throughput JPEG 2000"),
@@ -49,6 +48,7 @@ impl Syntax {
             "1.98" => Syntax::Encapsulated,
             "1.99" => Syntax::Deflated,
             "4.50" | "4.51" | "4.57" | "4.70" => Syntax::Jpeg,
+            "4.90" | "4.91" => Syntax::Jpeg2000,
             "5" => Syntax::Rle,
             _ => {
                 let known = OTHERS.iter().find(|(uid, _)| *uid == own).map(|(_, name)| *name);
@@ -84,6 +84,7 @@ impl Syntax {
     pub fn packing(self) -> &'static str {
         match self {
             Syntax::Jpeg => ", packed as JPEG",
+            Syntax::Jpeg2000 => ", packed as JPEG 2000",
             Syntax::Rle => ", packed as RLE",
             Syntax::Deflated => ", deflated",
             _ => "",

@@ -338,6 +338,76 @@ fn packed_pixels_are_unpacked() {
     assert_eq!(told.kind, "DICOM CT, one file, packed as JPEG");
 }
 
+const JPEG_2000: &str = "1.2.840.10008.1.2.4.90";
+
+/// A codestream of 24x20 pixels, written by OpenJPEG.
+fn codestream(name: &str) -> Vec<u8> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/jpeg2000");
+    std::fs::read(folder.join(name)).unwrap()
+}
+
+fn large(file: File) -> File {
+    file.u16(tags::COLUMNS, 24).u16(tags::ROWS, 20)
+}
+
+#[test]
+fn jpeg_2000_is_unpacked() {
+    let places = || (0..24 * 20u32).map(|i| (i % 24, i / 24));
+    let ramp: Vec<f32> = places().map(|(x, y)| (1000 + 37 * x + 101 * y) as f32).collect();
+    let plain = || large(File::slice(0.0, [0; 6]));
+    let grey = plain().bits(16, 16, 15, false).packed(JPEG_2000, vec![codestream("grey16.j2k")]);
+    let (found, _, told) = alone(&grey);
+    assert_eq!(found, ramp);
+    assert_eq!(told.kind, "DICOM CT, one file, packed as JPEG 2000");
+    // In two fragments and signed; above half of what is possible; with unused bits.
+    let signed = codestream("signed16.j2k");
+    let parts = vec![signed[..100].to_vec(), signed[100..].to_vec()];
+    assert_eq!(alone(&plain().bits(16, 16, 15, true).packed(JPEG_2000, parts)).0, ramp);
+    let high: Vec<f32> = ramp.iter().map(|value| value * 17.0).collect();
+    let above = vec![codestream("high16.j2k")];
+    assert_eq!(alone(&plain().bits(16, 16, 15, false).packed(JPEG_2000, above)).0, high);
+    let few = plain().bits(16, 12, 11, false).packed(JPEG_2000, vec![codestream("grey16.j2k")]);
+    assert_eq!(alone(&few).0, ramp);
+    // Several frames, and with loss.
+    let two = plain().bits(16, 16, 15, false).text(tags::FRAMES, "2");
+    let two = two.packed(JPEG_2000, vec![codestream("grey16.j2k"), codestream("high16.j2k")]);
+    assert_eq!(alone(&two).0, [ramp, high].concat());
+    let lossy = plain().bits(8, 8, 7, false);
+    let lossy = lossy.packed("1.2.840.10008.1.2.4.91", vec![codestream("lossy8.j2k")]);
+    let far = |(found, (x, y)): (f32, (u32, u32))| (found - (x * 10 + y) as f32).abs() > 2.0;
+    assert!(!alone(&lossy).0.into_iter().zip(places()).any(far));
+    // Colours, from differences of colour.
+    let rgb = plain().bits(8, 8, 7, false).u16(tags::SAMPLES_PER_PIXEL, 3);
+    let rgb =
+        rgb.text(tags::PHOTOMETRIC, "YBR_RCT").packed(JPEG_2000, vec![codestream("rgb8.j2k")]);
+    let (_, volume, _) = alone(&rgb);
+    for (x, y) in places() {
+        let rgb = [x * 10, y * 12, (x + y) * 5].map(|value| value as u8);
+        assert_eq!(volume.data[volume.offset(x, y, 0)..][..3], rgb);
+    }
+}
+
+#[test]
+fn jpeg_2000_that_is_no_such_picture_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |file: File| {
+        let path = write(&folder, "bad.dcm", &file);
+        load(&path).unwrap_err().to_string()
+    };
+    let plain = || large(File::slice(0.0, [0; 6])).bits(16, 16, 15, false);
+    let whole = codestream("grey16.j2k");
+    let other = plain().u16(tags::ROWS, 21).packed(JPEG_2000, vec![whole.clone()]);
+    assert!(refused(other).contains("24x20 pixels, where the header says 24x21"));
+    let colours = plain().packed(JPEG_2000, vec![codestream("rgb8.j2k")]);
+    assert!(refused(colours).contains("3 samples a pixel"));
+    assert!(refused(plain().packed(JPEG_2000, vec![vec![0; 8]])).contains("JPEG 2000"));
+    // A header that promises more than there is memory for.
+    let mut huge = whole;
+    huge[8..16].copy_from_slice(&[0x7F; 8]);
+    huge[24..32].copy_from_slice(&[0x7F; 8]);
+    assert!(refused(plain().packed(JPEG_2000, vec![huge])).contains("pixels, where"));
+}
+
 #[test]
 fn what_cannot_be_read_is_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -349,7 +419,7 @@ fn what_cannot_be_read_is_named() {
     };
     let plain = || File::slice(0.0, [1; 6]);
     assert!(
-        refused(plain().packed("1.2.840.10008.1.2.4.90", vec![vec![0; 8]])).contains("JPEG 2000")
+        refused(plain().packed("1.2.840.10008.1.2.4.92", vec![vec![0; 8]])).contains("JPEG 2000")
     );
     assert!(
         refused(plain().packed("1.2.840.10008.1.2.4.80", vec![vec![0; 8]])).contains("JPEG-LS")
@@ -386,6 +456,8 @@ fn damaged_files_never_cause_a_panic() {
         File::slice(0.0, [7; 6]).with(tags::SHARED_GROUPS, b"SQ", &item(&[])),
         File::slice(0.0, [7; 6]).packed(RLE, vec![rle([1; 6])]),
         narrow.packed(JPEG, vec![jpeg]),
+        large(File::slice(0.0, [7; 6])).packed(JPEG_2000, vec![codestream("rgb8.j2k")]),
+        large(File::slice(0.0, [7; 6])).packed(JPEG_2000, vec![codestream("high16.j2k")]),
     ];
     for file in files {
         let whole = file.bytes();
