@@ -209,6 +209,7 @@ fn a_full_disk_keeps_the_old_file_and_says_so() {
     let limited = "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"";
     for (what, out) in [
         ("run s.sculpt --out", "a.raw"),
+        ("run s.sculpt --out", "a.3mf"),
         ("render a.vsc --quality final --samples 1 --size 96x64 --out", "a.png"),
     ] {
         let output = std::process::Command::new("sh")
@@ -222,6 +223,7 @@ fn a_full_disk_keeps_the_old_file_and_says_so() {
         let why = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{out}: {why}");
         assert!(why.contains(out) && why.contains("the disk takes no file"), "{why}");
+        assert_eq!(why.lines().count(), 1, "{why}");
         assert_eq!(bytes(path.join("a.raw")), b"kept");
         let left: Vec<_> =
             std::fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name()).collect();

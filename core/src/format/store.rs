@@ -159,7 +159,7 @@ impl Seek for AtomicFile {
 }
 
 /// The error of a disk, with a remedy.
-fn explained(error: Error) -> Error {
+pub(crate) fn explained(error: Error) -> Error {
     let message = match error.kind() {
         ErrorKind::StorageFull => {
             "no space is left on the disk; make room there, or choose another"

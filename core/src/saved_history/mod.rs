@@ -18,6 +18,7 @@ pub use file::SavedHistory;
 use shelf::HistoryShelf;
 
 use crate::document::DocumentSnapshot;
+use crate::format::store::explained;
 use crate::journal::SculptureFile;
 use crate::journal::files::{Disk, Files};
 use crate::sculpture::history::{Contents, HistorySnapshot, State};
@@ -131,6 +132,7 @@ impl SavedHistories {
             }
             let name = history.path.display().to_string();
             if let Err(error) = shelf.keep(history, &given_up) {
+                let error = explained(error);
                 tell(&messages, format!("the undo history of {name} is not kept: {error}"));
             }
         };

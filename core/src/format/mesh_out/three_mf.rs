@@ -2,7 +2,7 @@
 //! group of the materials extension, which programs that do not know it skip.
 
 use std::collections::HashMap;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Error, ErrorKind, Result, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use zip::ZipWriter;
@@ -33,17 +33,53 @@ const COLOURS_ID: u32 = 2;
 /// Upper bound of the bytes of a vertex or triangle in XML, to know whether the archive needs 64-bit sizes.
 const ELEMENT_BYTES: u64 = 96;
 
-pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
+/// A file up to its first error, after which it takes everything and keeps nothing: an archive that is given up for the
+/// error is ended as it is dropped, and what fails then would be printed.
+struct UntilError<W> {
+    file: W,
+    has_failed: bool,
+}
+
+impl<W> UntilError<W> {
+    /// Does something with the file, or gives `done` after an error.
+    fn with<T>(&mut self, done: T, action: impl FnOnce(&mut W) -> Result<T>) -> Result<T> {
+        if self.has_failed {
+            return Ok(done);
+        }
+        let result = action(&mut self.file);
+        let is_error = |error: &Error| error.kind() != ErrorKind::Interrupted;
+        self.has_failed = result.as_ref().err().is_some_and(is_error);
+        result
+    }
+}
+
+impl<W: Write> Write for UntilError<W> {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+        self.with(bytes.len(), |file| file.write(bytes))
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        self.with((), |file| file.flush())
+    }
+}
+
+impl<W: Seek> Seek for UntilError<W> {
+    fn seek(&mut self, to: SeekFrom) -> Result<u64> {
+        self.with(0, |file| file.seek(to))
+    }
+}
+
+pub(super) fn write(job: &Job, path: &Path) -> std::result::Result<(), FormatError> {
     let mesh = job.mesh;
     let elements = mesh.vertex_count() + mesh.triangle_count();
     let options = SimpleFileOptions::default()
         .large_file(elements.saturating_mul(ELEMENT_BYTES) > u64::from(u32::MAX) / 2);
-    let mut zip = ZipWriter::new(create(path)?);
+    let mut zip = ZipWriter::new(UntilError { file: create(path)?, has_failed: false });
     for (name, text) in [("[Content_Types].xml", TYPES), ("_rels/.rels", RELATIONS)] {
-        zip.start_file(name, options).map_err(std::io::Error::from)?;
+        zip.start_file(name, options).map_err(Error::from)?;
         zip.write_all(text.as_bytes())?;
     }
-    zip.start_file("3D/3dmodel.model", options).map_err(std::io::Error::from)?;
+    zip.start_file("3D/3dmodel.model", options).map_err(Error::from)?;
     // Compressed in large pieces.
     let mut model = BufWriter::with_capacity(BUFFER_BYTES, &mut zip);
     model.write_all(MODEL.as_bytes())?;
@@ -88,5 +124,9 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     model.write_all(END.as_bytes())?;
     model.flush()?;
     drop(model);
-    finish(zip.finish().map_err(std::io::Error::from)?)
+    let end = zip.finish().map_err(Error::from)?;
+    match end.has_failed {
+        true => Err(Error::other("a part of the archive could not be written").into()),
+        false => finish(end.file),
+    }
 }
