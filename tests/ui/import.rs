@@ -244,6 +244,30 @@ fn what_leaves_nothing_open_or_is_not_to_be_asked_opens_at_once() {
 }
 
 #[test]
+fn voxels_under_an_unknown_name_are_described_and_texts_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["scan.dat", "scan"] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, [[0u8; 48], [250; 48]].concat()).unwrap();
+        let mut harness = bench();
+        drop_file(&mut harness, &path);
+        harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Layout").focus();
+        harness.run_steps(2);
+        send(&mut harness, Event::Text("4x6x4:u8".to_string()));
+        key(&mut harness, Modifiers::NONE, Key::Enter);
+        settle(&mut harness);
+        assert!(has(&harness, "Axial"), "{name}");
+        press(&mut harness, "Import");
+        assert_eq!(voxels(&harness), 48, "{name}");
+    }
+    let text = folder.path().join("notes.md");
+    std::fs::write(&text, "no voxels\n").unwrap();
+    let mut harness = bench();
+    drop_file(&mut harness, &text);
+    assert!(!is_open(&harness) && dims(&harness) == [64; 3]);
+}
+
+#[test]
 fn a_file_that_cannot_be_read_is_said_in_the_dialog() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("broken.nii");

@@ -131,6 +131,21 @@ pub fn format_of(path: &Path, is_described: bool) -> Result<(Format, Option<Stri
     }
 }
 
+/// Whether a file may hold voxels alone, which nothing in it says: its name is that of raw voxels, or it is unknown by name
+/// and content, and no text.
+pub fn may_be_raw(path: &Path) -> bool {
+    match format_of(path, false) {
+        Ok((format, _)) => format == Format::Raw,
+        Err(FormatError::UnknownEnding(_) | FormatError::NoEnding) => {
+            let mut start = Vec::new();
+            let file = store::open(path).map(|file| file.take(START_BYTES).read_to_end(&mut start));
+            let is_text = |byte: &u8| !byte.is_ascii_control() || byte.is_ascii_whitespace();
+            matches!(file, Ok(Ok(_))) && !start.iter().all(is_text)
+        }
+        Err(_) => false,
+    }
+}
+
 /// What begins with `start` and has `length` bytes.
 fn content_of(start: &[u8], length: u64) -> Content {
     let begins =

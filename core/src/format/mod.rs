@@ -54,7 +54,7 @@ pub use self::scan::base64;
 pub use self::signature::Signature;
 pub use self::study::{
     Existing, Family, MeshStudy, ModelStudy, Outlook, Study, SurfaceVoxel, VolumeStudy, family,
-    study,
+    needs_layout, study,
 };
 pub use self::volume::{Samples, Texts, Volume};
 use crate::progress::Progress;
@@ -121,9 +121,10 @@ pub fn may_be_read(path: &Path) -> bool {
     Format::of(path).is_ok() || path.extension().is_none_or(is_number)
 }
 
-/// Whether a file or folder can be read, by its name and, where that says nothing, by its content.
+/// Whether a file or folder can be read, by its name and, where that says nothing, by its content; or may be once it is
+/// described ([`needs_layout`]).
 pub fn can_be_read(path: &Path) -> bool {
-    content::format_of(path, false).is_ok()
+    content::format_of(path, false).is_ok() || content::may_be_raw(path)
 }
 
 /// Whether a file of that name stores a sculpture without loss, unlike a volume for other programs.

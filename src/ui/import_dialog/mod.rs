@@ -14,7 +14,7 @@ mod slices;
 mod volume;
 mod voxel_picture;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Id, Key, Modal, RichText, Ui, vec2};
@@ -25,7 +25,9 @@ use super::top_bar::capital;
 use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::Command;
 use crate::format::options::{ImportOptions, RawLayout, Region};
-use crate::format::{FormatError, MeshStudy, ModelStudy, Outlook, Study, VolumeStudy, family};
+use crate::format::{
+    FormatError, MeshStudy, ModelStudy, Outlook, Study, VolumeStudy, family, needs_layout,
+};
 use crate::sculpture::Limits;
 
 /// The widest dialog, in points, and what stays free beside it in a small window.
@@ -124,10 +126,9 @@ impl ImportDialog {
         };
         self.close();
         self.options = self.remembered.applied(family, import);
-        let raw = ends_in(&path, "raw");
         let import = self.options;
         self.path = path.clone();
-        if raw && import.raw.is_none() {
+        if import.raw.is_none() && needs_layout(&path) {
             let text = self.remembered.raw.clone();
             self.stage = Stage::Layout { text, error: None };
         } else if at_once || !self.ask {
@@ -236,7 +237,9 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
                 ui.add_space(4.0);
                 ui.colored_label(theme::error_colour(ui.visuals()), capital(error));
             }
-            Stage::Layout { text, error } => enter |= raw::layout(ui, text, error.as_ref()),
+            Stage::Layout { text, error } => {
+                enter |= raw::layout(ui, &dialog.path, text, error.as_ref());
+            }
             Stage::Closed | Stage::Reading => {}
         }
         foot(ui, dialog, context, enter)
@@ -348,8 +351,4 @@ fn answer_with(answer: Answer, state: &mut UiState, requests: &mut Vec<UiRequest
             dialog.close();
         }
     }
-}
-
-fn ends_in(path: &Path, ending: &str) -> bool {
-    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }

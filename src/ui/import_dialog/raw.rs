@@ -2,16 +2,26 @@
 //!
 //! Shows the text that is typed and what is wrong with it; reads neither.
 
+use std::path::Path;
+
 use egui::{Key, TextEdit, Ui};
 
+use crate::format::READ_ENDINGS;
 use crate::ui::{numbers, theme};
 
 const HELP: &str = "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
     where TYPE is u8, u16le, u16be, i16le, i16be, f32le, f32be, rgb8 or rgba8";
 
 /// Asks how a raw file is laid out; true if Enter was pressed in the field.
-pub fn layout(ui: &mut Ui, text: &mut String, error: Option<&String>) -> bool {
-    ui.label("A raw file does not say what it holds.");
+pub fn layout(ui: &mut Ui, path: &Path, text: &mut String, error: Option<&String>) -> bool {
+    match path.extension().is_some_and(|own| own.eq_ignore_ascii_case("raw")) {
+        true => ui.label("A raw file does not say what it holds."),
+        false => ui.label(format!(
+            "Neither its name nor its content says what this file holds. If it is voxels alone, say how they lie; files of \
+             other kinds that are read: .{}",
+            READ_ENDINGS.join(", .")
+        )),
+    };
     ui.add_space(4.0);
     let label = ui.label("Layout");
     let field = TextEdit::singleline(text).hint_text("128x256x256:u8");

@@ -37,14 +37,20 @@ const ELEMENT_BYTES: u64 = 96;
 /// error is ended as it is dropped, and what fails then would be printed.
 struct UntilError<W> {
     file: W,
+    /// Where the next byte goes, or would.
+    at: u64,
     has_failed: bool,
 }
 
 impl<W> UntilError<W> {
-    /// Does something with the file, or gives `done` after an error.
-    fn with<T>(&mut self, done: T, action: impl FnOnce(&mut W) -> Result<T>) -> Result<T> {
+    fn new(file: W) -> UntilError<W> {
+        UntilError { file, at: 0, has_failed: false }
+    }
+
+    /// Does something with the file, or gives `pretended` after an error.
+    fn with<T>(&mut self, pretended: T, action: impl FnOnce(&mut W) -> Result<T>) -> Result<T> {
         if self.has_failed {
-            return Ok(done);
+            return Ok(pretended);
         }
         let result = action(&mut self.file);
         let is_error = |error: &Error| error.kind() != ErrorKind::Interrupted;
@@ -55,7 +61,9 @@ impl<W> UntilError<W> {
 
 impl<W: Write> Write for UntilError<W> {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
-        self.with(bytes.len(), |file| file.write(bytes))
+        let taken = self.with(bytes.len(), |file| file.write(bytes))?;
+        self.at += taken as u64;
+        Ok(taken)
     }
 
     fn flush(&mut self) -> Result<()> {
@@ -65,7 +73,12 @@ impl<W: Write> Write for UntilError<W> {
 
 impl<W: Seek> Seek for UntilError<W> {
     fn seek(&mut self, to: SeekFrom) -> Result<u64> {
-        self.with(0, |file| file.seek(to))
+        let pretended = match to {
+            SeekFrom::Start(at) => at,
+            SeekFrom::Current(by) | SeekFrom::End(by) => self.at.saturating_add_signed(by),
+        };
+        self.at = self.with(pretended, |file| file.seek(to))?;
+        Ok(self.at)
     }
 }
 
@@ -74,7 +87,7 @@ pub(super) fn write(job: &Job, path: &Path) -> std::result::Result<(), FormatErr
     let elements = mesh.vertex_count() + mesh.triangle_count();
     let options = SimpleFileOptions::default()
         .large_file(elements.saturating_mul(ELEMENT_BYTES) > u64::from(u32::MAX) / 2);
-    let mut zip = ZipWriter::new(UntilError { file: create(path)?, has_failed: false });
+    let mut zip = ZipWriter::new(UntilError::new(create(path)?));
     for (name, text) in [("[Content_Types].xml", TYPES), ("_rels/.rels", RELATIONS)] {
         zip.start_file(name, options).map_err(Error::from)?;
         zip.write_all(text.as_bytes())?;
