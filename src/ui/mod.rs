@@ -116,6 +116,8 @@ pub struct UiContext<'a> {
     pub assumed_up: Option<Up>,
     /// Something would be lost by leaving now.
     pub modified: bool,
+    /// Why the journal does not keep what is done, while it does not.
+    pub unsafe_because: Option<String>,
     pub tool: &'a ToolState,
     /// How far what is drawn by several presses is, if there is any.
     pub drawn: Option<Progress>,
