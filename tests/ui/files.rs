@@ -331,3 +331,14 @@ fn files_dropped_on_the_window_are_opened_or_stand_as_references() {
     answer(&mut harness, "Cancel");
     assert_eq!(voxels(&harness), 0);
 }
+    // A file that is gone by the time it is dropped is said to be so, sculpture or picture.
+    for name in ["gone.vsc", "gone.png"] {
+        drop(&mut harness, &[&folder.path().join(name)]);
+        let text = harness.state().ui.toasts.texts().last().map(|(_, text)| text.to_string());
+        assert!(
+            text.as_ref().is_some_and(|text| text.starts_with(&format!("{name} is not in"))),
+            "{text:?}"
+        );
+        assert_eq!((harness.state().ui.references.len(), edge(&harness)), (0, 24));
+    }
+
