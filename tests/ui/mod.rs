@@ -12,6 +12,7 @@ mod import;
 mod in_use;
 mod keys;
 mod light;
+mod marker;
 mod masks;
 mod memory;
 mod palette;
