@@ -180,6 +180,7 @@ pub fn show(
         toolbox::show(root, state, context, requests);
         options::show(root, state, context, requests);
     }
+    guide::strip(root, state, context, requests);
     let picture = CentralPanel::default()
         .frame(Frame::NONE)
         .show(root, |ui| {
@@ -196,7 +197,6 @@ pub fn show(
     if let Some(what) = state.view.has_lines() {
         line_scale(root, what, context, picture.rect);
     }
-    guide::show(root, state, context, requests);
     light::show(root, state);
     references::show(root, state, context.path);
     print_check::show(root, state, context, requests);
