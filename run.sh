@@ -6,4 +6,5 @@ cd "$(dirname "$0")"
 PATH="$PATH:$HOME/.cargo/bin"
 ./setup.sh run
 cargo build --release --locked
+[ $# -gt 0 ] || set -- --or-demo
 exec target/release/virtual-sculpture "$@"

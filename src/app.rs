@@ -9,6 +9,7 @@ mod film;
 mod final_picture;
 mod first_run;
 mod floor;
+mod glyphs;
 pub mod headset;
 mod left;
 mod main_window;

@@ -73,6 +73,9 @@ pub struct Cli {
     /// Keep no journal of this session: a crash loses what is not saved
     #[arg(long)]
     pub no_journal: bool,
+    /// Where there is no display, write the demo scene to the folder `out` instead
+    #[arg(long)]
+    pub or_demo: bool,
     /// Work in a headset, with or without a window
     #[arg(long)]
     pub headset: bool,

@@ -1,4 +1,4 @@
-//! The job `film`: a turntable of a sculpture, or the time lapse of a script, frame by frame.
+//! The job `film`: a turntable of a sculpture, or the time lapse of a script or of what was done, frame by frame.
 //!
 //! Frame i depends on nothing but the sculpture or the script, the options, and i, so that any part of a film can be
 //! made anywhere. One frame is in memory at a time. Takes a [`FilmJob`]; writes a folder of pictures, an animated PNG
@@ -19,12 +19,14 @@ use std::sync::Arc;
 use glam::UVec2;
 use thiserror::Error;
 
+use crate::document::DocumentSnapshot;
 use crate::format::options::ImportOptions;
 use crate::headless::{Context, JobError, PictureRequest};
 use crate::sculpture::Placement;
-use crate::sculpture::history::Contents;
+use crate::sculpture::history::{Contents, StepStore};
 use crate::terminal;
 use crate::view::StereoLayout;
+use lapse::Lapse;
 pub use output::Form;
 use output::{Format, Output};
 use stage::Stage;
@@ -41,6 +43,8 @@ pub enum Subject {
     File(PathBuf),
     /// A sculpture that is open.
     Sculpture { contents: Arc<Contents>, placement: Placement },
+    /// How an open sculpture came to be, as far as undo leads back. `store`: where steps are that memory has no room for.
+    Steps { now: Box<DocumentSnapshot>, store: Option<Arc<dyn StepStore>> },
 }
 
 /// A film to make.
@@ -65,16 +69,17 @@ pub struct FilmJob {
 
 impl FilmJob {
     fn is_lapse(&self) -> bool {
-        self.file().is_some_and(|file| {
+        let is_script = |file: &PathBuf| {
             file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(SCRIPT_ENDING))
-        })
+        };
+        matches!(self.subject, Subject::Steps { .. }) || self.file().is_some_and(is_script)
     }
 
     /// The file of the subject, if it has one.
     fn file(&self) -> Option<&PathBuf> {
         match &self.subject {
             Subject::File(file) => Some(file),
-            Subject::Sculpture { .. } => None,
+            Subject::Sculpture { .. } | Subject::Steps { .. } => None,
         }
     }
 }
@@ -130,16 +135,19 @@ pub fn make(job: &FilmJob, context: &Context) -> Result<Range<u32>, FilmError> {
     let timing = Timing { frames: job.frames, turn_deg: job.picture.turn_deg, spin_deg };
     let format = Format { size: view.size, fps: job.fps, frames: job.frames, part: part.clone() };
 
-    let script = job.file().filter(|_| job.is_lapse());
-    let script = script.map(|file| lapse::Lapse::read(file)).transpose()?;
-    let of_script = script.iter().flat_map(lapse::Lapse::inputs);
+    let lapse = match &job.subject {
+        Subject::Steps { now, .. } => Some(Lapse::of_steps(now.history.undo.len())),
+        Subject::File(file) if job.is_lapse() => Some(Lapse::read(file)?),
+        Subject::File(_) | Subject::Sculpture { .. } => None,
+    };
+    let of_script = lapse.iter().flat_map(Lapse::inputs);
     let inputs = job.file().into_iter().chain(&job.input).map(PathBuf::as_path);
     refuse_inputs(&form.paths(&job.out, &format), inputs.chain(of_script))?;
     let scene = stage::begin(job, context)?;
     // Before the work, which may be long.
     let output = Output::create(form, &job.out, format)?;
 
-    let mut stage = Stage::new(job, scene, script, view, timing, context)?;
+    let mut stage = Stage::new(job, scene, lapse, view, timing, context)?;
     let progress = context.progress;
     progress.begin("filming");
     let count = part.len() as f32;

@@ -27,6 +27,7 @@ pub mod picture;
 pub mod progress_bar;
 pub mod render;
 pub mod screen;
+mod system_fonts;
 pub mod terminal;
 mod time_text;
 pub mod track;

@@ -1,7 +1,7 @@
 //! Films from the window: the dialog's wishes become the job that the command line runs, on a thread.
 //!
-//! A turntable shows the sculpture as it is at the start, a time lapse what was recorded until then; both as the view
-//! shows it, from its side and in its light. Knows no window.
+//! A turntable shows the sculpture as it is at the start, a time lapse what was recorded until then, or else what undo
+//! leads back to; both as the view shows it, from its side and in its light. Knows no window.
 
 use glam::{Quat, Vec3};
 
@@ -27,7 +27,17 @@ impl Workspace {
             },
             FilmKind::Lapse => match self.session().recording() {
                 Some(script) => Subject::File(script.to_path_buf()),
-                None => return self.ui.toasts.error("Nothing is recorded"),
+                None => match self.session().steps() {
+                    Some((now, store)) if !now.history.undo.is_empty() => {
+                        Subject::Steps { now: Box::new(now), store }
+                    }
+                    _ => {
+                        return self
+                            .ui
+                            .toasts
+                            .error("There is no step yet to make a time lapse of");
+                    }
+                },
             },
         };
         let path = screenshot::free_path(self.session().path(), "film", wanted.form.ending());

@@ -311,9 +311,6 @@ fn a_film_is_work_that_changes_nothing_and_leaves_what_was_asked_for() {
     let from_behind = image::open(folder.path().join("a-film-2/frame-0001.png")).unwrap().to_rgb8();
     assert!(from_behind != frame(1));
 
-    // Nothing was recorded, so there is no time lapse.
-    let (tone, text) = film(&mut workspace, film_request(FilmKind::Lapse, FilmForm::Gif));
-    assert!(tone == Tone::Error && text.contains("Nothing is recorded"), "{text}");
     assert_eq!(workspace.session().document().revision(), revision, "the view alone");
 
     // Cancelled it leaves no file.
@@ -326,6 +323,50 @@ fn a_film_is_work_that_changes_nothing_and_leaves_what_was_asked_for() {
     workspace.finish_job();
     assert!(!folder.path().join("a-film-2.gif").exists());
     assert_eq!(workspace.ui.toasts.texts().last().unwrap().1, "Film: cancelled");
+}
+
+#[test]
+fn what_undo_leads_back_to_becomes_a_time_lapse_without_any_recording() {
+    let mut workspace = workspace();
+    let folder = tempfile::tempdir().unwrap();
+    let wanted = film_request(FilmKind::Lapse, FilmForm::Folder);
+    let wanted = FilmRequest { frames: 4, spin_deg: 0.0, ..wanted };
+    workspace.answer_requests(vec![UiRequest::Film(wanted)]);
+    let (tone, text) = workspace.ui.toasts.texts().last().unwrap();
+    assert!(tone == Tone::Error && text.contains("no step yet"), "{text}");
+
+    let sculpture = folder.path().join("a.vsc");
+    for line in [
+        "subtract cuboid at=12,16,4 half=6",
+        "subtract cuboid at=4,4,4 half=6",
+        "undo",
+        "clear",
+        "undo",
+        "add ellipsoid at=12,16,4 half=3",
+        "subtract cuboid at=4,4,12 half=5",
+    ] {
+        workspace.run_now(&line.parse().unwrap());
+    }
+    workspace.run_now(&format!("save {sculpture:?}").parse().unwrap());
+    workspace.finish_job();
+    let revision = workspace.session().document().revision();
+    workspace.ui.view.mode = crate::render::RenderMode::Ray;
+    workspace.answer_requests(vec![UiRequest::Film(wanted)]);
+    workspace.finish_job();
+    assert_eq!(workspace.session().document().revision(), revision, "the sculpture stays");
+    let frame = |name: &str, n: u32| {
+        let path = folder.path().join(format!("{name}/frame-000{n}.png"));
+        image::open(path).unwrap().to_rgb8()
+    };
+    // The first frame is the beginning, each of the three steps has one, and the last shows what is there.
+    let frames = [1, 2, 3, 4].map(|n| frame("a-film-1", n));
+    for (i, j) in [(0, 1), (1, 2), (2, 3), (0, 2), (0, 3), (1, 3)] {
+        assert!(frames[i] != frames[j], "frames {i} and {j}");
+    }
+    let now = FilmRequest { kind: FilmKind::Turntable, frames: 1, ..wanted };
+    workspace.answer_requests(vec![UiRequest::Film(now)]);
+    workspace.finish_job();
+    assert!(frames[3] == frame("a-film-2", 1), "the last frame is the sculpture as it is");
 }
 
 #[test]

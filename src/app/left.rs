@@ -10,11 +10,13 @@ use glam::UVec2;
 use super::workspace::Workspace;
 use crate::document::Limits;
 use crate::editor::job::Failure;
-use crate::format::FormatError;
+use crate::format::options::ImportOptions;
+use crate::format::{self, FormatError};
 use crate::journal::files::Source;
 use crate::journal::{JournalError, JournalOptions, Left, Shelf};
 use crate::notice::Notice;
 use crate::progress::{Progress, Report};
+use crate::sculpture::Digest;
 use crate::session::{self, Recovered, Session};
 use crate::shade::portrait;
 use crate::time_text::utc_text;
@@ -96,7 +98,7 @@ fn source_of(shelf: &Shelf, number: u64) -> Result<Source, String> {
     }
 }
 
-/// All that was left, the latest first. Sessions that had changed nothing are forgotten.
+/// All that was left, the latest first. Sessions that had changed nothing, or whose file holds all, are forgotten.
 fn all_left(shelf: &Shelf, limits: &Limits, report: &Report) -> Result<Vec<LeftSession>, Failure> {
     let numbers = shelf
         .numbers()
@@ -121,7 +123,10 @@ fn all_left(shelf: &Shelf, limits: &Limits, report: &Report) -> Result<Vec<LeftS
                 return Err(Failure::Cancelled);
             }
             Err(error) => Err(failure(shelf, number, &error)),
-            Ok(recovered) if is_untouched(&recovered.session) => {
+            Ok(recovered)
+                if is_untouched(&recovered.session)
+                    || is_in_its_file(&recovered, limits, report) =>
+            {
                 // Should it stay, it is found again.
                 let _ = shelf.remove(number);
                 continue;
@@ -139,6 +144,23 @@ fn all_left(shelf: &Shelf, limits: &Limits, report: &Report) -> Result<Vec<LeftS
 fn is_untouched(session: &Session) -> bool {
     let history = session.document().history();
     !session.modified() && history.undo_count() + history.redo_count() == 0
+}
+
+/// Whether the sculpture was saved, and its file still holds it: a program that is ended from outside then leaves no more
+/// than one that is quit.
+fn is_in_its_file(recovered: &Recovered, limits: &Limits, report: &Report) -> bool {
+    let Recovered { session, report: replay } = recovered;
+    let Some(path) = session.path().filter(|_| !session.modified()) else { return false };
+    if replay.difference.is_some() {
+        return false;
+    }
+    if !format::is_sculpture(path) {
+        // Read, but never written: there is nothing in it that was made here.
+        return path.is_file();
+    }
+    let digest = |session: &Session| Digest::of(session.document().contents());
+    Session::open(path, &ImportOptions::default(), *limits, report)
+        .is_ok_and(|saved| digest(&saved) == digest(session))
 }
 
 fn work_of(Recovered { session, report }: &Recovered) -> LeftWork {

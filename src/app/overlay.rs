@@ -46,6 +46,8 @@ pub struct OverlayScene<'a> {
     pub stroking: bool,
     /// What a tool that draws is about to make.
     pub sketch: Option<Sketch>,
+    /// The plane or line in which a drag leads the marker.
+    pub marker_guide: Vec<[Vec3; 2]>,
     /// Of the eye plane to what the pointer points at, in world units.
     pub depth: f32,
 }
@@ -149,6 +151,13 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
         ToolKind::Marker => {
             let marker = selection.marker();
             frame(&mut lines, marker, MARKER, [1.0, 0.5]);
+            lines.extend(scene.marker_guide.iter().map(|[from, to]| Line {
+                from: *from,
+                to: *to,
+                colour: MARKER,
+                width_px: 1.0,
+                opacity: [0.45, 0.15],
+            }));
             if let Some(clip) = document.clip() {
                 frame(
                     &mut lines,
@@ -296,6 +305,7 @@ mod tests {
             pointer: None,
             stroking: false,
             sketch: None,
+            marker_guide: Vec::new(),
             depth: 1.0,
         };
         let lines = lines(&scene);
@@ -330,6 +340,7 @@ mod tests {
                 pointer: None,
                 stroking: false,
                 sketch: None,
+                marker_guide: Vec::new(),
                 depth: 1.0,
             };
             (lines(&scene).len(), preview(&scene).is_some())
@@ -372,6 +383,7 @@ mod tests {
             pointer: None,
             stroking: false,
             sketch: Some(Sketch { mode: ToolMode::Add, lines: vec![line], faint: vec![line] }),
+            marker_guide: Vec::new(),
             depth: 1.0,
         };
         let lines = lines(&scene);

@@ -149,6 +149,7 @@ impl Workspace {
             pointer: self.editor.pointer(),
             stroking: self.editor.is_stroking(),
             sketch: self.editor.sketch(&picker),
+            marker_guide: self.editor.marker_guide(),
             depth: picker.sight().depth(target.unwrap_or(grid.dims().as_vec3() * 0.5)),
         }
     }

@@ -22,6 +22,7 @@ use crate::screen::window::{Target, WindowScreen};
 use crate::view::StereoLayout;
 use crate::viewpoint::head::Monitor;
 
+use super::glyphs::Glyphs;
 use super::stereo_screen::StereoScreen;
 
 /// A window whose requested redraw does not come within this time is not visible: on Wayland such
@@ -56,6 +57,7 @@ pub struct Pane {
     missed: bool,
     /// Changes of the interface's textures that are not yet uploaded or freed.
     textures: TextureChanges,
+    glyphs: Glyphs,
 }
 
 /// A picture being recorded.
@@ -107,6 +109,7 @@ impl Pane {
             begun: None,
             missed: false,
             textures: TextureChanges::default(),
+            glyphs: Glyphs::default(),
         })
     }
 
@@ -292,14 +295,17 @@ impl Pane {
     pub fn interface(&mut self, show: impl FnMut(&mut Ui)) -> Interface {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
-        let output = context.run_ui(input, show);
+        let mut output = context.run_ui(input, show);
+        put_candidates_at_the_cursor(&mut output.platform_output);
         self.egui.handle_platform_output(&self.window, output.platform_output);
         let viewport = output.viewport_output.get(&ViewportId::ROOT);
         self.textures.append(output.textures_delta);
+        let fonts = self.glyphs.look(&context, &output.shapes);
+        let repaint_after = viewport.map_or(Duration::MAX, |v| v.repaint_delay);
         Interface {
             shapes: output.shapes,
             pixels_per_point: output.pixels_per_point,
-            repaint_after: viewport.map_or(Duration::MAX, |v| v.repaint_delay),
+            repaint_after: fonts.map_or(repaint_after, |soon| soon.min(repaint_after)),
         }
     }
 
@@ -370,6 +376,13 @@ impl Pane {
     }
 }
 
+/// An input method shows its candidates beside the letter that is being written, not beside the field, which may be long.
+fn put_candidates_at_the_cursor(output: &mut egui::PlatformOutput) {
+    if let Some(ime) = &mut output.ime {
+        ime.rect = ime.cursor_rect;
+    }
+}
+
 /// The shortest time between two pictures at a refresh rate.
 fn period(millihertz: Option<u32>) -> Duration {
     let rate = millihertz.filter(|rate| (10_000..=1_000_000).contains(rate));
@@ -403,6 +416,30 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_input_method_is_told_where_the_letter_is_that_is_written() {
+        let context = egui::Context::default();
+        let mut text = "a sculpture with a name of some length".to_string();
+        let mut pass = |events| {
+            let input = egui::RawInput { events, ..egui::RawInput::default() };
+            let mut field = egui::Rect::NOTHING;
+            let mut output = context.run_ui(input, |ui| {
+                let response = ui.add(egui::TextEdit::singleline(&mut text).desired_width(600.0));
+                response.request_focus();
+                field = response.rect;
+            });
+            output.textures_delta.clear();
+            put_candidates_at_the_cursor(&mut output.platform_output);
+            (output.platform_output.ime.map(|ime| ime.rect), field)
+        };
+        pass(Vec::new());
+        pass(vec![egui::Event::WindowFocused(true)]);
+        let (place, field) = pass(Vec::new());
+        let place = place.expect("a field has the focus");
+        assert!(place.width() < 10.0 && field.contains_rect(place), "{place:?} in {field:?}");
+        assert!(place.left() > field.left() + 100.0, "at the end of the text");
+    }
 
     #[test]
     fn the_period_follows_the_refresh_rate_and_is_never_zero() {

@@ -34,6 +34,9 @@ use crate::viewpoint::{Viewpoint, Viewport};
 
 use key_focus::{Around, Heard, KeyFocus};
 
+/// Between two looks at a journal that cannot be written.
+const JOURNAL_LOOK: Duration = Duration::from_secs(2);
+
 /// What the window with its device, and a headset, report.
 pub struct Display {
     /// Name of the Vulkan device.
@@ -224,6 +227,10 @@ impl Workspace {
         if let Some(after) = self.viewpoint.repaint_after() {
             root.request_repaint_after(after);
         }
+        if self.session().journal_trouble().is_some() {
+            // It is tried again, and the mark goes when it has succeeded.
+            root.request_repaint_after(JOURNAL_LOOK);
+        }
     }
 
     /// One pass of a panel in a window of its own. True if something was done there that other
@@ -311,6 +318,7 @@ impl Workspace {
             picture_px: self.viewpoint.turntable.eye().size,
             assumed_up: self.editor.session().assumed_up(),
             modified: self.editor.session().modified(),
+            unsafe_because: self.editor.session().journal_trouble(),
             tool: &self.editor.tool,
             drawn: self.editor.progress(),
             presets: self.controls.presets(),

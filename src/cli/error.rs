@@ -60,7 +60,7 @@ pub enum ProgramError {
     #[error("there is no command '{0}'; `virtual-sculpture --help` lists them")]
     NoJob(String),
     #[error(
-        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `film`, `run`, `recover`, `convert`, `info`, `check`, `demo` and `bench` need none"
+        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `film`, `run`, `recover`, `convert`, `info`, `check`, `demo` and `bench` need none, and `virtual-sculpture --help` lists them"
     )]
     NoDisplay,
 }

@@ -12,8 +12,8 @@ use crate::progress_bar::Bar;
 use crate::session::{FileAccess, Session};
 use crate::terminal;
 
-/// Without a job: the window if there is a display, otherwise, unless a file was named, the demo,
-/// so that the program shows what it does on any machine.
+/// Without a job: the window if there is a display, otherwise the headset if one is wanted. The demo shows what the program
+/// does on a machine without either, but writes files, and so is made only on demand (`--or-demo`).
 pub fn window_or_demo(
     cli: Cli,
     config: Config,
@@ -63,7 +63,7 @@ pub fn window_or_demo(
         }
         return Ok(());
     }
-    if cli.file.is_some() || cli.record.is_some() {
+    if !cli.or_demo || cli.file.is_some() || cli.record.is_some() {
         return Err(ProgramError::NoDisplay);
     }
     terminal::print_notice(

@@ -45,10 +45,10 @@ impl Editor {
         let face = entered_face(rays.origin, direction, min, max);
         let surface = self.target(at, picker);
         let depth = |p: Vec3| (p - rays.origin).dot(direction) / direction.length_squared();
-        // A face that the sculpture hides cannot be meant, unless its surface lies in the box.
+        // A face that the sculpture hides cannot be meant, unless its surface lies in the box. The void hides nothing.
+        let seen = surface.filter(|_| self.document().grid().opaque_count() > 0);
         let hidden = |enter: f32| {
-            surface
-                .is_some_and(|p| depth(p) < enter - 1e-3 && !start.contains(p.floor().as_ivec3()))
+            seen.is_some_and(|p| depth(p) < enter - 1e-3 && !start.contains(p.floor().as_ivec3()))
         };
         self.marker.drag = match (face.filter(|(enter, _)| !hidden(*enter)), surface) {
             (Some((enter, normal)), _) => {
@@ -81,7 +81,7 @@ impl Editor {
                 let t = (grabbed - rays.origin).dot(normal) / along;
                 if t > 0.0 {
                     let by = (rays.origin + direction * t - grabbed).round();
-                    let by = (by - normal * by.dot(normal)).as_ivec3();
+                    let by = self.reach().slid(start, by - normal * by.dot(normal));
                     self.mark(VoxelBox { min: start.min + by, max: start.max + by });
                 }
             }
@@ -89,7 +89,9 @@ impl Editor {
                 let Some(pulled) = nearest_on_line(grabbed, normal, rays.origin, direction) else {
                     return;
                 };
-                self.mark(pulled_face(start, normal, pulled.round() as i32));
+                let reach = self.reach().longest_vx();
+                let pulled = pulled.round().clamp(-reach, reach) as i32;
+                self.mark(pulled_face(start, normal, pulled));
             }
             Some(MarkerDrag::Span { from }) => {
                 if let Some(point) = self.target(at, picker) {
@@ -98,6 +100,32 @@ impl Editor {
                 }
             }
             None => {}
+        }
+    }
+
+    /// How far drags lead the marker: rays that almost miss its plane meet it at any distance.
+    fn reach(&self) -> Reach {
+        Reach { dims: self.document().grid().dims().as_vec3() }
+    }
+
+    /// The plane that a drag keeps the marker in, as lines of a lattice, or the line along which it pulls a face.
+    pub fn marker_guide(&self) -> Vec<[Vec3; 2]> {
+        let marker = self.session.document().selection().marker();
+        let (low, high) = (marker.min.as_vec3(), marker.max.as_vec3());
+        let far = high.max(self.reach().dims);
+        let near = low.min(Vec3::ZERO);
+        let outer = |normal: Vec3| if normal.max_element() > 0.5 { high } else { low };
+        match self.marker.drag {
+            Some(MarkerDrag::Slide { normal, .. }) => {
+                let plane = outer(normal) * normal.abs();
+                lattice(normal, plane, near, far)
+            }
+            Some(MarkerDrag::Pull { normal, .. }) => {
+                let along = normal.abs();
+                let beside = (low + high) * 0.5 * (Vec3::ONE - along);
+                vec![[beside + near * along, beside + far * along]]
+            }
+            Some(MarkerDrag::Span { .. }) | None => Vec::new(),
         }
     }
 
@@ -222,6 +250,42 @@ impl Editor {
     }
 }
 
+/// How far from a grid of this size drags lead the marker: as far as the grid is long.
+#[derive(Clone, Copy)]
+struct Reach {
+    dims: Vec3,
+}
+
+impl Reach {
+    /// The way of a box that is to go `by` voxels. Where it is farther off already it can come back.
+    fn slid(self, start: VoxelBox, by: Vec3) -> IVec3 {
+        let least = (-self.dims - start.max.as_vec3()).min(Vec3::ZERO);
+        let most = (2.0 * self.dims - start.min.as_vec3()).max(Vec3::ZERO);
+        by.clamp(least, most).as_ivec3()
+    }
+
+    /// Most voxels that a face is pulled by at once.
+    fn longest_vx(self) -> f32 {
+        3.0 * self.dims.max_element()
+    }
+}
+
+/// Lines at equal distances in a plane across `normal`, an axis, within a box.
+fn lattice(normal: Vec3, plane: Vec3, low: Vec3, high: Vec3) -> Vec<[Vec3; 2]> {
+    const FIELDS: u32 = 8;
+    let across = Vec3::AXES.into_iter().filter(|axis| axis.dot(normal) == 0.0);
+    let across: Vec<Vec3> = across.collect();
+    let mut lines = Vec::new();
+    for (i, along) in across.iter().enumerate() {
+        let side = across[1 - i];
+        for step in 0..=FIELDS {
+            let beside = low.lerp(high, step as f32 / FIELDS as f32) * side;
+            lines.push([low, high].map(|end| plane + beside + end * *along));
+        }
+    }
+    lines
+}
+
 /// A box with one face moved by `by` voxels along its normal, at least a voxel long.
 fn pulled_face(start: VoxelBox, normal: Vec3, by: i32) -> VoxelBox {
     let mut marker = start;
@@ -257,6 +321,30 @@ mod tests {
         assert_eq!(low, VoxelBox { min: IVec3::new(0, -2, 0), max: IVec3::splat(4) });
         let thin = pulled_face(start, Vec3::NEG_Y, -9);
         assert_eq!(thin, VoxelBox { min: IVec3::new(0, 3, 0), max: IVec3::splat(4) });
+    }
+
+    #[test]
+    fn a_marker_is_led_no_farther_than_the_grid_is_long_and_can_always_come_back() {
+        let reach = Reach { dims: Vec3::splat(64.0) };
+        let start = VoxelBox { min: IVec3::splat(10), max: IVec3::splat(14) };
+        assert_eq!(reach.slid(start, Vec3::new(3.0, 0.0, -5.0)), IVec3::new(3, 0, -5));
+        let far = reach.slid(start, Vec3::new(f32::INFINITY, -1e30, 0.0));
+        assert_eq!(far, IVec3::new(118, -78, 0));
+        let outside = VoxelBox { min: IVec3::splat(1 << 19), max: IVec3::splat((1 << 19) + 1) };
+        assert_eq!(reach.slid(outside, Vec3::X * 9.0), IVec3::ZERO);
+        assert_eq!(reach.slid(outside, Vec3::X * -9.0), IVec3::X * -9);
+    }
+
+    #[test]
+    fn a_lattice_lies_in_its_plane() {
+        let (low, high) = (Vec3::new(-2.0, 0.0, 0.0), Vec3::new(8.0, 4.0, 16.0));
+        let lines = lattice(Vec3::NEG_Y, Vec3::Y * 3.0, low, high);
+        assert_eq!(lines.len(), 18);
+        for end in lines.iter().flatten() {
+            assert_eq!(end.y, 3.0);
+            assert!(end.cmpge(low).all() && end.cmple(high).all(), "{end}");
+        }
+        assert!(lines.contains(&[Vec3::new(-2.0, 3.0, 2.0), Vec3::new(8.0, 3.0, 2.0)]));
     }
 
     #[test]

@@ -29,7 +29,7 @@ pub const HALF_RANGE: std::ops::RangeInclusive<f32> = 0.5..=2048.0;
 const FIRST_HALF: f32 = 0.06;
 
 /// Colours kept for another use.
-const RECENT: usize = 14;
+pub const RECENT: usize = 14;
 
 /// The kinds of tools.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

@@ -1,4 +1,4 @@
-//! A script as a time lapse: which of its commands have been executed in each frame.
+//! A time lapse, of a script or of the steps of a session: which of its commands have been executed in each frame.
 //!
 //! Time is counted in *steps*, the commands that change what is seen, so that a film does not stand still while a
 //! script only moves its marker. What stands before the first step belongs to the beginning, also a new or opened
@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use crate::command::Command;
 use crate::headless::{self, JobError};
 
-/// The commands of a script and where its steps end.
+/// The commands and where steps end.
 #[derive(Debug)]
 pub struct Lapse {
+    /// Of the script, for messages.
     pub path: PathBuf,
     /// With their lines.
     pub commands: Vec<(usize, Command)>,
@@ -23,6 +24,18 @@ impl Lapse {
     pub fn read(path: &Path) -> Result<Lapse, JobError> {
         let text = headless::read_script(path)?;
         Ok(Lapse::new(path, headless::script_commands(&text, path)?))
+    }
+
+    /// The steps of a session of which so many can be undone: back to the first, then forward one by one.
+    pub fn of_steps(undos: usize) -> Lapse {
+        let back = Command::Undo { steps: Some(u32::try_from(undos).unwrap_or(u32::MAX)) };
+        let forward = Command::Redo { steps: Some(1) };
+        let commands = std::iter::once(back).chain(std::iter::repeat_n(forward, undos));
+        Lapse {
+            path: PathBuf::new(),
+            commands: commands.map(|command| (0, command)).collect(),
+            ends: (1..=undos + 1).collect(),
+        }
     }
 
     fn new(path: &Path, mut commands: Vec<(usize, Command)>) -> Lapse {
@@ -127,6 +140,16 @@ mod tests {
         assert_eq!(shown(2), [1, 9]);
         assert_eq!(shown(1), [9], "a film of one frame shows the end");
         assert_eq!(shown(7), [1, 4, 4, 5, 5, 9, 9]);
+    }
+
+    #[test]
+    fn the_steps_of_a_session_begin_with_all_undone() {
+        let lapse = Lapse::of_steps(3);
+        let text: Vec<String> =
+            lapse.commands.iter().map(|(_, command)| command.to_string()).collect();
+        assert_eq!(text, ["undo 3", "redo 1", "redo 1", "redo 1"]);
+        assert_eq!([0, 1, 2, 3].map(|frame| lapse.commands_at(frame, 4)), [1, 2, 3, 4]);
+        assert_eq!(lapse.commands_at(0, 1), 4, "a film of one frame shows the end");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::lapse::Lapse;
 use super::timing::Timing;
 use super::{FilmError, FilmJob, Subject};
 use crate::command::Command;
-use crate::document::Document;
+use crate::document::{Document, DocumentSnapshot};
 use crate::headless::{Context, JobError, execute_command};
 use crate::picture::{PictureMaker, View};
 use crate::progress::Progress;
@@ -46,8 +46,10 @@ impl Scene {
     fn execute(&mut self, command: &(usize, Command), path: &Path) -> Result<(), JobError> {
         match self {
             Scene::Session(session) => execute_command(session, command, path),
-            // A film of a sculpture has no script.
-            Scene::Document(_) => Ok(()),
+            Scene::Document(document) => match document.apply(&command.1) {
+                Ok(_) => Ok(()),
+                Err(error) => Err(SessionError::from(error).into()),
+            },
         }
     }
 }
@@ -77,6 +79,12 @@ pub fn begin(job: &FilmJob, context: &Context) -> Result<Scene, FilmError> {
             placed.map_err(|error| JobError::from(SessionError::from(error)))?;
             return Ok(Scene::Document(Box::new(document)));
         }
+        Subject::Steps { now, store } => {
+            let (limits, store) = (context.config.limits(), store.clone());
+            let document = Document::restored(DocumentSnapshot::clone(now), limits, store);
+            let document = document.map_err(|error| JobError::from(SessionError::from(error)))?;
+            return Ok(Scene::Document(Box::new(document)));
+        }
         Subject::File(_) if job.is_lapse() => job.input.as_ref(),
         Subject::File(file) => Some(file),
     };
@@ -100,7 +108,7 @@ impl<'a> Stage<'a> {
         let progress = context.progress;
         if let Some(lapse) = &lapse {
             let count = lapse.commands.len().max(1) as f32;
-            progress.begin("running the script");
+            progress.begin("repeating what was done");
             for (i, command) in lapse.commands.iter().enumerate() {
                 go_on(progress)?;
                 scene.execute(command, &lapse.path)?;

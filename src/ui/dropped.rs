@@ -37,6 +37,12 @@ pub fn show(root: &Ui, state: &mut UiState, within: Rect, requests: &mut Vec<UiR
     if dropped.is_empty() {
         return;
     }
+    if let Some(gone) = dropped.iter().find(|path| !path.try_exists().unwrap_or(true)) {
+        let (name, folder) = (name_of(gone), gone.parent().unwrap_or(gone).display());
+        let text =
+            format!("{name} is not in {folder}: it has been moved or removed, or its disk is gone");
+        return state.toasts.error(text);
+    }
     match use_of(&dropped, is_modal) {
         Use::Open(path) => {
             let upright = state.known_files.upright.of(&path);

@@ -13,9 +13,20 @@ use crate::editor::questions::Next;
 use crate::editor::tool::ToolEdit;
 use crate::format::options::{ExportOptions, ImportOptions};
 
-/// The endings of the program's own files, and of what other programs read best.
+/// The ending of the program's own files.
 const ENDING: &str = "vsc";
-const EXPORT_ENDING: &str = "pvm";
+/// The formats to export to with their endings, what is wanted most first: the first is proposed the first time.
+const EXPORTS: [(&str, &str); 9] = [
+    ("Print (STL)", "stl"),
+    ("Mesh (glTF)", "glb"),
+    ("Print (3MF)", "3mf"),
+    ("Mesh (PLY)", "ply"),
+    ("Mesh (OBJ)", "obj"),
+    ("MagicaVoxel", "vox"),
+    ("Qubicle", "qb"),
+    ("Volume", "pvm"),
+    ("Raw voxels", "raw"),
+];
 const SIDE_WIDTH: f32 = 170.0;
 
 /// What a file dialog is open for.
@@ -40,11 +51,24 @@ pub struct Files {
     task: FileTask,
     /// Where a sculpture was opened or saved last.
     folder: Option<PathBuf>,
+    /// The format exported to last, as an index of [`EXPORTS`].
+    export: usize,
 }
 
 impl Files {
     pub fn new() -> Files {
-        Files { dialog: FileDialog::new(), task: FileTask::Open, folder: None }
+        Files { dialog: FileDialog::new(), task: FileTask::Open, folder: None, export: 0 }
+    }
+
+    /// The ending that Export proposes.
+    pub fn export_ending(&self) -> &'static str {
+        EXPORTS[self.export].1
+    }
+
+    /// Proposes the ending of a file that is exported to from now on, if there is such a format.
+    pub fn set_export_ending(&mut self, ending: &str) {
+        let known = |(_, own): &(&str, &str)| own.eq_ignore_ascii_case(ending);
+        self.export = EXPORTS.iter().position(known).unwrap_or(self.export);
     }
 
     /// The folder that dialogs open in where no file says another.
@@ -92,19 +116,17 @@ impl Files {
                 .add_save_extension("Sculpture", ENDING)
                 .default_save_extension("Sculpture")
                 .default_file_name(&format!("{name}.{ENDING}")),
-            FileTask::Export => dialog
-                .title("Export")
-                .add_save_extension("Volume", EXPORT_ENDING)
-                .add_save_extension("Raw voxels", "raw")
-                .add_save_extension("MagicaVoxel", "vox")
-                .add_save_extension("Qubicle", "qb")
-                .add_save_extension("Print (STL)", "stl")
-                .add_save_extension("Print (3MF)", "3mf")
-                .add_save_extension("Mesh (glTF)", "glb")
-                .add_save_extension("Mesh (PLY)", "ply")
-                .add_save_extension("Mesh (OBJ)", "obj")
-                .default_save_extension("Volume")
-                .default_file_name(&format!("{name}.{EXPORT_ENDING}")),
+            FileTask::Export => {
+                let add = |dialog: FileDialog, (name, ending): (&str, &str)| {
+                    dialog.add_save_extension(name, ending)
+                };
+                let (chosen, ending) = EXPORTS[self.export];
+                EXPORTS
+                    .into_iter()
+                    .fold(dialog.title("Export"), add)
+                    .default_save_extension(chosen)
+                    .default_file_name(&format!("{name}.{ending}"))
+            }
         };
         match task {
             FileTask::Open | FileTask::Picture | FileTask::Reference | FileTask::Matcap => {
@@ -125,7 +147,7 @@ impl Default for Files {
 
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let ask = &mut state.dialogs.import.ask;
-    let Files { dialog, task, .. } = &mut state.dialogs.files;
+    let Files { dialog, task, export, .. } = &mut state.dialogs.files;
     // The library draws its search field black on any ground: dark text could not be read there.
     dialog.config_mut().show_search = root.visuals().dark_mode;
     dialog.update_with_right_panel_ui(root.ctx(), &mut |ui, _| {
@@ -180,7 +202,9 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
             });
         }
         FileTask::Export => {
-            let path = with_ending(path, EXPORT_ENDING);
+            let path = with_ending(path, EXPORTS[*export].1);
+            let ending = path.extension().unwrap_or_default().to_string_lossy();
+            state.dialogs.files.set_export_ending(&ending);
             state.dialogs.export.open(path, requests);
         }
     }

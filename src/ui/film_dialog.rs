@@ -1,4 +1,4 @@
-//! The dialog of a film: a turntable of the sculpture, or the time lapse of what is recorded.
+//! The dialog of a film: a turntable of the sculpture, or the time lapse of what was done.
 //!
 //! Asks with a [`FilmRequest`]; knows neither files nor how films are made.
 
@@ -145,14 +145,16 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         ui.weak("All of the sculpture, seen from where the view stands.");
         ui.add_space(4.0);
         let dialog = &mut state.dialogs.film;
-        if context.recording.is_none() {
+        let undos = context.document.history().undo_count();
+        let can_lapse = context.recording.is_some() || undos > 0;
+        if !can_lapse {
             dialog.kind = FilmKind::Turntable;
         }
         // While a field or a button has the keyboard, Enter is its own.
         let free = ui.memory(|memory| memory.focused().is_none());
         let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
         Grid::new("film").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
-            what(ui, dialog, context.recording.is_some());
+            what(ui, dialog, can_lapse, context.recording.is_some());
             dialog.size.row(ui, context.picture_px, MOST_PX);
             length(ui, dialog);
             form(ui, dialog);
@@ -177,17 +179,19 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
     }
 }
 
-fn what(ui: &mut Ui, dialog: &mut FilmDialog, is_recording: bool) {
+fn what(ui: &mut Ui, dialog: &mut FilmDialog, can_lapse: bool, is_recording: bool) {
+    let lapse = match is_recording {
+        true => "How the sculpture came to be, as it was recorded since the start",
+        false => "How the sculpture came to be, as far as undo leads back, a step at a time",
+    };
     ui.label("Kind");
     ui.horizontal(|ui| {
         ui.radio_value(&mut dialog.kind, FilmKind::Turntable, "Turntable")
             .on_hover_text("The sculpture turns; a whole turn repeats without a jump");
-        ui.add_enabled_ui(is_recording, |ui| {
+        ui.add_enabled_ui(can_lapse, |ui| {
             ui.radio_value(&mut dialog.kind, FilmKind::Lapse, "Time lapse")
-                .on_hover_text("How the sculpture came to be, as it was recorded since the start")
-                .on_disabled_hover_text(
-                    "Nothing is recorded: start the program with `--record FILE.sculpt`",
-                );
+                .on_hover_text(lapse)
+                .on_disabled_hover_text("Nothing has been done yet that a time lapse could show");
         });
     });
     ui.end_row();

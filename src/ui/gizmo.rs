@@ -6,7 +6,7 @@ use egui::{WidgetInfo, WidgetType, vec2};
 use glam::{Vec2, Vec3};
 
 use super::buttons::explain;
-use super::{Theme, UiContext, UiRequest, UiState};
+use super::{Theme, UiContext, UiRequest, UiState, theme};
 use crate::input::Action;
 use crate::viewpoint::turntable::side_facing;
 
@@ -14,8 +14,10 @@ use crate::viewpoint::turntable::side_facing;
 const RADIUS: f32 = 32.0;
 /// Of the discs at the ends.
 const KNOB_RADIUS: f32 = 8.0;
+/// Half of the side of what is clicked around them.
+const HIT_RADIUS: f32 = theme::LEAST_TARGET / 2.0;
 /// From the corner of the picture.
-const MARGIN: f32 = 10.0;
+const MARGIN: f32 = 6.0;
 /// The smallest picture that has room for it.
 const LEAST_PICTURE: f32 = 240.0;
 
@@ -40,7 +42,7 @@ pub fn show(
     if within.width().min(within.height()) < LEAST_PICTURE {
         return;
     }
-    let reach = RADIUS + KNOB_RADIUS;
+    let reach = RADIUS + HIT_RADIUS;
     Area::new(Id::new("axis gizmo"))
         // Below windows.
         .order(Order::Background)
@@ -94,7 +96,7 @@ impl Knob {
         requests: &mut Vec<UiRequest>,
     ) {
         let at = middle + vec2(self.seen.x, -self.seen.y) * RADIUS;
-        let rect = Rect::from_center_size(at, vec2(2.0, 2.0) * KNOB_RADIUS);
+        let rect = Rect::from_center_size(at, vec2(2.0, 2.0) * HIT_RADIUS);
         let response =
             ui.interact(rect, ui.id().with(("axis", self.label)), Sense::click_and_drag());
         response

@@ -3,7 +3,8 @@
 //!
 //! Looks at the document only; what a step does for the person goes out as commands.
 
-use egui::{RichText, Ui, Window, pos2};
+use egui::{Align, Frame, Layout, Margin, Panel, RichText, TextStyle, TextWrapMode, Ui};
+use egui::{WidgetText, Window, pos2};
 use glam::IVec3;
 
 use super::{UiContext, UiRequest, UiState, theme};
@@ -15,6 +16,8 @@ use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
 const WIDTH: f32 = 300.0;
+const DONE: &str = "You know the tools now. Build a house, a tree, a lake and a hill!";
+const REOPENED: &str = "First steps can be reopened from the menu";
 
 /// How far the person has come.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -190,6 +193,45 @@ impl Guide {
     }
 }
 
+/// A strip below the picture, so that it covers nothing of the sculpture that it speaks of.
+pub fn strip(
+    root: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
+    if !state.dialogs.guide.open {
+        return;
+    }
+    state.dialogs.guide.follow(context.document);
+    let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(10, 6));
+    Panel::bottom("first steps").frame(frame).resizable(false).show(root, |ui| {
+        let step = state.dialogs.guide.step();
+        ui.horizontal(|ui| {
+            ui.strong("First steps");
+            overview(ui, &state.dialogs.guide);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let close = ui.button("✖").on_hover_text(REOPENED);
+                state.dialogs.guide.open &= !close.clicked();
+                again(ui, &mut state.dialogs.guide);
+                if let Some(at) = step {
+                    ways_on(ui, state, context, requests, at);
+                }
+            });
+        });
+        ui.scope(|ui| {
+            // The picture is as large in all steps.
+            let all = (0..STEPS.len()).map(|at| height(ui, &wording(context, at)));
+            ui.set_min_height(all.fold(0.0, f32::max));
+            match step {
+                Some(at) => say(ui, context, at),
+                None => drop(ui.label(DONE)),
+            }
+        });
+    });
+}
+
+/// The same as a window.
 pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     if !state.dialogs.guide.open {
         return;
@@ -205,18 +247,19 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
             ui.set_width(WIDTH);
             overview(ui, &state.dialogs.guide);
             match state.dialogs.guide.step() {
-                Some(at) => current(ui, state, context, requests, at),
+                Some(at) => {
+                    say(ui, context, at);
+                    ui.horizontal(|ui| {
+                        ways_on(ui, state, context, requests, at);
+                        again(ui, &mut state.dialogs.guide);
+                    });
+                }
                 None => {
-                    ui.label("You know the tools now. Build a house, a tree, a lake and a hill!");
+                    ui.label(DONE);
                     ui.horizontal(|ui| {
                         again(ui, &mut state.dialogs.guide);
-                        if ui
-                            .button("Close")
-                            .on_hover_text("First steps can be reopened from the menu")
-                            .clicked()
-                        {
-                            state.dialogs.guide.open = false;
-                        }
+                        let close = ui.button("Close").on_hover_text(REOPENED);
+                        state.dialogs.guide.open &= !close.clicked();
                     });
                 }
             }
@@ -246,36 +289,55 @@ fn again(ui: &mut Ui, guide: &mut Guide) {
     }
 }
 
-/// What to do in the step at hand.
-fn current(
+/// The instructions of a step, a text for each paragraph.
+fn wording(context: &UiContext, at: usize) -> Vec<RichText> {
+    let step = &STEPS[at];
+    let text = if context.in_headset { step.by_hand.to_string() } else { with_keys(step, context) };
+    let mut texts =
+        vec![RichText::new(format!("{}. {}", at + 1, step.title)).strong(), RichText::new(text)];
+    if let Some(marker) = step.marker {
+        let marker = marker(context.document);
+        let (from, size) = (marker.min, marker.size());
+        let numbers = format!(
+            "In numbers: from {}, {}, {}; size {}, {}, {}.",
+            from.x, from.y, from.z, size.x, size.y, size.z
+        );
+        texts.push(RichText::new(numbers).weak());
+    }
+    texts
+}
+
+/// Says what to do in the step at hand.
+fn say(ui: &mut Ui, context: &UiContext, at: usize) {
+    wording(context, at).into_iter().for_each(|text| drop(ui.label(text)));
+}
+
+/// The height of these paragraphs in points, one below another.
+fn height(ui: &Ui, texts: &[RichText]) -> f32 {
+    let width = ui.available_width();
+    let lines = texts.iter().map(|text| {
+        let text = WidgetText::from(text.clone());
+        text.into_galley(ui, Some(TextWrapMode::Wrap), width, TextStyle::Body).size().y
+    });
+    lines.sum::<f32>() + ui.spacing().item_spacing.y * (texts.len().max(1) - 1) as f32
+}
+
+/// Buttons that lead on without what is asked for.
+fn ways_on(
     ui: &mut Ui,
     state: &mut UiState,
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
     at: usize,
 ) {
-    let step = &STEPS[at];
-    ui.label(RichText::new(format!("{}. {}", at + 1, step.title)).strong());
-    ui.label(if context.in_headset { step.by_hand.to_string() } else { with_keys(step, context) });
-    if let Some(marker) = step.marker {
-        let marker = marker(context.document);
-        let (from, size) = (marker.min, marker.size());
-        ui.weak(format!(
-            "In numbers: from {}, {}, {}; size {}, {}, {}.",
-            from.x, from.y, from.z, size.x, size.y, size.z
-        ));
+    if let Some(commands) = STEPS[at].commands
+        && ui.button("Do it for me").clicked()
+    {
+        requests.extend(commands(context.document).into_iter().map(UiRequest::Run));
     }
-    ui.horizontal(|ui| {
-        if let Some(commands) = step.commands
-            && ui.button("Do it for me").clicked()
-        {
-            requests.extend(commands(context.document).into_iter().map(UiRequest::Run));
-        }
-        if ui.button("Skip").on_hover_text("Continue with the next step").clicked() {
-            state.dialogs.guide.finish(at);
-        }
-        again(ui, &mut state.dialogs.guide);
-    });
+    if ui.button("Skip").on_hover_text("Continue with the next step").clicked() {
+        state.dialogs.guide.finish(at);
+    }
 }
 
 /// The text of a step with the keys of the table in use.

@@ -8,7 +8,7 @@ use egui::{Response, Window};
 
 use super::filter::Filter;
 use super::key_catch::Catch;
-use super::top_bar::capital;
+use super::top_bar::{capital, preset_name};
 use super::{UiContext, UiRequest, UiState, numbers};
 use crate::input::group::Group;
 use crate::input::remap::KeyChange;
@@ -85,7 +85,8 @@ fn head(
     requests: &mut Vec<UiRequest>,
 ) {
     ui.horizontal(|ui| {
-        let name = |i: usize| context.presets.get(i).map_or(String::new(), |p| capital(&p.name));
+        let name =
+            |i: usize| context.presets.get(i).map_or(String::new(), |p| preset_name(&p.name));
         ComboBox::from_id_salt("preset").selected_text(name(context.preset)).show_ui(ui, |ui| {
             for (i, preset) in context.presets.iter().enumerate() {
                 let label = ui.selectable_label(i == context.preset, name(i));
@@ -175,13 +176,13 @@ fn row(
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = egui::vec2(4.0, 3.0);
             // First, so that all stand below one another.
-            let add = named(ui.add(Button::new("+").small()), format!("Add to: {}", help.text));
+            let add = named(ui.add(Button::new("+")), format!("Add to: {}", help.text));
             if add.on_hover_text("Add a key or button").clicked() {
                 state.listen_for(action);
             }
             for trigger in bindings.triggers(action) {
                 let text = capital(&trigger.to_string());
-                let chip = ui.add(Button::new(format!("{text}  ✖")).small());
+                let chip = ui.add(Button::new(format!("{text}  ✖")));
                 let chip = named(chip, format!("Remove {text} from: {}", help.text));
                 if chip.on_hover_text("Remove").clicked() {
                     requests.push(UiRequest::Keys(KeyChange::Unbind(trigger)));
@@ -190,7 +191,7 @@ fn row(
         });
     });
     if bindings.differs(action, pristine) {
-        let reset = named(ui.add(Button::new("⟲").small()), format!("Reset: {}", help.text));
+        let reset = named(ui.add(Button::new("⟲")), format!("Reset: {}", help.text));
         if reset.on_hover_text("Reset to the preset").clicked() {
             requests.push(UiRequest::Keys(KeyChange::Reset(action)));
         }

@@ -1,17 +1,19 @@
 //! The options of the marker: where it is, what is selected, what is copied, moved and filled.
 
-use egui::{DragValue, Ui};
+use egui::{Button, DragValue, ScrollArea, Ui, vec2};
 use glam::IVec3;
 
 use super::buttons::{action_button, explain};
 use super::status::grouped;
-use super::{UiContext, UiRequest};
+use super::{UiContext, UiRequest, theme};
 use crate::command::Command;
 use crate::input::{Action, Axis};
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
+/// Selected boxes that are seen without scrolling.
+const ROWS: f32 = 3.0;
 
 pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     bounds(ui, context, requests);
@@ -82,31 +84,35 @@ fn bounds(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
 fn selection(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let selection = context.document.selection();
     let boxes = selection.boxes();
-    buttons(
-        ui,
-        context,
-        requests,
-        &[("Add", Action::SelectMarker), ("Subtract", Action::DeselectMarker)],
-    );
-    for (i, selected) in boxes.iter().enumerate().rev().take(6) {
-        let (at, size) = (selected.bounds.min, selected.bounds.size());
-        let sign = if selected.adds { "+" } else { "−" };
-        ui.horizontal(|ui| {
-            ui.monospace(format!("{sign} {}×{}×{}", size.x, size.y, size.z))
-                .on_hover_text(format!("from {} {} {}", at.x, at.y, at.z));
-            if i + 1 == boxes.len() {
-                action_button(ui, context, "Remove", Action::DropBox, true, requests);
+    ui.horizontal(|ui| {
+        action_button(ui, context, "Add", Action::SelectMarker, true, requests);
+        action_button(ui, context, "Subtract", Action::DeselectMarker, true, requests);
+        let any = !boxes.is_empty();
+        action_button(ui, context, "Deselect all", Action::ClearSelection, any, requests);
+    });
+    // As high with many boxes as with none, so that a click below meets the same button.
+    let row = ui.spacing().interact_size.y;
+    let height = ROWS * (row + ui.spacing().item_spacing.y);
+    ui.allocate_ui(vec2(ui.available_width(), height), |ui| {
+        ui.set_min_height(height);
+        let list = ScrollArea::vertical().id_salt("selection").auto_shrink(false);
+        list.max_height(height).show_rows(ui, row, boxes.len().max(1), |ui, rows| {
+            if boxes.is_empty() {
+                ui.weak("Nothing selected");
+            }
+            for i in rows.filter_map(|row| boxes.len().checked_sub(row + 1)) {
+                let (at, size) = (boxes[i].bounds.min, boxes[i].bounds.size());
+                let sign = if boxes[i].adds { "+" } else { "−" };
+                ui.horizontal(|ui| {
+                    ui.monospace(format!("{sign} {}×{}×{}", size.x, size.y, size.z))
+                        .on_hover_text(format!("from {} {} {}", at.x, at.y, at.z));
+                    if i + 1 == boxes.len() {
+                        action_button(ui, context, "Remove", Action::DropBox, true, requests);
+                    }
+                });
             }
         });
-    }
-    if boxes.len() > 6 {
-        ui.weak(format!("and {} more", boxes.len() - 6));
-    }
-    if boxes.is_empty() {
-        ui.weak("Nothing selected");
-    } else {
-        buttons(ui, context, requests, &[("Deselect all", Action::ClearSelection)]);
-    }
+    });
     let mut limits = selection.limits();
     let limit = ui.checkbox(&mut limits, "Limit tools to selection");
     if explain(limit, context, Action::ToggleLimit).changed() {
@@ -126,7 +132,8 @@ fn contents(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         ui.horizontal(|ui| {
             ui.label(title);
             for (axis, name) in AXES.into_iter().enumerate() {
-                if ui.button(name).on_hover_text(format!("{hint} {name}")).clicked() {
+                let button = Button::new(name).min_size(vec2(theme::LEAST_TARGET, 0.0));
+                if ui.add(button).on_hover_text(format!("{hint} {name}")).clicked() {
                     let command = Command::Move { by: IVec3::ZERO, orientation: make(axis) };
                     requests.push(UiRequest::Run(command));
                 }
@@ -141,19 +148,25 @@ fn contents(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
 
 /// What has been copied, and how it will be put down.
 fn copy(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    let Some(clip) = context.document.clip() else { return };
     heading(ui, "Clipboard");
-    let size = context.tool.paste_orientation.size(clip.size());
-    ui.label(format!("{} × {} × {}", size.x, size.y, size.z))
-        .on_hover_text(format!("{} voxels", grouped(clip.voxel_count())));
-    buttons(ui, context, requests, &[("Paste", Action::Paste)]);
+    let clip = context.document.clip();
+    ui.horizontal(|ui| {
+        action_button(ui, context, "Paste", Action::Paste, clip.is_some(), requests);
+        let Some(clip) = clip else {
+            ui.weak("Nothing copied");
+            return;
+        };
+        let size = context.tool.paste_orientation.size(clip.size());
+        ui.label(format!("{} × {} × {}", size.x, size.y, size.z))
+            .on_hover_text(format!("{} voxels", grouped(clip.voxel_count())));
+    });
     type Make = fn(Axis) -> Action;
     let rows: [(&str, Make); 2] = [("Rotate", Action::TurnClip), ("Mirror", Action::MirrorClip)];
     for (title, action) in rows {
         ui.horizontal(|ui| {
             ui.label(title);
             for (axis, name) in Axis::ALL.into_iter().zip(AXES) {
-                action_button(ui, context, name, action(axis), true, requests);
+                action_button(ui, context, name, action(axis), clip.is_some(), requests);
             }
         });
     }

@@ -57,6 +57,9 @@ struct Kept {
     detached: Option<Vec<String>>,
     #[serde(deserialize_with = "lenient")]
     folder: Option<String>,
+    /// The ending of the file exported to last.
+    #[serde(deserialize_with = "lenient")]
+    export: Option<String>,
     #[serde(deserialize_with = "lenient")]
     recent: Option<Vec<toml::Value>>,
     /// What the settings said when this was written.
@@ -165,6 +168,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
         maximised: Some(state.layout.windows.maximised),
         detached: Some(names(&mut state.layout.detached.iter())),
         folder: state.dialogs.files.folder().and_then(|folder| folder.to_str()).map(String::from),
+        export: Some(state.dialogs.files.export_ending().to_string()),
         recent: Some(state.known_files.recent.lines().map(toml::Value::String).collect()),
         settings: Some(Looks::of(window)),
         sections: Some(state.layout.sections.clone()),
@@ -232,6 +236,9 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     );
     if let Some(folder) = kept.folder {
         state.dialogs.files.set_folder(PathBuf::from(folder));
+    }
+    if let Some(ending) = &kept.export {
+        state.dialogs.files.set_export_ending(ending);
     }
     let lines = kept.recent.iter().flatten().filter_map(toml::Value::as_str);
     state.known_files.recent = Recent::from_lines(lines);

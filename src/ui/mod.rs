@@ -116,6 +116,8 @@ pub struct UiContext<'a> {
     pub assumed_up: Option<Up>,
     /// Something would be lost by leaving now.
     pub modified: bool,
+    /// Why the journal does not keep what is done, while it does not.
+    pub unsafe_because: Option<String>,
     pub tool: &'a ToolState,
     /// How far what is drawn by several presses is, if there is any.
     pub drawn: Option<Progress>,
@@ -178,6 +180,7 @@ pub fn show(
         toolbox::show(root, state, context, requests);
         options::show(root, state, context, requests);
     }
+    guide::strip(root, state, context, requests);
     let picture = CentralPanel::default()
         .frame(Frame::NONE)
         .show(root, |ui| {
@@ -194,7 +197,6 @@ pub fn show(
     if let Some(what) = state.view.has_lines() {
         line_scale(root, what, context, picture.rect);
     }
-    guide::show(root, state, context, requests);
     light::show(root, state);
     references::show(root, state, context.path);
     print_check::show(root, state, context, requests);

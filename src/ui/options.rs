@@ -145,12 +145,16 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
         if !context.in_headset {
             let floor = ui.checkbox(&mut state.view.floor, "Floor grid");
             explain(floor, context, Action::ToggleFloor);
+        }
+    });
+    ui.horizontal(|ui| {
+        let mask = ui.checkbox(&mut state.view.mask, "Show mask");
+        explain(mask, context, Action::ToggleMask);
+        if !context.in_headset {
             let ground = ui.checkbox(&mut state.view.ground, "Ground");
             explain(ground, context, Action::ToggleGround);
         }
     });
-    let mask = ui.checkbox(&mut state.view.mask, "Show mask");
-    explain(mask, context, Action::ToggleMask);
     ui.checkbox(&mut state.view.tool, "Tool");
     ui.checkbox(&mut state.view.line, "Line from centre to tool");
     let edges = ui.checkbox(&mut state.view.smooth_edges, "Smooth edges in motion").on_hover_text(

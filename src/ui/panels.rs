@@ -12,7 +12,7 @@ use super::buttons::{action_button, explain};
 use super::{UiContext, UiRequest, UiState, history, icons, numbers, options, theme, toolbox};
 use crate::input::{Action, Panel};
 
-const BUTTON: f32 = 18.0;
+const BUTTON: f32 = theme::LEAST_TARGET;
 /// Height of the strip along the top of the picture in which the pointer brings up the way back.
 const WAY_BACK_HEIGHT: f32 = 64.0;
 
@@ -107,7 +107,7 @@ pub fn detach_button(
     if response.hovered() || response.has_focus() {
         ui.painter().rect_filled(place, visuals.corner_radius, visuals.weak_bg_fill);
     }
-    icons::detach(ui.painter(), place.shrink(4.0), detached, visuals.text_color());
+    icons::detach(ui.painter(), place.shrink(7.0), detached, visuals.text_color());
     let response = explain(response, context, Action::Detach(panel));
     if response.clicked() {
         requests.push(UiRequest::Do(Action::Detach(panel)));

@@ -4,7 +4,7 @@
 use egui::{Align, Frame, Layout, Margin, Panel, Ui};
 
 use super::buttons::explain;
-use super::{UiContext, ar, draw_progress, gamepad, head};
+use super::{UiContext, ar, draw_progress, gamepad, head, theme};
 use crate::editor::tool::ToolKind;
 use crate::input::Action;
 
@@ -20,6 +20,11 @@ pub fn show(root: &mut Ui, context: &UiContext) {
             } else {
                 "Saved"
             });
+            if let Some(why) = &context.unsafe_because {
+                ui.separator();
+                let colour = theme::error_colour(ui.visuals());
+                ui.colored_label(colour, "⚠ Not kept in the journal").on_hover_text(why);
+            }
             ui.separator();
             place(ui, context);
             limit(ui, context);

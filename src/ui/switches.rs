@@ -3,7 +3,7 @@
 
 use egui::{Button, Ui};
 
-use super::buttons::explain;
+use super::buttons::{explain, menu_switch};
 use super::{UiContext, UiRequest, UiState, stereo_options};
 use crate::input::Action;
 use crate::view::StereoLayout;
@@ -63,8 +63,7 @@ pub fn menu(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
         });
     }
     for (name, mut on, action) in switches(state, context) {
-        let response = ui.checkbox(&mut on, name);
-        if explain(response, context, action).changed() {
+        if menu_switch(ui, context, &mut on, name, action).changed() {
             requests.push(UiRequest::Do(action));
         }
     }

@@ -138,7 +138,7 @@ fn direction(ui: &mut Ui, name: &str, direction: &mut Vec3, help: &str) {
     });
     ui.horizontal(|ui| {
         for (axis, name) in Vec3::AXES.into_iter().zip(["Along x", "Along y", "Along z"]) {
-            if ui.small_button(name).on_hover_text(help).clicked() {
+            if ui.button(name).on_hover_text(help).clicked() {
                 *direction = axis;
             }
         }

@@ -12,6 +12,8 @@ const TOOLBOX_COLUMN: f32 = 50.0;
 pub const TOOLBOX_WIDTH: f32 = 2.0 * TOOLBOX_COLUMN + 16.0;
 /// Windows narrower than this have one column of tools, so that the picture keeps its room.
 const NARROW: f32 = 900.0;
+/// The smallest side of what is clicked, in points.
+pub const LEAST_TARGET: f32 = 24.0;
 /// Width of the column of options in points.
 pub const OPTIONS_WIDTH: f32 = 246.0;
 
@@ -74,7 +76,7 @@ fn style(theme: Theme) -> Style {
     .into();
     style.spacing.item_spacing = vec2(6.0, 6.0);
     style.spacing.button_padding = vec2(8.0, 4.0);
-    style.spacing.interact_size.y = 24.0;
+    style.spacing.interact_size.y = LEAST_TARGET;
     style.spacing.slider_width = 120.0;
     // A bar that is always there says that there is more to see; a fade would lie as a bright
     // stripe over light panels.

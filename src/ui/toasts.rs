@@ -186,7 +186,7 @@ fn show_one(ui: &mut Ui, toast: &Toast) -> bool {
                     ui.set_min_width(room);
                     ui.add(egui::Label::new(&toast.text).wrap());
                 });
-                let button = egui::Button::new("✖").fill(Color32::TRANSPARENT).small();
+                let button = egui::Button::new("✖").fill(Color32::TRANSPARENT);
                 close && ui.add(button).on_hover_text("Dismiss").clicked()
             })
             .inner

@@ -1,7 +1,7 @@
 //! The options of the tool in hand. A solid has size, rotation, colour and where it goes; sprays
 //! and the marker have panels of their own.
 
-use egui::{Color32, DragValue, Sense, Slider, Ui, vec2};
+use egui::{Color32, DragValue, Response, Sense, Slider, Ui, vec2};
 use glam::Vec3;
 
 use super::buttons::{action_button, explain};
@@ -11,9 +11,9 @@ use super::state::PasteAs;
 use super::toolbox::{mode_name, solid_name};
 use super::{
     UiContext, UiRequest, UiState, deform_options, draw_options, history, marker_options,
-    spray_options,
+    spray_options, theme,
 };
-use crate::editor::tool::{HALF_RANGE, NextPress, ToolEdit, ToolKind, ToolState};
+use crate::editor::tool::{HALF_RANGE, NextPress, RECENT, ToolEdit, ToolKind, ToolState};
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::tools::spray::SprayKind;
@@ -21,6 +21,8 @@ use crate::tools::spray::SprayKind;
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 /// Of a solid's centre from the corner of the grid, in voxels.
 const FARTHEST_VX: f32 = 8192.0;
+/// Radius of the corners of a colour's button, in points.
+const SWATCH_CORNER: f32 = 3.0;
 /// Stone, metal, plants, water and the signal colours.
 const PALETTE: [Rgb; 14] = [
     Rgb::new(0xf2, 0xee, 0xe6),
@@ -158,7 +160,7 @@ fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut
         };
         let name = picture.file_name().unwrap_or(picture.as_os_str()).to_string_lossy();
         ui.add(egui::Label::new(name).truncate()).on_hover_text(picture.display().to_string());
-        if ui.small_button("✖").on_hover_text("Paint with the plain colour again").clicked() {
+        if ui.button("✖").on_hover_text("Paint with the plain colour again").clicked() {
             requests.push(UiRequest::Tool(ToolEdit::Picture(None)));
         }
     });
@@ -282,21 +284,9 @@ fn colour(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         );
         next_press(ui, tool, NextPress::Flood, "💧 Flood", &flood, requests);
     });
-    let mut pick = |ui: &mut Ui, colours: &[Rgb]| {
-        ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
-            for choice in colours {
-                if swatch(ui, *choice, *choice == tool.colour) {
-                    colour = *choice;
-                }
-            }
-        });
-    };
-    pick(ui, &PALETTE);
-    if !tool.recent().is_empty() {
-        ui.label(egui::RichText::new("Recent").small().weak());
-        pick(ui, tool.recent());
-    }
+    swatches(ui, &PALETTE, PALETTE.len(), &mut colour);
+    ui.label(egui::RichText::new("Recent").small().weak());
+    swatches(ui, tool.recent(), RECENT, &mut colour);
     if colour != tool.colour {
         requests.push(UiRequest::Tool(ToolEdit::Colour(colour)));
     }
@@ -317,8 +307,34 @@ fn next_press(
     }
 }
 
-fn swatch(ui: &mut Ui, colour: Rgb, chosen: bool) -> bool {
-    let (rect, response) = ui.allocate_exact_size(vec2(26.0, 18.0), Sense::click());
+/// Colours to choose from. There is room for `most` of them at all times, so that nothing below moves as they become more.
+fn swatches(ui: &mut Ui, colours: &[Rgb], most: usize, chosen: &mut Rgb) {
+    const GAP: f32 = 4.0;
+    let side = theme::LEAST_TARGET;
+    let in_row = (((ui.available_width() + GAP) / (side + GAP)) as usize).max(1);
+    let rows = most.div_ceil(in_row);
+    let before = *chosen;
+    let size = vec2(ui.available_width(), rows as f32 * (side + GAP) - GAP);
+    let (room, all) = ui.allocate_exact_size(size, Sense::hover());
+    for i in 0..most {
+        let (x, y) = ((i % in_row) as f32, (i / in_row) as f32);
+        let at = room.min + vec2(x, y) * (side + GAP);
+        let rect = egui::Rect::from_min_size(at, vec2(side, side));
+        let Some(colour) = colours.get(i) else {
+            let rim = ui.visuals().widgets.noninteractive.bg_stroke;
+            ui.painter().rect_stroke(rect, SWATCH_CORNER, rim, egui::StrokeKind::Inside);
+            continue;
+        };
+        // Not allocated one by one, which would end the room at the last of them.
+        let response = ui.interact(rect, all.id.with(i), Sense::click());
+        if swatch(ui, response, *colour, *colour == before) {
+            *chosen = *colour;
+        }
+    }
+}
+
+fn swatch(ui: &Ui, response: Response, colour: Rgb, chosen: bool) -> bool {
+    let rect = response.rect;
     let [r, g, b] = colour.0;
     let rim = if chosen || response.hovered() {
         egui::Stroke::new(2.0, ui.visuals().strong_text_color())
@@ -326,7 +342,7 @@ fn swatch(ui: &mut Ui, colour: Rgb, chosen: bool) -> bool {
         egui::Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color)
     };
     let fill = Color32::from_rgb(r, g, b);
-    ui.painter().rect(rect, 3.0, fill, rim, egui::StrokeKind::Inside);
+    ui.painter().rect(rect, SWATCH_CORNER, fill, rim, egui::StrokeKind::Inside);
     response.widget_info(|| {
         egui::WidgetInfo::selected(egui::WidgetType::ColorButton, true, chosen, colour.to_string())
     });

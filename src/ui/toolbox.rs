@@ -15,9 +15,9 @@ use crate::tools::spray::SprayKind;
 
 const ICON: f32 = 24.0;
 /// Least width of a button without a name.
-const BARE_WIDTH: f32 = 21.0;
+const BARE_WIDTH: f32 = theme::LEAST_TARGET;
 /// Height of a title.
-const TITLE: f32 = 18.0;
+const TITLE: f32 = theme::LEAST_TARGET;
 /// Least height of a toolbox of two columns in which all tools have room with their names.
 const ROOMY: f32 = 900.0;
 
@@ -64,7 +64,7 @@ pub fn content(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) {
-    ui.spacing_mut().item_spacing = vec2(4.0, 3.0);
+    ui.spacing_mut().item_spacing = vec2(2.0, 2.0);
     ui.spacing_mut().interact_size.y = TITLE;
     let tool = context.tool;
     // Rather without names than out of sight.

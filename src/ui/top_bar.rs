@@ -4,7 +4,7 @@
 use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 
 use super::Theme;
-use super::buttons::{action_button, explain};
+use super::buttons::{action_button, explain, menu_entry, menu_switch};
 use super::spot::{self, Spot};
 use super::{UiContext, UiRequest, UiState, recent, switches, upright};
 use crate::input::{Action, Axis, Panel, Side};
@@ -95,7 +95,7 @@ fn menu(
         ui.separator();
         for (label, action) in [("Fill the grid", Action::Fill), ("Clear the grid", Action::Clear)]
         {
-            action_button(ui, context, label, action, true, requests);
+            menu_entry(ui, context, label, action, requests);
         }
         ui.menu_button("Colours and masks", |ui| {
             for (label, action) in [
@@ -104,7 +104,7 @@ fn menu(
                 ("Invert the mask", Action::InvertMask),
                 ("Clear the mask", Action::ClearMask),
             ] {
-                action_button(ui, context, label, action, true, requests);
+                menu_entry(ui, context, label, action, requests);
             }
         });
         turn_upright(ui, context, requests);
@@ -112,20 +112,20 @@ fn menu(
         ui.menu_button("View", |ui| {
             for side in Side::ALL {
                 let action = Action::LookFrom(side);
-                action_button(ui, context, capital(side.name()), action, true, requests);
+                menu_entry(ui, context, &capital(side.name()), action, requests);
             }
             ui.separator();
-            action_button(ui, context, "Frame all", Action::ResetView, true, requests);
+            menu_entry(ui, context, "Frame all", Action::ResetView, requests);
             if !context.in_headset {
-                action_button(ui, context, "Zoom in", Action::ZoomIn, true, requests);
-                action_button(ui, context, "Zoom out", Action::ZoomOut, true, requests);
-                let parallel = ui.checkbox(&mut state.view.orthographic, "Orthographic");
-                explain(parallel, context, Action::ToggleOrthographic);
+                menu_entry(ui, context, "Zoom in", Action::ZoomIn, requests);
+                menu_entry(ui, context, "Zoom out", Action::ZoomOut, requests);
+                let on = &mut state.view.orthographic;
+                menu_switch(ui, context, on, "Orthographic", Action::ToggleOrthographic);
                 let text = "Reference pictures …";
-                action_button(ui, context, text, Action::References, true, requests);
+                menu_entry(ui, context, text, Action::References, requests);
             }
         });
-        action_button(ui, context, "Search actions …", Action::Palette, true, requests);
+        menu_entry(ui, context, "Search actions …", Action::Palette, requests);
         if !context.in_headset {
             at_the_desk(ui, state, context, requests);
         }
@@ -139,12 +139,12 @@ fn menu(
                 ("Smaller", Action::ScaleDown),
                 ("Reset", Action::ScaleReset),
             ] {
-                action_button(ui, context, label, action, true, requests);
+                menu_entry(ui, context, label, action, requests);
             }
         });
-        action_button(ui, context, "First steps", Action::Guide, true, requests);
+        menu_entry(ui, context, "First steps", Action::Guide, requests);
         ui.separator();
-        action_button(ui, context, "Quit", Action::Quit, true, requests);
+        menu_entry(ui, context, "Quit", Action::Quit, requests);
     });
 }
 
@@ -174,7 +174,7 @@ fn turn_upright(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>)
     ui.menu_button("Turn upright", |ui| {
         for (up, _) in Up::NAMED.into_iter().filter(|(up, _)| *up != Up::Y) {
             let action = Action::TurnUpright(up);
-            action_button(ui, context, upright::label(up), action, true, requests);
+            menu_entry(ui, context, upright::label(up), action, requests);
         }
         ui.separator();
         for (label, axis) in [
@@ -183,7 +183,7 @@ fn turn_upright(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>)
             ("Rotate 90° about Z", Axis::Z),
         ] {
             let action = Action::RotateGrid(axis);
-            action_button(ui, context, label, action, true, requests);
+            menu_entry(ui, context, label, action, requests);
         }
     });
 }
@@ -197,13 +197,13 @@ fn at_the_desk(
 ) {
     ui.menu_button("Controls", |ui| {
         for (i, preset) in context.presets.iter().enumerate() {
-            let radio = ui.radio(i == context.preset, capital(&preset.name));
+            let radio = ui.radio(i == context.preset, preset_name(&preset.name));
             if radio.on_hover_text(&preset.text).clicked() && i != context.preset {
                 requests.push(UiRequest::UsePreset(i));
             }
         }
         ui.separator();
-        action_button(ui, context, "Edit controls …", Action::Help, true, requests);
+        menu_entry(ui, context, "Edit controls …", Action::Help, requests);
     });
     for (label, action) in [
         ("Full screen", Action::Fullscreen),
@@ -214,17 +214,25 @@ fn at_the_desk(
         ("Film …", Action::Film),
         ("Print check …", Action::PrintCheck),
     ] {
-        action_button(ui, context, label, action, true, requests);
+        menu_entry(ui, context, label, action, requests);
     }
     ui.menu_button("Panels", |ui| {
         for panel in Panel::ALL {
             let mut detached = state.layout.detached.contains(&panel);
-            let response = ui.checkbox(&mut detached, format!("Detach {}", panel.title()));
-            if explain(response, context, Action::Detach(panel)).clicked() {
-                requests.push(UiRequest::Do(Action::Detach(panel)));
+            let (label, action) = (format!("Detach {}", panel.title()), Action::Detach(panel));
+            if menu_switch(ui, context, &mut detached, &label, action).clicked() {
+                requests.push(UiRequest::Do(action));
             }
         }
     });
+}
+
+/// A table of keys, as the program that it follows is written.
+pub fn preset_name(name: &str) -> String {
+    match name {
+        "magicavoxel" => "MagicaVoxel".to_string(),
+        other => capital(other),
+    }
 }
 
 /// The text with its first letter in upper case.

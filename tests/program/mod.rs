@@ -104,6 +104,25 @@ fn random_carvings(count: u32, dims: [f32; 3]) -> String {
 }
 
 #[test]
+fn without_a_display_and_arguments_nothing_is_written_unless_the_demo_is_asked_for() {
+    let folder = folder();
+    let why = fail(folder.path(), &[], 4);
+    assert!(why.contains("there is no display") && why.contains("`demo`"), "{why}");
+    let written: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
+    assert!(written.is_empty(), "{written:?}");
+    let why = fail(folder.path(), &["--or-demo", "head.vsc"], 4);
+    assert!(why.contains("there is no display") && !folder.path().join("out").exists(), "{why}");
+    // As `run.sh` starts it.
+    let script = include_str!("../../run.sh");
+    assert!(script.contains("set -- --or-demo"), "{script}");
+    std::fs::write(folder.path().join("c.toml"), "[render]\nmode = \"ray\"\n").unwrap();
+    succeed(folder.path(), &["--config", "c.toml", "--or-demo"]);
+    for name in ["demo.png", "demo.vsc"] {
+        assert!(folder.path().join("out").join(name).exists(), "{name}");
+    }
+}
+
+#[test]
 fn the_demo_writes_a_picture_and_a_sculpture_that_reads_back() {
     let folder = folder();
     let said = succeed(folder.path(), &["demo", "--out", "made/here", "--mode", "ray"]);
@@ -147,10 +166,10 @@ fn two_eyes_are_written_apart_and_together_by_either_sampler() {
 }
 
 #[test]
-fn without_arguments_and_display_the_demo_is_made() {
+fn without_display_the_demo_is_made_where_it_is_asked_for() {
     need_device();
     let folder = folder();
-    let said = succeed(folder.path(), &[]);
+    let said = succeed(folder.path(), &["--or-demo"]);
     assert!(folder.path().join("out/demo.png").exists() && said.contains("out/demo.vsc"), "{said}");
 }
 

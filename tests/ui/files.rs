@@ -153,7 +153,7 @@ fn a_stroke_that_cannot_be_undone_is_kept_or_taken_back() {
 }
 
 #[test]
-fn save_as_proposes_a_sculpture_and_export_a_volume() {
+fn save_as_proposes_a_sculpture_and_export_a_print() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("statue.vsc");
     let mut harness = bench();
@@ -166,7 +166,7 @@ fn save_as_proposes_a_sculpture_and_export_a_volume() {
     settle(&mut harness);
     key(&mut harness, Modifiers::COMMAND, Key::E);
     settle(&mut harness);
-    assert!(harness.query_all_by_value("statue.pvm").next().is_some());
+    assert!(harness.query_all_by_value("statue.stl").next().is_some());
 }
 
 /// After the name, what the format leaves open; the answers stay for the next time. Formats that leave nothing open are
@@ -182,7 +182,7 @@ fn export_asks_for_what_the_format_leaves_open() {
     let choose = |harness: &mut Bench, name: &str| {
         key(harness, Modifiers::COMMAND, Key::E);
         settle(harness);
-        harness.query_all_by_value("statue.pvm").next().unwrap().focus();
+        harness.query_all_by_value("statue.stl").next().unwrap().focus();
         rest(harness);
         key(harness, Modifiers::COMMAND, Key::A);
         send(harness, Event::Text(name.to_string()));
@@ -214,6 +214,85 @@ fn export_asks_for_what_the_format_leaves_open() {
     assert_eq!(triangles("other.stl"), 12);
     choose(&mut harness, "statue.vox");
     assert!(folder.path().join("statue.vox").exists());
+}
+
+#[test]
+fn one_enter_confirms_a_typed_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.vsc");
+    let mut harness = bench();
+    execute(&mut harness, &format!("save {path:?}"));
+    let shift = Modifiers::COMMAND | Modifiers::SHIFT;
+    key(&mut harness, shift, Key::S);
+    settle(&mut harness);
+    send(&mut harness, Event::Text("owl".to_string()));
+    key(&mut harness, Modifiers::NONE, Key::Enter);
+    settle(&mut harness);
+    assert!(folder.path().join("owl.vsc").exists(), "the name is chosen but for its ending");
+
+    // After the field has lost the focus to a press beside it, after a press on the list of formats, and after a choice
+    // in it, Enter confirms all the same.
+    for (name, beside) in [("b.vsc", "Cancel"), ("c.vsc", "Sculpture (.vsc)")] {
+        key(&mut harness, shift, Key::S);
+        settle(&mut harness);
+        harness
+            .query_all_by_value("owl.vsc")
+            .chain(harness.query_all_by_value("b.vsc"))
+            .next()
+            .unwrap()
+            .focus();
+        rest(&mut harness);
+        key(&mut harness, Modifiers::COMMAND, Key::A);
+        send(&mut harness, Event::Text(name.to_string()));
+        rest(&mut harness);
+        if beside != "Cancel" {
+            harness.query_all_by_value(beside).next().unwrap().click();
+            rest(&mut harness);
+            harness.get_by_label(beside).click();
+            rest(&mut harness);
+        }
+        key(&mut harness, Modifiers::NONE, Key::Enter);
+        settle(&mut harness);
+        assert!(folder.path().join(name).exists(), "{name}");
+    }
+
+    // A path that is typed opens at once, too.
+    key(&mut harness, Modifiers::COMMAND, Key::O);
+    settle(&mut harness);
+    execute_path(&mut harness, &path);
+    assert_eq!(harness.state().session().path(), Some(path.as_path()));
+}
+
+/// Types a path into the line of folders of the dialog, and presses Enter once.
+fn execute_path(harness: &mut Bench, path: &Path) {
+    key(harness, Modifiers::COMMAND, Key::Slash);
+    rest(harness);
+    key(harness, Modifiers::COMMAND, Key::A);
+    send(harness, Event::Text(path.display().to_string()));
+    key(harness, Modifiers::NONE, Key::Enter);
+    settle(harness);
+}
+
+#[test]
+fn export_proposes_what_is_printed_and_then_what_was_chosen_last() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("statue.vsc");
+    let mut harness = bench();
+    execute(&mut harness, &format!("save {path:?}"));
+    for (proposed, name) in [("statue.stl", "statue.GLB"), ("statue.glb", "statue.qb")] {
+        key(&mut harness, Modifiers::COMMAND, Key::E);
+        settle(&mut harness);
+        harness.query_all_by_value(proposed).next().expect(proposed).focus();
+        rest(&mut harness);
+        key(&mut harness, Modifiers::COMMAND, Key::A);
+        send(&mut harness, Event::Text(name.to_string()));
+        key(&mut harness, Modifiers::NONE, Key::Enter);
+        settle(&mut harness);
+        key(&mut harness, Modifiers::NONE, Key::Enter);
+        settle(&mut harness);
+        assert!(folder.path().join(name).exists(), "{name}");
+    }
+    assert_eq!(harness.state().ui.dialogs.files.export_ending(), "qb");
 }
 
 #[test]
@@ -318,6 +397,17 @@ fn files_dropped_on_the_window_are_opened_or_stand_as_references() {
     harness.run_steps(2);
     assert!(harness.query_by_label("Drop to open other.vsc").is_none());
     assert_eq!(edge(&harness), 24);
+
+    // A file that is gone by the time it is dropped is said to be so, sculpture or picture.
+    for name in ["gone.vsc", "gone.png"] {
+        drop(&mut harness, &[&folder.path().join(name)]);
+        let text = harness.state().ui.toasts.texts().last().map(|(_, text)| text.to_string());
+        assert!(
+            text.as_ref().is_some_and(|text| text.starts_with(&format!("{name} is not in"))),
+            "{text:?}"
+        );
+        assert_eq!((harness.state().ui.references.len(), edge(&harness)), (0, 24));
+    }
 
     drop(&mut harness, &[&picture]);
     assert_eq!(harness.state().ui.references.len(), 1);

@@ -352,7 +352,7 @@ fn errors_are_shown_and_nothing_changes() {
 
 #[test]
 fn the_options_change_the_tool_and_the_view() {
-    let mut harness = bench();
+    let mut harness = bench_of(&config(64), vec2(1280.0, 1000.0));
     harness.get_by_label("Snap to voxels").click();
     rest(&mut harness);
     assert!(harness.state().editor.tool.snap);

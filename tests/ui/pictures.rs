@@ -141,13 +141,22 @@ fn choose(harness: &mut Bench, list: &str, choice: &str) {
 
 #[test]
 fn a_film_is_what_its_dialog_says() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = saved_in(folder.path());
+    let mut harness = bench();
+    let kind = |harness: &Bench| harness.state().ui.dialogs.film.kind;
     key(&mut harness, Modifiers::ALT, Key::F12);
     rest(&mut harness);
     assert!(has(&harness, "Make film") && has(&harness, "Turntable"));
     click(&mut harness, "Time lapse");
-    assert_eq!(harness.state().ui.dialogs.film.kind, FilmKind::Turntable, "nothing is recorded");
+    assert_eq!(kind(&harness), FilmKind::Turntable, "nothing has been done yet");
+
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = saved_in(folder.path());
+    key(&mut harness, Modifiers::ALT, Key::F12);
+    rest(&mut harness);
+    click(&mut harness, "Time lapse");
+    assert_eq!(kind(&harness), FilmKind::Lapse, "undo leads back through what was done");
+    click(&mut harness, "Turntable");
+    assert_eq!(kind(&harness), FilmKind::Turntable);
     key_in(&mut harness, Modifiers::NONE, Key::Escape);
     rest(&mut harness);
     assert!(!has(&harness, "Make film") && !busy(&harness));

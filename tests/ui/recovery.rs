@@ -29,6 +29,20 @@ fn leave(folder: &Path, config: &Config, lines: &[&str]) -> Contents {
     session.document().contents().clone()
 }
 
+/// The same for a session that is killed, so that it cannot even remove the journal that nobody needs.
+fn kill(folder: &Path, config: &Config, lines: &[&str]) {
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    session.keep_journal(journals(folder)).unwrap();
+    for line in lines {
+        session.execute(&line.parse().unwrap(), &()).unwrap();
+    }
+    session.sync_journal();
+    let journal = session.journal_path().unwrap();
+    let bytes = std::fs::read(&journal).unwrap();
+    drop(session);
+    std::fs::write(journal, bytes).unwrap();
+}
+
 /// The window at its next start, in which all that was left has been found.
 fn start(folder: &Path, config: &Config, size: egui::Vec2) -> Bench {
     let mut harness = bench_around(workspace(folder, config), size);
@@ -157,6 +171,71 @@ fn unsaved_changes_are_asked_about_before_another_session_takes_their_place() {
     harness.state_mut().finish_job();
     harness.run_steps(4);
     assert_eq!(harness.state().session().document().contents(), &made);
+}
+
+#[test]
+fn a_session_that_was_ended_from_outside_with_all_saved_has_left_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(16);
+    let path = folder.path().join("owl.vsc");
+    let save = format!("save {path:?}");
+    let lines = ["subtract cuboid at=4,4,4 half=2", "clear", "undo 1", &save];
+    kill(folder.path(), &config, &lines);
+    let harness = start(folder.path(), &config, vec2(1280.0, 800.0));
+    assert!(!has(&harness, "Unsaved work was found"));
+    assert!(!harness.state().ui.dialogs.is_modal());
+    let own = harness.state().session().journal_number().unwrap();
+    assert_eq!(numbers(folder.path()), [own], "its journal is gone");
+    drop(harness);
+
+    // A change after that, a file that another program has changed, and one that is gone are listed.
+    let after = ["subtract cuboid at=4,4,4 half=2", &save, "clear"];
+    kill(folder.path(), &config, &after);
+    let harness = start(folder.path(), &config, vec2(1280.0, 800.0));
+    assert!(has(&harness, "Unsaved work was found"), "not saved");
+    drop(harness);
+    for number in numbers(folder.path()) {
+        journals(folder.path()).shelf.remove(number).unwrap();
+    }
+    kill(folder.path(), &config, &lines);
+    let mut other = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    other.execute(&save.parse().unwrap(), &()).unwrap();
+    let harness = start(folder.path(), &config, vec2(1280.0, 800.0));
+    assert!(has(&harness, "Unsaved work was found"), "another sculpture is there");
+    drop(harness);
+    std::fs::remove_file(&path).unwrap();
+    let harness = start(folder.path(), &config, vec2(1280.0, 800.0));
+    assert!(has(&harness, "Unsaved work was found"), "the file is gone");
+}
+
+#[test]
+fn a_journal_that_cannot_be_written_is_marked_as_long_as_that_lasts() {
+    const MARK: &str = "⚠ Not kept in the journal";
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(16);
+    let options =
+        JournalOptions { retry: std::time::Duration::from_millis(1), ..journals(folder.path()) };
+    // No folder can be where a file is.
+    let in_the_way = folder.path().join("journals");
+    std::fs::write(&in_the_way, "a file").unwrap();
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    session.keep_journal(options).unwrap();
+    session.sync_journal();
+    let workspace = Workspace::new(session, &config, Bindings::presets().unwrap());
+    let mut harness = bench_around(workspace, vec2(1280.0, 800.0));
+    // Longer than any message stays.
+    for _ in 0..100 {
+        harness.step();
+    }
+    assert!(has(&harness, MARK));
+    std::fs::remove_file(&in_the_way).unwrap();
+    let began = std::time::Instant::now();
+    while has(&harness, MARK) {
+        assert!(began.elapsed() < std::time::Duration::from_secs(60), "it stays marked");
+        harness.step();
+    }
+    harness.state().session().sync_journal();
+    assert!(harness.state().session().journal_path().is_some_and(|path| path.exists()));
 }
 
 #[test]

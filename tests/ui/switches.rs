@@ -256,7 +256,7 @@ fn a_click_on_the_axis_gizmo_looks_from_that_side_and_a_drag_rotates() {
 
 #[test]
 fn the_floor_grid_says_its_scale() {
-    let mut harness = bench();
+    let mut harness = bench_of(&config(64), vec2(1280.0, 1000.0));
     assert!(!has(&harness, "Floor grid: 5 voxels"));
     key(&mut harness, Modifiers::SHIFT, Key::G);
     rest(&mut harness);
@@ -268,7 +268,7 @@ fn the_floor_grid_says_its_scale() {
 
 #[test]
 fn the_ground_has_lines_of_the_same_scale() {
-    let mut harness = bench();
+    let mut harness = bench_of(&config(64), vec2(1280.0, 1000.0));
     key(&mut harness, Modifiers::CTRL | Modifiers::ALT, Key::G);
     rest(&mut harness);
     assert!(harness.state().ui.view.ground && has(&harness, "Ground lines: 5 voxels"));

@@ -43,7 +43,6 @@ fn messages_keep_clear_of_every_dialog() {
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::S),
         (Modifiers::COMMAND, Key::P),
         (Modifiers::NONE, Key::F1),
-        (Modifiers::NONE, Key::F2),
     ];
     for (modifiers, key) in dialogs_of {
         for size in [vec2(1280.0, 800.0), vec2(800.0, 600.0)] {
@@ -70,6 +69,19 @@ fn messages_keep_clear_of_every_dialog() {
                 assert!(!covered, "{key:?} at {size}: {own} {open:?}");
             }
         }
+    }
+}
+
+#[test]
+fn messages_keep_clear_of_the_first_steps() {
+    for size in [vec2(1280.0, 800.0), vec2(800.0, 600.0)] {
+        let mut harness = bench_of(&config(32), size);
+        key_in(&mut harness, Modifiers::NONE, Key::F2);
+        harness.state_mut().ui.toasts.error("a long message, that is longer than a line is wide");
+        (0..4).for_each(|_| harness.step());
+        let (own, picture) = (rect(&harness), harness.state().picture());
+        assert!(harness.query_by_label("Skip").is_some());
+        assert!(picture.contains_rect(own), "{size}: {own} in {picture}");
     }
 }
 

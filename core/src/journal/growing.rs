@@ -1,5 +1,6 @@
 //! The file of a journal that is being written: records are appended while a sync may go on beside.
 
+use std::io::ErrorKind;
 use std::thread::JoinHandle;
 
 use super::files::Appender;
@@ -83,4 +84,45 @@ pub(super) enum Trouble {
     Io(#[from] std::io::Error),
     #[error("{0}")]
     Format(#[from] FormatError),
+}
+
+impl Trouble {
+    /// The remedy for a person, as a part of a sentence.
+    pub fn remedy(&self) -> &'static str {
+        let kind = match self {
+            Trouble::Io(error) | Trouble::Format(FormatError::Io(error)) => error.kind(),
+            Trouble::Format(_) => ErrorKind::Other,
+        };
+        match kind {
+            ErrorKind::StorageFull => "make room on that disk",
+            ErrorKind::QuotaExceeded => {
+                "your quota of that disk is used up, so remove files of yours there"
+            }
+            ErrorKind::PermissionDenied => "give your account the right to write to that folder",
+            ErrorKind::ReadOnlyFilesystem => {
+                "that disk is write-protected, so have it mounted for writing"
+            }
+            _ => "see to that disk and its folder",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_of_trouble_has_a_remedy_of_its_own() {
+        let remedy = |kind| Trouble::Io(std::io::Error::from(kind)).remedy();
+        for (kind, word) in [
+            (ErrorKind::StorageFull, "room"),
+            (ErrorKind::QuotaExceeded, "quota"),
+            (ErrorKind::PermissionDenied, "right to write"),
+            (ErrorKind::ReadOnlyFilesystem, "write-protected"),
+        ] {
+            assert!(remedy(kind).contains(word), "{kind}: {}", remedy(kind));
+        }
+        let full = FormatError::Io(ErrorKind::StorageFull.into());
+        assert!(Trouble::from(full).remedy().contains("room"));
+    }
 }

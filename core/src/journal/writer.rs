@@ -66,7 +66,9 @@ struct Shared {
     wanted: AtomicBool,
     /// The journal's number; 0 before it has one.
     number: AtomicU64,
-    /// Why nothing can be written, for the person.
+    /// Why nothing can be written, for the person, until it is told.
+    news: Mutex<Option<String>>,
+    /// The same for as long as nothing can be written.
     trouble: Mutex<Option<String>>,
     /// Whether it is all right again since.
     caught_up: AtomicBool,
@@ -211,9 +213,14 @@ impl JournalWriter {
 
     /// What is to be told to the person, once: that nothing can be written, or that it can again.
     pub fn take_message(&self) -> Option<String> {
-        let mut trouble = self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut news = self.shared.news.lock().unwrap_or_else(PoisonError::into_inner);
         let back = self.shared.caught_up.swap(false, Ordering::Relaxed);
-        trouble.take().or_else(|| back.then(|| "the journal is complete again".to_string()))
+        news.take().or_else(|| back.then(|| "the journal is complete again".to_string()))
+    }
+
+    /// Why nothing can be written, for as long as that lasts.
+    pub fn trouble(&self) -> Option<String> {
+        self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Waits until all entries so far are written: after that, not even a kill loses them.
@@ -376,12 +383,14 @@ impl Work {
         tracing::debug!("journal: {trouble}");
         if !std::mem::replace(&mut self.told, true) {
             let folder = self.options.shelf.folder().display();
+            let remedy = trouble.remedy();
             let text = format!(
-                "the journal in {folder} cannot be written: {trouble}; work goes on, but save it yourself until \
-                 there is room again"
+                "the journal in {folder} cannot be written: {trouble}; work goes on, but save it yourself until it \
+                 can: {remedy}"
             );
-            let mut told = self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner);
-            *told = Some(text);
+            for told in [&self.shared.news, &self.shared.trouble] {
+                *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(text.clone());
+            }
         }
         if self.retry.is_none() {
             self.retry = Some(Instant::now() + self.pause);
@@ -397,6 +406,7 @@ impl Work {
                 (self.retry, self.pause, self.due) = (None, self.options.retry, None);
                 self.replay = Duration::ZERO;
                 if std::mem::take(&mut self.told) {
+                    *self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner) = None;
                     self.shared.caught_up.store(true, Ordering::Relaxed);
                 }
             }

@@ -8,13 +8,13 @@ use std::sync::Arc;
 
 use super::Session;
 use super::on_disk::FileIdentity;
-use crate::document::Limits;
+use crate::document::{DocumentSnapshot, Limits};
 use crate::journal::SculptureFile;
 use crate::saved_history::{
     Found, HistoryToKeep, KeptSteps, SavedHistories, SavedHistory, SavedHistoryOptions,
 };
 use crate::sculpture::Digest;
-use crate::sculpture::history::Contents;
+use crate::sculpture::history::{Contents, StepStore};
 
 impl Session {
     /// Keeps the undo histories of the files that are saved from now on, and goes on with those of the files that are
@@ -31,6 +31,13 @@ impl Session {
             let found = find(Some(&histories), identity, contents, limits);
             self.go_on_with(found);
         }
+    }
+
+    /// All steps with what they have led to, and where those of them lie that memory has no room for; none within a
+    /// stroke.
+    pub fn steps(&self) -> Option<(DocumentSnapshot, Option<Arc<dyn StepStore>>)> {
+        let store = self.spill.clone().map(|spill| spill as Arc<dyn StepStore>);
+        Some((self.document.snapshot()?, store))
     }
 
     /// How the histories of saved files are kept, if they are.

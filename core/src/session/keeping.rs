@@ -68,6 +68,11 @@ impl Session {
         self.journal.as_ref()?.writer.take_message()
     }
 
+    /// Why what is done is not in the journal, with what helps, for as long as that lasts.
+    pub fn journal_trouble(&self) -> Option<String> {
+        self.journal.as_ref()?.writer.trouble()
+    }
+
     /// Waits until what was done is in the journal's file: after that not even a kill loses it.
     pub fn wait_for_journal(&self) {
         if let Some(journal) = &self.journal {

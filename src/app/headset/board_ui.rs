@@ -11,6 +11,7 @@ use egui::{
 use egui::{Modifiers, MouseWheelUnit, Rect, Stroke, TouchPhase, Ui, ViewportId};
 use glam::{UVec2, Vec2};
 
+use crate::app::glyphs::Glyphs;
 use crate::input::hands::HandEvent;
 use crate::ui::keyboard::Keyboard;
 
@@ -49,6 +50,7 @@ pub struct BoardUi {
     stale: bool,
     /// When the next pass is due, in seconds since the program's start.
     due_s: f64,
+    glyphs: Glyphs,
 }
 
 impl BoardUi {
@@ -71,6 +73,7 @@ impl BoardUi {
             keyboard: Keyboard::default(),
             stale: false,
             due_s: 0.0,
+            glyphs: Glyphs::default(),
         }
     }
 
@@ -229,6 +232,8 @@ impl BoardUi {
         self.note_pressed();
         let viewport = output.viewport_output.get(&ViewportId::ROOT);
         let again = viewport.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        let again =
+            self.glyphs.look(&self.context, &output.shapes).map_or(again, |soon| soon.min(again));
         self.due_s = now_s + again.as_secs_f64().min(REFRESH_S);
         let field = output.platform_output.ime.as_ref().map(|ime| ime.rect);
         self.stale = self.keyboard.follow(field, self.context.content_rect());

@@ -88,13 +88,27 @@ pub fn allow(study: &VolumeStudy, options: &mut ImportOptions) {
 /// What the file says.
 fn facts(ui: &mut Ui, study: &VolumeStudy) {
     let UVec3 { x, y, z } = study.volume.dims;
-    let mut text = format!("{}, {x} × {y} × {z} voxels, {}", study.kind, study.volume.samples);
+    let samples = samples_text(study.volume.samples);
+    let mut text = format!("{}, {x} × {y} × {z} voxels, {samples}", study.kind);
     if let Some(orientation) = study.orientation() {
         text += &format!("; {orientation}");
     }
     ui.weak(text);
     for note in &study.notes {
         ui.label(RichText::new(capital(note)).small());
+    }
+}
+
+/// The type of a voxel in words; other scripts and `--raw` name it by a letter and its bits.
+fn samples_text(samples: Samples) -> String {
+    match samples {
+        Samples::U8 => "8 bits each".to_string(),
+        Samples::U16Le | Samples::U16Be => "16 bits each".to_string(),
+        Samples::I16Le | Samples::I16Be => "16 bits each, with a sign".to_string(),
+        Samples::F32Le | Samples::F32Be => "32-bit floating point each".to_string(),
+        Samples::Rgb8 => "red, green and blue".to_string(),
+        Samples::Rgba8 => "red, green, blue and opacity".to_string(),
+        other => other.to_string(),
     }
 }
 
@@ -222,7 +236,7 @@ fn region(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
         ui.label(RichText::new("Part to read").strong()).on_hover_text(
             "Voxels from the first to the last, as the slices show them: x to the right, y up, z to the front",
         );
-        let part = ui.add_enabled(options.region.is_some(), egui::Button::new("All").small());
+        let part = ui.add_enabled(options.region.is_some(), egui::Button::new("All"));
         if part.on_hover_text("Read all of the file").clicked() {
             region = Region { low: UVec3::ZERO, high: dims - 1 };
         }
