@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 
 use x11rb::connection::Connection;
-use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat, Keysym, Window};
+use x11rb::protocol::xproto::{
+    AutoRepeatMode, ChangeKeyboardControlAux, ConnectionExt as _, ImageFormat, Keysym, Window,
+};
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
@@ -42,7 +44,13 @@ impl Display {
             format!("no connection to Xvfb: {error}")
         })?;
         let root = x.setup().roots[0].root;
-        Ok(Display { server, name, x, root, size })
+        let display = Display { server, name, x, root, size };
+        // On a busy machine a key may be down for so long that it would be repeated.
+        let no_repeat = ChangeKeyboardControlAux::new().auto_repeat_mode(AutoRepeatMode::OFF);
+        let changed = display.x.change_keyboard_control(&no_repeat);
+        let checked = changed.map_err(|error| error.to_string())?.check();
+        checked.map_err(|error| format!("keys go on repeating themselves: {error}"))?;
+        Ok(display)
     }
 
     /// The value for the environment variable DISPLAY.
