@@ -122,10 +122,10 @@ fn a_marker_stays_in_the_plane_that_it_was_taken_in() {
                 let (at, size) = (IVec3::from(at), IVec3::from(size));
                 run(&mut harness, &format!("mark at={} size={}", words(at), words(size)));
                 harness.run_steps(1);
-                for axis in 0..3 {
+                for (axis, taken) in taken.iter_mut().enumerate() {
                     for up in [false, true] {
                         let seed = (i * 7 + axis) as u32 * 2 + u32::from(up) + 1;
-                        taken[axis] += u32::from(leads_in_plane(&mut harness, axis, up, seed));
+                        *taken += u32::from(leads_in_plane(&mut harness, axis, up, seed));
                     }
                 }
             }
