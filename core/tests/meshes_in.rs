@@ -117,6 +117,24 @@ fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
+/// A `.glb` of a description and the bytes of its buffer.
+pub fn glb_file(json: &str, binary: &[u8]) -> Vec<u8> {
+    let padded = |bytes: &[u8], with: u8| {
+        let mut bytes = bytes.to_vec();
+        bytes.resize(bytes.len().next_multiple_of(4), with);
+        bytes
+    };
+    let (json, binary) = (padded(json.as_bytes(), b' '), padded(binary, 0));
+    let mut file = b"glTF\x02\0\0\0".to_vec();
+    file.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
+    for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &binary)] {
+        file.extend((chunk.len() as u32).to_le_bytes());
+        file.extend(kind);
+        file.extend(chunk);
+    }
+    file
+}
+
 impl Files {
     fn new() -> Files {
         Files { folder: tempfile::tempdir().unwrap() }
@@ -217,18 +235,7 @@ impl Files {
             {{"buffer":0,"byteOffset":168,"byteLength":32}}],"buffers":[{{"byteLength":{}}}]}}"#,
             binary.len()
         );
-        let mut json = change(json).into_bytes();
-        while !json.len().is_multiple_of(4) {
-            json.push(b' ');
-        }
-        let mut file = b"glTF\x02\0\0\0".to_vec();
-        file.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
-        for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &binary)] {
-            file.extend((chunk.len() as u32).to_le_bytes());
-            file.extend(kind);
-            file.extend(chunk);
-        }
-        self.write("a.glb", file)
+        self.write("a.glb", glb_file(&change(json), &binary))
     }
 }
 

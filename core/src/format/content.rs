@@ -131,9 +131,9 @@ pub fn format_of(path: &Path, is_described: bool) -> Result<(Format, Option<Stri
     }
 }
 
-/// Whether a file may hold voxels alone, which nothing in it says: its name is that of raw voxels, or it is unknown by name
-/// and content, and no text.
-pub fn may_be_raw(path: &Path) -> bool {
+/// Whether a file must be described before it can be read, since it may hold voxels alone: its name is that of raw voxels,
+/// or it is unknown by name and content, and no text.
+pub fn needs_layout(path: &Path) -> bool {
     match format_of(path, false) {
         Ok((format, _)) => format == Format::Raw,
         Err(FormatError::UnknownEnding(_) | FormatError::NoEnding) => {

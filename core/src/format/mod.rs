@@ -42,6 +42,7 @@ use std::path::Path;
 
 use glam::{UVec3, Vec3};
 
+pub use self::content::needs_layout;
 pub use self::error::FormatError;
 pub use self::histogram::Histogram;
 pub use self::info::{Densities, Info, info, info_with};
@@ -54,7 +55,7 @@ pub use self::scan::base64;
 pub use self::signature::Signature;
 pub use self::study::{
     Existing, Family, MeshStudy, ModelStudy, Outlook, Study, SurfaceVoxel, VolumeStudy, family,
-    needs_layout, study,
+    study,
 };
 pub use self::volume::{Samples, Texts, Volume};
 use crate::progress::Progress;
@@ -124,7 +125,7 @@ pub fn may_be_read(path: &Path) -> bool {
 /// Whether a file or folder can be read, by its name and, where that says nothing, by its content; or may be once it is
 /// described ([`needs_layout`]).
 pub fn can_be_read(path: &Path) -> bool {
-    content::format_of(path, false).is_ok() || content::may_be_raw(path)
+    content::format_of(path, false).is_ok() || needs_layout(path)
 }
 
 /// Whether a file of that name stores a sculpture without loss, unlike a volume for other programs.

@@ -4,6 +4,7 @@ use std::io::{Cursor, Write};
 
 use super::made::{CORNERS, FACES};
 use super::*;
+use crate::meshes_in::glb_file;
 
 /// Checks a file of that name.
 fn checked(name: &str, bytes: impl AsRef<[u8]>, right: Right) {
@@ -66,24 +67,14 @@ fn ply_of_doubles_whose_lists_are_counted_in_shorts_and_whose_faces_have_colours
     checked("a.ply", file, Right { shown: &[[1, 2, 3]], ..a_box([10, 30, 20]) });
 }
 
-/// A `.glb` of this JSON, behind which the length of the buffer follows, and buffer.
-fn glb(json: &str, mut binary: Vec<u8>) -> Vec<u8> {
+/// A `.glb` with one mesh, of this description and buffer.
+fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
     let json = format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],{json},
         "buffers":[{{"byteLength":{}}}]}}"#,
         binary.len()
     );
-    let mut json = json.into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    binary.resize(binary.len().next_multiple_of(4), 0);
-    let mut file = b"glTF\x02\0\0\0".to_vec();
-    file.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &binary)] {
-        file.extend((chunk.len() as u32).to_le_bytes());
-        file.extend(kind);
-        file.extend(chunk);
-    }
-    file
+    glb_file(&json, binary)
 }
 
 /// A corner in metres.
@@ -92,20 +83,26 @@ fn metres(corner: [i32; 3]) -> Vec<u8> {
 }
 
 #[test]
-fn gltf_values_that_are_sparse_over_nothing() {
+fn gltf_values_that_are_sparse_over_nothing_or_over_others() {
     // Nothing lies below the sparse values: what they leave out is 0, which the first corner is.
     let mut binary: Vec<u8> = (1..8).collect();
     binary.push(0);
     CORNERS[1..].iter().for_each(|corner| binary.extend(metres(*corner)));
     let corners = FACES.iter().flat_map(|face| halves(*face)).flatten();
     corners.for_each(|corner| binary.extend((corner as u16 - 1).to_le_bytes()));
-    let json = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
-        "accessors":[{"componentType":5126,"count":8,"type":"VEC3","min":[0,0,0],"max":[0.01,0.02,0.03],
+    // Others that all but the first are put in the place of.
+    binary.extend([metres(CORNERS[0]), metres([9000; 3]).repeat(7)].concat());
+    for base in ["", r#""bufferView":3,"#] {
+        let json = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+        "accessors":[{BASE"componentType":5126,"count":8,"type":"VEC3","min":[0,0,0],"max":[0.01,0.02,0.03],
         "sparse":{"count":7,"indices":{"bufferView":0,"componentType":5121},"values":{"bufferView":1}}},
         {"bufferView":2,"componentType":5123,"count":36,"type":"SCALAR"}],
         "bufferViews":[{"buffer":0,"byteLength":7},{"buffer":0,"byteOffset":8,"byteLength":84},
-        {"buffer":0,"byteOffset":92,"byteLength":72}]"#;
-    checked("a.glb", glb(json, binary), a_box([10, 20, 30]));
+        {"buffer":0,"byteOffset":92,"byteLength":72},
+        {"buffer":0,"byteOffset":164,"byteLength":96}]"#;
+        let json = json.replace("BASE", base);
+        checked("a.glb", glb(&json, &binary), a_box([10, 20, 30]));
+    }
 }
 
 #[test]
@@ -130,7 +127,7 @@ fn gltf_strips_and_fans_without_indices() {
         each(&accessor),
         binary.len()
     );
-    checked("a.glb", glb(&json, binary), a_box([10, 20, 30]));
+    checked("a.glb", glb(&json, &binary), a_box([10, 20, 30]));
 }
 
 #[test]

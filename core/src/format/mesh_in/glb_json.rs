@@ -125,7 +125,7 @@ impl<'a> Glb<'a> {
         let count = whole(accessor, "count").unwrap_or(0);
         let sparse = accessor.get("sparse");
         let mut numbers = match (accessor.get("bufferView"), sparse) {
-            // What the sparse numbers leave out is 0.
+            // Numbers that the sparse ones leave out are 0.
             (None, Some(_)) if count <= MOST_ZEROS => vec![[0; 4]; count * width],
             (None, Some(_)) => return Err(fault(place, "it has too many numbers that are 0")),
             _ => self.listed(accessor, component, [count, width], place)?,

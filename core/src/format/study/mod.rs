@@ -41,7 +41,7 @@ impl Family {
 /// What may be asked about a file. None for sculptures, which leave nothing open, and for files that cannot be
 /// read.
 pub fn family(path: &Path) -> Option<Family> {
-    if content::may_be_raw(path) {
+    if content::needs_layout(path) {
         return Some(Family::Volume);
     }
     match content::format_of(path, false).ok()?.0 {
@@ -50,11 +50,6 @@ pub fn family(path: &Path) -> Option<Family> {
         Format::Pvm | Format::Raw | Format::Scan(_) => Some(Family::Volume),
         Format::Mesh(_) => Some(Family::Mesh),
     }
-}
-
-/// Whether what a file holds must be described before it can be read, as far as its name and content tell.
-pub fn needs_layout(path: &Path) -> bool {
-    content::may_be_raw(path)
 }
 
 /// What a file holds.

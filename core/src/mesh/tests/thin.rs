@@ -61,7 +61,7 @@ fn without_rims(small: Grid, large: Grid, per: f64) -> [f64; 2] {
     [0, 1].map(|i| ((large[i] - small[i]) / per).max(0.0))
 }
 
-/// What a kind of part differs by from its voxels: the thinnest, and the thickest.
+/// The differences of a kind of part from its voxels: the thinnest, and the thickest.
 struct Row {
     part: String,
     range_vx: [f64; 2],
