@@ -309,6 +309,7 @@ impl Workspace {
             path: self.editor.session().path(),
             recording: self.editor.session().recording(),
             picture_px: self.viewpoint.turntable.eye().size,
+        ui::numbers::see(root.ctx());
             assumed_up: self.editor.session().assumed_up(),
             modified: self.editor.session().modified(),
             tool: &self.editor.tool,
