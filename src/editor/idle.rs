@@ -173,7 +173,7 @@ impl Editor {
             Effect::Dilation { .. } | Effect::Growth { .. } => {
                 "Nothing was added: no place here has as many neighbours as the threshold, or the grid ends here"
             }
-            Effect::Smooth { .. } => "Nothing changed: it is smooth here",
+            Effect::Smooth(_) => "Nothing changed: it is smooth here",
         }
         .to_string()
     }

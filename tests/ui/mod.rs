@@ -22,6 +22,7 @@ mod pressure;
 mod print_check;
 mod recovery;
 mod saved_history;
+mod smooth;
 mod stencils;
 mod surface;
 mod switches;
