@@ -9,7 +9,8 @@ use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
 use sculpture_core::tools::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::spray::{Effect, Spray};
+use sculpture_core::tools::level::Level;
+use sculpture_core::tools::spray::{Effect, Smoothing, Spray};
 
 const RED: Rgb = Rgb::new(220, 20, 30);
 
@@ -48,7 +49,10 @@ fn effect() -> impl Strategy<Value = Effect> {
         Just(Effect::Erosion { threshold: 14 }),
         Just(Effect::Dilation { threshold: 8, colour: Some(RED) }),
         Just(Effect::Growth { threshold: 12, colour: Some(RED) }),
-        Just(Effect::Smooth { radius_vx: 2 }),
+        Just(Effect::Smooth(Smoothing::Majority { radius_vx: 2 })),
+        (0f32..=1.0, 0f32..=1.0).prop_map(|(strength, rounding)| {
+            Effect::Smooth(Smoothing::Level(Level { strength, rounding }))
+        }),
         Just(Effect::Clay { colour: RED }),
     ]
 }
@@ -95,7 +99,7 @@ proptest! {
                 Effect::Dilation { .. } | Effect::Growth { .. } | Effect::Clay { .. } => {
                     prop_assert_eq!(stats.voxels_removed, 0);
                 }
-                Effect::Smooth { .. } => {}
+                Effect::Smooth(_) => {}
                 Effect::Mask { .. } => {
                     let now = document.contents();
                     prop_assert!(now.grid == old.grid && now.material == old.material);

@@ -206,8 +206,9 @@ fn rope(scene: &OverlayScene) -> Option<(Vec3, Vec3)> {
 fn footprint_edges(scene: &OverlayScene, kind: SprayKind) -> Vec<(Vec3, Vec3)> {
     let (Some(map), Some(at)) = (scene.seen, scene.pointer) else { return Vec::new() };
     let options = scene.tool.sprays.of(kind);
+    let radius_px = scene.tool.radius_px(options.radius, None);
     let point = |offset: Vec2| {
-        let at = at + offset * options.radius_px;
+        let at = at + offset * radius_px;
         map.rays.origin + map.rays.direction_at(at.x, at.y) * scene.depth
     };
     let corners: Vec<Vec3> = match options.outline {

@@ -220,6 +220,7 @@ impl Workspace {
         }
         self.finish_pass(root, requests);
         self.keep_footing();
+        self.dwell(root);
         self.autosave(root);
         if self.editor.is_busy() {
             root.request_repaint_after(job::LOOK_EVERY);
@@ -286,6 +287,23 @@ impl Workspace {
         self.ui.toasts.show(root, within);
     }
 
+    /// Lets a tool that goes on for as long as it is held go on.
+    fn dwell(&mut self, root: &Ui) {
+        let now_s = root.input(|input| input.time);
+        let picker = self.picker();
+        if let Some(after_s) = self.editor.dwell(now_s, false, &picker) {
+            root.request_repaint_after(Duration::from_secs_f64(after_s));
+        }
+        self.settle();
+    }
+
+    /// The same for the tool in a hand.
+    pub fn dwell_in_hand(&mut self, now_s: f64) {
+        let picker = self.picker();
+        self.editor.dwell(now_s, true, &picker);
+        self.settle();
+    }
+
     /// Saves unsaved changes of long standing, if the person wants that.
     fn autosave(&mut self, root: &Ui) {
         let minutes = u64::from(self.ui.autosave.minutes);
@@ -298,6 +316,7 @@ impl Workspace {
     }
 
     fn finish_pass(&mut self, root: &Ui, requests: Vec<UiRequest>) {
+        ui::numbers::see(root.ctx());
         if !requests.is_empty() {
             root.request_repaint();
         }

@@ -11,7 +11,8 @@ use crate::document::CommandError;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::tools::construct::{Primitive, Solid};
 use crate::tools::footprint::{Coverage, Footprint, Outline};
-use crate::tools::spray::{Effect, Spray};
+use crate::tools::level::Level;
+use crate::tools::spray::{Effect, Smoothing, Spray};
 use crate::tools::symmetry::{MirrorPlane, Radial, Symmetry};
 use crate::tools::texture::Texture;
 
@@ -78,6 +79,7 @@ fn brushes() -> Vec<(&'static str, Command)> {
     };
     let spray = |effect, reach_vx| spray_under(footprint, effect, reach_vx);
     let paint = Effect::Paintbrush { colour: COLOUR, cover: 0.5 };
+    let level = Level { strength: 0.5, rounding: Level::NEAREST };
     // As at 1024^3 in whole view, and from ten degrees above the surface.
     let wide = Footprint { across: Vec3::X * 2.0, down: Vec3::Z * 2.0, ..footprint };
     let way = Vec3::new(0.985, -0.174, 0.0);
@@ -99,7 +101,11 @@ fn brushes() -> Vec<(&'static str, Command)> {
         ("erosion", spray(Effect::Erosion { threshold: 14 }, 1.0)),
         ("dilation", spray(Effect::Dilation { threshold: 12, colour: None }, 1.0)),
         ("growth", spray(Effect::Growth { threshold: 14, colour: None }, 1.0)),
-        ("smooth", spray(Effect::Smooth { radius_vx: 2 }, 2.0)),
+        (
+            "smooth by the majority",
+            spray(Effect::Smooth(Smoothing::Majority { radius_vx: 2 }), 2.0),
+        ),
+        ("smooth", spray(Effect::Smooth(Smoothing::Level(level)), 0.0)),
         ("mask brush of depth 4", spray(Effect::Mask { adds: true }, 4.0)),
     ]
 }
@@ -145,7 +151,7 @@ mod tests {
     #[test]
     fn every_use_does_something() {
         let reports = uses(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 23);
+        assert_eq!(reports.len(), 24);
         for report in &reports {
             assert!(report.voxels > 0, "{report:?}");
         }

@@ -177,8 +177,10 @@ impl Editor {
             }
             if let Some(held) = tool.spray() {
                 // It works where the tool in hand shows its outline.
-                options.radius_px = tool.sprays.of(held).radius_px;
+                options.radius = tool.sprays.of(held).radius;
                 options.outline = tool.sprays.of(held).outline;
+            } else if tool.kind == ToolKind::Deform {
+                options.radius = tool.deforms.of(tool.deform).radius;
             }
             self.begin_spray(kind, options, at, picker);
             return;
@@ -338,9 +340,12 @@ impl Editor {
         let factor = factor.powf(notches.clamp(-20.0, 20.0));
         match self.tool.kind {
             ToolKind::Solid => self.tool.scale_by(factor),
-            ToolKind::Spray(kind) => self.tool.sprays.of_mut(kind).scale_radius(factor),
+            ToolKind::Spray(kind) => {
+                self.tool.scale_brush(|tool| &mut tool.sprays.of_mut(kind).radius, factor);
+            }
             ToolKind::Deform => {
-                self.tool.deforms.of_mut(self.tool.deform).scale_radius(factor);
+                let kind = self.tool.deform;
+                self.tool.scale_brush(|tool| &mut tool.deforms.of_mut(kind).radius, factor);
             }
             ToolKind::Draw(kind) => self.tool.draws.scale(kind, factor),
             ToolKind::Marker => self.scale_marker(notches),

@@ -123,7 +123,8 @@ impl Editor {
             return;
         }
         let start = self.tool.centre_vx;
-        let options = *self.tool.deforms.of(kind);
+        let radius = self.tool.ball_radius(kind);
+        let options = DeformOptions { radius, ..*self.tool.deforms.of(kind) };
         let grid = self.session.document().grid();
         let normal = normal_around(grid, start, options.radius)
             .or_else(|| at.map(|at| picker.normal(grid, at, true)))

@@ -12,14 +12,12 @@ use super::stroke::{Stroke, Work};
 use crate::command::{Command, SpraySurface};
 use crate::picking::Picker;
 use crate::tools::deform::DeformKind;
-use crate::tools::grab::{
-    Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MAX_TWIST_DEG, MIN_RADIUS, Motion,
-};
+use crate::tools::grab::{Falloff, Grab, MAX_PULL_VX, MAX_TWIST_DEG, Motion};
 
 /// The options of one tool.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct DeformOptions {
-    /// Of the ball, in edges of the smallest voxel edge.
+    /// Of the ball, in the unit of the sizes of brushes; of clay that is held, in units of the smallest edge.
     pub radius: f32,
     /// How far the clay goes along, or the surface to where the brush moves it, 0 to 1.
     pub strength: f32,
@@ -37,7 +35,7 @@ impl DeformOptions {
     /// What a tool begins with.
     pub fn of(kind: DeformKind) -> DeformOptions {
         let options = DeformOptions {
-            radius: 20.0,
+            radius: 60.0,
             strength: 1.0,
             falloff: Falloff::default(),
             steady_px: 0.0,
@@ -45,20 +43,16 @@ impl DeformOptions {
         };
         match kind {
             DeformKind::Grab | DeformKind::Twist => options,
-            DeformKind::Smear => DeformOptions { radius: 12.0, ..options },
+            DeformKind::Smear => DeformOptions { radius: 40.0, ..options },
             DeformKind::Inflate | DeformKind::Draw | DeformKind::Pinch => {
-                DeformOptions { radius: 12.0, strength: 0.5, ..options }
+                DeformOptions { radius: 40.0, strength: 0.5, ..options }
             }
-            DeformKind::Crease => DeformOptions { radius: 8.0, falloff: Falloff::Sharp, ..options },
+            DeformKind::Crease => {
+                DeformOptions { radius: 30.0, falloff: Falloff::Sharp, ..options }
+            }
             DeformKind::Flatten | DeformKind::Scrape | DeformKind::Fill => {
-                DeformOptions { radius: 12.0, falloff: Falloff::Flat, ..options }
+                DeformOptions { radius: 40.0, falloff: Falloff::Flat, ..options }
             }
-        }
-    }
-
-    pub fn scale_radius(&mut self, factor: f32) {
-        if factor.is_finite() && factor > 0.0 {
-            self.radius = (self.radius * factor).clamp(MIN_RADIUS, MAX_RADIUS);
         }
     }
 }
@@ -173,7 +167,8 @@ impl Editor {
             return;
         }
         let start = self.tool.centre_vx;
-        let options = *self.tool.deforms.of(kind);
+        let radius = self.tool.ball_radius(kind);
+        let options = DeformOptions { radius, ..*self.tool.deforms.of(kind) };
         let turn = (kind == DeformKind::Twist).then(|| {
             let grid = self.session.document().grid();
             let edges = grid.voxel_size() / grid.voxel_size().min_element();

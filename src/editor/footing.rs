@@ -57,6 +57,7 @@ pub struct PointerUse {
 impl Editor {
     /// The pointer moves with nothing held.
     pub fn hover(&mut self, at: Vec2, leads_tool: bool, picker: &Picker) {
+        self.gauge(picker);
         if let ToolKind::Spray(_) = self.tool.kind {
             // A spray that a key holds down goes with the pointer.
             self.lead_spray(at, picker);
@@ -89,6 +90,24 @@ impl Editor {
         let grid = self.document().grid();
         let middle = grid.dims().as_vec3() * 0.5;
         picker.target(grid, at, self.footing.worked_at.unwrap_or(middle))
+    }
+
+    /// Notes how large a pixel is where the tool works: under the pointer, or else where the tool is.
+    pub(super) fn gauge(&mut self, picker: &Picker) {
+        if self.hand.is_leading() {
+            return;
+        }
+        let point = self.pointer.and_then(|at| self.target(at, picker));
+        let gauge = self.gauge_at(point.unwrap_or(self.tool.centre_vx), picker);
+        self.tool.set_gauge(gauge);
+    }
+
+    /// How large a pixel is at a place, in units of the smallest edge.
+    pub(super) fn gauge_at(&self, point: Vec3, picker: &Picker) -> f32 {
+        let (sight, size) = (picker.sight(), self.document().grid().voxel_size());
+        let depth = sight.depth(point);
+        let across = sight.at_depth(Vec2::X, depth) - sight.at_depth(Vec2::ZERO, depth);
+        (across * size / size.min_element()).length()
     }
 
     /// The tool has been used, or put somewhere, where it is.
@@ -150,6 +169,7 @@ impl Editor {
 
     /// Lets the tool follow at once what was chosen about it.
     pub fn keep_footing(&mut self, pointer_use: PointerUse, picker: &Picker) {
+        self.gauge(picker);
         let choices = Choices::of(&self.tool);
         let Some(before) = self.footing.choices.replace(choices) else { return };
         let led = self.stroke.is_some() || self.hand.is_leading();

@@ -14,7 +14,7 @@ use crate::command::Command;
 use crate::input::hands::HandEvent;
 use crate::picking::Picker;
 use crate::surface::raycast;
-use crate::tools::footprint::{Coverage, Footprint, MAX_FOOTPRINT};
+use crate::tools::footprint::{Coverage, Footprint};
 use crate::view::{Pose, Room};
 
 /// Where a spray held in a hand has the width that is shown, in metres from it.
@@ -107,6 +107,8 @@ impl Editor {
         }
         let turn = own.rotation * self.tool.rotation().inverse();
         self.hand.pose = Some(*pose);
+        let gauge = self.hand_gauge(pose, room);
+        self.tool.set_gauge(gauge);
         if let Some(what) = self.hand.symmetry {
             self.hold_symmetry(what, own.position, own.rotation);
             return;
@@ -211,15 +213,24 @@ impl Editor {
         let grid_from_room = |point: Vec3| self.grid_point(point, room);
         let eye_vx = grid_from_room(pose.position);
         let way = |own: Vec3| grid_from_room(pose.at(own * SPRAY_REACH_M)) - eye_vx;
+        let gauge = self.hand_gauge(&pose, room);
         Some(Footprint {
             eye_vx,
             aim: way(Vec3::NEG_Z),
             across: way(Vec3::X) * SPRAY_STEP,
             down: way(Vec3::NEG_Y) * SPRAY_STEP,
-            radius: options.radius_px.min(MAX_FOOTPRINT),
+            radius: self.tool.radius_px(options.radius, Some(gauge)),
             outline: options.outline,
             coverage: Coverage::Visible,
         })
+    }
+
+    /// How large what stands for a pixel is in a hand, in units of the smallest edge.
+    fn hand_gauge(&self, pose: &Pose, room: &Room) -> f32 {
+        let size = self.document().grid().voxel_size();
+        let at = |own: Vec3| self.grid_point(pose.at(own * SPRAY_REACH_M), room);
+        let across = (at(Vec3::X) - at(Vec3::ZERO)) * size / size.min_element();
+        across.length() * SPRAY_STEP
     }
 
     /// A point of the room in grid coordinates.

@@ -5,7 +5,7 @@
 
 use super::tool::ToolKind;
 use super::{Editor, Outcome};
-use crate::command::{Area, Command, MaskChange};
+use crate::command::{Area, Command, MaskArea, MaskChange};
 use crate::document::Heeds;
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::{EditOp, EditStats};
@@ -127,11 +127,35 @@ impl Editor {
                 }
                 .to_string()
             }
-            Command::Mask(MaskChange::Put { adds: true, .. }) => {
-                "Nothing changed: it is masked already, or outside the grid".to_string()
+            Command::Mask(change) => self.why_mask_is_idle(change).to_string(),
+            Command::Tint { .. } => {
+                "Nothing was painted: the area is empty, or has these colours already".to_string()
             }
-            Command::Mask(_) => "Nothing changed: there is no mask here".to_string(),
             _ => "Nothing changed".to_string(),
+        }
+    }
+
+    fn why_mask_is_idle(&mut self, change: &MaskChange) -> &'static str {
+        match change {
+            MaskChange::Put { adds, what } => {
+                let other = MaskChange::Put { adds: !adds, what: what.clone() };
+                match (self.meets(&[Command::Mask(other)]), adds, what) {
+                    (true, true, _) => "Nothing changed: it is masked already",
+                    (true, false, _) => "Nothing changed: it is not masked",
+                    (false, _, MaskArea::Colour { .. }) => {
+                        "Nothing changed: no voxel has this colour, to within the tolerance"
+                    }
+                    (false, _, MaskArea::Cavities { .. }) => {
+                        "Nothing changed: there are no cavities within this distance"
+                    }
+                    (false, ..) => "Nothing changed: it lies outside the grid",
+                }
+            }
+            MaskChange::Grow(_) => "Nothing changed: the mask fills the grid already",
+            MaskChange::Shrink(_) => "Nothing changed: the mask has no outline within the grid",
+            MaskChange::Smooth(_) => "Nothing changed: the outline of the mask is even",
+            MaskChange::Clear => "Nothing changed: nothing is masked",
+            MaskChange::Invert => "Nothing changed",
         }
     }
 
@@ -149,7 +173,7 @@ impl Editor {
             Effect::Dilation { .. } | Effect::Growth { .. } => {
                 "Nothing was added: no place here has as many neighbours as the threshold, or the grid ends here"
             }
-            Effect::Smooth { .. } => "Nothing changed: it is smooth here",
+            Effect::Smooth(_) => "Nothing changed: it is smooth here",
         }
         .to_string()
     }
@@ -251,6 +275,8 @@ impl Editor {
                 | Command::Dye { area: Area::Marker | Area::Selection, .. }
                 | Command::Flood { .. }
                 | Command::Paste { .. }
+                | Command::Mask(_)
+                | Command::Tint { .. }
         );
         match changed {
             0 if asked => self.explain_idle(std::slice::from_ref(command)),

@@ -109,8 +109,8 @@ impl Editor {
     /// The strength of the tool, if it has one.
     fn strength(&mut self) -> Option<&mut f32> {
         match self.tool.kind {
-            ToolKind::Spray(kind @ SprayKind::Paintbrush) => {
-                Some(&mut self.tool.sprays.of_mut(kind).cover)
+            ToolKind::Spray(kind @ (SprayKind::Paintbrush | SprayKind::Smooth)) => {
+                Some(&mut self.tool.sprays.of_mut(kind).strength)
             }
             ToolKind::Deform => Some(&mut self.tool.deforms.of_mut(self.tool.deform).strength),
             _ => None,

@@ -21,6 +21,7 @@ mod marker;
 mod path;
 pub mod questions;
 pub mod recovery;
+pub mod sizes;
 pub mod sprays;
 mod stroke;
 pub mod sweep;

@@ -2,14 +2,18 @@
 
 use crate::command::{Command, SpraySurface};
 use crate::sculpture::Rgb;
-use crate::tools::footprint::{Footprint, MAX_FOOTPRINT, Outline};
-use crate::tools::spray::{Effect, Spray, SprayKind};
+use crate::tools::footprint::{Footprint, Outline};
+use crate::tools::level::Level;
+use crate::tools::spray::{Effect, Smoothing, Spray, SprayKind};
+
+/// Multiples of the golden section lie evenly between whole numbers.
+const GOLDEN: f32 = 0.618_034;
 
 /// The options of one spray tool. What it has no use for is ignored.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SprayOptions {
-    /// Of the footprint, in pixels of the picture.
-    pub radius_px: f32,
+    /// Of the footprint, in the unit of the sizes of brushes.
+    pub radius: f32,
     pub outline: Outline,
     /// How far around a point under the footprint voxels may change.
     pub reach_vx: f32,
@@ -17,10 +21,8 @@ pub struct SprayOptions {
     pub bite: Outline,
     /// Of 26 neighbours.
     pub threshold: u32,
-    /// What smoothing looks at.
-    pub around_vx: u32,
-    /// Share of the colour that a pass of the paintbrush mixes in.
-    pub cover: f32,
+    /// Share of the colour that a pass of the paintbrush mixes in, or of the way to the smoothed surface, 0 to 1.
+    pub strength: f32,
     /// Rays meet the surface as it was when the stroke began.
     pub surface: SpraySurface,
 }
@@ -39,13 +41,12 @@ impl SprayOptions {
     /// What a tool begins with.
     pub fn of(kind: SprayKind) -> SprayOptions {
         let options = SprayOptions {
-            radius_px: 20.0,
+            radius: 20.0,
             outline: Outline::Round,
             reach_vx: 3.0,
             bite: Outline::Round,
             threshold: 14,
-            around_vx: 2,
-            cover: 1.0,
+            strength: 1.0,
             surface: SpraySurface::Stroke,
         };
         match kind {
@@ -62,33 +63,38 @@ impl SprayOptions {
                 SprayOptions { threshold: 12, surface: SpraySurface::Now, ..options }
             }
             SprayKind::Smooth => {
-                SprayOptions { reach_vx: 4.0, surface: SpraySurface::Now, ..options }
+                SprayOptions { strength: 0.5, surface: SpraySurface::Now, ..options }
             }
         }
     }
 
-    pub fn scale_radius(&mut self, factor: f32) {
-        if factor.is_finite() && factor > 0.0 {
-            self.radius_px = (self.radius_px * factor).clamp(1.0, MAX_FOOTPRINT);
-        }
-    }
-
-    /// The use of the tool under a footprint.
-    pub fn command(&self, kind: SprayKind, colour: Rgb, footprint: Footprint) -> Command {
+    /// The use of the tool under a footprint. `uses`: of the stroke before it.
+    pub fn command(
+        &self,
+        kind: SprayKind,
+        colour: Rgb,
+        footprint: Footprint,
+        uses: u32,
+    ) -> Command {
         let threshold = self.threshold;
+        let (mut reach_vx, mut surface) = (self.reach_vx, self.surface);
         let effect = match kind {
-            SprayKind::Paintbrush => Effect::Paintbrush { colour, cover: self.cover },
+            SprayKind::Paintbrush => Effect::Paintbrush { colour, cover: self.strength },
             SprayKind::Devourer => Effect::Devourer { outline: self.bite },
             SprayKind::Erosion => Effect::Erosion { threshold },
             SprayKind::Dilation => Effect::Dilation { threshold, colour: None },
             SprayKind::Growth => Effect::Growth { threshold, colour: None },
-            SprayKind::Smooth => Effect::Smooth { radius_vx: self.around_vx },
+            SprayKind::Smooth => {
+                // It goes on for as long as it is held, as far from the surface as it smooths.
+                (reach_vx, surface) = (0.0, SpraySurface::Now);
+                let rounding = (Level::NEAREST + uses as f32 * GOLDEN).fract();
+                Effect::Smooth(Smoothing::Level(Level { strength: self.strength, rounding }))
+            }
             SprayKind::Clay => Effect::Clay { colour },
             SprayKind::Mask => Effect::Mask { adds: true },
             SprayKind::Unmask => Effect::Mask { adds: false },
         };
-        let spray = Spray { effect, footprint, reach_vx: self.reach_vx };
-        Command::Spray { spray, surface: self.surface }
+        Command::Spray { spray: Spray { effect, footprint, reach_vx }, surface }
     }
 }
 
@@ -138,15 +144,14 @@ mod tests {
             coverage: Coverage::Visible,
         };
         for kind in SprayKind::ALL {
-            let command = sprays.of(kind).command(kind, Rgb::STONE, footprint);
-            let Command::Spray { spray, .. } = command else { panic!() };
-            assert_eq!(spray.effect.kind(), kind);
-            assert!(spray.check().is_ok(), "{kind:?}");
-            sprays.of_mut(kind).scale_radius(1e9);
-            assert_eq!(sprays.of(kind).radius_px, MAX_FOOTPRINT);
+            for uses in [0, 1, 7, 1000] {
+                let command = sprays.of(kind).command(kind, Rgb::STONE, footprint, uses);
+                let Command::Spray { spray, .. } = command else { panic!() };
+                assert_eq!(spray.effect.kind(), kind);
+                assert!(spray.check().is_ok(), "{kind:?}");
+            }
         }
-        sprays.of_mut(SprayKind::Clay).scale_radius(1e-9);
-        assert_eq!(sprays.of(SprayKind::Clay).radius_px, 1.0);
-        assert_eq!(sprays.of(SprayKind::Smooth).radius_px, MAX_FOOTPRINT);
+        sprays.of_mut(SprayKind::Clay).radius = 33.0;
+        assert_ne!(sprays.of(SprayKind::Smooth).radius, 33.0);
     }
 }

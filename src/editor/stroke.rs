@@ -22,6 +22,8 @@ use crate::tools::construct::Primitive;
 use crate::tools::footprint::Footprint;
 use crate::tools::spray::SprayKind;
 
+/// After how long a spray that goes on while it is held is used again, in seconds.
+const AGAIN_S: f64 = 0.1;
 /// Spacing of a spray's path as a share of its radius.
 const SPACING: f32 = 0.35;
 /// Pixels between two looks at the surface along a drag.
@@ -110,6 +112,12 @@ pub(super) struct Stroke {
     pub tried: Vec<Command>,
     /// It has added, and would have gone on beyond the walls of the grid.
     pub beyond: bool,
+    /// How often a spray was used.
+    uses: u32,
+    /// Since when it has not been used, on the clock of [`Editor::dwell`].
+    idle_since_s: Option<f64>,
+    /// The rays of a spray that is held in a hand, as they are now.
+    held: Option<Footprint>,
 }
 
 impl Stroke {
@@ -120,7 +128,17 @@ impl Stroke {
 
     /// A stroke that has done nothing yet.
     pub fn new(work: Work, path: Path) -> Stroke {
-        Stroke { work, path, changed: 0, tried: Vec::new(), beyond: false }
+        let (uses, idle_since_s, held) = (0, None, None);
+        Stroke {
+            work,
+            path,
+            changed: 0,
+            tried: Vec::new(),
+            beyond: false,
+            uses,
+            idle_since_s,
+            held,
+        }
     }
 
     /// Whether a tool that deforms clay is at work.
@@ -195,7 +213,7 @@ impl Editor {
             SprayKind::Paintbrush if self.tool.stencil.is_some() => 2.0,
             _ => SPACING,
         };
-        let spacing = (share * options.radius_px).max(1.0);
+        let spacing = (share * self.spray_px(&options, at, picker)).max(1.0);
         let path = Path::new(at.extend(0.0), spacing, Vec3::ONE);
         self.stroke = Some(Stroke::new(Work::Spray { kind, options }, path));
         self.spray_at(&[at.extend(0.0)], picker);
@@ -213,18 +231,59 @@ impl Editor {
     /// Uses the spray at points of the picture as it was last shown.
     fn spray_at(&mut self, stops: &[Vec3], picker: &Picker) {
         for stop in stops {
-            let Some(Stroke { work: Work::Spray { kind, options }, .. }) = &self.stroke else {
+            let Some(Stroke { work: Work::Spray { kind, options }, uses, .. }) = &self.stroke
+            else {
                 return;
             };
             let Some(map) = picker.map() else { return };
-            let pixel = stop.truncate().max(Vec2::ZERO).as_uvec2().min(map.rays.size - 1);
-            let (radius, outline) = (options.radius_px, options.outline);
+            let at = stop.truncate();
+            let pixel = at.max(Vec2::ZERO).as_uvec2().min(map.rays.size - 1);
+            let (radius, outline) = (self.spray_px(options, at, picker), options.outline);
             let footprint = Footprint::of_pixel(&map.rays, pixel, radius, outline);
-            let command = self.tool.spray_command(*kind, options, footprint);
+            let command = self.tool.spray_command(*kind, options, footprint, *uses);
+            self.note_use();
             if !self.execute(&command) {
                 self.cancel_stroke();
             }
         }
+    }
+
+    /// The radius of a spray where the picture shows the surface at `at`, in pixels.
+    fn spray_px(&self, options: &SprayOptions, at: Vec2, picker: &Picker) -> f32 {
+        let gauge = self.target(at, picker).map(|point| self.gauge_at(point, picker));
+        self.tool.radius_px(options.radius, gauge)
+    }
+
+    fn note_use(&mut self) {
+        if let Some(stroke) = &mut self.stroke {
+            stroke.uses += 1;
+            stroke.idle_since_s = None;
+        }
+    }
+
+    /// Uses a spray that goes on for as long as it is held once more where it is, if it has not been used for a while.
+    /// Returns after how long to ask again, in seconds. `now_s`: on any clock; `by_hand`: in a headset.
+    pub fn dwell(&mut self, now_s: f64, by_hand: bool, picker: &Picker) -> Option<f64> {
+        let stroke = self.stroke.as_mut()?;
+        match stroke.work {
+            Work::Spray { kind: SprayKind::Smooth, .. } if !by_hand => {}
+            Work::HeldSpray { kind: SprayKind::Smooth, .. } if by_hand => {}
+            _ => return None,
+        }
+        let since_s = *stroke.idle_since_s.get_or_insert(now_s);
+        let left_s = since_s + AGAIN_S - now_s;
+        if left_s > 0.0 {
+            return Some(left_s);
+        }
+        let end = stroke.path.end();
+        match (&stroke.work, stroke.held) {
+            (Work::HeldSpray { .. }, Some(footprint)) => self.use_held_spray(footprint),
+            _ => self.spray_at(&[end], picker),
+        }
+        if let Some(stroke) = &mut self.stroke {
+            stroke.idle_since_s = Some(now_s);
+        }
+        Some(AGAIN_S)
     }
 
     /// Opens a stroke of a spray that is held in a hand, and uses it. `footprint`: its rays;
@@ -250,7 +309,8 @@ impl Editor {
     /// Leads the stroke of a spray that is held in a hand.
     pub(super) fn lead_held_spray(&mut self, footprint: Footprint) {
         let at = footprint.eye_vx + footprint.aim;
-        if let Some(Stroke { work: Work::HeldSpray { .. }, path, .. }) = &mut self.stroke {
+        if let Some(Stroke { work: Work::HeldSpray { .. }, path, held, .. }) = &mut self.stroke {
+            *held = Some(footprint);
             let mut due = false;
             let mut way = *path;
             way.line_to(at, |_| due = true);
@@ -262,8 +322,9 @@ impl Editor {
     }
 
     fn use_held_spray(&mut self, footprint: Footprint) {
-        if let Some(Stroke { work: Work::HeldSpray { kind, options }, .. }) = &self.stroke {
-            let command = self.tool.spray_command(*kind, options, footprint);
+        if let Some(Stroke { work: Work::HeldSpray { kind, options }, uses, .. }) = &self.stroke {
+            let command = self.tool.spray_command(*kind, options, footprint, *uses);
+            self.note_use();
             if !self.execute(&command) {
                 self.cancel_stroke();
             }

@@ -9,6 +9,7 @@ use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
 use super::deform::{DeformOptions, Deforms};
 use super::draw::DrawOptions;
+use super::sizes::{FIRST_GAUGE, SizeUnit};
 use super::sprays::{SprayOptions, Sprays};
 use super::symmetry::Placed;
 use super::tool_change::ToolChange;
@@ -53,6 +54,10 @@ pub struct ToolState {
     pub sprays: Sprays,
     pub deform: DeformKind,
     pub deforms: Deforms,
+    /// In which the sizes of all brushes are given.
+    pub size_unit: SizeUnit,
+    /// How large a pixel is where the tool works, in units of the smallest edge.
+    pub(super) gauge: f32,
     pub draws: DrawOptions,
     pub mode: ToolMode,
     half: Vec3,
@@ -141,6 +146,7 @@ pub enum ToolEdit {
     Follow(bool),
     Stand(bool),
     Lean(bool),
+    SizeUnit(SizeUnit),
     Spray(SprayKind, SprayOptions),
     Deform(DeformKind, DeformOptions),
     Draw(DrawOptions),
@@ -156,6 +162,8 @@ impl ToolState {
             sprays: Sprays::default(),
             deform: DeformKind::default(),
             deforms: Deforms::default(),
+            size_unit: SizeUnit::default(),
+            gauge: FIRST_GAUGE,
             draws: DrawOptions::default(),
             mode: ToolMode::default(),
             half: Vec3::ONE,
@@ -208,6 +216,7 @@ impl ToolState {
             ToolEdit::Follow(follow) => self.follow = follow,
             ToolEdit::Stand(stand) => self.stand = stand,
             ToolEdit::Lean(lean) => self.lean = lean,
+            ToolEdit::SizeUnit(unit) => self.set_size_unit(unit),
             ToolEdit::Spray(kind, options) => *self.sprays.of_mut(kind) = options,
             ToolEdit::Deform(kind, options) => *self.deforms.of_mut(kind) = options,
             ToolEdit::Draw(options) => self.draws = options,
@@ -370,21 +379,22 @@ impl ToolState {
         }
     }
 
-    /// What a brush does under a footprint.
+    /// What a brush does under a footprint. `uses`: of the stroke before it.
     pub fn spray_command(
         &self,
         kind: SprayKind,
         options: &SprayOptions,
         footprint: Footprint,
+        uses: u32,
     ) -> Command {
         match &self.stencil {
             Some(picture) if kind == SprayKind::Paintbrush => Command::Stencil {
                 picture: picture.clone(),
                 footprint: Footprint { outline: Outline::Square, ..footprint },
                 colour: self.through_stencil.then_some(self.colour),
-                cover: options.cover,
+                cover: options.strength,
             },
-            _ => options.command(kind, self.colour, footprint),
+            _ => options.command(kind, self.colour, footprint, uses),
         }
     }
 
@@ -393,7 +403,7 @@ impl ToolState {
         Primitive {
             solid: Solid::Ellipsoid,
             centre_vx: self.centre_vx,
-            half: Vec3::splat(self.deforms.of(self.deform).radius),
+            half: Vec3::splat(self.ball_radius(self.deform)),
             rotation: Quat::IDENTITY,
         }
     }

@@ -36,7 +36,9 @@ pub fn show(
 ) {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
     if !state.dialogs.files.is_open() {
-        numbers::hear(root.ctx());
+        if let Some(complaint) = numbers::hear(root.ctx()) {
+            state.toasts.note(complaint);
+        }
     }
     top_bar::show(root, state, context, requests);
     upright::strip(root, state, context, requests);

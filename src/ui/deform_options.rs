@@ -4,13 +4,14 @@ use egui::{Slider, Ui};
 
 use super::buttons::explain;
 use super::spot::{self, Spot};
+use super::spray_options::radius;
 use super::top_bar::capital;
 use super::{UiContext, UiRequest};
 use crate::editor::deform::{DeformOptions, MAX_STEADY_PX};
 use crate::editor::tool::ToolEdit;
 use crate::input::Action;
 use crate::tools::deform::DeformKind;
-use crate::tools::grab::{Falloff, MAX_RADIUS, MIN_RADIUS};
+use crate::tools::grab::Falloff;
 
 /// Leaves room for a name before and a number with its unit behind.
 const SLIDER_WIDTH: f32 = 80.0;
@@ -22,15 +23,7 @@ pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mut options = before;
     ui.spacing_mut().slider_width = SLIDER_WIDTH;
     egui::Grid::new("deform").num_columns(2).show(ui, |ui| {
-        let label = ui.label("Radius");
-        let slider = Slider::new(&mut options.radius, MIN_RADIUS..=MAX_RADIUS)
-            .logarithmic(true)
-            .max_decimals(1)
-            .suffix(" vx");
-        ui.add(slider)
-            .labelled_by(label.id)
-            .on_hover_text("Radius of the ball that is deformed, in voxels");
-        ui.end_row();
+        radius(ui, &mut options.radius, context.tool.size_unit, requests);
         let label = ui.label("Strength");
         let mut percent = options.strength * 100.0;
         let slider = Slider::new(&mut percent, 0.0..=100.0).fixed_decimals(0).suffix(" %");
@@ -85,7 +78,8 @@ pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         ui.end_row();
     });
     if ui.button("Reset options").clicked() {
-        options = DeformOptions::of(kind);
+        let usual = DeformOptions::of(kind);
+        options = DeformOptions { radius: context.tool.usual_radius(usual.radius), ..usual };
     }
     if options != before {
         requests.push(UiRequest::Tool(ToolEdit::Deform(kind, options)));

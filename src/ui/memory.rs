@@ -21,13 +21,14 @@ use super::state::PanelPlace;
 use super::upright::Upright;
 use super::{SCALE_RANGE, Theme, UiState, WindowOptions};
 use crate::command::SpraySurface;
+use crate::editor::sizes::SizeUnit;
 use crate::editor::sprays::SprayOptions;
 use crate::editor::tool::{ToolKind, ToolState};
 use crate::input::{DrawKind, Panel, ToolMode};
 use crate::sculpture::Rgb;
 use crate::tools::construct::Solid;
 use crate::tools::deform::DeformKind;
-use crate::tools::footprint::{MAX_FOOTPRINT, Outline};
+use crate::tools::footprint::Outline;
 use crate::tools::spray::{MAX_REACH_VX, SprayKind};
 
 const HEAD: &str = "\
@@ -116,6 +117,9 @@ struct KeptTool {
     kind: Option<String>,
     #[serde(deserialize_with = "lenient")]
     deform: Option<String>,
+    /// The unit of the sizes of brushes; earlier versions had none.
+    #[serde(deserialize_with = "lenient")]
+    sizes: Option<String>,
     #[serde(deserialize_with = "lenient")]
     solid: Option<String>,
     #[serde(deserialize_with = "lenient")]
@@ -134,11 +138,18 @@ struct KeptTool {
     used_colours: Option<Vec<String>>,
 }
 
+impl KeptTool {
+    fn size_unit(&self) -> Option<SizeUnit> {
+        SizeUnit::ALL.into_iter().find(|unit| self.sizes.as_deref() == Some(unit.name()))
+    }
+}
+
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
 struct KeptSpray {
     #[serde(deserialize_with = "lenient")]
-    radius_px: Option<f64>,
+    #[serde(rename = "radius_px")]
+    radius: Option<f64>,
     #[serde(deserialize_with = "lenient")]
     square: Option<bool>,
     #[serde(deserialize_with = "lenient")]
@@ -148,9 +159,8 @@ struct KeptSpray {
     #[serde(deserialize_with = "lenient")]
     threshold: Option<u32>,
     #[serde(deserialize_with = "lenient")]
-    around_vx: Option<u32>,
-    #[serde(deserialize_with = "lenient")]
-    cover: Option<f64>,
+    #[serde(rename = "cover")]
+    strength: Option<f64>,
     #[serde(deserialize_with = "lenient")]
     once_a_stroke: Option<bool>,
 }
@@ -259,15 +269,23 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
         choices.recall(&mut state.dialogs.final_picture);
     }
     state.layout.sections.extend(kept.sections.into_iter().flatten().take(64));
-    recall_tool(&kept.tool.unwrap_or_default(), tool);
+    recall_tool(kept.tool.as_ref().unwrap_or(&KeptTool::default()), tool);
+    let unit = kept.tool.as_ref().and_then(KeptTool::size_unit);
+    tool.size_unit = unit.unwrap_or(tool.size_unit);
     for kind in SprayKind::ALL {
         if let Some(spray) = kept.sprays.as_ref().and_then(|sprays| sprays.get(kind.name())) {
-            recall_spray(spray, tool.sprays.of_mut(kind));
+            let options = tool.sprays.of_mut(kind);
+            let usual = *options;
+            recall_spray(spray, tool.size_unit, options);
+            if unit.is_none() && kind == SprayKind::Smooth {
+                // Smoothing had no strength.
+                options.strength = usual.strength;
+            }
         }
     }
     for kind in DeformKind::ALL {
         if let Some(deform) = kept.deforms.as_ref().and_then(|deforms| deforms.get(kind.name())) {
-            deform.recall(tool.deforms.of_mut(kind));
+            deform.recall(unit, tool.deforms.of_mut(kind));
         }
     }
     if let Some(draws) = &kept.draws {
@@ -292,6 +310,7 @@ fn kept_tool(tool: &ToolState) -> KeptTool {
     KeptTool {
         kind: Some(kind.to_string()),
         deform: Some(tool.deform.name().to_string()),
+        sizes: Some(tool.size_unit.name().to_string()),
         solid: Some(tool.solid.name().to_string()),
         mode: Some(mode_name(tool.mode).to_string()),
         follow: Some(tool.follow),
@@ -346,28 +365,25 @@ const fn mode_name(mode: ToolMode) -> &'static str {
 
 fn kept_spray(options: &SprayOptions) -> KeptSpray {
     KeptSpray {
-        radius_px: Some(neat(options.radius_px)),
+        radius: Some(neat(options.radius)),
         square: Some(options.outline == Outline::Square),
         reach_vx: Some(neat(options.reach_vx)),
         bites_cubes: Some(options.bite == Outline::Square),
         threshold: Some(options.threshold),
-        around_vx: Some(options.around_vx),
-        cover: Some(neat(options.cover)),
+        strength: Some(neat(options.strength)),
         once_a_stroke: Some(options.surface == SpraySurface::Stroke),
     }
 }
 
-fn recall_spray(kept: &KeptSpray, options: &mut SprayOptions) {
+fn recall_spray(kept: &KeptSpray, unit: SizeUnit, options: &mut SprayOptions) {
     let outline = |square: bool| if square { Outline::Square } else { Outline::Round };
-    options.radius_px = within(kept.radius_px, 1.0..=MAX_FOOTPRINT, options.radius_px);
+    options.radius = within(kept.radius, unit.radii(), options.radius);
     options.reach_vx = within(kept.reach_vx, 0.0..=MAX_REACH_VX, options.reach_vx);
-    options.cover = within(kept.cover, 0.01..=1.0, options.cover);
+    options.strength = within(kept.strength, 0.01..=1.0, options.strength);
     options.outline = kept.square.map_or(options.outline, outline);
     options.bite = kept.bites_cubes.map_or(options.bite, outline);
     let threshold = kept.threshold.filter(|threshold| (1..=26).contains(threshold));
     options.threshold = threshold.unwrap_or(options.threshold);
-    let around = kept.around_vx.filter(|around| (1..=8).contains(around));
-    options.around_vx = around.unwrap_or(options.around_vx);
     if let Some(once) = kept.once_a_stroke {
         options.surface = if once { SpraySurface::Stroke } else { SpraySurface::Now };
     }

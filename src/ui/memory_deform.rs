@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::memory::{neat, within};
 use crate::editor::deform::{DeformOptions, MAX_STEADY_PX};
-use crate::tools::grab::{Falloff, MAX_RADIUS, MIN_RADIUS};
+use crate::editor::sizes::SizeUnit;
+use crate::tools::grab::Falloff;
 
 /// The options of one tool; those that are missing or out of range are as usual.
 #[derive(Default, Serialize, Deserialize)]
@@ -28,9 +29,11 @@ impl KeptDeform {
         }
     }
 
-    /// Chooses again what was chosen.
-    pub fn recall(&self, options: &mut DeformOptions) {
-        options.radius = within(self.radius, MIN_RADIUS..=MAX_RADIUS, options.radius);
+    /// Chooses again what was chosen. `unit`: of the radius; without one it is one of an earlier version, in another unit.
+    pub fn recall(&self, unit: Option<SizeUnit>, options: &mut DeformOptions) {
+        if let Some(unit) = unit {
+            options.radius = within(self.radius, unit.radii(), options.radius);
+        }
         options.strength = within(self.strength, 0.0..=1.0, options.strength);
         options.steady_px = within(self.steady_px, 0.0..=MAX_STEADY_PX, options.steady_px);
         options.by_pressure = self.by_pressure.unwrap_or(options.by_pressure);
@@ -55,8 +58,11 @@ mod tests {
         };
         let text = toml::to_string(&KeptDeform::of(&before)).unwrap();
         let mut after = DeformOptions::of(DeformKind::Grab);
-        toml::from_str::<KeptDeform>(&text).unwrap().recall(&mut after);
+        toml::from_str::<KeptDeform>(&text).unwrap().recall(Some(SizeUnit::Screen), &mut after);
         assert_eq!(after, before);
+        let mut earlier = DeformOptions::of(DeformKind::Grab);
+        toml::from_str::<KeptDeform>(&text).unwrap().recall(None, &mut earlier);
+        assert_eq!(earlier.radius, DeformOptions::of(DeformKind::Grab).radius, "it was in voxels");
         for text in [
             "",
             "radius = 0.0\nstrength = nan\nfalloff = \"steep\"",
@@ -64,7 +70,7 @@ mod tests {
             "steady_px = -1",
         ] {
             let mut after = DeformOptions::of(DeformKind::Grab);
-            toml::from_str::<KeptDeform>(text).unwrap().recall(&mut after);
+            toml::from_str::<KeptDeform>(text).unwrap().recall(Some(SizeUnit::Screen), &mut after);
             assert_eq!(after, DeformOptions::of(DeformKind::Grab), "{text}");
         }
     }

@@ -32,8 +32,9 @@ fn changed() -> (UiState, ToolState) {
     tool.follow = false;
     tool.colour = Rgb::new(1, 2, 3);
     tool.used_colour();
+    tool.size_unit = SizeUnit::Sculpture;
     let clay = tool.sprays.of_mut(SprayKind::Clay);
-    (clay.radius_px, clay.outline, clay.reach_vx) = (33.3, Outline::Square, 7.5);
+    (clay.radius, clay.outline, clay.reach_vx) = (33.3, Outline::Square, 7.5);
     (state, tool)
 }
 
@@ -102,7 +103,7 @@ fn what_is_damaged_is_left_out_and_the_rest_is_used() {
     assert_eq!(tool.recent(), [Rgb::new(1, 2, 3)]);
     let clay = tool.sprays.of(SprayKind::Clay);
     let usual = SprayOptions::of(SprayKind::Clay);
-    assert_eq!((clay.radius_px, clay.threshold), (usual.radius_px, usual.threshold));
+    assert_eq!((clay.radius, clay.threshold), (usual.radius, usual.threshold));
     assert_eq!(clay.reach_vx, 5.0);
 }
 
@@ -122,7 +123,7 @@ proptest! {
         prop_assert!(after.layout.windows.main.is_none_or(|size| is_side(&size)));
         for kind in SprayKind::ALL {
             let options = tool.sprays.of(kind);
-            prop_assert!((1.0..=MAX_FOOTPRINT).contains(&options.radius_px));
+            prop_assert!(tool.size_unit.radii().contains(&options.radius));
             prop_assert!((0.0..=MAX_REACH_VX).contains(&options.reach_vx));
         }
     }

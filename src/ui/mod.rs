@@ -43,7 +43,7 @@ mod memory_draw;
 mod memory_final;
 mod memory_references;
 pub mod new_dialog;
-mod numbers;
+pub mod numbers;
 pub mod options;
 pub mod palette;
 pub mod panels;
@@ -172,7 +172,9 @@ pub fn show(
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
     key_catch::listen(root, state, context, requests);
     if !state.dialogs.files.is_open() {
-        numbers::hear(root.ctx());
+        if let Some(complaint) = numbers::hear(root.ctx()) {
+            state.toasts.note(complaint);
+        }
     }
     if !state.layout.hidden {
         top_bar::show(root, state, context, requests);

@@ -43,7 +43,9 @@ pub fn show(
 ) {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
     if !state.dialogs.files.is_open() {
-        numbers::hear(root.ctx());
+        if let Some(complaint) = numbers::hear(root.ctx()) {
+            state.toasts.note(complaint);
+        }
     }
     // What lies over the sculpture has the person's attention.
     let enabled = !state.dialogs.is_modal();

@@ -66,7 +66,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
             });
             let before = *tool.sprays.of(kind);
             let mut options = before;
-            spray_options::show(ui, &mut options, kind);
+            spray_options::show(ui, &mut options, kind, tool, requests);
             if options != before {
                 requests.push(UiRequest::Tool(ToolEdit::Spray(kind, options)));
             }

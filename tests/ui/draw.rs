@@ -411,3 +411,14 @@ fn a_mug_is_made_in_few_acts() {
     assert!(acts < 15, "{acts}");
     assert_eq!(steps(&harness).len(), 3, "clear, lathe, curve");
 }
+
+#[test]
+fn letters_beyond_the_face_are_named() {
+    let mut harness = front(DrawKind::Text, ToolMode::Add);
+    run(&mut harness, "subtract cuboid at=32,32,54 half=32,32,10");
+    let draws = &mut harness.state_mut().editor.tool.draws;
+    (draws.text, draws.text_height, draws.text_depth) = ("HIJK".to_string(), 20.0, 2.0);
+    let at = screen(&harness, Vec3::new(52.0, 32.0, 44.0));
+    draw(&mut harness, &[at]);
+    assert!(told(&harness, "“K” floats: there is no surface there"));
+}

@@ -131,6 +131,30 @@ fn a_decimal_comma_counts_like_a_point_in_fields_for_numbers_alone() {
     let half = harness.state().editor.tool.half();
     assert_ne!(half, before);
     assert_eq!(half.max_element(), 6.25, "{half}");
+    // A second sign is left out, and not in silence.
+    for pressed in [true, false] {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        send(&mut harness, egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+    }
+    rest(&mut harness);
+    let told = |harness: &Bench| {
+        harness.state().ui.toasts.texts().any(|(_, toast)| toast.contains("a decimal sign already"))
+    };
+    key(&mut harness, Modifiers::COMMAND, Key::A);
+    for typed in ["1", ".", "5"] {
+        send(&mut harness, egui::Event::Text(typed.to_string()));
+    }
+    // All of it is written anew.
+    key(&mut harness, Modifiers::COMMAND, Key::A);
+    for typed in ["1", "6", ".", "5"] {
+        send(&mut harness, egui::Event::Text(typed.to_string()));
+    }
+    assert!(!told(&harness));
+    send(&mut harness, egui::Event::Text(",".to_string()));
+    assert!(told(&harness));
+    key(&mut harness, Modifiers::NONE, Key::Enter);
+    rest(&mut harness);
+    assert_eq!(harness.state().editor.tool.half().max_element(), 8.25);
     // In a field for words it stays: `8,8,8` is three numbers.
     super::bench::run_by_palette(&mut harness, "subtract cuboid at=8,8,8 half=2");
     assert_eq!(voxels(&harness), 64u64.pow(3) - 64);

@@ -1,6 +1,7 @@
 //! Masks in the interface: painted with the brush, put by solids, wand and the window of masks, and obeyed by tools.
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
+use egui_kittest::kittest::Queryable;
 use glam::{IVec3, Vec3};
 use virtual_sculpture::editor::tool::NextPress;
 use virtual_sculpture::editor::wand::WandRule;
@@ -168,4 +169,31 @@ fn the_wand_protects_a_face_a_colour_or_a_piece() {
     look(&mut harness);
     key(&mut harness, Modifiers::ALT, Key::M);
     assert_eq!(masked(&harness), 0, "beside the sculpture there is nothing");
+}
+
+#[test]
+fn what_changes_nothing_in_the_window_says_why() {
+    let mut harness = front();
+    let says = |harness: &mut Bench, name: &str, why: &str| {
+        harness.get_by_label(name).click();
+        harness.run_steps(3);
+        let texts: Vec<String> =
+            harness.state().ui.toasts.texts().map(|(_, text)| text.to_string()).collect();
+        assert!(texts.iter().any(|text| text.contains(why)), "{name}: {texts:?}");
+        harness.state_mut().ui.toasts = Default::default();
+    };
+    harness.state_mut().ui.dialogs.masks.open = true;
+    harness.run_steps(3);
+    says(&mut harness, "Cavities", "there are no cavities");
+    harness.state_mut().editor.tool.colour = Rgb::new(1, 250, 3);
+    run(&mut harness, "mask add grid");
+    harness.run_steps(2);
+    says(&mut harness, "Everything", "it is masked already");
+    says(&mut harness, "Grow", "the mask fills the grid already");
+    says(&mut harness, "Shrink", "no outline within the grid");
+    says(&mut harness, "Even out", "the outline of the mask is even");
+    run(&mut harness, "mask clear");
+    harness.get_by_label("Take out").click();
+    harness.run_steps(2);
+    says(&mut harness, "Everything", "it is not masked");
 }

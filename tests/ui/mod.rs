@@ -23,6 +23,7 @@ mod pressure;
 mod print_check;
 mod recovery;
 mod saved_history;
+mod smooth;
 mod stable;
 mod stencils;
 mod surface;

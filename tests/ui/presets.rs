@@ -82,27 +82,27 @@ fn in_blenders_preset_f_leads_the_radius_and_shift_f_the_strength() {
     assert_eq!(harness.state().editor.tool.follow, follow, "it does not toggle the pointer");
     point(&mut harness, at + vec2(50.0, 10.0));
     point(&mut harness, at + vec2(100.0, 20.0));
-    let led = options(&harness).radius_px;
-    assert!((led - before.radius_px * 2.0).abs() < 1e-3, "{led}");
+    let led = options(&harness).radius;
+    assert!((led - before.radius * 2.0).abs() < 1e-3, "{led}");
     // A click keeps it and paints nothing.
     click(&mut harness, PointerButton::Primary, at + vec2(100.0, 20.0));
     assert!(!harness.state().editor.is_leading());
-    assert_eq!((options(&harness).radius_px, undo_count(&harness)), (led, 0));
+    assert_eq!((options(&harness).radius, undo_count(&harness)), (led, 0));
     point(&mut harness, at);
-    assert_eq!(options(&harness).radius_px, led);
+    assert_eq!(options(&harness).radius, led);
     click(&mut harness, PointerButton::Primary, at);
     assert_eq!(undo_count(&harness), 1, "the next click paints");
     // Escape, and another button, give back what was.
     for give_up in [None, Some(PointerButton::Middle)] {
         key(&mut harness, Modifiers::SHIFT, Key::F);
         point(&mut harness, at - vec2(100.0, 0.0));
-        let cover = options(&harness).cover;
+        let cover = options(&harness).strength;
         assert!((cover - 0.6).abs() < 1e-3, "{cover}");
         match give_up {
             None => key(&mut harness, Modifiers::NONE, Key::Escape),
             Some(button) => click(&mut harness, button, at - vec2(100.0, 0.0)),
         }
-        assert_eq!(options(&harness).cover, before.cover);
+        assert_eq!(options(&harness).strength, before.strength);
         point(&mut harness, at);
     }
 }

@@ -1,6 +1,7 @@
 //! A brush follows how hard a pen or a finger presses, where the system tells.
 
 use egui::{Event, Modifiers, PointerButton, TouchDeviceId, TouchId, TouchPhase, vec2};
+use virtual_sculpture::editor::sizes::SizeUnit;
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::tools::deform::DeformKind;
 
@@ -12,6 +13,8 @@ fn creasing() -> Bench {
     let mut harness = bench();
     let tool = &mut harness.state_mut().editor.tool;
     (tool.kind, tool.deform) = (ToolKind::Deform, DeformKind::Crease);
+    tool.size_unit = SizeUnit::Sculpture;
+    tool.deforms.of_mut(DeformKind::Crease).radius = 8.0;
     harness
 }
 

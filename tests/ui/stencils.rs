@@ -23,7 +23,7 @@ fn with_stencil(folder: &std::path::Path) -> Bench {
     let tool = &mut harness.state_mut().editor.tool;
     tool.kind = ToolKind::Spray(SprayKind::Paintbrush);
     tool.colour = RED;
-    tool.sprays.of_mut(SprayKind::Paintbrush).radius_px = 60.0;
+    tool.sprays.of_mut(SprayKind::Paintbrush).radius = 60.0;
     tool.edit(ToolEdit::Picture(Some(path)));
     harness
 }

@@ -122,7 +122,10 @@ fn modifiers_invert_smooth_and_pick() {
     assert!(clay > FULL - 1, "the front of the block is the front of the grid");
     drag_with(&mut harness, Modifiers::COMMAND, &[at]);
     assert!(voxels(&harness) < FULL, "the opposite of clay is the devourer");
-    drag_with(&mut harness, Modifiers::SHIFT, &[at, at + vec2(4.0, 0.0)]);
+    // Over the edge of what it has cut: its ground is flat.
+    harness.state_mut().editor.tool.sprays.of_mut(SprayKind::Smooth).strength = 1.0;
+    let way = [0.0, 20.0, 40.0, 60.0].map(|right| at + vec2(right, 0.0));
+    drag_with(&mut harness, Modifiers::SHIFT, &way);
     assert_eq!(labels(&harness).last().unwrap(), "smooth");
 
     run(&mut harness, "dye marker colour=#123456");

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Event, Modifiers, PointerButton};
 use glam::{Quat, Vec3};
+use virtual_sculpture::editor::sizes::SizeUnit;
 use virtual_sculpture::editor::tool::ToolEdit;
 use virtual_sculpture::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
 use virtual_sculpture::input::pad::stick::Response;
@@ -109,6 +110,7 @@ impl Sculptor {
             ["turn", degrees] => tool.edit(ToolEdit::Turn(point(degrees))),
             ["colour", colour] => tool.edit(ToolEdit::Colour(colour.parse::<Rgb>().unwrap())),
             ["brush", name, radius, strength, ref falloff @ ..] => {
+                tool.edit(ToolEdit::SizeUnit(SizeUnit::Sculpture));
                 let kind = DeformKind::ALL.into_iter().find(|kind| kind.name() == name).unwrap();
                 let mut options = *tool.deforms.of(kind);
                 (options.radius, options.strength) = (number(radius), number(strength));

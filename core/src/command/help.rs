@@ -63,7 +63,7 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "spray",
-        usage: "paintbrush|devourer|erosion|dilation|growth|smooth|clay|mask|unmask eye=X,Y,Z aim=X,Y,Z across=X,Y,Z down=X,Y,Z radius=RAYS [outline=round|square] [takes=rays|visible] [reach=VOXELS] [surface=now|stroke] [colour=#rrggbb] [cover=0..1] [bite=round|square] [threshold=1..26] [around=1..8]",
+        usage: "paintbrush|devourer|erosion|dilation|growth|smooth|clay|mask|unmask eye=X,Y,Z aim=X,Y,Z across=X,Y,Z down=X,Y,Z radius=RAYS [outline=round|square] [takes=rays|visible] [reach=VOXELS] [surface=now|stroke] [colour=#rrggbb] [cover=0..1] [bite=round|square] [threshold=1..26] [around=1..8|strength=0..1 [rounding=0..1]]",
         tooltip: "Use a brush where the rays under its footprint meet the surface",
     },
     CommandHelp {

@@ -7,7 +7,8 @@ use super::{ParseError, list, number, parse_colour, parse_vec3};
 use crate::command::{Command, SpraySurface};
 use crate::sculpture::Rgb;
 use crate::tools::footprint::{Coverage, Footprint, Outline};
-use crate::tools::spray::{Effect, Spray};
+use crate::tools::level::Level;
+use crate::tools::spray::{Effect, Smoothing, Spray};
 
 /// How far a spray reaches if no one says otherwise, in voxels.
 const DEFAULT_REACH_VX: f32 = 3.0;
@@ -29,7 +30,14 @@ pub fn write(spray: &Spray, surface: SpraySurface, f: &mut fmt::Formatter<'_>) -
             write!(f, " threshold={threshold}")?;
             colour.map_or(Ok(()), |colour| write!(f, " colour={colour}"))
         }
-        Effect::Smooth { radius_vx } => write!(f, " around={radius_vx}"),
+        Effect::Smooth(Smoothing::Majority { radius_vx }) => write!(f, " around={radius_vx}"),
+        Effect::Smooth(Smoothing::Level(Level { strength, rounding })) => {
+            write!(f, " strength={strength}")?;
+            match *rounding == Level::NEAREST {
+                true => Ok(()),
+                false => write!(f, " rounding={rounding}"),
+            }
+        }
         Effect::Clay { colour } => write!(f, " colour={colour}"),
         Effect::Mask { .. } => Ok(()),
     }
@@ -104,7 +112,7 @@ pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
             threshold: args.optional("threshold", number)?.unwrap_or(12),
             colour: args.optional("colour", parse_colour)?,
         },
-        "smooth" => Effect::Smooth { radius_vx: args.optional("around", number)?.unwrap_or(2) },
+        "smooth" => Effect::Smooth(parse_smoothing(args)?),
         "clay" => Effect::Clay { colour: args.required("colour", parse_colour)? },
         "mask" => Effect::Mask { adds: true },
         "unmask" => Effect::Mask { adds: false },
@@ -120,6 +128,16 @@ pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
     let reach_vx = args.optional("reach", number)?.unwrap_or(DEFAULT_REACH_VX);
     let surface = parse_surface(args)?;
     Ok(Command::Spray { spray: Spray { effect, footprint, reach_vx }, surface })
+}
+
+/// A strength makes it smooth by the footprint's own radius.
+fn parse_smoothing(args: &mut Arguments) -> Result<Smoothing, ParseError> {
+    let Some(strength) = args.optional("strength", number)? else {
+        let radius_vx = args.optional("around", number)?.unwrap_or(2);
+        return Ok(Smoothing::Majority { radius_vx });
+    };
+    let rounding = args.optional("rounding", number)?.unwrap_or(Level::NEAREST);
+    Ok(Smoothing::Level(Level { strength, rounding }))
 }
 
 /// Reads which surface is meant: the present one if nothing is said.

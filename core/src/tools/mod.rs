@@ -30,6 +30,11 @@ mod grab_motion_tests;
 #[cfg(test)]
 mod grab_tests;
 mod lanes;
+pub mod level;
+mod level_field;
+mod level_hidden;
+#[cfg(test)]
+mod level_tests;
 #[cfg(test)]
 mod limit_tests;
 pub mod mask;

@@ -10,6 +10,7 @@ use glam::{IVec3, UVec3};
 
 use super::filter;
 use super::footprint::{Footprint, MAX_FOOTPRINT, Outline, Touch};
+use super::level::Level;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{ColourDepth, Grid, Rgb};
@@ -55,12 +56,8 @@ pub enum Effect {
         /// Colour of new voxels.
         colour: Option<Rgb>,
     },
-    /// Gives voxels near the hits the value of the majority around them; new ones take their
-    /// neighbours' colours.
-    Smooth {
-        /// Reach of the neighbourhood on each axis.
-        radius_vx: u32,
-    },
+    /// Smooths the surface; new voxels take their neighbours' colours.
+    Smooth(Smoothing),
     /// Adds a soft mound on the surface, highest in the middle of the footprint.
     Clay {
         /// Colour of new voxels.
@@ -71,6 +68,18 @@ pub enum Effect {
         /// Adds them.
         adds: bool,
     },
+}
+
+/// The way in which a brush smooths.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Smoothing {
+    /// Voxels near the hits get the value of the majority around them.
+    Majority {
+        /// Reach of the neighbourhood on each axis.
+        radius_vx: u32,
+    },
+    /// Forms smaller than the footprint go; the reach has no say.
+    Level(Level),
 }
 
 /// The spray tools, without their options.
@@ -140,7 +149,7 @@ impl Effect {
             Effect::Erosion { .. } => SprayKind::Erosion,
             Effect::Dilation { .. } => SprayKind::Dilation,
             Effect::Growth { .. } => SprayKind::Growth,
-            Effect::Smooth { .. } => SprayKind::Smooth,
+            Effect::Smooth(_) => SprayKind::Smooth,
             Effect::Clay { .. } => SprayKind::Clay,
             Effect::Mask { adds: true } => SprayKind::Mask,
             Effect::Mask { adds: false } => SprayKind::Unmask,
@@ -217,7 +226,10 @@ impl Spray {
             {
                 Err("the threshold")
             }
-            Effect::Smooth { radius_vx } if !(1..=8).contains(&radius_vx) => Err("the radius"),
+            Effect::Smooth(Smoothing::Majority { radius_vx }) if !(1..=8).contains(&radius_vx) => {
+                Err("the radius")
+            }
+            Effect::Smooth(Smoothing::Level(level)) => level.check(),
             _ => Ok(()),
         }
     }
@@ -225,6 +237,10 @@ impl Spray {
     /// The voxels that this spray changes in `grid`. Its rays are cast on `surface`: the same grid, or
     /// the grid when the stroke began, of the same size.
     pub fn stamp(&self, grid: &Grid, surface: &Grid) -> Stamp {
+        if let Effect::Smooth(Smoothing::Level(level)) = self.effect {
+            // All of it works on one surface: overlapping uses on that of a stroke's beginning do not add up.
+            return level.stamp(&self.footprint, surface);
+        }
         let hits = self.footprint.touched(surface);
         if hits.is_empty() {
             return Stamp::default();
@@ -269,11 +285,12 @@ impl Spray {
                 let added = filter::growth(&solid, &may, threshold, GROWTH_ROUNDS);
                 Stamp { add: bricks(&added), ..Stamp::default() }
             }
-            Effect::Smooth { radius_vx } => {
+            Effect::Smooth(Smoothing::Majority { radius_vx }) => {
                 let (solid, may) = self.neighbourhood(grid, &hits, min, max);
                 let (added, removed) = filter::majority(&solid, &may, radius_vx);
                 Stamp { add: bricks(&added), remove: bricks(&removed), ..Stamp::default() }
             }
+            Effect::Smooth(Smoothing::Level(_)) => Stamp::default(),
         }
     }
 
@@ -284,7 +301,7 @@ impl Spray {
             Effect::Dilation { colour, .. } | Effect::Growth { colour, .. } => colour,
             Effect::Devourer { .. }
             | Effect::Erosion { .. }
-            | Effect::Smooth { .. }
+            | Effect::Smooth(_)
             | Effect::Mask { .. } => None,
         }
     }
@@ -321,7 +338,7 @@ impl Spray {
     fn bounds(&self, hits: &[Touch]) -> (IVec3, IVec3) {
         let margin = self.reach_vx.ceil() as i32
             + match self.effect {
-                Effect::Smooth { radius_vx } => radius_vx as i32,
+                Effect::Smooth(Smoothing::Majority { radius_vx }) => radius_vx as i32,
                 _ => 1,
             };
         let min = hits.iter().map(|h| h.voxel).fold(IVec3::MAX, IVec3::min);

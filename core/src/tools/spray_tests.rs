@@ -1,7 +1,7 @@
 //! Tests of the voxels that sprays add, remove and paint.
 
 use super::footprint::{Coverage, Footprint, Outline};
-use super::spray::{Effect, Spray, Stamp};
+use super::spray::{Effect, Smoothing, Spray, Stamp};
 use crate::sculpture::brick::local_coords;
 use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{Brick, ColourDepth, Grid, Rgb};
@@ -134,7 +134,7 @@ fn filters_leave_a_plane_alone() {
         Effect::Erosion { threshold: 14 },
         Effect::Dilation { threshold: 10, colour: Some(COLOUR) },
         Effect::Growth { threshold: 12, colour: Some(COLOUR) },
-        Effect::Smooth { radius_vx: 2 },
+        Effect::Smooth(Smoothing::Majority { radius_vx: 2 }),
     ] {
         let stamp = spray(effect, from_above(8.0, Outline::Round), 4.0).stamp(&grid, &grid);
         assert_eq!(stamp, Stamp::default(), "{}", effect.name());
@@ -146,7 +146,7 @@ fn smoothing_takes_a_single_voxel_and_fills_a_single_hole() {
     let mut grid = slab();
     grid.set(IVec3::new(32, 20, 32), true);
     grid.set(IVec3::new(36, 19, 32), false);
-    let effect = Effect::Smooth { radius_vx: 1 };
+    let effect = Effect::Smooth(Smoothing::Majority { radius_vx: 1 });
     let stamp = spray(effect, from_above(8.0, Outline::Round), 3.0).stamp(&grid, &grid);
     assert_eq!(voxels(&stamp.remove), [IVec3::new(32, 20, 32)]);
     assert_eq!(voxels(&stamp.add), [IVec3::new(36, 19, 32)]);

@@ -81,19 +81,19 @@ pub fn under(footprint: &Footprint, grid: &Grid) -> Vec<Touch> {
 }
 
 /// A footprint that projects points of the grid to its rays.
-struct Cone {
+pub(super) struct Cone {
     eye: Vec3,
     /// Take a point relative to the eye to `i s`, `j s` and `s`: i rays to the right, j down, in s lengths of the aim.
     rows: [Vec3; 3],
     lengths: [f32; 3],
     /// Lengths of the aim in a voxel.
-    per_voxel: f32,
+    pub per_voxel: f32,
     footprint: Footprint,
 }
 
 impl Cone {
     /// None if the rays do not span a picture.
-    fn new(footprint: &Footprint) -> Option<Cone> {
+    pub fn new(footprint: &Footprint) -> Option<Cone> {
         let Footprint { eye_vx, aim, across, down, .. } = *footprint;
         let [across, down, aim] = [across, down, aim].map(Vec3::as_dvec3);
         let matrix = DMat3::from_cols(across, down, aim);
@@ -117,7 +117,7 @@ impl Cone {
 
     /// A point relative to the eye as rays to the right and down, and lengths of the aim.
     #[inline(always)]
-    fn project(&self, from_eye: Vec3) -> [f32; 3] {
+    pub fn project(&self, from_eye: Vec3) -> [f32; 3] {
         let [i, j, s] = self.rows.map(|row| row.dot(from_eye));
         [i / s, j / s, s]
     }

@@ -12,7 +12,8 @@ use sculpture_core::sculpture::selection::Selection;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
 use sculpture_core::tools::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::spray::{Effect, Spray};
+use sculpture_core::tools::level::Level;
+use sculpture_core::tools::spray::{Effect, Smoothing, Spray};
 use sculpture_core::tools::symmetry::Symmetry;
 
 use super::strategies::{any_command, area_work, new_sculpture, op, orientation, work};
@@ -115,7 +116,10 @@ fn spray() -> impl Strategy<Value = Command> {
         threshold().prop_map(|threshold| Effect::Dilation { threshold, colour: None }),
         threshold().prop_map(|threshold| Effect::Growth { threshold, colour: None }),
         prop::sample::select(vec![0u32, 1, 8, 9, u32::MAX])
-            .prop_map(|radius_vx| Effect::Smooth { radius_vx }),
+            .prop_map(|radius_vx| Effect::Smooth(Smoothing::Majority { radius_vx })),
+        (number(), number()).prop_map(|(strength, rounding)| {
+            Effect::Smooth(Smoothing::Level(Level { strength, rounding }))
+        }),
         Just(Effect::Clay { colour: Rgb::new(255, 0, 0) }),
     ];
     let rays = (vector(), vector(), vector(), vector(), number());

@@ -13,8 +13,9 @@ use sculpture_core::tools::construct::{Primitive, Solid};
 use sculpture_core::tools::deform::{Brush, Deform, Draw, Plane};
 use sculpture_core::tools::footprint::{Coverage, Footprint, Outline};
 use sculpture_core::tools::grab::{Falloff, Grab, Motion};
+use sculpture_core::tools::level::Level;
 use sculpture_core::tools::mend::{Keep, Mend, Toward};
-use sculpture_core::tools::spray::{Effect, Spray};
+use sculpture_core::tools::spray::{Effect, Smoothing, Spray};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 use sculpture_core::tools::tint::Tint;
 
@@ -50,7 +51,10 @@ pub fn spray<S: Strategy<Value = Vec3>>(vector: impl Fn() -> S) -> impl Strategy
             .prop_map(|(threshold, colour)| Effect::Dilation { threshold, colour }),
         (1u32..=26, prop::option::of(colour()))
             .prop_map(|(threshold, colour)| Effect::Growth { threshold, colour }),
-        (1u32..=3).prop_map(|radius_vx| Effect::Smooth { radius_vx }),
+        (1u32..=3).prop_map(|radius_vx| Effect::Smooth(Smoothing::Majority { radius_vx })),
+        (0f32..=1.0, 0f32..=1.0).prop_map(|(strength, rounding)| {
+            Effect::Smooth(Smoothing::Level(Level { strength, rounding }))
+        }),
         colour().prop_map(|colour| Effect::Clay { colour }),
         any::<bool>().prop_map(|adds| Effect::Mask { adds }),
     ];

@@ -186,6 +186,8 @@ fn the_usage_of_each_command_matches_its_parser() {
         "spray growth eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 threshold=12 \
          colour=#123456",
         "spray smooth eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 around=3",
+        "spray smooth eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 strength=0.5",
+        "spray smooth eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 strength=1 rounding=0.25",
         "texture \"bark of a tree.png\" cuboid at=1,2,3 half=4,5,6 turn=0,0,0,1",
         "texture bark.png ellipsoid at=1,2,3 half=4",
         "fill selection colour=#123456",

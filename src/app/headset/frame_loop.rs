@@ -181,6 +181,7 @@ impl XrFrameLoop {
             Some(hands) => self.handle_controllers(workspace, hands),
             None => self.release_hands(workspace),
         }
+        workspace.dwell_in_hand(now_s);
         self.give_feedback(workspace, frame);
         let main = self.mapper.settings().main;
         let board = self.board.quad(hands, main, workspace.ui.dialogs.is_modal());

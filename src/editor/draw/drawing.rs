@@ -196,6 +196,7 @@ impl Drawing {
         &self,
         options: &DrawOptions,
         change: impl Into<ToolChange>,
+        grid: &Grid,
     ) -> Result<Vec<Command>, String> {
         let change = change.into();
         let one = |form: Form| vec![change.by_form(form)];
@@ -226,13 +227,22 @@ impl Drawing {
             DrawKind::Text => {
                 let letters = glyphs::letters(&options.text, options.font, options.text_height)?;
                 let stand = Stand::new(view, point, self.ground.face);
-                let forms = stand.map(|stand| stand.forms(&letters, options.text_depth));
+                let forms = stand.map(|stand| stand.forms(grid, &letters, options.text_depth));
                 forms
                     .filter(|forms| !forms.is_empty())
                     .map(|forms| forms.into_iter().flat_map(one).collect())
             }
         };
         made.ok_or_else(|| self.advice().to_string())
+    }
+
+    /// The letters of a text that would float, since there is no surface under them.
+    pub fn floating(&self, options: &DrawOptions, grid: &Grid) -> Vec<char> {
+        let stand = || Stand::new(&self.view, self.ground.point, self.ground.face);
+        let letters = || glyphs::letters(&options.text, options.font, options.text_height).ok();
+        let is_text = self.kind == DrawKind::Text;
+        let line = is_text.then(|| stand().zip(letters())).flatten();
+        line.map_or_else(Vec::new, |(stand, letters)| stand.floating(grid, &letters))
     }
 
     /// What to do for something to come of it.
@@ -249,7 +259,7 @@ impl Drawing {
     }
 
     /// The lines that show it.
-    pub fn sketch(&self, options: &DrawOptions) -> Sketch {
+    pub fn sketch(&self, options: &DrawOptions, grid: &Grid) -> Sketch {
         let view = &self.view;
         let depth = view.sight.depth(self.ground.point);
         let place = |at: Vec2| view.sight.at_depth(at, depth);
@@ -284,7 +294,7 @@ impl Drawing {
             DrawKind::Text => {
                 let letters = glyphs::letters(&options.text, options.font, options.text_height);
                 let stand = Stand::new(view, self.ground.point, self.ground.face);
-                let lines = stand.zip(letters.ok()).map(|(stand, text)| stand.sketch(view, &text));
+                let lines = stand.zip(letters.ok()).map(|(stand, text)| stand.sketch(grid, &text));
                 (lines.unwrap_or_default(), Vec::new())
             }
         };

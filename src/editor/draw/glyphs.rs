@@ -49,9 +49,13 @@ impl Font {
 }
 
 /// A letter, or a part of one that stands by itself, as the dot of an i: its outline with those of its holes.
-#[derive(Clone, PartialEq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Letter {
     pub outlines: Vec<Vec<Vec2>>,
+    /// What it is, or is a part of.
+    pub sign: char,
+    /// The middle of that along the line.
+    pub middle: f32,
 }
 
 /// The letters of a line of text whose capitals are `height` high, its middle at the origin. Spaces have no letter.
@@ -83,11 +87,14 @@ pub fn letters(text: &str, font: Font, height: f32) -> Result<Vec<Letter>, Strin
         let place = |p: Vec2| p + Vec2::new(x, -0.5 * height);
         let outlines: Vec<Vec<Vec2>> =
             outlines.into_iter().map(|outline| outline.into_iter().map(place).collect()).collect();
-        letters.extend(parts(outlines));
+        letters.extend(parts(outlines, sign, x + 0.5 * advance));
         x += advance;
     }
     let middle = Vec2::new(0.5 * x, 0.0);
-    letters.iter_mut().flat_map(|l| &mut l.outlines).flatten().for_each(|p| *p -= middle);
+    letters.iter_mut().for_each(|letter| {
+        letter.middle -= middle.x;
+        letter.outlines.iter_mut().flatten().for_each(|p| *p -= middle);
+    });
     Ok(letters)
 }
 
@@ -116,12 +123,12 @@ fn glyph_outlines(font: &FontRef, glyph: GlyphId, size: f32) -> Option<(Vec<Vec<
 
 /// The parts of a letter: each outline that is no hole, with the holes in it. Accents that touch a letter would be holes
 /// of it where they overlap.
-fn parts(outlines: Vec<Vec<Vec2>>) -> Vec<Letter> {
+fn parts(outlines: Vec<Vec<Vec2>>, sign: char, middle: f32) -> Vec<Letter> {
     // Fonts turn the outlines of holes the other way.
     let (solid, holes): (Vec<_>, Vec<_>) =
         outlines.into_iter().partition(|outline| area(outline) < 0.0);
     let mut parts: Vec<Letter> =
-        solid.into_iter().map(|outline| Letter { outlines: vec![outline] }).collect();
+        solid.into_iter().map(|outline| Letter { outlines: vec![outline], sign, middle }).collect();
     for hole in holes {
         let around = |part: &&mut Letter| contains(&part.outlines[0], hole[0]);
         if let Some(part) = parts.iter_mut().find(around) {

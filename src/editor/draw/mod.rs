@@ -35,9 +35,6 @@ pub use unfinished::Progress;
 pub(super) use unfinished::Unfinished;
 use view::View;
 
-/// Radius around letters in which the surface says where they face, in units of the smallest edge of a voxel.
-const TEXT_GROUND: f32 = 4.0;
-
 impl Editor {
     /// A drag of a tool that draws begins; false if it would mean nothing there.
     pub(super) fn begin_drawing(
@@ -89,7 +86,7 @@ impl Editor {
             }
             DrawKind::Text => {
                 let point = self.target(at, picker)?;
-                let face = normal_around(grid, point, TEXT_GROUND)
+                let face = normal_around(grid, point, text::GROUND)
                     .or(seen.map(|seen| seen.face))
                     .unwrap_or(Vec3::ZERO);
                 Some(Ground { point, face })
@@ -121,9 +118,20 @@ impl Editor {
         let drawing = self.drawing.take().and_then(|drawing| self.leave_unfinished(drawing));
         let Some(drawing) = drawing else { return };
         let mode = drawing.mode();
-        match drawing.commands(&self.tool.draws, self.tool.change(mode)) {
+        let grid = self.document().grid();
+        let floating = match mode {
+            ToolMode::Add => drawing.floating(&self.tool.draws, grid),
+            _ => Vec::new(),
+        };
+        match drawing.commands(&self.tool.draws, self.tool.change(mode), grid) {
             Ok(commands) => self.carry_out_drawn(drawing.kind(), mode, commands),
-            Err(why) => self.note(why),
+            Err(why) => return self.note(why),
+        }
+        if !floating.is_empty() {
+            let signs: Vec<String> = floating.iter().map(|sign| format!("“{sign}”")).collect();
+            let (signs, verb) =
+                (signs.join(", "), if signs.len() == 1 { "floats" } else { "float" });
+            self.note(format!("{signs} {verb}: there is no surface there"));
         }
     }
 
@@ -173,7 +181,7 @@ impl Editor {
     /// What is being drawn, or what a press would begin with, as lines.
     pub fn sketch(&self, picker: &Picker) -> Option<Sketch> {
         if let Some(drawing) = &self.drawing {
-            return Some(drawing.sketch(&self.tool.draws));
+            return Some(drawing.sketch(&self.tool.draws, self.document().grid()));
         }
         if let Some(sketch) = self.unfinished_sketch(picker) {
             return Some(sketch);
@@ -183,6 +191,8 @@ impl Editor {
             return Some(self.held_sketch());
         }
         let at = self.pointer.filter(|_| !self.is_stroking())?;
-        Some(self.started(kind, false, at, picker)?.sketch(&self.tool.draws))
+        Some(
+            self.started(kind, false, at, picker)?.sketch(&self.tool.draws, self.document().grid()),
+        )
     }
 }

@@ -1,7 +1,8 @@
 //! Letters on a surface: where they stand, and the forms that they are.
 //!
-//! One [`Form::Extrusion`] a letter, as deep into the surface as out of it, so that letters on a curved one hang together
-//! with it.
+//! One [`Form::Extrusion`] a letter, as deep into the surface as out of it. On a flat surface all letters stand in one
+//! plane; on a curved one the line bends with it, from its middle on, and each letter stands where it is. Letters that the
+//! surface does not reach are named.
 
 use std::sync::Arc;
 
@@ -9,10 +10,15 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::glyphs::Letter;
 use super::view::View;
+use crate::editor::dabs::normal_around;
+use crate::sculpture::Grid;
+use crate::surface::raycast;
 use crate::tools::form::{Form, Pose};
 
 /// A normal so near to an axis of the grid is meant to be that axis: the cosine of 8 degrees.
 const NEARLY: f32 = 0.99;
+/// Radius around a letter in which the surface says where it faces, in units of the smallest edge of a voxel.
+pub const GROUND: f32 = 4.0;
 
 /// Where a line of text stands: its middle, to the right along it, up, and out of the surface.
 #[derive(Clone, Copy, Debug)]
@@ -47,37 +53,204 @@ impl Stand {
         Some(Stand { at_vx, axes: Mat3::from_cols(right, up, normal) })
     }
 
-    /// The solids of letters that reach `depth` out of the surface, and as deep into it.
-    pub fn forms(&self, letters: &[Letter], depth: f32) -> Vec<Form> {
-        let rotation = Quat::from_mat3(&self.axes).normalize();
-        let pose = Pose { at_vx: self.at_vx, rotation };
-        let outlines = |letter: &Letter| -> Arc<[Arc<[Vec2]>]> {
-            letter.outlines.iter().map(|outline| Arc::from(&outline[..])).collect()
+    /// The place of a point of the plane (units of the smallest edge), in voxels.
+    fn place(&self, p: Vec2, edges: Vec3) -> Vec3 {
+        self.at_vx + self.axes * p.extend(0.0) / edges
+    }
+
+    /// The stand of a letter that is `by` farther along the line than this one: where the surface of `grid` is there,
+    /// within `reach` of this plane (units of the smallest edge). None where it is not.
+    fn along(&self, grid: &Grid, by: f32, reach: f32) -> Option<Stand> {
+        let edges = grid.voxel_size() / grid.voxel_size().min_element();
+        let normal = self.axes.z_axis;
+        let over = self.place(Vec2::new(by, 0.0), edges) + normal * reach / edges;
+        let hit = raycast::cast(grid, over, -normal / edges)?;
+        // Begun within clay, the surface is higher than it is looked for.
+        if !(hit.t > 0.0 && hit.t <= 2.0 * reach) {
+            return None;
+        }
+        let at_vx = over - normal * hit.t / edges;
+        let turned = normal_around(grid, at_vx, GROUND)?.try_normalize()?;
+        let turn = Quat::from_rotation_arc(normal, turned);
+        // Behind an edge the surface faces another way.
+        (turned.dot(normal) > 0.0).then(|| Stand { at_vx, axes: Mat3::from_quat(turn) * self.axes })
+    }
+
+    /// Whether a stand on the same surface is in this plane, as far as voxels can tell: `x` farther along the line.
+    fn has_in_plane(&self, other: &Stand, x: f32, edges: Vec3) -> bool {
+        let off = (other.at_vx - self.place(Vec2::new(x, 0.0), edges)) * edges;
+        off.length() < 1.0 && other.axes.z_axis.dot(self.axes.z_axis) > NEARLY
+    }
+
+    /// Where each letter of a line stands, its own middle at the origin of the stand.
+    fn of_letters(&self, grid: &Grid, letters: &[Letter]) -> Vec<Placed> {
+        let edges = grid.voxel_size() / grid.voxel_size().min_element();
+        let flat = |x: f32, floats: bool| Placed {
+            stand: Stand { at_vx: self.place(Vec2::new(x, 0.0), edges), ..*self },
+            floats,
         };
-        letters
-            .iter()
-            .map(|letter| Form::Extrusion { pose, outlines: outlines(letter), depth: 2.0 * depth })
-            .collect()
+        let mut placed: Vec<Placed> = letters.iter().map(|l| flat(l.middle, false)).collect();
+        // Without a surface in the middle there is none to follow.
+        if self.along(grid, 0.0, GROUND).is_none() {
+            return placed;
+        }
+        let height = letters.iter().flat_map(|l| &l.outlines).flatten();
+        let reach = height.map(|p| p.y.abs()).fold(GROUND, f32::max);
+        for right in [true, false] {
+            let side = |l: &Letter| if right { l.middle >= 0.0 } else { l.middle < 0.0 };
+            let mut order: Vec<usize> = (0..letters.len()).filter(|i| side(&letters[*i])).collect();
+            order.sort_by(|a, b| letters[*a].middle.abs().total_cmp(&letters[*b].middle.abs()));
+            let (mut from, mut x) = (*self, 0.0);
+            for i in order {
+                let middle = letters[i].middle;
+                let by = middle - x;
+                match from.along(grid, by, reach) {
+                    Some(stand) if self.has_in_plane(&stand, middle, edges) => {
+                        from = flat(middle, false).stand;
+                    }
+                    Some(stand) => from = stand,
+                    None => {
+                        let at_vx = from.place(Vec2::new(by, 0.0), edges);
+                        placed[i] = Placed { stand: Stand { at_vx, ..from }, floats: true };
+                        continue;
+                    }
+                }
+                x = middle;
+                placed[i] = Placed { stand: from, floats: false };
+            }
+        }
+        placed
+    }
+
+    /// The solids of letters that reach `depth` out of the surface, and as deep into it.
+    pub fn forms(&self, grid: &Grid, letters: &[Letter], depth: f32) -> Vec<Form> {
+        let placed = self.of_letters(grid, letters);
+        let form = |(letter, placed): (&Letter, &Placed)| {
+            let rotation = Quat::from_mat3(&placed.stand.axes).normalize();
+            let outlines: Arc<[Arc<[Vec2]>]> =
+                own(letter).map(|outline| outline.collect()).collect();
+            let pose = Pose { at_vx: placed.stand.at_vx, rotation };
+            Form::Extrusion { pose, outlines, depth: 2.0 * depth }
+        };
+        letters.iter().zip(&placed).map(form).collect()
+    }
+
+    /// The letters that have no surface under them, in their order.
+    pub fn floating(&self, grid: &Grid, letters: &[Letter]) -> Vec<char> {
+        let placed = self.of_letters(grid, letters);
+        let floats = letters.iter().zip(&placed).filter(|(_, placed)| placed.floats);
+        let mut signs: Vec<(f32, char)> = floats.map(|(l, _)| (l.middle, l.sign)).collect();
+        signs.dedup();
+        signs.into_iter().map(|(_, sign)| sign).collect()
     }
 
     /// The outlines of the letters on the surface.
-    pub fn sketch(&self, view: &View, letters: &[Letter]) -> Vec<[Vec3; 2]> {
-        let place = |p: Vec2| self.at_vx + self.axes * p.extend(0.0) / view.edges;
-        let outlines = letters.iter().flat_map(|letter| &letter.outlines);
-        outlines
-            .flat_map(|outline| {
-                let next = outline.iter().cycle().skip(1);
-                outline.iter().zip(next).map(|(a, b)| [place(*a), place(*b)])
-            })
-            .collect()
+    pub fn sketch(&self, grid: &Grid, letters: &[Letter]) -> Vec<[Vec3; 2]> {
+        let edges = grid.voxel_size() / grid.voxel_size().min_element();
+        let placed = self.of_letters(grid, letters);
+        let mut lines = Vec::new();
+        for (letter, Placed { stand, .. }) in letters.iter().zip(&placed) {
+            for outline in own(letter) {
+                let places: Vec<Vec3> = outline.map(|p| stand.place(p, edges)).collect();
+                let next = places.iter().cycle().skip(1);
+                lines.extend(places.iter().zip(next).map(|(a, b)| [*a, *b]));
+            }
+        }
+        lines
     }
+}
+
+/// Where a letter stands, and whether there is nothing under it.
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    stand: Stand,
+    floats: bool,
+}
+
+/// The outlines of a letter about its own middle.
+fn own(letter: &Letter) -> impl Iterator<Item = impl Iterator<Item = Vec2>> {
+    let middle = Vec2::new(letter.middle, 0.0);
+    letter.outlines.iter().map(move |outline| outline.iter().map(move |p| *p - middle))
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::UVec3;
+
     use super::super::glyphs::{Font, letters};
     use super::super::view::tests::views;
     use super::*;
+
+    fn empty(view: &View) -> Grid {
+        Grid::new(view.dims, view.edges, 1 << 30).unwrap()
+    }
+
+    fn grid(is: impl Fn(Vec3) -> bool) -> Grid {
+        let mut grid = Grid::new(UVec3::splat(128), Vec3::ONE, 1 << 30).unwrap();
+        for i in 0..128 * 128 * 128 {
+            let v = grid.voxel_coords(i);
+            grid.set(v.as_ivec3(), is(v.as_vec3() + 0.5));
+        }
+        grid
+    }
+
+    /// A line along x in the plane of the front.
+    fn before(at_vx: Vec3) -> Stand {
+        Stand { at_vx, axes: Mat3::IDENTITY }
+    }
+
+    fn poses(forms: &[Form]) -> Vec<Pose> {
+        let pose = |form: &Form| match form {
+            Form::Extrusion { pose, .. } => *pose,
+            _ => panic!("{form:?}"),
+        };
+        forms.iter().map(pose).collect()
+    }
+
+    #[test]
+    fn letters_stand_on_a_column_and_bend_with_it() {
+        let radius = 30.0;
+        let from_axis = |p: Vec3| (p - 64.0).with_y(0.0).length();
+        let column = grid(|p| from_axis(p) < radius);
+        let line = letters("COLUMN", Font::Bold, 14.0).unwrap();
+        let stand = before(Vec3::new(64.0, 64.0, 64.0 + radius));
+        let forms = stand.forms(&column, &line, 3.0);
+        assert!(stand.floating(&column, &line).is_empty());
+        let poses = poses(&forms);
+        assert_eq!(poses.len(), 6);
+        for (pose, letter) in poses.iter().zip(&line) {
+            let away = from_axis(pose.at_vx);
+            assert!((away - radius).abs() < 1.5, "{} is {away} from the axis", letter.sign);
+            let normal = pose.rotation * Vec3::Z;
+            let out = (pose.at_vx - 64.0).with_y(0.0).normalize();
+            assert!(normal.dot(out) > 0.98, "{} looks along {normal}", letter.sign);
+            // As far around the column as it is along the line.
+            let around = out.x.atan2(out.z) * radius;
+            assert!((around - letter.middle).abs() < 5.0, "{around} for {}", letter.middle);
+            assert!((pose.at_vx.y - 64.0).abs() < 1.5, "on the line");
+        }
+    }
+
+    #[test]
+    fn letters_on_a_flat_face_stand_in_its_plane_and_those_beyond_it_are_named() {
+        let wall = grid(|p| p.z < 64.0 && p.x > 24.0);
+        let stand = before(Vec3::new(64.0, 64.0, 64.0));
+        let line = letters("Wall", Font::Light, 12.0).unwrap();
+        for (pose, letter) in poses(&stand.forms(&wall, &line, 3.0)).iter().zip(&line) {
+            assert_eq!(pose.at_vx, stand.at_vx + Vec3::X * letter.middle);
+            assert_eq!(pose.rotation, Quat::IDENTITY);
+        }
+        assert!(stand.floating(&wall, &line).is_empty());
+        // The dot of the first letter is with its stroke.
+        let long = letters("ijk and a wall", Font::Light, 12.0).unwrap();
+        let floating = stand.floating(&wall, &long);
+        assert!(floating.starts_with(&['i']) && floating.len() < 4, "{floating:?}");
+        let flat = poses(&stand.forms(&wall, &long, 3.0));
+        assert!(flat.iter().all(|pose| pose.at_vx.z == 64.0));
+        // In the air all stand in one plane, and there is nothing to be said.
+        let air = grid(|_| false);
+        assert!(stand.floating(&air, &line).is_empty());
+    }
 
     #[test]
     fn letters_can_be_read_from_the_viewer_on_every_face_that_is_seen() {
@@ -92,7 +265,7 @@ mod tests {
                 // Nearly an axis is the axis.
                 let stand = Stand::new(&view, view.middle(), axis + Vec3::ONE * 0.02).unwrap();
                 assert!(stand.axes.z_axis.abs_diff_eq(axis, 1e-6));
-                let forms = stand.forms(&line, 3.0);
+                let forms = stand.forms(&empty(&view), &line, 3.0);
                 forms.iter().for_each(|form| form.check().unwrap());
                 let pixel =
                     |p: Vec3| view.sight.pixel_of(view.middle() + p / view.edges).unwrap() - at;
@@ -102,7 +275,7 @@ mod tests {
             }
             let slanted = Stand::new(&view, view.middle(), Vec3::new(1.0, 0.3, 0.8)).unwrap();
             assert!((slanted.axes.determinant() - 1.0).abs() < 1e-4);
-            assert_eq!(slanted.sketch(&view, &line).len(), {
+            assert_eq!(slanted.sketch(&empty(&view), &line).len(), {
                 let outlines = line.iter().flat_map(|l| &l.outlines);
                 outlines.map(Vec::len).sum::<usize>()
             });

@@ -1,0 +1,257 @@
+//! Smoothing by a level as large as the brush: what is smaller than the brush goes, larger forms stay.
+//!
+//! From a grid, a footprint and a strength to the voxels that appear and vanish. The smoothed surface is where half of the
+//! neighbourhood exists ([`super::level_field`]). The surface goes the share of the way to it that the strength says, less
+//! towards the rim of the footprint, and at most half a radius. Room hidden close behind the surface counts as existing
+//! where clay is removed, so that thin walls keep their thickness; clay that is added must have real clay around it.
+//! Changes nothing itself.
+
+use std::collections::BTreeSet;
+
+use glam::{IVec3, UVec3, Vec3};
+use rayon::prelude::*;
+
+use super::distance::Distances;
+use super::footprint::Footprint;
+use super::level_field::{Cells, Field};
+use super::level_hidden::{Hidden, counts};
+use super::spray::Stamp;
+use super::visible::Cone;
+use crate::sculpture::bit_block::BitBlock;
+use crate::sculpture::region::{ListedBricks, VoxelBox};
+use crate::sculpture::{Brick, Grid};
+
+/// Radii by which a brush smooths, in units of the smallest edge of a voxel; larger brushes smooth by the largest.
+pub const RADII: std::ops::RangeInclusive<f32> = 2.0..=64.0;
+/// Furthest that the surface goes in one use, in radii.
+const FURTHEST: f32 = 0.5;
+/// Where the smoothed surface is no farther away than this, the surface stays, in units of the smallest edge: flat faces
+/// are what they were.
+const STAYS: f32 = 0.25;
+/// How far behind the surface hidden room counts as clay, in radii: as half a neighbourhood needs that is seen aslant.
+const BEHIND: f32 = 1.6;
+/// From which share of the radius on the strength falls to the rim.
+const PLATEAU: f32 = 0.75;
+/// How much deeper or nearer than the middle of the brush it works, in its radii.
+const DEPTH: f32 = 2.0;
+/// Edge of the cubes that are computed together, in voxels.
+const TILE_VX: i32 = 64;
+
+/// How a brush smooths.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Level {
+    /// Share of the way to the smoothed surface, 0 to 1.
+    pub strength: f32,
+    /// How far the surface must have come towards the next voxel for it to change, 0 to 1. Where it differs from use to
+    /// use, steps shorter than a voxel add up.
+    pub rounding: f32,
+}
+
+impl Level {
+    /// The usual rounding: to the nearest voxel.
+    pub const NEAREST: f32 = 0.5;
+
+    /// An error that names the first invalid field, if there is one.
+    pub fn check(&self) -> Result<(), &'static str> {
+        match self {
+            _ if !(0.0..=1.0).contains(&self.strength) => Err("the strength"),
+            _ if !(0.0..=1.0).contains(&self.rounding) => Err("the rounding"),
+            _ => Ok(()),
+        }
+    }
+
+    /// The voxels that it changes in `grid` under a footprint.
+    pub fn stamp(&self, footprint: &Footprint, grid: &Grid) -> Stamp {
+        let Some(work) = Work::new(*self, footprint, grid) else { return Stamp::default() };
+        let found: Vec<_> = work.tiles.par_iter().map(|tile| work.tile(*tile)).collect();
+        // Tiles share no bricks.
+        let listed = |part: fn(&(Vec<Listed>, Vec<Listed>)) -> &Vec<Listed>| {
+            let mut bricks: Vec<_> = found.iter().flat_map(part).copied().collect();
+            bricks.sort_unstable_by_key(|(b, _)| (b.z, b.y, b.x));
+            ListedBricks::new(bricks)
+        };
+        Stamp {
+            add: listed(|(add, _)| add),
+            remove: listed(|(_, remove)| remove),
+            ..Stamp::default()
+        }
+    }
+}
+
+/// Voxels of a brick.
+type Listed = (UVec3, Brick);
+
+/// One use of the brush.
+struct Work<'a> {
+    grid: &'a Grid,
+    level: Level,
+    footprint: &'a Footprint,
+    /// Voxel edges in units of the smallest.
+    edges: Vec3,
+    /// In these units.
+    radius: f32,
+    hidden: Hidden,
+    /// Where voxels may change.
+    bounds: VoxelBox,
+    tiles: Vec<IVec3>,
+    /// Shares of what exists, and of what exists or is hidden.
+    clay: Field,
+    filled: Field,
+}
+
+/// A voxel that may change.
+struct Candidate {
+    voxel: IVec3,
+    /// How far beyond it the smoothed surface is.
+    beyond: f32,
+    /// With which strength it is smoothed.
+    strength: f32,
+    /// It stays if it is farther from the surface than this.
+    limit: f32,
+}
+
+impl<'a> Work<'a> {
+    /// None where the footprint meets nothing.
+    fn new(level: Level, footprint: &'a Footprint, grid: &'a Grid) -> Option<Work<'a>> {
+        let cone = Cone::new(footprint)?;
+        let edges = grid.voxel_size() / grid.voxel_size().min_element();
+        let touched = footprint.touched(grid);
+        let middle = touched.iter().min_by(|a, b| a.offset.total_cmp(&b.offset))?.voxel;
+        let depth = |v: IVec3| cone.project(v.as_vec3() + 0.5 - footprint.eye_vx)[2];
+        let at = depth(middle);
+        let ray = (footprint.across * edges).length().max((footprint.down * edges).length());
+        let whole = footprint.radius * ray * at;
+        let usable = at > 0.0 && whole.is_finite();
+        let radius = usable.then(|| whole.clamp(*RADII.start(), *RADII.end()))?;
+        let deepest = DEPTH * whole.max(radius) * cone.per_voxel;
+        let near = touched.iter().map(|touch| touch.voxel);
+        let near = near.filter(|v| (depth(*v) - at).abs() <= deepest);
+        let (bounds, tiles) = around(near, (radius * FURTHEST / edges).ceil().as_ivec3(), grid);
+        if bounds.is_empty() {
+            return None;
+        }
+        let cells = Cells::new(bounds, middle, radius, edges);
+        let margin = (bounds.min - cells.voxels().min).max_element() as f32;
+        let spacing = cells.edge.min_element() as f32;
+        let behind = BEHIND * radius / edges.min_element();
+        let hidden = Hidden::new(footprint, cone, grid, at, [margin, spacing, behind]);
+        let (clay, filled) = counts(grid, &cells, &hidden);
+        let [clay, filled] = [clay, filled].map(|counts| Field::new(&cells, counts, radius));
+        Some(Work { grid, level, footprint, edges, radius, hidden, bounds, tiles, clay, filled })
+    }
+
+    /// The bricks added to and removed from a tile.
+    fn tile(&self, tile: IVec3) -> (Vec<Listed>, Vec<Listed>) {
+        let first = tile * TILE_VX;
+        let bounds = VoxelBox { min: first, max: first + TILE_VX }.intersect(self.bounds);
+        if bounds.is_empty() {
+            return Default::default();
+        }
+        let (to_add, to_remove) = self.candidates(bounds);
+        let bricks = |voxels: Option<BitBlock>| {
+            voxels.map_or_else(Vec::new, |voxels| voxels.bricks(self.grid.brick_dims()))
+        };
+        (bricks(self.reached(&to_add, true)), bricks(self.reached(&to_remove, false)))
+    }
+
+    /// The voxels on the other side of the smoothed surface, to be added and to be removed.
+    fn candidates(&self, bounds: VoxelBox) -> (Vec<Candidate>, Vec<Candidate>) {
+        let block = BitBlock::of_grid(self.grid, bounds.min, bounds.max);
+        let width = (bounds.max.x - bounds.min.x) as usize;
+        let (mut clay, mut filled) = (vec![0.0; width], vec![0.0; width]);
+        let mut scratch = Vec::new();
+        let (mut to_add, mut to_remove) = (Vec::new(), Vec::new());
+        for z in bounds.min.z..bounds.max.z {
+            for y in bounds.min.y..bounds.max.y {
+                let start = IVec3::new(bounds.min.x, y, z);
+                let local = start - block.origin();
+                let Some(row) = block.row(local.y, local.z) else { continue };
+                self.clay.row(start, &mut scratch, &mut clay);
+                self.filled.row(start, &mut scratch, &mut filled);
+                for (x, (clay, filled)) in clay.iter().zip(&filled).enumerate() {
+                    let bit = local.x as usize + x;
+                    let exists = row[bit / 64] >> (bit % 64) & 1 != 0;
+                    let (beyond, list) = match exists {
+                        true => (self.filled.outside(*filled), &mut to_remove),
+                        false => (-self.clay.outside(*clay), &mut to_add),
+                    };
+                    if beyond > STAYS {
+                        list.extend(self.candidate(start + IVec3::new(x as i32, 0, 0), beyond));
+                    }
+                }
+            }
+        }
+        (to_add, to_remove)
+    }
+
+    /// A voxel that the smoothed surface is so far beyond. None if it stays wherever the surface is.
+    fn candidate(&self, voxel: IVec3, beyond: f32) -> Option<Candidate> {
+        let [i, j, s] = self.hidden.project(voxel.as_vec3() + 0.5);
+        let offset = self.footprint.outline.distance(i, j) / self.footprint.radius.max(0.5);
+        let left = ((1.0 - offset) / (1.0 - PLATEAU)).clamp(0.0, 1.0);
+        let strength = self.level.strength * left * left * (3.0 - 2.0 * left);
+        let most = strength / (1.0 - strength).max(1e-6) * beyond;
+        let limit = (most + Level::NEAREST - self.level.rounding).min(FURTHEST * self.radius);
+        let may = s > 0.0 && strength > 0.0 && limit >= 0.5;
+        may.then_some(Candidate { voxel, beyond, strength, limit })
+    }
+
+    /// Whether a voxel changes that is so far from the surface.
+    fn changes(&self, candidate: &Candidate, away: f32) -> bool {
+        let Candidate { beyond, strength, limit, .. } = *candidate;
+        // The voxel changes once the surface has come over its middle, or has been rounded there.
+        let rounding = Level::NEAREST + (self.level.rounding - Level::NEAREST) * (1.0 - strength);
+        let needed = away - 0.5 + rounding;
+        away <= limit && strength * (away + beyond) >= needed
+    }
+
+    /// Those that are near enough to clay (`to_clay`) or to visible room. None if there are none.
+    fn reached(&self, candidates: &[Candidate], to_clay: bool) -> Option<BitBlock> {
+        let min = candidates.iter().map(|c| c.voxel).reduce(IVec3::min)?;
+        let max = candidates.iter().map(|c| c.voxel).reduce(IVec3::max)? + 1;
+        let furthest = candidates.iter().map(|c| c.limit).fold(0.5, f32::max);
+        let reach = furthest + 1.0;
+        let steps = (Vec3::splat(reach) / self.edges).ceil().as_ivec3();
+        let mut block = BitBlock::of_grid(self.grid, min - steps, max + steps);
+        if !to_clay {
+            block = self.hidden.of(&block, true).zip(&block, |a, b| a | b);
+        }
+        let distances = Distances::new(&block, to_clay, VoxelBox { min, max }, reach, self.edges);
+        let mut reached = BitBlock::empty(min, max);
+        for candidate in candidates {
+            let v = candidate.voxel;
+            if self.changes(candidate, distances.near(v).sqrt() - 0.5) {
+                reached.set_span(v.x, v.x, v.y, v.z);
+            }
+        }
+        Some(reached)
+    }
+}
+
+/// The box of the voxels up to `reach` from some, and the tiles that they are in.
+fn around(
+    voxels: impl Iterator<Item = IVec3>,
+    reach: IVec3,
+    grid: &Grid,
+) -> (VoxelBox, Vec<IVec3>) {
+    let all = VoxelBox::of_grid(grid);
+    let mut bounds = VoxelBox { min: IVec3::MAX, max: IVec3::MIN };
+    let mut tiles = BTreeSet::new();
+    let tile = |v: IVec3| v.div_euclid(IVec3::splat(TILE_VX));
+    let mut last = None;
+    for v in voxels {
+        let near = VoxelBox { min: v - reach, max: v + reach + 1 }.intersect(all);
+        bounds.min = bounds.min.min(near.min);
+        bounds.max = bounds.max.max(near.max);
+        let (low, high) = (tile(near.min), tile(near.max - 1));
+        if last.replace((low, high)) == Some((low, high)) {
+            continue;
+        }
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                tiles.extend((low.x..=high.x).map(|x| [z, y, x]));
+            }
+        }
+    }
+    (bounds, tiles.into_iter().map(|[z, y, x]| IVec3::new(x, y, z)).collect())
+}
