@@ -19,10 +19,11 @@ use crate::command_text::{ScriptError, parse_script};
 use crate::config::Config;
 use crate::document::Document;
 use crate::fiducial::{family, sheet};
-use crate::format::options::{ExportForm, ImportOptions};
+use crate::format::options::{ExportForm, ExportOptions, ImportOptions};
 use crate::format::{self, FormatError, MeshOptions, store};
 use crate::gpu::DeviceOptions;
 use crate::journal::JournalError;
+use crate::mesh::MeshKind;
 use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::print_check::CheckError;
 use crate::progress::Progress;
@@ -279,19 +280,30 @@ pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
     Ok(())
 }
 
+/// How [`convert`] makes a mesh.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct MeshRequest {
+    /// Its surface; none: as the sculpture is shown.
+    pub kind: Option<MeshKind>,
+    /// The rest.
+    pub options: MeshOptions,
+}
+
 /// Converts a file to the format of the extension of `output`; to a mesh as `mesh` says, if that is one.
 pub fn convert(
     input: &Path,
     output: &Path,
     form: ExportForm,
-    mesh: Option<MeshOptions>,
+    mesh: Option<MeshRequest>,
     import: &ImportOptions,
     context: &Context,
 ) -> Result<(), JobError> {
     let mut session = context.open_session(input, import)?;
     match mesh {
-        Some(options) => {
+        Some(MeshRequest { kind, options }) => {
             let (contents, limits) = (session.document().contents(), context.config.limits());
+            let kind = kind.unwrap_or(format::usual_surface(contents.surface));
+            let options = MeshOptions { kind, ..options };
             let written = format::save_mesh(output, contents, &options, &limits, context.progress);
             let failed = |error| SessionError::Save { path: output.to_path_buf(), error };
             let summary = written.map_err(failed)?;
@@ -376,7 +388,11 @@ fn save(
     form: ExportForm,
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
-    session.execute(&Command::Save { path: path.to_path_buf(), export: form.into() }, progress)?;
+    let mut export = ExportOptions::from(form);
+    if format::is_mesh(path) {
+        export.mesh.kind = format::usual_surface(session.document().contents().surface);
+    }
+    session.execute(&Command::Save { path: path.to_path_buf(), export }, progress)?;
     terminal::print_done(format_args!("wrote {}", path.display()));
     Ok(())
 }

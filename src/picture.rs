@@ -17,6 +17,7 @@ use crate::gpu::{DeviceOptions, GpuError, Readback};
 use crate::render::{Background, Fallback, FrameDesc, RenderMode, SmoothSurface, StereoOptions};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::history::SurfaceKind;
 use crate::shade::ground::GroundShader;
 use crate::shade::{
     Ground, LevelSampler, LevelSet, Lighting, Pixels, ShadePose, ShadeSource, SoftwareShader,
@@ -258,6 +259,7 @@ fn render_by_casting(
     options: &PictureOptions,
 ) -> Vec<RgbImage> {
     let smooth = view.smooth_surface
+        && document.contents().surface == SurfaceKind::Smooth
         && mode.can_be_smooth()
         && eyes
             .iter()

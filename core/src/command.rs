@@ -14,6 +14,7 @@ use glam::{IVec3, UVec3, Vec3};
 
 use crate::format::options::{ExportOptions, ImportOptions};
 use crate::sculpture::edit::EditOp;
+use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
@@ -229,6 +230,9 @@ pub enum Command {
     Orient(Orientation),
     /// Make the sculpture fit for printing.
     Mend(Mend),
+    /// Show near voxels as cubes or as the smooth surface between them, and export them so. An undo step, though it
+    /// changes no voxel.
+    Surface(SurfaceKind),
     /// Undo the last `steps` steps, or all.
     Undo {
         /// How many; none for all.
@@ -312,6 +316,7 @@ impl Command {
             Command::Array { .. } => "array",
             Command::Orient(_) => "orient",
             Command::Mend(mend) => mend.verb(),
+            Command::Surface(_) => "surface",
             Command::Undo { .. } => "undo",
             Command::Redo { .. } => "redo",
             Command::Place(_) => "place",
@@ -333,6 +338,7 @@ impl Command {
                 format!("{} {}", self.verb(), area.name())
             }
             Command::Mask(change) => format!("mask {}", change.name()),
+            Command::Surface(kind) => format!("{} {}", self.verb(), kind.name()),
             Command::Form { form, .. } => format!("{} {}", self.verb(), form.name()),
             Command::Spray { spray, .. } => spray.effect.name().to_string(),
             Command::Grab { grab, .. } => grab.motion.kind().name().to_string(),

@@ -186,7 +186,8 @@ impl fmt::Display for Command {
             | Command::Paste { .. }
             | Command::Move { .. }
             | Command::Array { .. }
-            | Command::Orient(_) => selection::write(self, f),
+            | Command::Orient(_)
+            | Command::Surface(_) => selection::write(self, f),
             Command::Mend(mend) => mend::write(mend, f),
             Command::Undo { steps } | Command::Redo { steps } => match steps {
                 Some(n) => write!(f, " {n}"),
@@ -289,7 +290,9 @@ impl FromStr for Command {
             "flood" => tint::parse_flood(&mut args)?,
             "mask" => mask::parse(&mut args)?,
             "mark" | "select" | "limit" | "irreversible" | "symmetry" | "copy" | "cut"
-            | "paste" | "move" | "array" | "orient" => selection::parse(&verb, &mut args)?,
+            | "paste" | "move" | "array" | "orient" | "surface" => {
+                selection::parse(&verb, &mut args)?
+            }
             "remove-islands" | "fill-cavities" | "thicken" | "drain" => {
                 mend::parse(&verb, &mut args)?
             }

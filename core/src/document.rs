@@ -32,6 +32,7 @@ mod mend;
 mod orient;
 mod snapshot;
 mod steps;
+mod surface;
 mod tools;
 mod trial;
 
@@ -338,6 +339,7 @@ impl Document {
             }
             Command::Orient(orientation) => self.orient(*orientation, command),
             Command::Mend(mend) => self.mend(mend, command),
+            Command::Surface(kind) => self.show_surface(*kind, command),
             Command::Undo { steps } => {
                 self.travel(*steps, "undo", |document| document.undo_step(None))
             }

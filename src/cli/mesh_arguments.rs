@@ -6,12 +6,13 @@ use clap::Args;
 
 use crate::format::options::ExportForm;
 use crate::format::{MeshOptions, MeshUp, is_mesh};
+use crate::headless::MeshRequest;
 use crate::mesh::MeshKind;
 
 /// How a mesh is made.
 #[derive(Args, Debug, Clone)]
 pub struct MeshArgs {
-    /// Surface of a mesh (default: smooth)
+    /// Surface of a mesh (default: smooth, or greedy for models of cubes)
     #[arg(long, value_enum, value_name = "SURFACE")]
     pub mesh: Option<MeshKind>,
     /// Simplify a mesh to so many triangles
@@ -30,16 +31,19 @@ pub struct MeshArgs {
 
 impl MeshArgs {
     /// The options of the mesh that `output` is to be; none if it is no mesh and no option of meshes was given.
-    pub fn options(&self, output: &Path, form: ExportForm) -> Option<MeshOptions> {
+    pub fn options(&self, output: &Path, form: ExportForm) -> Option<MeshRequest> {
         let MeshArgs { mesh, triangles, points, up, millimetres } = *self;
         let is_asked_for = mesh.is_some() || points || triangles.is_some();
         let is_asked_for = is_asked_for || up.is_some() || millimetres.is_some();
-        (is_asked_for || is_mesh(output) && form == ExportForm::Auto).then(|| MeshOptions {
-            kind: mesh.unwrap_or_default(),
-            points_only: points,
-            up,
-            voxel_mm: millimetres,
-            triangles,
+        (is_asked_for || is_mesh(output) && form == ExportForm::Auto).then(|| {
+            let options = MeshOptions {
+                points_only: points,
+                up,
+                voxel_mm: millimetres,
+                triangles,
+                ..MeshOptions::default()
+            };
+            MeshRequest { kind: mesh, options }
         })
     }
 }

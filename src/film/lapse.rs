@@ -99,6 +99,7 @@ fn is_step(command: &Command) -> bool {
         | Command::Array { .. }
         | Command::Orient(_)
         | Command::Mend(_)
+        | Command::Surface(_)
         | Command::Undo { .. }
         | Command::Redo { .. } => true,
         // The pose of a film is that of its last frame.

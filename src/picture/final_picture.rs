@@ -13,7 +13,7 @@ use crate::format::store;
 use crate::gpu::{Device, DeviceOptions, Headless};
 use crate::progress::Progress;
 use crate::render::{DeviceTraceError, trace_on_device};
-use crate::sculpture::history::Contents;
+use crate::sculpture::history::{Contents, SurfaceKind};
 use crate::sculpture::{Grid, Limits};
 use crate::shade::{LevelSet, NormalField, ShadeSource};
 use crate::trace::{self, Film, PixelSum, TraceError, TraceOptions, TraceShot};
@@ -35,7 +35,8 @@ pub enum TraceOn {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FinalOptions {
     pub trace: TraceOptions,
-    /// Show the surface between the voxels where a voxel covers more than a pixel. Not on a device.
+    /// Show the surface between the voxels where a voxel covers more than a pixel, of sculptures that are not shown as
+    /// cubes. Not on a device.
     pub smooth_surface: bool,
     /// Whether the noise that remains is removed.
     pub denoise: bool,
@@ -61,7 +62,8 @@ pub fn write_final(
     progress: &dyn Progress,
     watch: &mut dyn FnMut(&Film, u32),
 ) -> Result<(), PictureError> {
-    if options.smooth_surface && matches!(on, TraceOn::Gpu(_)) {
+    let is_smooth = options.smooth_surface && contents.surface == SurfaceKind::Smooth;
+    if is_smooth && matches!(on, TraceOn::Gpu(_)) {
         return Err(PictureError::SmoothOnDevice);
     }
     let normals = normals_of(contents, progress)?;
@@ -70,7 +72,7 @@ pub fn write_final(
     let mut film = match on {
         TraceOn::Cpu => {
             let rays = shot.eye.pixel_rays(&shot.world_from_grid);
-            let is_smooth = options.smooth_surface && LevelSet::shows(grid, &rays);
+            let is_smooth = is_smooth && LevelSet::shows(grid, &rays);
             let levels = if is_smooth { smooth_surface(grid, &normals) } else { None };
             let subject = (&source, levels.as_ref());
             trace::trace_watched(subject, shot, &options.trace, progress, watch)?

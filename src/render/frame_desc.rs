@@ -5,14 +5,15 @@ use glam::Affine3A;
 use super::overlay::{Line, ToolPreview};
 use super::{Background, RenderMode, Surface, Video};
 use crate::document::Document;
-use crate::sculpture::history::Contents;
-use crate::sculpture::{Grid, Rgb};
+use crate::sculpture::Rgb;
+use crate::sculpture::history::{Contents, SurfaceKind};
 use crate::shade::{
     Ground, LevelSet, Lighting, NORMAL_REACH_VX, NormalField, ShadePose, ShadeSource, ShownColours,
 };
 use crate::view::Eye;
 
-/// When pictures show the surface between the voxels, where a voxel covers more than a pixel, in modes that can.
+/// When pictures show the surface between the voxels, where a voxel covers more than a pixel, in modes that can, of
+/// sculptures that are not shown as cubes ([`SurfaceKind`]).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum SmoothSurface {
     #[default]
@@ -106,15 +107,21 @@ impl FrameDesc<'_> {
         document: &'a Document,
         normals: &'a NormalField,
     ) -> ShadeSource<'a> {
-        let Contents { grid, material, mask } = document.contents();
+        let Contents { grid, material, mask, .. } = document.contents();
         ShadeSource { grid, material, normals, mask: mask.as_deref().filter(|_| self.show_mask) }
     }
 
-    /// Whether pictures of `grid` that show the smooth surface `when` do so on a device, a GPU or `software`.
-    pub(super) fn is_smooth(&self, when: SmoothSurface, grid: &Grid, software: bool) -> bool {
+    /// Whether pictures of `contents` that show the smooth surface `when` do so on a device, a GPU or `software`.
+    pub(super) fn is_smooth(
+        &self,
+        when: SmoothSurface,
+        contents: &Contents,
+        software: bool,
+    ) -> bool {
         let rays = |eye: &Eye| eye.pixel_rays(&self.world_from_grid);
-        self.smooth_surface.of_mode(self.mode, software) == when
-            && self.eyes.iter().any(|eye| LevelSet::shows(grid, &rays(eye)))
+        contents.surface == SurfaceKind::Smooth
+            && self.smooth_surface.of_mode(self.mode, software) == when
+            && self.eyes.iter().any(|eye| LevelSet::shows(&contents.grid, &rays(eye)))
     }
 
     pub(super) fn pose(&self, eye: &Eye) -> ShadePose {

@@ -156,7 +156,7 @@ impl Renderer {
         desc: &FrameDesc,
     ) -> Result<()> {
         let software = self.device.is_software();
-        let mut smooth = desc.is_smooth(SmoothSurface::AtRest, document.grid(), software);
+        let mut smooth = desc.is_smooth(SmoothSurface::AtRest, document.contents(), software);
         if smooth {
             self.show_surface(document, desc, true)?;
             if self.levels.is_pending() {

@@ -243,7 +243,7 @@ impl Renderer {
     /// of index maps in memory.
     fn can_defer_normals(&self, document: &Document, desc: &FrameDesc) -> bool {
         let smooth =
-            desc.is_smooth(SmoothSurface::Always, document.grid(), self.device.is_software());
+            desc.is_smooth(SmoothSurface::Always, document.contents(), self.device.is_software());
         desc.mode.shading() == Shading::Software
             && !smooth
             && self.levels.state().is_none()

@@ -30,7 +30,7 @@ impl Renderer {
         let software = self.device.is_software();
         // Estimates of normals give no surface.
         let wanted = self.normals.field().is_complete()
-            && desc.is_smooth(SmoothSurface::Always, document.grid(), software);
+            && desc.is_smooth(SmoothSurface::Always, document.contents(), software);
         let wish = self.wish(desc, wanted);
         self.levels.update(document.grid(), self.normals.field(), known, &wish)?;
         self.normals.reshade(self.levels.changed());

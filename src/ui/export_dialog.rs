@@ -12,8 +12,9 @@ use super::top_bar::capital;
 use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::Command;
 use crate::format::options::{ExportForm, ExportOptions};
-use crate::format::{MeshOptions, MeshUp, is_mesh, usual_up};
+use crate::format::{MeshOptions, MeshUp, is_mesh, usual_surface, usual_up};
 use crate::mesh::MeshKind;
+use crate::sculpture::history::SurfaceKind;
 
 const WIDTH: f32 = 360.0;
 /// Triangles that a mesh is simplified to unless another number is chosen.
@@ -30,8 +31,12 @@ pub struct ExportDialog {
     /// Extent of the existing voxels, found when the dialog opens.
     size_vx: Option<Vec3>,
     form: ExportForm,
-    /// Surface of a mesh.
+    /// The form in which the sculpture is shown.
+    surface: SurfaceKind,
+    /// Surface of a mesh of sculptures that are shown smooth.
     pub kind: MeshKind,
+    /// Surface of a mesh of sculptures that are shown as cubes.
+    kind_of_cubes: MeshKind,
     points_only: bool,
     /// None: as usual in the format.
     up: Option<MeshUp>,
@@ -47,7 +52,9 @@ impl Default for ExportDialog {
             path: None,
             size_vx: None,
             form: ExportForm::default(),
-            kind: MeshKind::default(),
+            surface: SurfaceKind::default(),
+            kind: usual_surface(SurfaceKind::Smooth),
+            kind_of_cubes: usual_surface(SurfaceKind::Cubes),
             points_only: false,
             up: None,
             simplify: false,
@@ -77,6 +84,13 @@ impl ExportDialog {
         }
     }
 
+    fn chosen_kind(&self) -> MeshKind {
+        match self.surface {
+            SurfaceKind::Smooth => self.kind,
+            SurfaceKind::Cubes => self.kind_of_cubes,
+        }
+    }
+
     fn command(&self, path: PathBuf) -> UiRequest {
         let export = self.options(&path);
         UiRequest::Run(Command::Save { path, export })
@@ -91,7 +105,7 @@ impl ExportDialog {
             return ExportOptions::default();
         }
         let mesh = MeshOptions {
-            kind: self.kind,
+            kind: self.chosen_kind(),
             points_only: self.points_only && ends_in(path, "ply"),
             up: self.up.filter(|_| !ends_in(path, "glb")),
             voxel_mm: self.voxel_mm,
@@ -104,6 +118,7 @@ impl ExportDialog {
 pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let dialog = &mut state.dialogs.export;
     let Some(path) = dialog.path.clone() else { return };
+    dialog.surface = context.document.contents().surface;
     let response = Modal::new(Id::new("export")).show(root.ctx(), |ui| {
         ui.set_width(WIDTH);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -151,18 +166,21 @@ fn mesh_options(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, context: &U
     });
     Grid::new("export").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
         let label = ui.label("Surface");
+        let chosen = match dialog.surface {
+            SurfaceKind::Smooth => &mut dialog.kind,
+            SurfaceKind::Cubes => &mut dialog.kind_of_cubes,
+        };
         ComboBox::from_id_salt("surface")
             .width(150.0)
-            .selected_text(capital(&dialog.kind.to_string()))
+            .selected_text(capital(&chosen.to_string()))
             .show_ui(ui, |ui| {
                 for (kind, name) in MeshKind::NAMED {
-                    ui.selectable_value(&mut dialog.kind, kind, capital(name))
-                        .on_hover_text(help(kind));
+                    ui.selectable_value(chosen, kind, capital(name)).on_hover_text(help(kind));
                 }
             })
             .response
             .labelled_by(label.id)
-            .on_hover_text(help(dialog.kind));
+            .on_hover_text(help(*chosen));
         ui.end_row();
 
         ui.checkbox(&mut dialog.simplify, "Simplify to")

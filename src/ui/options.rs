@@ -1,6 +1,6 @@
 //! The column on the right: options of the tool, the light and the view, and the history.
 
-use egui::{Checkbox, ComboBox, DragValue, Frame, Margin, RichText, ScrollArea, Ui};
+use egui::{ComboBox, DragValue, Frame, Margin, RichText, ScrollArea, Ui};
 use glam::Vec3;
 
 use super::buttons::{action_button, explain};
@@ -9,9 +9,11 @@ use super::{
     UiContext, UiRequest, UiState, ar, gamepad, head, history, light, panels, section,
     stereo_options, symmetry_options, theme, tool_options, video,
 };
+use crate::command::Command;
 use crate::document::MAX_ARRAY;
 use crate::editor::tool::ToolEdit;
 use crate::input::{Action, Panel};
+use crate::sculpture::history::SurfaceKind;
 
 pub fn show(
     root: &mut Ui,
@@ -173,16 +175,32 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
             "While nothing moves, the picture is refined to 16 samples a pixel, so that its edges are smooth",
         );
     }
-    // In the headset pictures are never refined.
-    let mode = state.view.mode;
-    let refines = state.view.refine && !context.in_headset;
-    let can = mode.can_be_smooth() && (refines || mode.shades_on_device());
-    ui.add_enabled(can, Checkbox::new(&mut state.view.smooth_surface, "Smooth surface"))
-        .on_hover_text(
-            "Where a voxel covers more than a pixel, the surface between the voxels is shown instead of their cubes: \
-             always in modes in which a GPU does everything, else in the picture that is refined at rest",
-        )
-        .on_disabled_hover_text("Needs another mode than points, and smooth edges at rest or a GPU");
+    smooth_surface(ui, state, context, requests);
+}
+
+/// Whether the sculpture is shown as a smooth surface or as cubes, which is kept with it.
+fn smooth_surface(
+    ui: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
+    let own = context.document.contents().surface;
+    let mut smooth = state.view.smooth_surface && own == SurfaceKind::Smooth;
+    let row = ui.checkbox(&mut smooth, "Smooth surface").on_hover_text(
+        "Where a voxel covers more than a pixel, the surface between the voxels is shown instead of their cubes: always in \
+         modes in which a GPU does everything, in others but points in the picture that is refined at rest. Kept with the \
+         sculpture; models of cubes (.vox, .qb, .gox) begin without it. Exports propose what is shown",
+    );
+    if !row.changed() {
+        return;
+    }
+    // The settings may show cubes whatever the sculpture says.
+    state.view.smooth_surface |= smooth;
+    let kind = if smooth { SurfaceKind::Smooth } else { SurfaceKind::Cubes };
+    if kind != own {
+        requests.push(UiRequest::Run(Command::Surface(kind)));
+    }
 }
 
 const AXES: [(&str, Vec3); 6] = [

@@ -92,7 +92,7 @@ pub struct ViewState {
     pub mode_is_automatic: bool,
     pub light: LightOptions,
     pub finish: Finish,
-    /// The surface between near voxels instead of their cubes, at rest.
+    /// The surface between near voxels instead of their cubes, of sculptures that are to be shown so.
     pub smooth_surface: bool,
     /// Smooth edges while nothing moves.
     pub refine: bool,

@@ -109,7 +109,7 @@ fn expected(
     assert!(map.covered() > 300, "{}", map.covered());
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: *world };
     let mut pixels = Pixels::default();
-    let Contents { grid, material, mask } = document.contents();
+    let Contents { grid, material, mask, .. } = document.contents();
     let mask = mask.as_deref().filter(|_| show_mask);
     let source = ShadeSource { grid, material, normals, mask };
     SoftwareShader::default().shade(&map, &source, &pose, lighting, &mut pixels);

@@ -65,3 +65,38 @@ fn meshes_that_cannot_be_are_refused_with_a_remedy() {
     let why = fail(path, &["run", "e.sculpt", "--out", "e.stl"], 1);
     assert!(why.contains("no voxels"), "{why}");
 }
+
+#[test]
+fn models_of_cubes_are_shown_and_exported_as_cubes() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("s.sculpt"), SCRIPT).unwrap();
+    succeed(path, &["run", "s.sculpt", "--out", "a.vox"]);
+    succeed(path, &["run", "s.sculpt", "--out", "a.vsc"]);
+    let convert = |from: &str, more: &[&str]| {
+        succeed(path, &[&["convert", from, "b.stl"][..], more].concat())
+    };
+    let said = convert("a.vox", &[]);
+    assert!(said.contains("12 triangles"), "{said}");
+    assert_eq!(convert("a.vox", &["--mesh", "smooth"]), convert("a.vsc", &[]));
+    // Kept on the way through a sculpture, and until someone says otherwise.
+    succeed(path, &["convert", "a.vox", "kept.vsc"]);
+    assert!(convert("kept.vsc", &[]).contains("12 triangles"));
+    let cubes = bytes(path.join("b.stl"));
+    std::fs::write(path.join("t.sculpt"), "open \"kept.vsc\"\nsurface smooth\n").unwrap();
+    succeed(path, &["run", "t.sculpt", "--out", "smooth.vsc"]);
+    assert_eq!(convert("smooth.vsc", &[]), convert("a.vsc", &[]));
+    std::fs::write(path.join("u.sculpt"), "open \"kept.vsc\"\n").unwrap();
+    succeed(path, &["run", "u.sculpt", "--out", "c.stl"]);
+    assert!(bytes(path.join("c.stl")) == cubes, "the same surface");
+    let render = |from: &str, out: &str, more: &[&str]| {
+        let size = ["render", from, "--size", "120x90", "--out", out];
+        succeed(path, &[&size[..], more].concat());
+        bytes(path.join(out))
+    };
+    assert_eq!(render("a.vox", "m.png", &[]), render("a.vox", "v.png", &["--voxels"]));
+    assert_ne!(render("smooth.vsc", "s.png", &[]), render("smooth.vsc", "w.png", &["--voxels"]));
+    let last = ["--quality", "final", "--samples", "2", "--ground", "none"];
+    let cubes = render("a.vox", "f.png", &last);
+    assert_eq!(cubes, render("a.vox", "g.png", &[&last[..], &["--voxels"]].concat()));
+}

@@ -5,6 +5,7 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::Vec3;
+use virtual_sculpture::sculpture::history::SurfaceKind;
 use virtual_sculpture::ui::toasts::Tone;
 use virtual_sculpture::ui::{ScreenshotTo, Theme};
 use virtual_sculpture::view::StereoLayout;
@@ -279,4 +280,26 @@ fn the_ground_has_lines_of_the_same_scale() {
     click(&mut harness, "View");
     click(&mut harness, "Ground");
     assert!(!harness.state().ui.view.ground && has(&harness, "Floor grid: 5 voxels"));
+}
+
+/// The choice is kept with the sculpture, so it is undone like any other change, and what is exported follows.
+#[test]
+fn a_sculpture_is_shown_smooth_or_as_cubes() {
+    // All view options on the screen.
+    let mut harness = bench_of(&config(64), vec2(1280.0, 1600.0));
+    click(&mut harness, "View");
+    let surface = |harness: &Bench| harness.state().session().document().contents().surface;
+    assert_eq!(surface(&harness), SurfaceKind::Smooth);
+    click(&mut harness, "Smooth surface");
+    assert_eq!(surface(&harness), SurfaceKind::Cubes);
+    assert!(harness.state().session().modified(), "there is something to save");
+    key(&mut harness, Modifiers::COMMAND, Key::Z);
+    rest(&mut harness);
+    assert_eq!(surface(&harness), SurfaceKind::Smooth);
+    // Settings that show cubes of all sculptures do not keep a person from the other.
+    harness.state_mut().ui.view.smooth_surface = false;
+    rest(&mut harness);
+    click(&mut harness, "Smooth surface");
+    assert!(harness.state().ui.view.smooth_surface);
+    assert_eq!(surface(&harness), SurfaceKind::Smooth);
 }

@@ -188,6 +188,11 @@ pub const COMMANDS: &[CommandHelp] = &[
         usage: "[diameter=VOXELS] [toward=down|nearest]",
         tooltip: "Drill a hole from each cavity to the outside",
     },
+    CommandHelp {
+        verb: "surface",
+        usage: "smooth|cubes",
+        tooltip: "Show near voxels as the smooth surface between them, or as cubes; exports propose the same",
+    },
     CommandHelp { verb: "undo", usage: "[N|all]", tooltip: "Undo the last steps" },
     CommandHelp { verb: "redo", usage: "[N|all]", tooltip: "Redo undone steps" },
     CommandHelp {

@@ -1,5 +1,5 @@
 //! The text form of commands about areas (marker, selection, symmetry, copies) and orientations,
-//! and of the switches.
+//! and of the switches and choices.
 
 use std::fmt;
 
@@ -8,6 +8,7 @@ use glam::{IVec3, UVec3};
 use super::arguments::Arguments;
 use super::{ParseError, list, number, numbers, parse_ivec3, parse_vec3};
 use crate::command::{Area, Command, SelectOp};
+use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::{Orientation, Up};
 use crate::sculpture::region::VoxelBox;
 use crate::tools::symmetry::{MirrorPlane, Parity, Radial, Symmetry};
@@ -51,6 +52,7 @@ pub fn write(command: &Command, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             write!(f, " count={count} step={}", list(step.to_array()))
         }
         Command::Orient(orientation) => write!(f, " axes={orientation}"),
+        Command::Surface(kind) => write!(f, " {}", kind.name()),
         _ => Ok(()),
     }
 }
@@ -115,6 +117,12 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
                     return Err(ParseError(needs.to_string()));
                 }
             })
+        }
+        "surface" => {
+            let name = args.word("smooth or cubes")?;
+            let named = SurfaceKind::NAMED.into_iter().find(|(_, known)| *known == name);
+            let unknown = || ParseError(format!("`{name}` is not a surface; use smooth or cubes"));
+            Command::Surface(named.ok_or_else(unknown)?.0)
         }
         _ => Command::Array {
             count: args.required("count", number)?,

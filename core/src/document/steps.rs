@@ -172,8 +172,8 @@ impl Document {
             Change::Whole(_) => self.contents.kept_bytes(),
             Change::Oriented { before: Some(_), .. } => 0,
             Change::Oriented { back, before: None } => self.bytes_to_undo(*back),
-            // It has been loaded.
-            Change::Stored(_) => 0,
+            // That of a stored step has been loaded.
+            Change::Surface(_) | Change::Stored(_) => 0,
         };
         match self.require_room(&format!("{verb} {}", step.label), bytes) {
             Ok(()) => self.reverse(step, oriented),
@@ -191,6 +191,7 @@ impl Document {
             }
             Change::Bricks(record) => Change::Bricks(self.swap_bricks(record)),
             Change::Whole(contents) => Change::Whole(Box::new(self.swap_contents(*contents))),
+            Change::Surface(kind) => Change::Surface(self.swap_surface(kind)),
             Change::Oriented { back, before } => {
                 match self.reverse_orientation(back, before, oriented) {
                     Ok(change) => change,

@@ -47,7 +47,7 @@ pub use self::error::FormatError;
 pub use self::histogram::Histogram;
 pub use self::info::{Densities, Info, info, info_with};
 pub use self::mesh_out::{
-    MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh, save_mesh_again, usual_up,
+    MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh, save_mesh_again, usual_surface, usual_up,
 };
 use self::options::{Colouring, Existence, ExportForm, ExportOptions, ImportOptions};
 pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};
@@ -190,7 +190,8 @@ fn load_as(
         Format::Voxel(kind) => {
             let file = read_file(path, limits, progress)?;
             let model = voxel::read(kind, &file)?;
-            let contents = voxel::turned(&*model, options, limits, progress)?;
+            let mut contents = voxel::turned(&*model, options, limits, progress)?;
+            contents.surface = kind.surface();
             return Ok(Loaded::model(contents, Texts::default(), told(path, model.notes())));
         }
         Format::Mesh(kind) => {

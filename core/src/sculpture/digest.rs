@@ -10,7 +10,7 @@ use std::io::{ErrorKind, Read};
 
 use rayon::prelude::*;
 
-use super::history::Contents;
+use super::history::{Contents, SurfaceKind};
 
 /// Bricks of a run.
 const RUN_BRICKS: usize = 4096;
@@ -43,7 +43,7 @@ impl Digest {
 
     /// That of a sculpture.
     pub fn of(contents: &Contents) -> Digest {
-        let Contents { grid, material, mask } = contents;
+        let Contents { grid, material, mask, surface } = contents;
         let mut hasher = Sha256::new();
         hasher.update(b"virtual-sculpture 1");
         grid.dims().to_array().iter().for_each(|edge| hasher.update(&edge.to_le_bytes()));
@@ -77,6 +77,11 @@ impl Digest {
         runs.iter().for_each(|run| hasher.update(&run.0));
         if let Some(mask) = mask {
             hasher.update(&Digest::of(&Contents::of_bits((**mask).clone())).0);
+        }
+        // Nothing for the usual kind, so that older digests stay what they were.
+        match surface {
+            SurfaceKind::Smooth => {}
+            SurfaceKind::Cubes => hasher.update(&[4]),
         }
         hasher.finish()
     }
@@ -215,7 +220,8 @@ mod tests {
         changed.material =
             Material::for_grid(&contents.grid, ColourDepth::Bits24, Rgb::new(0, 0, 1));
         others.push(Digest::of(&changed));
+        others.push(Digest::of(&Contents { surface: SurfaceKind::Cubes, ..contents.clone() }));
         let differing: std::collections::HashSet<_> = others.iter().collect();
-        assert_eq!(differing.len(), 4);
+        assert_eq!(differing.len(), 5);
     }
 }

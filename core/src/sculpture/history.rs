@@ -12,7 +12,7 @@ mod step;
 mod store;
 
 use step::STUB_BYTES;
-pub use step::{Change, Contents, HistorySnapshot, State, Step};
+pub use step::{Change, Contents, HistorySnapshot, State, Step, SurfaceKind};
 pub use store::{StepStore, Stored, StoredStep};
 
 /// Steps up to this size stay in memory: what would stand for them takes as much.

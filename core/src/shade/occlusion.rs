@@ -7,6 +7,10 @@
 //! the cube: so the value changes gradually from voxel to voxel.
 //! (After the volumetric obscurance of Loos and Sloan, 2010, with a box for the sphere.)
 //!
+//! On a slanted or curved surface voxels are steps, and how much of the cube is filled tells first of all how deep in its
+//! step a voxel lies: it would show as rings around the flats of a ball and as streaks along walls. Surface voxels know
+//! their depth, so what it adds is taken away ([`Filled::openness_at`]); others count as those of a face do.
+//!
 //! Between the corners of words that count is trilinear. So it needs to be known there only, where the
 //! cube consists of eight whole words: the 27 corners in and around a brick are the **table** of that
 //! brick, and a voxel takes eight of its values. The [`super::normal_field`] keeps the openness of surface voxels;
@@ -26,6 +30,16 @@ const OPENNESS_OF_NOTHING: f32 = 2.36;
 
 /// By how much a voxel makes it less.
 const PER_VOXEL: f32 = OPENNESS_OF_NOTHING / (8 * WORD_EDGE_VX.pow(3)) as f32;
+
+/// How much more of the cube is filled, in voxels, for each voxel that its middle lies deeper below the surface: a layer
+/// of the cube.
+const VOXELS_PER_DEPTH: f32 = (2 * WORD_EDGE_VX * 2 * WORD_EDGE_VX) as f32;
+
+/// How deep the middles of voxels lie below a face, in voxels.
+const DEPTH_AT_FACE_VX: f32 = 0.5;
+
+/// Fractions of a voxel in which what is filled is counted.
+const FILLED_PER_VOXEL: f32 = 64.0;
 
 /// Corners of words along an axis of a brick.
 const CORNERS: usize = 3;
@@ -55,9 +69,20 @@ impl Default for OpennessTables {
 }
 
 impl OpennessTables {
+    /// What is filled about a voxel.
+    #[cfg(test)]
+    pub fn filled(&mut self, grid: &Grid, voxel: UVec3) -> Filled {
+        Filled((filled_in(self.table_of(grid, voxel), voxel) * FILLED_PER_VOXEL + 0.5) as u16)
+    }
+
     /// The share of ambient light that reaches a voxel: 0 if it is buried, 1 on a plane or an edge.
     #[inline(always)]
     pub fn openness(&mut self, grid: &Grid, voxel: UVec3) -> f32 {
+        openness_in(self.table_of(grid, voxel), voxel)
+    }
+
+    #[inline(always)]
+    fn table_of(&mut self, grid: &Grid, voxel: UVec3) -> &Table {
         let b = voxel / BRICK_EDGE_VX;
         let brick = grid.brick_index(b) as u32;
         let kept = b & ((1 << KEPT_LOG2_PER_AXIS) - 1);
@@ -67,13 +92,27 @@ impl OpennessTables {
             self.bricks[place] = brick;
             self.tables[place] = table(grid, b);
         }
-        openness_in(&self.tables[place], voxel)
+        &self.tables[place]
     }
 }
 
-/// The share of ambient light that reaches a voxel of the brick with this table.
+/// The share of ambient light that reaches a voxel of the brick with this table, if it lies as deep as in a face.
 #[inline(always)]
-pub fn openness_in(table: &Table, voxel: UVec3) -> f32 {
+fn openness_in(table: &Table, voxel: UVec3) -> f32 {
+    openness(filled_in(table, voxel), DEPTH_AT_FACE_VX)
+}
+
+/// The share of ambient light that reaches a voxel of which the middle lies `depth_vx` below the surface and around
+/// which so many voxels exist.
+#[inline(always)]
+fn openness(filled: f32, depth_vx: f32) -> f32 {
+    let of_depth = (depth_vx.clamp(0.0, 1.0) - DEPTH_AT_FACE_VX) * VOXELS_PER_DEPTH;
+    (OPENNESS_OF_NOTHING - (filled - of_depth) * PER_VOXEL).clamp(0.0, 1.0)
+}
+
+/// The existing voxels in the cube about a voxel of the brick with this table.
+#[inline(always)]
+fn filled_in(table: &Table, voxel: UVec3) -> f32 {
     let [x, y, z] = ((voxel / WORD_EDGE_VX) & 1).to_array().map(|c| c as usize);
     let share = ((voxel % WORD_EDGE_VX).as_vec3() + 0.5) / WORD_EDGE_VX as f32;
     let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
@@ -82,30 +121,42 @@ pub fn openness_in(table: &Table, voxel: UVec3) -> f32 {
         mix(f32::from(row[x]), f32::from(row[x + 1]), share.x)
     };
     let in_plane = |z: usize| mix(along_x(y, z), along_x(y + 1, z), share.y);
-    let filled = mix(in_plane(z), in_plane(z + 1), share.z);
-    (OPENNESS_OF_NOTHING - filled * PER_VOXEL).clamp(0.0, 1.0)
+    mix(in_plane(z), in_plane(z + 1), share.z)
 }
 
-/// [`openness_in`] for all voxels of a brick, `x + 8 y + 64 z`: 255 for all of the light.
-#[derive(Clone, Debug)]
-pub struct BrickOpenness([u8; BRICK_VOXELS as usize]);
+/// How much of the cube about a voxel is filled, in fractions of a voxel.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Filled(u16);
 
-impl Default for BrickOpenness {
-    fn default() -> Self {
-        BrickOpenness([0; BRICK_VOXELS as usize])
+impl Filled {
+    /// The share of ambient light that reaches a voxel with its middle that deep below the surface, 255 for all of it.
+    #[inline(always)]
+    pub fn openness_at(self, depth_vx: f32) -> u8 {
+        let filled = f32::from(self.0) * (1.0 / FILLED_PER_VOXEL);
+        (openness(filled, depth_vx) * 255.0 + 0.5) as u8
     }
 }
 
-impl std::ops::Index<usize> for BrickOpenness {
-    type Output = u8;
+/// What is filled about each voxel of a brick, `x + 8 y + 64 z`.
+#[derive(Clone, Debug)]
+pub struct BrickFilling([Filled; BRICK_VOXELS as usize]);
+
+impl Default for BrickFilling {
+    fn default() -> Self {
+        BrickFilling([Filled::default(); BRICK_VOXELS as usize])
+    }
+}
+
+impl std::ops::Index<usize> for BrickFilling {
+    type Output = Filled;
 
     #[inline(always)]
-    fn index(&self, local: usize) -> &u8 {
+    fn index(&self, local: usize) -> &Filled {
         &self.0[local]
     }
 }
 
-impl BrickOpenness {
+impl BrickFilling {
     /// Replaces it by that of the brick with this table. Axis by axis, and in rows of eight.
     #[inline(always)]
     pub fn fill(&mut self, table: &Table) {
@@ -133,8 +184,7 @@ impl BrickOpenness {
                 let [a, b] = [&plane[y / WORD], &plane[y / WORD + 1]];
                 for x in 0..EDGE {
                     let filled = a[x] + (b[x] - a[x]) * share(y);
-                    let open = (OPENNESS_OF_NOTHING - filled * PER_VOXEL).clamp(0.0, 1.0);
-                    row[x] = (open * 255.0 + 0.5) as u8;
+                    row[x] = Filled((filled * FILLED_PER_VOXEL + 0.5) as u16);
                 }
             }
         }

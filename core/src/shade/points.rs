@@ -149,7 +149,7 @@ mod tests {
                 if point.normal == PackedNormal::NONE && !normals.is_complete() {
                     assert_eq!(Vec3::new(x, y, z), gradient(&grid, v));
                 }
-                let expected = if occlusion { open_tables.openness(&grid, v) } else { 1.0 };
+                let expected = if occlusion { source.openness(&mut open_tables, v) } else { 1.0 };
                 // In steps of 1/255, then of 1/127.
                 assert!((open / 127.0 - expected).abs() < 0.501 / 255.0 + 0.501 / 127.0);
                 let local = crate::sculpture::brick::local_index(v.x & 7, v.y & 7, v.z & 7);

@@ -3,6 +3,9 @@
 //! Khronos PBR Neutral tone mapping (Khronos Group, 2024) without its correction for reflections, since surfaces are
 //! matt: light up to 0.8 stays as it is, brighter light is compressed below white and slowly loses its hue. So the
 //! colours of the sculpture are seen as they are.
+//!
+//! A denoised picture changes so slowly over ground and sky that the steps of 8 bits would show as rings around the
+//! sculpture. So values are rounded up or down by a pattern of the pixels, whose mean over some pixels is the value.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -28,11 +31,24 @@ pub fn preview_pixels(film: &Film, samples: u32, exposure_ev: f32) -> Pixels {
 
 fn display_with_gain(film: &Film, gain: f32) -> Pixels {
     let mut pixels = Pixels::new(film.size());
-    pixels.rgba.par_iter_mut().zip(film.pixels().par_iter()).for_each(|(rgba, pixel)| {
-        let [r, g, b] = neutral(pixel.radiance * gain).to_array().map(srgb);
-        *rgba = [r, g, b, 255];
+    let width = film.size().x.max(1) as usize;
+    let rows = pixels.rgba.par_chunks_mut(width).zip(film.pixels().par_chunks(width));
+    rows.enumerate().for_each(|(y, (out, row))| {
+        for (x, (rgba, pixel)) in out.iter_mut().zip(row).enumerate() {
+            let rounding = rounding(x, y);
+            let level = |linear| (srgb_level(linear) + rounding) as u8;
+            let [r, g, b] = neutral(pixel.radiance * gain).to_array().map(level);
+            *rgba = [r, g, b, 255];
+        }
     });
     pixels
+}
+
+/// What is added to the value of a pixel before it is cut to a whole number: 0 to 1, evenly distributed among the pixels
+/// around any (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014: interleaved gradient
+/// noise).
+fn rounding(x: usize, y: usize) -> f32 {
+    (52.982_918 * (0.067_110_56 * x as f32 + 0.005_837_15 * y as f32).fract()).fract()
 }
 
 /// Light of any strength to 0 to 1.
@@ -48,13 +64,13 @@ fn neutral(light: Vec3) -> Vec3 {
     (light * (new_peak / peak)).lerp(Vec3::splat(new_peak), white)
 }
 
-/// The sRGB value of a linear one, by the curve of IEC 61966-2-1.
-fn srgb(linear: f32) -> u8 {
+/// The sRGB value of a linear one, 0 to 255, by the curve of IEC 61966-2-1.
+fn srgb_level(linear: f32) -> f32 {
     let v = match linear <= 0.003_130_8 {
         true => linear * 12.92,
         false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
     };
-    (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+    v.clamp(0.0, 1.0) * 255.0
 }
 
 /// sRGB to linear.
@@ -76,13 +92,15 @@ static LINEAR: std::sync::LazyLock<[f32; 256]> = std::sync::LazyLock::new(|| {
 
 #[cfg(test)]
 mod tests {
+    use super::super::film::PixelSum;
     use super::*;
+    use glam::UVec2;
 
     #[test]
     fn colours_come_back_and_light_is_compressed_evenly() {
         for value in 0..=255 {
             let [linear, ..] = linear_colour(Rgb::new(value, 0, 0)).to_array();
-            assert_eq!(srgb(linear), value);
+            assert_eq!((srgb_level(linear) + 0.5) as u8, value);
         }
         let mut last = 0.0;
         for step in 1..400 {
@@ -95,5 +113,27 @@ mod tests {
         // Very bright light is white, whatever its colour.
         let glare = neutral(Vec3::new(900.0, 600.0, 300.0));
         assert!(glare.min_element() > 0.97, "{glare}");
+    }
+
+    /// Light that grows by two levels over a picture grows evenly, without steps that would be seen as rings.
+    #[test]
+    fn gentle_slopes_of_light_have_no_steps() {
+        let size = UVec2::new(512, 64);
+        let light = |x: u32| 0.2 + 0.004 * x as f32 / size.x as f32;
+        let pixel =
+            |i: u32| PixelSum { radiance: Vec3::splat(light(i % size.x)), ..PixelSum::default() };
+        let film = Film::of_sums(size, (0..size.element_product()).map(pixel).collect(), 1);
+        let pixels = display_pixels(&film.unwrap(), 0.0);
+        let mut means = Vec::new();
+        for left in (0..size.x).step_by(32) {
+            let block = (0..size.y).flat_map(|y| (left..left + 32).map(move |x| (x, y)));
+            let sum: f32 =
+                block.map(|(x, y)| f32::from(pixels.rgba[(x + y * size.x) as usize][0])).sum();
+            let mean = sum / (32 * size.y) as f32;
+            let exact = srgb_level(light(left + 16));
+            assert!((mean - exact).abs() < 0.1, "{left}: {mean}, not {exact}");
+            means.push(mean);
+        }
+        assert!(means.is_sorted() && means[15] > means[0] + 1.0, "{means:?}");
     }
 }

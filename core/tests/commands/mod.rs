@@ -16,6 +16,7 @@ mod orientations;
 mod refusals;
 mod script;
 pub mod strategies;
+mod surface;
 mod symmetries;
 mod text;
 mod tints;

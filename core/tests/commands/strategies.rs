@@ -6,6 +6,7 @@ use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
 use sculpture_core::sculpture::edit::EditOp;
+use sculpture_core::sculpture::history::SurfaceKind;
 use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
@@ -266,6 +267,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
         3 => (0u32..4, near()).prop_map(|(count, step)| Command::Array { count, step }),
         6 => spray,
         4 => mend(|| 0.5f32..6.0).prop_map(Command::Mend),
+        2 => surface_kind().prop_map(Command::Surface),
     ]
 }
 
@@ -300,6 +302,10 @@ fn any_tint() -> impl Strategy<Value = Tint> {
             Tint::Noise { colour, size: any.x, amount: any.y, seed }
         }
     })
+}
+
+fn surface_kind() -> impl Strategy<Value = SurfaceKind> {
+    prop::sample::select(&SurfaceKind::NAMED[..]).prop_map(|(kind, _)| kind)
 }
 
 /// Mends with lengths in `length`.
@@ -425,6 +431,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         (any::<u32>(), any_ivec3()).prop_map(|(count, step)| Command::Array { count, step }),
         orientation().prop_map(Command::Orient),
         mend(any_number).prop_map(Command::Mend),
+        surface_kind().prop_map(Command::Surface),
         steps().prop_map(|steps| Command::Undo { steps }),
         steps().prop_map(|steps| Command::Redo { steps }),
         place,

@@ -1,11 +1,11 @@
 //! Undo steps as bytes, exactly: what is read back equals what was written in labels, states, brick records
-//! (to the order of their bricks), whole contents and orientations. Used for journals; made so that saved
+//! (to the order of their bricks), whole contents, orientations and kinds of surface. Used for journals; made so that saved
 //! files and a history on disk can use it, too.
 //!
 //! A step is, little-endian: its state (two u64), a byte for the kind of its change (0 bricks, 1 whole,
-//! 2 oriented, 3 oriented with the sculpture before), the label (u32 and so many bytes of UTF-8), an
-//! orientation of kinds 2 and 3 (u32 and so many bytes of its text form), then the record of kind 0, packed
-//! by [`blocks`], or a .vsc file of kinds 1 and 3.
+//! 2 oriented, 3 oriented with the sculpture before, 4 surface), the label (u32 and so many bytes of UTF-8), an
+//! orientation of kinds 2 and 3 or a kind of surface of kind 4 (u32 and so many bytes of its text form), then the
+//! record of kind 0, packed by [`blocks`], or a .vsc file of kinds 1 and 3.
 //!
 //! Reading checks a step against the [`Shape`] of the contents that it will be swapped with, so that no
 //! damaged step can break a sculpture.
@@ -20,7 +20,7 @@ use glam::UVec3;
 
 use self::blocks::cut;
 use super::{FormatError, Texts, vsc};
-use crate::sculpture::history::{Change, Contents, HistorySnapshot, State, Step};
+use crate::sculpture::history::{Change, Contents, HistorySnapshot, State, Step, SurfaceKind};
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::{ColourDepth, Limits};
 
@@ -43,7 +43,7 @@ impl Shape {
     /// does not tell.
     pub fn after(self, change: &Change) -> Shape {
         match change {
-            Change::Bricks(_) | Change::Stored(_) => self,
+            Change::Bricks(_) | Change::Surface(_) | Change::Stored(_) => self,
             Change::Whole(contents) => Shape::of(contents),
             Change::Oriented { before: Some(contents), .. } => Shape::of(contents),
             Change::Oriented { back, before: None } => Shape { dims: back.size(self.dims), ..self },
@@ -65,6 +65,7 @@ pub fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), FormatError
         Change::Whole(_) => 1,
         Change::Oriented { before: None, .. } => 2,
         Change::Oriented { before: Some(_), .. } => 3,
+        Change::Surface(_) => 4,
         Change::Stored(stored) => {
             let packed = stored.0.packed().map_err(std::io::Error::other)?;
             return Ok(out.write_all(&packed)?);
@@ -83,6 +84,7 @@ pub fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), FormatError
                 vsc::write_to(contents, &Texts::default(), &(), out)?;
             }
         }
+        Change::Surface(kind) => put_text(kind.name(), out)?,
         Change::Stored(_) => {}
     }
     Ok(())
@@ -109,6 +111,10 @@ pub fn read_step_from(
         rest.read_to_end(&mut file)?;
         Ok(Box::new(vsc::read(&file, limits, &())?.0))
     };
+    let nothing_follows = |rest: &mut dyn BufRead| match rest.fill_buf()?.len() {
+        0 => Ok(()),
+        trailing => Err(FormatError::Trailing(trailing as u64)),
+    };
     let change = match kind {
         0 => Change::Bricks(record::read(rest, shape)?),
         1 => Change::Whole(whole(rest)?),
@@ -118,15 +124,19 @@ pub fn read_step_from(
                 .parse()
                 .map_err(|_| FormatError::Damaged("an orientation is of no known kind"))?;
             let before = if kind == 3 { Some(whole(rest)?) } else { None };
-            let trailing = rest.fill_buf()?.len();
-            if trailing > 0 {
-                return Err(FormatError::Trailing(trailing as u64));
-            }
+            nothing_follows(rest)?;
             let turned = back.size(shape.dims);
             if before.as_ref().is_some_and(|before| before.grid.dims() != turned) {
                 return Err(FormatError::Damaged("an orientation does not fit its sculpture"));
             }
             Change::Oriented { back, before }
+        }
+        4 => {
+            let text = take_text(rest)?;
+            nothing_follows(rest)?;
+            let named = SurfaceKind::NAMED.into_iter().find(|(_, name)| *name == text);
+            let unknown = FormatError::Damaged("a surface is of no known kind");
+            Change::Surface(named.ok_or(unknown)?.0)
         }
         _ => return Err(FormatError::Damaged("an undo step is of no known kind")),
     };

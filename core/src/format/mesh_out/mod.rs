@@ -24,7 +24,7 @@ use crate::mesh::{
 };
 use crate::progress::Progress;
 use crate::sculpture::Limits;
-use crate::sculpture::history::Contents;
+use crate::sculpture::history::{Contents, SurfaceKind};
 
 /// Vertices or triangles between two looks at whether the work is cancelled.
 const PORTION: usize = 1 << 16;
@@ -124,6 +124,14 @@ pub fn is_mesh(path: &Path) -> bool {
 /// The axis that points up in a mesh of that name unless another is asked for; none if it is no mesh.
 pub fn usual_up(path: &Path) -> Option<MeshUp> {
     MeshFormat::of(path).map(MeshFormat::usual_up)
+}
+
+/// The surface of a mesh that looks as the sculpture is shown.
+pub fn usual_surface(shown: SurfaceKind) -> MeshKind {
+    match shown {
+        SurfaceKind::Smooth => MeshKind::Smooth,
+        SurfaceKind::Cubes => MeshKind::Greedy,
+    }
 }
 
 /// Writes a sculpture as a mesh, atomically.

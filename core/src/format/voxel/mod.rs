@@ -26,6 +26,7 @@ pub use self::vox_write::write as write_vox;
 use super::FormatError;
 use super::options::ImportOptions;
 use crate::sculpture::Rgb;
+use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::{Orientation, Up};
 
 /// Takes a voxel: its place, y up, and its colour. An error ends the walk.
@@ -42,6 +43,16 @@ pub enum Kind {
     Gox,
     /// The voxeliser binvox.
     Binvox,
+}
+
+impl Kind {
+    /// The form in which its models are shown: what was built of cubes stays so; what was a mesh is smooth.
+    pub fn surface(self) -> SurfaceKind {
+        match self {
+            Kind::Vox | Kind::Qb | Kind::Gox => SurfaceKind::Cubes,
+            Kind::Binvox => SurfaceKind::Smooth,
+        }
+    }
 }
 
 /// A model, or several that belong together, as a file holds it.

@@ -6,7 +6,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `89 56 53 43 0D 0A 1A 0A`: no text file begins so, and none copied as text still does |
-//! | 4 | version: 1, or 2 with a mask |
+//! | 4 | version: 1, or 2 with a mask, or 3 with flags |
 //! | 3 x 4 | size in voxels |
 //! | 3 x 4 | edge lengths of a voxel, as `f32` |
 //! | 1 | bits of colour: 0, 8, 16 or 24 |
@@ -14,12 +14,14 @@
 //! | 4 | bricks of a chunk |
 //! | 4 | number of chunks |
 //! | 4 | bytes of the texts |
+//! | 4 | of version 3: flags, 1 for a mask, 2 for near voxels that are shown as cubes |
 //! | 4 | CRC-32 of all before and of table and texts |
 //! | 16 each | the table: for each chunk packed bytes, plain bytes, pages, CRC-32 of the packed bytes |
 //! | | the texts: none at all, or four times a length and so many bytes: description, courtesy, parameter, comment |
 //! | | the chunks, one after the other; see [`chunk`] |
-//! | | of version 2: the mask, as a file of version 1 of the same size, without colours and texts |
+//! | | with a mask: the mask, as a file of version 1 of the same size, without colours and texts |
 //!
+//! Each sculpture is written in the lowest version that has room for it, so that earlier programs read what they can.
 //! Bricks are counted x fastest, then y, then z. Chunks are independent, so that all cores pack and
 //! unpack.
 
@@ -37,16 +39,20 @@ use super::volume::Texts;
 use super::{FormatError, go_on};
 use crate::progress::Progress;
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::sculpture::history::Contents;
+use crate::sculpture::history::{Contents, SurfaceKind};
 use crate::sculpture::material::Page;
 use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
 
 const MAGIC: [u8; 8] = [0x89, b'V', b'S', b'C', b'\r', b'\n', 0x1A, b'\n'];
 const VERSION: u32 = 1;
 const VERSION_WITH_MASK: u32 = 2;
+const VERSION_WITH_FLAGS: u32 = 3;
 
-/// Bytes before the table; the last four are the checksum.
-const HEADER_BYTES: usize = 56;
+const FLAG_MASK: u32 = 1;
+const FLAG_CUBES: u32 = 2;
+
+/// Bytes before the flags, if there are any, and the checksum.
+const START_BYTES: usize = 52;
 const ENTRY_BYTES: usize = 16;
 
 /// Bricks of a chunk, as they are written and at least and at most as they are read.
@@ -72,6 +78,8 @@ pub struct Header {
     body: usize,
     /// Whether the mask follows them.
     has_mask: bool,
+    /// The form in which near voxels are shown.
+    pub surface: SurfaceKind,
 }
 
 /// Packs a sculpture.
@@ -92,7 +100,7 @@ pub fn write_to(
     progress: &dyn Progress,
     out: &mut dyn Write,
 ) -> Result<(), FormatError> {
-    let Contents { grid, material, mask } = contents;
+    let Contents { grid, material, mask, surface } = contents;
     let texts = packed_texts(texts)?;
     let depth = material.depth();
     progress.begin("packing");
@@ -113,7 +121,12 @@ pub fn write_to(
     go_on(progress)?;
     let mut head = MAGIC.to_vec();
     let mut number = |v: u32| head.extend_from_slice(&v.to_le_bytes());
-    number(if mask.is_some() { VERSION_WITH_MASK } else { VERSION });
+    let version = match (surface, mask) {
+        (SurfaceKind::Cubes, _) => VERSION_WITH_FLAGS,
+        (SurfaceKind::Smooth, Some(_)) => VERSION_WITH_MASK,
+        (SurfaceKind::Smooth, None) => VERSION,
+    };
+    number(version);
     grid.dims().to_array().into_iter().for_each(&mut number);
     grid.voxel_size().to_array().into_iter().for_each(|edge| number(edge.to_bits()));
     let Rgb([r, g, b]) = material.base();
@@ -121,6 +134,9 @@ pub fn write_to(
     number(CHUNK_BRICKS);
     number(chunks.len() as u32);
     number(texts.len() as u32);
+    if version == VERSION_WITH_FLAGS {
+        number(FLAG_CUBES | if mask.is_some() { FLAG_MASK } else { 0 });
+    }
     let mut tail = Vec::with_capacity(chunks.len() * ENTRY_BYTES + texts.len());
     for (entry, _) in &chunks {
         let Entry { packed_bytes, plain_bytes, pages, checksum } = *entry;
@@ -152,17 +168,25 @@ pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> 
     if !file.starts_with(&MAGIC) {
         return Err(FormatError::NotVsc(excerpt(&file[..file.len().min(8)])));
     }
-    let Some((head, rest)) = file.split_at_checked(HEADER_BYTES) else {
-        return Err(FormatError::Damaged("it ends within its header"));
-    };
     let number = |at: usize| {
-        let bytes = head.get(at..at + 4).and_then(|bytes| bytes.try_into().ok());
+        let bytes = file.get(at..at + 4).and_then(|bytes| bytes.try_into().ok());
         u32::from_le_bytes(bytes.unwrap_or_default())
     };
     let version = number(8);
-    if ![VERSION, VERSION_WITH_MASK].contains(&version) {
-        return Err(FormatError::VscVersion(version));
-    }
+    let (flags_bytes, flags) = match version {
+        VERSION => (0, 0),
+        VERSION_WITH_MASK => (0, FLAG_MASK),
+        VERSION_WITH_FLAGS => (4, number(START_BYTES)),
+        _ if file.len() < START_BYTES => {
+            return Err(FormatError::Damaged("it ends within its header"));
+        }
+        _ => return Err(FormatError::VscVersion(version)),
+    };
+    // Without the checksum.
+    let head_bytes = START_BYTES + flags_bytes;
+    let Some((head, rest)) = file.split_at_checked(head_bytes + 4) else {
+        return Err(FormatError::Damaged("it ends within its header"));
+    };
     let dims = UVec3::new(number(12), number(16), number(20));
     let voxel_size = Vec3::from([24, 28, 32].map(|at| f32::from_bits(number(at))));
     Grid::check(dims, voxel_size, limits.grid_bytes)?;
@@ -182,8 +206,11 @@ pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> 
     let cut = FormatError::Damaged("it ends within its table");
     let tail_bytes = count as usize * ENTRY_BYTES + text_bytes as usize;
     let (tail, body) = rest.split_at_checked(tail_bytes).ok_or(cut)?;
-    if checksum(&head[..HEADER_BYTES - 4], tail) != number(HEADER_BYTES - 4) {
+    if checksum(&head[..head_bytes], tail) != number(head_bytes) {
         return Err(FormatError::Damaged("the checksum of its header is wrong"));
+    }
+    if flags & !(FLAG_MASK | FLAG_CUBES) != 0 {
+        return Err(FormatError::Damaged("its flags are unknown"));
     }
     let (table, texts) = tail.split_at(count as usize * ENTRY_BYTES);
     let entries = table.as_chunks::<ENTRY_BYTES>().0.iter().map(|entry| {
@@ -198,7 +225,7 @@ pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> 
         left -= bricks;
     }
     let packed: u64 = entries.iter().map(|entry| u64::from(entry.packed_bytes)).sum();
-    let has_mask = version == VERSION_WITH_MASK;
+    let has_mask = flags & FLAG_MASK != 0;
     if packed > body.len() as u64 || (packed < body.len() as u64) != has_mask {
         return Err(FormatError::Damaged("it is shorter or longer than it says"));
     }
@@ -218,8 +245,12 @@ pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> 
         texts: unpacked_texts(texts)?,
         chunk_bricks: chunk_bricks as usize,
         entries,
-        body: HEADER_BYTES + tail_bytes,
+        body: head.len() + tail_bytes,
         has_mask,
+        surface: match flags & FLAG_CUBES {
+            0 => SurfaceKind::Smooth,
+            _ => SurfaceKind::Cubes,
+        },
     })
 }
 
@@ -258,7 +289,7 @@ pub fn read(
     for (brick, page) in pages?.into_iter().flatten() {
         material.swap_page(brick, Some(page));
     }
-    let mut contents = Contents::new(grid, material);
+    let mut contents = Contents { surface: header.surface, ..Contents::new(grid, material) };
     if header.has_mask {
         contents.mask = Some(Box::new(read_mask(rest, &contents.grid, limits)?));
         contents.drop_empty_mask();

@@ -91,11 +91,36 @@ fn limits_are_asked_before_memory_is_taken() {
     assert!(matches!(read(&file, &limits, &()), Err(FormatError::ColourMemory { .. })));
     assert!(matches!(read(b"PVM3\n", &limits, &()), Err(FormatError::NotVsc(_))));
     let mut newer = file.clone();
-    newer[8] = 3;
-    assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::VscVersion(3))));
+    newer[8] = 4;
+    assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::VscVersion(4))));
     // One with a mask must have it.
     newer[8] = 2;
     assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::Damaged(_))));
+}
+
+/// Sculptures are written in the lowest version that has room for them, and those of earlier programs are smooth.
+#[test]
+fn cubes_are_kept_with_and_without_a_mask() {
+    let smooth = sculpture([40, 30, 20], ColourDepth::Bits16, 4);
+    let masked = Contents { mask: Some(Box::new(smooth.grid.clone())), ..smooth.clone() };
+    for (contents, usual) in [(smooth, 1), (masked, 2)] {
+        for (surface, version) in [(SurfaceKind::Smooth, usual), (SurfaceKind::Cubes, 3)] {
+            let contents = Contents { surface, ..contents.clone() };
+            let file = write(&contents, &texts(), &()).unwrap();
+            assert_eq!(file[8], version);
+            assert!(read(&file, &Limits::default(), &()).unwrap() == (contents, texts()));
+        }
+    }
+    let contents = sculpture([40, 30, 20], ColourDepth::Bits16, 4);
+    let contents = Contents { surface: SurfaceKind::Cubes, ..contents };
+    let file = write(&contents, &texts(), &()).unwrap();
+    for len in 0..file.len() {
+        assert!(read(&file[..len], &Limits::default(), &()).is_err(), "{len}");
+    }
+    let mut unknown = file.clone();
+    unknown[START_BYTES] |= 4;
+    sign(&mut unknown);
+    assert!(matches!(read(&unknown, &Limits::default(), &()), Err(FormatError::Damaged(_))));
 }
 
 /// Makes all checksums right again, so that what lies behind them is tested.
@@ -104,19 +129,21 @@ fn sign(file: &mut [u8]) {
         file.get(at..at + 4).map_or(0, |b| u32::from_le_bytes(b.try_into().unwrap()) as usize)
     };
     let (count, texts) = (number(file, 44), number(file, 48));
-    let body = HEADER_BYTES.saturating_add(count.saturating_mul(ENTRY_BYTES)).saturating_add(texts);
+    let head = START_BYTES + if number(file, 8) == VERSION_WITH_FLAGS as usize { 4 } else { 0 };
+    let table = head + 4;
+    let body = table.saturating_add(count.saturating_mul(ENTRY_BYTES)).saturating_add(texts);
     if body > file.len() {
         return;
     }
     let mut from = body;
-    for entry in (HEADER_BYTES..HEADER_BYTES + count * ENTRY_BYTES).step_by(ENTRY_BYTES) {
+    for entry in (table..table + count * ENTRY_BYTES).step_by(ENTRY_BYTES) {
         let to = from.saturating_add(number(file, entry)).min(file.len());
         let crc = crc32fast::hash(&file[from..to]);
         file[entry + 12..entry + 16].copy_from_slice(&crc.to_le_bytes());
         from = to;
     }
-    let crc = checksum(&file[..HEADER_BYTES - 4], &file[HEADER_BYTES..body]);
-    file[HEADER_BYTES - 4..HEADER_BYTES].copy_from_slice(&crc.to_le_bytes());
+    let crc = checksum(&file[..head], &file[table..body]);
+    file[head..table].copy_from_slice(&crc.to_le_bytes());
 }
 
 proptest! {

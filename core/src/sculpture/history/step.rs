@@ -12,7 +12,31 @@ use crate::sculpture::material::Material;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::record::BrickRecord;
 
-/// All that undo restores: existence bits, colours and the mask.
+/// The form in which near voxels are shown, and proposed for their mesh.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum SurfaceKind {
+    /// The smooth surface between them: clay and scans.
+    #[default]
+    Smooth,
+    /// Their cubes: models of voxel editors.
+    Cubes,
+}
+
+impl SurfaceKind {
+    /// All kinds with their names in the text form.
+    pub const NAMED: [(SurfaceKind, &'static str); 2] =
+        [(SurfaceKind::Smooth, "smooth"), (SurfaceKind::Cubes, "cubes")];
+
+    /// Its name in the text form.
+    pub fn name(self) -> &'static str {
+        match self {
+            SurfaceKind::Smooth => "smooth",
+            SurfaceKind::Cubes => "cubes",
+        }
+    }
+}
+
+/// All that undo restores: existence bits, colours, the mask and the kind of surface.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Contents {
     /// Which voxels exist.
@@ -21,12 +45,14 @@ pub struct Contents {
     pub material: Material,
     /// Which voxels, existing or not, are protected from all tools: a grid of the same size. None if there are none.
     pub mask: Option<Box<Grid>>,
+    /// The form in which near voxels are shown.
+    pub surface: SurfaceKind,
 }
 
 impl Contents {
     /// Bits and colours with nothing protected.
     pub fn new(grid: Grid, material: Material) -> Contents {
-        Contents { grid, material, mask: None }
+        Contents { grid, material, mask: None, surface: SurfaceKind::default() }
     }
 
     /// A grid as contents without colours or a mask of its own.
@@ -75,6 +101,8 @@ pub enum Change {
         /// The sculpture as it was.
         before: Option<Box<Contents>>,
     },
+    /// The kind of surface, which was this one.
+    Surface(SurfaceKind),
     /// One of the above, which a [`super::StepStore`] keeps.
     Stored(Stored),
 }
@@ -94,6 +122,7 @@ impl Change {
             Change::Bricks(record) => record.heap_bytes(),
             Change::Whole(old) => old.kept_bytes(),
             Change::Oriented { before, .. } => before.as_ref().map_or(0, |old| old.kept_bytes()),
+            Change::Surface(_) => 0,
             Change::Stored(_) => STUB_BYTES,
         }
     }

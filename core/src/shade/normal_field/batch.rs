@@ -18,6 +18,7 @@ use super::pages::SurfaceRecord;
 use super::window::{Samples, Sums, SurfaceMask, Wanted, sample};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BrickKind;
+use crate::shade::occlusion::Filled;
 
 /// Bricks around the targets whose samples count.
 const MARGIN_BRICKS: i32 = 2;
@@ -86,11 +87,9 @@ fn estimates(samples: &Samples, records: &mut Vec<SurfaceRecord>) {
             let voxel = Vec3::new((bit & 7) as f32, (bit >> 3) as f32, z as f32) + 0.5;
             let normal = samples.normal(records.len());
             let depth_vx = (samples.position(records.len()) - voxel).dot(normal);
-            records.push(SurfaceRecord::new(
-                PackedNormal::pack(normal),
-                PackedDepth::pack(depth_vx),
-                samples.openness[64 * z + bit],
-            ));
+            let depth = PackedDepth::pack(depth_vx);
+            let open = samples.filling[64 * z + bit].openness_at(depth.vx());
+            records.push(SurfaceRecord::new(PackedNormal::pack(normal), depth, open));
         }
     }
 }
@@ -114,6 +113,8 @@ impl SurfaceOf<'_> {
 struct Scratch {
     sums: Sums,
     neighbourhood: Neighbourhood,
+    /// What is filled around the surface voxels.
+    filled: Vec<Filled>,
 }
 
 thread_local! {
@@ -161,7 +162,7 @@ impl Batch {
         let sampled = |place: &Place, out: &mut Sampled| {
             SCRATCH.with_borrow_mut(|scratch| {
                 dispatch!(level, simd => {
-                    let wanted = Wanted { words: place.words, openness: place.stage == TARGET };
+                    let wanted = Wanted { words: place.words, filling: place.stage == TARGET };
                     sample(
                         simd,
                         grid,
@@ -205,22 +206,17 @@ impl Batch {
             out.clear();
             let Some(own) = place_of(place.brick) else { return };
             let own = &samples[own].samples;
-            for (z, layer) in own.mask.layers.into_iter().enumerate() {
-                for bit in bits(layer) {
-                    let openness = own.openness[64 * z + bit];
-                    out.push(SurfaceRecord::new(
-                        PackedNormal::NONE,
-                        PackedDepth::default(),
-                        openness,
-                    ));
-                }
-            }
             let around = |offset| {
                 let place = place_of(place.brick + offset)?;
                 Some((&samples[place].cells, filtered.get(place)?))
             };
             SCRATCH.with_borrow_mut(|scratch| {
-                let neighbourhood = &mut scratch.neighbourhood;
+                let Scratch { neighbourhood, filled, .. } = &mut **scratch;
+                filled.clear();
+                for (z, layer) in own.mask.layers.into_iter().enumerate() {
+                    filled.extend(bits(layer).map(|bit| own.filling[64 * z + bit]));
+                }
+                out.resize(filled.len(), SurfaceRecord::NONE);
                 dispatch!(level, simd => filter_voxels(
                     simd,
                     own,
@@ -230,7 +226,7 @@ impl Batch {
                     |i, normal, depth_vx| {
                         let (normal, depth) =
                             (PackedNormal::pack(normal), PackedDepth::pack(depth_vx));
-                        out[i] = SurfaceRecord::new(normal, depth, out[i].openness());
+                        out[i] = SurfaceRecord::new(normal, depth, filled[i].openness_at(depth.vx()));
                     },
                 ));
             });

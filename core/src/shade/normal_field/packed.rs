@@ -24,6 +24,12 @@ impl PackedDepth {
     /// A voxel that exists is not outside, and a surface has no depth beyond the voxels next to it.
     const RANGE: [f32; 2] = [3.0, 127.0];
 
+    /// The depth in voxels.
+    #[inline(always)]
+    pub fn vx(self) -> f32 {
+        f32::from(self.0) * (1.0 / Self::PER_VX)
+    }
+
     /// Packs a depth in voxels, limited to what a surface voxel can have.
     #[inline(always)]
     pub fn pack(depth_vx: f32) -> PackedDepth {

@@ -20,6 +20,10 @@ use crate::surface::{IndexMap, PixelRect, PixelRects};
 const DEFERRED_PORTION: usize = 256;
 /// Most bricks that are refined at once for a picture that must come at once.
 const PROMPT_PORTION: usize = 24;
+/// Most bricks that a picture may show by first estimates: of all of a sculpture that fills a screen. Beyond it, or beyond
+/// [`MOST_AT_ONCE`] that are to be refined, normals are computed in portions, and until then every picture waits for some
+/// of them and finds the others itself: of edits after an undo of many at once that was far more than these estimates.
+const MOST_ESTIMATED: usize = 1 << 15;
 /// Rows of a picture in which a thread looks for bricks.
 const ROWS_AT_ONCE: usize = 64;
 
@@ -46,7 +50,11 @@ impl NormalField {
         }
         let mut targets = Vec::new();
         seen.collect_into(&mut targets);
-        if targets.len() > MOST_AT_ONCE {
+        let most = match precision {
+            Precision::Estimated => MOST_ESTIMATED,
+            Precision::Refined => MOST_AT_ONCE,
+        };
+        if targets.len() > most {
             return;
         }
         let inexact = std::mem::take(&mut self.inexact);

@@ -16,7 +16,7 @@ use glam::{IVec3, Vec3};
 
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
-use crate::shade::occlusion::{self, BrickOpenness, WordsAround};
+use crate::shade::occlusion::{self, BrickFilling, WordsAround};
 
 /// Reach of the smoothing along each axis.
 pub const WINDOW_REACH_VX: usize = 4;
@@ -131,8 +131,8 @@ pub struct Samples {
     pub normals: [Vec<f32>; 3],
     /// 0 to 1.
     pub planarity: Vec<f32>,
-    /// Of all voxels of a brick with surface, where it was asked for: 255 for all light, `x + 8 y + 64 z`.
-    pub openness: BrickOpenness,
+    /// Around all voxels of a brick with surface, where it was asked for: `x + 8 y + 64 z`.
+    pub filling: BrickFilling,
 }
 
 impl Samples {
@@ -180,8 +180,8 @@ impl Default for Sums {
 pub struct Wanted {
     /// The words with samples: a bit each.
     pub words: u8,
-    /// The openness of its voxels.
-    pub openness: bool,
+    /// How much around its voxels is filled.
+    pub filling: bool,
 }
 
 /// Replaces `samples` by those of the brick at brick coordinates `brick`. Their mask is that of the wanted words.
@@ -201,8 +201,8 @@ pub fn sample<S: Simd>(
     if samples.mask == SurfaceMask::default() {
         return;
     }
-    if wanted.openness {
-        samples.openness.fill(&occlusion::table_of(&words));
+    if wanted.filling {
+        samples.filling.fill(&occlusion::table_of(&words));
     }
     // The rows and layers of voxels that have samples, and those of the cube that these depend on.
     let (mut all, mut layers) = (0, 0);
