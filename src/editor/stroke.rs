@@ -9,6 +9,7 @@ use super::Editor;
 use super::dabs::Dabs;
 use super::deform::HeldClay;
 use super::path::Path;
+use super::pressure::PenTool;
 use super::sprays::SprayOptions;
 use super::sweep::{Leg, Sweep};
 use super::tool::ToolState;
@@ -19,7 +20,7 @@ use crate::picking::geometry::{lasting, surface_point};
 use crate::sculpture::Grid;
 use crate::surface::IndexMap;
 use crate::tools::construct::Primitive;
-use crate::tools::footprint::Footprint;
+use crate::tools::footprint::{Footprint, MAX_FOOTPRINT};
 use crate::tools::spray::SprayKind;
 
 /// Spacing of a spray's path as a share of its radius.
@@ -110,6 +111,8 @@ pub(super) struct Stroke {
     pub tried: Vec<Command>,
     /// It has added, and would have gone on beyond the walls of the grid.
     pub beyond: bool,
+    /// It takes paint away instead of putting it on.
+    pub unpaints: bool,
 }
 
 impl Stroke {
@@ -120,7 +123,7 @@ impl Stroke {
 
     /// A stroke that has done nothing yet.
     pub fn new(work: Work, path: Path) -> Stroke {
-        Stroke { work, path, changed: 0, tried: Vec::new(), beyond: false }
+        Stroke { work, path, changed: 0, tried: Vec::new(), beyond: false, unpaints: false }
     }
 
     /// Whether a tool that deforms clay is at work.
@@ -181,6 +184,7 @@ impl Editor {
         &mut self,
         kind: SprayKind,
         options: SprayOptions,
+        unpaints: bool,
         at: Vec2,
         picker: &Picker,
     ) {
@@ -190,21 +194,24 @@ impl Editor {
         if kind.gives_colour() {
             self.tool.used_colour();
         }
+        self.grip.begin();
         let share = match kind {
             // Beside each other, since one over another would blur the image.
-            SprayKind::Paintbrush if self.tool.stencil.is_some() => 2.0,
+            SprayKind::Paintbrush if self.tool.stencil.is_some() && !unpaints => 2.0,
             _ => SPACING,
         };
         let spacing = (share * options.radius_px).max(1.0);
         let path = Path::new(at.extend(0.0), spacing, Vec3::ONE);
-        self.stroke = Some(Stroke::new(Work::Spray { kind, options }, path));
+        let work = Work::Spray { kind, options };
+        self.stroke = Some(Stroke { unpaints, ..Stroke::new(work, path) });
         self.spray_at(&[at.extend(0.0)], picker);
     }
 
     /// Leads the stroke of a spray to a point of the picture.
     pub(super) fn lead_spray(&mut self, to: Vec2, picker: &Picker) {
         let mut stops = Vec::new();
-        if let Some(Stroke { work: Work::Spray { .. }, path, .. }) = &mut self.stroke {
+        if let Some(Stroke { work: Work::Spray { kind, .. }, path, .. }) = &mut self.stroke {
+            path.scale(self.tool.pens.of(PenTool::Spray(*kind)).size(self.grip.now));
             path.line_to(to.extend(0.0), |stop| stops.push(stop));
         }
         self.spray_at(&stops, picker);
@@ -212,15 +219,16 @@ impl Editor {
 
     /// Uses the spray at points of the picture as it was last shown.
     fn spray_at(&mut self, stops: &[Vec3], picker: &Picker) {
-        for stop in stops {
+        for (stop, touch) in stops.iter().zip(self.grip.on_way(stops.len())) {
             let Some(Stroke { work: Work::Spray { kind, options }, .. }) = &self.stroke else {
                 return;
             };
+            let options = options.touched(*kind, self.tool.pens.of(PenTool::Spray(*kind)), touch);
             let Some(map) = picker.map() else { return };
             let pixel = stop.truncate().max(Vec2::ZERO).as_uvec2().min(map.rays.size - 1);
             let (radius, outline) = (options.radius_px, options.outline);
             let footprint = Footprint::of_pixel(&map.rays, pixel, radius, outline);
-            let command = self.tool.spray_command(*kind, options, footprint);
+            let command = self.tool_in_use().spray_command(*kind, &options, footprint);
             if !self.execute(&command) {
                 self.cancel_stroke();
             }
@@ -263,18 +271,23 @@ impl Editor {
 
     fn use_held_spray(&mut self, footprint: Footprint) {
         if let Some(Stroke { work: Work::HeldSpray { kind, options }, .. }) = &self.stroke {
-            let command = self.tool.spray_command(*kind, options, footprint);
+            let by = self.tool.pens.of(PenTool::Spray(*kind));
+            let options = options.touched(*kind, by, self.grip.now);
+            let radius = footprint.radius * by.size(self.grip.now);
+            let footprint = Footprint { radius: radius.min(MAX_FOOTPRINT), ..footprint };
+            let command = self.tool.spray_command(*kind, &options, footprint);
             if !self.execute(&command) {
                 self.cancel_stroke();
             }
         }
     }
 
-    /// Opens a stroke where the tool is and uses the tool there.
-    pub(super) fn begin_stroke(&mut self, mode: ToolMode, guide: Guide) {
+    /// Opens a stroke where the tool is and uses the tool there. `unpaints`: what it paints is the bare colour.
+    pub(super) fn begin_stroke(&mut self, mode: ToolMode, unpaints: bool, guide: Guide) {
         if self.stroke.is_some() {
             return;
         }
+        self.grip.begin();
         let command = self.tool.command(mode, &Leg::place(&self.tool.primitive()));
         if !self.execute(&Command::Begin { label: command.label() }) {
             return;
@@ -283,10 +296,13 @@ impl Editor {
         let edges = edges / edges.min_element();
         let sweep = Sweep::new(&self.tool.primitive(), edges);
         let path = Path::new(Vec3::ZERO, 1.0, Vec3::ONE);
-        self.stroke = Some(Stroke::new(Work::Solid { mode, guide, sweep }, path));
-        if mode == ToolMode::Add || mode == ToolMode::Recolour && self.tool.picture.is_none() {
+        let work = Work::Solid { mode, guide, sweep };
+        self.stroke = Some(Stroke { unpaints, ..Stroke::new(work, path) });
+        let paints = mode == ToolMode::Recolour && self.tool.picture.is_none() && !unpaints;
+        if mode == ToolMode::Add || paints {
             self.tool.used_colour();
         }
+        let command = self.tool_in_use().command(mode, &Leg::place(&self.tool.primitive()));
         if !self.execute(&command) {
             self.cancel_stroke();
         }
@@ -376,7 +392,7 @@ impl Editor {
             let Some(Stroke { work: Work::Solid { mode, .. }, .. }) = &self.stroke else {
                 return;
             };
-            if !self.execute(&self.tool.command(*mode, leg)) {
+            if !self.execute(&self.tool_in_use().command(*mode, leg)) {
                 self.cancel_stroke();
             }
         }
@@ -395,7 +411,7 @@ impl Editor {
     pub(super) fn end_stroke(&mut self) {
         self.catch_up();
         self.finish_sweep();
-        self.pressure = 1.0;
+        self.set_touch(None);
         let Some(stroke) = self.stroke.take() else { return };
         self.note_worked();
         if !self.execute(&Command::End) {

@@ -9,6 +9,7 @@ use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
 use super::deform::{DeformOptions, Deforms};
 use super::draw::DrawOptions;
+use super::pressure::{PenUse, PenUses};
 use super::sprays::{SprayOptions, Sprays};
 use super::symmetry::Placed;
 use super::tool_change::ToolChange;
@@ -54,6 +55,8 @@ pub struct ToolState {
     pub deform: DeformKind,
     pub deforms: Deforms,
     pub draws: DrawOptions,
+    /// The lead of a pen over each brush.
+    pub pens: PenUses,
     pub mode: ToolMode,
     half: Vec3,
     /// A change of one half extent changes all in proportion.
@@ -144,6 +147,8 @@ pub enum ToolEdit {
     Spray(SprayKind, SprayOptions),
     Deform(DeformKind, DeformOptions),
     Draw(DrawOptions),
+    /// The lead of a pen over the brush in hand.
+    Pen(PenUse),
     Array(ArrayOptions),
 }
 
@@ -157,6 +162,7 @@ impl ToolState {
             deform: DeformKind::default(),
             deforms: Deforms::default(),
             draws: DrawOptions::default(),
+            pens: PenUses::default(),
             mode: ToolMode::default(),
             half: Vec3::ONE,
             uniform: true,
@@ -211,6 +217,11 @@ impl ToolState {
             ToolEdit::Spray(kind, options) => *self.sprays.of_mut(kind) = options,
             ToolEdit::Deform(kind, options) => *self.deforms.of_mut(kind) = options,
             ToolEdit::Draw(options) => self.draws = options,
+            ToolEdit::Pen(chosen) => {
+                if let Some(brush) = self.brush() {
+                    self.pens.set(brush, chosen);
+                }
+            }
             ToolEdit::Array(array) => self.array = array,
         }
     }

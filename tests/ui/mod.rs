@@ -16,6 +16,7 @@ mod masks;
 mod memory;
 mod palette;
 mod panels;
+mod pens;
 mod pictures;
 mod presets;
 mod pressure;
