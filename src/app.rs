@@ -5,6 +5,7 @@
 
 mod detached;
 mod dispatch;
+mod error;
 mod film;
 mod final_picture;
 mod first_run;
@@ -18,6 +19,7 @@ mod overlay;
 mod painter;
 mod pane;
 mod paste;
+mod pens;
 mod print_check;
 mod references;
 mod screenshot;
@@ -43,10 +45,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use thiserror::Error;
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
-use winit::error::{EventLoopError, OsError};
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::WindowId;
@@ -56,7 +56,6 @@ use crate::editor::recovery::{self, Kept};
 use crate::folders;
 use crate::gpu::{DeviceOptions, GpuError};
 use crate::input::Bindings;
-use crate::input::bindings::BindingsError;
 use crate::input::pad::device as pad_device;
 use crate::input::pad::device::PadNews;
 use crate::journal::JournalOptions;
@@ -64,10 +63,12 @@ use crate::screen::headset::XrEvent;
 use crate::session::Session;
 
 use detached::DetachedPanels;
+pub use error::AppError;
 use headset::{Connection, Headset};
 use main_window::MainWindow;
 pub use memory::remembered_up;
 use pane::Frame;
+use pens::WindowPens;
 pub use workspace::Workspace;
 
 /// Smallest window in points for which the panels are laid out.
@@ -82,25 +83,6 @@ const BRIEFLY: Duration = Duration::from_millis(2);
 const ASK_AGAIN: Duration = Duration::from_millis(250);
 /// Interval of redraws of the window while a headset is used.
 const MIRROR_EVERY: Duration = Duration::from_millis(100);
-
-/// Why the program ended.
-#[derive(Debug, Error)]
-pub enum AppError {
-    #[error("cannot open a window: {}", system_window::without_place(.0))]
-    EventLoop(#[from] EventLoopError),
-    #[error("cannot open a window: {}", system_window::without_place(.0))]
-    Window(#[from] OsError),
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    #[error("a preset of controls cannot be used: {0}")]
-    Bindings(#[from] BindingsError),
-    #[error("{error}; the sculpture was saved to {path}")]
-    Recovered { error: GpuError, path: PathBuf },
-    #[error("{error}; what was done until then is in the journal {path}: the next start offers it")]
-    Kept { error: GpuError, path: PathBuf },
-    #[error("the validation layers reported {0} messages")]
-    Validation(usize),
-}
 
 /// Opens the window, on a device made with `device`, and works on `session` until the user leaves.
 /// `eye_screenshots`: a folder for pictures of what the eyes in a headset see. `journals`: where earlier sessions may
@@ -133,6 +115,7 @@ pub fn run(
     let mut app = App {
         workspace,
         headset,
+        pens: WindowPens::new(event_loop.create_proxy()),
         mirrored: None,
         config,
         device,
@@ -153,12 +136,15 @@ pub fn run(
 enum Wake {
     Pad(PadNews),
     Headset(Connection, XrEvent),
+    Pen,
 }
 
 /// The program in a window.
 struct App {
     workspace: Workspace,
     headset: Option<Headset>,
+    /// Dropped before the windows.
+    pens: WindowPens,
     /// When the window was last redrawn for the headset.
     mirrored: Option<Instant>,
     config: Config,
@@ -201,7 +187,9 @@ impl App {
         view.play_pad(&mut self.workspace, (started - self.started).as_secs_f64());
         self.workspace.on_screen(view.pane.monitor());
         self.workspace.track();
+        self.pens.play(Some(view), &mut self.detached, &mut self.workspace);
         let interface = view.interface(&mut self.workspace);
+        self.pens.show_cursor(interface.cursor);
         self.workspace.shake_pad(self.started.elapsed().as_secs_f64());
         let pad_needs = self.workspace.controls.pads.is_active().then_some(Duration::ZERO);
         let mut again = pad_needs.unwrap_or(interface.repaint_after);
@@ -280,6 +268,7 @@ impl App {
         let view = MainWindow::new(window, &self.device)?;
         self.workspace.ui.view.suit_device(view.device().is_software());
         self.view = Some(view);
+        self.pens.listen(event_loop.owned_display_handle());
         Ok(())
     }
 
@@ -423,6 +412,9 @@ impl ApplicationHandler<Wake> for App {
                 self.redraw();
             }
             Wake::Headset(connection, event) => self.handle_headset(connection, event),
+            Wake::Pen => {
+                self.pens.play(self.view.as_mut(), &mut self.detached, &mut self.workspace);
+            }
         }
     }
 

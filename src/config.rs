@@ -18,6 +18,7 @@ use crate::format::{FormatError, load_matcap, store};
 use crate::gpu::{DeviceOptions, GpuOptions};
 use crate::head_tracking::{ScreenOptions, TrackingOptions};
 use crate::input::pad::GamepadOptions;
+use crate::input::pen::PenOptions;
 use crate::options::InvalidOption;
 use crate::picture::PictureOptions;
 use crate::render::light::MatcapFile;
@@ -68,6 +69,7 @@ pub struct Config {
     pub stereo: StereoOptions,
     pub video: VideoOptions,
     pub gamepad: GamepadOptions,
+    pub pen: PenOptions,
     pub tracking: TrackingOptions,
     pub screen: ScreenOptions,
     pub ar: ArOptions,
@@ -130,6 +132,7 @@ impl Config {
             ("render", self.render.check()),
             ("window", self.window.check()),
             ("gamepad", self.gamepad.check()),
+            ("pen", self.pen.check()),
             ("stereo", self.stereo.check()),
             ("light", self.light.check()),
             ("headset", self.headset.check()),
@@ -176,6 +179,7 @@ impl Config {
             stereo: &self.stereo,
             video: &self.video,
             headset: &self.headset,
+            pen: self.pen.curve(),
         }
     }
 
@@ -256,6 +260,8 @@ mod tests {
             ("[light]\nmatcap = \"/nowhere/ball.png\"", "light.matcap = /nowhere/ball.png"),
             ("[window]\nscale = 9.0", "window.scale"),
             ("[gamepad]\ndead_zone = 1.0", "gamepad.dead_zone"),
+            ("[pen]\ncurve = 0.0", "pen.curve"),
+            ("[pen]\nfull_at = nan", "pen.full_at"),
             ("[gamepad]\nmove_speed = nan", "gamepad.move_speed"),
             ("[gamepad]\nmode = \"fly\"", "fly"),
             ("[stereo]\nlayout = \"holo\"", "holo"),

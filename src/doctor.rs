@@ -3,7 +3,7 @@
 
 use crate::folders::{self, personal_file};
 use crate::gpu;
-use crate::screen::headset;
+use crate::screen::{headset, pen};
 
 /// The facts that any report of a fault needs: the program, the system and the folders, a line each.
 pub fn system() -> Vec<String> {
@@ -77,6 +77,7 @@ pub fn report() -> String {
     });
     lines.extend(vulkan());
     lines.push(gamepads());
+    lines.push(format!("pens: {}", pen::survey()));
     lines.push(cameras());
     lines.push(match headset::probe() {
         Ok(runtime) => format!(

@@ -18,6 +18,7 @@ use super::system_window;
 use super::workspace::Workspace;
 use crate::gpu::{Device, GpuError};
 use crate::input::Panel;
+use crate::screen::pen::WindowKey;
 use crate::ui::state::PanelPlace;
 use crate::ui::theme;
 
@@ -84,6 +85,16 @@ impl DetachedPanels {
 
     pub fn get_mut(&mut self, id: WindowId) -> Option<&mut PanelWindow> {
         self.windows.iter_mut().find(|window| window.pane.id() == id)
+    }
+
+    /// By what the window system names the windows when it tells of pens.
+    pub fn pen_keys(&self) -> impl Iterator<Item = Option<WindowKey>> {
+        self.windows.iter().map(|window| window.pane.pen_key())
+    }
+
+    /// The window that a pen is over.
+    pub fn with_pen(&mut self, key: WindowKey) -> Option<&mut PanelWindow> {
+        self.windows.iter_mut().find(|window| window.pane.pen_key() == Some(key))
     }
 
     /// Something happened that panels may have to show.

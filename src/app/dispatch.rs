@@ -199,6 +199,7 @@ impl Workspace {
             }
             ActionEvent::Wheel { .. } => {}
             ActionEvent::Left => self.editor.set_pointer(None),
+            ActionEvent::Touch(touch) => self.touched(touch),
         }
         self.settle();
     }

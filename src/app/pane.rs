@@ -17,7 +17,9 @@ use winit::window::{Window, WindowId};
 use crate::gpu::{
     Attachment, Device, EyeImage, Frames, GpuError, ImagePart, Load, Recorder, Surface, Use,
 };
+use crate::input::pen::{PenPointer, PenSample};
 use crate::render::gui::{Gui, TextureChanges};
+use crate::screen::pen::WindowKey;
 use crate::screen::window::{Target, WindowScreen};
 use crate::view::StereoLayout;
 use crate::viewpoint::head::Monitor;
@@ -58,6 +60,8 @@ pub struct Pane {
     /// Changes of the interface's textures that are not yet uploaded or freed.
     textures: TextureChanges,
     glyphs: Glyphs,
+    /// The pointer of a pen, where the window system sends none for it.
+    pen: PenPointer,
 }
 
 /// A picture being recorded.
@@ -74,6 +78,7 @@ pub struct Interface {
     pub pixels_per_point: f32,
     /// When the interface is to be redrawn without an event.
     pub repaint_after: Duration,
+    pub cursor: egui::CursorIcon,
 }
 
 impl Pane {
@@ -110,6 +115,7 @@ impl Pane {
             missed: false,
             textures: TextureChanges::default(),
             glyphs: Glyphs::default(),
+            pen: PenPointer::default(),
         })
     }
 
@@ -262,6 +268,27 @@ impl Pane {
         }
     }
 
+    /// By what the window system names the window when it tells of pens.
+    pub fn pen_key(&self) -> Option<WindowKey> {
+        WindowKey::of(&self.window)
+    }
+
+    /// Takes what a pen does over the window; gives it with its place in the picture of the eye that is seen there. Where
+    /// no other pointer is sent for it (`leads_pointer`; its place is in points then) the next pass hears one.
+    pub fn hear_pen(&mut self, sample: &PenSample, leads_pointer: bool) -> PenSample {
+        let scale = if leads_pointer { self.window.scale_factor() as f32 } else { 1.0 };
+        let size: [u32; 2] = self.window.inner_size().into();
+        let (eye, position_px) = self.layout.unfold(sample.position_px * scale, size.into());
+        let sample = PenSample { position_px, ..*sample };
+        if leads_pointer {
+            self.pointing_eye = eye;
+            let modifiers = self.context().input(|input| input.modifiers);
+            let events = self.pen.events(&sample, self.pixels_per_point(), modifiers);
+            self.inject(events);
+        }
+        sample
+    }
+
     /// Hears an event of the window; true if it calls for another picture.
     pub fn handle_event(&mut self, event: &WindowEvent) -> bool {
         let unfolded = self.unfold(event);
@@ -297,6 +324,7 @@ impl Pane {
         let context = self.egui.egui_ctx().clone();
         let mut output = context.run_ui(input, show);
         put_candidates_at_the_cursor(&mut output.platform_output);
+        let cursor = output.platform_output.cursor_icon;
         self.egui.handle_platform_output(&self.window, output.platform_output);
         let viewport = output.viewport_output.get(&ViewportId::ROOT);
         self.textures.append(output.textures_delta);
@@ -306,6 +334,7 @@ impl Pane {
             shapes: output.shapes,
             pixels_per_point: output.pixels_per_point,
             repaint_after: fonts.map_or(repaint_after, |soon| soon.min(repaint_after)),
+            cursor,
         }
     }
 

@@ -5,6 +5,7 @@
 //! Knows no window and no Vulkan, so that all of it can be tested without either.
 
 mod key_focus;
+mod pens;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -18,8 +19,9 @@ use crate::config::Config;
 use crate::controls::Controls;
 use crate::editor::{Editor, job};
 use crate::gpu::DeviceOptions;
-use crate::input::events::{Viewport as InputArea, device_events, touch_of};
+use crate::input::events::{Viewport as InputArea, device_events};
 use crate::input::pad::device::PadNews;
+use crate::input::pen::PenTrack;
 use crate::input::{Action, ActionEvent, Bindings, Panel, Side};
 use crate::journal::JournalOptions;
 use crate::picking::Picker;
@@ -57,6 +59,8 @@ pub struct Workspace {
     pub controls: Controls,
     pub ui: UiState,
     pub display: Display,
+    /// The acts of pens over the main window.
+    pub(super) pens: PenTrack,
     /// The owner of the keyboard in the main window, and in those of panels.
     key_focus: BTreeMap<Option<Panel>, KeyFocus>,
     /// Where it is remembered how the program was left, if anywhere.
@@ -89,6 +93,7 @@ impl Workspace {
                 blends: Vec::new(),
                 picture: Rect::ZERO,
             },
+            pens: PenTrack::default(),
             key_focus: BTreeMap::new(),
             memory: None,
             leaving: false,
@@ -246,8 +251,9 @@ impl Workspace {
             keyboard,
             kept,
         };
-        let (events, touched) =
-            root.ctx().input(|input| (device_events(input, &area), is_touched(input)));
+        let (events, touched) = root.ctx().input(|input| {
+            (device_events(input, &area, &mut PenTrack::default()), is_touched(input))
+        });
         for event in self.controls.handle(Some(panel), &events) {
             self.answer_event(&event);
         }
@@ -393,12 +399,10 @@ impl Workspace {
             keyboard,
             kept,
         };
-        let events = ctx.input(|input| device_events(input, &area));
+        self.hear_pen_buttons(ctx);
+        let events = ctx.input(|input| device_events(input, &area, &mut self.pens));
+        self.pens.finish();
         let taps = ctx.input(|input| self.controls.take_shift_taps(&input.events));
-        let touched = ctx.input(|input| touch_of(&input.events));
-        if let Some(force) = touched.force {
-            self.editor.set_pressure(force);
-        }
         let events = self.controls.handle(None, &events);
         let pressed = |event: &ActionEvent| matches!(event, ActionEvent::Begin { at: Some(_), .. });
         let is_pressed = events.iter().any(pressed);
@@ -406,9 +410,6 @@ impl Workspace {
             self.answer_event(&event);
         }
         self.catch_up();
-        if touched.is_over {
-            self.editor.set_pressure(1.0);
-        }
         if area.keyboard {
             taps.into_iter().for_each(|action| self.act(action));
         }

@@ -10,7 +10,7 @@ use super::stroke::{Guide, SurfaceGuide};
 use super::tool::{NextPress, ToolKind};
 use super::{Editor, sprays};
 use crate::command::{Area, Command, MaskChange};
-use crate::input::Action;
+use crate::input::{Action, ToolMode};
 use crate::picking::Picker;
 use crate::sculpture::Placement;
 use crate::sculpture::orientation::Orientation;
@@ -182,7 +182,8 @@ impl Editor {
             } else if tool.kind == ToolKind::Deform {
                 options.radius = tool.deforms.of(tool.deform).radius;
             }
-            self.begin_spray(kind, options, at, picker);
+            let unpaints = action == Action::SculptInverse && kind == SprayKind::Paintbrush;
+            self.begin_spray(kind, options, unpaints, at, picker);
             return;
         }
         if tool.kind == ToolKind::Deform {
@@ -193,14 +194,16 @@ impl Editor {
             return;
         }
         let inverse = action == Action::SculptInverse;
-        let mode = if inverse { tool.mode.inverted() } else { tool.mode };
+        // Paint goes, and the bare colour is seen again.
+        let unpaints = inverse && tool.mode == ToolMode::Recolour;
+        let mode = if inverse && !unpaints { tool.mode.inverted() } else { tool.mode };
         if tool.follow {
             self.lead_tool_to(at, point, picker);
             let grid = self.document().grid();
             let guide = SurfaceGuide::new(at, point, &self.tool, grid, picker);
-            self.begin_stroke(mode, Guide::Surface(guide));
+            self.begin_stroke(mode, unpaints, Guide::Surface(guide));
         } else {
-            self.begin_stroke(mode, Guide::Tool { hovering: None });
+            self.begin_stroke(mode, unpaints, Guide::Tool { hovering: None });
         }
     }
 
@@ -212,7 +215,7 @@ impl Editor {
                     let grid = self.session.document().grid();
                     SurfaceGuide::new(at, point, &self.tool, grid, picker)
                 });
-                self.begin_stroke(self.tool.mode, Guide::Tool { hovering });
+                self.begin_stroke(self.tool.mode, false, Guide::Tool { hovering });
             }
             ToolKind::Marker => self.act(Action::SelectMarker, picker),
             ToolKind::Deform => {
@@ -227,7 +230,7 @@ impl Editor {
             ToolKind::Spray(kind) => {
                 let tool = || picker.sight().pixel_of(self.tool.centre_vx);
                 if let Some(at) = self.pointer.or_else(tool) {
-                    self.begin_spray(kind, *self.tool.sprays.of(kind), at, picker);
+                    self.begin_spray(kind, *self.tool.sprays.of(kind), false, at, picker);
                 }
             }
         }

@@ -9,8 +9,10 @@ use glam::{IVec3, Vec2, Vec3};
 use super::Editor;
 use super::deform::DeformOptions;
 use super::path::Path;
+use super::pressure::{PenTool, PenUse};
 use super::stroke::{LEAP, LOOK_EVERY_PX, MOST_LOOKS, Stroke, SurfaceGuide, Work};
 use crate::command::{Command, SpraySurface};
+use crate::input::pen::PenTouch;
 use crate::picking::Picker;
 use crate::sculpture::Grid;
 use crate::tools::deform::{Brush, Deform, DeformKind, Draw, Plane};
@@ -34,8 +36,9 @@ const STEPS: f32 = 10.0;
 pub(super) struct Dabs {
     kind: DeformKind,
     options: DeformOptions,
-    /// Share of the strength with which it is used now.
-    pressure: f32,
+    /// The lead of a pen over it, and how it touches now.
+    pen: PenUse,
+    touch: PenTouch,
     /// The modifier that inverts the tool was held at the press.
     inverse: bool,
     /// The pointer on the surface; none while something else moves the tool.
@@ -54,8 +57,10 @@ impl Dabs {
     pub fn is_led(&self) -> bool {
         self.guide.is_some()
     }
-    fn strength(&self) -> f32 {
-        self.options.strength * if self.options.by_pressure { self.pressure } else { 1.0 }
+
+    /// The options with which it is used now.
+    fn in_use(&self) -> DeformOptions {
+        self.options.touched(self.pen, self.touch)
     }
 
     /// Whether the normal is that around each use.
@@ -65,8 +70,7 @@ impl Dabs {
 
     /// A use of the brush at a place, in voxels, that moves the clay as it is. None where it goes nowhere.
     fn motion(&self, at: Vec3) -> Option<Grab> {
-        let DeformOptions { radius, falloff, .. } = self.options;
-        let strength = self.strength();
+        let DeformOptions { radius, falloff, strength, .. } = self.in_use();
         let sense = if self.inverse { -1.0 } else { 1.0 };
         let (centre_vx, motion) = match self.kind {
             DeformKind::Pinch => {
@@ -93,8 +97,7 @@ impl Dabs {
             let grab = self.motion(at)?;
             return Some(Command::Grab { grab, surface: SpraySurface::Now });
         }
-        let DeformOptions { radius, falloff, .. } = self.options;
-        let strength = self.strength();
+        let DeformOptions { radius, falloff, strength, .. } = self.in_use();
         let plane = Plane { normal: self.normal, strength };
         let sense = if self.inverse { -1.0 } else { 1.0 };
         let height = sense * (strength * HEIGHT * radius).min(MAX_HEIGHT);
@@ -134,9 +137,10 @@ impl Editor {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let spacing = if kind == DeformKind::Crease { CREASE_SPACING } else { SPACING };
         let path = Path::new(start, (spacing * options.radius).max(1.0), edges);
-        let pressure = self.pressure;
-        let dabs =
-            Dabs { kind, options, pressure, inverse, guide, start, normal, last: start, edges };
+        self.grip.begin();
+        let (pen, touch) = (self.tool.pens.of(PenTool::Deform(kind)), self.grip.now);
+        let last = start;
+        let dabs = Dabs { kind, options, pen, touch, inverse, guide, start, normal, last, edges };
         self.stroke = Some(Stroke::new(Work::Dabs(dabs), path));
         self.dab_at(&[start]);
     }
@@ -146,6 +150,7 @@ impl Editor {
         let Some(Stroke { work: Work::Dabs(dabs), path, .. }) = &mut self.stroke else { return };
         let Some(guide) = dabs.guide.as_mut().filter(|_| to.is_finite()) else { return };
         let grid = self.session.document().grid();
+        path.scale(dabs.pen.size(self.grip.now));
         let from = guide.at;
         let to = on_rope(from, to, dabs.options.steady_px);
         let looks = (to.distance(from) / LOOK_EVERY_PX).ceil().clamp(1.0, MOST_LOOKS) as u32;
@@ -168,16 +173,17 @@ impl Editor {
     pub(super) fn dabs_moved(&mut self) {
         let to = self.tool.centre_vx;
         let mut stops = Vec::new();
-        if let Some(Stroke { work: Work::Dabs(_), path, .. }) = &mut self.stroke {
+        if let Some(Stroke { work: Work::Dabs(dabs), path, .. }) = &mut self.stroke {
+            path.scale(dabs.pen.size(self.grip.now));
             path.line_to(to, |stop| stops.push(stop));
         }
         self.dab_at(&stops);
     }
 
     fn dab_at(&mut self, stops: &[Vec3]) {
-        for &stop in stops {
+        for (&stop, touch) in stops.iter().zip(self.grip.on_way(stops.len())) {
             let Some(Stroke { work: Work::Dabs(dabs), .. }) = &mut self.stroke else { return };
-            dabs.pressure = self.pressure;
+            dabs.touch = touch;
             if dabs.turns() {
                 let surface = self.session.document().stroke_surface();
                 let normal = normal_around(surface, stop, dabs.options.radius);

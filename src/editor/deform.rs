@@ -24,8 +24,6 @@ pub struct DeformOptions {
     pub falloff: Falloff,
     /// Length of the rope on which the pointer leads the brush, in pixels; 0 without one.
     pub steady_px: f32,
-    /// Whether a brush is the weaker the less a pen or the trigger of a hand is pressed.
-    pub by_pressure: bool,
 }
 
 /// Longest rope, in pixels.
@@ -39,7 +37,6 @@ impl DeformOptions {
             strength: 1.0,
             falloff: Falloff::default(),
             steady_px: 0.0,
-            by_pressure: true,
         };
         match kind {
             DeformKind::Grab | DeformKind::Twist => options,

@@ -164,7 +164,9 @@ impl Editor {
             return;
         }
         match self.tool.kind {
-            ToolKind::Solid => self.begin_stroke(self.tool.mode, Guide::Tool { hovering: None }),
+            ToolKind::Solid => {
+                self.begin_stroke(self.tool.mode, false, Guide::Tool { hovering: None });
+            }
             ToolKind::Spray(kind) => {
                 if let Some(footprint) = self.held_spray(room) {
                     let options = *self.tool.sprays.of(kind);

@@ -19,6 +19,7 @@ pub mod job;
 mod lead;
 mod marker;
 mod path;
+pub mod pressure;
 pub mod questions;
 pub mod recovery;
 pub mod sizes;
@@ -44,6 +45,7 @@ use hand::HandTool;
 use idle::Walls;
 use job::{Busy, Jobs};
 use marker::MarkerTool;
+use pressure::Grip;
 use questions::{ChangedOnDisk, Next, Unkept};
 use stroke::Stroke;
 use tool::ToolState;
@@ -100,8 +102,8 @@ pub struct Editor {
     rotates_instead: bool,
     /// What the pointer's button holds was ended, and does nothing until it is released.
     lifted: bool,
-    /// How hard a pen or the trigger of a hand is pressed, 0 to 1; 1 where nothing tells.
-    pressure: f32,
+    /// How a pen or the trigger of a hand is pressed; fully where nothing tells.
+    grip: Grip,
     /// The size or the strength of the tool follows the pointer.
     leading: Option<lead::Leading>,
     jobs: Jobs,
@@ -129,7 +131,7 @@ impl Editor {
             pointer: None,
             rotates_instead: false,
             lifted: false,
-            pressure: 1.0,
+            grip: Grip::default(),
             leading: None,
             jobs: Jobs::default(),
             autosave: Autosave::default(),
@@ -163,13 +165,6 @@ impl Editor {
     /// Takes where the pointer is.
     pub fn set_pointer(&mut self, at: Option<Vec2>) {
         self.pointer = at;
-    }
-
-    /// Takes how hard a pen or the trigger of a hand is pressed, 0 to 1.
-    pub fn set_pressure(&mut self, pressure: f32) {
-        if pressure.is_finite() {
-            self.pressure = pressure.clamp(0.0, 1.0);
-        }
     }
 
     /// Whether voxels are being changed by a stroke that is not finished.

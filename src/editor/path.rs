@@ -13,6 +13,8 @@ pub struct Path {
     /// Length drawn since the last sample, in the units of `spacing`.
     since: f32,
     spacing: f32,
+    /// The spacing of a brush of its full size.
+    whole: f32,
     /// Length of a voxel edge on each axis.
     edges: Vec3,
 }
@@ -22,7 +24,14 @@ impl Path {
     /// voxel has `edges`. The start itself counts as sampled.
     pub fn new(start: Vec3, spacing: f32, edges: Vec3) -> Path {
         let spacing = if spacing.is_finite() { spacing.max(1e-3) } else { 1e-3 };
-        Path { at: start, since: 0.0, spacing, edges }
+        Path { at: start, since: 0.0, spacing, whole: spacing, edges }
+    }
+
+    /// The brush has a share of its full size from here on, and so has the spacing, down to one unit.
+    pub fn scale(&mut self, share: f32) {
+        if share.is_finite() {
+            self.spacing = (self.whole * share).max(self.whole.min(1.0));
+        }
     }
 
     /// Goes straight to `to` and gives the samples on the way; to what is too far for any
@@ -32,6 +41,8 @@ impl Path {
         if !to.is_finite() || length == 0.0 {
             return;
         }
+        // The spacing may have become less than what is drawn since the last sample.
+        self.since = self.since.min(self.spacing);
         let first = self.spacing - self.since;
         // Counted, not summed up: far out a step is less than what a number can tell apart.
         let count = ((length - first) / self.spacing).floor() + 1.0;
@@ -89,6 +100,20 @@ mod tests {
         assert_eq!(xs, [2.5, 5.0, 7.5, 10.0]);
         let flat = samples(&[Vec3::ZERO, Vec3::Z * 10.0], 4.0, Vec3::new(1.0, 1.0, 2.0));
         assert_eq!(flat.len(), 5, "long voxels count as long");
+    }
+
+    #[test]
+    fn a_smaller_brush_is_used_closer_together() {
+        let mut path = Path::new(Vec3::ZERO, 4.0, Vec3::ONE);
+        let mut xs = Vec::new();
+        path.line_to(Vec3::X * 7.0, |s| xs.push(s.x));
+        path.scale(0.5);
+        path.line_to(Vec3::X * 10.0, |s| xs.push(s.x));
+        path.scale(f32::NAN);
+        path.line_to(Vec3::X * 12.0, |s| xs.push(s.x));
+        path.scale(1e-6);
+        path.line_to(Vec3::X * 14.0, |s| xs.push(s.x));
+        assert_eq!(xs, [4.0, 7.0, 9.0, 11.0, 12.0, 13.0, 14.0]);
     }
 
     #[test]

@@ -9,6 +9,7 @@ use super::Editor;
 use super::dabs::Dabs;
 use super::deform::HeldClay;
 use super::path::Path;
+use super::pressure::PenTool;
 use super::sprays::SprayOptions;
 use super::sweep::{Leg, Sweep};
 use super::tool::ToolState;
@@ -19,7 +20,7 @@ use crate::picking::geometry::{lasting, surface_point};
 use crate::sculpture::Grid;
 use crate::surface::IndexMap;
 use crate::tools::construct::Primitive;
-use crate::tools::footprint::Footprint;
+use crate::tools::footprint::{Footprint, MAX_FOOTPRINT};
 use crate::tools::spray::SprayKind;
 
 /// After how long a spray that goes on while it is held is used again, in seconds.
@@ -118,6 +119,8 @@ pub(super) struct Stroke {
     idle_since_s: Option<f64>,
     /// The rays of a spray that is held in a hand, as they are now.
     held: Option<Footprint>,
+    /// It takes paint away instead of putting it on.
+    pub unpaints: bool,
 }
 
 impl Stroke {
@@ -135,6 +138,7 @@ impl Stroke {
             changed: 0,
             tried: Vec::new(),
             beyond: false,
+            unpaints: false,
             uses,
             idle_since_s,
             held,
@@ -199,6 +203,7 @@ impl Editor {
         &mut self,
         kind: SprayKind,
         options: SprayOptions,
+        unpaints: bool,
         at: Vec2,
         picker: &Picker,
     ) {
@@ -208,21 +213,24 @@ impl Editor {
         if kind.gives_colour() {
             self.tool.used_colour();
         }
+        self.grip.begin();
         let share = match kind {
             // Beside each other, since one over another would blur the image.
-            SprayKind::Paintbrush if self.tool.stencil.is_some() => 2.0,
+            SprayKind::Paintbrush if self.tool.stencil.is_some() && !unpaints => 2.0,
             _ => SPACING,
         };
         let spacing = (share * self.spray_px(&options, at, picker)).max(1.0);
         let path = Path::new(at.extend(0.0), spacing, Vec3::ONE);
-        self.stroke = Some(Stroke::new(Work::Spray { kind, options }, path));
+        let work = Work::Spray { kind, options };
+        self.stroke = Some(Stroke { unpaints, ..Stroke::new(work, path) });
         self.spray_at(&[at.extend(0.0)], picker);
     }
 
     /// Leads the stroke of a spray to a point of the picture.
     pub(super) fn lead_spray(&mut self, to: Vec2, picker: &Picker) {
         let mut stops = Vec::new();
-        if let Some(Stroke { work: Work::Spray { .. }, path, .. }) = &mut self.stroke {
+        if let Some(Stroke { work: Work::Spray { kind, .. }, path, .. }) = &mut self.stroke {
+            path.scale(self.tool.pens.of(PenTool::Spray(*kind)).size(self.grip.now));
             path.line_to(to.extend(0.0), |stop| stops.push(stop));
         }
         self.spray_at(&stops, picker);
@@ -230,17 +238,18 @@ impl Editor {
 
     /// Uses the spray at points of the picture as it was last shown.
     fn spray_at(&mut self, stops: &[Vec3], picker: &Picker) {
-        for stop in stops {
+        for (stop, touch) in stops.iter().zip(self.grip.on_way(stops.len())) {
             let Some(Stroke { work: Work::Spray { kind, options }, uses, .. }) = &self.stroke
             else {
                 return;
             };
+            let options = options.touched(*kind, self.tool.pens.of(PenTool::Spray(*kind)), touch);
             let Some(map) = picker.map() else { return };
             let at = stop.truncate();
             let pixel = at.max(Vec2::ZERO).as_uvec2().min(map.rays.size - 1);
-            let (radius, outline) = (self.spray_px(options, at, picker), options.outline);
+            let (radius, outline) = (self.spray_px(&options, at, picker), options.outline);
             let footprint = Footprint::of_pixel(&map.rays, pixel, radius, outline);
-            let command = self.tool.spray_command(*kind, options, footprint, *uses);
+            let command = self.tool_in_use().spray_command(*kind, &options, footprint, *uses);
             self.note_use();
             if !self.execute(&command) {
                 self.cancel_stroke();
@@ -323,7 +332,11 @@ impl Editor {
 
     fn use_held_spray(&mut self, footprint: Footprint) {
         if let Some(Stroke { work: Work::HeldSpray { kind, options }, uses, .. }) = &self.stroke {
-            let command = self.tool.spray_command(*kind, options, footprint, *uses);
+            let by = self.tool.pens.of(PenTool::Spray(*kind));
+            let options = options.touched(*kind, by, self.grip.now);
+            let radius = footprint.radius * by.size(self.grip.now);
+            let footprint = Footprint { radius: radius.min(MAX_FOOTPRINT), ..footprint };
+            let command = self.tool.spray_command(*kind, &options, footprint, *uses);
             self.note_use();
             if !self.execute(&command) {
                 self.cancel_stroke();
@@ -331,11 +344,12 @@ impl Editor {
         }
     }
 
-    /// Opens a stroke where the tool is and uses the tool there.
-    pub(super) fn begin_stroke(&mut self, mode: ToolMode, guide: Guide) {
+    /// Opens a stroke where the tool is and uses the tool there. `unpaints`: what it paints is the bare colour.
+    pub(super) fn begin_stroke(&mut self, mode: ToolMode, unpaints: bool, guide: Guide) {
         if self.stroke.is_some() {
             return;
         }
+        self.grip.begin();
         let command = self.tool.command(mode, &Leg::place(&self.tool.primitive()));
         if !self.execute(&Command::Begin { label: command.label() }) {
             return;
@@ -344,10 +358,13 @@ impl Editor {
         let edges = edges / edges.min_element();
         let sweep = Sweep::new(&self.tool.primitive(), edges);
         let path = Path::new(Vec3::ZERO, 1.0, Vec3::ONE);
-        self.stroke = Some(Stroke::new(Work::Solid { mode, guide, sweep }, path));
-        if mode == ToolMode::Add || mode == ToolMode::Recolour && self.tool.picture.is_none() {
+        let work = Work::Solid { mode, guide, sweep };
+        self.stroke = Some(Stroke { unpaints, ..Stroke::new(work, path) });
+        let paints = mode == ToolMode::Recolour && self.tool.picture.is_none() && !unpaints;
+        if mode == ToolMode::Add || paints {
             self.tool.used_colour();
         }
+        let command = self.tool_in_use().command(mode, &Leg::place(&self.tool.primitive()));
         if !self.execute(&command) {
             self.cancel_stroke();
         }
@@ -437,7 +454,7 @@ impl Editor {
             let Some(Stroke { work: Work::Solid { mode, .. }, .. }) = &self.stroke else {
                 return;
             };
-            if !self.execute(&self.tool.command(*mode, leg)) {
+            if !self.execute(&self.tool_in_use().command(*mode, leg)) {
                 self.cancel_stroke();
             }
         }
@@ -456,7 +473,7 @@ impl Editor {
     pub(super) fn end_stroke(&mut self) {
         self.catch_up();
         self.finish_sweep();
-        self.pressure = 1.0;
+        self.set_touch(None);
         let Some(stroke) = self.stroke.take() else { return };
         self.note_worked();
         if !self.execute(&Command::End) {

@@ -9,6 +9,7 @@ use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
 use super::deform::{DeformOptions, Deforms};
 use super::draw::DrawOptions;
+use super::pressure::{PenUse, PenUses};
 use super::sizes::{FIRST_GAUGE, SizeUnit};
 use super::sprays::{SprayOptions, Sprays};
 use super::symmetry::Placed;
@@ -59,6 +60,8 @@ pub struct ToolState {
     /// How large a pixel is where the tool works, in units of the smallest edge.
     pub(super) gauge: f32,
     pub draws: DrawOptions,
+    /// The lead of a pen over each brush.
+    pub pens: PenUses,
     pub mode: ToolMode,
     half: Vec3,
     /// A change of one half extent changes all in proportion.
@@ -150,6 +153,8 @@ pub enum ToolEdit {
     Spray(SprayKind, SprayOptions),
     Deform(DeformKind, DeformOptions),
     Draw(DrawOptions),
+    /// The lead of a pen over the brush in hand.
+    Pen(PenUse),
     Array(ArrayOptions),
 }
 
@@ -165,6 +170,7 @@ impl ToolState {
             size_unit: SizeUnit::default(),
             gauge: FIRST_GAUGE,
             draws: DrawOptions::default(),
+            pens: PenUses::default(),
             mode: ToolMode::default(),
             half: Vec3::ONE,
             uniform: true,
@@ -220,6 +226,11 @@ impl ToolState {
             ToolEdit::Spray(kind, options) => *self.sprays.of_mut(kind) = options,
             ToolEdit::Deform(kind, options) => *self.deforms.of_mut(kind) = options,
             ToolEdit::Draw(options) => self.draws = options,
+            ToolEdit::Pen(chosen) => {
+                if let Some(brush) = self.brush() {
+                    self.pens.set(brush, chosen);
+                }
+            }
             ToolEdit::Array(array) => self.array = array,
         }
     }

@@ -184,11 +184,17 @@ pub(super) fn check_kind(kind: Kind, trigger: Trigger) -> Result<(), &'static st
         | (Kind::Tap, Trigger::ShiftTap)
         | (Kind::Drag, Trigger::Mouse { .. })
         | (Kind::Wheel, Trigger::Wheel { .. }) => Ok(()),
+        // The buttons of a pen do for those who have no hand for the keys.
+        (Kind::Tap | Kind::Hold, Trigger::Mouse { buttons, .. }) if buttons.is_on_barrel() => {
+            Ok(())
+        }
         // A single button starts a drag; two together can hold something during it.
         (Kind::Hold, Trigger::Mouse { buttons, .. }) if buttons.count() >= 2 => Ok(()),
-        (Kind::Tap, _) => Err("a key or a gamepad button"),
-        (Kind::Hold, _) => Err("a key, a gamepad button, or several mouse buttons together"),
-        (Kind::Drag, _) => Err("mouse buttons"),
+        (Kind::Tap, _) => Err("a key, a gamepad button or a button of a pen"),
+        (Kind::Hold, _) => {
+            Err("a key, a gamepad button, a button of a pen, or several mouse buttons together")
+        }
+        (Kind::Drag, _) => Err("buttons of mouse or pen"),
         (Kind::Wheel, _) => Err("the mouse wheel"),
     }
 }

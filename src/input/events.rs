@@ -1,11 +1,14 @@
-//! Device events as values: pointer, keys and wheel over the viewport. Keys and buttons have egui's
-//! names, since they come through it.
+//! Device events as values: pointer, pens, keys and wheel over the viewport. Keys have egui's names, since they come
+//! through it.
 //!
 //! Takes egui's events, so that windows and panels above the viewport keep theirs; returns
 //! [`DeviceEvent`]s in pixels of the viewport.
 
-use egui::{Event, Key, MouseWheelUnit, PointerButton, Pos2, Rect, TouchPhase};
+use egui::{Event, Key, MouseWheelUnit, Pos2, Rect, TouchPhase};
 use glam::Vec2;
+
+use super::button::Button;
+use super::pen::{PenTouch, PenTrack};
 
 /// Points of scrolling per notch of a wheel.
 const POINTS_PER_NOTCH: f32 = 50.0;
@@ -38,12 +41,12 @@ pub enum DeviceEvent {
     /// The pointer has left the viewport.
     Left,
     Pressed {
-        button: PointerButton,
+        button: Button,
         at: Vec2,
         modifiers: Modifiers,
     },
     Released {
-        button: PointerButton,
+        button: Button,
     },
     /// Positive notches: the wheel turned away from the hand.
     Wheel {
@@ -61,6 +64,8 @@ pub enum DeviceEvent {
     KeyReleased {
         key: Key,
     },
+    /// How a pen or a finger touches from here on; none if it is a mouse.
+    Touch(Option<PenTouch>),
     /// The window has lost the focus: nothing is held any more.
     FocusLost,
 }
@@ -103,18 +108,33 @@ impl KeptKeys {
 }
 
 impl Viewport {
+    /// In pixels of the window.
+    fn window_pixels(&self, at: Pos2) -> Vec2 {
+        Vec2::new(at.x, at.y) * self.pixels_per_point
+    }
+
     fn pixels(&self, at: Pos2) -> Vec2 {
         let at = (at - self.rect.min) * self.pixels_per_point;
         Vec2::new(at.x, at.y)
     }
 }
 
-/// The events of this frame for the viewport.
-pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<DeviceEvent> {
+/// The events of this frame for the viewport. `pens`: what pens have done, for the pointer that they lead.
+pub fn device_events(
+    input: &egui::InputState,
+    viewport: &Viewport,
+    pens: &mut PenTrack,
+) -> Vec<DeviceEvent> {
     let mut pointer = input.pointer.latest_pos();
     let mut modifiers = Modifiers::from(input.modifiers);
     let mut events = Vec::new();
+    let mut lifted = false;
     for event in &input.events {
+        let of_pen = follow_pen(event, viewport, pens);
+        let is_release = matches!(event, Event::PointerButton { pressed: false, .. });
+        if !is_release {
+            events.extend(pens.news().map(DeviceEvent::Touch));
+        }
         events.extend(match *event {
             Event::ModifiersChanged(now) => {
                 modifiers = now.into();
@@ -127,13 +147,22 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
             }
             Event::PointerButton { pos, button, pressed: true, modifiers } => {
                 (viewport.hovered || viewport.captured).then(|| DeviceEvent::Pressed {
-                    button,
+                    button: of_pen.unwrap_or(button.into()),
                     at: viewport.pixels(pos),
                     modifiers: modifiers.into(),
                 })
             }
             Event::PointerButton { button, pressed: false, .. } => {
-                Some(DeviceEvent::Released { button })
+                Some(DeviceEvent::Released { button: of_pen.unwrap_or(button.into()) })
+            }
+            Event::Touch { phase: TouchPhase::Start | TouchPhase::Move, force, .. } => {
+                // Devices that cannot feel it tell of no force at all.
+                let force = force.filter(|force| *force > 0.0);
+                force.map(|force| DeviceEvent::Touch(Some(PenTouch::of_pressure(force))))
+            }
+            Event::Touch { .. } => {
+                lifted = true;
+                None
             }
             Event::PointerGone => Some(DeviceEvent::Left),
             Event::MouseWheel { unit, delta, modifiers, .. } => {
@@ -160,6 +189,10 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
             Event::WindowFocused(false) => Some(DeviceEvent::FocusLost),
             _ => None,
         });
+        events.extend(pens.news().map(DeviceEvent::Touch));
+    }
+    if lifted {
+        events.push(DeviceEvent::Touch(None));
     }
     if !viewport.hovered && !viewport.captured {
         events.push(DeviceEvent::Left);
@@ -167,29 +200,21 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
     events
 }
 
-/// What is known of pens and fingers on the window.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Touched {
-    /// How hard the last one presses, above 0 and up to 1, where the system tells.
-    pub force: Option<f32>,
-    /// One has left.
-    pub is_over: bool,
-}
-
-/// What the events of this frame tell of pens and fingers.
-pub fn touch_of(events: &[Event]) -> Touched {
-    let mut touched = Touched::default();
-    for event in events {
-        match *event {
-            Event::Touch { phase: TouchPhase::Start | TouchPhase::Move, force, .. } => {
-                // Devices that cannot feel it tell of no force at all.
-                touched.force = force.filter(|force| *force > 0.0).or(touched.force);
-            }
-            Event::Touch { .. } => touched.is_over = true,
-            _ => {}
+/// Lets what is known of pens follow the pointer; the button of a pen that a press or a release is.
+fn follow_pen(event: &Event, viewport: &Viewport, pens: &mut PenTrack) -> Option<Button> {
+    match *event {
+        Event::PointerMoved(at) => {
+            pens.moved(viewport.window_pixels(at));
+            None
         }
+        Event::PointerButton { button, pressed: true, .. } => pens.press(button),
+        Event::PointerButton { button, pressed: false, .. } => pens.release(button),
+        Event::WindowFocused(false) => {
+            pens.let_go();
+            None
+        }
+        _ => None,
     }
-    touched
 }
 
 /// A key with ctrl that the window system has translated to an event of its own.

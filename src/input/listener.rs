@@ -3,9 +3,10 @@
 
 use egui::{Event, Key};
 
+use super::button::Buttons;
 use super::events::Modifiers;
 use super::pad::shift_tap::ShiftTap;
-use super::trigger::{Buttons, Trigger};
+use super::trigger::Trigger;
 
 /// The result of a capture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -47,12 +48,12 @@ impl Listener {
             Event::Paste(_) => key(Key::V, self.with_ctrl()),
             Event::PointerButton { button, pressed: true, modifiers, .. } => {
                 self.modifiers = modifiers.into();
-                self.held = self.held.with(button);
+                self.held = self.held.with(button.into());
                 self.chord = self.held;
                 None
             }
             Event::PointerButton { button, pressed: false, .. } => {
-                self.held = self.held.without(button);
+                self.held = self.held.without(button.into());
                 let buttons = std::mem::take(&mut self.chord);
                 let modifiers = self.modifiers;
                 // A release without a press belongs to the click that started the capture.

@@ -9,8 +9,10 @@ use glam::Vec2;
 
 use super::action::{Action, Kind};
 use super::bindings::Bindings;
+use super::button::Buttons;
 use super::events::{DeviceEvent, Modifiers};
-use super::trigger::{Buttons, Trigger};
+use super::pen::PenTouch;
+use super::trigger::Trigger;
 
 /// An action that happens, with its position and amount. Positions are in pixels of the viewport.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -39,6 +41,8 @@ pub enum ActionEvent {
         notches: f32,
         at: Vec2,
     },
+    /// How a pen or a finger touches from here on; none if it is a mouse.
+    Touch(Option<PenTouch>),
 }
 
 /// The state between events.
@@ -108,6 +112,7 @@ impl Mapper {
                     actions.push(ActionEvent::End(self.keys.remove(held).1));
                 }
             }
+            DeviceEvent::Touch(touch) => actions.push(ActionEvent::Touch(touch)),
             DeviceEvent::FocusLost => {
                 self.buttons = Buttons::NONE;
                 self.end_released(actions);
@@ -163,6 +168,7 @@ impl Mapper {
                 self.chord = Some((self.buttons, action));
                 actions.push(ActionEvent::Begin { action, at: Some(at) });
             }
+            Kind::Tap => actions.push(ActionEvent::Tap(action)),
             _ => {}
         }
     }
@@ -205,7 +211,7 @@ fn is_glide(next: Action, now: Action) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use egui::PointerButton::{Primary, Secondary};
+    use crate::input::Button::{self, Left, Right};
 
     const NONE: Modifiers = Modifiers { ctrl: false, shift: false, alt: false };
     const CTRL: Modifiers = Modifiers { ctrl: true, ..NONE };
@@ -224,7 +230,7 @@ mod tests {
         DeviceEvent::Moved { at: Vec2::new(x, 0.0), modifiers }
     }
 
-    fn pressed(button: egui::PointerButton, x: f32, modifiers: Modifiers) -> DeviceEvent {
+    fn pressed(button: Button, x: f32, modifiers: Modifiers) -> DeviceEvent {
         DeviceEvent::Pressed { button, at: Vec2::new(x, 0.0), modifiers }
     }
 
@@ -239,9 +245,9 @@ mod tests {
             &preset("direct"),
             &[
                 moved(1.0, NONE),
-                pressed(Primary, 2.0, NONE),
+                pressed(Left, 2.0, NONE),
                 moved(5.0, NONE),
-                DeviceEvent::Released { button: Primary },
+                DeviceEvent::Released { button: Left },
                 moved(6.0, NONE),
             ],
         );
@@ -263,12 +269,12 @@ mod tests {
         let actions = run(
             &preset("thesis"),
             &[
-                pressed(Primary, 0.0, NONE),
-                pressed(Secondary, 0.0, NONE),
+                pressed(Left, 0.0, NONE),
+                pressed(Right, 0.0, NONE),
                 moved(4.0, NONE),
-                DeviceEvent::Released { button: Secondary },
+                DeviceEvent::Released { button: Right },
                 moved(5.0, CTRL),
-                DeviceEvent::Released { button: Primary },
+                DeviceEvent::Released { button: Left },
             ],
         );
         let kinds: Vec<_> = actions
@@ -297,9 +303,44 @@ mod tests {
     }
 
     #[test]
+    fn a_pen_erases_turns_the_view_and_may_undo() {
+        use Button::{Eraser, PenLower, PenUpper};
+        let mut mine = preset("direct");
+        let undo = "pen-upper".parse().unwrap();
+        mine.bind(undo, Action::Undo).unwrap();
+        let release = |button| DeviceEvent::Released { button };
+        let actions = run(
+            &mine,
+            &[
+                pressed(Eraser, 0.0, NONE),
+                release(Eraser),
+                pressed(PenLower, 0.0, NONE),
+                release(PenLower),
+                pressed(PenUpper, 0.0, NONE),
+                release(PenUpper),
+            ],
+        );
+        let at = Some(Vec2::ZERO);
+        assert_eq!(
+            actions,
+            [
+                ActionEvent::Begin { action: Action::SculptInverse, at },
+                ActionEvent::End(Action::SculptInverse),
+                ActionEvent::Begin { action: Action::TurnSculpture, at },
+                ActionEvent::End(Action::TurnSculpture),
+                ActionEvent::Tap(Action::Undo),
+            ]
+        );
+        // A mouse has no button to spare for a tap, nor has the eraser.
+        for other in ["right", "eraser"] {
+            assert!(mine.bind(other.parse().unwrap(), Action::Undo).is_err(), "{other}");
+        }
+    }
+
+    #[test]
     fn a_modifier_does_not_break_a_stroke() {
         let alt = Modifiers { alt: true, ..NONE };
-        let actions = run(&preset("direct"), &[pressed(Primary, 0.0, NONE), moved(1.0, alt)]);
+        let actions = run(&preset("direct"), &[pressed(Left, 0.0, NONE), moved(1.0, alt)]);
         assert!(matches!(actions[1], ActionEvent::Drag { action: Action::Sculpt, .. }));
     }
 
@@ -332,7 +373,7 @@ mod tests {
         let bindings = preset("direct");
         let (mut mapper, mut actions) = (Mapper::default(), Vec::new());
         for event in
-            [key(Key::Space, NONE, false), pressed(Primary, 0.0, NONE), DeviceEvent::FocusLost]
+            [key(Key::Space, NONE, false), pressed(Left, 0.0, NONE), DeviceEvent::FocusLost]
         {
             mapper.feed(&event, &bindings, &mut actions);
         }

@@ -6,6 +6,7 @@
 pub mod action;
 mod action_help;
 pub mod bindings;
+pub mod button;
 pub mod draw_kind;
 pub mod events;
 pub mod group;
@@ -15,6 +16,7 @@ pub mod mapper;
 pub(crate) mod pace;
 pub mod pad;
 pub mod panel;
+pub mod pen;
 pub mod personal;
 pub mod remap;
 mod synonyms;
@@ -23,6 +25,7 @@ pub mod trigger;
 
 pub use action::{Action, Axis, Side, Step};
 pub use bindings::Bindings;
+pub use button::{Button, Buttons};
 pub use draw_kind::DrawKind;
 pub use events::DeviceEvent;
 pub use mapper::{ActionEvent, Mapper};

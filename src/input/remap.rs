@@ -150,7 +150,7 @@ mod tests {
         let unfit = mine.bind(trigger("ctrl+wheel"), Action::Undo).unwrap_err();
         assert_eq!(
             unfit.to_string(),
-            "Ctrl+wheel cannot trigger this action; it needs a key or a gamepad button"
+            "Ctrl+wheel cannot trigger this action; it needs a key, a gamepad button or a button of a pen"
         );
         assert!(mine.bind(trigger("z"), Action::Zoom).is_err());
         assert!(mine.bind(trigger("left"), Action::Apply).is_err());

@@ -1,52 +1,15 @@
-//! Triggers: a key, a set of mouse buttons or the wheel, each with modifiers, the left Shift key
+//! Triggers: a key, a set of buttons of mouse or pen, or the wheel, each with modifiers, the left Shift key
 //! tapped alone, or a gamepad button; and their text form: `ctrl+shift+z`, `left`,
-//! `ctrl+left+right`, `shift+wheel`, `shift-tap`, `pad-south`.
+//! `ctrl+left+right`, `eraser`, `shift+wheel`, `shift-tap`, `pad-south`.
 
 use std::fmt;
 use std::str::FromStr;
 
-use egui::{Key, PointerButton};
+use egui::Key;
 
+use super::button::{Button, Buttons};
 use super::events::Modifiers;
 use super::pad::PadButton;
-
-/// A set of mouse buttons.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-pub struct Buttons(u8);
-
-const BUTTONS: [(PointerButton, &str); 5] = [
-    (PointerButton::Primary, "left"),
-    (PointerButton::Secondary, "right"),
-    (PointerButton::Middle, "middle"),
-    (PointerButton::Extra1, "back"),
-    (PointerButton::Extra2, "forward"),
-];
-
-impl Buttons {
-    pub const NONE: Buttons = Buttons(0);
-
-    pub fn with(self, button: PointerButton) -> Buttons {
-        Buttons(self.0 | 1 << button as u8)
-    }
-
-    pub fn without(self, button: PointerButton) -> Buttons {
-        Buttons(self.0 & !(1 << button as u8))
-    }
-
-    pub fn contains(self, other: Buttons) -> bool {
-        self.0 & other.0 == other.0
-    }
-
-    pub fn count(self) -> u32 {
-        self.0.count_ones()
-    }
-
-    /// The names in key tables.
-    fn names(self) -> impl Iterator<Item = &'static str> {
-        let held = move |button| self.contains(Buttons::NONE.with(button));
-        BUTTONS.into_iter().filter(move |(button, _)| held(*button)).map(|(_, name)| name)
-    }
-}
 
 const SHIFT_TAP: &str = "shift-tap";
 
@@ -91,8 +54,8 @@ impl FromStr for Trigger {
                 "shift" => modifiers.shift = true,
                 "alt" => modifiers.alt = true,
                 "wheel" => wheel = true,
-                _ => match BUTTONS.iter().find(|(_, name)| *name == word) {
-                    Some((button, _)) => buttons = buttons.with(*button),
+                _ => match Button::ALL.into_iter().find(|button| button.name() == word) {
+                    Some(button) => buttons = buttons.with(button),
                     None if key.is_none() => key = Some(parse_key(word)?),
                     None => return Err(format!("`{text}` names more than one key")),
                 },
@@ -139,7 +102,9 @@ impl Trigger {
                 Key::ArrowDown => "arrowdown".to_string(),
                 other => other.name().to_lowercase(),
             }),
-            Trigger::Mouse { buttons, .. } => words.extend(buttons.names().map(str::to_string)),
+            Trigger::Mouse { buttons, .. } => {
+                words.extend(buttons.iter().map(|button| button.name().to_string()));
+            }
             Trigger::Wheel { .. } => words.push("wheel".to_string()),
             Trigger::ShiftTap => words.push(SHIFT_TAP.to_string()),
             Trigger::Pad { button } => words.push(button.name().to_string()),
@@ -181,7 +146,10 @@ impl fmt::Display for Trigger {
                 other => other.name(),
             }),
             Trigger::Mouse { buttons, .. } => {
-                let names: Vec<&str> = buttons.names().collect();
+                if *buttons == Buttons::NONE.with(Button::Eraser) {
+                    return f.write_str(Button::Eraser.label());
+                }
+                let names: Vec<&str> = buttons.iter().map(Button::label).collect();
                 let plural = if names.len() > 1 { "s" } else { "" };
                 write!(f, "{} button{plural}", names.join(" + "))
             }
@@ -211,6 +179,9 @@ mod tests {
         assert_eq!(shown("arrowleft"), "Left arrow");
         assert_eq!(shown("left"), "left button");
         assert_eq!(shown("ctrl+left+right"), "Ctrl+left + right buttons");
+        assert_eq!(shown("eraser"), "pen's eraser");
+        assert_eq!(shown("ctrl+pen-lower"), "Ctrl+pen's lower button");
+        assert_eq!(shown("left+pen-upper"), "left + pen's upper buttons");
         assert_eq!(shown("shift+wheel"), "Shift+wheel");
         assert_eq!(shown("shift-tap"), "tap left Shift");
         assert_eq!(shown("pad-dpad-left"), "gamepad D-pad left");
@@ -220,7 +191,11 @@ mod tests {
     fn every_key_button_and_the_wheel_come_back_from_their_text() {
         let modifiers = Modifiers { ctrl: true, shift: false, alt: true };
         let keys = Key::ALL.iter().map(|&key| Trigger::Key { key, modifiers });
-        let mice = (1..32).map(|bits| Trigger::Mouse { buttons: Buttons(bits), modifiers });
+        let set = |bits: u32| {
+            let held = Button::ALL.into_iter().filter(|button| bits >> *button as u32 & 1 == 1);
+            held.fold(Buttons::NONE, Buttons::with)
+        };
+        let mice = (1..512).map(|bits| Trigger::Mouse { buttons: set(bits), modifiers });
         let plain = Modifiers::default();
         let pads = PadButton::ALL.into_iter().map(|button| Trigger::Pad { button });
         let others = [Trigger::Wheel { modifiers: plain }, Trigger::ShiftTap];

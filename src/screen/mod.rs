@@ -3,4 +3,5 @@
 pub mod console;
 pub mod headset;
 pub mod offscreen;
+pub mod pen;
 pub mod window;

@@ -42,15 +42,6 @@ pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         }
         ui.end_row();
         let dragged = matches!(kind, DeformKind::Grab | DeformKind::Twist);
-        if !dragged {
-            ui.label("");
-            let hint = match context.in_headset {
-                true => "The brush is the weaker the less the trigger is pulled",
-                false => "The brush is the weaker the less a pen is pressed, where the system tells",
-            };
-            ui.checkbox(&mut options.by_pressure, "By pressure").on_hover_text(hint);
-            ui.end_row();
-        }
         if !dragged && !context.in_headset {
             let label = ui.label("Steady");
             let slider = Slider::new(&mut options.steady_px, 0.0..=MAX_STEADY_PX)

@@ -59,6 +59,11 @@ pub static ELSEWHERE: &[Elsewhere] = &[
         Spot::Stencil,
     ),
     option(
+        "pressure, pen pressure, tablet, stylus, wacom, pen tilt",
+        "Pressure and tilt of a pen: what they lead of the brush",
+        Spot::Pressure,
+    ),
+    option(
         "steady, lazy mouse, lazy brush, stabiliser, stroke stabiliser, smooth stroke",
         "Steady strokes: the pointer leads the brush on a rope",
         Spot::Steady,

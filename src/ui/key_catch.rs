@@ -121,11 +121,15 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
 
 fn wish(kind: Kind) -> &'static str {
     match kind {
-        Kind::Tap => "Press a key, with Ctrl, Shift or Alt if you like, or a gamepad button.",
-        Kind::Hold => {
-            "Press a key, or several mouse buttons together, with Ctrl, Shift or Alt if you like."
+        Kind::Tap => {
+            "Press a key, with Ctrl, Shift or Alt if you like, a gamepad button or a button of a pen."
         }
-        Kind::Drag => "Click a mouse button, with Ctrl, Shift or Alt if you like.",
+        Kind::Hold => {
+            "Press a key, a button of a pen, or several mouse buttons together, with Ctrl, Shift or Alt if you like."
+        }
+        Kind::Drag => {
+            "Click a mouse button, or one of a pen or its eraser, with Ctrl, Shift or Alt if you like."
+        }
         Kind::Wheel => "Turn the mouse wheel, with Ctrl, Shift or Alt if you like.",
     }
 }

@@ -15,6 +15,7 @@ use super::memory_check::KeptCheck;
 use super::memory_deform::KeptDeform;
 use super::memory_draw::KeptDraw;
 use super::memory_final::KeptFinal;
+use super::memory_pen::KeptPens;
 use super::memory_references;
 use super::recent::Recent;
 use super::state::PanelPlace;
@@ -81,6 +82,8 @@ struct Kept {
     deforms: Option<BTreeMap<String, KeptDeform>>,
     #[serde(deserialize_with = "lenient")]
     draws: Option<KeptDraw>,
+    #[serde(deserialize_with = "lenient")]
+    pens: Option<KeptPens>,
     #[serde(deserialize_with = "lenient")]
     references: Option<Vec<toml::Value>>,
     /// Whether it is asked how files are imported, and what was answered last.
@@ -198,6 +201,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
                 .collect(),
         ),
         draws: Some(KeptDraw::of(&tool.draws)),
+        pens: Some(KeptPens::of(&state.pen, &tool.pens)),
         references: Some(memory_references::to_values(&state.references)),
         ask_import: Some(state.dialogs.import.ask),
         autosave_min: Some([state.autosave.minutes, state.autosave.usual_min]),
@@ -290,6 +294,9 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     }
     if let Some(draws) = &kept.draws {
         draws.recall(&mut tool.draws);
+    }
+    if let Some(pens) = &kept.pens {
+        pens.recall(&mut state.pen, &mut tool.pens);
     }
 }
 

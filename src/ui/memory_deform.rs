@@ -15,7 +15,6 @@ pub struct KeptDeform {
     strength: Option<f64>,
     falloff: Option<String>,
     steady_px: Option<f64>,
-    by_pressure: Option<bool>,
 }
 
 impl KeptDeform {
@@ -25,7 +24,6 @@ impl KeptDeform {
             strength: Some(neat(options.strength)),
             falloff: Some(options.falloff.name().to_string()),
             steady_px: Some(neat(options.steady_px)),
-            by_pressure: Some(options.by_pressure),
         }
     }
 
@@ -36,7 +34,6 @@ impl KeptDeform {
         }
         options.strength = within(self.strength, 0.0..=1.0, options.strength);
         options.steady_px = within(self.steady_px, 0.0..=MAX_STEADY_PX, options.steady_px);
-        options.by_pressure = self.by_pressure.unwrap_or(options.by_pressure);
         let named = |falloff: &Falloff| Some(falloff.name()) == self.falloff.as_deref();
         options.falloff = Falloff::ALL.into_iter().find(named).unwrap_or(options.falloff);
     }
@@ -54,7 +51,6 @@ mod tests {
             strength: 0.25,
             falloff: Falloff::Sharp,
             steady_px: 40.0,
-            by_pressure: false,
         };
         let text = toml::to_string(&KeptDeform::of(&before)).unwrap();
         let mut after = DeformOptions::of(DeformKind::Grab);

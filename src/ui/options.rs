@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::buttons::{action_button, explain};
 use super::spot::{self, Spot};
 use super::{
-    UiContext, UiRequest, UiState, ar, gamepad, head, history, light, panels, section,
+    UiContext, UiRequest, UiState, ar, gamepad, head, history, light, panels, pen_options, section,
     stereo_options, symmetry_options, theme, tool_options, video,
 };
 use crate::command::Command;
@@ -90,6 +90,9 @@ pub fn content(
     }
     if let Some(pad) = context.pad.filter(|_| !context.in_headset) {
         section(ui, "Gamepad", true, state, |ui, _| gamepad::show(ui, pad, requests));
+    }
+    if state.pen.is_there() && !context.in_headset {
+        section(ui, "Pen", true, state, pen_options::section);
     }
     section(ui, "Light", false, state, |ui, state| {
         action_button(ui, context, "Lights …", Action::Lights, true, requests);

@@ -23,6 +23,8 @@ pub enum Spot {
     Symmetry,
     /// The image that a brush paints.
     Stencil,
+    /// The checkboxes for a pen's pressure.
+    Pressure,
     /// The rope on which the pointer leads a brush.
     Steady,
     /// Clay, stone, a matcap or true colours.
@@ -36,7 +38,7 @@ impl Spot {
     fn section(self) -> Option<&'static str> {
         match self {
             Spot::Array | Spot::Symmetry => Some("Symmetry and array"),
-            Spot::Stencil | Spot::Steady => Some("Tool"),
+            Spot::Stencil | Spot::Steady | Spot::Pressure => Some("Tool"),
             Spot::Looks | Spot::Occlusion => Some("Light"),
             Spot::RenderMode => None,
         }
@@ -46,7 +48,7 @@ impl Spot {
     pub fn needs(self) -> Option<Action> {
         match self {
             Spot::Stencil => Some(Action::Spray(SprayKind::Paintbrush)),
-            Spot::Steady => Some(Action::Deform(DeformKind::Draw)),
+            Spot::Steady | Spot::Pressure => Some(Action::Deform(DeformKind::Draw)),
             _ => None,
         }
     }

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::dialogs::Dialogs;
 use super::film_dialog::FilmRequest;
 use super::final_dialog::FinalRequest;
+use super::pen_options::PenState;
 use super::recent::Recent;
 use super::references::Reference;
 use super::spot::Spot;
@@ -24,6 +25,7 @@ use crate::editor::questions::{ChangedOnDisk, Next};
 use crate::editor::tool::ToolEdit;
 use crate::format::options::ImportOptions;
 use crate::input::hands::HandSide;
+use crate::input::pen::PenCurve;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
 use crate::print_check::CheckOptions;
@@ -289,6 +291,7 @@ pub struct UiState {
     pub window_tasks: WindowTasks,
     pub known_files: KnownFiles,
     pub headset: HeadsetChoices,
+    pub pen: PenState,
     /// Pictures in the scene to sculpt from.
     pub references: Vec<Reference>,
     pub autosave: AutosaveChoice,
@@ -319,6 +322,8 @@ pub struct UiOptions<'a> {
     pub stereo: &'a StereoOptions,
     pub video: &'a VideoOptions,
     pub headset: &'a HeadsetOptions,
+    /// How the press of a pen counts.
+    pub pen: PenCurve,
 }
 
 impl UiState {
@@ -362,6 +367,7 @@ impl UiState {
                 hand_side: options.headset.hand,
                 blend: options.headset.blend,
             },
+            pen: PenState::new(options.pen),
             references: Vec::new(),
             dialogs,
             toasts: Toasts::default(),

@@ -11,7 +11,7 @@ use super::state::PasteAs;
 use super::toolbox::{mode_name, solid_name};
 use super::{
     UiContext, UiRequest, UiState, deform_options, draw_options, history, marker_options,
-    spray_options, theme,
+    pen_options, spray_options, theme,
 };
 use crate::editor::tool::{HALF_RANGE, NextPress, RECENT, ToolEdit, ToolKind, ToolState};
 use crate::input::{Action, ToolMode};
@@ -58,6 +58,10 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
                 picture(ui, state, context, requests);
             }
             place(ui, context, requests);
+            // It leads nothing of a solid at first, and the column is short.
+            if context.in_headset || state.pen.is_there() {
+                pen_options::leads(ui, context, requests);
+            }
         }
         ToolKind::Spray(kind) => {
             ui.label(match kind {
@@ -70,6 +74,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
             if options != before {
                 requests.push(UiRequest::Tool(ToolEdit::Spray(kind, options)));
             }
+            pen_options::leads(ui, context, requests);
             if kind.gives_colour() {
                 colour(ui, context, requests);
             }
@@ -84,7 +89,10 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
                 }
             }
         }
-        ToolKind::Deform => deform_options::show(ui, context, requests),
+        ToolKind::Deform => {
+            deform_options::show(ui, context, requests);
+            pen_options::leads(ui, context, requests);
+        }
         ToolKind::Draw(kind) => {
             draw_options::show(ui, kind, context, requests);
             colour(ui, context, requests);

@@ -17,6 +17,7 @@ mod masks;
 mod memory;
 mod palette;
 mod panels;
+mod pens;
 mod pictures;
 mod presets;
 mod pressure;

@@ -1,6 +1,7 @@
 //! A brush follows how hard a pen or a finger presses, where the system tells.
 
 use egui::{Event, Modifiers, PointerButton, TouchDeviceId, TouchId, TouchPhase, vec2};
+use virtual_sculpture::editor::pressure::{PenTool, PenUse};
 use virtual_sculpture::editor::sizes::SizeUnit;
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::tools::deform::DeformKind;
@@ -59,7 +60,8 @@ fn a_pen_that_presses_less_makes_a_flatter_furrow() {
         assert_eq!(of(nothing), full, "{nothing:?}: as a mouse");
     }
     let mut harness = creasing();
-    harness.state_mut().editor.tool.deforms.of_mut(DeformKind::Crease).by_pressure = false;
+    let pens = &mut harness.state_mut().editor.tool.pens;
+    pens.set(PenTool::Deform(DeformKind::Crease), PenUse::default());
     assert_eq!(furrow(&mut harness, Some(0.2)), full);
     // A light touch leaves nothing for the next one without a force.
     let mut harness = creasing();

@@ -10,6 +10,7 @@ use proptest::test_runner::TestRunner;
 
 use crate::app::Workspace;
 use crate::config::Config;
+use crate::editor::pressure::{PenTool, PenUse};
 use crate::editor::symmetry::Placed;
 use crate::editor::tool::{NextPress, ToolKind};
 use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
@@ -176,8 +177,8 @@ fn a_brush_is_weaker_while_the_trigger_is_pulled_less() {
         let mut person = Person::new(DIMS);
         person.workspace.editor.tool.kind = ToolKind::Deform;
         person.workspace.editor.tool.deform = DeformKind::Crease;
-        let options = person.workspace.editor.tool.deforms.of_mut(DeformKind::Crease);
-        options.by_pressure = by_pressure;
+        let leads = PenUse { strength: by_pressure, ..PenUse::default() };
+        person.workspace.editor.tool.pens.set(PenTool::Deform(DeformKind::Crease), leads);
         let front = MIDDLE + Vec3::Z * 0.25;
         person.hold(front, 0.0, 5);
         for i in 0..10 {

@@ -1,0 +1,277 @@
+//! Pens on X11: a connection beside that of the windows, on which the devices that are pens are selected for each
+//! window (XInput2), and a thread that reads it. The windows hear the pointer of a pen as before.
+//!
+//! Gives reports in pixels, by the number of the window.
+
+use std::io::PipeReader;
+use std::os::fd::AsFd;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use glam::Vec2;
+use thiserror::Error;
+use x11rb::connection::{Connection, RequestConnection as _};
+use x11rb::errors::{ConnectError, ConnectionError, ReplyError};
+use x11rb::protocol::Event;
+use x11rb::protocol::xinput::{ConnectionExt as _, Device, EventMask, XIEventMask};
+use x11rb::protocol::xproto::{ConnectionExt as _, Window};
+use x11rb::rust_connection::RustConnection;
+
+use super::inbox::{Inbox, Stop, Waited, wait};
+use super::xi2::{AxisAtoms, EventKind, PenDevices};
+use super::{PenReport, WindowKey};
+
+/// The version of XInput in which devices and their axes are as they are here.
+const VERSION: (u16, u16) = (2, 2);
+
+/// Why no pens can be heard.
+#[derive(Debug, Error)]
+pub enum X11PenError {
+    #[error("the thread that listens to pens cannot be started: {0}")]
+    Thread(#[from] std::io::Error),
+    #[error("{0}")]
+    Connect(#[from] ConnectError),
+    #[error("{0}")]
+    Connection(#[from] ConnectionError),
+    #[error("{0}")]
+    Reply(#[from] ReplyError),
+    #[error("the server has no XInput 2")]
+    NoXInput,
+}
+
+/// The pens of an X11 display.
+pub struct X11Pens {
+    reader: Arc<Mutex<Reader>>,
+    inbox: Inbox,
+    stop: Option<Stop>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl X11Pens {
+    /// Listens on the display of the session.
+    pub fn connect(wake: impl Fn() + Send + 'static) -> Result<X11Pens, X11PenError> {
+        X11Pens::connect_to(None, wake)
+    }
+
+    /// Listens on a display.
+    pub fn connect_to(
+        display: Option<&str>,
+        wake: impl Fn() + Send + 'static,
+    ) -> Result<X11Pens, X11PenError> {
+        let inbox = Inbox::default();
+        let reader = Reader::new(display, inbox.clone())?;
+        let connection = reader.connection.clone();
+        let reader = Arc::new(Mutex::new(reader));
+        let (stop, stopped) = Stop::new()?;
+        let own = reader.clone();
+        let thread = std::thread::Builder::new()
+            .name("pens".into())
+            .spawn(move || run(&connection, &own, &stopped, wake))?;
+        Ok(X11Pens { reader, inbox, stop: Some(stop), thread: Some(thread) })
+    }
+
+    /// Hears the pens over a window, too.
+    pub fn watch(&mut self, window: WindowKey) {
+        let Some(window) = window.xid() else { return };
+        let mut reader = lock(&self.reader);
+        reader.windows.push(window);
+        if let Err(error) = reader.select(&[window]) {
+            tracing::debug!("pens act as mice in this window: {error}");
+        }
+    }
+
+    /// All that pens have done, with all that the server has sent until now: so nothing is missing that belongs to what the
+    /// window has heard.
+    pub fn take(&mut self) -> Vec<PenReport> {
+        let mut reader = lock(&self.reader);
+        if !reader.devices.is_empty()
+            && let Err(error) = reader.catch_up()
+        {
+            tracing::debug!("pens are no longer heard: {error}");
+        }
+        self.inbox.take()
+    }
+
+    pub fn take_names(&mut self) -> Option<Vec<String>> {
+        self.inbox.take_names()
+    }
+}
+
+impl Drop for X11Pens {
+    fn drop(&mut self) {
+        self.stop = None;
+        if self.thread.take().is_some_and(|thread| thread.join().is_err()) {
+            tracing::warn!("the thread that listens to pens has failed");
+        }
+    }
+}
+
+fn lock(reader: &Mutex<Reader>) -> MutexGuard<'_, Reader> {
+    reader.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn run(connection: &RustConnection, reader: &Mutex<Reader>, stopped: &PipeReader, wake: impl Fn()) {
+    let error: X11PenError = loop {
+        match lock(reader).drain() {
+            Ok(true) => wake(),
+            Ok(false) => {}
+            Err(error) => break error,
+        }
+        match wait(connection.stream().as_fd(), stopped) {
+            Ok(Waited::Readable) => {}
+            Ok(Waited::Stopped) => return,
+            Err(error) => break error.into(),
+        }
+    };
+    tracing::debug!("pens are no longer heard: {error}");
+}
+
+/// The offer of the session's server, in a line.
+pub fn survey() -> Result<String, X11PenError> {
+    let reader = Reader::new(None, Inbox::default())?;
+    Ok(match reader.devices.is_empty() {
+        true => "no tablet connected (X11, XInput 2)".to_string(),
+        false => format!("{} (X11)", reader.devices.names().join(", ")),
+    })
+}
+
+/// Reads the connection.
+struct Reader {
+    connection: Arc<RustConnection>,
+    atoms: AxisAtoms,
+    devices: PenDevices,
+    windows: Vec<Window>,
+    inbox: Inbox,
+    /// The event to hear first.
+    early: Option<Event>,
+}
+
+impl Reader {
+    fn new(display: Option<&str>, inbox: Inbox) -> Result<Reader, X11PenError> {
+        let (connection, screen) = x11rb::connect(display)?;
+        let root = connection.setup().roots.get(screen).ok_or(X11PenError::NoXInput)?.root;
+        let name = x11rb::protocol::xinput::X11_EXTENSION_NAME;
+        if connection.extension_information(name)?.is_none() {
+            return Err(X11PenError::NoXInput);
+        }
+        let version = connection.xinput_xi_query_version(VERSION.0, VERSION.1)?.reply()?;
+        if (version.major_version, version.minor_version) < (2, 0) {
+            return Err(X11PenError::NoXInput);
+        }
+        let mut atoms = [0; 4];
+        for (atom, name) in atoms.iter_mut().zip(AxisAtoms::NAMES) {
+            *atom = connection.intern_atom(false, name.as_bytes())?.reply()?.atom;
+        }
+        let [x, pressure, tilt_x, tilt_y] = atoms;
+        let atoms = AxisAtoms { x, pressure, tilt_x, tilt_y };
+        let connection = Arc::new(connection);
+        let (devices, windows) = (PenDevices::default(), Vec::new());
+        let mut reader = Reader { connection, atoms, devices, windows, inbox, early: None };
+        // Pens come and go; those of some drivers come when they are first used.
+        let changes = XIEventMask::HIERARCHY | XIEventMask::DEVICE_CHANGED;
+        let masks = [EventMask { deviceid: Device::ALL.into(), mask: vec![changes] }];
+        reader.connection.xinput_xi_select_events(root, &masks)?.check()?;
+        reader.look()?;
+        Ok(reader)
+    }
+
+    /// Looks which devices are pens, and hears them over all windows.
+    fn look(&mut self) -> Result<(), X11PenError> {
+        let infos = self.connection.xinput_xi_query_device(Device::ALL)?.reply()?.infos;
+        let found = PenDevices::among(&infos, &self.atoms);
+        if found.names() != self.devices.names() {
+            tracing::debug!("pens: {:?}", found.names());
+            self.inbox.name(found.names());
+        }
+        self.devices = found;
+        self.select(&self.windows)
+    }
+
+    /// Has the events of all pens sent for these windows. A window that is gone costs an error that nobody waits for.
+    fn select(&self, windows: &[Window]) -> Result<(), X11PenError> {
+        let events = XIEventMask::MOTION | XIEventMask::BUTTON_PRESS | XIEventMask::BUTTON_RELEASE;
+        let mask = |id| EventMask { deviceid: id, mask: vec![events] };
+        let masks: Vec<EventMask> = self.devices.iter().map(|pen| mask(pen.id)).collect();
+        for window in windows.iter().filter(|_| !masks.is_empty()) {
+            self.connection.xinput_xi_select_events(*window, &masks)?;
+        }
+        self.connection.flush()?;
+        Ok(())
+    }
+
+    /// Waits until all is here that the server has sent so far, and hears it.
+    fn catch_up(&mut self) -> Result<(), X11PenError> {
+        self.connection.get_input_focus()?.reply()?;
+        self.drain().map(drop)
+    }
+
+    /// Hears what is here; true if there is something to take.
+    fn drain(&mut self) -> Result<bool, X11PenError> {
+        let mut changed = false;
+        // A motion of a device tells where the pointer was before it: the event after it tells where it went.
+        let mut last: Option<PenReport> = None;
+        loop {
+            while let Some(event) = self.next_event()? {
+                let (report, moves) = match &event {
+                    Event::XinputMotion(e) => (self.devices.report(e, EventKind::Motion), true),
+                    Event::XinputButtonPress(e) => {
+                        (self.devices.report(e, EventKind::Press), false)
+                    }
+                    Event::XinputButtonRelease(e) => {
+                        (self.devices.report(e, EventKind::Release), false)
+                    }
+                    Event::XinputHierarchy(_) | Event::XinputDeviceChanged(_) => {
+                        changed = true;
+                        (None, false)
+                    }
+                    _ => (None, false),
+                };
+                let Some(report) = report else { continue };
+                if let Some(mut before) = last.take() {
+                    if before.window == report.window {
+                        before.sample.position_px = report.sample.position_px;
+                    }
+                    self.inbox.push(before);
+                }
+                match moves {
+                    true => last = Some(report),
+                    false => self.inbox.push(report),
+                }
+            }
+            let Some(report) = &mut last else { break };
+            // Events that the server has sent before the answer are here with it, and know better.
+            let here = self.place_in(report.window)?;
+            report.sample.position_px = here.unwrap_or(report.sample.position_px);
+            self.early = self.connection.poll_for_event()?;
+            if self.early.is_none() {
+                last.into_iter().for_each(|report| self.inbox.push(report));
+                break;
+            }
+        }
+        if changed {
+            self.look()?;
+        }
+        Ok(!self.inbox.is_empty())
+    }
+
+    fn next_event(&mut self) -> Result<Option<Event>, X11PenError> {
+        match self.early.take() {
+            Some(event) => Ok(Some(event)),
+            None => Ok(self.connection.poll_for_event()?),
+        }
+    }
+
+    /// Where the pointer is in a window now; none if the window is gone.
+    fn place_in(&self, window: WindowKey) -> Result<Option<Vec2>, X11PenError> {
+        let Some(window) = window.xid() else { return Ok(None) };
+        match self.connection.query_pointer(window)?.reply() {
+            Ok(at) => Ok(at.same_screen.then(|| Vec2::new(at.win_x.into(), at.win_y.into()))),
+            Err(ReplyError::X11Error(_)) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "x11_tests.rs"]
+mod tests;
