@@ -272,7 +272,10 @@ mod tests {
         assert_eq!(touched, SprayOptions { strength: 0.25, ..paint });
         let crease = DeformOptions::of(DeformKind::Crease);
         let touched = crease.touched(chosen(true, true, false), light);
-        assert_eq!(touched, DeformOptions { strength: 0.25, radius: 2.0, ..crease });
+        assert_eq!(
+            touched,
+            DeformOptions { strength: 0.25, radius: 0.25 * crease.radius, ..crease }
+        );
         let none = PenTouch::of_pressure(0.0);
         assert!(of(chosen(false, true, false), none).radius >= 1.0);
     }

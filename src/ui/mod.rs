@@ -173,10 +173,10 @@ pub fn show(
 ) -> Response {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
     key_catch::listen(root, state, context, requests);
-    if !state.dialogs.files.is_open() {
-        if let Some(complaint) = numbers::hear(root.ctx()) {
-            state.toasts.note(complaint);
-        }
+    if !state.dialogs.files.is_open()
+        && let Some(complaint) = numbers::hear(root.ctx())
+    {
+        state.toasts.note(complaint);
     }
     if !state.layout.hidden {
         top_bar::show(root, state, context, requests);

@@ -42,10 +42,10 @@ pub fn show(
     requests: &mut Vec<UiRequest>,
 ) {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
-    if !state.dialogs.files.is_open() {
-        if let Some(complaint) = numbers::hear(root.ctx()) {
-            state.toasts.note(complaint);
-        }
+    if !state.dialogs.files.is_open()
+        && let Some(complaint) = numbers::hear(root.ctx())
+    {
+        state.toasts.note(complaint);
     }
     // What lies over the sculpture has the person's attention.
     let enabled = !state.dialogs.is_modal();

@@ -153,7 +153,7 @@ fn a_pen_that_hovers_shows_the_tool_and_its_buttons_turn_and_undo() {
     pen.at(&mut harness, at, 0.0, &[]);
     look(&mut harness);
     pen.at(&mut harness, at + vec2(3.0, 0.0), 0.0, &[]);
-    assert_eq!(harness.state().editor.pointer().is_some(), true);
+    assert!(harness.state().editor.pointer().is_some());
     let there = harness.state().editor.tool.centre_vx;
     pen.at(&mut harness, at + vec2(40.0, 0.0), 0.0, &[]);
     assert_ne!(harness.state().editor.tool.centre_vx, there, "the preview follows");

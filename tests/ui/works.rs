@@ -1,7 +1,7 @@
 //! Whole works made as a sculptor would make them: from scripts of what a person does, by pointer and keys in the window or
 //! by the hands in a headset, in fewer than a hundred strokes each.
 //!
-//! A script is a list of lines; points are in voxels. `size`, `turn`, `colour`, `brush`, `tube`, `lathe` and `text` are
+//! A script is a list of lines; points are in voxels. `size`, `turn`, `colour`, `brush`, `spray`, `tube` and `lathe` are
 //! options of tools; `do ACTION` is a key or button; `to` moves the tool by its keys; the others are strokes:
 //!
 //! | line | what the person does |
@@ -23,6 +23,7 @@ use virtual_sculpture::input::{Action, DrawKind, Step};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::deform::DeformKind;
 use virtual_sculpture::tools::grab::Falloff;
+use virtual_sculpture::tools::spray::SprayKind;
 use virtual_sculpture::view::{Pose, Room};
 
 use super::bench::{Bench, bench_of, config, look, rest, run, screen, send};
@@ -122,6 +123,14 @@ impl Sculptor {
                 };
                 tool.edit(ToolEdit::Deform(kind, options));
                 self.harness.state_mut().act(Action::Deform(kind));
+            }
+            ["spray", name, radius, strength] => {
+                tool.edit(ToolEdit::SizeUnit(SizeUnit::Sculpture));
+                let kind = SprayKind::ALL.into_iter().find(|kind| kind.name() == name).unwrap();
+                let mut options = *tool.sprays.of(kind);
+                (options.radius, options.strength) = (number(radius), number(strength));
+                tool.edit(ToolEdit::Spray(kind, options));
+                self.harness.state_mut().act(Action::Spray(kind));
             }
             ["tube", start, end] => {
                 let mut draws = tool.draws.clone();

@@ -65,7 +65,7 @@ impl Level {
         let Some(work) = Work::new(*self, footprint, grid) else { return Stamp::default() };
         let found: Vec<_> = work.tiles.par_iter().map(|tile| work.tile(*tile)).collect();
         // Tiles share no bricks.
-        let listed = |part: fn(&(Vec<Listed>, Vec<Listed>)) -> &Vec<Listed>| {
+        let listed = |part: fn(&Changes) -> &Vec<Listed>| {
             let mut bricks: Vec<_> = found.iter().flat_map(part).copied().collect();
             bricks.sort_unstable_by_key(|(b, _)| (b.z, b.y, b.x));
             ListedBricks::new(bricks)
@@ -80,6 +80,8 @@ impl Level {
 
 /// Voxels of a brick.
 type Listed = (UVec3, Brick);
+/// The voxels that are added, and those that are removed.
+type Changes = (Vec<Listed>, Vec<Listed>);
 
 /// One use of the brush.
 struct Work<'a> {
@@ -141,7 +143,7 @@ impl<'a> Work<'a> {
     }
 
     /// The bricks added to and removed from a tile.
-    fn tile(&self, tile: IVec3) -> (Vec<Listed>, Vec<Listed>) {
+    fn tile(&self, tile: IVec3) -> Changes {
         let first = tile * TILE_VX;
         let bounds = VoxelBox { min: first, max: first + TILE_VX }.intersect(self.bounds);
         if bounds.is_empty() {

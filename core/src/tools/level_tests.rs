@@ -108,7 +108,8 @@ fn a_nub_as_large_as_the_brush_is_levelled_by_eight_scrubs() {
     let ball = |p: Vec3| p.distance(Vec3::new(80.0, floor + 10.0, 80.0)) < 20.0;
     let post = |p: Vec3| (p - top).with_y(0.0).abs().max_element() < 20.0 && p.y < top.y;
     let round = |p: Vec3| (p - top).with_y(0.0).length() < 20.0 && p.y < top.y;
-    let nubs: [(&str, i32, &dyn Fn(Vec3) -> bool); 3] =
+    type Form<'a> = &'a dyn Fn(Vec3) -> bool;
+    let nubs: [(&str, i32, Form); 3] =
         [("ball", 30, &ball), ("post", 40, &post), ("cylinder", 40, &round)];
     for (name, high, nub) in nubs {
         for from in [Vec3::Y, Vec3::new(0.7, 1.0, 0.4)] {

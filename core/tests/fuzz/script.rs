@@ -6,7 +6,7 @@ use super::{fuzz, small};
 use sculpture_core::document::Limits;
 use sculpture_core::session::Session;
 
-const LINES: [&str; 56] = [
+const LINES: [&str; 57] = [
     "new dims=24,20,12 size=1,1,1 colour=24 base=#c8beaa fill=solid",
     "open \"/nonexistent/a.raw\" threshold=2..9 raw=8x6x5:u8:0 region=1,1,1..3,3,3 cubic=2mm mesh_size=9",
     "embed \"a\" data=iVZTQw0KGgoBAAAA",
@@ -40,6 +40,7 @@ const LINES: [&str; 56] = [
     "adjust grid hue=40 saturation=1.5 value=0.5",
     "gradient marker from=0,0,0 to=9,9,9 colour=#ff0000 end=#0000ff strength=0.75",
     "noise grid colour=#204060 size=4 amount=0.5 seed=3",
+    "surface cubes",
     "flood at=9,9,0 colour=#ffff00 tolerance=0.25",
     "limit off",
     "mask add ellipsoid at=9,9,6 half=4",

@@ -11,6 +11,7 @@ use proptest::test_runner::TestRunner;
 use crate::app::Workspace;
 use crate::config::Config;
 use crate::editor::pressure::{PenTool, PenUse};
+use crate::editor::sizes::SizeUnit;
 use crate::editor::symmetry::Placed;
 use crate::editor::tool::{NextPress, ToolKind};
 use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
@@ -178,7 +179,10 @@ fn a_brush_is_weaker_while_the_trigger_is_pulled_less() {
         person.workspace.editor.tool.kind = ToolKind::Deform;
         person.workspace.editor.tool.deform = DeformKind::Crease;
         let leads = PenUse { strength: by_pressure, ..PenUse::default() };
-        person.workspace.editor.tool.pens.set(PenTool::Deform(DeformKind::Crease), leads);
+        let tool = &mut person.workspace.editor.tool;
+        tool.pens.set(PenTool::Deform(DeformKind::Crease), leads);
+        tool.set_size_unit(SizeUnit::Sculpture);
+        tool.deforms.of_mut(DeformKind::Crease).radius = 8.0;
         let front = MIDDLE + Vec3::Z * 0.25;
         person.hold(front, 0.0, 5);
         for i in 0..10 {

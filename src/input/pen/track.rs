@@ -119,7 +119,7 @@ impl PenTrack {
     }
 
     fn go(&mut self, count: usize) {
-        self.at = self.steps.drain(..count).last().map(|step| step.sample).or(self.at);
+        self.at = self.steps.drain(..count).next_back().map(|step| step.sample).or(self.at);
     }
 }
 

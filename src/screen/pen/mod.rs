@@ -7,7 +7,8 @@
 
 #[cfg(target_os = "linux")]
 mod inbox;
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(test)]
+#[cfg(target_os = "linux")]
 mod test_compositor;
 #[cfg(target_os = "linux")]
 mod wayland;

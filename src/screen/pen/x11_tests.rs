@@ -26,6 +26,7 @@ struct Xvfb {
 
 impl Xvfb {
     /// None, said aloud, where there is no Xvfb and the tests do not need one.
+    #[expect(clippy::print_stderr, reason = "a test says what it leaves out")]
     fn start() -> Option<Xvfb> {
         let mut command = Command::new("Xvfb");
         command.args(["-displayfd", "1", "-screen", "0", "320x240x24", "-nolisten", "tcp"]);
