@@ -79,8 +79,13 @@ fn pens_are_heard_beside_the_pointer_of_the_window_which_loses_nothing() {
         X11Pens::connect_to(Some(&server.name), move || woken.send(()).unwrap_or(())).unwrap();
     assert!(pens.take().is_empty() && pens.take_names().is_none(), "Xvfb has no pen");
     pens.watch(WindowKey::numbered(window.into()));
+    // The pointer has another device from its first event on, at which the thread looks for pens again.
+    x.xtest_fake_input(MOTION_NOTIFY_EVENT, 0, 0, root, 20, 30, 0).unwrap();
+    x.sync().unwrap();
+    while x.poll_for_event().unwrap().is_some() {}
     {
         let mut reader = lock(&pens.reader);
+        reader.catch_up().unwrap();
         reader.devices = PenDevices::pretended(TEST_POINTER);
         let windows = reader.windows.clone();
         reader.select(&windows).unwrap();
