@@ -43,7 +43,7 @@ impl BitBlock {
         let mut block = BitBlock::empty(min, max);
         block.for_each_brick(grid.brick_dims(), |block, b| {
             if grid.brick_kind(grid.brick_index(b)) != BrickKind::Empty {
-                block.put_brick(b, grid.brick(b));
+                block.put_brick(b.as_ivec3(), grid.brick(b));
             }
         });
         block
@@ -288,8 +288,8 @@ impl BitBlock {
     }
 
     /// Adds the voxels of a brick, which must lie within the block.
-    pub fn put_brick(&mut self, b: UVec3, brick: &Brick) {
-        let local = (b * BRICK_EDGE_VX).as_ivec3() - self.origin;
+    pub fn put_brick(&mut self, b: IVec3, brick: &Brick) {
+        let local = b * BRICK_EDGE_VX as i32 - self.origin;
         let (word, shift) = (local.x as usize / 64, local.x as u32 % 64);
         for (z, slice) in brick.to_rows().into_iter().enumerate() {
             for y in 0..8usize {

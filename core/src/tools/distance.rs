@@ -105,36 +105,58 @@ impl Distances {
     }
 }
 
-/// Squared distances within a row, from the voxel `at` on.
+/// Squared distances within a row, from the voxel `at` on: what lies between two runs of what is looked for is as far as
+/// from the nearer one.
 fn nearest_in_row(block: &BitBlock, set: bool, at: IVec3, steps: i32, edge: f32, out: &mut [f32]) {
     let local = at - block.origin();
-    let (row, width) = (block.row(local.y, local.z), block.size().x as i32);
-    let is = |x: i32| {
-        let x = x - at.x + local.x;
-        let exists = (0..width).contains(&x)
-            && row.is_some_and(|row| row[x as usize / 64] >> (x % 64) & 1 != 0);
-        exists == set
-    };
-    let end = at.x + out.len() as i32;
+    let row = block.row(local.y, local.z).unwrap_or(&[]);
+    // Counted from the block's origin; what is outside does not exist.
+    let width = if row.is_empty() { 0 } else { block.size().x as i32 };
+    let (first, len) = (local.x, out.len() as i32);
+    let (start, end) = (first - steps, first + len + steps);
     let mut last = None;
-    for x in at.x - steps..end {
-        if is(x) {
-            last = Some(x);
+    let mut x = start;
+    while x < end {
+        let found = next(row, width, x, end, set);
+        // The part of the row between the last run and this one.
+        let (low, high) = (x.max(first), found.min(first + len));
+        if low < high {
+            let gap = &mut out[(low - first) as usize..(high - first) as usize];
+            let before = last.map_or(f32::INFINITY, |last: i32| (low - last) as f32);
+            let after = if found < end { (found - low) as f32 } else { f32::INFINITY };
+            for (i, out) in gap.iter_mut().enumerate() {
+                let nearest = (before + i as f32).min(after - i as f32);
+                *out = square(nearest * edge).min(FAR);
+            }
         }
-        if let (Some(last), true) = (last, x >= at.x) {
-            out[(x - at.x) as usize] = square((x - last) as f32 * edge);
+        x = next(row, width, found, end, !set);
+        let (low, high) = (found.max(first), x.min(first + len));
+        if low < high {
+            out[(low - first) as usize..(high - first) as usize].fill(0.0);
         }
+        last = Some(x - 1);
     }
-    let mut next = None;
-    for x in (at.x..end + steps).rev() {
-        if is(x) {
-            next = Some(x);
+}
+
+/// The first voxel of a row from `x` on that exists (`set`) or does not, or `end`. Only `width` voxels of it can exist.
+fn next(row: &[u64], width: i32, mut x: i32, end: i32, set: bool) -> i32 {
+    while x < end {
+        if x < 0 || x >= width {
+            if !set {
+                return x;
+            }
+            x = if x < 0 { 0 } else { end };
+            continue;
         }
-        if let (Some(next), true) = (next, x < end) {
-            let here = &mut out[(x - at.x) as usize];
-            *here = here.min(square((next - x) as f32 * edge));
+        let word = row[x as usize / 64];
+        let left = if set { word } else { !word } >> (x % 64);
+        if left != 0 {
+            // Bits behind the width do not exist.
+            return (x + left.trailing_zeros() as i32).min(end);
         }
+        x = (x / 64 + 1) * 64;
     }
+    end
 }
 
 fn square(v: f32) -> f32 {

@@ -2,8 +2,8 @@
 //!
 //! From a grid, a footprint and a strength to the voxels that appear and vanish. The smoothed surface is where half of the
 //! neighbourhood exists ([`super::level_field`]). The surface goes the share of the way to it that the strength says, less
-//! towards the rim of the footprint, and at most half a radius. Room hidden close behind the surface counts as existing
-//! where clay is removed, so that thin walls keep their thickness; clay that is added must have real clay around it.
+//! towards the rim of the footprint, and at most half a radius. Room hidden close behind the surface counts as existing,
+//! so that walls keep their thickness; clay that is added must have real clay around it, too.
 //! Changes nothing itself.
 
 use std::collections::BTreeSet;
@@ -13,8 +13,9 @@ use rayon::prelude::*;
 
 use super::distance::Distances;
 use super::footprint::Footprint;
+use super::level_counts::counts;
 use super::level_field::{Cells, Field};
-use super::level_hidden::{Hidden, counts};
+use super::level_hidden::Hidden;
 use super::spray::Stamp;
 use super::visible::Cone;
 use crate::sculpture::bit_block::BitBlock;
@@ -29,7 +30,7 @@ const FURTHEST: f32 = 0.5;
 /// are what they were.
 const STAYS: f32 = 0.25;
 /// How far behind the surface hidden room counts as clay, in radii: as half a neighbourhood needs that is seen aslant.
-const BEHIND: f32 = 1.6;
+const BEHIND: f32 = 2.0;
 /// From which share of the radius on the strength falls to the rim.
 const PLATEAU: f32 = 0.75;
 /// How much deeper or nearer than the middle of the brush it works, in its radii.
@@ -159,26 +160,37 @@ impl<'a> Work<'a> {
     /// The voxels on the other side of the smoothed surface, to be added and to be removed.
     fn candidates(&self, bounds: VoxelBox) -> (Vec<Candidate>, Vec<Candidate>) {
         let block = BitBlock::of_grid(self.grid, bounds.min, bounds.max);
+        let corner = bounds.min - block.origin();
         let width = (bounds.max.x - bounds.min.x) as usize;
-        let (mut clay, mut filled) = (vec![0.0; width], vec![0.0; width]);
-        let mut scratch = Vec::new();
+        let columns = self.clay.columns(bounds.min.x, width);
+        let (mut clay, mut filled) = (Vec::new(), Vec::new());
         let (mut to_add, mut to_remove) = (Vec::new(), Vec::new());
         for z in bounds.min.z..bounds.max.z {
             for y in bounds.min.y..bounds.max.y {
-                let start = IVec3::new(bounds.min.x, y, z);
-                let local = start - block.origin();
-                let Some(row) = block.row(local.y, local.z) else { continue };
-                self.clay.row(start, &mut scratch, &mut clay);
-                self.filled.row(start, &mut scratch, &mut filled);
-                for (x, (clay, filled)) in clay.iter().zip(&filled).enumerate() {
-                    let bit = local.x as usize + x;
+                let (at_y, at_z) = (corner.y + y - bounds.min.y, corner.z + z - bounds.min.z);
+                let Some(row) = block.row(at_y, at_z) else { continue };
+                self.clay.cells(&columns, y, z, &mut clay);
+                self.filled.cells(&columns, y, z, &mut filled);
+                // Between cells there are no larger shares than at them, and no smaller ones.
+                let most = clay.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                let least = filled.iter().copied().fold(f32::INFINITY, f32::min);
+                if -self.clay.outside(most) <= STAYS && self.filled.outside(least) <= STAYS {
+                    continue;
+                }
+                for x in 0..width {
+                    let bit = corner.x as usize + x;
                     let exists = row[bit / 64] >> (bit % 64) & 1 != 0;
+                    let outside = self.filled.outside(columns.share(&filled, x));
                     let (beyond, list) = match exists {
-                        true => (self.filled.outside(*filled), &mut to_remove),
-                        false => (-self.clay.outside(*clay), &mut to_add),
+                        true => (outside, &mut to_remove),
+                        false => {
+                            let clay = self.clay.outside(columns.share(&clay, x));
+                            (-clay.max(outside), &mut to_add)
+                        }
                     };
                     if beyond > STAYS {
-                        list.extend(self.candidate(start + IVec3::new(x as i32, 0, 0), beyond));
+                        let voxel = IVec3::new(bounds.min.x + x as i32, y, z);
+                        list.extend(self.candidate(voxel, beyond));
                     }
                 }
             }
@@ -216,7 +228,7 @@ impl<'a> Work<'a> {
         let steps = (Vec3::splat(reach) / self.edges).ceil().as_ivec3();
         let mut block = BitBlock::of_grid(self.grid, min - steps, max + steps);
         if !to_clay {
-            block = self.hidden.of(&block, true).zip(&block, |a, b| a | b);
+            self.hidden.fill(&mut block, self.grid);
         }
         let distances = Distances::new(&block, to_clay, VoxelBox { min, max }, reach, self.edges);
         let mut reached = BitBlock::empty(min, max);

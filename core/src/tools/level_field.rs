@@ -103,22 +103,29 @@ impl Field {
         Field { edge: cells.edge, first, size: inner, shares, radius }
     }
 
-    /// The shares along a row of voxels from `v` on, by interpolation. All of them must lie between middles of cells.
-    pub fn row(&self, v: IVec3, scratch: &mut Vec<f32>, out: &mut [f32]) {
-        let (y, y_share) = self.place(v.y, 1);
-        let (z, z_share) = self.place(v.z, 2);
+    /// The places of a row of voxels from `x` on. All of them must lie between middles of cells.
+    pub fn columns(&self, x: i32, width: usize) -> Columns {
+        let places: Vec<_> = (x..).take(width).map(|x| self.place(x, 0)).collect();
+        let first = places.first().map_or(0, |(cell, _)| *cell as usize);
+        let cells = places.last().map_or(0, |(cell, _)| *cell as usize + 2 - first);
+        Columns { first, cells, places }
+    }
+
+    /// The shares at the middles of the cells around a row of voxels.
+    pub fn cells(&self, columns: &Columns, y: i32, z: i32, out: &mut Vec<f32>) {
+        let (y, y_share) = self.place(y, 1);
+        let (z, z_share) = self.place(z, 2);
         let width = self.size.x as usize;
-        let row = |y: u32, z: u32| &self.shares[(y + self.size.y * z) as usize * width..][..width];
+        let row = |y: u32, z: u32| {
+            let start = (y + self.size.y * z) as usize * width + columns.first;
+            &self.shares[start..start + columns.cells]
+        };
         let rows = [row(y, z), row(y + 1, z), row(y, z + 1), row(y + 1, z + 1)];
-        scratch.clear();
-        scratch.extend((0..width).map(|x| {
+        out.clear();
+        out.extend((0..columns.cells).map(|x| {
             let [a, b, c, d] = rows.map(|row| row[x]);
             between(between(a, b, y_share), between(c, d, y_share), z_share)
         }));
-        for (x, out) in (v.x..).zip(out) {
-            let (x, share) = self.place(x, 0);
-            *out = between(scratch[x as usize], scratch[x as usize + 1], share);
-        }
     }
 
     /// How far the smoothed surface is from where the share is this, about: above 0 where less than half exists.
@@ -134,6 +141,25 @@ impl Field {
         let halves = 2 * (v - self.first[axis]) + 1 - edge;
         let cell = halves.div_euclid(2 * edge);
         (cell as u32, (halves - 2 * edge * cell) as f32 / (2 * edge) as f32)
+    }
+}
+
+/// Where the voxels of a row lie among the cells.
+pub struct Columns {
+    /// The cells that are needed.
+    first: usize,
+    cells: usize,
+    /// The cell before the middle of each voxel, and how far it is from there to the next.
+    places: Vec<(u32, f32)>,
+}
+
+impl Columns {
+    /// The share at a voxel of the row, from those at the cells around it.
+    #[inline(always)]
+    pub fn share(&self, cells: &[f32], x: usize) -> f32 {
+        let (cell, share) = self.places[x];
+        let cell = cell as usize - self.first;
+        between(cells[cell], cells[cell + 1], share)
     }
 }
 

@@ -1,17 +1,16 @@
-//! Room that is hidden close behind the visible surface, and how much of a neighbourhood exists with and without it.
+//! Room that is hidden close behind the visible surface.
 //!
-//! From the rays of a footprint and a grid to bits and counts. A wall that is thinner than a brush would be no more than a
+//! From the rays of a footprint and a grid to bits. A wall that is thinner than a brush would be no more than a
 //! small part of the brush's neighbourhood, and be smoothed away; with what it hides it is half of it, as a thick one is.
 //! Changes nothing; knows no brush.
 
 use glam::{IVec3, UVec2, UVec3, Vec3};
-use rayon::prelude::*;
 
 use super::footprint::Footprint;
-use super::level_field::Cells;
+use super::level_counts::brick_of;
 use super::visible::Cone;
 use crate::sculpture::bit_block::BitBlock;
-use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, WORD_EDGE_VX};
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::surface::IndexMap;
 use crate::surface::raycast::sample;
@@ -19,20 +18,16 @@ use crate::view::PixelRays;
 
 /// How far behind the first voxel of a ray its own surface may be, in voxels.
 const STAIR_VX: f32 = 0.9;
-/// Layers of voxels that are counted together, about.
-const LAYERS: i32 = 32;
 /// Most rays on each side of the middle one.
 const MOST_RAYS: f32 = 256.0;
 /// Farthest rays from the middle one, in rays of the footprint.
 const MOST_SPREAD: f32 = 1e6;
 /// Least component of a direction.
 const LEAST_WAY: Vec3 = Vec3::splat(1e-20);
-/// Edge of the smallest cells for which hidden room is not looked at voxel by voxel.
-const FINE_CELLS_VX: i32 = 5;
-/// How far a voxel may be from the middle of the eight that are looked at together.
-const PAIR_VX: f32 = 0.87;
-/// Half the diagonal of a brick, in voxels.
-const BRICK_RADIUS_VX: f32 = 7.0;
+/// Half the diagonal of a cube, in its edges, with some room.
+const RADIUS_OF_CUBE: f32 = 0.875;
+/// Edge of the blocks that are looked at before their bricks, in bricks.
+const BLOCK: i32 = 4;
 
 /// The first surface on each ray of a square around a footprint.
 pub struct Hidden {
@@ -115,118 +110,138 @@ impl Hidden {
         s > deepest + self.from + nearer && s < deepest + self.to
     }
 
-    /// Whether a brick may have such room.
-    fn may_be(&self, first: IVec3) -> bool {
-        let [i, j, s] = self.project(first.as_vec3() + 0.5 * BRICK_EDGE_VX as f32);
-        let spread = BRICK_RADIUS_VX * self.cone.per_voxel;
+    /// How much of a cube of voxels may be such room.
+    #[inline(always)]
+    fn share(&self, first: IVec3, edge: i32) -> HiddenShare {
+        let radius = edge as f32 * RADIUS_OF_CUBE;
+        let [i, j, s] = self.project(first.as_vec3() + 0.5 * edge as f32);
+        let spread = radius * self.cone.per_voxel;
         if s <= 2.0 * spread {
-            return s > -spread;
+            return if s > -spread { HiddenShare::Some } else { HiddenShare::None };
         }
         // Wider than it is, for rays that are not square.
-        let rays = 2.0 * BRICK_RADIUS_VX / (self.ray_vx * s);
+        let rays = 2.0 * radius / (self.ray_vx * s);
         let (low_x, high_x) = (self.place(i - rays), (self.place(i + rays) + 1).min(self.side - 1));
         let (low_y, high_y) = (self.place(j - rays), (self.place(j + rays) + 1).min(self.side - 1));
-        (low_y..=high_y).any(|y| {
-            let row = &self.depths[y * self.side..][low_x..=high_x];
-            row.iter().any(|d| s + spread > d + self.from && s - spread < d + self.to)
-        })
+        let (mut nearest, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY);
+        for y in low_y..=high_y {
+            for d in &self.depths[y * self.side..][low_x..=high_x] {
+                nearest = nearest.min(*d);
+                farthest = farthest.max(*d);
+            }
+        }
+        let (near, far) = (s - spread, s + spread);
+        if far <= nearest + self.from || near >= farthest + self.to {
+            HiddenShare::None
+        } else if near > farthest + self.from && far < nearest + self.to {
+            HiddenShare::All
+        } else {
+            HiddenShare::Some
+        }
     }
 
-    /// The hidden room among the voxels of a block that do not exist. `fine`: each voxel is looked at by itself, and not
-    /// eight together.
-    pub fn of(&self, block: &BitBlock, fine: bool) -> BitBlock {
-        let edge = BRICK_EDGE_VX as i32;
-        let (origin, bricks) = (block.origin(), block.size().as_ivec3() / edge);
-        let place = |b: IVec3| (b.x + bricks.x * (b.y + bricks.y * b.z)) as usize;
-        let all = 0..bricks.element_product();
-        let may_be: Vec<bool> = all
-            .map(|i| IVec3::new(i % bricks.x, i / bricks.x % bricks.y, i / bricks.x / bricks.y))
-            .map(|b| self.may_be(origin + b * edge) && !is_full(block, b * edge))
-            .collect();
-        let (side, nearer) = if fine { (1, 0.0) } else { (2, PAIR_VX * self.cone.per_voxel) };
-        let mask = (1u64 << side) - 1;
-        // Rows that are looked at together follow each other in y and in z.
-        let mut looked: Vec<Vec<u64>> = vec![Vec::new(); (bricks.y * edge / side) as usize];
-        block.map_rows(|y, z, out| {
-            let Some(row) = block.row(y, z) else { return };
-            let hidden = &mut looked[(y / side) as usize];
-            if y % side == 0 && z % side == 0 {
-                hidden.clear();
-                hidden.resize(row.len(), 0);
-                for x in (0..bricks.x).filter(|x| may_be[place(IVec3::new(*x, y / edge, z / edge))])
-                {
-                    let (word, shift) = ((x * edge / 64) as usize, (x * edge % 64) as u32);
-                    for bit in (0..edge).step_by(side as usize) {
-                        if fine && row[word] >> (shift + bit as u32) & 1 != 0 {
-                            continue;
-                        }
-                        let first = origin + IVec3::new(x * edge + bit, y, z);
-                        if self.is(first.as_vec3() + 0.5 * side as f32, nearer) {
-                            hidden[word] |= mask << (shift + bit as u32);
-                        }
-                    }
-                }
-            }
-            for ((out, hidden), exist) in out.iter_mut().zip(&*hidden).zip(row) {
-                *out = hidden & !exist;
-            }
-        })
-    }
-}
-
-/// Whether all voxels of a brick of a block exist. `first`: its first one, counted from the origin.
-fn is_full(block: &BitBlock, first: IVec3) -> bool {
-    let edge = BRICK_EDGE_VX as i32;
-    let (word, shift) = ((first.x / 64) as usize, (first.x % 64) as u32);
-    (0..edge * edge).all(|i| {
-        let row = block.row(first.y + i % edge, first.z + i / edge);
-        row.is_some_and(|row| row[word] >> shift & 0xFF == 0xFF)
-    })
-}
-
-/// How many voxels of each cell exist, and how many exist or are hidden.
-pub fn counts(grid: &Grid, cells: &Cells, hidden: &Hidden) -> (Vec<f64>, Vec<f64>) {
-    let UVec3 { x: width, y: height, z: depth } = cells.counted;
-    let layer = (width * height) as usize;
-    let layers = (LAYERS / cells.edge.z).max(1);
-    let fine = cells.edge.min_element() < FINE_CELLS_VX;
-    let mut both = vec![[0u32; 2]; layer * depth as usize];
-    both.par_chunks_mut((layer * layers as usize).max(1)).enumerate().for_each(|(i, out)| {
-        let voxels = cells.voxels();
-        let low = voxels.min.with_z(voxels.min.z + i as i32 * layers * cells.edge.z);
-        let deep = (out.len() / layer.max(1)) as i32 * cells.edge.z;
-        let block = BitBlock::of_grid(grid, low, voxels.max.with_z(low.z + deep));
-        let filled = hidden.of(&block, fine).zip(&block, |a, b| a | b);
-        let corner = low - block.origin();
-        for z in 0..deep {
-            for y in 0..height as i32 * cells.edge.y {
-                let (at_y, at_z) = (corner.y + y, corner.z + z);
-                let (Some(a), Some(b)) = (block.row(at_y, at_z), filled.row(at_y, at_z)) else {
-                    continue;
-                };
-                if b.iter().all(|word| *word == 0) {
+    /// The hidden room of a brick, among its voxels that do not exist. `group`: the edge of the cubes of voxels that are
+    /// looked at together, 1, 2 or 4.
+    #[inline(always)]
+    pub fn brick(&self, b: IVec3, exist: &Brick, group: u32) -> Brick {
+        let first = (b * BRICK_EDGE_VX as i32).as_vec3();
+        // The farthest voxel of a cube is half its diagonal less half a voxel's away from its middle.
+        let nearer = 0.5 * 3f32.sqrt() * (group - 1) as f32 * self.cone.per_voxel;
+        // The first voxels of the cubes in a word, and the voxels of the first.
+        let (starts, one): (u64, u64) = match group {
+            1 => (u64::MAX, 1),
+            2 => (0x0505_0000_0505, 0x0033_0033),
+            _ => (1, u64::MAX),
+        };
+        let mut hidden = Brick::EMPTY;
+        for (word, bits) in (0u32..).zip(&mut hidden.words) {
+            let corner = first + corner_of(word) * WORD_EDGE_VX as f32;
+            let mut left = starts;
+            while left != 0 {
+                let shift = left.trailing_zeros();
+                left &= left - 1;
+                if exist.words[word as usize] >> shift & one == one {
                     continue;
                 }
-                let row = (y / cells.edge.y) as usize * width as usize;
-                let row = &mut out[(z / cells.edge.z) as usize * layer + row..][..width as usize];
-                for (x, [clay, all]) in (0..).zip(row) {
-                    let at = (corner.x + x * cells.edge.x) as usize;
-                    *clay += ones(a, at, cells.edge.x as u32);
-                    *all += ones(b, at, cells.edge.x as u32);
+                let at = UVec3::new(shift & 3, shift >> 2 & 3, shift >> 4).as_vec3();
+                if self.is(corner + at + 0.5 * group as f32, nearer) {
+                    *bits |= one << shift;
                 }
             }
         }
-    });
-    both.iter().map(|[clay, all]| (f64::from(*clay), f64::from(*all))).unzip()
+        hidden.and_not(exist)
+    }
+
+    /// The shares of all bricks from `first` to `end` (exclusive).
+    pub fn shares(&self, first: IVec3, end: IVec3) -> Shares<'_> {
+        let block = IVec3::splat(BLOCK);
+        let first = first.div_euclid(block);
+        let size = (end - 1).div_euclid(block) + 1 - first;
+        let edge = BLOCK * BRICK_EDGE_VX as i32;
+        let of = |i: i32| {
+            let at = IVec3::new(i % size.x, i / size.x % size.y, i / size.x / size.y);
+            self.share((first + at) * edge, edge)
+        };
+        let blocks = (0..size.max(IVec3::ZERO).element_product()).map(of).collect();
+        Shares { hidden: self, first, size, blocks }
+    }
+
+    /// Adds the hidden room around a grid to a block of its voxels.
+    pub fn fill(&self, block: &mut BitBlock, grid: &Grid) {
+        let edge = BRICK_EDGE_VX as i32;
+        let (first, size) = (block.origin() / edge, block.size().as_ivec3() / edge);
+        let shares = self.shares(first, first + size);
+        for i in 0..size.element_product() {
+            let b = first + IVec3::new(i % size.x, i / size.x % size.y, i / size.x / size.y);
+            let brick = match brick_of(grid, b) {
+                None => &Brick::EMPTY,
+                Some((BrickKind::Full, _)) => continue,
+                Some((_, brick)) => brick,
+            };
+            match shares.of(b) {
+                HiddenShare::None => {}
+                HiddenShare::All => block.put_brick(b, &Brick::FULL),
+                HiddenShare::Some => block.put_brick(b, &self.brick(b, brick, 1)),
+            }
+        }
+    }
 }
 
-/// How many of `len` bits (less than 64) from one on are set.
-#[inline(always)]
-fn ones(row: &[u64], at: usize, len: u32) -> u32 {
-    let (word, shift) = (at / 64, at as u32 % 64);
-    let mut bits = row[word] >> shift;
-    if shift + len > 64 {
-        bits |= row.get(word + 1).copied().unwrap_or(0) << (64 - shift);
+/// How much of each brick may be hidden room.
+pub struct Shares<'a> {
+    hidden: &'a Hidden,
+    /// In blocks.
+    first: IVec3,
+    size: IVec3,
+    blocks: Vec<HiddenShare>,
+}
+
+impl Shares<'_> {
+    /// Of a brick, which must be one of these.
+    #[inline(always)]
+    pub fn of(&self, b: IVec3) -> HiddenShare {
+        let at = b.div_euclid(IVec3::splat(BLOCK)) - self.first;
+        match self.blocks[(at.x + self.size.x * (at.y + self.size.y * at.z)) as usize] {
+            HiddenShare::Some => {
+                let edge = BRICK_EDGE_VX as i32;
+                self.hidden.share(b * edge, edge)
+            }
+            share => share,
+        }
     }
-    (bits & ((1 << len) - 1)).count_ones()
+}
+
+/// How much of a cube of voxels may be hidden room, as far as its bounds tell.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum HiddenShare {
+    None,
+    Some,
+    /// All that does not exist.
+    All,
+}
+
+/// The place of a word in its brick, in words.
+#[inline(always)]
+fn corner_of(word: u32) -> Vec3 {
+    UVec3::new(word & 1, word >> 1 & 1, word >> 2).as_vec3()
 }

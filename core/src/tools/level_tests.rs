@@ -5,9 +5,9 @@ use glam::{IVec3, UVec3, Vec3};
 use super::footprint::{Coverage, Footprint, Outline};
 use super::level::Level;
 use super::spray::Stamp;
-use crate::sculpture::Grid;
 use crate::sculpture::brick::local_coords;
 use crate::sculpture::region::ListedBricks;
+use crate::sculpture::{Brick, Grid};
 
 const FULL: Level = Level { strength: 1.0, rounding: Level::NEAREST };
 
@@ -97,6 +97,22 @@ fn flat_faces_are_what_they_were_however_they_are_seen() {
         for (grid, from) in [(&slope, Vec3::new(1.0, 1.0, 0.0)), (&steep, Vec3::ONE)] {
             let stamp = FULL.stamp(&seen(target, from, radius), grid);
             assert_eq!(changes(&stamp), [0, 0], "{radius} {from}");
+        }
+    }
+}
+
+/// Larger brushes look at hidden room in cubes of 64 voxels.
+#[test]
+fn flat_faces_are_what_they_were_under_the_largest_brushes() {
+    for height in [190, 193] {
+        let mut slab = Grid::new(UVec3::new(512, 256, 512), Vec3::ONE, 1 << 30).unwrap();
+        slab.fill_bricks(|b| Brick::below([8, (height - (b.y * 8).min(height)).min(8), 8]));
+        for radius in [40.0, 46.0, 51.0] {
+            for from in [Vec3::Y, Vec3::new(0.4, 1.0, 0.3)] {
+                let target = Vec3::new(256.0, height as f32, 250.0);
+                let stamp = FULL.stamp(&seen(target, from, radius), &slab);
+                assert_eq!(changes(&stamp), [0, 0], "{height} {radius} {from}");
+            }
         }
     }
 }

@@ -84,7 +84,7 @@ pub fn thickened(voxels: &ListedBricks, brick_dims: UVec3, by: u32) -> ListedBri
     }
     let reach = IVec3::splat(by as i32);
     let mut bits = BitBlock::empty(bounds.min - reach, bounds.max + reach);
-    voxels.bricks().iter().for_each(|(b, brick)| bits.put_brick(*b, brick));
+    voxels.bricks().iter().for_each(|(b, brick)| bits.put_brick(b.as_ivec3(), brick));
     ListedBricks::new(spread(bits, by).bricks(brick_dims))
 }
 

@@ -31,6 +31,7 @@ mod grab_motion_tests;
 mod grab_tests;
 mod lanes;
 pub mod level;
+mod level_counts;
 mod level_field;
 mod level_hidden;
 #[cfg(test)]
