@@ -85,6 +85,18 @@ fn is_free(grid: &Grid, eye: Vec3, to: Vec3) -> bool {
     raycast::cast(grid, eye, to).is_none_or(|hit| hit.t >= 1.0 - 1e-3 / to.length().max(1.0))
 }
 
+/// Whether the slit through which the eye sees a point is half a voxel wide or more: through narrower ones, as between
+/// dust and a face that is seen edge on, a voxel may be found or not.
+fn is_half_a_voxel_wide(grid: &Grid, eye: Vec3, to: Vec3) -> bool {
+    let right = 0.26 * to.normalize().any_orthonormal_vector();
+    let up = 0.26 * to.normalize().cross(right).normalize();
+    // Before the voxel itself.
+    let before = to - to.normalize();
+    [right + up, right - up, up - right, -right - up, right, -right, up, -up]
+        .into_iter()
+        .all(|aside| is_free(grid, eye, before + aside))
+}
+
 /// Whether the eye sees a point within a voxel and a half of the middle of a voxel, on each axis.
 fn is_near_what_is_seen(grid: &Grid, eye: Vec3, v: IVec3) -> bool {
     let middle = v.as_vec3() + 0.5 - eye;
@@ -115,6 +127,7 @@ fn check(grid: &Grid, footprint: &Footprint, has_surface: bool) -> Result<usize,
                     face + 0.45 * (normal.yzx() * i as f32 + normal.zxy() * j as f32)
                 });
                 points.iter().all(|point| is_free(grid, eye, *point * (1.0 - 1e-5)))
+                    && (has_surface || is_half_a_voxel_wide(grid, eye, face))
             });
         prop_assert!(taken.contains(&v) || !seen, "{} at {} rays is left", v, away);
         // Through bars and dust a ray may meet what is seen by a strip alone.
