@@ -8,6 +8,7 @@ mod made;
 mod reports;
 mod reports_scans;
 mod scans;
+mod volumes;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! TIFF stacks (TIFF 6.0, BigTIFF): the pages of one file, or the numbered files of a folder, one page each.
 //!
-//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Which pages are the layers of one
-//! channel and one time, and the distances of voxels, are known where ImageJ or an OME-TIFF notes them (`tiff/told.rs`). Which
+//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Which pages are the layers of the
+//! channel and time that are read, and the distances of voxels, are known where ImageJ or an OME-TIFF notes them (`tiff/told.rs`). Which
 //! way is up no TIFF file says.
 
 mod palette;
@@ -56,7 +56,7 @@ pub fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, F
     let behind = if own.alike.len() == 1 { behind_first(&file, &told)? } else { None };
     let pages = if behind.is_some() { (0..told.images).collect() } else { own.alike };
     let is_one = pages.len() == 1;
-    let pages = told.pages_of_one_volume(pages, &mut notes);
+    let (pages, volumes) = told.one_volume(pages, reading, &mut notes)?;
     let series = if is_one { series(path, &mut notes) } else { Vec::new() };
     let depth = pages.len().max(series.len());
     let Some(depth) = u32::try_from(depth).ok().filter(|depth| *depth <= MAX_AXIS_VX) else {
@@ -97,7 +97,7 @@ pub fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, F
         None => number.into_samples(stack.data, false, [1.0, 0.0]),
     };
     let volume = volume(dims, voxel_size, samples, Vec::new());
-    Ok(Scan { volume, frame: Frame::Unknown, kind, is_label: false, notes })
+    Ok(Scan { volume, frame: Frame::Unknown, kind, is_label: false, volumes, notes })
 }
 
 /// Where the first page begins whose others follow it without directories of their own, as ImageJ writes large files.
