@@ -9,6 +9,7 @@ mod reports;
 mod reports_scans;
 mod scans;
 mod volumes;
+mod zstd;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -8,6 +8,7 @@ mod palette;
 #[cfg(test)]
 mod tests;
 mod told;
+mod zstd;
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -203,8 +204,10 @@ impl Stack<'_> {
         let most = u64::from(self.dims.x) * u64::from(self.dims.y) * 8;
         let most = most.min(rest_bytes) as usize;
         let mut limits = Limits::default();
-        (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (most, most);
-        let mut pages = open(file)?.with_limits(limits);
+        // Tiles may be larger than the page.
+        let most_in_file = usize::try_from(rest_bytes).unwrap_or(usize::MAX);
+        (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (most, most_in_file);
+        let mut pages = open(file)?.with_limits(limits.clone());
         if i > 0 {
             pages.seek_to_image(i).map_err(damaged)?;
         }
@@ -214,7 +217,11 @@ impl Stack<'_> {
                     .to_string(),
             ));
         }
-        let (number, bytes) = bytes_of(pages.read_image().map_err(damaged)?, self.page.colours)?;
+        let pixels = match zstd::unpacked(file, &mut pages, rest_bytes)? {
+            Some(plain) => open(&plain)?.with_limits(limits).read_image(),
+            None => pages.read_image(),
+        };
+        let (number, bytes) = bytes_of(pixels.map_err(damaged)?, self.page.colours)?;
         if *self.number.get_or_insert(number) != number {
             return Err(malformed("the TIFF file", "pages of different types of numbers"));
         }
@@ -328,7 +335,7 @@ fn damaged(error: TiffError) -> FormatError {
     match error {
         TiffError::LimitsExceeded => malformed("the TIFF file", "more pixels than its header says"),
         TiffError::UnsupportedError(error) => FormatError::Scan(format!(
-            "this kind of TIFF file is not read ({}); save it without compression, or with LZW or Deflate, as grey or RGB",
+            "this kind of TIFF file is not read ({}); save it without compression, or with LZW, Deflate or ZSTD, as grey or RGB",
             printable(&error.to_string())
         )),
         error => malformed("the TIFF file", printable(&error.to_string())),
