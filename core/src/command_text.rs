@@ -99,6 +99,8 @@ impl fmt::Display for Command {
                     colour_depth,
                     upright,
                     raw,
+                    channel,
+                    time,
                     region,
                     cubic,
                     largest_piece,
@@ -120,6 +122,12 @@ impl fmt::Display for Command {
                 }
                 if let Some(raw) = raw {
                     write!(f, " raw={raw}")?;
+                }
+                if let Some(channel) = channel {
+                    write!(f, " channel={channel}")?;
+                }
+                if let Some(time) = time {
+                    write!(f, " time={time}")?;
                 }
                 if let Some(region) = region {
                     write!(f, " region={region}")?;
@@ -250,6 +258,8 @@ impl FromStr for Command {
                     colour_depth: args.optional("colour", parse_colour_depth)?,
                     upright: args.optional("upright", str::parse)?,
                     raw: args.optional("raw", str::parse)?,
+                    channel: args.optional("channel", str::parse)?,
+                    time: args.optional("time", str::parse)?,
                     region: args.optional("region", str::parse)?,
                     cubic: args.optional("cubic", str::parse)?.unwrap_or_default(),
                     largest_piece: choice(&mut args, "pieces", ["all", "largest"])?,

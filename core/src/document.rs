@@ -16,10 +16,11 @@ use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::history::{Change, Contents, History, State, Step, StepStore};
+use crate::sculpture::memory::NoMemory;
 use crate::sculpture::record::BrickRecord;
 use crate::sculpture::selection::Selection;
 use crate::sculpture::stroke::StrokeRecorder;
-use crate::sculpture::{Brick, ColourDepth, Grid, Material, Placement};
+use crate::sculpture::{Brick, ColourDepth, Grid, GridError, Material, Placement};
 use crate::tools::symmetry::Symmetry;
 use crate::tools::texture::Texture;
 
@@ -57,7 +58,7 @@ pub struct Applied {
 /// A sculpture with its history.
 #[derive(Debug)]
 pub struct Document {
-    /// Shared with a save in progress; an edit meanwhile would be made on a copy.
+    /// Shared with a save in progress; an edit meanwhile is made on a copy ([`Document::own_contents`]).
     contents: Arc<Contents>,
     placement: Placement,
     history: History,
@@ -257,6 +258,7 @@ impl Document {
     pub fn replace(&mut self, contents: Contents, label: &str) -> Result<(), CommandError> {
         self.require_no_stroke("open")?;
         self.require_room_for_whole(label)?;
+        self.own_contents()?;
         let old = Box::new(self.swap_contents(contents));
         let number = self.new_state();
         let state = std::mem::replace(&mut self.state, State { sculpture: number, number });
@@ -267,6 +269,9 @@ impl Document {
 
     /// Executes a command. On an error nothing has changed.
     pub fn apply(&mut self, command: &Command) -> Result<Applied, CommandError> {
+        if edits(command) {
+            self.own_contents()?;
+        }
         match command {
             Command::New(new) => {
                 self.require_no_stroke("new")?;
@@ -291,7 +296,11 @@ impl Document {
                 Ok(Applied::default())
             }
             Command::Cancel => {
-                self.stroke.take().ok_or(CommandError::NoStroke("cancel"))?;
+                if self.stroke.is_none() {
+                    return Err(CommandError::NoStroke("cancel"));
+                }
+                self.own_contents()?;
+                self.stroke = None;
                 self.stroke_surface = None;
                 self.uses.clear();
                 self.take_back();
@@ -403,12 +412,50 @@ impl Document {
         Ok(Applied { stats, steps: 0 })
     }
 
+    /// Makes the contents the document's own, so that they can be changed: where a save or another snapshot shares them, by a
+    /// copy. An error if the system lacks the memory for it.
+    fn own_contents(&mut self) -> Result<(), CommandError> {
+        if Arc::get_mut(&mut self.contents).is_none() {
+            let copy = self.contents.copied().map_err(|error| self.no_memory(error))?;
+            self.contents = Arc::new(copy);
+        }
+        Ok(())
+    }
+
+    fn no_memory(&self, error: NoMemory) -> CommandError {
+        GridError::NoMemory { dims: self.grid().dims(), needed_mib: error.mib() }.into()
+    }
+
+    /// [`Document::swap_bricks`], unless the system lacks the memory for it: then nothing has changed, and the record is
+    /// given back.
+    fn try_swap_bricks(
+        &mut self,
+        record: BrickRecord,
+    ) -> Result<BrickRecord, (BrickRecord, CommandError)> {
+        if let Err(error) = self.own_contents() {
+            return Err((record, error));
+        }
+        let bytes = record.reverse_bytes(&self.contents) as u64;
+        let changes = !record.is_empty();
+        match record.try_swap(Arc::make_mut(&mut self.contents), &mut self.dirty) {
+            Ok(reverse) => {
+                self.revision += u64::from(changes);
+                Ok(reverse)
+            }
+            Err(record) => Err((record, self.no_memory(NoMemory { bytes }))),
+        }
+    }
+
     fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {
+        if record.is_empty() {
+            return record;
+        }
         self.revision += u64::from(!record.is_empty());
         record.swap(Arc::make_mut(&mut self.contents), &mut self.dirty)
     }
 
-    /// Puts another sculpture in place of the present one; the marker begins anew with another size.
+    /// Puts another sculpture in place of the present one, which must be the document's own; the marker begins anew with another
+    /// size.
     fn swap_contents(&mut self, contents: Contents) -> Contents {
         let old = self.put_contents(contents);
         if self.contents.grid.dims() != old.grid.dims() {
@@ -431,6 +478,48 @@ impl Document {
     /// An error if a stroke is open. `verb` is the refused command's.
     pub fn require_no_stroke(&self, verb: &'static str) -> Result<(), CommandError> {
         if self.stroke_open() { Err(CommandError::StrokeOpen(verb)) } else { Ok(()) }
+    }
+}
+
+/// Whether a command changes voxels, colours or mask where they are, and does not go along the history.
+fn edits(command: &Command) -> bool {
+    match command {
+        Command::Construct { .. }
+        | Command::Form { .. }
+        | Command::Texture { .. }
+        | Command::Stencil { .. }
+        | Command::Spray { .. }
+        | Command::Grab { .. }
+        | Command::Deform { .. }
+        | Command::Paste { .. }
+        | Command::Array { .. }
+        | Command::Fill { .. }
+        | Command::Clear { .. }
+        | Command::Dye { .. }
+        | Command::Tint { .. }
+        | Command::Flood { .. }
+        | Command::Mask(_)
+        | Command::Cut
+        | Command::Move { .. }
+        | Command::Mend(_)
+        | Command::Surface(_) => true,
+        Command::New(_)
+        | Command::Open { .. }
+        | Command::Save { .. }
+        | Command::Embed { .. }
+        | Command::Begin { .. }
+        | Command::End
+        | Command::Cancel
+        | Command::Copy
+        | Command::Mark(_)
+        | Command::Select(_)
+        | Command::Limit(_)
+        | Command::Irreversible(_)
+        | Command::Symmetry(_)
+        | Command::Orient(_)
+        | Command::Undo { .. }
+        | Command::Redo { .. }
+        | Command::Place(_) => false,
     }
 }
 

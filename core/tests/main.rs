@@ -18,6 +18,7 @@ mod formats;
 mod fuzz;
 mod independent;
 mod journal;
+mod memory;
 mod meshes_in;
 mod saved_history;
 mod scans;

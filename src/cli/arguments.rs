@@ -8,7 +8,7 @@ use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 
 use crate::format::options::{
-    Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize, RawLayout, Region,
+    Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize, Ordinal, RawLayout, Region,
 };
 use crate::headless::PictureRequest;
 use crate::render::RenderMode;
@@ -38,6 +38,13 @@ pub struct ImportArgs {
     /// Layout of a raw file: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
     #[arg(long, value_name = "LAYOUT")]
     pub raw: Option<RawLayout>,
+    /// Channel to read of a TIFF file with several, counted from 1 (default: the first)
+    #[arg(long, value_name = "N")]
+    pub channel: Option<Ordinal>,
+    /// Time to read of a scan with several, or phase, echo, volume along a fourth axis, counted from 1 (default: the first, or
+    /// that of the DICOM file that is named)
+    #[arg(long, value_name = "N")]
+    pub time: Option<Ordinal>,
     /// Part of a volume to read: its lowest and highest voxel in the file, such as 0,0,10..127,127,60
     #[arg(long, value_name = "REGION")]
     pub region: Option<Region>,
@@ -66,6 +73,8 @@ impl ImportArgs {
             colour_depth: self.colour_bits,
             upright: self.upright,
             raw: self.raw,
+            channel: self.channel,
+            time: self.time,
             region: self.region,
             cubic: self.cubic,
             largest_piece: self.largest_piece,

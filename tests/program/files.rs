@@ -284,3 +284,30 @@ fn a_misspelt_job_is_recognised_and_a_file_is_not() {
         assert!(succeed(path, help).contains("Usage"));
     }
 }
+
+#[test]
+fn one_of_several_channels_and_times_is_asked_for() {
+    let folder = folder();
+    let path = folder.path();
+    let fixtures = concat!(env!("CARGO_MANIFEST_DIR"), "/core/tests/fixtures/field/");
+    let file = format!("{fixtures}04_tiff_imagej_2channels.tif");
+    let said = succeed(path, &["info", &file, "--channel", "2"]);
+    assert!(said.contains("channels: 2, read: 2\n") && !said.contains("was taken"), "{said}");
+    let said = succeed(path, &["info", &file]);
+    assert!(said.contains("channels: 2, read: 1\n") && said.contains("`channel`"), "{said}");
+    for (arguments, part) in [
+        (["--channel", "3"], "channel 3 was asked for, but the file has 2; choose one from 1 to 2"),
+        (["--time", "2"], "time 2 was asked for, but the file has only one"),
+    ] {
+        let why = fail(path, &[&["info", &file][..], &arguments].concat(), 3);
+        assert!(why.contains(part), "{why}");
+    }
+    assert!(fail(path, &["info", &file, "--time", "0"], 2).contains("counted from 1"));
+    let script = format!("open {file:?} threshold=500 channel=2\n");
+    std::fs::write(path.join("s.sculpt"), script).unwrap();
+    succeed(path, &["run", "s.sculpt", "--out", "by_script.vsc"]);
+    let arguments = ["convert", &file, "by_option.vsc", "--threshold", "500", "--channel", "2"];
+    let said = succeed(path, &arguments);
+    assert!(said.contains("180 of 4800 voxels"), "{said}");
+    assert_eq!(bytes(path.join("by_script.vsc")), bytes(path.join("by_option.vsc")));
+}

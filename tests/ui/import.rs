@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::{DroppedFileHandle, Event, Key, Modifiers, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use glam::UVec3;
 use virtual_sculpture::format::options::{Cubic, Existence, MeshSize};
 
@@ -131,6 +131,66 @@ fn a_scan_is_shown_and_opened_as_it_is_shown() {
     drop_file(&mut harness, &scan(folder.path(), "other.nrrd"));
     let next = *harness.state().ui.dialogs.import.options();
     assert!(next.largest_piece && next.existence == Existence::Auto);
+}
+
+/// A scan of two times in one file: the ball, and a smaller one.
+fn scan_of_two_times(folder: &Path, name: &str) -> PathBuf {
+    let path = scan(folder, name);
+    let file = std::fs::read(&path).unwrap();
+    let end = file.windows(2).position(|two| two == b"\n\n").unwrap() + 2;
+    let header = String::from_utf8(file[..end].to_vec()).unwrap();
+    let header = header
+        .replace("dimension: 3", "dimension: 4")
+        .replace("sizes: 24 24 12", "sizes: 24 24 12 2")
+        .replace("(0,0,2)", "(0,0,2) none");
+    let smaller: Vec<u8> =
+        file[end..].iter().map(|level| if *level == 200 { 200 } else { 5 }).collect();
+    std::fs::write(&path, [header.as_bytes(), &file[end..], &smaller].concat()).unwrap();
+    path
+}
+
+#[test]
+fn one_of_several_times_is_chosen_and_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = bench();
+    drop_file(&mut harness, &scan(folder.path(), "ball.nrrd"));
+    assert!(!has(&harness, "Time") && !has(&harness, "Channel"), "there is only one");
+    click(&mut harness, "Cancel");
+
+    let path = scan_of_two_times(folder.path(), "times.nrrd");
+    drop_file(&mut harness, &path);
+    assert!(has(&harness, "of 2") && !has(&harness, "Channel"));
+    let note = "First of 2 volumes taken; the option `time` takes another";
+    assert!(has(&harness, note));
+    let both = share(&harness);
+    click(&mut harness, "Largest piece only");
+    harness.get_by_role_and_label(egui::accesskit::Role::SpinButton, "Time").focus();
+    harness.run_steps(2);
+    send(&mut harness, Event::Text("2".to_string()));
+    assert!(is_open(&harness));
+    key(&mut harness, Modifiers::NONE, Key::Enter);
+    settle(&mut harness);
+    let options = *harness.state().ui.dialogs.import.options();
+    assert_eq!(options.time.map(|time| time.get()), Some(2));
+    assert!(options.largest_piece, "other choices stay");
+    assert!(is_open(&harness) && !has(&harness, note), "it was asked for");
+    assert!(share(&harness) < both / 4.0, "its own histogram: {} {both}", share(&harness));
+    press(&mut harness, "Import");
+    let small = voxels(&harness);
+    assert!(!is_open(&harness) && small > 100 && small < 200, "{small}");
+
+    // It belongs to that file.
+    drop_file(&mut harness, &path);
+    assert_eq!(harness.state().ui.dialogs.import.options().time, None);
+    press(&mut harness, "Import");
+    assert!(voxels(&harness) > 1200);
+}
+
+/// The share of voxels that would exist, in percent.
+fn share(harness: &Bench) -> f32 {
+    let label = harness.get_by_label_contains("% of the voxels");
+    let text = label.accesskit_node().value().or(label.accesskit_node().label()).unwrap();
+    text.split(' ').next().unwrap().parse().unwrap()
 }
 
 #[test]

@@ -71,7 +71,13 @@ impl Document {
     ) -> Result<EditStats, CommandError> {
         let (revision, state) = (self.revision, self.state);
         let record = self.recorder.finish();
-        let done = self.swap_bricks(record);
+        let done = match self.try_swap_bricks(record) {
+            Ok(done) => done,
+            Err((record, error)) => {
+                self.recorder.resume(record, &self.contents.grid);
+                return Err(error);
+            }
+        };
         self.state = self.settled;
         let stats = work(self);
         if stats.is_err() {

@@ -51,7 +51,11 @@ impl Document {
         command: &Command,
     ) -> Result<(), CommandError> {
         self.require_can_orient(orientation)?;
-        let change = self.swap_oriented(contents, orientation, self.is_exact(orientation));
+        let is_exact = self.is_exact(orientation);
+        if !is_exact {
+            self.own_contents()?;
+        }
+        let change = self.swap_oriented(contents, orientation, is_exact);
         self.state.number = self.new_state();
         let state = std::mem::replace(&mut self.settled, self.state);
         self.history.push(Step { label: command.label(), change, state });
@@ -86,7 +90,11 @@ impl Document {
                     Some(contents) => contents,
                     None => orient_contents(&self.contents, back, &self.limits, &())?,
                 };
-                Ok(self.swap_oriented(contents, back, self.is_exact(back)))
+                let is_exact = self.is_exact(back);
+                if !is_exact {
+                    self.own_contents()?;
+                }
+                Ok(self.swap_oriented(contents, back, is_exact))
             }
         }
     }

@@ -124,7 +124,8 @@ impl Document {
     }
 
     pub(super) fn undo_step(&mut self, oriented: Option<Contents>) -> Result<bool, CommandError> {
-        let Some(step) = self.history.take_undo() else { return Ok(false) };
+        let taken = self.history.take_undo().map_err(|error| self.no_memory(error))?;
+        let Some(step) = taken else { return Ok(false) };
         let (step, refused) = self.reverse_if_kept(step, "undo", oriented);
         match refused {
             None => self.history.undone(step),
@@ -137,7 +138,8 @@ impl Document {
     }
 
     pub(super) fn redo_step(&mut self, oriented: Option<Contents>) -> Result<bool, CommandError> {
-        let Some(step) = self.history.take_redo() else { return Ok(false) };
+        let taken = self.history.take_redo().map_err(|error| self.no_memory(error))?;
+        let Some(step) = taken else { return Ok(false) };
         let (step, refused) = self.reverse_if_kept(step, "redo", oriented);
         match refused {
             None => self.history.redone(step),
@@ -189,9 +191,22 @@ impl Document {
                 let error = CommandError::NotReadBack { step: label.clone(), reason };
                 return (Step { label, change, state }, Some(error));
             }
-            Change::Bricks(record) => Change::Bricks(self.swap_bricks(record)),
-            Change::Whole(contents) => Change::Whole(Box::new(self.swap_contents(*contents))),
-            Change::Surface(kind) => Change::Surface(self.swap_surface(kind)),
+            Change::Bricks(record) => match self.try_swap_bricks(record) {
+                Ok(record) => Change::Bricks(record),
+                Err((record, error)) => {
+                    return (Step { label, change: Change::Bricks(record), state }, Some(error));
+                }
+            },
+            Change::Whole(contents) => match self.own_contents() {
+                Ok(()) => Change::Whole(Box::new(self.swap_contents(*contents))),
+                Err(error) => {
+                    return (Step { label, change: Change::Whole(contents), state }, Some(error));
+                }
+            },
+            Change::Surface(kind) => match self.own_contents() {
+                Ok(()) => Change::Surface(self.swap_surface(kind)),
+                Err(error) => return (Step { label, change, state }, Some(error)),
+            },
             Change::Oriented { back, before } => {
                 match self.reverse_orientation(back, before, oriented) {
                     Ok(change) => change,

@@ -42,6 +42,12 @@ impl Document {
             _ => false,
         };
         let lifts = !heeds.mask && self.mask().is_some() && !commands.iter().any(about_mask);
+        // Where a snapshot shares them and there is no memory for a copy, nothing is tried.
+        if lifts && self.own_contents().is_err() {
+            self.selection.set_limits(limits);
+            self.uses = uses;
+            return stats;
+        }
         let mask = if lifts { Arc::make_mut(&mut self.contents).mask.take() } else { None };
 
         self.stroke = Some(String::new());

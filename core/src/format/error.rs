@@ -235,6 +235,16 @@ pub enum FormatError {
         /// Size of the volume in voxels.
         dims: UVec3,
     },
+    /// A channel or a time that the file does not have.
+    #[error("{what} {asked} was asked for, but the file has {}", number_of(*.count))]
+    NoSuchVolume {
+        /// `channel` or `time`.
+        what: &'static str,
+        /// Its number.
+        asked: u64,
+        /// How many there are.
+        count: u64,
+    },
     /// The pieces of a volume cannot be found.
     #[error(transparent)]
     Pieces(PiecesError),
@@ -324,6 +334,14 @@ pub enum FormatError {
     /// An export form of colours, but the sculpture stores none.
     #[error("the sculpture has no colours; save it as densities")]
     NoColours,
+}
+
+/// How many of something a file has, and what to ask for.
+fn number_of(count: u64) -> String {
+    match count {
+        1 => "only one; leave the option out".to_string(),
+        count => format!("{count}; choose one from 1 to {count}"),
+    }
 }
 
 impl From<MeshError> for FormatError {

@@ -8,8 +8,8 @@ use glam::{UVec3, Vec3};
 
 use super::options::{ExportForm, ImportOptions};
 use super::{
-    Format, FormatError, Histogram, Samples, Signature, Source, Texts, Volume, content, import,
-    mesh_in, open_volume, read_file, threshold, voxel, vsc,
+    Format, FormatError, Histogram, Samples, Signature, Source, Texts, Volume, Volumes, content,
+    import, mesh_in, open_volume, read_file, threshold, voxel, vsc,
 };
 use crate::progress::Progress;
 use crate::sculpture::Limits;
@@ -36,6 +36,8 @@ pub struct Info {
     pub signature: Option<Signature>,
     /// Where the axes of a scan point, in the patient or the world; none where the file does not say.
     pub orientation: Option<String>,
+    /// Which channel and time the rest is about.
+    pub volumes: Volumes,
     /// What opening the file leaves out or takes otherwise.
     pub notes: Vec<String>,
 }
@@ -63,8 +65,8 @@ pub fn info(path: &Path) -> Result<Info, FormatError> {
     info_with(path, &ImportOptions::default(), &Limits::default(), &())
 }
 
-/// Describes a file, with options: for raw files their layout; for volumes the region that is read and whether it is
-/// resampled.
+/// Describes a file, with options: for raw files their layout; for volumes the channel, time and region that are read and
+/// whether they are resampled.
 pub fn info_with(
     path: &Path,
     options: &ImportOptions,
@@ -99,13 +101,14 @@ fn info_as(
             densities: None,
             signature: Some(signature),
             orientation: None,
+            volumes: Volumes::default(),
             texts,
             notes: Vec::new(),
         });
     }
     let of_model = |kind, file_bytes, dims, voxel_size, notes| {
         let (samples, densities, signature, texts) = (None, None, None, Texts::default());
-        let orientation = None;
+        let (orientation, volumes) = (None, Volumes::default());
         Info {
             kind,
             file_bytes,
@@ -116,6 +119,7 @@ fn info_as(
             signature,
             orientation,
             texts,
+            volumes,
             notes,
         }
     };
@@ -137,7 +141,7 @@ fn info_as(
     }
     let (volume, source) = open_volume(format, path, options, limits, progress)?;
     let orientation = source.frame.describe();
-    let Source { kind, file_bytes, notes, .. } = source;
+    let Source { kind, file_bytes, volumes, notes, .. } = source;
     Ok(Info {
         kind,
         file_bytes,
@@ -147,6 +151,7 @@ fn info_as(
         densities: Densities::of(&volume),
         signature: import::trusted_signature(&volume),
         orientation,
+        volumes,
         notes,
         texts: volume.texts,
     })
@@ -162,6 +167,9 @@ impl fmt::Display for Info {
         writeln!(f, "voxel size: {} {} {}", size.x, size.y, size.z)?;
         if let Some(orientation) = &self.orientation {
             writeln!(f, "orientation: {orientation}")?;
+        }
+        for (what, taken) in self.volumes.several() {
+            writeln!(f, "{what}s: {}, read: {}", taken.count, taken.number)?;
         }
         match self.samples {
             Some(samples) => write!(f, "voxels: {samples}, {} bytes each", samples.bytes())?,

@@ -33,6 +33,7 @@ pub mod store;
 mod study;
 mod threshold;
 mod volume;
+mod volumes;
 mod voxel;
 mod vsc;
 
@@ -58,6 +59,7 @@ pub use self::study::{
     study,
 };
 pub use self::volume::{Samples, Texts, Volume};
+pub use self::volumes::{Taken, Volumes};
 use crate::progress::Progress;
 use crate::sculpture::history::Contents;
 use crate::sculpture::orient::Reorientation;
@@ -359,6 +361,8 @@ struct Source {
     frame: scan::Frame,
     /// Whether the file says that its numbers are labels.
     is_label: bool,
+    /// Which of several volumes was read.
+    volumes: Volumes,
     notes: Vec<String>,
 }
 
@@ -414,7 +418,7 @@ fn read_volume(
         }
         Format::Scan(kind) => {
             let (scan, file_bytes) = scan::load(path, kind, options, limits, progress)?;
-            let scan::Scan { volume, frame, kind, is_label, mut notes } = scan;
+            let scan::Scan { volume, frame, kind, is_label, volumes, mut notes } = scan;
             let is_open =
                 options.colouring == Colouring::Auto && options.existence == Existence::Auto;
             if is_open && !is_label && labels::look_like_labels(&volume) {
@@ -423,9 +427,10 @@ fn read_volume(
                         .to_string(),
                 );
             }
-            Ok((volume, Source { kind, file_bytes, frame, is_label, notes }))
+            Ok((volume, Source { kind, file_bytes, frame, is_label, volumes, notes }))
         }
         Format::Pvm => {
+            let volumes = Volumes::of(options, 1, 1)?;
             let file = store::read(path, budget, |_| Ok(()), progress)?;
             let file_bytes = file.len() as u64;
             let admit = |header: &pvm::Header| check_grid(header.dims, header.voxel_size);
@@ -438,9 +443,10 @@ fn read_volume(
                 Some(packing) => format!("PVM{version}, packed as {packing}"),
                 None => format!("PVM{version}, not packed"),
             };
-            Ok((volume, Source { kind, file_bytes, ..Source::default() }))
+            Ok((volume, Source { kind, file_bytes, volumes, ..Source::default() }))
         }
         Format::Raw => {
+            let volumes = Volumes::of(options, 1, 1)?;
             let layout = options.raw.ok_or(FormatError::NoRawLayout)?;
             let admit = |len| {
                 check_grid(layout.dims, layout.voxel_size)?;
@@ -449,7 +455,8 @@ fn read_volume(
             let file = store::read(path, budget, admit, progress)?;
             let file_bytes = file.len() as u64;
             let kind = "raw".to_string();
-            Ok((raw::read(file, &layout)?, Source { kind, file_bytes, ..Source::default() }))
+            let source = Source { kind, file_bytes, volumes, ..Source::default() };
+            Ok((raw::read(file, &layout)?, source))
         }
     }
 }

@@ -9,7 +9,7 @@ use glam::{UVec3, Vec3};
 
 mod scan;
 
-pub use scan::{Cubic, Existence, Region};
+pub use scan::{Cubic, Existence, Ordinal, Region};
 
 use super::mesh_out::{MeshOptions, MeshUp};
 use super::volume::Samples;
@@ -79,6 +79,11 @@ pub struct ImportOptions {
     pub upright: Option<Up>,
     /// Layout of a raw file; ignored for other files.
     pub raw: Option<RawLayout>,
+    /// Which channel of a file with several is read; `None`: the first.
+    pub channel: Option<Ordinal>,
+    /// Which time, phase or volume along a fourth axis is read of a file with several; `None`: that of the DICOM file that was
+    /// named, else the first.
+    pub time: Option<Ordinal>,
     /// Which part of a volume is read; `None`: all of it.
     pub region: Option<Region>,
     /// Whether a volume is resampled to cubic voxels: densities linearly, before thresholds apply; labels and

@@ -8,12 +8,11 @@
 //! Invariants: bits beyond `dims` are 0; voxel counts and occupancy always match the bits. Knows no
 //! colour, no history, no tool.
 
-use std::collections::TryReserveError;
-
 use glam::{IVec3, UVec3, Vec3};
 use thiserror::Error;
 
 use super::brick::{BRICK_EDGE_VX, Brick};
+use super::memory::filled;
 
 mod band;
 mod read;
@@ -379,14 +378,6 @@ pub fn brick_dims(dims: UVec3) -> UVec3 {
 
 fn occupancy_dims(brick_dims: UVec3) -> UVec3 {
     (brick_dims + 3) / 4
-}
-
-/// A list of `count` equal values, unless the system lacks the memory for it.
-fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, TryReserveError> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count)?;
-    list.resize(count, value);
-    Ok(list)
 }
 
 fn product(v: UVec3) -> u64 {

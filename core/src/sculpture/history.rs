@@ -11,6 +11,7 @@ use std::sync::Arc;
 mod step;
 mod store;
 
+use super::memory::NoMemory;
 use step::STUB_BYTES;
 pub use step::{Change, Contents, HistorySnapshot, State, Step, SurfaceKind};
 pub use store::{StepStore, Stored, StoredStep};
@@ -107,18 +108,37 @@ impl History {
 
     /// Takes the step to undo next. Give its reverse to [`History::undone`], or the step itself
     /// back to [`History::redone`].
-    pub fn take_undo(&mut self) -> Option<Step> {
-        let step = self.undo.pop_back()?;
-        self.bytes -= step.heap_bytes();
-        Some(Arc::unwrap_or_clone(step))
+    ///
+    /// # Errors
+    /// If a snapshot shares the step and the system lacks the memory for a copy; it stays where it was.
+    pub fn take_undo(&mut self) -> Result<Option<Step>, NoMemory> {
+        self.take(Stack::Undo)
     }
 
     /// Takes the step to redo next. Give its reverse to [`History::redone`], or the step itself
     /// back to [`History::undone`].
-    pub fn take_redo(&mut self) -> Option<Step> {
-        let step = self.redo.pop_back()?;
-        self.bytes -= step.heap_bytes();
-        Some(Arc::unwrap_or_clone(step))
+    ///
+    /// # Errors
+    /// As [`History::take_undo`].
+    pub fn take_redo(&mut self) -> Result<Option<Step>, NoMemory> {
+        self.take(Stack::Redo)
+    }
+
+    fn take(&mut self, from: Stack) -> Result<Option<Step>, NoMemory> {
+        let Some(step) = self.stack(from).pop_back() else { return Ok(None) };
+        let bytes = step.heap_bytes();
+        let step = match Arc::try_unwrap(step) {
+            Ok(step) => step,
+            Err(shared) => match shared.copied() {
+                Ok(step) => step,
+                Err(error) => {
+                    self.stack(from).push_back(shared);
+                    return Err(error);
+                }
+            },
+        };
+        self.bytes -= bytes;
+        Ok(Some(step))
     }
 
     /// Puts the reverse of an undone step on the redo stack.

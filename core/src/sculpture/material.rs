@@ -5,6 +5,7 @@
 //! ([`super::brick::local_index`]). Independent of existence: a page may hold a colour for a voxel that
 //! does not exist.
 
+use std::collections::TryReserveError;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -12,6 +13,7 @@ use rayon::prelude::*;
 use super::brick::{BRICK_VOXELS, Brick};
 use super::colour::{ColourDepth, Rgb};
 use super::grid::Grid;
+use super::memory;
 
 /// The packed colours of one brick, in the order of [`super::brick::local_index`].
 pub type Page = Box<[u8]>;
@@ -167,6 +169,21 @@ impl Material {
         before
     }
 
+    /// A copy, unless the system lacks the memory for it.
+    pub fn copied(&self) -> Result<Material, TryReserveError> {
+        let page = |page: &Option<Page>| page.as_deref().map(copied_page).transpose();
+        let pages = memory::copied_each(&self.pages, page)?;
+        Ok(Material { pages, ..*self })
+    }
+
+    /// Makes room for pages, unless the system lacks the memory for it.
+    pub(super) fn try_make_room(&mut self) -> Result<(), TryReserveError> {
+        if self.pages.is_empty() {
+            self.pages = memory::filled(None, self.brick_count)?;
+        }
+        Ok(())
+    }
+
     /// Frees the table when no page is left, so that the material equals one never painted.
     fn drop_empty_table(&mut self) {
         if self.page_count == 0 {
@@ -193,6 +210,11 @@ impl Material {
             page
         })
     }
+}
+
+/// A copy of a page, unless the system lacks the memory for it.
+pub(super) fn copied_page(page: &[u8]) -> Result<Page, TryReserveError> {
+    memory::copied(page).map(Vec::into_boxed_slice)
 }
 
 /// Bytes of the largest page.

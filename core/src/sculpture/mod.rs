@@ -16,6 +16,7 @@ pub mod history;
 pub mod inherit;
 pub mod limits;
 pub mod material;
+pub mod memory;
 pub mod orient;
 pub mod orientation;
 pub mod paint;

@@ -3,11 +3,14 @@
 //! Empty and full bricks take one bit each, in words of 64 bricks: clearing a full 512^3 grid leaves a
 //! record of 64 KiB. Knows no document and no budget.
 
+use std::collections::TryReserveError;
+
 use super::brick::{BRICK_VOXELS, Brick};
 use super::brick_set::{BrickMask, BrickSet};
 use super::grid::{Grid, WordKinds};
 use super::history::Contents;
-use super::material::Page;
+use super::material::{Page, copied_page};
+use super::memory;
 use super::vectors::vectorised;
 
 /// Earlier values of some bricks, each at most once.
@@ -162,23 +165,103 @@ impl BrickRecord {
         }
     }
 
+    /// A copy, unless the system lacks the memory for it.
+    pub fn copied(&self) -> Result<BrickRecord, TryReserveError> {
+        let mask = match &self.mask {
+            Some(mask) => Some(Box::new(mask.copied()?)),
+            None => None,
+        };
+        let page = |(index, page): &(u32, Option<Page>)| {
+            Ok((*index, page.as_deref().map(copied_page).transpose()?))
+        };
+        Ok(BrickRecord {
+            empty: memory::copied(&self.empty)?,
+            full: memory::copied(&self.full)?,
+            mixed: memory::copied(&self.mixed)?,
+            mixed_bits: memory::copied(&self.mixed_bits)?,
+            pages: memory::copied_each(&self.pages, page)?,
+            page_bytes: self.page_bytes,
+            mask,
+        })
+    }
+
     /// Writes the kept values into `contents` and returns the values they replace. Adds every
     /// brick that may have changed to `touched`.
-    pub fn swap(mut self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
+    pub fn swap(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
+        self.swap_into(Room::default(), contents, touched)
+    }
+
+    /// [`BrickRecord::swap`], unless the system lacks the memory for it: then nothing has changed, and the record is
+    /// given back.
+    pub fn try_swap(
+        self,
+        contents: &mut Contents,
+        touched: &mut BrickSet,
+    ) -> Result<BrickRecord, BrickRecord> {
+        match self.room(contents) {
+            Some(room) => Ok(self.swap_into(room, contents, touched)),
+            None => Err(self),
+        }
+    }
+
+    /// The memory that a swap needs; none if the system does not give it.
+    fn room(&self, contents: &mut Contents) -> Option<Room> {
+        let reverse = self.reverse_room(&contents.grid).ok()?;
+        let mut room = Room { reverse, ..Room::default() };
+        if let Some(mask) = &self.mask {
+            room.of_mask = match &contents.mask {
+                Some(bits) => mask.reverse_room(bits).ok()?,
+                None => {
+                    let bits = room.mask.insert(contents.grid.try_emptied().ok()?);
+                    mask.reverse_room(bits).ok()?
+                }
+            };
+        }
+        if self.pages.iter().any(|(_, page)| page.is_some()) {
+            contents.material.try_make_room().ok()?;
+        }
+        Some(room)
+    }
+
+    /// An empty record with room for the reverse in a grid.
+    fn reverse_room(&self, grid: &Grid) -> Result<BrickRecord, TryReserveError> {
+        let lists = [&self.empty, &self.full, &self.mixed];
+        let masks = lists.iter().map(|list| list.len()).sum();
+        let mixed = lists.into_iter().flatten().map(|bricks| grid.count_mixed(*bricks)).sum();
+        let mut room = BrickRecord::default();
+        for list in [&mut room.empty, &mut room.full, &mut room.mixed] {
+            list.try_reserve_exact(masks)?;
+        }
+        room.mixed_bits.try_reserve_exact(mixed)?;
+        room.pages.try_reserve_exact(self.pages.len())?;
+        Ok(room)
+    }
+
+    fn swap_into(
+        mut self,
+        room: Room,
+        contents: &mut Contents,
+        touched: &mut BrickSet,
+    ) -> BrickRecord {
+        let Room { reverse, of_mask, mask: bits } = room;
         let mask = self.take_mask();
         let mut reverse = vectorised(
             #[inline(always)]
-            || self.swap_all(contents, touched),
+            || self.swap_all(reverse, contents, touched),
         );
         if let Some(mask) = mask {
-            reverse.mask = Some(Box::new(mask.swap_mask(contents, touched)));
+            reverse.mask = Some(Box::new(mask.swap_mask(of_mask, bits, contents, touched)));
         }
         reverse
     }
 
     #[inline(always)]
-    fn swap_all(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
-        let mut reverse = BrickRecord::default();
+    fn swap_all(
+        self,
+        mut reverse: BrickRecord,
+        contents: &mut Contents,
+        touched: &mut BrickSet,
+    ) -> BrickRecord {
         // Exactly the room needed: growing would copy too much.
         let mut mixed = 0;
         for list in [&self.empty, &self.full, &self.mixed] {
@@ -225,10 +308,17 @@ impl BrickRecord {
     }
 
     /// Writes the kept values into the mask of `contents`, which is made or dropped as needed.
-    fn swap_mask(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
-        let bits = contents.mask.take().map_or_else(|| contents.grid.emptied(), |mask| *mask);
-        let mut mask = Contents::of_bits(bits);
-        let reverse = self.swap(&mut mask, touched);
+    fn swap_mask(
+        self,
+        reverse: BrickRecord,
+        new: Option<Grid>,
+        contents: &mut Contents,
+        touched: &mut BrickSet,
+    ) -> BrickRecord {
+        let bits = contents.mask.take().map(|mask| *mask).or(new);
+        let mut mask = Contents::of_bits(bits.unwrap_or_else(|| contents.grid.emptied()));
+        let room = Room { reverse, ..Room::default() };
+        let reverse = self.swap_into(room, &mut mask, touched);
         contents.mask = Some(Box::new(mask.grid));
         contents.drop_empty_mask();
         reverse
@@ -259,6 +349,16 @@ impl BrickRecord {
         self.mixed_bits.shrink_to_fit();
         self.pages.shrink_to_fit();
     }
+}
+
+/// Memory for a swap.
+#[derive(Default)]
+struct Room {
+    /// An empty record, and that of the mask.
+    reverse: BrickRecord,
+    of_mask: BrickRecord,
+    /// A mask, where there is none yet.
+    mask: Option<Grid>,
 }
 
 /// Memory that each list of a part keeps for the next stroke.

@@ -4,7 +4,7 @@ use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::format::options::{
     Colouring, Cubic, Existence, ExportForm, ExportOptions, ImportOptions, MeshFill, MeshSize,
-    RawLayout, Region,
+    Ordinal, RawLayout, Region,
 };
 use sculpture_core::format::{MeshOptions, MeshUp, Samples};
 use sculpture_core::mesh::MeshKind;
@@ -43,17 +43,21 @@ pub fn import() -> impl Strategy<Value = ImportOptions> {
         let (a, b) = (UVec3::new(a, b, c), UVec3::new(d, e, f));
         Region { low: a.min(b), high: a.max(b) }
     });
-    let of_volume = (prop::option::of(corners), cubic, any::<bool>(), any::<bool>());
+    let ordinal = || prop::option::of((1u32..).prop_map(|number| Ordinal::new(number).unwrap()));
+    let part = (prop::option::of(corners), ordinal(), ordinal());
+    let of_volume = (part, cubic, any::<bool>(), any::<bool>());
     let of_all = (existence, colouring, colour_depth, upright, prop::option::of(raw));
     (of_all, of_mesh, of_volume).prop_map(|(of_all, of_mesh, of_volume)| {
         let (existence, colouring, colour_depth, upright, raw) = of_all;
-        let (region, cubic, largest_piece, fill_holes) = of_volume;
+        let ((region, channel, time), cubic, largest_piece, fill_holes) = of_volume;
         ImportOptions {
             existence,
             colouring,
             colour_depth,
             upright,
             raw,
+            channel,
+            time,
             region,
             cubic,
             largest_piece,

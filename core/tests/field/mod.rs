@@ -8,6 +8,8 @@ mod made;
 mod reports;
 mod reports_scans;
 mod scans;
+mod volumes;
+mod zstd;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

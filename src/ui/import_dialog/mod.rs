@@ -128,6 +128,7 @@ impl ImportDialog {
         self.options = self.remembered.applied(family, import);
         let import = self.options;
         self.path = path.clone();
+        self.at = UVec3::MAX;
         if import.raw.is_none() && needs_layout(&path) {
             let text = self.remembered.raw.clone();
             self.stage = Stage::Layout { text, error: None };
@@ -147,7 +148,11 @@ impl ImportDialog {
         let news = self.news.lock().unwrap_or_else(PoisonError::into_inner).take();
         match news {
             Some(Ok(Study::Volume(study))) => {
-                self.at = study.upright_dims(study.turn(&self.options)) / 2;
+                let dims = study.upright_dims(study.turn(&self.options));
+                // Another channel of the same file is shown where the last one was.
+                if self.at.cmpge(dims).any() {
+                    self.at = dims / 2;
+                }
                 // What was chosen for another version of the file.
                 let fits = |region: &Region| region.high.cmplt(study.volume.dims).all();
                 self.options.region = self.options.region.filter(fits);
@@ -223,9 +228,12 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         let free = ui.memory(|memory| memory.focused().is_none());
         let mut enter = free && ui.input(|input| input.key_pressed(Key::Enter));
         let room = vec2(dialog.width(window.x), window.y - 150.0);
+        let mut another = None;
         match &mut dialog.stage {
             Stage::Volume(study) => {
-                volume::show(ui, study, &mut dialog.options, &mut dialog.at, room);
+                if volume::show(ui, study, &mut dialog.options, &mut dialog.at, room) {
+                    another = Some(UiRequest::Study(dialog.path.clone(), dialog.options));
+                }
             }
             Stage::Mesh(study) => {
                 mesh::show(ui, study, &mut dialog.options, &mut dialog.view, room);
@@ -242,7 +250,12 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
             }
             Stage::Closed | Stage::Reading => {}
         }
-        foot(ui, dialog, context, enter)
+        let answer = foot(ui, dialog, context, enter);
+        if let (Some(study), Answer::None) = (another, answer) {
+            dialog.stage = Stage::Reading;
+            requests.push(study);
+        }
+        answer
     });
     let answer = if response.should_close() { Answer::Cancel } else { response.inner };
     answer_with(answer, state, requests);

@@ -1,6 +1,6 @@
 //! What was chosen in the last import of each family of files, as the command that such an import is.
 //!
-//! Thresholds and the region belong to one file, and the axis that points up to its ending: they are not kept here.
+//! Thresholds, channel, time and the region belong to one file, and the axis that points up to its ending: they are not kept here.
 
 use std::collections::BTreeMap;
 
@@ -22,6 +22,8 @@ impl Remembered {
         let kept = ImportOptions {
             existence: Existence::Auto,
             region: None,
+            channel: None,
+            time: None,
             raw: None,
             upright: None,
             ..*import
@@ -73,12 +75,13 @@ mod tests {
     fn what_holds_for_other_files_is_kept_and_no_more() {
         let mut remembered = Remembered::default();
         let import = "open \"a.nii\" threshold=3..9 colouring=tissue upright=z cubic=0.5mm \
-                      region=0,0,0..3,3,3 pieces=largest holes=filled";
+                      region=0,0,0..3,3,3 channel=2 time=3 pieces=largest holes=filled";
         let Ok(Command::Open { import, .. }) = import.parse() else { panic!("{import}") };
         remembered.note(Family::Volume, &import);
         let fresh = ImportOptions { upright: Some(Up::X), ..ImportOptions::default() };
         let next = remembered.applied(Family::Volume, fresh);
         assert_eq!((next.existence, next.region), (Existence::Auto, None));
+        assert_eq!((next.channel, next.time), (None, None));
         assert_eq!((next.upright, next.cubic), (Some(Up::X), Cubic::EdgeMm(0.5)));
         assert!(next.largest_piece && next.fill_holes && next.colouring == Colouring::Tissue);
         assert_eq!(remembered.applied(Family::Mesh, fresh), fresh, "another family");

@@ -1,4 +1,4 @@
-//! What is asked about a volume: which densities exist, their colours, the part that is read, the voxels, and what
+//! What is asked about a volume: which of several it is, which densities exist, their colours, the part that is read, the voxels, and what
 //! holds together, with slices and a histogram that show it.
 //!
 //! Takes what the file holds; changes the options of the import.
@@ -7,8 +7,8 @@ use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, Ui, Vec2};
 use glam::UVec3;
 
 use super::{OPTIONS_WIDTH, histogram, slices};
-use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, Region};
-use crate::format::{Samples, VolumeStudy};
+use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, Ordinal, Region};
+use crate::format::{Samples, Taken, VolumeStudy, Volumes};
 use crate::sculpture::orientation::Up;
 use crate::ui::top_bar::capital;
 use crate::ui::upright;
@@ -22,14 +22,14 @@ const BELOW: f32 = 210.0;
 /// Edges of a voxel that can be chosen, in millimetres.
 const EDGE_MM: std::ops::RangeInclusive<f32> = 0.001..=1000.0;
 
-/// Shows all that is asked in `room` points.
+/// Shows all that is asked in `room` points. True once another channel or time is chosen, which has to be read.
 pub fn show(
     ui: &mut Ui,
     study: &VolumeStudy,
     options: &mut ImportOptions,
     at: &mut UVec3,
     room: Vec2,
-) {
+) -> bool {
     facts(ui, study);
     let is_wide = room.x >= BESIDE;
     let left = if is_wide { room.x - OPTIONS_WIDTH - 16.0 } else { room.x - 12.0 };
@@ -41,6 +41,7 @@ pub fn show(
             histogram::show(ui, study, options, 3.0 * side + 2.0 * gap);
         });
     };
+    let mut is_chosen = false;
     if is_wide {
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
@@ -51,15 +52,16 @@ pub fn show(
             ui.vertical(|ui| {
                 ScrollArea::vertical()
                     .max_height(room.y)
-                    .show(ui, |ui| questions(ui, study, options, at));
+                    .show(ui, |ui| is_chosen = questions(ui, study, options, at));
             });
         });
     } else {
         ScrollArea::vertical().max_height(room.y).show(ui, |ui| {
             pictures(ui, options, at);
-            questions(ui, study, options, at);
+            is_chosen = questions(ui, study, options, at);
         });
     }
+    is_chosen
 }
 
 /// The ways to colour that such a volume can have.
@@ -112,9 +114,18 @@ fn samples_text(samples: Samples) -> String {
     }
 }
 
-fn questions(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions, at: &mut UVec3) {
+fn questions(
+    ui: &mut Ui,
+    study: &VolumeStudy,
+    options: &mut ImportOptions,
+    at: &mut UVec3,
+) -> bool {
     ui.set_width(OPTIONS_WIDTH - 12.0);
+    let mut is_chosen = false;
     Grid::new("import volume").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
+        let Volumes { channel, time } = study.volumes;
+        is_chosen = one_of(ui, "Channel", channel, &mut options.channel);
+        is_chosen |= one_of(ui, "Time", time, &mut options.time);
         colours(ui, study, options);
         if !study.knows_up() {
             up(ui, study, options, at);
@@ -128,6 +139,33 @@ fn questions(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions, at: 
     );
     ui.checkbox(&mut options.fill_holes, "Fill holes")
         .on_hover_text("What is enclosed by voxels becomes solid. Not shown in the slices");
+    is_chosen
+}
+
+/// Asks which of several channels or times is read, if there are several. True once another one than `taken` is chosen.
+fn one_of(ui: &mut Ui, name: &str, taken: Taken, chosen: &mut Option<Ordinal>) -> bool {
+    if taken.count < 2 {
+        return false;
+    }
+    let help = match name {
+        "Channel" => "Which channel of the file is read",
+        _ => "Which time of the file is read: or phase, echo, volume along a fourth axis",
+    };
+    let label = ui.label(name);
+    let field = ui.horizontal(|ui| {
+        let most = u32::try_from(taken.count).unwrap_or(u32::MAX);
+        let mut number = chosen.map_or(taken.number as u32, Ordinal::get);
+        let field = DragValue::new(&mut number).range(1..=most).speed(0.05);
+        let field = ui.add(field).labelled_by(label.id).on_hover_text(help);
+        if field.changed() {
+            *chosen = Ordinal::new(number);
+        }
+        ui.weak(format!("of {}", taken.count));
+        field
+    });
+    ui.end_row();
+    let is_settled = !field.inner.has_focus() && !field.inner.dragged();
+    is_settled && chosen.is_some_and(|chosen| u64::from(chosen.get()) != taken.number)
 }
 
 fn colours(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {

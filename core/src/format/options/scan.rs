@@ -1,6 +1,8 @@
-//! Options for volumes: which voxels exist, which part of the file is read, and whether its voxels become cubes.
+//! Options for volumes: which voxels exist, which volume and which part of the file is read, and whether its voxels become
+//! cubes.
 
 use std::fmt;
+use std::num::NonZeroU32;
 use std::str::FromStr;
 
 use glam::UVec3;
@@ -62,6 +64,37 @@ impl FromStr for Existence {
             (Some(_), Some(_)) => Err(format!("`{text}`: the lower threshold must come first")),
             _ => Err(format!("`{text}` must be two numbers, such as 300..1200")),
         }
+    }
+}
+
+/// One of several channels or times of a file, counted from 1.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct Ordinal(NonZeroU32);
+
+impl Ordinal {
+    /// None of 0.
+    pub fn new(number: u32) -> Option<Ordinal> {
+        NonZeroU32::new(number).map(Ordinal)
+    }
+
+    /// The number, 1 or more.
+    pub fn get(self) -> u32 {
+        self.0.get()
+    }
+}
+
+impl fmt::Display for Ordinal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl FromStr for Ordinal {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Ordinal, String> {
+        let number = text.parse().ok().and_then(Ordinal::new);
+        number.ok_or_else(|| format!("`{text}` must be a whole number counted from 1, such as 2"))
     }
 }
 
@@ -158,6 +191,9 @@ mod tests {
         for text in ["no", "finest", "0.5mm"] {
             assert_eq!(text.parse::<Cubic>().map(|c| c.to_string()), Ok(text.to_string()));
         }
+        for text in ["1", "2", "4294967295"] {
+            assert_eq!(text.parse::<Ordinal>().map(|n| n.to_string()), Ok(text.to_string()));
+        }
         let text = "0,0,10..127,127,60";
         let region: Region = text.parse().unwrap();
         assert_eq!((region.to_string().as_str(), region.dims()), (text, UVec3::new(128, 128, 51)));
@@ -169,6 +205,9 @@ mod tests {
             assert!(text.parse::<Existence>().is_err(), "{text}");
         }
         assert!("2..1".parse::<Existence>().unwrap_err().contains("lower threshold"));
+        for text in ["", "0", "-1", "1.5", "two", "4294967296"] {
+            assert!(text.parse::<Ordinal>().unwrap_err().contains("from 1"), "{text}");
+        }
         for text in ["", "0mm", "-1mm", "nanmm", "5", "yes"] {
             assert!(text.parse::<Cubic>().unwrap_err().contains("finest"), "{text}");
         }

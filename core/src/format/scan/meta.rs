@@ -1,7 +1,7 @@
 //! MetaImage scans (itk.org/Wiki/MetaIO): `.mha` with the voxels behind the header, and `.mhd` with the voxels in another
 //! file or in several; raw, packed with zlib, or as text.
 //!
-//! Takes the bytes of a file; gives its first volume with spacing and orientation.
+//! Takes the bytes of a file; gives one of its volumes with spacing and orientation.
 
 use std::collections::HashMap;
 
@@ -85,7 +85,8 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     }
     let size = |axis: usize| sizes.get(axis).map_or(1, |size| *size as u32);
     let dims = UVec3::new(size(0), size(1), size(2));
-    let volumes: f64 = sizes.iter().skip(3).product();
+    let count = sizes.iter().skip(3).product::<f64>() as u64;
+    let volumes = reading.volumes(count)?;
     let spacing = header.numbers(&["ElementSpacing", "ElementSize"])?;
     let mut notes = Vec::new();
     if spacing.is_none() {
@@ -100,27 +101,27 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let number = number(&header)?;
     let file_bytes = file.len() as u64;
     let bytes = number.check(dims, reading.rest_bytes(2 * file_bytes))?;
-    if volumes > 1.0 {
-        notes.push(format!("first of {volumes} volumes taken"));
-    }
+    notes.extend(reading.first_of(count));
     let is_text = header.field(&["BinaryData"]).is_some_and(|is| is.eq_ignore_ascii_case("false"));
     let is_packed = header.is(&["CompressedData"]);
     let skip = header.numbers(&["HeaderSize"])?.and_then(|all| all.first().copied()).unwrap_or(0.0);
-    let coding = Coding { is_text, is_packed, skip, number, reading };
-    let place = header.field(&[DATA_FILE]).unwrap_or_default();
-    let (data, elsewhere) = match place {
+    let place = [volumes.time.index(), count];
+    let coding = Coding { is_text, is_packed, skip, number, place, reading };
+    let (data, elsewhere) = match header.field(&[DATA_FILE]).unwrap_or_default() {
         "LOCAL" | "Local" | "local" => {
             let own = Coding { skip: 0.0, ..coding };
             (own.voxels(&file[header.bytes..], bytes)?, "")
         }
         "LIST" => {
-            let names = &header.listed;
+            let layers = dims.z as usize;
             let per_file = bytes / u64::from(dims.z);
-            if names.len() < dims.z as usize {
-                return Err(malformed("the header", "it lists fewer files than there are layers"));
-            }
+            let mut volumes = header.listed.chunks_exact(layers);
+            let names = volumes.nth(place[0] as usize).ok_or_else(|| {
+                malformed("the header", "it lists fewer files than there are layers")
+            })?;
+            let coding = Coding { place: [0, 1], ..coding };
             let mut data = Vec::with_capacity(bytes as usize);
-            for name in &names[..dims.z as usize] {
+            for name in names {
                 data.extend(
                     coding.voxels(&reading.read_beside(&reading.beside(name)?)?, per_file)?,
                 );
@@ -145,6 +146,7 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         frame: frame(&header)?,
         kind: format!("MetaImage{packing}{elsewhere}"),
         is_label: false,
+        volumes,
         notes,
     })
 }
@@ -157,23 +159,32 @@ struct Coding<'a> {
     /// Bytes before them; -1: as many as there are before those at the end.
     skip: f64,
     number: Number,
+    /// Which volume of a file is read, counted from 0, and how many it has.
+    place: [u64; 2],
     reading: &'a Reading<'a>,
 }
 
 impl Coding<'_> {
     fn voxels(&self, file: &[u8], bytes: u64) -> Result<Vec<u8>, FormatError> {
         let found = file.len() as u64;
+        let [before, all] = self.place.map(|volumes| bytes.saturating_mul(volumes));
         if self.is_text {
-            return super::nrrd::text(file, self.number, bytes);
+            let word_bytes = match self.number {
+                Number::Rgb | Number::Rgba => 1,
+                number => number.bytes(),
+            };
+            let rest = super::nrrd::after_words(file, before / word_bytes);
+            return super::nrrd::text(rest, self.number, bytes);
         }
         if self.is_packed {
-            return exactly(&mut ZlibDecoder::new(file), 0, bytes, self.reading.progress);
+            return exactly(&mut ZlibDecoder::new(file), before, bytes, self.reading.progress);
         }
         let begin = match self.skip {
-            -1.0 => found.checked_sub(bytes),
+            -1.0 => found.checked_sub(all),
             skip if (0.0..=found as f64).contains(&skip) => Some(skip as u64),
             _ => None,
         };
+        let begin = begin.and_then(|begin| begin.checked_add(before)).filter(|at| *at <= found);
         let voxels = begin.and_then(|begin| file.get(begin as usize..)?.get(..bytes as usize));
         voxels.map(<[u8]>::to_vec).ok_or_else(|| cut(bytes, found))
     }

@@ -26,7 +26,7 @@ use glam::{UVec3, Vec3};
 pub use self::dicom::{has_dicom, is_dicom};
 pub use self::frame::Frame;
 use super::options::ImportOptions;
-use super::{FormatError, Volume, budget_bytes, prepare, store};
+use super::{FormatError, Volume, Volumes, budget_bytes, prepare, store};
 use crate::progress::Progress;
 use crate::sculpture::{Grid, Limits};
 
@@ -84,9 +84,15 @@ pub struct Scan {
     pub kind: String,
     /// Whether the file says that its numbers are labels.
     pub is_label: bool,
+    /// Which of several volumes it is.
+    pub volumes: Volumes,
     /// What was left out or taken otherwise, for people.
     pub notes: Vec<String>,
 }
+
+/// How it is said which option takes another of several volumes.
+const OTHER_TIME: &str = "the option `time` takes another";
+const OTHER_CHANNEL: &str = "the option `channel` takes another";
 
 /// What a reader is given beside the bytes.
 pub struct Reading<'a> {
@@ -101,6 +107,17 @@ impl Reading<'_> {
     fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
         let (dims, voxel_size) = prepare::prepared(dims, voxel_size, self.options)?;
         Ok(Grid::check(dims, voxel_size, self.limits.grid_bytes)?)
+    }
+
+    /// Which volume is read of a file that has so many times and one channel.
+    fn volumes(&self, times: u64) -> Result<Volumes, FormatError> {
+        Volumes::of(self.options, 1, times)
+    }
+
+    /// Note that the first of several volumes was read, unless one was asked for.
+    fn first_of(&self, volumes: u64) -> Option<String> {
+        let is_open = volumes > 1 && self.options.time.is_none();
+        is_open.then(|| format!("first of {volumes} volumes taken; {OTHER_TIME}"))
     }
 
     /// Memory that is left beside a file of that length.

@@ -1,6 +1,6 @@
 //! NIfTI-1 and NIfTI-2 scans (nifti.nimh.nih.gov): `.nii`, packed with gzip or not, and pairs of `.hdr` and `.img`.
 //!
-//! Takes the bytes of a file; gives its first volume with spacing and orientation. Both byte orders are read.
+//! Takes the bytes of a file; gives one of its volumes with spacing and orientation. Both byte orders are read.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -51,19 +51,19 @@ pub fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
         false => start.extend_from_slice(&file[..file.len().min(most as usize)]),
     }
     let header = Header::parse(&start)?;
+    let volumes = reading.volumes(header.volumes)?;
     reading.admit(header.dims, header.voxel_size)?;
     let bytes = header.number.check(header.dims, reading.rest_bytes(file.len() as u64))?;
+    let offset = header.offset.saturating_add(bytes.saturating_mul(volumes.time.index()));
     let data = if header.is_pair {
         let image = partner(path, "hdr", "img").unwrap_or_else(|| path.with_extension("img"));
-        voxels(reading.read_beside(&image)?, header.offset, bytes, reading)?
+        voxels(reading.read_beside(&image)?, offset, bytes, reading)?
     } else {
-        voxels(file, header.offset, bytes, reading)?
+        voxels(file, offset, bytes, reading)?
     };
     let samples = header.number.into_samples(data, header.is_big, header.scale);
     let mut notes = header.notes;
-    if header.volumes > 1 {
-        notes.push(format!("first of {} volumes taken", header.volumes));
-    }
+    notes.extend(reading.first_of(header.volumes));
     Ok(Scan {
         volume: volume(header.dims, header.voxel_size, samples, header.description),
         frame: header.frame,
@@ -74,6 +74,7 @@ pub fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
             if is_packed { ", packed with gzip" } else { "" }
         ),
         is_label: header.is_label,
+        volumes,
         notes,
     })
 }

@@ -1,7 +1,7 @@
 //! NRRD scans (teem.sourceforge.net/nrrd/format.html): `.nrrd` and `.nhdr`, raw, gzip, bzip2, text and hexadecimal,
 //! with the voxels behind the header, in another file, or in several.
 //!
-//! Takes the bytes of a file; gives three of its axes as a volume: those in space, the first of any other. An axis of
+//! Takes the bytes of a file; gives three of its axes as a volume: those in space, at one place of all others. An axis of
 //! red, green, blue and perhaps opacity becomes colours.
 
 use bzip2::read::MultiBzDecoder;
@@ -20,6 +20,10 @@ use crate::format::volume::Samples;
 pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let header = Header::parse(&file)?;
     let layout = Layout::of(&header)?;
+    let of_layers = if layout.others.len() == 1 { layout.volumes } else { 1 };
+    let segments = Segments::of(&header.pairs, of_layers).filter(|_| layout.colours == 1);
+    // The layers of a segmentation are read together.
+    let volumes = reading.volumes(if segments.is_some() { 1 } else { layout.volumes })?;
     reading.admit(layout.dims, layout.voxel_size)?;
     // Everything that is unpacked, and what is made of it.
     let total =
@@ -44,19 +48,21 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         let units = header.unknown_units.join("`, `");
         notes.push(format!("lengths in the unknown unit `{units}` were taken as millimetres"));
     }
-    let segments = Segments::of(&header.pairs, layout.volumes).filter(|_| layout.colours == 1);
     let samples = match &segments {
         Some(segments) => {
-            notes.retain(|note| !note.starts_with(FIRST_OF));
             notes.push(segments.note());
             let coloured = header.number.check(layout.dims, u64::MAX)? / header.number.bytes();
-            let layers = coloured.saturating_mul(4 * (layout.volumes + 2));
+            let layers = coloured.saturating_mul(4 * (of_layers + 2));
             let rest_bytes = reading.rest_bytes(file_bytes + total);
             crate::format::pvm::check_budget(layers, rest_bytes)?;
-            let layers = layout.layers(&data, number, header.is_big);
+            let layers = layout.layers(&data, of_layers, number, header.is_big);
             (Samples::Rgba8, segments.colours(&layers))
         }
         None => {
+            notes.extend(reading.first_of(layout.volumes));
+            let begin = layout.begin(volumes.time.index()) * header.number.bytes();
+            let mut data = data;
+            data.drain(..begin as usize);
             let data = layout.gather(data, number.bytes() as usize);
             number.into_samples(data, header.is_big, [1.0, 0.0])
         }
@@ -78,6 +84,7 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         frame: layout.frame,
         kind: format!("NRRD, {packing}{elsewhere}"),
         is_label: segments.is_some(),
+        volumes,
         notes,
     })
 }
@@ -151,11 +158,29 @@ fn unpack(
     }
 }
 
+/// Whether a byte lies between words.
+fn is_between(byte: &u8) -> bool {
+    byte.is_ascii_whitespace() || *byte == b','
+}
+
+/// What follows `count` words.
+pub fn after_words(text: &[u8], count: u64) -> &[u8] {
+    let mut rest = text;
+    for _ in 0..count {
+        let begin = rest.iter().position(|byte| !is_between(byte)).unwrap_or(rest.len());
+        let length = rest[begin..].iter().position(is_between).unwrap_or(rest.len() - begin);
+        rest = &rest[begin + length..];
+        if rest.is_empty() {
+            break;
+        }
+    }
+    rest
+}
+
 /// `total` bytes of numbers that are written as text, little-endian.
 pub fn text(rest: &[u8], number: Number, total: u64) -> Result<Vec<u8>, FormatError> {
     let mut data = Vec::new();
-    let words =
-        rest.split(|b| b.is_ascii_whitespace() || *b == b',').filter(|word| !word.is_empty());
+    let words = rest.split(is_between).filter(|word| !word.is_empty());
     for word in words {
         if data.len() as u64 == total {
             break;
@@ -187,16 +212,14 @@ struct Layout {
     strides: [u64; 3],
     /// Numbers of the first axis that are one colour; 1 for densities.
     colours: u64,
-    /// How many volumes there are along all other axes, and from one to the next, where one axis has them.
+    /// How many volumes there are along all other axes.
     volumes: u64,
-    volume_stride: u64,
+    /// Sizes of the other axes, and from one volume to the next along them, in numbers of the file.
+    others: Vec<[u64; 2]>,
     voxel_size: Vec3,
     frame: Frame,
     notes: Vec<String>,
 }
-
-/// How it is said that only one of several volumes is taken.
-const FIRST_OF: &str = "first of ";
 
 impl Layout {
     fn of(header: &Header) -> Result<Layout, FormatError> {
@@ -227,12 +250,9 @@ impl Layout {
         let others: Vec<usize> = (0..header.axes.len())
             .filter(|i| !(chosen.contains(i) || is_colour && *i == 0))
             .collect();
-        let left_out: u64 =
-            others.iter().copied().fold(1, |n, i| n.saturating_mul(header.axes[i].size));
+        let others = others.into_iter().map(|i| [header.axes[i].size, strides[i]]);
+        let others: Vec<[u64; 2]> = others.filter(|[size, _]| *size > 1).collect();
         let mut notes = Vec::new();
-        if left_out > 1 {
-            notes.push(format!("{FIRST_OF}{left_out} volumes taken"));
-        }
         if chosen.is_empty() {
             return Err(malformed("the header", "no axis lies in space"));
         }
@@ -252,23 +272,34 @@ impl Layout {
             dims: UVec3::new(size(0), size(1), size(2)),
             strides: [0, 1, 2].map(|i| chosen.get(i).map_or(0, |place| strides[*place])),
             colours: if is_colour { first.size } else { 1 },
-            volumes: if others.len() == 1 { left_out } else { 1 },
-            volume_stride: others.first().map_or(0, |place| strides[*place]),
+            volumes: others.iter().fold(1, |n: u64, [size, _]| n.saturating_mul(*size)),
+            others,
             voxel_size: lengths.map(|length| length.unwrap_or(1.0) as f32).into(),
             frame: frame(header, [0, 1, 2].map(|i| axis(i).and_then(|axis| axis.direction))),
             notes,
         })
     }
 
-    /// The numbers of all volumes along the other axis.
-    fn layers(&self, data: &[u8], number: Number, is_big: bool) -> Vec<Vec<f32>> {
+    /// Where a volume begins, in numbers of the file. The first of the other axes counts fastest.
+    fn begin(&self, volume: u64) -> u64 {
+        let mut rest = volume;
+        let of_axis = |[size, stride]: &[u64; 2]| {
+            let at = rest % size * stride;
+            rest /= size;
+            at
+        };
+        self.others.iter().map(of_axis).sum()
+    }
+
+    /// The numbers of `count` volumes.
+    fn layers(&self, data: &[u8], count: u64, number: Number, is_big: bool) -> Vec<Vec<f32>> {
         let bytes = number.bytes() as usize;
         let of = |volume: u64| {
-            let own = data[(volume * self.volume_stride) as usize * bytes..].to_vec();
+            let own = data[self.begin(volume) as usize * bytes..].to_vec();
             let floats = number.to_floats(&self.gather(own, bytes), is_big, [1.0, 0.0]);
             floats.as_chunks().0.iter().map(|number| f32::from_le_bytes(*number)).collect()
         };
-        (0..self.volumes).map(of).collect()
+        (0..count).map(of).collect()
     }
 
     /// The voxels of the volume, x fastest, of `bytes` each.

@@ -1,13 +1,14 @@
 //! TIFF stacks (TIFF 6.0, BigTIFF): the pages of one file, or the numbered files of a folder, one page each.
 //!
-//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Which pages are the layers of one
-//! channel and one time, and the distances of voxels, are known where ImageJ or an OME-TIFF notes them (`tiff/told.rs`). Which
+//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Which pages are the layers of the
+//! channel and time that are read, and the distances of voxels, are known where ImageJ or an OME-TIFF notes them (`tiff/told.rs`). Which
 //! way is up no TIFF file says.
 
 mod palette;
 #[cfg(test)]
 mod tests;
 mod told;
+mod zstd;
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -56,7 +57,7 @@ pub fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, F
     let behind = if own.alike.len() == 1 { behind_first(&file, &told)? } else { None };
     let pages = if behind.is_some() { (0..told.images).collect() } else { own.alike };
     let is_one = pages.len() == 1;
-    let pages = told.pages_of_one_volume(pages, &mut notes);
+    let (pages, volumes) = told.one_volume(pages, reading, &mut notes)?;
     let series = if is_one { series(path, &mut notes) } else { Vec::new() };
     let depth = pages.len().max(series.len());
     let Some(depth) = u32::try_from(depth).ok().filter(|depth| *depth <= MAX_AXIS_VX) else {
@@ -97,7 +98,7 @@ pub fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, F
         None => number.into_samples(stack.data, false, [1.0, 0.0]),
     };
     let volume = volume(dims, voxel_size, samples, Vec::new());
-    Ok(Scan { volume, frame: Frame::Unknown, kind, is_label: false, notes })
+    Ok(Scan { volume, frame: Frame::Unknown, kind, is_label: false, volumes, notes })
 }
 
 /// Where the first page begins whose others follow it without directories of their own, as ImageJ writes large files.
@@ -203,8 +204,10 @@ impl Stack<'_> {
         let most = u64::from(self.dims.x) * u64::from(self.dims.y) * 8;
         let most = most.min(rest_bytes) as usize;
         let mut limits = Limits::default();
-        (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (most, most);
-        let mut pages = open(file)?.with_limits(limits);
+        // Tiles may be larger than the page.
+        let most_in_file = usize::try_from(rest_bytes).unwrap_or(usize::MAX);
+        (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (most, most_in_file);
+        let mut pages = open(file)?.with_limits(limits.clone());
         if i > 0 {
             pages.seek_to_image(i).map_err(damaged)?;
         }
@@ -214,7 +217,11 @@ impl Stack<'_> {
                     .to_string(),
             ));
         }
-        let (number, bytes) = bytes_of(pages.read_image().map_err(damaged)?, self.page.colours)?;
+        let pixels = match zstd::unpacked(file, &mut pages, rest_bytes)? {
+            Some(plain) => open(&plain)?.with_limits(limits).read_image(),
+            None => pages.read_image(),
+        };
+        let (number, bytes) = bytes_of(pixels.map_err(damaged)?, self.page.colours)?;
         if *self.number.get_or_insert(number) != number {
             return Err(malformed("the TIFF file", "pages of different types of numbers"));
         }
@@ -328,7 +335,7 @@ fn damaged(error: TiffError) -> FormatError {
     match error {
         TiffError::LimitsExceeded => malformed("the TIFF file", "more pixels than its header says"),
         TiffError::UnsupportedError(error) => FormatError::Scan(format!(
-            "this kind of TIFF file is not read ({}); save it without compression, or with LZW or Deflate, as grey or RGB",
+            "this kind of TIFF file is not read ({}); save it without compression, or with LZW, Deflate or ZSTD, as grey or RGB",
             printable(&error.to_string())
         )),
         error => malformed("the TIFF file", printable(&error.to_string())),

@@ -116,7 +116,9 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         1 => String::new(),
         n => format!(", {n} pieces"),
     };
+    let volumes = reading.volumes(1)?;
     Ok(Scan {
+        volumes,
         volume: volume(dims, voxel_size, samples, name),
         frame: Frame::World([0, 1, 2].map(column)),
         kind: format!("VTK image data, {format}{packing}{pieces}"),

@@ -86,7 +86,9 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     };
     let samples = number.into_samples(data, head.is_binary, [1.0, 0.0]);
     let coding = if head.is_binary { "binary" } else { "text" };
+    let volumes = reading.volumes(1)?;
     Ok(Scan {
+        volumes,
         volume: volume(dims, voxel_size, samples, head.title),
         frame: Frame::Unknown,
         kind: format!("VTK structured points, {coding}"),

@@ -80,7 +80,7 @@ pub struct Outlook {
     pub colour_bytes: u64,
 }
 
-/// Reads a file to ask about it, a raw one with the layout of `options`. It may take as much memory as [`super::load`]; a
+/// Reads a file to ask about it, a raw one with the layout of `options`, one of several channels or times as they say. It may take as much memory as [`super::load`]; a
 /// volume whose sculpture would be too large is read all the same, since a part of it may be asked for.
 pub fn study(
     path: &Path,
@@ -102,7 +102,8 @@ pub fn study(
             MeshStudy::of(imported, kind).map(|study| Study::Mesh(Box::new(study)))
         }
         Format::Pvm | Format::Raw | Format::Scan(_) => {
-            let options = ImportOptions { raw: options.raw, ..ImportOptions::default() };
+            let ImportOptions { raw, channel, time, .. } = *options;
+            let options = ImportOptions { raw, channel, time, ..ImportOptions::default() };
             let (grid_bytes, colour_bytes) = (budget_bytes(limits), 0);
             let limits = Limits { grid_bytes, colour_bytes, ..*limits };
             let (volume, source) = read_volume(format, path, &options, &limits, progress)?;

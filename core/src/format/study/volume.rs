@@ -11,7 +11,7 @@ use crate::format::pvm::check_budget;
 use crate::format::ramp::Ramp;
 use crate::format::scan::Frame;
 use crate::format::volume::{Samples, Volume};
-use crate::format::{Densities, FormatError, Source, budget_bytes, labels};
+use crate::format::{Densities, FormatError, Source, Volumes, budget_bytes, labels};
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::{Grid, Limits, Rgb};
 
@@ -27,6 +27,8 @@ pub struct VolumeStudy {
     pub is_label: bool,
     /// Format and packing, for people.
     pub kind: String,
+    /// Which channel and time it is.
+    pub volumes: Volumes,
     /// What was left out or taken otherwise.
     pub notes: Vec<String>,
     frame: Frame,
@@ -60,8 +62,8 @@ impl VolumeStudy {
             _ => Densities::of(&volume),
         };
         let densities = densities.ok_or(FormatError::Components(volume.samples.bytes()))?;
-        let Source { kind, frame, is_label, notes, .. } = source;
-        Ok(VolumeStudy { volume, densities, is_label, kind, notes, frame })
+        let Source { kind, frame, is_label, volumes, notes, .. } = source;
+        Ok(VolumeStudy { volume, densities, is_label, kind, volumes, notes, frame })
     }
 
     /// Whether the file says which way is up.

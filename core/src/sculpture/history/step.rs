@@ -9,6 +9,7 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::colour::{ColourDepth, Rgb};
 use crate::sculpture::grid::Grid;
 use crate::sculpture::material::Material;
+use crate::sculpture::memory::NoMemory;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::record::BrickRecord;
 
@@ -108,6 +109,16 @@ pub enum Change {
 }
 
 impl Contents {
+    /// A copy, unless the system lacks the memory for it.
+    pub fn copied(&self) -> Result<Contents, NoMemory> {
+        let no_memory = NoMemory { bytes: self.kept_bytes() as u64 };
+        let grid = self.grid.copied().map_err(|_| no_memory)?;
+        let material = self.material.copied().map_err(|_| no_memory)?;
+        let mask = self.mask.as_ref().map(|mask| mask.copied().map(Box::new)).transpose();
+        let mask = mask.map_err(|_| no_memory)?;
+        Ok(Contents { grid, material, mask, surface: self.surface })
+    }
+
     /// Bytes of a step that keeps all of it.
     pub fn kept_bytes(&self) -> usize {
         let mask = self.mask.as_ref().map_or(0, |mask| mask.heap_bytes());
@@ -150,6 +161,25 @@ pub struct Step {
 }
 
 impl Step {
+    /// A copy, unless the system lacks the memory for it.
+    pub fn copied(&self) -> Result<Step, NoMemory> {
+        let whole = |contents: &Contents| contents.copied().map(Box::new);
+        let change = match &self.change {
+            Change::Bricks(record) => {
+                let no_memory = |_| NoMemory { bytes: record.heap_bytes() as u64 };
+                Change::Bricks(record.copied().map_err(no_memory)?)
+            }
+            Change::Whole(contents) => Change::Whole(whole(contents)?),
+            Change::Oriented { back, before } => {
+                let before = before.as_ref().map(|before| whole(before)).transpose()?;
+                Change::Oriented { back: *back, before }
+            }
+            Change::Surface(kind) => Change::Surface(*kind),
+            Change::Stored(stored) => Change::Stored(stored.clone()),
+        };
+        Ok(Step { label: self.label.clone(), change, state: self.state })
+    }
+
     /// Bytes that the step takes of the history's budget.
     pub fn heap_bytes(&self) -> usize {
         size_of::<Step>() + self.label.len() + self.change.heap_bytes()

@@ -52,7 +52,7 @@ proptest! {
                     redo.clear();
                     bytes
                 }
-                2 => match history.take_undo() {
+                2 => match history.take_undo().unwrap() {
                     None => continue,
                     Some(taken) => {
                         let name = named(&taken.label);
@@ -64,7 +64,7 @@ proptest! {
                         bytes
                     }
                 },
-                _ => match history.take_redo() {
+                _ => match history.take_redo().unwrap() {
                     None => continue,
                     Some(taken) => {
                         let name = named(&taken.label);

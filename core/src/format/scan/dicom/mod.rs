@@ -61,7 +61,7 @@ pub fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> 
             parallel
         }
     };
-    let layers = series::layers(planes, found.named)?;
+    let layers = series::layers(planes, found.named, reading)?;
     notes.extend(layers.notes);
     let (count, file_count) = (layers.planes.len(), found.files.len());
     let Some(depth) = u32::try_from(count).ok().filter(|depth| *depth <= MAX_AXIS_VX) else {
@@ -119,7 +119,8 @@ pub fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> 
     }
     let samples = stack.layers.into_samples(layout.number);
     let volume = volume(dims, voxel_size, samples, description);
-    Ok((Scan { volume, frame, kind, is_label: false, notes }, file_bytes))
+    let volumes = layers.volumes;
+    Ok((Scan { volume, frame, kind, is_label: false, volumes, notes }, file_bytes))
 }
 
 /// The number of frames of a file.

@@ -1,18 +1,25 @@
 //! Slices of a series that lie at the same places: several times, phases of a heart, echoes or kinds of picture. One of them
 //! is chosen before slices are stacked, so that none is made of parts of several.
 //!
-//! Takes planes with their places along the normal, in order; gives those of one phase. Where nothing in the files tells
+//! Takes planes with their places along the normal, in order; gives those of one phase: that which was asked for, that of the
+//! file that was named, or the first. Where nothing in the files tells
 //! them apart, the order of their numbers does.
 
 use std::collections::BTreeMap;
 
+use super::super::Reading;
 use super::series::{Plane, SAME_PLACE_MM};
+use crate::format::{FormatError, Volumes};
 
 /// A plane with its place along the normal.
 type Placed = (f64, Plane);
 
-/// The planes of one phase, that of the file `named` or the first, and how many phases there are.
-pub fn one_of(placed: Vec<Placed>, named: Option<usize>) -> (usize, Vec<Placed>) {
+/// The planes of one phase, that which was asked for, that of the file `named` or the first, and which of how many it is.
+pub fn one_of(
+    placed: Vec<Placed>,
+    named: Option<usize>,
+    reading: &Reading,
+) -> Result<(Volumes, Vec<Placed>), FormatError> {
     // The number of the place of each plane.
     let mut places: Vec<usize> = Vec::with_capacity(placed.len());
     for (i, (at, _)) in placed.iter().enumerate() {
@@ -21,17 +28,25 @@ pub fn one_of(placed: Vec<Placed>, named: Option<usize>) -> (usize, Vec<Placed>)
     }
     let count = places.last().map_or(0, |last| last + 1);
     if count == placed.len() || count < 2 {
-        return (1, placed);
+        return Ok((reading.volumes(1)?, placed));
     }
     let groups = told_apart(&placed, &places, count).unwrap_or_else(|| in_turn(&placed, &places));
-    let is_named = |own: &&Vec<usize>| own.iter().any(|i| Some(placed[*i].1.file) == named);
-    let chosen = groups.iter().find(is_named).or(groups.first()).cloned().unwrap_or_default();
+    // Single slices that were taken twice are no phases.
+    let phases: Vec<usize> =
+        (0..groups.len()).filter(|group| 2 * groups[*group].len() > count).collect();
+    let is_named = |group: &usize| groups[*group].iter().any(|i| Some(placed[*i].1.file) == named);
+    let first = phases.first().copied().unwrap_or(0);
+    let usual = (0..groups.len()).find(is_named).unwrap_or(first);
+    let number = phases.iter().position(|group| *group == usual).map_or(1, |at| at as u64 + 1);
+    let counts = [1, phases.len().max(1) as u64];
+    let volumes = Volumes::or(reading.options, [1, number], counts)?;
+    let asked = reading.options.time.map(|_| volumes.time.index() as usize);
+    let group = asked.map_or(usual, |at| phases.get(at).copied().unwrap_or(first));
+    let chosen = groups.get(group).cloned().unwrap_or_default();
     let mut is_chosen = vec![false; placed.len()];
     chosen.into_iter().for_each(|i| is_chosen[i] = true);
     let kept = placed.into_iter().zip(is_chosen).filter_map(|(own, is)| is.then_some(own));
-    // Single slices that were taken twice are no phases.
-    let phases = groups.iter().filter(|own| 2 * own.len() > count).count().max(1);
-    (phases, kept.collect())
+    Ok((volumes, kept.collect()))
 }
 
 /// The planes of each phase by one or two of the values in their files: such that no phase has two planes at a place, and
@@ -94,20 +109,39 @@ impl Value {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::format::options::{ImportOptions, Ordinal};
+    use crate::sculpture::Limits;
 
     fn plane(file: usize, phase: &str) -> Plane {
         let phases = vec![phase.to_string()];
         Plane { file, frame: 0, number: 0.0, position: None, axes: None, phases }
     }
 
-    /// The files that are taken of planes with these places and phases, and the number of phases.
-    fn taken(all: &[(f64, &str)], named: Option<usize>) -> (usize, Vec<usize>) {
+    /// The files that are taken of planes with these places and phases, and which phase of how many it is.
+    fn of_time(
+        all: &[(f64, &str)],
+        named: Option<usize>,
+        time: Option<u32>,
+    ) -> Result<([u64; 2], Vec<usize>), String> {
+        let time = time.and_then(Ordinal::new);
+        let options = ImportOptions { time, ..ImportOptions::default() };
+        let limits = Limits::default();
+        let (path, options, limits, progress) = (Path::new(""), &options, &limits, &());
+        let reading = Reading { path, options, limits, progress };
         let all = all.iter().enumerate().map(|(file, (at, phase))| (*at, plane(file, phase)));
         let mut all: Vec<Placed> = all.collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (phases, kept) = one_of(all, named);
-        (phases, kept.into_iter().map(|(_, plane)| plane.file).collect())
+        let (volumes, kept) = one_of(all, named, &reading).map_err(|error| error.to_string())?;
+        let files = kept.into_iter().map(|(_, plane)| plane.file).collect();
+        Ok(([volumes.time.number, volumes.time.count], files))
+    }
+
+    fn taken(all: &[(f64, &str)], named: Option<usize>) -> (u64, Vec<usize>) {
+        let ([_, count], files) = of_time(all, named, None).unwrap();
+        (count, files)
     }
 
     #[test]
@@ -116,6 +150,12 @@ mod tests {
         // 2 is less than 10.
         assert_eq!(taken(&all, None), (2, vec![1, 3, 4]));
         assert_eq!(taken(&all, Some(2)), (2, vec![0, 2, 5]));
+        // What is asked for counts more than the file that is named.
+        assert_eq!(of_time(&all, None, Some(2)), Ok(([2, 2], vec![0, 2, 5])));
+        assert_eq!(of_time(&all, Some(2), Some(1)), Ok(([1, 2], vec![1, 3, 4])));
+        assert_eq!(of_time(&all, Some(2), None), Ok(([2, 2], vec![0, 2, 5])));
+        assert!(of_time(&all, None, Some(3)).unwrap_err().contains("from 1 to 2"));
+        assert!(of_time(&all[..1], None, Some(2)).unwrap_err().contains("only one"));
         // Nothing tells them apart.
         let same = all.map(|(at, _)| (at, "1"));
         assert_eq!(taken(&same, None), (2, vec![0, 2, 4]));

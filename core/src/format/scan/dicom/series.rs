@@ -5,10 +5,11 @@
 
 use glam::DVec3;
 
+use super::super::Reading;
 use super::data_set::DataSet;
 use super::phases;
 use super::tags::{self, Tag};
-use crate::format::FormatError;
+use crate::format::{FormatError, Volumes};
 use crate::sculpture::grid::MAX_AXIS_VX;
 
 /// Directions of rows and columns that differ by less, in each number, are the same.
@@ -102,12 +103,18 @@ pub struct Layers {
     pub planes: Vec<Plane>,
     /// Between layers; none where positions do not say.
     pub distance_mm: Option<f64>,
+    /// Which of several times, phases or echoes it is.
+    pub volumes: Volumes,
     pub notes: Vec<String>,
 }
 
-/// Sorts parallel planes along their normal. Of several times, phases or echoes the one is taken that the file number
-/// `named` belongs to, or the first.
-pub fn layers(mut planes: Vec<Plane>, named: Option<usize>) -> Result<Layers, FormatError> {
+/// Sorts parallel planes along their normal. Of several times, phases or echoes the one is taken that was asked for, or
+/// that the file number `named` belongs to, or the first.
+pub fn layers(
+    mut planes: Vec<Plane>,
+    named: Option<usize>,
+    reading: &Reading,
+) -> Result<Layers, FormatError> {
     let mut notes = Vec::new();
     let normal = planes
         .first()
@@ -120,7 +127,8 @@ pub fn layers(mut planes: Vec<Plane>, named: Option<usize>) -> Result<Layers, Fo
             notes.push("the file does not say where each slice lies; they are in the order of their numbers".to_string());
         }
         planes.sort_by(|a, b| a.number.total_cmp(&b.number).then(a.frame.cmp(&b.frame)));
-        return Ok(Layers { planes, distance_mm: None, notes });
+        let volumes = reading.volumes(1)?;
+        return Ok(Layers { planes, distance_mm: None, volumes, notes });
     };
     let mut placed: Vec<(f64, Plane)> = places.into_iter().zip(planes).collect();
     let order = |a: &(f64, Plane), b: &(f64, Plane)| {
@@ -128,11 +136,13 @@ pub fn layers(mut planes: Vec<Plane>, named: Option<usize>) -> Result<Layers, Fo
     };
     placed.sort_by(order);
     let all = placed.len();
-    let (phases, mut placed) = phases::one_of(placed, named);
+    let (volumes, mut placed) = phases::one_of(placed, named, reading)?;
     placed.dedup_by(|after, before| after.0 - before.0 < SAME_PLACE_MM);
-    if phases > 1 {
+    let phases = volumes.time.count;
+    if phases > 1 && reading.options.time.is_none() {
         notes.push(format!(
-            "its times, phases or echoes: {phases}; one was taken, whole: to have another, open one of its files"
+            "its times, phases or echoes: {phases}; one was taken, whole: to have another, open one of its files, or choose it \
+             with the option `time`"
         ));
     }
     if placed.len() < all {
@@ -143,7 +153,7 @@ pub fn layers(mut planes: Vec<Plane>, named: Option<usize>) -> Result<Layers, Fo
     }
     let [first, .., last] = &placed[..] else {
         let planes = placed.into_iter().map(|(_, plane)| plane).collect();
-        return Ok(Layers { planes, distance_mm: None, notes });
+        return Ok(Layers { planes, distance_mm: None, volumes, notes });
     };
     if let (Some(from), Some(to)) = (first.1.position, last.1.position) {
         let (along, length) = (last.0 - first.0, (to - from).length());
@@ -161,7 +171,7 @@ pub fn layers(mut planes: Vec<Plane>, named: Option<usize>) -> Result<Layers, Fo
     if count == placed.len() {
         let distance_mm = Some((last.0 - first.0) / (count - 1) as f64);
         let planes = placed.into_iter().map(|(_, plane)| plane).collect();
-        return Ok(Layers { planes, distance_mm, notes });
+        return Ok(Layers { planes, distance_mm, volumes, notes });
     }
     if count > MOST_LAYERS * placed.len() || count > MAX_AXIS_VX as usize {
         return Err(FormatError::Scan(format!(
@@ -178,7 +188,7 @@ pub fn layers(mut planes: Vec<Plane>, named: Option<usize>) -> Result<Layers, Fo
         pair[usize::from(upper)].1.clone()
     };
     let planes = (0..count).map(nearest).collect();
-    Ok(Layers { planes, distance_mm: Some(step), notes })
+    Ok(Layers { planes, distance_mm: Some(step), volumes, notes })
 }
 
 fn gaps(placed: &[(f64, Plane)]) -> impl Iterator<Item = f64> {

@@ -1,7 +1,8 @@
 //! Reads the words of a TIFF file about its pages beside their pixels: the note of ImageJ, or the description of an OME-TIFF
 //! (docs.openmicroscopy.org/ome-model).
 //!
-//! Takes the first page; gives the size of a voxel and which pages are the layers of one channel at one time.
+//! Takes the first page; gives the size of a voxel and which pages are the layers of the channel and the time
+//! that are read.
 
 use std::collections::HashMap;
 
@@ -11,7 +12,10 @@ use tiff::decoder::ifd::Value;
 use tiff::tags::Tag;
 
 use super::super::unit::mm_per_unit;
+use super::super::{OTHER_CHANNEL, OTHER_TIME, Reading};
 use super::Pages;
+use crate::format::options::ImportOptions;
+use crate::format::{FormatError, Volumes};
 
 /// Pages of a file that are counted.
 const MOST_PAGES: usize = 1 << 20;
@@ -24,6 +28,26 @@ struct Counts {
     times: usize,
 }
 
+impl Counts {
+    /// The number of pages, unless there are too many.
+    fn pages(self) -> Option<usize> {
+        let pages = self.channels.checked_mul(self.layers)?.checked_mul(self.times)?;
+        (pages <= MOST_PAGES).then_some(pages)
+    }
+}
+
+/// A channel, a layer and a time.
+type Place = (usize, usize, usize);
+
+/// Where pages are in the file.
+#[derive(Debug)]
+enum Order {
+    /// Channels follow one another, then layers, then times.
+    Imagej,
+    /// Those that are in the file itself.
+    Ome(HashMap<Place, usize>),
+}
+
 #[derive(Debug)]
 pub struct Told {
     pub is_of_imagej: bool,
@@ -32,8 +56,7 @@ pub struct Told {
     /// In millimetres; 1 where nothing is known.
     pub voxel_size: Vec3,
     counts: Option<Counts>,
-    /// The pages of the first channel and time, the lowest layer first.
-    first_volume: Vec<usize>,
+    order: Order,
     notes: Vec<String>,
 }
 
@@ -46,7 +69,7 @@ impl Told {
             images: 1,
             voxel_size: Vec3::ONE,
             counts: None,
-            first_volume: Vec::new(),
+            order: Order::Imagej,
             notes: Vec::new(),
         };
         if told.is_of_imagej {
@@ -57,28 +80,79 @@ impl Told {
         told
     }
 
-    /// Of the pages of a file those of one volume, with notes.
-    pub fn pages_of_one_volume(&self, pages: Vec<usize>, notes: &mut Vec<String>) -> Vec<usize> {
+    /// Of the pages of a file those of the channel and the time that are read, the lowest layer first, with notes.
+    pub fn one_volume(
+        &self,
+        pages: Vec<usize>,
+        reading: &Reading,
+        notes: &mut Vec<String>,
+    ) -> Result<(Vec<usize>, Volumes), FormatError> {
         notes.extend(self.notes.iter().cloned());
-        let Some(Counts { channels, layers, times }) = self.counts else { return pages };
-        if channels * layers * times < 2 {
-            return pages;
-        }
-        if !self.first_volume.iter().all(|page| pages.contains(page)) {
+        let told = self.counts.and_then(|counts| Some((counts, counts.pages()?)));
+        let Some((Counts { channels, layers, times }, all)) = told.filter(|(_, all)| *all > 1)
+        else {
+            return Ok((pages, reading.volumes(1)?));
+        };
+        let ImportOptions { channel, time, .. } = *reading.options;
+        let is_of_times = layers == 1 && times > 1 && time.is_none();
+        let counts = [channels, if is_of_times { 1 } else { times }].map(|count| count as u64);
+        let volumes = Volumes::or(reading.options, self.first_there(is_of_times), counts)?;
+        let (c, t) = (volumes.channel.index() as usize, volumes.time.index() as usize);
+        let own: Vec<usize> = match is_of_times {
+            true => (0..times).filter_map(|t| self.page((c, 0, t))).collect(),
+            false => (0..layers).filter_map(|z| self.page((c, z, t))).collect(),
+        };
+        if own.is_empty() || !own.iter().all(|page| pages.contains(page)) {
+            let (found, number) = (pages.len(), volumes.channel.number);
+            if channel.is_some() || time.is_some() {
+                return Err(FormatError::Scan(format!(
+                    "channel {number} at time {} is not in this file, which speaks of {all} pages, but has {found}; choose \
+                     another, or open the file of the set that has it",
+                    volumes.time.number
+                )));
+            }
             notes.push(format!(
-                "the file speaks of {} pages, but has {}; those are its layers in their order",
-                channels * layers * times,
-                pages.len()
+                "the file speaks of {all} pages, but has {found}; those are its layers in their order"
             ));
-            return pages;
+            return Ok((pages, reading.volumes(1)?));
         }
-        if channels > 1 {
-            notes.push(format!("its channels: {channels}; the first was taken"));
+        if is_of_times {
+            notes.push(format!(
+                "it has no layers; its {times} times were taken for them; the option `time` takes one of them"
+            ));
         }
-        if times > 1 {
-            notes.push(format!("its times: {times}; the first was taken"));
+        for (what, taken) in volumes.several() {
+            let (asked, other) = match what {
+                "channel" => (channel, OTHER_CHANNEL),
+                _ => (time, OTHER_TIME),
+            };
+            if asked.is_none() {
+                let which = if taken.number == 1 { "the first" } else { "one of them" };
+                notes.push(format!("its {what}s: {}; {which} was taken; {other}", taken.count));
+            }
         }
-        self.first_volume.clone()
+        let missing = if is_of_times { times } else { layers } - own.len();
+        if missing > 0 {
+            notes.push(format!("layers in other files, which were left out: {missing}"));
+        }
+        Ok((own, volumes))
+    }
+
+    fn page(&self, place: Place) -> Option<usize> {
+        let (c, z, t) = place;
+        match (&self.order, self.counts?) {
+            (Order::Imagej, counts) => Some(c + counts.channels * (z + counts.layers * t)),
+            (Order::Ome(pages), _) => pages.get(&place).copied(),
+        }
+    }
+
+    /// The numbers of the first channel and time that have a page in the file itself.
+    fn first_there(&self, is_of_times: bool) -> [u64; 2] {
+        let Order::Ome(pages) = &self.order else { return [1, 1] };
+        let first =
+            pages.keys().map(|(c, _, t)| if is_of_times { (0, *c) } else { (*t, *c) }).min();
+        let (t, c) = first.unwrap_or_default();
+        [c as u64 + 1, t as u64 + 1]
     }
 
     fn imagej(&mut self, text: &str, pages: &mut Pages) {
@@ -90,22 +164,9 @@ impl Told {
         self.images = count("images=").unwrap_or(1);
         let (channels, times) = (count("channels=").unwrap_or(1), count("frames=").unwrap_or(1));
         let per_layer = channels.saturating_mul(times);
-        let mut counts = Counts {
-            channels,
-            layers: count("slices=").unwrap_or((self.images / per_layer).max(1)),
-            times,
-        };
-        if counts.layers == 1 && times > 1 {
-            counts = Counts { layers: times, times: 1, ..counts };
-            self.notes.push(format!("it has no layers; its {times} times were taken for them"));
-        }
-        self.counts = counts
-            .layers
-            .checked_mul(per_layer)
-            .is_some_and(|pages| pages <= MOST_PAGES)
-            .then_some(counts);
-        // Channels follow one another, then layers, then times.
-        self.first_volume = (0..counts.layers.min(MOST_PAGES)).map(|z| z * channels).collect();
+        let layers = count("slices=").unwrap_or((self.images / per_layer).max(1));
+        let counts = Counts { channels, layers, times };
+        self.counts = counts.pages().map(|_| counts);
 
         let unit = of("unit=").unwrap_or("pixel").to_lowercase();
         let Some(unit_mm) = mm_per_unit(&unit) else { return };
@@ -150,29 +211,16 @@ impl Told {
         let channel = pixels.children().find(|node| node.tag_name().name() == "Channel");
         let samples = channel.and_then(|node| node.attribute("SamplesPerPixel")?.parse().ok());
         let channels = channels / samples.filter(|n| (1..=channels).contains(n)).unwrap_or(1);
-        let mut counts = Counts { channels, layers, times };
-        let whole = channels.checked_mul(layers).and_then(|n| n.checked_mul(times));
-        let Some(whole) = whole.filter(|whole| *whole <= MOST_PAGES) else { return };
+        let counts = Counts { channels, layers, times };
+        let Some(whole) = counts.pages() else { return };
         self.images = whole;
-        let page_of = ome_pages(pixels, counts, whole);
-        let has_no_layers = layers == 1 && times > 1;
-        if has_no_layers {
-            counts = Counts { layers: times, times: 1, ..counts };
-            self.notes.push(format!("it has no layers; its {times} times were taken for them"));
-        }
-        let place = |i: usize| if has_no_layers { (0, 0, i) } else { (0, i, 0) };
-        let found = (0..counts.layers).filter_map(|i| page_of.get(&place(i)).copied());
-        self.first_volume = found.collect();
-        if self.first_volume.len() < counts.layers {
-            let missing = counts.layers - self.first_volume.len();
-            self.notes.push(format!("layers in other files, which were left out: {missing}"));
-        }
+        self.order = Order::Ome(ome_pages(pixels, counts, whole));
         self.counts = Some(counts);
     }
 }
 
 /// The page of each channel, layer and time.
-fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<(usize, usize, usize), usize> {
+fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<Place, usize> {
     let order = pixels.attribute("DimensionOrder").unwrap_or("XYCZT");
     // The rest, from `from` planes behind the first of all.
     let place = |mut from: usize| {
@@ -189,7 +237,7 @@ fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<(usize, usiz
         }
         at
     };
-    let number_of = |(c, z, t): (usize, usize, usize)| {
+    let number_of = |(c, z, t): Place| {
         let (mut number, mut step) = (0, 1);
         for axis in order.chars() {
             let (own, size) = match axis {

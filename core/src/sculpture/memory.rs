@@ -1,0 +1,49 @@
+//! Memory in amounts of a grid's size, which the system may not have: it is asked for before anything changes, so that a
+//! command can be refused instead of the program being ended.
+//!
+//! Knows no grid and no command.
+
+use std::collections::TryReserveError;
+
+/// The system does not give this memory.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct NoMemory {
+    /// Bytes that were needed.
+    pub bytes: u64,
+}
+
+impl NoMemory {
+    /// MiB that were needed.
+    pub fn mib(self) -> u64 {
+        self.bytes.div_ceil(1 << 20)
+    }
+}
+
+/// A list of `count` equal values.
+pub fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, TryReserveError> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count)?;
+    list.resize(count, value);
+    Ok(list)
+}
+
+/// A copy of a list of plain values.
+pub fn copied<T: Copy>(values: &[T]) -> Result<Vec<T>, TryReserveError> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(values.len())?;
+    list.extend_from_slice(values);
+    Ok(list)
+}
+
+/// A list of copies that may need memory themselves.
+pub fn copied_each<T>(
+    values: &[T],
+    copy: impl Fn(&T) -> Result<T, TryReserveError>,
+) -> Result<Vec<T>, TryReserveError> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(values.len())?;
+    for value in values {
+        list.push(copy(value)?);
+    }
+    Ok(list)
+}

@@ -1,0 +1,164 @@
+//! Commands that the system has no memory for are refused, and the document is as it was: in a process whose memory is
+//! limited.
+
+use std::io::{BufReader, Read, Write};
+use std::process::{Child, ChildStdout, Stdio};
+use std::sync::Arc;
+
+use glam::{UVec3, Vec3};
+use sculpture_core::command::Command;
+use sculpture_core::document::{CommandError, Document};
+use sculpture_core::sculpture::history::Contents;
+use sculpture_core::sculpture::{Brick, ColourDepth, Grid, GridError, Limits, Material, Rgb};
+
+/// Limits the address space of this process. A process of its own does so: once there is a limit, this one may have no
+/// memory to start another.
+struct Limiter {
+    shell: Child,
+    done: BufReader<ChildStdout>,
+}
+
+impl Limiter {
+    fn start() -> Limiter {
+        let set = format!("prlimit --pid {} --as=$most:unlimited && echo done", std::process::id());
+        let shell = std::process::Command::new("sh")
+            .args(["-c", &format!("while read most; do {set}; done")])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn();
+        let mut shell = shell.unwrap();
+        let done = BufReader::new(shell.stdout.take().unwrap());
+        Limiter { shell, done }
+    }
+
+    /// Does `work` while so much more than is in use may be taken, in MiB.
+    fn within<T>(&mut self, more_mib: u64, work: impl FnOnce() -> T) -> T {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap();
+        let line = status.lines().find(|line| line.starts_with("VmSize")).unwrap();
+        let used_kib: u64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
+        self.set(&(used_kib * 1024 + (more_mib << 20)).to_string());
+        let done = work();
+        self.set("unlimited");
+        done
+    }
+
+    fn set(&mut self, most: &str) {
+        writeln!(self.shell.stdin.as_ref().unwrap(), "{most}").unwrap();
+        let mut answer = [0; 5];
+        self.done.read_exact(&mut answer).unwrap();
+        assert_eq!(&answer, b"done\n");
+    }
+}
+
+impl Drop for Limiter {
+    fn drop(&mut self) {
+        // The end of its input ends the shell.
+        drop(self.shell.stdin.take());
+        let _ = self.shell.wait();
+    }
+}
+
+/// A document whose grid takes 66 MiB, as do its bits in a step: each of its bricks has voxels, and none is full.
+fn document() -> Document {
+    let mut grid = Grid::new(UVec3::new(1024, 1024, 512), Vec3::ONE, 1 << 30).unwrap();
+    grid.fill_bricks(|_| Brick::below([7, 7, 7]));
+    let material = Material::for_grid(&grid, ColourDepth::None, Rgb::default());
+    Document::from_contents(Contents::new(grid, material), Limits::default())
+}
+
+fn run(document: &mut Document, line: &str) -> Result<(), CommandError> {
+    let command: Command = line.parse().unwrap();
+    document.apply(&command).map(|_| ())
+}
+
+/// What refused commands must not change.
+fn summary(document: &Document) -> (u64, u64, usize, usize, bool) {
+    let history = document.history();
+    let counts = (history.undo_count(), history.redo_count());
+    let count = document.grid().opaque_count();
+    (count, document.revision(), counts.0, counts.1, document.stroke_open())
+}
+
+/// A command that needs 66 MiB: refused where there are 40, done where there are more.
+fn check(document: &mut Document, limiter: &mut Limiter, line: &str) {
+    let before = summary(document);
+    let error = limiter.within(40, || run(document, line)).unwrap_err();
+    let is_told = matches!(error, CommandError::Grid(GridError::NoMemory { .. }));
+    assert!(is_told && error.to_string().contains("the system has not the 6"), "{line}: {error}");
+    assert_eq!(summary(document), before, "{line}");
+    run(document, line).unwrap();
+    assert_ne!(summary(document), before, "{line}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_copy_that_there_is_no_memory_for_refuses_the_edit() {
+    if !trials::alone() {
+        return;
+    }
+    let mut document = document();
+    // Threads and what they keep are there before the limit.
+    run(&mut document, "subtract cuboid at=40,40,40 half=20").unwrap();
+    run(&mut document, "undo").unwrap();
+    let mut limiter = Limiter::start();
+    for line in ["subtract ellipsoid at=40,40,40 half=9", "surface cubes", "undo", "redo"] {
+        let shared = document.share_contents();
+        let before = Contents::clone(&shared);
+        check(&mut document, &mut limiter, line);
+        assert!(*shared == before, "{line}: the snapshot stays as it was");
+    }
+    // Within a stroke, and at its end.
+    run(&mut document, "begin").unwrap();
+    let shared = document.share_contents();
+    check(&mut document, &mut limiter, "subtract cuboid at=200,40,40 half=9");
+    drop(shared);
+    let shared = document.share_contents();
+    check(&mut document, &mut limiter, "cancel");
+    drop(shared);
+    // Not shared, it needs no memory worth mentioning.
+    limiter.within(40, || run(&mut document, "subtract cuboid at=300,40,40 half=9")).unwrap();
+    check(&mut document, &mut limiter, "mask invert");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn steps_that_there_is_no_memory_to_undo_stay_in_the_history() {
+    if !trials::alone() {
+        return;
+    }
+    let mut document = document();
+    run(&mut document, "clear grid").unwrap();
+    run(&mut document, "undo").unwrap();
+    let mut limiter = Limiter::start();
+    // The reverse of the step has the bits of all bricks.
+    check(&mut document, &mut limiter, "redo");
+    // A snapshot of the history shares them: a copy is needed.
+    let snapshot = document.history().snapshot();
+    check(&mut document, &mut limiter, "undo");
+    drop(snapshot);
+    check(&mut document, &mut limiter, "redo");
+    limiter.within(40, || run(&mut document, "undo")).unwrap();
+    assert_eq!(document.grid().opaque_count(), 343 * (128 * 128 * 64));
+}
+
+#[test]
+fn copies_are_equal_to_what_they_were_made_of() {
+    let grid = Grid::new(UVec3::new(20, 9, 33), Vec3::ONE, 1 << 20).unwrap();
+    let material = Material::for_grid(&grid, ColourDepth::Bits16, Rgb([9, 80, 200]));
+    let mut document = Document::from_contents(Contents::new(grid, material), Limits::default());
+    for line in [
+        "add ellipsoid at=8,4,9 half=5 colour=#ff0000",
+        "mask add grid",
+        "add cuboid at=9,4,20 half=4 colour=#00ff00",
+    ] {
+        run(&mut document, line).unwrap_or_else(|error| panic!("{line}: {error}"));
+    }
+    let shared: Arc<Contents> = document.share_contents();
+    assert!(shared.copied() == Ok(Contents::clone(&shared)));
+    for step in document.history().undo_steps() {
+        assert!(step.copied().as_ref() == Ok(step));
+    }
+    let before = Contents::clone(&shared);
+    run(&mut document, "undo 2").unwrap();
+    assert!(*shared == before && *document.contents() != before);
+}
