@@ -322,7 +322,9 @@ impl Workspace {
     }
 
     fn finish_pass(&mut self, root: &Ui, requests: Vec<UiRequest>) {
-        ui::numbers::see(root.ctx());
+        if let Some(complaint) = ui::numbers::see(root.ctx()) {
+            self.ui.toasts.note(complaint);
+        }
         if !requests.is_empty() {
             root.request_repaint();
         }

@@ -35,10 +35,8 @@ pub fn show(
     requests: &mut Vec<UiRequest>,
 ) {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
-    if !state.dialogs.files.is_open()
-        && let Some(complaint) = numbers::hear(root.ctx())
-    {
-        state.toasts.note(complaint);
+    if !state.dialogs.files.is_open() {
+        numbers::hear(root.ctx());
     }
     top_bar::show(root, state, context, requests);
     upright::strip(root, state, context, requests);

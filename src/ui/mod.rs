@@ -172,11 +172,10 @@ pub fn show(
     requests: &mut Vec<UiRequest>,
 ) -> Response {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
+    theme::hear_slow_clicks(root.ctx());
     key_catch::listen(root, state, context, requests);
-    if !state.dialogs.files.is_open()
-        && let Some(complaint) = numbers::hear(root.ctx())
-    {
-        state.toasts.note(complaint);
+    if !state.dialogs.files.is_open() {
+        numbers::hear(root.ctx());
     }
     if !state.layout.hidden {
         top_bar::show(root, state, context, requests);

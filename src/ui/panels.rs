@@ -42,10 +42,9 @@ pub fn show(
     requests: &mut Vec<UiRequest>,
 ) {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
-    if !state.dialogs.files.is_open()
-        && let Some(complaint) = numbers::hear(root.ctx())
-    {
-        state.toasts.note(complaint);
+    theme::hear_slow_clicks(root.ctx());
+    if !state.dialogs.files.is_open() {
+        numbers::hear(root.ctx());
     }
     // What lies over the sculpture has the person's attention.
     let enabled = !state.dialogs.is_modal();

@@ -99,16 +99,22 @@ pub fn section(ui: &mut Ui, state: &mut UiState) {
     ui.horizontal(|ui| {
         picture(ui, pen);
         ui.vertical(|ui| {
-            match pen.touch {
-                Some(touch) => {
-                    let counted = pen.curve.of(touch.pressure) * 100.0;
-                    ui.label(format!("Pressure {:.0} %", touch.pressure * 100.0));
-                    ui.label(format!("counts as {counted:.0} %"));
-                    ui.label(format!("Tilt {:.0}°", touch.lean_deg()));
-                }
-                None => {
-                    ui.weak("Press the pen to see what it does");
-                }
+            // The same lines with and without a pen that touches: nothing below them moves while one draws.
+            let share = |share: f32| format!("{:.0} %", share * 100.0);
+            let touch = pen.touch;
+            let [pressure, counted, tilt] = [
+                touch.map(|touch| share(touch.pressure)),
+                touch.map(|touch| share(pen.curve.of(touch.pressure))),
+                touch.map(|touch| format!("{:.0}°", touch.lean_deg())),
+            ]
+            .map(|value| value.unwrap_or_else(|| "–".to_string()));
+            let hint = "Of the pen that touches now: press it to see what it does";
+            for line in [
+                format!("Pressure {pressure}"),
+                format!("counts as {counted}"),
+                format!("Tilt {tilt}"),
+            ] {
+                ui.label(line).on_hover_text(hint);
             }
             if ui.button("Reset").clicked() {
                 pen.curve = pen.usual;
@@ -119,7 +125,10 @@ pub fn section(ui: &mut Ui, state: &mut UiState) {
 
 /// The curve, and where on it the pen is.
 fn picture(ui: &mut Ui, pen: &PenState) {
-    let (rect, _) = ui.allocate_exact_size(CURVE_SIZE, Sense::hover());
+    let (rect, response) = ui.allocate_exact_size(CURVE_SIZE, Sense::hover());
+    response.on_hover_text(
+        "To the right the pressure, upwards what it counts as; the dot is the pen that touches now",
+    );
     let visuals = ui.visuals();
     let painter = ui.painter();
     painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);

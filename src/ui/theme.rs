@@ -48,6 +48,12 @@ pub fn apply(ctx: &egui::Context, theme: Theme, scale: Scale) {
     ctx.set_style_of(wanted, style(theme));
 }
 
+/// Counts a press and its release as a click, however long it takes: on a busy machine much time passes between two passes,
+/// and with it what egui takes to have been held.
+pub fn hear_slow_clicks(ctx: &egui::Context) {
+    ctx.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
+}
+
 /// Colour of errors, readable on panels.
 pub fn error_colour(visuals: &Visuals) -> Color32 {
     if visuals.dark_mode {

@@ -1,4 +1,4 @@
-# Sourced by pad.sh and camera.sh: finds the virtual machine, or prints SKIPPED, and runs a script in it
+# Sourced by pad.sh, camera.sh and pen.sh: finds the virtual machine, or prints SKIPPED, and runs a script in it
 # with the program as built here.
 #
 # VS_SHARED             folder with hardware/ (build-vm.sh, run-in-vm.sh, virtual-gamepad.py);
@@ -29,6 +29,9 @@ if [ ! -f "$vm/vmlinuz" ] || [ ! -f "$vm/initrd.gz" ]; then
         command -v "$tool" >/dev/null || skip "no machine in $vm, and $tool to make one is not installed"
     done
     [ "$(id -u)" = 0 ] || skip "no machine in $vm, and only root can make one"
+    packages=$(sed -n 's/^PKGS=.*:-"\(.*\)"}$/\1/p' "$kit/build-vm.sh")
+    # For pen.sh: Xvfb has no drivers.
+    export PKGS="$packages xserver-xorg-core xserver-xorg-input-libinput xserver-xorg-video-dummy xinput"
     bash "$kit/build-vm.sh" "$vm" || skip "no machine in $vm, and making one failed"
 fi
 
@@ -54,6 +57,7 @@ run_in_machine() {
     done
     cp "$here/$script" "$share"
     BENCH=$vm LIMIT=${LIMIT:-400} bash "$kit/run-in-vm.sh" "$share" bash "$script" || code=$?
+    [ "$code" != 77 ] || skip "the machine in $vm lacks programs; remove it, and it is made anew"
     mkdir -p "$out"
     cp -r "$share"/out/. "$out" 2>/dev/null || true
     if [ "$code" != 0 ]; then

@@ -10,7 +10,7 @@ use virtual_sculpture::input::{Action, Button, Buttons, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::spray::SprayKind;
 
-use super::bench::{Bench, bench, look, middle, undo_count, voxels};
+use super::bench::{Bench, bench, bench_of, config, look, middle, rest, undo_count, voxels};
 
 /// A pen whose pointer is made of its samples, as on Wayland.
 struct Pen {
@@ -216,4 +216,26 @@ fn in_panels_a_pen_is_a_mouse_and_the_mouse_beside_it_presses_fully() {
     assert_eq!(by_mouse, removed(PenUse::default(), 1.0, Vec2::ZERO));
     harness.event(Event::PointerGone);
     harness.step();
+}
+
+#[test]
+fn the_options_of_pens_stay_where_they_are_while_a_pen_touches() {
+    let mut harness = bench_of(&config(64), vec2(1280.0, 1600.0));
+    harness.state_mut().ui.pen.is_used = true;
+    rest(&mut harness);
+    let place = |harness: &Bench| {
+        (
+            harness.get_by_label_contains("counts as").rect().min,
+            harness.get_by_label("Light").rect(),
+        )
+    };
+    let at = middle(&harness);
+    let mut pen = Pen::new(PenEnd::Tip);
+    pen.at(&mut harness, at, 0.0, &[]);
+    rest(&mut harness);
+    let before = place(&harness);
+    pen.at(&mut harness, at, 0.5, &[]);
+    pen.at(&mut harness, at, 0.5, &[]);
+    assert!(harness.query_by_label("counts as 50 %").is_some());
+    assert_eq!(place(&harness), before);
 }

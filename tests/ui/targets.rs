@@ -1,12 +1,12 @@
-//! The size of what is clicked, and the words on it.
+//! The size of what is clicked, the words on it, and how long a click may take.
 
 use egui::accesskit::Role;
-use egui::{Rect, vec2};
+use egui::{Event, Modifiers, PointerButton, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use virtual_sculpture::input::{Action, DrawKind};
 use virtual_sculpture::tools::spray::SprayKind;
 
-use super::bench::{Bench, bench, bench_of, click, config, rest, run};
+use super::bench::{Bench, bench, bench_of, click, config, rest, run, send};
 
 /// The least side of what is clicked, in points.
 const LEAST: f32 = 23.9;
@@ -102,4 +102,22 @@ fn names_are_written_as_their_owners_write_them_and_whole() {
         assert!(rect.right() <= 1276.0 && rect.left() > panel, "{label}: {rect:?}");
         assert!(whole.right() <= 1276.0, "{label}: {whole:?}");
     }
+}
+
+/// Seconds go by where the machine is busy, and the press is heard long before the release.
+#[test]
+fn a_click_counts_however_long_it_takes() {
+    let mut harness = bench();
+    rest(&mut harness);
+    let pos = harness.get_by_label("New").rect().center();
+    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+    send(&mut harness, Event::PointerMoved(pos));
+    send(&mut harness, Event::PointerButton { pos, button, pressed: true, modifiers });
+    let now_s = harness.ctx.input(|input| input.time);
+    harness.input_mut().time = Some(now_s + 5.0);
+    send(&mut harness, Event::PointerButton { pos, button, pressed: false, modifiers });
+    // From here on time passes by steps again.
+    harness.input_mut().time = None;
+    rest(&mut harness);
+    assert!(harness.state().ui.dialogs.new.open);
 }

@@ -76,6 +76,8 @@ fn write_owl(disk: &Disk) -> Vec<u8> {
 /// Types a command into the palette and runs it.
 fn command(program: &Program, line: &str) {
     program.key(&["Control_L", "p"]);
+    // Its field has the focus with the next picture: until then letters are keys.
+    program.settle();
     for letter in line.chars() {
         match letter {
             ' ' => program.key(&["space"]),

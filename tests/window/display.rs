@@ -105,6 +105,14 @@ impl Drop for Display {
     }
 }
 
+/// The folder target/test-output/window.
+pub fn output_folder() -> PathBuf {
+    let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    let folder = target.parent().expect("in target").join("test-output").join("window");
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
 /// A picture of the screen or a part of it.
 #[derive(Clone)]
 pub struct Picture {
@@ -153,9 +161,7 @@ impl Picture {
 
     /// Saves it as target/test-output/window/NAME.png.
     pub fn save(&self, name: &str) {
-        let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-        let folder = target.parent().expect("in target").join("test-output").join("window");
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = output_folder();
         let bytes = self.rgb.as_flattened().to_vec();
         let image = image::RgbImage::from_raw(self.size[0], self.size[1], bytes).unwrap();
         image.save(folder.join(format!("{name}.png"))).unwrap();

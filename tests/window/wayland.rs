@@ -10,12 +10,14 @@ use std::time::Instant;
 
 use crate::gpu::fixture::need_device;
 
+use super::display::output_folder;
 use super::process::{PATIENCE, POLL_INTERVAL, Process};
 use crate::faults::Faults;
 
 const SOCKET: &str = "virtual-sculpture-test";
+const LOG: &str = "weston.log";
 
-/// A running compositor; killed on drop.
+/// A running compositor; killed on drop. Its log is left in target/test-output/window if a test fails.
 struct Weston {
     server: Child,
     folder: tempfile::TempDir,
@@ -32,6 +34,7 @@ impl Weston {
             .args(["--backend=headless-backend.so", "--use-pixman", "--width=1280", "--height=800"])
             .args([&format!("--shell={shell}"), &format!("--socket={SOCKET}")])
             .arg(format!("--config={}", settings.display()))
+            .arg(format!("--log={}", folder.path().join(LOG).display()))
             .env("XDG_RUNTIME_DIR", folder.path())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
@@ -84,6 +87,11 @@ impl Weston {
 
 impl Drop for Weston {
     fn drop(&mut self) {
+        if std::thread::panicking() {
+            let log = std::fs::read_to_string(self.folder.path().join(LOG)).unwrap_or_default();
+            let end = format!("{log}\nended before the test: {:?}\n", self.server.try_wait());
+            let _ = std::fs::write(output_folder().join(LOG), end);
+        }
         let _ = self.server.kill();
         let _ = self.server.wait();
     }
