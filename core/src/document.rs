@@ -16,11 +16,10 @@ use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::history::{Change, Contents, History, State, Step, StepStore};
-use crate::sculpture::memory::NoMemory;
 use crate::sculpture::record::BrickRecord;
 use crate::sculpture::selection::Selection;
 use crate::sculpture::stroke::StrokeRecorder;
-use crate::sculpture::{Brick, ColourDepth, Grid, GridError, Material, Placement};
+use crate::sculpture::{Brick, ColourDepth, Grid, Material, Placement};
 use crate::tools::symmetry::Symmetry;
 use crate::tools::texture::Texture;
 
@@ -31,6 +30,7 @@ mod error;
 mod mask;
 mod mend;
 mod orient;
+mod own;
 mod snapshot;
 mod steps;
 mod surface;
@@ -269,7 +269,7 @@ impl Document {
 
     /// Executes a command. On an error nothing has changed.
     pub fn apply(&mut self, command: &Command) -> Result<Applied, CommandError> {
-        if edits(command) {
+        if own::edits(command) {
             self.own_contents()?;
         }
         match command {
@@ -412,40 +412,6 @@ impl Document {
         Ok(Applied { stats, steps: 0 })
     }
 
-    /// Makes the contents the document's own, so that they can be changed: where a save or another snapshot shares them, by a
-    /// copy. An error if the system lacks the memory for it.
-    fn own_contents(&mut self) -> Result<(), CommandError> {
-        if Arc::get_mut(&mut self.contents).is_none() {
-            let copy = self.contents.copied().map_err(|error| self.no_memory(error))?;
-            self.contents = Arc::new(copy);
-        }
-        Ok(())
-    }
-
-    fn no_memory(&self, error: NoMemory) -> CommandError {
-        GridError::NoMemory { dims: self.grid().dims(), needed_mib: error.mib() }.into()
-    }
-
-    /// [`Document::swap_bricks`], unless the system lacks the memory for it: then nothing has changed, and the record is
-    /// given back.
-    fn try_swap_bricks(
-        &mut self,
-        record: BrickRecord,
-    ) -> Result<BrickRecord, (BrickRecord, CommandError)> {
-        if let Err(error) = self.own_contents() {
-            return Err((record, error));
-        }
-        let bytes = record.reverse_bytes(&self.contents) as u64;
-        let changes = !record.is_empty();
-        match record.try_swap(Arc::make_mut(&mut self.contents), &mut self.dirty) {
-            Ok(reverse) => {
-                self.revision += u64::from(changes);
-                Ok(reverse)
-            }
-            Err(record) => Err((record, self.no_memory(NoMemory { bytes }))),
-        }
-    }
-
     fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {
         if record.is_empty() {
             return record;
@@ -478,48 +444,6 @@ impl Document {
     /// An error if a stroke is open. `verb` is the refused command's.
     pub fn require_no_stroke(&self, verb: &'static str) -> Result<(), CommandError> {
         if self.stroke_open() { Err(CommandError::StrokeOpen(verb)) } else { Ok(()) }
-    }
-}
-
-/// Whether a command changes voxels, colours or mask where they are, and does not go along the history.
-fn edits(command: &Command) -> bool {
-    match command {
-        Command::Construct { .. }
-        | Command::Form { .. }
-        | Command::Texture { .. }
-        | Command::Stencil { .. }
-        | Command::Spray { .. }
-        | Command::Grab { .. }
-        | Command::Deform { .. }
-        | Command::Paste { .. }
-        | Command::Array { .. }
-        | Command::Fill { .. }
-        | Command::Clear { .. }
-        | Command::Dye { .. }
-        | Command::Tint { .. }
-        | Command::Flood { .. }
-        | Command::Mask(_)
-        | Command::Cut
-        | Command::Move { .. }
-        | Command::Mend(_)
-        | Command::Surface(_) => true,
-        Command::New(_)
-        | Command::Open { .. }
-        | Command::Save { .. }
-        | Command::Embed { .. }
-        | Command::Begin { .. }
-        | Command::End
-        | Command::Cancel
-        | Command::Copy
-        | Command::Mark(_)
-        | Command::Select(_)
-        | Command::Limit(_)
-        | Command::Irreversible(_)
-        | Command::Symmetry(_)
-        | Command::Orient(_)
-        | Command::Undo { .. }
-        | Command::Redo { .. }
-        | Command::Place(_) => false,
     }
 }
 

@@ -73,7 +73,8 @@ impl Document {
         let record = self.recorder.finish();
         let done = match self.try_swap_bricks(record) {
             Ok(done) => done,
-            Err((record, error)) => {
+            Err(refused) => {
+                let (record, error) = *refused;
                 self.recorder.resume(record, &self.contents.grid);
                 return Err(error);
             }

@@ -193,7 +193,8 @@ impl Document {
             }
             Change::Bricks(record) => match self.try_swap_bricks(record) {
                 Ok(record) => Change::Bricks(record),
-                Err((record, error)) => {
+                Err(refused) => {
+                    let (record, error) = *refused;
                     return (Step { label, change: Change::Bricks(record), state }, Some(error));
                 }
             },

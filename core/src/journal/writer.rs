@@ -79,7 +79,7 @@ struct Shared {
 #[derive(Debug)]
 enum Message {
     Entry {
-        entry: Entry,
+        entry: Box<Entry>,
         took: Duration,
     },
     Checkpoint {
@@ -174,7 +174,8 @@ impl JournalWriter {
     pub fn push(&mut self, entry: Entry, took: Duration) {
         self.entries += 1;
         if !self.gap {
-            self.gap = self.sender.try_send(Message::Entry { entry, took }).is_err();
+            self.gap =
+                self.sender.try_send(Message::Entry { entry: Box::new(entry), took }).is_err();
         }
     }
 

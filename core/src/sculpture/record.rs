@@ -197,10 +197,10 @@ impl BrickRecord {
         self,
         contents: &mut Contents,
         touched: &mut BrickSet,
-    ) -> Result<BrickRecord, BrickRecord> {
+    ) -> Result<BrickRecord, Box<BrickRecord>> {
         match self.room(contents) {
             Some(room) => Ok(self.swap_into(room, contents, touched)),
-            None => Err(self),
+            None => Err(Box::new(self)),
         }
     }
 

@@ -1,0 +1,90 @@
+//! Memory for changes: the contents become the document's own before they are changed, and what the system has no memory for is
+//! refused before anything has changed.
+//!
+//! Takes the document; copies its contents where a snapshot shares them.
+
+use std::sync::Arc;
+
+use super::{CommandError, Document};
+use crate::command::Command;
+use crate::sculpture::GridError;
+use crate::sculpture::memory::NoMemory;
+use crate::sculpture::record::BrickRecord;
+
+impl Document {
+    /// Makes the contents the document's own, so that they can be changed: where a save or another snapshot shares them, by a
+    /// copy. An error if the system lacks the memory for it.
+    pub(super) fn own_contents(&mut self) -> Result<(), CommandError> {
+        if Arc::get_mut(&mut self.contents).is_none() {
+            let copy = self.contents.copied().map_err(|error| self.no_memory(error))?;
+            self.contents = Arc::new(copy);
+        }
+        Ok(())
+    }
+
+    pub(super) fn no_memory(&self, error: NoMemory) -> CommandError {
+        GridError::NoMemory { dims: self.grid().dims(), needed_mib: error.mib() }.into()
+    }
+
+    /// [`Document::swap_bricks`], unless the system lacks the memory for it: then nothing has changed, and the record is
+    /// given back.
+    pub(super) fn try_swap_bricks(
+        &mut self,
+        record: BrickRecord,
+    ) -> Result<BrickRecord, Box<(BrickRecord, CommandError)>> {
+        if let Err(error) = self.own_contents() {
+            return Err(Box::new((record, error)));
+        }
+        let bytes = record.reverse_bytes(&self.contents) as u64;
+        let changes = !record.is_empty();
+        match record.try_swap(Arc::make_mut(&mut self.contents), &mut self.dirty) {
+            Ok(reverse) => {
+                self.revision += u64::from(changes);
+                Ok(reverse)
+            }
+            Err(record) => Err(Box::new((*record, self.no_memory(NoMemory { bytes })))),
+        }
+    }
+}
+
+/// Whether a command changes voxels, colours or mask where they are, and does not go along the history.
+pub(super) fn edits(command: &Command) -> bool {
+    match command {
+        Command::Construct { .. }
+        | Command::Form { .. }
+        | Command::Texture { .. }
+        | Command::Stencil { .. }
+        | Command::Spray { .. }
+        | Command::Grab { .. }
+        | Command::Deform { .. }
+        | Command::Paste { .. }
+        | Command::Array { .. }
+        | Command::Fill { .. }
+        | Command::Clear { .. }
+        | Command::Dye { .. }
+        | Command::Tint { .. }
+        | Command::Flood { .. }
+        | Command::Mask(_)
+        | Command::Cut
+        | Command::Move { .. }
+        | Command::Mend(_)
+        | Command::Surface(_) => true,
+        Command::New(_)
+        | Command::Open { .. }
+        | Command::Save { .. }
+        | Command::Embed { .. }
+        | Command::Begin { .. }
+        | Command::End
+        | Command::Cancel
+        | Command::Copy
+        | Command::Mark(_)
+        | Command::Select(_)
+        | Command::Limit(_)
+        | Command::Irreversible(_)
+        | Command::Symmetry(_)
+        | Command::Orient(_)
+        | Command::Undo { .. }
+        | Command::Redo { .. }
+        | Command::Place(_) => false,
+    }
+}
