@@ -101,6 +101,8 @@ impl Sculptor {
             ["do", name] => {
                 let action = Action::named(name).unwrap_or_else(|| panic!("{line}"));
                 self.harness.state_mut().act(action);
+                // Until the view has turned.
+                rest(&mut self.harness);
             }
             ["size", sizes] => {
                 tool.edit(ToolEdit::Uniform(false));
@@ -289,6 +291,30 @@ fn a_bust_is_made_in_the_window() {
 #[test]
 fn a_creature_is_made_in_the_window() {
     made(include_str!("works/creature.txt"), "creature.vsc");
+}
+
+#[test]
+fn a_house_a_tree_a_lake_and_a_hill_are_made_in_the_window() {
+    let sculptor = made(include_str!("works/house.txt"), "house.vsc");
+    let document = sculptor.harness.state().session().document();
+    let is_blue = |v: glam::UVec3| {
+        let [r, g, b] = document.contents().rgb(v).0;
+        b > r && b > g
+    };
+    // The lake is painted, and no part of what was put beside it later.
+    assert!(is_blue(glam::UVec3::new(72, 5, 168)) && !is_blue(glam::UVec3::new(56, 60, 148)));
+}
+
+#[test]
+fn a_mug_with_glaze_is_made_in_the_window() {
+    let sculptor = made(include_str!("works/mug.txt"), "mug.vsc");
+    let grid = sculptor.harness.state().session().document().grid();
+    // Still a mug: a wall all around, room inside, and a bottom.
+    for (x, z) in [(40, 80), (120, 80), (80, 40), (80, 120)] {
+        assert!(grid.get(glam::IVec3::new(x, 100, z)), "{x} {z}");
+    }
+    let middle = glam::IVec3::new(80, 100, 80);
+    assert!(!grid.get(middle) && grid.get(middle.with_y(22)));
 }
 
 #[test]
