@@ -18,6 +18,7 @@ mod formats;
 mod fuzz;
 mod independent;
 mod journal;
+#[cfg(target_os = "linux")]
 mod memory;
 mod meshes_in;
 mod saved_history;

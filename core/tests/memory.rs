@@ -91,7 +91,6 @@ fn check(document: &mut Document, limiter: &mut Limiter, line: &str) {
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn a_copy_that_there_is_no_memory_for_refuses_the_edit() {
     if !trials::alone() {
         return;
@@ -121,7 +120,6 @@ fn a_copy_that_there_is_no_memory_for_refuses_the_edit() {
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn steps_that_there_is_no_memory_to_undo_stay_in_the_history() {
     if !trials::alone() {
         return;
