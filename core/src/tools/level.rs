@@ -3,7 +3,8 @@
 //! From a grid, a footprint and a strength to the voxels that appear and vanish. The smoothed surface is where half of the
 //! neighbourhood exists ([`super::level_field`]). The surface goes the share of the way to it that the strength says, less
 //! towards the rim of the footprint, and at most half a radius. Room hidden close behind the surface counts as existing,
-//! so that walls keep their thickness; clay that is added must have real clay around it, too.
+//! so that walls keep their thickness; clay that is added must have real clay around it, too. At the ends of walls and posts
+//! half of what exists farther in is enough, so that they are rounded and stay.
 //! Changes nothing itself.
 
 use std::collections::BTreeSet;
@@ -14,7 +15,7 @@ use rayon::prelude::*;
 use super::distance::Distances;
 use super::footprint::Footprint;
 use super::level_counts::counts;
-use super::level_field::{Cells, Field};
+use super::level_field::{Cells, Field, Smoothed};
 use super::level_hidden::Hidden;
 use super::spray::Stamp;
 use super::visible::Cone;
@@ -97,9 +98,9 @@ struct Work<'a> {
     /// Where voxels may change.
     bounds: VoxelBox,
     tiles: Vec<IVec3>,
-    /// Shares of what exists, and of what exists or is hidden.
-    clay: Field,
-    filled: Field,
+    /// The shares of the neighbourhood by which voxels are added, and by which they stay.
+    to_add: Field,
+    to_stay: Field,
 }
 
 /// A voxel that may change.
@@ -139,8 +140,14 @@ impl<'a> Work<'a> {
         let behind = BEHIND * radius / edges.min_element();
         let hidden = Hidden::new(footprint, cone, grid, at, [margin, spacing, behind]);
         let (clay, filled) = counts(grid, &cells, &hidden);
-        let [clay, filled] = [clay, filled].map(|counts| Field::new(&cells, counts, radius));
-        Some(Work { grid, level, footprint, edges, radius, hidden, bounds, tiles, clay, filled })
+        let clay = Smoothed::new(&cells, clay, radius);
+        let filled = Smoothed::new(&cells, filled, radius);
+        let (of_clay, mut to_stay) = (clay.level(), filled.level());
+        let ends = clay.ends(&of_clay);
+        let mut to_add = of_clay;
+        to_add.lower_to(&to_stay);
+        to_stay.raise_to(&ends);
+        Some(Work { grid, level, footprint, edges, radius, hidden, bounds, tiles, to_add, to_stay })
     }
 
     /// The bricks added to and removed from a tile.
@@ -162,31 +169,30 @@ impl<'a> Work<'a> {
         let block = BitBlock::of_grid(self.grid, bounds.min, bounds.max);
         let corner = bounds.min - block.origin();
         let width = (bounds.max.x - bounds.min.x) as usize;
-        let columns = self.clay.columns(bounds.min.x, width);
-        let (mut clay, mut filled) = (Vec::new(), Vec::new());
+        let columns = self.to_add.columns(bounds.min.x, width);
+        let (mut adding, mut staying) = (Vec::new(), Vec::new());
         let (mut to_add, mut to_remove) = (Vec::new(), Vec::new());
         for z in bounds.min.z..bounds.max.z {
             for y in bounds.min.y..bounds.max.y {
                 let (at_y, at_z) = (corner.y + y - bounds.min.y, corner.z + z - bounds.min.z);
                 let Some(row) = block.row(at_y, at_z) else { continue };
-                self.clay.cells(&columns, y, z, &mut clay);
-                self.filled.cells(&columns, y, z, &mut filled);
+                self.to_add.cells(&columns, y, z, &mut adding);
+                self.to_stay.cells(&columns, y, z, &mut staying);
                 // Between cells there are no larger shares than at them, and no smaller ones.
-                let most = clay.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-                let least = filled.iter().copied().fold(f32::INFINITY, f32::min);
-                if -self.clay.outside(most) <= STAYS && self.filled.outside(least) <= STAYS {
+                let most = adding.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                let least = staying.iter().copied().fold(f32::INFINITY, f32::min);
+                if -self.to_add.outside(most) <= STAYS && self.to_stay.outside(least) <= STAYS {
                     continue;
                 }
                 for x in 0..width {
                     let bit = corner.x as usize + x;
                     let exists = row[bit / 64] >> (bit % 64) & 1 != 0;
-                    let outside = self.filled.outside(columns.share(&filled, x));
-                    let (beyond, list) = match exists {
-                        true => (outside, &mut to_remove),
-                        false => {
-                            let clay = self.clay.outside(columns.share(&clay, x));
-                            (-clay.max(outside), &mut to_add)
-                        }
+                    let (beyond, list) = if exists {
+                        let share = columns.share(&staying, x);
+                        (self.to_stay.outside(share), &mut to_remove)
+                    } else {
+                        let share = columns.share(&adding, x);
+                        (-self.to_add.outside(share), &mut to_add)
                     };
                     if beyond > STAYS {
                         let voxel = IVec3::new(bounds.min.x + x as i32, y, z);

@@ -16,6 +16,10 @@ const DEVIATION: f32 = 0.7;
 const DENSITY: f32 = 0.74;
 /// Smallest radius for which voxels are counted in cells, in edges of a voxel.
 const COUNTED: f32 = 8.0;
+/// The share by B that counts as all: 1.7 radii below a plane, 0.992.
+const WHOLE: f32 = 0.99;
+/// The share of the neighbourhood in the thinnest forms: less counts as nothing.
+const THINNEST: f32 = 0.02;
 /// Edge of a cell as a share of the radius, from there on.
 const CELL: f32 = 1.0 / 5.0;
 
@@ -61,11 +65,86 @@ impl Cells {
         let size = self.counted.as_ivec3() * self.edge;
         VoxelBox { min: self.first, max: self.first + size }
     }
+
+    /// The cells in the boxes of B.
+    fn taps(&self) -> f64 {
+        (2 * self.reach + 1).as_dvec3().element_product().powi(2)
+    }
 }
 
 /// The nearest odd number, at least 1.
 fn odd(v: f32) -> i32 {
     2 * ((v - 1.0) * 0.5).round().max(0.0) as i32 + 1
+}
+
+/// Counts of voxels, smoothed by B.
+pub struct Smoothed<'a> {
+    cells: &'a Cells,
+    /// Sums over the boxes of B, of `size` cells.
+    sums: Vec<f64>,
+    size: UVec3,
+    /// A share of the neighbourhood by such a sum.
+    share: f64,
+    radius: f32,
+}
+
+impl<'a> Smoothed<'a> {
+    /// `counts`: the voxels that exist in each cell, x fastest, then y, then z.
+    pub fn new(cells: &'a Cells, counts: Vec<f64>, radius: f32) -> Smoothed<'a> {
+        let (sums, size) = twice_boxed(counts, cells.counted, cells.reach.as_uvec3());
+        let share = 1.0 / (f64::from(cells.edge.element_product()) * cells.taps());
+        Smoothed { cells, sums, size, share, radius }
+    }
+
+    /// The shares by 2 B - B B, at the cells that have two boxes around them.
+    pub fn level(&self) -> Field {
+        let Smoothed { cells, share, radius, .. } = *self;
+        let (twice, size) = twice_boxed(self.sums.clone(), self.size, cells.reach.as_uvec3());
+        let of_twice = share / cells.taps();
+        let mut shares = vec![0.0; twice.len()];
+        let width = size.x.max(1) as usize;
+        let rows = shares.chunks_mut(width).zip(twice.chunks(width));
+        for ((out, twice), start) in rows.zip(self.starts(size)) {
+            for ((out, once), twice) in out.iter_mut().zip(&self.sums[start..]).zip(twice) {
+                *out = (2.0 * once * share - twice * of_twice) as f32;
+            }
+        }
+        let first = cells.first + 4 * cells.reach * cells.edge;
+        Field { edge: cells.edge, first, size, shares, radius }
+    }
+
+    /// The shares of `level` in relation to the largest within 1.7 radii, if that is less than 1. At the end of a wall or a
+    /// post, however thin, the share is half of that within it.
+    pub fn ends(&self, level: &Field) -> Field {
+        let of_all = (self.share as f32) / WHOLE;
+        let mut largest: Vec<f32> = self.sums.iter().map(|sum| *sum as f32 * of_all).collect();
+        let width = level.size.x.max(1) as usize;
+        for (shares, start) in level.shares.chunks(width).zip(self.starts(level.size)) {
+            let largest = &mut largest[start..][..width];
+            largest.iter_mut().zip(shares).for_each(|(most, share)| *most = most.max(*share));
+        }
+        let mut size = self.size;
+        let mut inner = 1;
+        for axis in 0..3 {
+            let beyond = 4 * self.cells.reach[axis] as u32;
+            largest = largest_of(&largest, inner, size[axis] as usize, beyond as usize + 1);
+            size[axis] -= beyond;
+            inner *= size[axis] as usize;
+        }
+        let shares = level.shares.iter().zip(largest);
+        let shares = shares.map(|(share, largest)| share / largest.clamp(THINNEST, 1.0));
+        Field { shares: shares.collect(), ..*level }
+    }
+
+    /// Where the rows of a field of `size` begin among the sums.
+    fn starts(&self, size: UVec3) -> impl Iterator<Item = usize> {
+        let margin = 2 * self.cells.reach.as_uvec3();
+        let all = self.size;
+        (0..size.y * size.z).map(move |row| {
+            let (y, z) = (row % size.y + margin.y, row / size.y + margin.z);
+            (margin.x + all.x * (y + all.y * z)) as usize
+        })
+    }
 }
 
 /// Shares of the neighbourhood that exist, at the middles of cells.
@@ -79,28 +158,16 @@ pub struct Field {
 }
 
 impl Field {
-    /// `counts`: the voxels that exist in each cell, x fastest, then y, then z.
-    pub fn new(cells: &Cells, counts: Vec<f64>, radius: f32) -> Field {
-        let reach = cells.reach.as_uvec3();
-        let (once, size) = twice_boxed(counts, cells.counted, reach);
-        let (two, inner) = twice_boxed(once.clone(), size, reach);
-        let taps = (2 * cells.reach + 1).as_dvec3().element_product().powi(2);
-        let volume = f64::from(cells.edge.element_product()) * taps;
-        let (of_once, of_two) = (1.0 / volume, 1.0 / (volume * taps));
-        let margin = 2 * reach;
-        let mut shares = vec![0.0; two.len()];
-        let rows =
-            shares.chunks_mut(inner.x.max(1) as usize).zip(two.chunks(inner.x.max(1) as usize));
-        for (row, (out, two)) in rows.enumerate() {
-            let (y, z) = (row as u32 % inner.y, row as u32 / inner.y);
-            let start = margin.x + size.x * (y + margin.y + size.y * (z + margin.z));
-            let once = &once[start as usize..][..out.len()];
-            for ((out, once), two) in out.iter_mut().zip(once).zip(two) {
-                *out = (2.0 * once * of_once - two * of_two) as f32;
-            }
-        }
-        let first = cells.first + 4 * cells.reach * cells.edge;
-        Field { edge: cells.edge, first, size: inner, shares, radius }
+    /// Raises each share to that of `other`.
+    pub fn raise_to(&mut self, other: &Field) {
+        let shares = self.shares.iter_mut().zip(&other.shares);
+        shares.for_each(|(share, other)| *share = share.max(*other));
+    }
+
+    /// Lowers each share to that of `other`.
+    pub fn lower_to(&mut self, other: &Field) {
+        let shares = self.shares.iter_mut().zip(&other.shares);
+        shares.for_each(|(share, other)| *share = share.min(*other));
     }
 
     /// The places of a row of voxels from `x` on. All of them must lie between middles of cells.
@@ -212,6 +279,21 @@ fn boxed(sums: &[f64], inner: usize, len: usize, n: usize) -> Vec<f64> {
                     }
                 }
             }
+        }
+    });
+    out
+}
+
+/// The largest of each `n` successive blocks of `inner` numbers, in lines of `len` such blocks.
+fn largest_of(values: &[f32], inner: usize, len: usize, n: usize) -> Vec<f32> {
+    let left = (len + 1 - n) * inner;
+    let lines = values.len() / (inner * len).max(1);
+    let mut out = vec![f32::NEG_INFINITY; lines * left];
+    let lines = values.par_chunks((inner * len).max(1));
+    out.par_chunks_mut(left.max(1)).zip(lines).for_each(|(out, line)| {
+        for block in 0..n {
+            let values = &line[block * inner..];
+            out.iter_mut().zip(values).for_each(|(most, v)| *most = most.max(*v));
         }
     });
     out

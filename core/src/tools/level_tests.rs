@@ -225,6 +225,71 @@ fn thin_walls_are_not_pierced() {
     }
 }
 
+/// A brush that sees `target` from an eye, with a radius in voxels there.
+fn seen_from(eye: Vec3, target: Vec3, radius: f32) -> Footprint {
+    let away = eye - target;
+    Footprint { eye_vx: eye, aim: -away, ..seen(target, away, radius) }
+}
+
+/// Once around the rim of a mug, as far as it is seen.
+#[test]
+fn the_rim_of_a_mug_is_rounded_and_stays_however_it_is_seen() {
+    let (middle, outer, top) = (Vec3::new(64.0, 0.0, 64.0), 36.0, 96.0);
+    let from_axis = |p: Vec3| (p - middle).with_y(0.0).length();
+    for (thickness, radius) in [(4.0, 8.0), (4.0, 16.0), (8.0, 8.0), (12.0, 8.0)] {
+        let mug = |p: Vec3| {
+            let wall = from_axis(p) > outer - thickness || p.y < 8.0 + thickness;
+            p.y > 8.0 && p.y < top && from_axis(p) < outer && wall
+        };
+        for eye in [
+            Vec3::new(64.0, 384.0, 64.0),
+            Vec3::new(64.0, 64.0, 384.0),
+            Vec3::new(64.0, 280.0, 300.0),
+        ] {
+            let mut grid = grid(UVec3::splat(128), mug);
+            let rim = outer - 0.5 * thickness;
+            let steps = (std::f32::consts::TAU * rim / (0.5 * radius)) as i32;
+            for i in 0..steps {
+                let (sin, cos) = (std::f32::consts::TAU * i as f32 / steps as f32).sin_cos();
+                let at = Vec3::new(64.0 + rim * sin, top, 64.0 + rim * cos);
+                if eye.y > top || cos > 0.0 {
+                    let stamp = FULL.stamp(&seen_from(eye, at, radius), &grid);
+                    apply(&mut grid, &stamp);
+                }
+            }
+            let height = |i: i32| {
+                let (sin, cos) = (i as f32 * 0.1).sin_cos();
+                let highest = |inside: i32| {
+                    let from_axis = outer - 0.5 - inside as f32;
+                    let [x, z] = [sin, cos].map(|v| (64.0 + from_axis * v) as i32);
+                    (0..128).rev().find(|y| grid.get(IVec3::new(x, *y, z))).map_or(0, |y| y + 1)
+                };
+                (0..thickness as i32).map(highest).max().unwrap()
+            };
+            let heights: Vec<i32> = (0..62).map(height).collect();
+            let lowest = top as i32 - (0.75 * radius) as i32;
+            let context = format!("{thickness} {radius} {eye}: {heights:?}");
+            assert!(heights.iter().all(|height| *height >= lowest), "{context}");
+            // Its nearest part has lost its outer edge, and has no teeth.
+            assert!(!grid.get(IVec3::new(64, 95, 99)) || thickness < radius, "{context}");
+            let near = [&heights[57..], &heights[..6]].concat();
+            assert!(near.windows(2).all(|pair| (pair[0] - pair[1]).abs() <= 2), "{context}");
+        }
+    }
+}
+
+#[test]
+fn spikes_on_a_body_go() {
+    for (half, high) in [(1.0, 8.0), (2.0, 16.0), (4.0, 20.0)] {
+        for from in [Vec3::Y, Vec3::new(0.7, 1.0, 0.4)] {
+            let spike = |p: Vec3| (p - 64.0).with_y(0.0).length() < half && p.y < 40.0 + high;
+            let mut grid = grid(UVec3::new(128, 80, 128), |p| p.y < 40.0 || spike(p));
+            scrub(&mut grid, FULL, Vec3::new(64.0, 40.0 + 0.5 * high, 64.0), from, 12.0);
+            assert_eq!(highest(&grid), 40, "{half} {high} {from}");
+        }
+    }
+}
+
 #[test]
 fn nothing_happens_on_full_faces_and_where_nothing_is() {
     let full = grid(UVec3::splat(96), |_| true);
