@@ -1,8 +1,6 @@
 //! Commands that the system has no memory for are refused, and the document is as it was: in a process whose memory is
 //! limited.
 
-use std::io::{BufReader, Read, Write};
-use std::process::{Child, ChildStdout, Stdio};
 use std::sync::Arc;
 
 use glam::{UVec3, Vec3};
@@ -10,53 +8,7 @@ use sculpture_core::command::Command;
 use sculpture_core::document::{CommandError, Document};
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Brick, ColourDepth, Grid, GridError, Limits, Material, Rgb};
-
-/// Limits the address space of this process. A process of its own does so: once there is a limit, this one may have no
-/// memory to start another.
-struct Limiter {
-    shell: Child,
-    done: BufReader<ChildStdout>,
-}
-
-impl Limiter {
-    fn start() -> Limiter {
-        let set = format!("prlimit --pid {} --as=$most:unlimited && echo done", std::process::id());
-        let shell = std::process::Command::new("sh")
-            .args(["-c", &format!("while read most; do {set}; done")])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn();
-        let mut shell = shell.unwrap();
-        let done = BufReader::new(shell.stdout.take().unwrap());
-        Limiter { shell, done }
-    }
-
-    /// Does `work` while so much more than is in use may be taken, in MiB.
-    fn within<T>(&mut self, more_mib: u64, work: impl FnOnce() -> T) -> T {
-        let status = std::fs::read_to_string("/proc/self/status").unwrap();
-        let line = status.lines().find(|line| line.starts_with("VmSize")).unwrap();
-        let used_kib: u64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
-        self.set(&(used_kib * 1024 + (more_mib << 20)).to_string());
-        let done = work();
-        self.set("unlimited");
-        done
-    }
-
-    fn set(&mut self, most: &str) {
-        writeln!(self.shell.stdin.as_ref().unwrap(), "{most}").unwrap();
-        let mut answer = [0; 5];
-        self.done.read_exact(&mut answer).unwrap();
-        assert_eq!(&answer, b"done\n");
-    }
-}
-
-impl Drop for Limiter {
-    fn drop(&mut self) {
-        // The end of its input ends the shell.
-        drop(self.shell.stdin.take());
-        let _ = self.shell.wait();
-    }
-}
+use trials::Limiter;
 
 /// A document whose grid takes 66 MiB, as do its bits in a step: each of its bricks has voxels, and none is full.
 fn document() -> Document {
@@ -71,7 +23,7 @@ fn run(document: &mut Document, line: &str) -> Result<(), CommandError> {
     document.apply(&command).map(|_| ())
 }
 
-/// What refused commands must not change.
+/// The state that refused commands must not change.
 fn summary(document: &Document) -> (u64, u64, usize, usize, bool) {
     let history = document.history();
     let counts = (history.undo_count(), history.redo_count());

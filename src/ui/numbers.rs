@@ -33,7 +33,7 @@ struct Typed {
     raw: String,
     /// As numbers are read, if it can be.
     shown: String,
-    /// What is selected of `shown`, in characters; empty where the cursor is.
+    /// The selected part of `shown`, in characters; empty where the cursor is.
     selected: Range<usize>,
 }
 
@@ -120,7 +120,7 @@ pub fn see(ctx: &Context) -> Option<String> {
     })
 }
 
-/// What the field has, before the events of this pass.
+/// The text of the field before the events of this pass.
 fn typed(ctx: &Context, field: Id) -> Typed {
     let written = ctx.data(|data| data.get_temp::<Written>(Id::NULL));
     let shown = written.filter(|written| written.field == field).map(|written| written.text);
@@ -279,7 +279,7 @@ mod tests {
         Typed { field: Id::NULL, raw: String::new(), shown: String::new(), selected: 0..0 }
     }
 
-    /// What a field shows after each sign that is typed.
+    /// The text that a field shows after each sign that is typed.
     fn shown(text: &str) -> Vec<String> {
         let mut typed = empty();
         let mut field = String::new();

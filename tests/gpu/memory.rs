@@ -1,79 +1,18 @@
 //! A device that runs out of memory: a software device in a process whose memory is limited. The test runs itself again
 //! in a process of its own.
 
-use std::io::{BufReader, Read, Write};
-use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 
 use ash::vk;
 use egui::epaint::{ImageData, ImageDelta};
 use egui::{Color32, ColorImage, TextureId, TextureOptions, TexturesDelta};
+use trials::Limiter;
 use virtual_sculpture::gpu::{
     Buffer, Device, GpuError, Image, ImageInfo, MemoryLocation, run_once,
 };
 use virtual_sculpture::render::gui::Gui;
 
 use super::fixture::with_device;
-
-/// Limits the address space of this process. A process of its own does so: once there is a limit, this one may have no
-/// memory to start another.
-struct Limiter {
-    shell: Child,
-    done: BufReader<ChildStdout>,
-}
-
-impl Limiter {
-    fn start() -> Limiter {
-        let set = format!("prlimit --pid {} --as=$most:unlimited && echo done", std::process::id());
-        let mut shell = Command::new("sh")
-            .args(["-c", &format!("while read most; do {set}; done")])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let done = BufReader::new(shell.stdout.take().unwrap());
-        Limiter { shell, done }
-    }
-
-    /// Allows this much more than is in use, in MiB.
-    fn limit(&mut self, more_mib: u64) {
-        // A thread of the driver that has just started reserves 64 MiB for its heap. If it does so after the size was
-        // read, nothing is left: the limit is right once the size has not changed around it.
-        loop {
-            let used_kib = address_space_kib();
-            self.set(&(used_kib * 1024 + (more_mib << 20)).to_string());
-            if address_space_kib() == used_kib {
-                return;
-            }
-            self.lift();
-        }
-    }
-
-    fn lift(&mut self) {
-        self.set("unlimited");
-    }
-
-    fn set(&mut self, most: &str) {
-        writeln!(self.shell.stdin.as_ref().unwrap(), "{most}").unwrap();
-        let mut answer = [0; 5];
-        self.done.read_exact(&mut answer).unwrap();
-        assert_eq!(&answer, b"done\n");
-    }
-}
-
-impl Drop for Limiter {
-    fn drop(&mut self) {
-        // The end of its input ends the shell.
-        drop(self.shell.stdin.take());
-        let _ = self.shell.wait();
-    }
-}
-
-fn address_space_kib() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap();
-    let line = status.lines().find(|line| line.starts_with("VmSize")).unwrap();
-    line.split_whitespace().nth(1).unwrap().parse().unwrap()
-}
 
 fn texture(side: usize) -> TexturesDelta {
     let image = ColorImage::filled([side, side], Color32::RED);

@@ -23,23 +23,9 @@ on = true
 source = "$source"
 TOML
 
-say() { printf '[%4ds] %s\n' "$SECONDS" "$*"; }
-die() { say "FAILED: $*"; exit 1; }
-# Waits until a command succeeds: within SECONDS, WHAT, COMMAND...
-await() {
-    local until=$((SECONDS + $1)) what=$2
-    shift 2
-    while ! "$@"; do
-        [ $SECONDS -lt $until ] || die "no $what"
-        kill -0 $running 2>/dev/null || die "the program has ended before: $what"
-        sleep 0.2
-    done
-    say "ok: $what"
-}
+. guest.sh
 unplug() { echo $camera >$driver/unbind; }
 plug() { echo $camera >$driver/bind; }
-count() { grep -c -- "$1" "$2"; }
-said() { [ "$(count "$2" "$3")" -ge "$1" ]; }
 
 # The example.
 ./camera >$out/cameras.txt || die "cameras are not listed"
@@ -48,7 +34,7 @@ grep -q "^v4l2:/dev/video0  vivid" $out/cameras.txt || die "the camera is not li
 grep -q "YUYV 320 x 180" $out/cameras.txt || die "its modes are not listed"
 ./virtual-sculpture doctor | grep -q "^cameras: v4l2:/dev/video0 vivid" || die "the doctor knows no camera"
 ./camera "$source" 100000 $out/frames >$frames 2>&1 &
-running=$!
+program=$!
 await 30 "frames" said 5 ': frame ' $frames
 unplug
 await 30 "notice of a camera that went" said 1 '^lost: ' $frames
@@ -59,12 +45,11 @@ sleep 2
 plug
 await 30 "frames of a camera that came back" said $((before + 5)) ': frame ' $frames
 said 2 '^live ' $frames || die "no notice of a camera that came back"
-kill $running
+kill $program
 cp "$(ls -t $out/frames/*.png | sed -n 2p)" $out/frame.png
 rm -r $out/frames
 
 # The program.
-picture() { import -window root "$out/$1.png"; }
 # The part of the picture in which the video shows a running clock.
 clock=140x40+75+72
 # Pixels of the clock that differ between two pictures.
@@ -82,7 +67,7 @@ moves() {
 Xvfb :9 -screen 0 640x400x24 >/dev/null 2>&1 &
 for _ in $(seq 50); do [ -e /tmp/.X11-unix/X9 ] && break; sleep 0.2; done
 ./virtual-sculpture --config $out/config.toml 2>$log &
-running=$!
+program=$!
 touch $log
 await 120 "first picture" said 1 'picture shown' $log
 await 60 "video behind the sculpture" moves 1-video 2-video-later
@@ -97,8 +82,8 @@ convert $out/4-unplugged-later.png -crop $clock -format '%[fx:standard_deviation
     grep -q 1 || die "it is no picture"
 plug
 await 60 "video of a camera that came back" moves 5-plugged 6-plugged-later
-kill -0 $running || die "the program has ended"
-kill $running
-wait $running 2>/dev/null
+kill -0 $program || die "the program has ended"
+kill $program
+wait $program 2>/dev/null
 grep -E ' (WARN|ERROR) virtual_sculpture' $log
 say "done"

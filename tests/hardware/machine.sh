@@ -55,7 +55,7 @@ run_in_machine() {
         [ -n "$path" ] || skip "$library is not installed"
         cp -L "$path" "$share/lib/"
     done
-    cp "$here/$script" "$share"
+    cp "$here/guest.sh" "$here/$script" "$share"
     BENCH=$vm LIMIT=${LIMIT:-400} bash "$kit/run-in-vm.sh" "$share" bash "$script" || code=$?
     [ "$code" != 77 ] || skip "the machine in $vm lacks programs; remove it, and it is made anew"
     mkdir -p "$out"

@@ -21,31 +21,8 @@ rumble_limit = 0.5
 rumble_voxels = 30
 TOML
 
-say() { printf '[%4ds] %s\n' "$SECONDS" "$*"; }
-die() { say "FAILED: $*"; picture failed; exit 1; }
-picture() { import -window root "$out/$1.png"; }
-# Waits until a command succeeds: within SECONDS, WHAT, COMMAND...
-await() {
-    local until=$((SECONDS + $1)) what=$2
-    shift 2
-    while ! "$@"; do
-        [ $SECONDS -lt $until ] || die "no $what"
-        kill -0 $program 2>/dev/null || die "the program has ended before: $what"
-        sleep 0.2
-    done
-    say "ok: $what"
-}
-said() { [ "$(grep -c -- "$2" $log)" -ge "$1" ]; }
-wrote() { [ "$(grep -cE "$2" $journal)" -ge "$1" ]; }
-count() { grep -cE "$1" $journal; }
+. guest.sh
 pad() { printf '%s\n' "$@" >&7; }
-pictures() { grep -c 'picture shown' $log; }
-# The program draws nothing for two seconds.
-rests() {
-    local before=$(pictures)
-    sleep 2
-    [ "$(pictures)" = "$before" ]
-}
 
 Xvfb :9 -screen 0 640x480x24 >/dev/null 2>&1 &
 for _ in $(seq 50); do [ -e /tmp/.X11-unix/X9 ] && break; sleep 0.2; done

@@ -53,33 +53,10 @@ Section "Screen"
 EndSection
 CONF
 
+. guest.sh
 # Longest wait for what the program does, in seconds: it draws a picture in seconds.
 PATIENCE=180
-say() { printf '[%4ds] %s\n' "$SECONDS" "$*"; }
-picture() { import -window root "$out/$1.png"; }
-die() { say "FAILED: $*"; picture failed; exit 1; }
-# Waits until a command succeeds: within SECONDS, WHAT, COMMAND...
-await() {
-    local until=$((SECONDS + $1)) what=$2
-    shift 2
-    while ! "$@"; do
-        [ $SECONDS -lt $until ] || die "no $what"
-        kill -0 $program 2>/dev/null || die "the program has ended before: $what"
-        sleep 0.2
-    done
-    say "ok: $what"
-}
-said() { [ "$(grep -c -- "$2" $log)" -ge "$1" ]; }
-wrote() { [ "$(grep -cE "$2" $journal)" -ge "$1" ]; }
-count() { grep -cE "$1" $journal; }
 pen() { printf '%s\n' "$@" >&7; }
-pictures() { grep -c 'picture shown' $log; }
-# The program draws nothing for two seconds.
-rests() {
-    local before=$(pictures)
-    sleep 2
-    [ "$(pictures)" = "$before" ]
-}
 # Pixels in the middle, where the sculpture is, that differ between two pictures.
 differ() { compare -metric AE -extract 240x200+200+140 "$out/$1.png" "$out/$2.png" null: 2>&1 | cut -d' ' -f1; }
 

@@ -14,7 +14,7 @@ pub const POLL_INTERVAL: Duration = Duration::from_millis(5);
 /// Target of the log of what is in the journal.
 pub const STATES: &str = "sculpture_core::states";
 
-/// What windows log while they work: pictures of the main one and of panels, and those that nobody sees.
+/// Lines that windows log while they work: pictures of the main one and of panels, and those that nobody sees.
 const WORK: [&str; 3] = ["at work", " shown", "a picture is left out"];
 
 /// The running program; killed on drop.

@@ -10,7 +10,7 @@ use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
 use super::level_field::Cells;
-use super::level_hidden::{Hidden, HiddenShare, Shares};
+use super::level_hidden::{Hidden, HiddenShare, Shares, brick_of};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind};
 
@@ -100,7 +100,7 @@ pub fn counts(grid: &Grid, cells: &Cells, hidden: &Hidden) -> (Vec<f64>, Vec<f64
     let mut both = vec![[0u32; 2]; layer * depth as usize];
     both.par_chunks_mut((layer * layers).max(1)).enumerate().for_each(|(i, out)| {
         let first = i * layers;
-        let slab = Slab { grid, hidden, shares: &shares, axes: &axes, group: group(cells), first };
+        let slab = Slab { grid, shares: &shares, axes: &axes, group: group(cells), first };
         dispatch!(Level::new(), _simd => slab.count(width as usize, layer, out));
     });
     both.iter().map(|[clay, all]| (f64::from(*clay), f64::from(*all))).unzip()
@@ -118,7 +118,6 @@ fn group(cells: &Cells) -> u32 {
 /// Some layers of cells.
 struct Slab<'a> {
     grid: &'a Grid,
-    hidden: &'a Hidden,
     shares: &'a Shares<'a>,
     axes: &'a [Axis; 3],
     group: u32,
@@ -132,11 +131,13 @@ impl Slab<'_> {
     fn count(&self, width: usize, layer: usize, out: &mut [[u32; 2]]) {
         let [along, up, deep] = self.axes;
         let layers = out.len() / layer.max(1);
-        // What bricks that are all of a kind have in each cell of a row, by their thickness in x alone.
+        // The share of uniform bricks in each cell of a row, as a length in x.
         let mut row = vec![[0u32; 2]; width];
+        // The rows of cells that a row of bricks has parts in: where they begin, those parts, and how thick they are.
+        let mut rows: Vec<(usize, Brick, u32)> = Vec::new();
         for (z, parts_z) in deep.within(self.first..self.first + layers) {
             for (y, parts_y) in up.all() {
-                let mut rows: Vec<(usize, Brick, u32)> = Vec::with_capacity(16);
+                rows.clear();
                 for pz in parts_z {
                     for py in parts_y {
                         let start = (pz.cell - self.first) * layer + py.cell * width;
@@ -199,7 +200,7 @@ impl Slab<'_> {
             (_, HiddenShare::None) => Counted::Clay(*brick),
             (_, HiddenShare::All) => Counted::Voxels(*brick, Brick::FULL),
             (_, HiddenShare::Some) => {
-                let hidden = self.hidden.brick(b, brick, self.group);
+                let hidden = self.shares.hidden.brick(b, brick, self.group);
                 match hidden.is_empty() {
                     true if kind == BrickKind::Empty => Counted::Nothing,
                     true => Counted::Clay(*brick),
@@ -210,22 +211,90 @@ impl Slab<'_> {
     }
 }
 
-/// What is counted of a brick.
+/// The voxels of a brick that are counted.
 enum Counted {
     Nothing,
-    /// As clay, and with hidden room, how often each voxel.
+    /// All of them, so often (0 or 1) as clay, and as clay or hidden room.
     All([u32; 2]),
-    /// Clay among which no room is hidden.
+    /// These as both: no room is hidden among them.
     Clay(Brick),
-    /// The clay, and that with hidden room.
+    /// These as clay, and those as clay or hidden room.
     Voxels(Brick, Brick),
 }
 
-/// A brick at coordinates that may be outside the grid, and its kind. None if nothing exists in it.
-#[inline(always)]
-pub fn brick_of(grid: &Grid, b: IVec3) -> Option<(BrickKind, &Brick)> {
-    let outside = b.cmplt(IVec3::ZERO).any() || b.cmpge(grid.brick_dims().as_ivec3()).any();
-    let index = (!outside).then(|| grid.brick_index(b.as_uvec3()))?;
-    let kind = grid.brick_kind(index);
-    (kind != BrickKind::Empty).then(|| (kind, grid.brick(b.as_uvec3())))
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::sculpture::region::VoxelBox;
+    use crate::tools::footprint::{Coverage, Footprint, Outline};
+    use crate::tools::visible::Cone;
+
+    /// Plates, full and empty bricks and dust, cut off by the borders of bricks and of the grid.
+    fn grid() -> Grid {
+        let mut grid = Grid::new(UVec3::new(60, 45, 52), Vec3::ONE, 1 << 30).unwrap();
+        for i in 0..60 * 45 * 52 {
+            let v = grid.voxel_coords(i).as_ivec3();
+            let dust = (v.x * 7919 + v.y * 104_729 + v.z * 1_299_709) as u32 % 31 == 0;
+            grid.set(v, v.y < 17 && v.x < 40 || v.y == 30 && v.z > 9 || dust && v.y > 20);
+        }
+        grid
+    }
+
+    #[test]
+    fn cells_have_as_many_voxels_as_are_counted_one_by_one() {
+        let grid = grid();
+        let target = Vec3::new(31.0, 31.0, 27.0);
+        for (radius, edge) in [(4.0, 1), (13.0, 3), (24.0, 5)] {
+            for way in [Vec3::NEG_Y, Vec3::new(0.5, -1.0, 0.3).normalize()] {
+                let across = way.any_orthonormal_vector();
+                let footprint = Footprint {
+                    eye_vx: target - way * 90.0,
+                    aim: way * 90.0,
+                    across,
+                    down: way.cross(across),
+                    radius,
+                    outline: Outline::Round,
+                    coverage: Coverage::Visible,
+                };
+                let around = VoxelBox { min: IVec3::new(20, 25, 20), max: IVec3::new(33, 32, 30) };
+                let cells = Cells::new(around, target.as_ivec3(), radius, Vec3::ONE);
+                assert_eq!(cells.edge, IVec3::splat(edge));
+                let margin = (around.min - cells.voxels().min).max_element() as f32;
+                let cone = Cone::new(&footprint).unwrap();
+                let room = [margin, edge as f32, 2.0 * radius];
+                let hidden = Hidden::new(&footprint, cone, &grid, 1.0, room);
+                let (clay, all) = counts(&grid, &cells, &hidden);
+                let mut naive = vec![[0.0; 2]; clay.len()];
+                let VoxelBox { min, max } = cells.voxels();
+                let size = max - min;
+                let counted = cells.counted.as_ivec3();
+                for i in 0..size.element_product() {
+                    let at = IVec3::new(i % size.x, i / size.x % size.y, i / size.x / size.y);
+                    let exists = grid.get(min + at);
+                    let cell = at / edge;
+                    let cell = cell.x + counted.x * (cell.y + counted.y * cell.z);
+                    let [clay, all] = &mut naive[cell as usize];
+                    *clay += f64::from(u8::from(exists));
+                    let middle = (min + at).as_vec3() + 0.5;
+                    *all += f64::from(u8::from(exists || hidden.is(middle, 0.0)));
+                }
+                assert!(
+                    clay.iter().zip(&naive).all(|(found, [clay, _])| found == clay),
+                    "{radius} {way}"
+                );
+                if group(&cells) == 1 {
+                    let same = all.iter().zip(&naive).all(|(found, [_, all])| found == all);
+                    assert!(same, "{radius} {way}");
+                }
+                // Groups of voxels are judged by their middles: about as much room is hidden.
+                let existing: f64 = clay.iter().sum();
+                let room = all.iter().sum::<f64>() - existing;
+                let expected = naive.iter().map(|[_, all]| all).sum::<f64>() - existing;
+                assert!(room > 0.95 * expected && room < 1.05 * expected, "{radius} {way}");
+                assert!(expected > 0.0, "room is hidden");
+            }
+        }
+    }
 }

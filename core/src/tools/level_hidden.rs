@@ -7,7 +7,6 @@
 use glam::{IVec3, UVec2, UVec3, Vec3};
 
 use super::footprint::Footprint;
-use super::level_counts::brick_of;
 use super::visible::Cone;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, WORD_EDGE_VX};
@@ -101,7 +100,7 @@ impl Hidden {
     /// Whether room is hidden close behind the surface. `nearer`: how much of what is behind it does not count, in lengths of
     /// the aim.
     #[inline(always)]
-    fn is(&self, at: Vec3, nearer: f32) -> bool {
+    pub fn is(&self, at: Vec3, nearer: f32) -> bool {
         let [i, j, s] = self.project(at);
         let (x, y) = (self.place(i), self.place(j));
         let (right, below) = ((x + 1).min(self.side - 1), (y + 1).min(self.side - 1));
@@ -209,7 +208,7 @@ impl Hidden {
 
 /// How much of each brick may be hidden room.
 pub struct Shares<'a> {
-    hidden: &'a Hidden,
+    pub hidden: &'a Hidden,
     /// In blocks.
     first: IVec3,
     size: IVec3,
@@ -244,4 +243,13 @@ pub enum HiddenShare {
 #[inline(always)]
 fn corner_of(word: u32) -> Vec3 {
     UVec3::new(word & 1, word >> 1 & 1, word >> 2).as_vec3()
+}
+
+/// A brick at coordinates that may be outside the grid, and its kind. None if nothing exists in it.
+#[inline(always)]
+pub fn brick_of(grid: &Grid, b: IVec3) -> Option<(BrickKind, &Brick)> {
+    let outside = b.cmplt(IVec3::ZERO).any() || b.cmpge(grid.brick_dims().as_ivec3()).any();
+    let index = (!outside).then(|| grid.brick_index(b.as_uvec3()))?;
+    let kind = grid.brick_kind(index);
+    (kind != BrickKind::Empty).then(|| (kind, grid.brick(b.as_uvec3())))
 }

@@ -1,10 +1,6 @@
 //! More files of the kinds in the table, made here; see `mod.rs`.
 
-use std::io::{Cursor, Write};
-
-use tiff::encoder::TiffEncoder;
-use tiff::encoder::colortype::Gray8;
-use tiff::tags::Tag;
+use std::io::Write;
 
 use super::*;
 
@@ -74,16 +70,8 @@ fn parts_that_bambu_studio_does_not_print_are_left_out() {
 
 /// The first voxels of the layers that are read of pages 0 to `pages`, each of which holds its number.
 fn layers_of(pages: u8, description: &str) -> (Vec<f32>, Vec3) {
-    let mut bytes = Cursor::new(Vec::new());
-    let mut encoder = TiffEncoder::new(&mut bytes).unwrap();
-    for page in 0..pages {
-        let mut image = encoder.new_image::<Gray8>(3, 2).unwrap();
-        image.encoder().write_tag(Tag::ImageDescription, description).unwrap();
-        image.write_data(&[page; 6]).unwrap();
-    }
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.ome.tif");
-    std::fs::write(&path, bytes.into_inner()).unwrap();
+    let path = numbered_pages(folder.path(), pages, description);
     let options = ImportOptions::default();
     let volume = format::load_volume(&path, &options, &Limits::default(), &()).unwrap();
     let at = |z: u32| volume.density(UVec3::new(0, 0, z)).unwrap();

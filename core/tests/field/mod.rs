@@ -12,6 +12,7 @@ mod volumes;
 mod zstd;
 
 use std::collections::BTreeMap;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use glam::{UVec3, Vec3};
@@ -20,6 +21,9 @@ use sculpture_core::format::{self, Loaded};
 use sculpture_core::sculpture::brick::local_coords;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Limits, Rgb};
+use tiff::encoder::TiffEncoder;
+use tiff::encoder::colortype::Gray8;
+use tiff::tags::Tag;
 use trials::shared_file;
 
 /// How large a mesh becomes.
@@ -353,4 +357,18 @@ fn vox_with_short_palettes_and_voxels_outside() {
 #[test]
 fn vox_of_teardown_is_refused_by_its_name() {
     refused(foreign("20_vox_real_teardown.vox"), &["TDCZ", "Teardown"]);
+}
+
+/// A TIFF file of pages that hold their numbers, counted from 0.
+fn numbered_pages(folder: &Path, pages: u8, description: &str) -> PathBuf {
+    let mut bytes = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut bytes).unwrap();
+    for page in 0..pages {
+        let mut image = encoder.new_image::<Gray8>(3, 2).unwrap();
+        image.encoder().write_tag(Tag::ImageDescription, description).unwrap();
+        image.write_data(&[page; 6]).unwrap();
+    }
+    let path = folder.join("a.ome.tif");
+    std::fs::write(&path, bytes.into_inner()).unwrap();
+    path
 }

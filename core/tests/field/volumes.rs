@@ -1,13 +1,10 @@
 //! Which of several channels, times, phases or volumes of a scan is read, from files whose voxels hold the number of their
 //! volume; see `mod.rs`.
 
-use std::io::{Cursor, Write};
+use std::io::Write;
 
 use sculpture_core::format::options::Ordinal;
 use sculpture_core::format::{Info, Taken, info_with, load_volume};
-use tiff::encoder::TiffEncoder;
-use tiff::encoder::colortype::Gray8;
-use tiff::tags::Tag;
 
 use super::*;
 
@@ -28,24 +25,14 @@ fn layers(path: &Path, options: &ImportOptions) -> Result<Vec<f32>, String> {
     Ok((0..volume.dims.z).map(|z| volume.density(UVec3::new(0, 0, z)).unwrap()).collect())
 }
 
-/// A TIFF file of pages that hold their numbers, counted from 0.
-fn tiff(folder: &Path, pages: u8, description: &str) -> PathBuf {
-    let mut bytes = Cursor::new(Vec::new());
-    let mut encoder = TiffEncoder::new(&mut bytes).unwrap();
-    for page in 0..pages {
-        let mut image = encoder.new_image::<Gray8>(3, 2).unwrap();
-        image.encoder().write_tag(Tag::ImageDescription, description).unwrap();
-        image.write_data(&[page; 6]).unwrap();
-    }
-    let path = folder.join("a.tif");
-    std::fs::write(&path, bytes.into_inner()).unwrap();
-    path
-}
-
 #[test]
 fn channels_and_times_of_hyperstacks_are_chosen() {
     let folder = tempfile::tempdir().unwrap();
-    let path = tiff(folder.path(), 12, "ImageJ=1.54f\nimages=12\nchannels=2\nslices=3\nframes=2\n");
+    let path = numbered_pages(
+        folder.path(),
+        12,
+        "ImageJ=1.54f\nimages=12\nchannels=2\nslices=3\nframes=2\n",
+    );
     for (channel, time, first) in [(1, 1, 0.0), (2, 1, 1.0), (1, 2, 6.0), (2, 2, 7.0), (0, 2, 6.0)]
     {
         let right = [first, first + 2.0, first + 4.0];
@@ -70,18 +57,18 @@ fn channels_and_times_of_hyperstacks_are_chosen() {
 #[test]
 fn times_without_layers_are_layers_unless_one_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let path = tiff(folder.path(), 6, "ImageJ=1.54f\nimages=6\nchannels=2\nframes=3\n");
+    let path = numbered_pages(folder.path(), 6, "ImageJ=1.54f\nimages=6\nchannels=2\nframes=3\n");
     assert_eq!(layers(&path, &asked(0, 0)).unwrap(), [0.0, 2.0, 4.0]);
     assert_eq!(layers(&path, &asked(2, 0)).unwrap(), [1.0, 3.0, 5.0]);
     assert_eq!(layers(&path, &asked(2, 3)).unwrap(), [5.0]);
     assert!(layers(&path, &asked(2, 4)).unwrap_err().contains("has 3"));
     // A note that is not true of the file.
-    let path = tiff(folder.path(), 3, "ImageJ=1.54f\nimages=8\nchannels=2\nslices=4\n");
+    let path = numbered_pages(folder.path(), 3, "ImageJ=1.54f\nimages=8\nchannels=2\nslices=4\n");
     assert_eq!(layers(&path, &asked(0, 0)).unwrap(), [0.0, 1.0, 2.0]);
     let error = layers(&path, &asked(2, 0)).unwrap_err();
     assert!(error.contains("speaks of 8 pages, but has 3"), "{error}");
     // Pages that nothing is said of.
-    let path = tiff(folder.path(), 3, "");
+    let path = numbered_pages(folder.path(), 3, "");
     assert_eq!(layers(&path, &asked(1, 1)).unwrap(), [0.0, 1.0, 2.0]);
     let error = layers(&path, &asked(0, 2)).unwrap_err();
     assert_eq!(error, "time 2 was asked for, but the file has only one; leave the option out");
@@ -95,7 +82,7 @@ fn channels_and_times_of_ome_are_chosen_in_its_order() {
             "<OME UUID='urn:uuid:1'><Image><Pixels DimensionOrder='{order}' SizeX='3' SizeY='2' SizeZ='2' SizeC='2' \
              SizeT='2'>{blocks}</Pixels></Image></OME>"
         );
-        tiff(folder.path(), 8, &text)
+        numbered_pages(folder.path(), 8, &text)
     };
     for (order, right) in [("XYCZT", [5.0, 7.0]), ("XYZCT", [6.0, 7.0]), ("XYTCZ", [3.0, 7.0])] {
         let path = file(order, "");

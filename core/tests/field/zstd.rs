@@ -182,7 +182,7 @@ fn damaged_pages_packed_with_zstd_are_errors() {
         let error = densities(&path).unwrap_err();
         assert!(error.contains(told), "{error}");
     }
-    // What goes on behind the strip is not unpacked.
+    // Data that goes on behind the strip is not unpacked.
     let endless = compress_to_vec(&vec![0u8; 1 << 24][..], CompressionLevel::Fastest);
     std::fs::write(&path, STRIPS.file(&[endless])).unwrap();
     assert_eq!(densities(&path), Ok(vec![0.0; 20]));

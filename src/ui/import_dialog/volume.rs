@@ -1,5 +1,5 @@
-//! What is asked about a volume: which of several it is, which densities exist, their colours, the part that is read, the voxels, and what
-//! holds together, with slices and a histogram that show it.
+//! The questions about a volume: which of several it is, which densities exist, their colours, the part that is read, the
+//! voxels, and which pieces are kept, with slices and a histogram that show it.
 //!
 //! Takes what the file holds; changes the options of the import.
 

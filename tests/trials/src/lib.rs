@@ -9,6 +9,8 @@
 //! Knows nothing of the program.
 
 mod again;
+#[cfg(target_os = "linux")]
+mod limiter;
 mod shared;
 
 use std::cell::RefCell;
@@ -20,6 +22,8 @@ use libtest_mimic::{Arguments, Completion, Failed, Trial};
 
 pub use again::{alone, arguments, conclude, executable};
 pub use inventory;
+#[cfg(target_os = "linux")]
+pub use limiter::Limiter;
 pub use shared::shared_file;
 pub use trials_macros::test;
 

@@ -163,7 +163,7 @@ fn is_between(byte: &u8) -> bool {
     byte.is_ascii_whitespace() || *byte == b','
 }
 
-/// What follows `count` words.
+/// The text behind its first `count` words.
 pub fn after_words(text: &[u8], count: u64) -> &[u8] {
     let mut rest = text;
     for _ in 0..count {

@@ -150,7 +150,7 @@ mod tests {
         // 2 is less than 10.
         assert_eq!(taken(&all, None), (2, vec![1, 3, 4]));
         assert_eq!(taken(&all, Some(2)), (2, vec![0, 2, 5]));
-        // What is asked for counts more than the file that is named.
+        // A time that is asked for counts more than the file that is named.
         assert_eq!(of_time(&all, None, Some(2)), Ok(([2, 2], vec![0, 2, 5])));
         assert_eq!(of_time(&all, Some(2), Some(1)), Ok(([1, 2], vec![1, 3, 4])));
         assert_eq!(of_time(&all, Some(2), None), Ok(([2, 2], vec![0, 2, 5])));

@@ -15,7 +15,7 @@ use crate::format::pvm::check_budget;
 
 /// The value of [`Tag::Compression`].
 const PACKED: u32 = 50000;
-/// What says how the pixels of a page lie. It stays as it is.
+/// The entries that describe the layout of a page's pixels. They are copied as they are.
 const KEPT: [Tag; 12] = [
     Tag::ImageWidth,
     Tag::ImageLength,
