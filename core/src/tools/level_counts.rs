@@ -236,7 +236,7 @@ mod tests {
         let mut grid = Grid::new(UVec3::new(60, 45, 52), Vec3::ONE, 1 << 30).unwrap();
         for i in 0..60 * 45 * 52 {
             let v = grid.voxel_coords(i).as_ivec3();
-            let dust = (v.x * 7919 + v.y * 104_729 + v.z * 1_299_709) as u32 % 31 == 0;
+            let dust = ((v.x * 7919 + v.y * 104_729 + v.z * 1_299_709) as u32).is_multiple_of(31);
             grid.set(v, v.y < 17 && v.x < 40 || v.y == 30 && v.z > 9 || dust && v.y > 20);
         }
         grid
