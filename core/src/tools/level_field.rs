@@ -2,8 +2,9 @@
 //!
 //! From counts of voxels in cubes (*cells*) to shares at any voxel, by the kernel 2 B - B B, where B is two boxes on each
 //! axis: its second moments vanish, so that it takes away what is smaller than the radius and lets what is larger shrink half
-//! as much as the mean by B would (G. Taubin, A signal processing approach to fair surface design, 1995). Sums are whole
-//! numbers, so that what is mirrored is the same to the bit. Knows no grid.
+//! as much as the mean by B would (G. Taubin, A signal processing approach to fair surface design, 1995). Shares in relation
+//! to the largest nearby tell the ends of thin forms ([`Smoothed::ends`]). Sums are whole numbers, so that what is mirrored is
+//! the same to the bit. Knows no grid.
 
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
@@ -16,12 +17,12 @@ const DEVIATION: f32 = 0.7;
 const DENSITY: f32 = 0.74;
 /// Smallest radius for which voxels are counted in cells, in edges of a voxel.
 const COUNTED: f32 = 8.0;
+/// Edge of a cell as a share of the radius, from there on.
+const CELL: f32 = 1.0 / 5.0;
 /// The share by B that counts as all: 1.7 radii below a plane, 0.992.
 const WHOLE: f32 = 0.99;
 /// The share of the neighbourhood in the thinnest forms: less counts as nothing.
 const THINNEST: f32 = 0.02;
-/// Edge of a cell as a share of the radius, from there on.
-const CELL: f32 = 1.0 / 5.0;
 
 /// Where the cells of a field are: cells around a middle voxel, of an odd number of voxels on each axis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
