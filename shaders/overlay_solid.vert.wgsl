@@ -9,13 +9,15 @@ fn main(
 ) -> Corner {
     let rows = solid.eye_from_normal;
     let round = vec3<f32>(rows[0].w, rows[1].w, rows[2].w);
-    let position = core * (1.0 - round) + offset * round;
+    let place = core * (1.0 - round) + offset * round;
     let normal = ball_normal / round;
-    let clip = solid.clip_from_tool * vec4<f32>(position, 1.0);
+    let at = vec4<f32>(place, 1.0);
+    let clip = vec4<f32>(dot(solid.clip_x, at), dot(solid.clip_y, at), 1.0, dot(solid.clip_w, at));
     let turned = vec3<f32>(
         dot(rows[0].xyz, normal),
         dot(rows[1].xyz, normal),
         dot(rows[2].xyz, normal),
     );
-    return Corner(clip, turned);
+    let side = 1.0 - normal.y * normal.y / dot(normal, normal);
+    return Corner(clip, turned, dot(normal, solid.eye - place), place, side);
 }

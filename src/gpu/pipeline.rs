@@ -83,9 +83,6 @@ pub struct Depth {
     pub format: vk::Format,
     pub compare: vk::CompareOp,
     pub write: bool,
-    /// Factor on the depth's change from pixel to pixel, added to the depth of each fragment: brings
-    /// faces that are seen at a flat angle nearer. 0 leaves depths as they are.
-    pub slope_bias: f32,
 }
 
 impl Depth {
@@ -99,7 +96,7 @@ impl Depth {
     pub const OVERWRITE: Depth = Depth::of(vk::CompareOp::ALWAYS, true);
 
     const fn of(compare: vk::CompareOp, write: bool) -> Depth {
-        Depth { format: vk::Format::D32_SFLOAT, compare, write, slope_bias: 0.0 }
+        Depth { format: vk::Format::D32_SFLOAT, compare, write }
     }
 }
 
@@ -185,7 +182,7 @@ impl Pipeline {
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(of.topology);
         let viewport =
             vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-        let mut raster = vk::PipelineRasterizationStateCreateInfo::default()
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .polygon_mode(vk::PolygonMode::FILL)
             .cull_mode(of.cull)
             .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
@@ -199,9 +196,6 @@ impl Pipeline {
                 .depth_test_enable(true)
                 .depth_write_enable(depth.write)
                 .depth_compare_op(depth.compare);
-            raster = raster
-                .depth_bias_enable(depth.slope_bias != 0.0)
-                .depth_bias_slope_factor(depth.slope_bias);
             formats = formats.depth_attachment_format(depth.format);
         }
         let colour_formats: Vec<_> = of.colour.iter().map(|c| c.0).collect();

@@ -2,16 +2,17 @@
 //! sculpture's depth and fainter where it lies behind the sculpture.
 //!
 //! What to draw comes in as values; the depth attachment is read only. Faces and lines that lie in
-//! the surface win the depth test by a margin, so that they do not flicker.
+//! the surface win the depth test by a margin, so that they do not flicker. The faces of solids, which surfaces of voxels
+//! follow in steps, win it by as much as these steps are high.
 
 use std::sync::Arc;
 
 use ash::vk;
-use glam::{Affine3A, Mat3, Mat4, Vec3};
+use glam::{Affine3A, DAffine3, Mat3, Mat4, Quat, Vec2, Vec3};
 
 use super::reference::References;
 use super::slicing::corner_margin_px;
-use super::solid_mesh::{Vertex, triangles};
+use super::solid_mesh::{Vertex, sagitta, triangles};
 use crate::gpu::{
     Attribute, Blend, Buffer, Depth, Device, Graphics, MemoryLocation, Pipeline, PipelineLayout,
     Recorder, Result, Staging, Vertices, shaders,
@@ -31,6 +32,12 @@ const NARROW: f32 = 0.2;
 /// screen: a vertex is rounded by up to one unit in x and in y. Seen at a flat angle, a fraction of
 /// a pixel makes more difference in depth than [`FACE_DEPTH`].
 const FACE_SHIFT: f32 = 2.0;
+
+/// How far the surface of voxels may lie from the solid that they were made from, in voxels along the normal. A voxel is
+/// made where its middle is inside, so that none of its corners is farther outside than half its diagonal, 0.87.
+const STEPS_VX: f32 = 1.0;
+/// Faces of boxes this near to planes between voxels are the surface of voxels.
+const ON_PLANE_VX: f32 = 1e-3;
 
 /// A line in grid coordinates.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -52,6 +59,19 @@ pub struct ToolPreview {
     pub colour: Rgb,
     /// Opacity before the sculpture and behind it.
     pub opacity: [f32; 2],
+}
+
+impl ToolPreview {
+    /// How far the surface of the voxels that it makes may lie from it.
+    fn steps_vx(&self) -> f32 {
+        let Primitive { solid, centre_vx, half, rotation } = self.primitive;
+        let half_vx = half * self.voxel_size.min_element() / self.voxel_size;
+        let on_planes = |at: Vec3| (at - at.round()).abs().max_element() < ON_PLANE_VX;
+        let has_steps = solid != Solid::Cuboid
+            || !rotation.abs_diff_eq(Quat::IDENTITY, 1e-6)
+            || ![centre_vx - half_vx, centre_vx + half_vx].into_iter().all(on_planes);
+        if has_steps { STEPS_VX } else { 0.0 }
+    }
 }
 
 /// One picture's overlay.
@@ -78,10 +98,72 @@ impl Scene<'_> {
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct SolidConstants {
-    clip_from_tool: [f32; 16],
+    clip_x: [f32; 4],
+    clip_y: [f32; 4],
+    clip_w: [f32; 4],
     /// Fourth elements: half extents of the ellipsoid that rounds the solid.
     eye_from_normal: [[f32; 4]; 3],
-    colour: [f32; 4],
+    eye: [f32; 3],
+    colour: [u8; 4],
+    margin: f32,
+    most: f32,
+    bend: f32,
+    straight: f32,
+}
+
+impl SolidConstants {
+    /// `displaced_px`: by how much the rasterizer may displace a face.
+    fn new(scene: &Scene, preview: &ToolPreview, side: usize, displaced_px: f32) -> SolidConstants {
+        let primitive = &preview.primitive;
+        let eye_from_tool = scene.eye_from_grid * grid_from_tool(primitive, preview.voxel_size);
+        // Clip z is the near distance everywhere.
+        let clip_z = scene.projection.w_axis.z * scene.nearer(FACE_DEPTH);
+        let clip = scene.projection * Mat4::from(eye_from_tool);
+        let [clip_x, clip_y, clip_w] = [0, 1, 3].map(|row| clip.row(row) / clip_z);
+        let rows = Mat3::from(eye_from_tool.matrix3).inverse();
+        let round = primitive.shape().round().as_vec3();
+        let row = |i: usize| rows.col(i).extend(round[i]).to_array();
+        // From afar single precision would not do.
+        let in_double = DAffine3 {
+            matrix3: Mat3::from(eye_from_tool.matrix3).as_dmat3(),
+            translation: Vec3::from(eye_from_tool.translation).as_dvec3(),
+        };
+
+        let voxel = scene.eye_from_grid.matrix3;
+        let edges = [voxel.x_axis, voxel.y_axis, voxel.z_axis].map(|edge| edge.length());
+        let steps = preview.steps_vx() * edges.into_iter().fold(0.0, f32::max);
+        let tool = eye_from_tool.matrix3;
+        let halves = [tool.x_axis, tool.y_axis, tool.z_axis].map(|half| half.length());
+        let [smallest, largest] = [f32::min, f32::max].map(|of| halves.into_iter().reduce(of));
+        let faces = sagitta(primitive.solid) * largest.unwrap_or_default();
+        // The farthest corner of the box about the solid is displaced the farthest.
+        let farthest = (clip_w.truncate().abs().element_sum() + clip_w.w) * clip_z;
+        let half_size = 0.5 * Vec2::from(scene.size.map(|n| n as f32));
+        let pixels = half_size * Vec2::new(scene.projection.x_axis.x, scene.projection.y_axis.y);
+        let displaced = displaced_px * farthest.max(0.0) / pixels.abs().min_element();
+        let margin = steps + faces + displaced;
+        // A tangent of a ball within the solid stays so long within the margin.
+        let radius = smallest.unwrap_or_default();
+        let tangent = (2.0 * radius * margin).sqrt();
+        let has_ends = matches!(primitive.solid, Solid::Cylinder | Solid::Cone);
+        let (most, curvature) = match primitive.solid {
+            Solid::Ellipsoid | Solid::Torus | Solid::Capsule => (tangent, radius.recip()),
+            Solid::Cylinder | Solid::Cone => (f32::MAX, radius.recip()),
+            Solid::Cuboid | Solid::Pyramid | Solid::RoundedCuboid => (f32::MAX, 0.0),
+        };
+        SolidConstants {
+            clip_x: clip_x.to_array(),
+            clip_y: clip_y.to_array(),
+            clip_w: clip_w.to_array(),
+            eye_from_normal: [row(0), row(1), row(2)],
+            eye: in_double.inverse().translation.as_vec3().to_array(),
+            colour: bytes_with_opacity(preview.colour, preview.opacity[side]),
+            margin,
+            most: (most / clip_z).min(f32::MAX),
+            bend: 2.0 * margin * curvature * clip_z * clip_z,
+            straight: if has_ends { 1.0 } else { 0.0 },
+        }
+    }
 }
 
 /// Push constants of `overlay_line.vert.wgsl`.
@@ -111,6 +193,8 @@ pub struct Overlay {
     /// First byte and number of vertices of each solid in the mesh.
     ranges: [(u64, u32); Solid::ALL.len()],
     instances: Staging,
+    /// By how many pixels the rasterizer may displace a face.
+    displaced_px: f32,
     /// Made when there are any.
     pub(super) references: Option<References>,
 }
@@ -123,8 +207,6 @@ impl Overlay {
         let solid_layout = PipelineLayout::new(device, "tool", None, solid_push)?;
         let line_push = Some((vk::ShaderStageFlags::VERTEX, size_of::<LineConstants>()));
         let line_layout = PipelineLayout::new(device, "lines", None, line_push)?;
-        let slope_bias = FACE_SHIFT * corner_margin_px(device);
-        let face_depth = |compare| Depth { format: depth, compare, write: false, slope_bias };
         let solid = |compare| {
             Pipeline::graphics(
                 device,
@@ -141,7 +223,7 @@ impl Overlay {
                     topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                     cull: vk::CullModeFlags::BACK,
                     colour: Some((colour, Blend::Alpha)),
-                    depth: Some(face_depth(compare)),
+                    depth: Some(Depth { format: depth, compare, ..Depth::TEST_ONLY }),
                     constants: &[],
                 },
             )
@@ -179,6 +261,7 @@ impl Overlay {
                 vk::BufferUsageFlags::VERTEX_BUFFER,
                 64 * size_of::<LineInstance>() as u64,
             )?,
+            displaced_px: FACE_SHIFT * corner_margin_px(device),
             references: None,
         })
     }
@@ -222,19 +305,7 @@ impl Overlay {
         if preview.opacity[side] <= 0.0 {
             return;
         }
-        let eye_from_tool =
-            scene.eye_from_grid * grid_from_tool(&preview.primitive, preview.voxel_size);
-        let normals = Mat3::from(eye_from_tool.matrix3).inverse().transpose();
-        let rows = normals.transpose();
-        let round = preview.primitive.shape().round().as_vec3();
-        let row = |i: usize| rows.col(i).extend(round[i]).to_array();
-        // Clip z is the near distance everywhere.
-        let nearer = Mat4::from_scale(Vec3::new(1.0, 1.0, scene.nearer(FACE_DEPTH)));
-        let constants = SolidConstants {
-            clip_from_tool: (nearer * scene.projection * Mat4::from(eye_from_tool)).to_cols_array(),
-            eye_from_normal: [row(0), row(1), row(2)],
-            colour: with_opacity(preview.colour, preview.opacity[side]),
-        };
+        let constants = SolidConstants::new(scene, preview, side, self.displaced_px);
         let (offset, vertices) = self.ranges[preview.primitive.solid as usize];
         let pipeline = &self.solids[side];
         recorder.bind_pipeline(pipeline);
@@ -287,6 +358,11 @@ fn with_opacity(Rgb(colour): Rgb, opacity: f32) -> [f32; 4] {
     [r, g, b, opacity]
 }
 
+/// As [`with_opacity`], a byte each.
+fn bytes_with_opacity(Rgb([r, g, b]): Rgb, opacity: f32) -> [u8; 4] {
+    [r, g, b, (opacity.clamp(0.0, 1.0) * 255.0).round() as u8]
+}
+
 /// `count` attributes of one format, each `bytes` long, one after the other.
 fn attributes(format: vk::Format, bytes: usize, count: u32) -> Vec<Attribute> {
     (0..count)
@@ -317,7 +393,6 @@ fn make_mesh(device: &Arc<Device>) -> Result<(Buffer, [(u64, u32); Solid::ALL.le
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Quat;
 
     #[test]
     fn the_ghost_stands_where_the_tool_works() {

@@ -11,9 +11,9 @@ use glam::{Vec2, Vec3};
 use crate::tools::construct::Solid;
 
 /// Segments around the axis of a round solid; half as many from pole to pole.
-const SEGMENTS: usize = 48;
-/// Segments along each half of an edge of a rounded cuboid.
-const EDGE_SEGMENTS: usize = 5;
+const SEGMENTS: usize = 96;
+/// Segments along each half of an edge of a rounded cuboid, an eighth of a circle.
+const EDGE_SEGMENTS: usize = SEGMENTS / 8;
 
 /// A corner of a triangle. With half extents `round` of the rounding ellipsoid it lies at
 /// `core * (1 - round) + offset * round`.
@@ -77,6 +77,15 @@ pub fn triangles(solid: Solid) -> Vec<[Vertex; 3]> {
             revolved(&profile)
         }
         Solid::RoundedCuboid => rounded_cuboid(),
+    }
+}
+
+/// How far the triangles lie within the solid at most, in tool space.
+pub fn sagitta(solid: Solid) -> f32 {
+    match solid {
+        Solid::Cuboid | Solid::Pyramid => 0.0,
+        // Round along and across.
+        _ => 2.0 * (1.0 - (PI / SEGMENTS as f32).cos()),
     }
 }
 

@@ -20,10 +20,10 @@ use virtual_sculpture::view::{Camera, Eye, PixelRays};
 
 use super::fixture::with_device;
 
-const SIZE: UVec2 = UVec2::new(320, 240);
-const STONE: Rgb = Rgb::new(150, 150, 150);
+pub const SIZE: UVec2 = UVec2::new(320, 240);
+pub const STONE: Rgb = Rgb::new(150, 150, 150);
 /// Has no green, of which stone has much.
-const FACE: Rgb = Rgb::new(255, 0, 255);
+pub const FACE: Rgb = Rgb::new(255, 0, 255);
 /// Pixels by which a face must reach beyond a pixel for it to be asked about: its outline is rounded.
 const MARGIN_PX: f32 = 0.75;
 
@@ -74,13 +74,14 @@ fn document(edge: u32, stone: Cuboid) -> Document {
     document
 }
 
-struct Painter {
+pub struct Painter {
     renderer: Renderer,
     frames: Frames,
+    pub smooth_surface: SmoothSurface,
 }
 
 impl Painter {
-    fn paint(
+    pub fn paint(
         &mut self,
         document: &mut Document,
         eye: &Eye,
@@ -92,7 +93,7 @@ impl Painter {
         let desc = FrameDesc {
             eyes: std::slice::from_ref(eye),
             world_from_grid: Affine3A::IDENTITY,
-            smooth_surface: SmoothSurface::Never,
+            smooth_surface: self.smooth_surface,
             sample: 0,
             mode,
             lighting: even,
@@ -184,9 +185,10 @@ fn ask(
     asked
 }
 
-fn painter(device: &std::sync::Arc<Device>) -> Painter {
+pub fn painter(device: &std::sync::Arc<Device>) -> Painter {
     let renderer = Renderer::new(device, FORMAT).unwrap();
-    Painter { renderer, frames: Frames::new(device).unwrap() }
+    let frames = Frames::new(device).unwrap();
+    Painter { renderer, frames, smooth_surface: SmoothSurface::Never }
 }
 
 /// Distances in half edges of the cube, near planes as a share of a half edge, and angles.

@@ -9,6 +9,7 @@ mod device;
 pub mod fixture;
 mod ground;
 mod gui;
+mod made_surface;
 #[cfg(target_os = "linux")]
 mod memory;
 mod modes;
