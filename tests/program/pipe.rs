@@ -73,24 +73,33 @@ fn the_end_of_the_input_saves_and_renders() {
     assert_eq!(converse(folder.path(), &[], b"").0, Some(0));
 }
 
+#[cfg(unix)]
 #[test]
 fn what_was_executed_is_saved_if_the_reader_of_the_answers_goes_away() {
+    use std::net::Shutdown;
+    use std::os::fd::OwnedFd;
+    use std::os::unix::net::UnixStream;
+
     let folder = folder();
     for (more, saved) in [(&["--out", "c.vsc"][..], true), (&[], false)] {
         let mut command = command(folder.path(), &[&["run", "-"], more].concat());
+        // Not a pipe: a process that another thread has just forked would keep its reading end open for a while.
+        let (answering, reading) = UnixStream::pair().unwrap();
         let mut process = command
             .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
+            .stdout(OwnedFd::from(answering))
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
+        // The program alone holds that end: if it dies, the answers end.
+        drop(command);
         let mut input = process.stdin.take().unwrap();
-        let mut output = BufReader::new(process.stdout.take().unwrap());
+        let mut output = BufReader::new(reading);
         writeln!(input, "new dims=20,20,20 fill=solid\nsubtract cuboid at=10,10,20 half=10")
             .unwrap();
         let mut answers = String::new();
         (0..2).for_each(|_| assert!(output.read_line(&mut answers).unwrap() > 0));
-        drop(output);
+        output.into_inner().shutdown(Shutdown::Both).unwrap();
         // It notices with the answer to the first line; there may be nobody for the others.
         let _ = writeln!(input, "# nothing\nclear\nclear");
         drop(input);
