@@ -11,12 +11,17 @@ use rayon::prelude::*;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::region::VoxelBox;
 
-/// Squared distances from the middles of the voxels of a box, x fastest, then y, then z.
+/// Squared distances from the middles of the voxels of a box, x fastest, then z, then y.
 pub struct Distances {
     bounds: VoxelBox,
     reach: f32,
+    /// Numbers in a row, of which those beyond the box mean nothing.
+    row: usize,
     squared: Vec<f32>,
 }
+
+/// Rows are a multiple of this long, so that no voxel is computed alone.
+const LANES: usize = 16;
 
 /// What is farther than the reach.
 pub const FAR: f32 = 1e12;
@@ -34,40 +39,43 @@ impl Distances {
         let steps = (Vec3::splat(reach) / edges).ceil().as_ivec3();
         let size = bounds.size().as_ivec3();
         let level = Level::new();
-        let row = size.x.max(0) as usize;
-        // Along x, in all rows that are within reach.
+        let width = size.x.max(0) as usize;
+        let row = width.next_multiple_of(LANES);
         let wide = size + IVec3::new(0, 2 * steps.y, 2 * steps.z);
         let first = bounds.min - IVec3::new(0, steps.y, steps.z);
-        let mut along = vec![FAR; row * (wide.y * wide.z).max(0) as usize];
-        let layer = (row * wide.y as usize).max(1);
-        along.par_chunks_mut(layer).enumerate().for_each(|(z, rows)| {
-            for (y, out) in rows.chunks_exact_mut(row.max(1)).enumerate() {
+        let rises = |steps: i32, edge: f32| (0..=steps).map(|i| square(i as f32 * edge)).collect();
+        let (rises_y, rises_z): (Vec<f32>, Vec<f32>) =
+            (rises(steps.y, edges.y), rises(steps.z, edges.z));
+        let layer = row * size.y.max(0) as usize;
+        // Along x and across y, in all layers that are within reach; then across z, for all layers of one y.
+        let mut layers = vec![0.0; layer * wide.z.max(0) as usize];
+        let of_z = layers.par_chunks_mut(layer.max(1)).enumerate();
+        of_z.for_each_init(Vec::new, |along, (z, out)| {
+            along.resize(row * wide.y as usize, FAR);
+            for (y, out) in along.chunks_exact_mut(row.max(1)).enumerate() {
                 let at = first + IVec3::new(0, y as i32, z as i32);
-                nearest_in_row(block, set, at, steps.x, edges.x, out);
+                nearest_in_row(block, set, at, steps.x, edges.x, &mut out[..width]);
             }
+            dispatch!(level, simd => lowest(simd, along, row, &rises_y, out));
         });
-        // Across y, then across z.
-        let mut across = vec![FAR; row * (size.y * wide.z).max(0) as usize];
-        across.par_chunks_mut((row * size.y as usize).max(1)).enumerate().for_each(|(z, rows)| {
-            for (y, out) in rows.chunks_exact_mut(row.max(1)).enumerate() {
-                let start = z * layer + y * row;
-                dispatch!(level, simd => lowest(simd, &along, start, row, steps.y, edges.y, out));
+        let column = row * size.z.max(0) as usize;
+        let mut squared = vec![0.0; column * size.y.max(0) as usize];
+        let of_y = squared.par_chunks_mut(column.max(1)).enumerate();
+        of_y.for_each_init(Vec::new, |across, (y, out)| {
+            across.clear();
+            for layer in layers.chunks_exact(layer.max(1)) {
+                across.extend_from_slice(&layer[y * row..][..row]);
             }
+            dispatch!(level, simd => lowest(simd, across, row, &rises_z, out));
         });
-        let layer = (row * size.y as usize).max(1);
-        let mut squared = vec![FAR; layer * size.z.max(0) as usize];
-        squared.par_chunks_mut(layer).enumerate().for_each(|(z, out)| {
-            let start = z * layer;
-            dispatch!(level, simd => lowest(simd, &across, start, layer, steps.z, edges.z, out));
-        });
-        Distances { bounds, reach, squared }
+        Distances { bounds, reach, row, squared }
     }
 
     /// The squared distances of a row, which must lie in the box.
     pub fn row(&self, y: i32, z: i32) -> &[f32] {
         let size = self.bounds.size();
         let (y, z) = ((y - self.bounds.min.y) as usize, (z - self.bounds.min.z) as usize);
-        let start = (y + z * size.y as usize) * size.x as usize;
+        let start = (z + y * size.z as usize) * self.row;
         &self.squared[start..start + size.x as usize]
     }
 
@@ -125,8 +133,8 @@ fn nearest_in_row(block: &BitBlock, set: bool, at: IVec3, steps: i32, edge: f32,
             let before = last.map_or(f32::INFINITY, |last: i32| (low - last) as f32);
             let after = if found < end { (found - low) as f32 } else { f32::INFINITY };
             for (i, out) in gap.iter_mut().enumerate() {
-                let nearest = (before + i as f32).min(after - i as f32);
-                *out = square(nearest * edge).min(FAR);
+                let nearest = lesser(before + i as f32, after - i as f32);
+                *out = lesser(square(nearest * edge), FAR);
             }
         }
         x = next(row, width, found, end, !set);
@@ -163,31 +171,74 @@ fn square(v: f32) -> f32 {
     v * v
 }
 
-/// The lowest of the parabolas that stand `stride` apart in `from`, the first of them at `start`.
+/// The lowest of the parabolas that stand on rows of `row` numbers (a multiple of [`LANES`]), at each row of `out`. As many
+/// rows of `from` come before the first of those, and behind the last, as there are `rises` after the first: how much
+/// a parabola has risen so many rows away.
 #[inline(always)]
-fn lowest<S: Simd>(
-    _simd: S,
-    from: &[f32],
-    start: usize,
-    stride: usize,
-    steps: i32,
-    edge: f32,
-    out: &mut [f32],
-) {
-    for i in 0..=2 * steps {
-        let rise = (i - steps) as f32 * edge;
-        let rise = rise * rise;
-        let from = &from[start + i as usize * stride..][..out.len()];
-        for x in 0..out.len() {
-            out[x] = out[x].min(from[x] + rise);
+fn lowest<S: Simd>(_simd: S, from: &[f32], row: usize, rises: &[f32], out: &mut [f32]) {
+    let (from, _) = from.as_chunks::<LANES>();
+    let (out, _) = out.as_chunks_mut::<LANES>();
+    let row = row / LANES;
+    let middle = (rises.len() - 1) * row;
+    for (at, out) in (middle..).zip(out) {
+        let mut least = from[at];
+        let mut away = 0;
+        for rises in rises[1..].chunks(4) {
+            // From here on none is low enough.
+            if !least.iter().fold(false, |lower, v| lower | (*v > rises[0])) {
+                break;
+            }
+            for rise in rises {
+                away += row;
+                let (before, behind) = (&from[at - away], &from[at + away]);
+                for x in 0..LANES {
+                    least[x] = lesser(least[x], lesser(before[x], behind[x]) + rise);
+                }
+            }
         }
+        *out = least;
     }
+}
+
+/// As `f32::min` of numbers, in one instruction.
+#[inline(always)]
+fn lesser(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn long_rows_and_reaches_are_as_far_as_the_nearest_of_a_few_voxels() {
+        let voxels =
+            [[2, 3, 4], [37, 20, 9], [18, 31, 30], [19, 31, 30], [39, 0, 39]].map(IVec3::from);
+        let mut block = BitBlock::empty(IVec3::ZERO, IVec3::splat(40));
+        voxels.iter().for_each(|v| block.set_span(v.x, v.x, v.y, v.z));
+        let edges = Vec3::new(1.0, 1.25, 1.5);
+        for (width, reach) in [(1, 9.0), (15, 6.0), (16, 14.5), (17, 14.5), (40, 21.0)] {
+            let bounds = VoxelBox { min: IVec3::new(-2, 7, 3), max: IVec3::new(width - 2, 33, 36) };
+            let distances = Distances::new(&block, true, bounds, reach, edges);
+            let size = bounds.size().as_ivec3();
+            let mut near = 0;
+            for i in 0..size.element_product() {
+                let at = IVec3::new(i % size.x, i / size.x % size.y, i / size.x / size.y);
+                let v = bounds.min + at;
+                let away = |to: &IVec3| ((to - v).as_vec3() * edges).length_squared();
+                let meant = voxels.iter().map(away).fold(FAR, f32::min);
+                let found = distances.near(v);
+                if meant <= reach * reach {
+                    near += 1;
+                    assert!((found - meant).abs() < 1e-3, "{v}: {found} {meant}");
+                } else {
+                    assert!(found > reach * reach - 1e-3, "{v}: {found}");
+                }
+            }
+            assert!(near > 0, "{width}");
+        }
+    }
 
     proptest! {
         #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]

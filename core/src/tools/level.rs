@@ -9,6 +9,7 @@
 
 use std::collections::BTreeSet;
 
+use fearless_simd::{Level as Simd, dispatch};
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
@@ -157,7 +158,7 @@ impl<'a> Work<'a> {
         if bounds.is_empty() {
             return Default::default();
         }
-        let (to_add, to_remove) = self.candidates(bounds);
+        let (to_add, to_remove) = dispatch!(Simd::new(), _simd => self.candidates(bounds));
         let bricks = |voxels: Option<BitBlock>| {
             voxels.map_or_else(Vec::new, |voxels| voxels.bricks(self.grid.brick_dims()))
         };
@@ -165,6 +166,7 @@ impl<'a> Work<'a> {
     }
 
     /// The voxels on the other side of the smoothed surface, to be added and to be removed.
+    #[inline(always)]
     fn candidates(&self, bounds: VoxelBox) -> (Vec<Candidate>, Vec<Candidate>) {
         let block = BitBlock::of_grid(self.grid, bounds.min, bounds.max);
         let corner = bounds.min - block.origin();
@@ -178,25 +180,31 @@ impl<'a> Work<'a> {
                 let Some(row) = block.row(at_y, at_z) else { continue };
                 self.to_add.cells(&columns, y, z, &mut adding);
                 self.to_stay.cells(&columns, y, z, &mut staying);
-                // Between cells there are no larger shares than at them, and no smaller ones.
-                let most = adding.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-                let least = staying.iter().copied().fold(f32::INFINITY, f32::min);
-                if -self.to_add.outside(most) <= STAYS && self.to_stay.outside(least) <= STAYS {
-                    continue;
-                }
-                for x in 0..width {
-                    let bit = corner.x as usize + x;
-                    let exists = row[bit / 64] >> (bit % 64) & 1 != 0;
-                    let (beyond, list) = if exists {
-                        let share = columns.share(&staying, x);
-                        (self.to_stay.outside(share), &mut to_remove)
-                    } else {
-                        let share = columns.share(&adding, x);
-                        (-self.to_add.outside(share), &mut to_add)
-                    };
-                    if beyond > STAYS {
-                        let voxel = IVec3::new(bounds.min.x + x as i32, y, z);
-                        list.extend(self.candidate(voxel, beyond));
+                for (cell, span) in columns.spans() {
+                    // Between cells there are no larger shares than at them, and no smaller ones.
+                    let most = adding[cell].max(adding[cell + 1]);
+                    let least = staying[cell].min(staying[cell + 1]);
+                    let bits = bits_of(row, corner.x as usize + span.start, span.len());
+                    let all = u64::MAX >> (64 - span.len());
+                    let may_add = -self.to_add.outside(most) > STAYS;
+                    let may_go = self.to_stay.outside(least) > STAYS;
+                    let mut left =
+                        if may_go { bits } else { 0 } | if may_add { all & !bits } else { 0 };
+                    while left != 0 {
+                        let bit = left.trailing_zeros() as usize;
+                        left &= left - 1;
+                        let x = span.start + bit;
+                        let (beyond, list) = if bits >> bit & 1 != 0 {
+                            let share = columns.share(&staying, x);
+                            (self.to_stay.outside(share), &mut to_remove)
+                        } else {
+                            let share = columns.share(&adding, x);
+                            (-self.to_add.outside(share), &mut to_add)
+                        };
+                        if beyond > STAYS {
+                            let voxel = IVec3::new(bounds.min.x + x as i32, y, z);
+                            list.extend(self.candidate(voxel, beyond));
+                        }
                     }
                 }
             }
@@ -205,6 +213,7 @@ impl<'a> Work<'a> {
     }
 
     /// A voxel that the smoothed surface is so far beyond. None if it stays wherever the surface is.
+    #[inline(always)]
     fn candidate(&self, voxel: IVec3, beyond: f32) -> Option<Candidate> {
         let [i, j, s] = self.hidden.project(voxel.as_vec3() + 0.5);
         let offset = self.footprint.outline.distance(i, j) / self.footprint.radius.max(0.5);
@@ -246,6 +255,15 @@ impl<'a> Work<'a> {
         }
         Some(reached)
     }
+}
+
+/// At most 64 bits of a row, from one on.
+#[inline(always)]
+fn bits_of(row: &[u64], first: usize, len: usize) -> u64 {
+    let (word, shift) = (first / 64, first % 64);
+    let low = row[word] >> shift;
+    let high = if shift + len > 64 { row[word + 1] << (64 - shift) } else { 0 };
+    (low | high) & u64::MAX >> (64 - len)
 }
 
 /// The box of the voxels up to `reach` from some, and the tiles that they are in.

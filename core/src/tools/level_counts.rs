@@ -12,19 +12,24 @@ use rayon::prelude::*;
 use super::level_field::Cells;
 use super::level_hidden::{Hidden, HiddenShare, Shares, brick_of};
 use crate::sculpture::Grid;
-use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind};
+use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, WORD_EDGE_VX};
 
 /// Layers of voxels that are counted together, about.
 const LAYERS: i32 = 48;
 /// Edge of a brick, in voxels.
 const EDGE: i32 = BRICK_EDGE_VX as i32;
+/// The voxels of a word with the first coordinate on each axis.
+const FIRST_OF_WORD: [u64; 3] = [0x1111_1111_1111_1111, 0x000f_000f_000f_000f, 0xffff];
 
-/// The part of a brick that lies in one cell, as far as one axis tells.
+/// The part of a brick that lies in one cell and in words at one place, as far as one axis tells.
 struct Part {
     cell: usize,
     /// How thick it is.
     voxels: u32,
-    mask: Brick,
+    /// What the place adds to the index of a word.
+    word: usize,
+    /// The voxels of each such word.
+    mask: u64,
 }
 
 /// The parts of all bricks along an axis.
@@ -42,18 +47,19 @@ impl Axis {
         let bricks = first..(max - 1).div_euclid(EDGE) + 1;
         let parts = |b: i32| {
             let mut parts: Vec<Part> = Vec::new();
-            for local in 0..EDGE {
-                let at = b * EDGE + local;
+            for local in 0..BRICK_EDGE_VX {
+                let at = b * EDGE + local as i32;
                 if !(min..max).contains(&at) {
                     continue;
                 }
                 let cell = ((at - min) / edge) as usize;
-                if parts.last().is_none_or(|part| part.cell != cell) {
-                    parts.push(Part { cell, voxels: 0, mask: Brick::EMPTY });
+                let word = ((local / WORD_EDGE_VX) as usize) << axis;
+                if parts.last().is_none_or(|part| (part.cell, part.word) != (cell, word)) {
+                    parts.push(Part { cell, voxels: 0, word, mask: 0 });
                 }
                 if let Some(part) = parts.last_mut() {
                     part.voxels += 1;
-                    part.mask = part.mask.or(&layer(axis, local as u32));
+                    part.mask |= FIRST_OF_WORD[axis] << ((local % WORD_EDGE_VX) << (2 * axis));
                 }
             }
             parts
@@ -78,15 +84,6 @@ impl Axis {
     fn all(&self) -> impl Iterator<Item = (i32, &[Part])> {
         (self.first..).zip(&self.parts).map(|(b, parts)| (b, parts.as_slice()))
     }
-}
-
-/// The voxels of a brick with one coordinate.
-fn layer(axis: usize, at: u32) -> Brick {
-    let mut to = [BRICK_EDGE_VX; 3];
-    to[axis] = at + 1;
-    let mut below = [BRICK_EDGE_VX; 3];
-    below[axis] = at;
-    Brick::below(to).and_not(&Brick::below(below))
 }
 
 /// How many voxels of each cell exist, and how many exist or are hidden.
@@ -133,15 +130,19 @@ impl Slab<'_> {
         let layers = out.len() / layer.max(1);
         // The share of uniform bricks in each cell of a row, as a length in x.
         let mut row = vec![[0u32; 2]; width];
-        // The rows of cells that a row of bricks has parts in: where they begin, those parts, and how thick they are.
-        let mut rows: Vec<(usize, Brick, u32)> = Vec::new();
+        // The parts of a row of bricks in rows of cells.
+        let mut rows: Vec<Row> = Vec::new();
         for (z, parts_z) in deep.within(self.first..self.first + layers) {
             for (y, parts_y) in up.all() {
                 rows.clear();
                 for pz in parts_z {
                     for py in parts_y {
-                        let start = (pz.cell - self.first) * layer + py.cell * width;
-                        rows.push((start, pz.mask.and(&py.mask), pz.voxels * py.voxels));
+                        rows.push(Row {
+                            start: (pz.cell - self.first) * layer + py.cell * width,
+                            section: pz.voxels * py.voxels,
+                            word: pz.word + py.word,
+                            mask: pz.mask & py.mask,
+                        });
                     }
                 }
                 row.fill([0; 2]);
@@ -156,28 +157,27 @@ impl Slab<'_> {
                             }
                         }
                         Counted::Clay(clay) => {
-                            for (start, mask, _) in &rows {
-                                let clay = clay.and(mask);
+                            for row in &rows {
                                 for px in parts_x {
-                                    let count = u32::from(clay.and(&px.mask).count());
-                                    out[start + px.cell][0] += count;
-                                    out[start + px.cell][1] += count;
+                                    let count = row.count(px, &clay);
+                                    let [sum_clay, sum_all] = &mut out[row.start + px.cell];
+                                    *sum_clay += count;
+                                    *sum_all += count;
                                 }
                             }
                         }
                         Counted::Voxels(clay, all) => {
-                            for (start, mask, _) in &rows {
-                                let [clay, all] = [&clay, &all].map(|brick| brick.and(mask));
+                            for row in &rows {
                                 for px in parts_x {
-                                    let [sum_clay, sum_all] = &mut out[start + px.cell];
-                                    *sum_clay += u32::from(clay.and(&px.mask).count());
-                                    *sum_all += u32::from(all.and(&px.mask).count());
+                                    let [sum_clay, sum_all] = &mut out[row.start + px.cell];
+                                    *sum_clay += row.count(px, &clay);
+                                    *sum_all += row.count(px, &all);
                                 }
                             }
                         }
                     }
                 }
-                for (start, _, section) in &rows {
+                for Row { start, section, .. } in &rows {
                     for (sum, by) in out[*start..*start + width].iter_mut().zip(&row) {
                         sum[0] += by[0] * section;
                         sum[1] += by[1] * section;
@@ -211,6 +211,26 @@ impl Slab<'_> {
     }
 }
 
+/// The part of a row of bricks that lies in one row of cells.
+struct Row {
+    /// The first cell.
+    start: usize,
+    /// The voxels of the part with one x.
+    section: u32,
+    /// The first of its words in each brick.
+    word: usize,
+    /// The voxels of each of those.
+    mask: u64,
+}
+
+impl Row {
+    /// The voxels of a brick in the cell of `x`.
+    #[inline(always)]
+    fn count(&self, x: &Part, brick: &Brick) -> u32 {
+        (brick.words[self.word + x.word] & self.mask & x.mask).count_ones()
+    }
+}
+
 /// The voxels of a brick that are counted.
 enum Counted {
     Nothing,
@@ -227,6 +247,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::sculpture::bit_block::BitBlock;
     use crate::sculpture::region::VoxelBox;
     use crate::tools::footprint::{Coverage, Footprint, Outline};
     use crate::tools::visible::Cone;
@@ -294,6 +315,15 @@ mod tests {
                 let expected = naive.iter().map(|[_, all]| all).sum::<f64>() - existing;
                 assert!(room > 0.95 * expected && room < 1.05 * expected, "{radius} {way}");
                 assert!(expected > 0.0, "room is hidden");
+                let mut filled = BitBlock::of_grid(&grid, around.min, around.max);
+                hidden.fill(&mut filled, &grid);
+                for i in 0..around.size().element_product() as i32 {
+                    let size = around.size().as_ivec3();
+                    let at = IVec3::new(i % size.x, i / size.x % size.y, i / size.x / size.y);
+                    let v = around.min + at;
+                    let meant = grid.get(v) || hidden.is(v.as_vec3() + 0.5, 0.0);
+                    assert_eq!(filled.get(v), meant, "{radius} {way} {v}");
+                }
             }
         }
     }

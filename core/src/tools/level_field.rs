@@ -6,6 +6,8 @@
 //! to the largest nearby tell the ends of thin forms ([`Smoothed::ends`]). Sums are whole numbers, so that what is mirrored is
 //! the same to the bit. Knows no grid.
 
+use std::ops::Range;
+
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
@@ -222,6 +224,16 @@ pub struct Columns {
 }
 
 impl Columns {
+    /// The cell before each, counted from the first that is needed, and the voxels between its middle and the next.
+    pub fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let mut end = 0;
+        self.places.chunk_by(|(a, _), (b, _)| a == b).map(move |span| {
+            let start = end;
+            end += span.len();
+            (span[0].0 as usize - self.first, start..end)
+        })
+    }
+
     /// The share at a voxel of the row, from those at the cells around it.
     #[inline(always)]
     pub fn share(&self, cells: &[f32], x: usize) -> f32 {
