@@ -26,7 +26,7 @@ struct Part {
     cell: usize,
     /// How thick it is.
     voxels: u32,
-    /// What the place adds to the index of a word.
+    /// The index of the word at that place along the other axes' first words.
     word: usize,
     /// The voxels of each such word.
     mask: u64,

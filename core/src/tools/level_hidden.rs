@@ -114,7 +114,7 @@ impl Hidden {
         self.cone.project(at - self.eye_vx)
     }
 
-    /// The ray of the map before one of the footprint.
+    /// The ray of the map before one of the footprint; the first where that is not a number.
     #[inline(always)]
     fn place(&self, ray: f32) -> u32 {
         ((ray - self.first) * self.per_step).max(0.0).min(self.last) as u32
