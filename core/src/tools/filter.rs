@@ -68,7 +68,7 @@ impl<const PLANES: usize> Count<PLANES> {
 
 /// 64 voxels of a row, `by` voxels (less than 64) further along x; 0 beyond its ends.
 #[inline(always)]
-fn shifted(row: &[u64], word: usize, by: i32) -> u64 {
+pub(super) fn shifted(row: &[u64], word: usize, by: i32) -> u64 {
     let here = row[word];
     match by {
         0 => here,

@@ -14,6 +14,7 @@ use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use super::distance::Distances;
+use super::filter::shifted;
 use super::footprint::Footprint;
 use super::level_counts::counts;
 use super::level_field::{Cells, Field, Smoothed};
@@ -184,8 +185,9 @@ impl<'a> Work<'a> {
                     // Between cells there are no larger shares than at them, and no smaller ones.
                     let most = adding[cell].max(adding[cell + 1]);
                     let least = staying[cell].min(staying[cell + 1]);
-                    let bits = bits_of(row, corner.x as usize + span.start, span.len());
+                    let first = corner.x as usize + span.start;
                     let all = u64::MAX >> (64 - span.len());
+                    let bits = shifted(row, first / 64, (first % 64) as i32) & all;
                     let may_add = -self.to_add.outside(most) > STAYS;
                     let may_go = self.to_stay.outside(least) > STAYS;
                     let mut left =
@@ -255,15 +257,6 @@ impl<'a> Work<'a> {
         }
         Some(reached)
     }
-}
-
-/// At most 64 bits of a row, from one on.
-#[inline(always)]
-fn bits_of(row: &[u64], first: usize, len: usize) -> u64 {
-    let (word, shift) = (first / 64, first % 64);
-    let low = row[word] >> shift;
-    let high = if shift + len > 64 { row[word + 1] << (64 - shift) } else { 0 };
-    (low | high) & u64::MAX >> (64 - len)
 }
 
 /// The box of the voxels up to `reach` from some, and the tiles that they are in.

@@ -26,7 +26,7 @@ struct Part {
     cell: usize,
     /// How thick it is.
     voxels: u32,
-    /// The index of the word at that place along the other axes' first words.
+    /// Summed over the axes, the index of the word in its brick.
     word: usize,
     /// The voxels of each such word.
     mask: u64,

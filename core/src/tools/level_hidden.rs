@@ -284,6 +284,7 @@ impl Shares<'_> {
         }
     }
 
+    /// Adds the hidden room of these bricks to a block that consists of them.
     #[inline(always)]
     fn fill(&self, block: &mut BitBlock, grid: &Grid) {
         let edge = BRICK_EDGE_VX as i32;
