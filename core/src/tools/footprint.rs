@@ -45,6 +45,17 @@ impl Outline {
             Outline::Square => x.abs().max(y.abs()),
         }
     }
+
+    /// Whether a ray is surely farther than `radius` from the middle one, told without a root. Rays within a millionth of
+    /// the rim are not.
+    #[inline(always)]
+    pub fn is_beyond(self, x: f32, y: f32, radius: f32) -> bool {
+        const RIM: f32 = 1.0 + 1e-6;
+        match self {
+            Outline::Round => x * x + y * y > radius * radius * (RIM * RIM),
+            Outline::Square => x.abs().max(y.abs()) > radius * RIM,
+        }
+    }
 }
 
 /// Which voxels of the surface a footprint takes.

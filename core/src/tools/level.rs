@@ -8,6 +8,7 @@
 //! Changes nothing itself.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use fearless_simd::{Level as Simd, dispatch};
 use glam::{IVec3, UVec3, Vec3};
@@ -17,7 +18,7 @@ use super::distance::Distances;
 use super::filter::shifted;
 use super::footprint::Footprint;
 use super::level_counts::counts;
-use super::level_field::{Cells, Field, Smoothed};
+use super::level_field::{Cells, Field, Places, Smoothed};
 use super::level_hidden::Hidden;
 use super::spray::Stamp;
 use super::visible::Cone;
@@ -32,6 +33,8 @@ const FURTHEST: f32 = 0.5;
 /// Where the smoothed surface is no farther away than this, the surface stays, in units of the smallest edge: flat faces
 /// are what they were.
 const STAYS: f32 = 0.25;
+/// More than what sums are rounded by, in these units.
+const ROUNDED: f32 = 1e-3;
 /// How far behind the surface hidden room counts as clay, in radii: as half a neighbourhood needs that is seen aslant.
 const BEHIND: f32 = 2.0;
 /// From which share of the radius on the strength falls to the rim.
@@ -67,7 +70,8 @@ impl Level {
     /// The voxels that it changes in `grid` under a footprint.
     pub fn stamp(&self, footprint: &Footprint, grid: &Grid) -> Stamp {
         let Some(work) = Work::new(*self, footprint, grid) else { return Stamp::default() };
-        let found: Vec<_> = work.tiles.par_iter().map(|tile| work.tile(*tile)).collect();
+        let found: Vec<_> =
+            work.tiles.par_iter().with_max_len(1).map(|tile| work.tile(*tile)).collect();
         // Tiles share no bricks.
         let listed = |part: fn(&Changes) -> &Vec<Listed>| {
             let mut bricks: Vec<_> = found.iter().flat_map(part).copied().collect();
@@ -116,6 +120,20 @@ struct Candidate {
     limit: f32,
 }
 
+/// The voxels on the other side of the smoothed surface.
+#[derive(Default)]
+struct Candidates {
+    to_add: Vec<Candidate>,
+    to_remove: Vec<Candidate>,
+}
+
+/// Shares of both fields along a row of cells.
+#[derive(Default)]
+struct Shares {
+    adding: Vec<f32>,
+    staying: Vec<f32>,
+}
+
 impl<'a> Work<'a> {
     /// None where the footprint meets nothing.
     fn new(level: Level, footprint: &'a Footprint, grid: &'a Grid) -> Option<Work<'a>> {
@@ -142,11 +160,14 @@ impl<'a> Work<'a> {
         let behind = BEHIND * radius / edges.min_element();
         let hidden = Hidden::new(footprint, cone, grid, at, [margin, spacing, behind]);
         let (clay, filled) = counts(grid, &cells, &hidden);
-        let clay = Smoothed::new(&cells, clay, radius);
-        let filled = Smoothed::new(&cells, filled, radius);
-        let (of_clay, mut to_stay) = (clay.level(), filled.level());
-        let ends = clay.ends(&of_clay);
-        let mut to_add = of_clay;
+        let of_clay = || {
+            let clay = Smoothed::new(&cells, clay, radius);
+            let level = clay.level();
+            let ends = clay.ends(&level);
+            (level, ends)
+        };
+        let of_filled = || Smoothed::new(&cells, filled, radius).level();
+        let ((mut to_add, ends), mut to_stay) = rayon::join(of_clay, of_filled);
         to_add.lower_to(&to_stay);
         to_stay.raise_to(&ends);
         Some(Work { grid, level, footprint, edges, radius, hidden, bounds, tiles, to_add, to_stay })
@@ -159,66 +180,100 @@ impl<'a> Work<'a> {
         if bounds.is_empty() {
             return Default::default();
         }
-        let (to_add, to_remove) = dispatch!(Simd::new(), _simd => self.candidates(bounds));
+        let Candidates { to_add, to_remove } =
+            dispatch!(Simd::new(), _simd => self.candidates(bounds));
         let bricks = |voxels: Option<BitBlock>| {
             voxels.map_or_else(Vec::new, |voxels| voxels.bricks(self.grid.brick_dims()))
         };
         (bricks(self.reached(&to_add, true)), bricks(self.reached(&to_remove, false)))
     }
 
-    /// The voxels on the other side of the smoothed surface, to be added and to be removed.
+    /// The voxels on the other side of the smoothed surface.
     #[inline(always)]
-    fn candidates(&self, bounds: VoxelBox) -> (Vec<Candidate>, Vec<Candidate>) {
-        let block = BitBlock::of_grid(self.grid, bounds.min, bounds.max);
-        let corner = bounds.min - block.origin();
-        let width = (bounds.max.x - bounds.min.x) as usize;
-        let columns = self.to_add.columns(bounds.min.x, width);
-        let (mut adding, mut staying) = (Vec::new(), Vec::new());
-        let (mut to_add, mut to_remove) = (Vec::new(), Vec::new());
-        for z in bounds.min.z..bounds.max.z {
-            for y in bounds.min.y..bounds.max.y {
-                let (at_y, at_z) = (corner.y + y - bounds.min.y, corner.z + z - bounds.min.z);
-                let Some(row) = block.row(at_y, at_z) else { continue };
-                self.to_add.cells(&columns, y, z, &mut adding);
-                self.to_stay.cells(&columns, y, z, &mut staying);
-                for (cell, span) in columns.spans() {
-                    // Between cells there are no larger shares than at them, and no smaller ones.
-                    let most = adding[cell].max(adding[cell + 1]);
-                    let least = staying[cell].min(staying[cell + 1]);
-                    let first = corner.x as usize + span.start;
-                    let all = u64::MAX >> (64 - span.len());
-                    let bits = shifted(row, first / 64, (first % 64) as i32) & all;
-                    let may_add = -self.to_add.outside(most) > STAYS;
-                    let may_go = self.to_stay.outside(least) > STAYS;
-                    let mut left =
-                        if may_go { bits } else { 0 } | if may_add { all & !bits } else { 0 };
-                    while left != 0 {
-                        let bit = left.trailing_zeros() as usize;
-                        left &= left - 1;
-                        let x = span.start + bit;
-                        let (beyond, list) = if bits >> bit & 1 != 0 {
-                            let share = columns.share(&staying, x);
-                            (self.to_stay.outside(share), &mut to_remove)
-                        } else {
-                            let share = columns.share(&adding, x);
-                            (-self.to_add.outside(share), &mut to_add)
-                        };
-                        if beyond > STAYS {
-                            let voxel = IVec3::new(bounds.min.x + x as i32, y, z);
-                            list.extend(self.candidate(voxel, beyond));
-                        }
-                    }
+    fn candidates(&self, bounds: VoxelBox) -> Candidates {
+        let size = bounds.size();
+        let along = [0, 1, 2].map(|axis| self.to_add.places(axis, bounds.min[axis], size[axis]));
+        let [along_x, along_y, along_z] = &along;
+        let mut shares = Shares::default();
+        let mut found = Candidates::default();
+        let mut spans = Vec::new();
+        let mut block = None;
+        for (cell_z, span_z) in along_z.spans() {
+            for (cell_y, span_y) in along_y.spans() {
+                let Shares { adding, staying } = &mut shares;
+                self.to_add.extremes(&along, (cell_y, cell_z), f32::max, adding);
+                self.to_stay.extremes(&along, (cell_y, cell_z), f32::min, staying);
+                spans.clear();
+                spans.extend(along_x.spans().filter(|(cell, _)| {
+                    let added = -self.to_add.outside(adding[*cell]);
+                    let gone = self.to_stay.outside(staying[*cell]);
+                    added.max(gone) > STAYS - ROUNDED
+                }));
+                if spans.is_empty() {
+                    continue;
+                }
+                let block = block
+                    .get_or_insert_with(|| BitBlock::of_grid(self.grid, bounds.min, bounds.max));
+                for (z, y) in span_z.clone().flat_map(|z| span_y.clone().map(move |y| (z, y))) {
+                    let first = bounds.min + IVec3::new(0, y as i32, z as i32);
+                    self.add_row(first, block, along_x, &spans, &mut shares, &mut found);
                 }
             }
         }
-        (to_add, to_remove)
+        found
+    }
+
+    /// Adds the candidates of a row of voxels, from `first` on, in some spans of it.
+    #[inline(always)]
+    fn add_row(
+        &self,
+        first: IVec3,
+        block: &BitBlock,
+        along_x: &Places,
+        spans: &[(usize, Range<usize>)],
+        Shares { adding, staying }: &mut Shares,
+        found: &mut Candidates,
+    ) {
+        let local = first - block.origin();
+        let Some(row) = block.row(local.y, local.z) else { return };
+        self.to_add.cells(along_x, first.y, first.z, adding);
+        self.to_stay.cells(along_x, first.y, first.z, staying);
+        for (cell, span) in spans {
+            // Between cells there are no larger shares than at them, and no smaller ones.
+            let most = adding[*cell].max(adding[cell + 1]);
+            let least = staying[*cell].min(staying[cell + 1]);
+            let start = local.x as usize + span.start;
+            let all = u64::MAX >> (64 - span.len());
+            let bits = shifted(row, start / 64, (start % 64) as i32) & all;
+            let may_add = -self.to_add.outside(most) > STAYS;
+            let may_go = self.to_stay.outside(least) > STAYS;
+            let mut left = if may_go { bits } else { 0 } | if may_add { all & !bits } else { 0 };
+            while left != 0 {
+                let bit = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let x = span.start + bit;
+                let (beyond, list) = if bits >> bit & 1 != 0 {
+                    (self.to_stay.outside(along_x.share(staying, x)), &mut found.to_remove)
+                } else {
+                    (-self.to_add.outside(along_x.share(adding, x)), &mut found.to_add)
+                };
+                if beyond > STAYS {
+                    list.extend(self.candidate(first + IVec3::X * x as i32, beyond));
+                }
+            }
+        }
     }
 
     /// A voxel that the smoothed surface is so far beyond. None if it stays wherever the surface is.
     #[inline(always)]
     fn candidate(&self, voxel: IVec3, beyond: f32) -> Option<Candidate> {
         let [i, j, s] = self.hidden.project(voxel.as_vec3() + 0.5);
-        let offset = self.footprint.outline.distance(i, j) / self.footprint.radius.max(0.5);
+        let Footprint { outline, radius, .. } = *self.footprint;
+        let radius = radius.max(0.5);
+        if outline.is_beyond(i, j, radius) {
+            return None;
+        }
+        let offset = outline.distance(i, j) / radius;
         let left = ((1.0 - offset) / (1.0 - PLATEAU)).clamp(0.0, 1.0);
         let strength = self.level.strength * left * left * (3.0 - 2.0 * left);
         let most = strength / (1.0 - strength).max(1e-6) * beyond;

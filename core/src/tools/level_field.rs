@@ -173,29 +173,53 @@ impl Field {
         shares.for_each(|(share, other)| *share = share.min(*other));
     }
 
-    /// The places of a row of voxels from `x` on. All of them must lie between middles of cells.
-    pub fn columns(&self, x: i32, width: usize) -> Columns {
-        let places: Vec<_> = (x..).take(width).map(|x| self.place(x, 0)).collect();
+    /// The places of voxels along an axis, of `len` from `v` on. All of them must lie between middles of cells.
+    pub fn places(&self, axis: usize, v: i32, len: u32) -> Places {
+        let places: Vec<_> = (v..).take(len as usize).map(|v| self.place(v, axis)).collect();
         let first = places.first().map_or(0, |(cell, _)| *cell as usize);
         let cells = places.last().map_or(0, |(cell, _)| *cell as usize + 2 - first);
-        Columns { first, cells, places }
+        Places { first, cells, places }
+    }
+
+    /// The extreme share (`f32::max` or `f32::min`) at the eight middles of cells around each cube of voxels between them,
+    /// along x, for the cells `y` and `z` of the spans of their axes.
+    pub fn extremes(
+        &self,
+        [along_x, along_y, along_z]: &[Places; 3],
+        (y, z): (usize, usize),
+        extreme: fn(f32, f32) -> f32,
+        out: &mut Vec<f32>,
+    ) {
+        let (y, z) = (along_y.first + y, along_z.first + z);
+        let rows = [(y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1)];
+        let rows = rows.map(|(y, z)| self.row(along_x, y, z));
+        let column = |x: usize| {
+            let [a, b, c, d] = rows.map(|row| row[x]);
+            extreme(extreme(a, b), extreme(c, d))
+        };
+        out.clear();
+        out.extend((1..along_x.cells).map(|x| extreme(column(x - 1), column(x))));
     }
 
     /// The shares at the middles of the cells around a row of voxels.
-    pub fn cells(&self, columns: &Columns, y: i32, z: i32, out: &mut Vec<f32>) {
+    pub fn cells(&self, along_x: &Places, y: i32, z: i32, out: &mut Vec<f32>) {
         let (y, y_share) = self.place(y, 1);
         let (z, z_share) = self.place(z, 2);
-        let width = self.size.x as usize;
-        let row = |y: u32, z: u32| {
-            let start = (y + self.size.y * z) as usize * width + columns.first;
-            &self.shares[start..start + columns.cells]
-        };
-        let rows = [row(y, z), row(y + 1, z), row(y, z + 1), row(y + 1, z + 1)];
+        let (y, z) = (y as usize, z as usize);
+        let rows = [(y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1)];
+        let rows = rows.map(|(y, z)| self.row(along_x, y, z));
         out.clear();
-        out.extend((0..columns.cells).map(|x| {
+        out.extend((0..along_x.cells).map(|x| {
             let [a, b, c, d] = rows.map(|row| row[x]);
             between(between(a, b, y_share), between(c, d, y_share), z_share)
         }));
+    }
+
+    /// The shares at the middles of a row of cells.
+    #[inline(always)]
+    fn row(&self, along_x: &Places, y: usize, z: usize) -> &[f32] {
+        let [width, height] = [self.size.x, self.size.y].map(|size| size as usize);
+        &self.shares[(y + height * z) * width + along_x.first..][..along_x.cells]
     }
 
     /// How far the smoothed surface is from where the share is this, about: above 0 where less than half exists.
@@ -214,8 +238,8 @@ impl Field {
     }
 }
 
-/// Where the voxels of a row lie among the cells.
-pub struct Columns {
+/// Where voxels along an axis lie among the cells.
+pub struct Places {
     /// The cells that are needed.
     first: usize,
     cells: usize,
@@ -223,7 +247,7 @@ pub struct Columns {
     places: Vec<(u32, f32)>,
 }
 
-impl Columns {
+impl Places {
     /// The cell before each, counted from the first that is needed, and the voxels between its middle and the next.
     pub fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
         let mut end = 0;
