@@ -261,6 +261,21 @@ impl Command {
         }
     }
 
+    /// Whether it uses a tool at one place, which an array can repeat.
+    pub const fn is_tool_use(&self) -> bool {
+        matches!(
+            self,
+            Command::Construct { .. }
+                | Command::Form { .. }
+                | Command::Texture { .. }
+                | Command::Stencil { .. }
+                | Command::Spray { .. }
+                | Command::Grab { .. }
+                | Command::Deform { .. }
+                | Command::Paste { .. }
+        )
+    }
+
     /// The image that it paints with.
     pub fn picture(&self) -> Option<&Path> {
         match self {

@@ -15,6 +15,7 @@ mod example;
 mod field;
 mod file_access;
 mod formats;
+mod frozen;
 mod fuzz;
 mod independent;
 mod journal;

@@ -107,6 +107,18 @@ fn what_is_damaged_is_left_out_and_the_rest_is_used() {
     assert_eq!(clay.reach_vx, 5.0);
 }
 
+/// A file of November 2026 with no value as it is at first: what is written again was read.
+#[test]
+fn what_earlier_versions_remembered_is_still_read() {
+    let text = include_str!("../../tests/fixtures/state-2026-11.toml");
+    let (mut state, mut tool) = state();
+    let window = Config::default().window;
+    recall(text, &mut state, &mut tool, &window);
+    let again = to_text(&state, &tool, &window);
+    let kept = |text: &str| text.parse::<toml::Table>().unwrap();
+    assert_eq!(kept(&again), kept(text));
+}
+
 proptest! {
     /// Bytes lost, doubled or changed anywhere: it starts, with values in their ranges.
     #[test]

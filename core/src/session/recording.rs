@@ -99,9 +99,7 @@ impl Recording {
     /// Whether only a checkpoint can follow, now that the command is executed. `left`: the steps of the undo and the
     /// redo list afterwards.
     pub fn needs_checkpoint(&mut self, command: &Command, left: [usize; 2]) -> bool {
-        use Command::{
-            Array, Begin, Cancel, Construct, End, Paste, Redo, Spray, Stencil, Texture, Undo,
-        };
+        use Command::{Array, Begin, Cancel, End, Redo, Undo};
         self.is_behind |= match command {
             Undo { .. } | Redo { .. } => std::iter::zip(left, self.missing).any(|(l, m)| l < m),
             Array { .. } => self.lacks_uses,
@@ -109,14 +107,12 @@ impl Recording {
         };
         match command {
             Begin { .. } => self.stroke = Some(false),
-            Construct { .. } | Texture { .. } | Stencil { .. } | Spray { .. } | Paste { .. } => {
-                match &mut self.stroke {
-                    Some(used) => *used = true,
-                    None => self.lacks_uses = false,
-                }
-            }
             End if self.stroke.take() == Some(true) => self.lacks_uses = false,
             Cancel => self.stroke = None,
+            used if used.is_tool_use() => match &mut self.stroke {
+                Some(used) => *used = true,
+                None => self.lacks_uses = false,
+            },
             _ => {}
         }
         if left[1] == 0 {

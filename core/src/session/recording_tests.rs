@@ -208,3 +208,52 @@ fn a_full_disk_at_the_start_is_said() {
     let error = session().record_to(Path::new("/dev/full")).unwrap_err().to_string();
     assert!(error.contains("/dev/full") && error.contains("space"), "{error}");
 }
+
+#[test]
+fn an_array_of_what_was_used_since_a_checkpoint_needs_no_other_one() {
+    let ray = "eye=6,40,4 aim=0,-1,0 across=0.1,0,0 down=0,0,0.1 radius=2";
+    let uses = [
+        "subtract ellipsoid at=4,8,4 half=2",
+        "add ring at=6,5,4 radius=3 tube=1",
+        "texture \"p.png\" cuboid at=4,8,4 half=3",
+        &format!("stencil \"p.png\" {ray}"),
+        &format!("spray devourer {ray} reach=2"),
+        "grab at=5,8,4 radius=3 by=0,-2,0",
+        "deform twist at=5,8,4 radius=3 normal=0,1,0 angle=40",
+        "deform inflate at=5,8,4 radius=3 height=-2",
+        "paste at=3,3,3",
+    ];
+    for used in uses {
+        for stroke in [false, true] {
+            let folder = tempfile::tempdir().unwrap();
+            let script = folder.path().join("made.sculpt");
+            let mut first = session();
+            first.record_to(&script).unwrap();
+            let mut made = session();
+            let picture = image::RgbImage::from_pixel(2, 2, image::Rgb([9, 8, 7]));
+            let mut png = std::io::Cursor::new(Vec::new());
+            picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
+            execute(&mut made, "fill");
+            let embed = Command::Embed { path: "p.png".into(), file: png.into_inner().into() };
+            made.execute(&embed, &()).unwrap();
+            execute(&mut made, "copy");
+            execute(&mut made, "subtract cuboid at=4,9,4 half=2");
+            // A checkpoint, whose replay does not know the cuboid to repeat.
+            made.continue_recording(&mut first);
+            let checkpoints = || {
+                let text = fs::read_to_string(&script).unwrap();
+                text.lines().filter(|line| line.starts_with("open ")).count()
+            };
+            let before = checkpoints();
+            let mut lines = vec![used, "array count=2 step=1,0,1"];
+            if stroke {
+                lines.insert(0, "begin");
+                lines.insert(2, "end");
+            }
+            lines.iter().for_each(|line| execute(&mut made, line));
+            assert_eq!(checkpoints(), before, "{used}");
+            let again = replay(&fs::read_to_string(&script).unwrap());
+            assert_eq!(again.document().contents(), made.document().contents(), "{used}");
+        }
+    }
+}

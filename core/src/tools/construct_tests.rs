@@ -50,6 +50,46 @@ fn check_with(simd: impl Simd, placed: &PlacedSolid, dims: UVec3) -> Result<(), 
     Ok(())
 }
 
+/// A sweep covers what the solid covers at places of its way, nothing that one a little larger does not, and the
+/// same from its other end.
+fn check_places_of_way(primitive: &Primitive, way: Vec3, size: Vec3) -> Result<(), TestCaseError> {
+    let solid = primitive.solid;
+    // In edges of the smallest voxel edge, as are half extents.
+    let way = way.clamp(Vec3::splat(-30.0), Vec3::splat(30.0)) / (size / size.min_element());
+    let to = primitive.centre_vx + way;
+    let swept = primitive.swept_in_grid(Some(to), size);
+    let back =
+        Primitive { centre_vx: to, ..*primitive }.swept_in_grid(Some(primitive.centre_vx), size);
+    let stamp = |share: f32, by: f32| {
+        let centre_vx = primitive.centre_vx.lerp(to, share);
+        Primitive { centre_vx, half: primitive.half * by, ..*primitive }.in_grid(size)
+    };
+    let count = 120u16;
+    let share = |i: u16| f32::from(i) / f32::from(count);
+    // Between two of these a solid moves by at most half a voxel. What is in a torus a little smaller and in one a
+    // little larger is clearly in it; the larger one has the larger hole.
+    let little = if solid == Solid::Torus { 0.002 } else { 0.0005 };
+    let inner: Vec<_> = (0..=count).map(|i| stamp(share(i), 1.0 - little)).collect();
+    let outer: Vec<_> = (0..=count).map(|i| stamp(share(i), 1.0 + little)).collect();
+    let clearly_in =
+        |v| std::iter::zip(&inner, &outer).any(|(a, b)| a.contains_voxel(v) && b.contains_voxel(v));
+    let larger: Vec<_> = (0..=count).map(|i| stamp(share(i), 1.35)).collect();
+    for i in 0..3000 {
+        let v = IVec3::new(i % 14, i / 14 % 14, i / 196) * 2 + 1;
+        let covered = swept.contains_voxel(v);
+        prop_assert!(covered || !clearly_in(v), "{} is left out", v);
+        // A larger torus is not larger everywhere.
+        let bounded = solid == Solid::Torus || larger.iter().any(|stamp| stamp.contains_voxel(v));
+        prop_assert!(!covered || bounded, "{} is covered", v);
+        if covered != back.contains_voxel(v) {
+            // On the surface of both.
+            let mut near = inner.iter().chain(&outer);
+            prop_assert!(near.any(|stamp| stamp.contains_voxel(v)), "{}", v);
+        }
+    }
+    Ok(())
+}
+
 fn solid() -> impl Strategy<Value = Solid> {
     prop::sample::select(&Solid::ALL[..])
 }
@@ -187,8 +227,6 @@ proptest! {
         check(&primitive.image_in_grid(to, size, &Image::of_planes(planes)), dims)?;
     }
 
-    /// A sweep covers what the solid covers at places of its way, nothing that one a little larger does not, and the
-    /// same from its other end.
     #[test]
     fn a_sweep_is_the_solid_at_all_places_of_its_way(
         solid in solid(),
@@ -199,39 +237,7 @@ proptest! {
         size in voxel_size(),
     ) {
         let primitive = Primitive { solid, centre_vx: from.into(), half: half.into(), rotation };
-        // In edges of the smallest voxel edge, as are half extents.
-        let way = way.clamp(Vec3::splat(-30.0), Vec3::splat(30.0)) / (size / size.min_element());
-        let to = primitive.centre_vx + way;
-        let swept = primitive.swept_in_grid(Some(to), size);
-        let back = Primitive { centre_vx: to, ..primitive }.swept_in_grid(Some(primitive.centre_vx), size);
-        let stamp = |share: f32, by: f32| {
-            let centre_vx = primitive.centre_vx.lerp(to, share);
-            Primitive { centre_vx, half: primitive.half * by, ..primitive }.in_grid(size)
-        };
-        let count = 120u16;
-        let share = |i: u16| f32::from(i) / f32::from(count);
-        // Between two of these a solid moves by at most half a voxel. What is in a torus a little smaller and in one a
-        // little larger is clearly in it; the larger one has the larger hole.
-        let little = if solid == Solid::Torus { 0.002 } else { 0.0005 };
-        let inner: Vec<_> = (0..=count).map(|i| stamp(share(i), 1.0 - little)).collect();
-        let outer: Vec<_> = (0..=count).map(|i| stamp(share(i), 1.0 + little)).collect();
-        let clearly_in = |v| {
-            std::iter::zip(&inner, &outer).any(|(a, b)| a.contains_voxel(v) && b.contains_voxel(v))
-        };
-        let larger: Vec<_> = (0..=count).map(|i| stamp(share(i), 1.35)).collect();
-        for i in 0..3000 {
-            let v = IVec3::new(i % 14, i / 14 % 14, i / 196) * 2 + 1;
-            let covered = swept.contains_voxel(v);
-            prop_assert!(covered || !clearly_in(v), "{} is left out", v);
-            // A larger torus is not larger everywhere.
-            let bounded = solid == Solid::Torus || larger.iter().any(|stamp| stamp.contains_voxel(v));
-            prop_assert!(!covered || bounded, "{} is covered", v);
-            if covered != back.contains_voxel(v) {
-                // On the surface of both.
-                let mut near = inner.iter().chain(&outer);
-                prop_assert!(near.any(|stamp| stamp.contains_voxel(v)), "{}", v);
-            }
-        }
+        check_places_of_way(&primitive, way, size)?;
     }
 
     /// Solids so large, and so placed, that a face runs through the grid: here the rounding
@@ -356,4 +362,34 @@ fn rows_torn_by_rounding_are_tested_voxel_by_voxel() {
         }
     }
     assert!(torn > 0, "no row was torn, so this test shows nothing");
+}
+
+#[test]
+fn sweeps_that_once_were_wrong_are_right() {
+    let torus = Primitive {
+        solid: Solid::Torus,
+        centre_vx: Vec3::new(0.0, 0.0, 22.896_418),
+        half: Vec3::new(6.767_872, 1.0, 6.350_303_6),
+        rotation: Quat::from_xyzw(0.0, 0.667_564_33, 0.744_552_14, 0.0),
+    };
+    check_places_of_way(&torus, Vec3::ZERO, Vec3::ONE).unwrap();
+    let pyramid = Primitive {
+        solid: Solid::Pyramid,
+        centre_vx: Vec3::new(0.0, 29.328_65, 5.124_209),
+        half: Vec3::new(1.0, 2.102_545_5, 1.0),
+        rotation: Quat::from_xyzw(0.5, 0.5, -0.5, -0.5),
+    };
+    let way = Vec3::new(11.694_734, -34.801_655, 0.0);
+    check_places_of_way(&pyramid, way, Vec3::new(0.648_593_3, 1.971_095_6, 0.2)).unwrap();
+    // From so far away that the way ends where it began, as `f32` has it.
+    let far = Primitive {
+        solid: Solid::Ellipsoid,
+        centre_vx: Vec3::new(-1e30, 0.0, 0.0),
+        half: Vec3::splat(0.3),
+        rotation: Quat::from_xyzw(0.0, -0.399_275_96, -0.322_756_7, 0.858_141_5),
+    };
+    let to = Some(far.centre_vx + Vec3::X * 1e30);
+    check(&far.swept_in_grid(to, Vec3::ONE), UVec3::ONE).unwrap();
+    let image = far.image_in_grid(to, Vec3::ONE, &Image::of_planes([None; 3]));
+    check(&image, UVec3::ONE).unwrap();
 }

@@ -139,3 +139,16 @@ fn tools_without_strength_change_nothing() {
         assert!(*document.contents() == before, "{line}");
     }
 }
+
+#[test]
+fn an_array_repeats_what_is_a_use_of_a_tool_and_nothing_else() {
+    let others = ["fill grid", "clear grid", "dye grid colour=#123456", "mark at=0,0,0 size=9,9,9"];
+    for line in USES.iter().chain(WITHOUT_STRENGTH).chain(&others) {
+        let line = line.replace('@', "20,20,14").replace('%', "33,11,9");
+        let command: Command = line.parse().unwrap();
+        let mut document = document(&[], true);
+        if run(&mut document, &line).is_ok() {
+            assert_eq!(command.is_tool_use(), document.can_repeat(), "{line}");
+        }
+    }
+}

@@ -105,6 +105,26 @@ fn files(folder: &Path) -> [PathBuf; 2] {
     [other, volume]
 }
 
+/// Carries the commands out, after some of which (0, 1) a file is opened, takes some back, saves, closes and opens.
+fn goes_on_after_closing(new: &NewSculpture, commands: &[(Command, u8)], undone: u32) {
+    let folder = tempfile::tempdir().unwrap();
+    let [other, volume] = files(folder.path());
+    let mut session = Session::new(new, Limits::default()).unwrap();
+    session.keep_saved_histories(on_disk(folder.path()));
+    for (command, opens) in commands {
+        let _ = session.execute(command, &());
+        let open = match opens {
+            0 => format!("open {other:?}"),
+            1 => format!("open {volume:?} raw=8x8x8:u8"),
+            _ => continue,
+        };
+        let _ = session.execute(&open.parse().unwrap(), &());
+    }
+    let _ = session.execute(&Command::End, &());
+    session.execute(&Command::Undo { steps: Some(undone) }, &()).unwrap();
+    assert_comes_back(&mut session, &folder.path().join("a.vsc"), on_disk(folder.path()));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
@@ -115,23 +135,15 @@ proptest! {
         commands in prop::collection::vec((work(), 0u8..12), 1..24),
         undone in 0u32..6,
     ) {
-        let folder = tempfile::tempdir().unwrap();
-        let [other, volume] = files(folder.path());
-        let mut session = Session::new(&new, Limits::default()).unwrap();
-        session.keep_saved_histories(on_disk(folder.path()));
-        for (command, opens) in &commands {
-            let _ = session.execute(command, &());
-            let open = match opens {
-                0 => format!("open {other:?}"),
-                1 => format!("open {volume:?} raw=8x8x8:u8"),
-                _ => continue,
-            };
-            let _ = session.execute(&open.parse().unwrap(), &());
-        }
-        let _ = session.execute(&Command::End, &());
-        session.execute(&Command::Undo { steps: Some(undone) }, &()).unwrap();
-        assert_comes_back(&mut session, &folder.path().join("a.vsc"), on_disk(folder.path()));
+        goes_on_after_closing(&new, &commands, undone);
     }
+}
+
+#[test]
+fn a_use_that_changes_nothing_before_a_volume_is_opened_comes_back() {
+    let Command::New(new) = "new dims=1,1,1".parse().unwrap() else { panic!() };
+    let add = "add ellipsoid at=0,0,0 half=0.3 colour=#c8beaa".parse().unwrap();
+    goes_on_after_closing(&new, &[(add, 1)], 0);
 }
 
 #[test]

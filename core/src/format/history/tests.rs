@@ -41,6 +41,22 @@ fn packed(steps: &[Arc<Step>]) -> Vec<Vec<u8>> {
     steps.iter().rev().map(|step| write_step(step).unwrap()).collect()
 }
 
+/// Does what the lines say, packs the steps and reads them.
+fn read_back_exactly(lines: &[(u8, [i32; 3])], depth: ColourDepth) {
+    let mut document = document(UVec3::new(21, 24, 11), depth);
+    for (kind, at) in lines {
+        // Without colours nothing can be painted.
+        let _ = document.apply(&line(*kind, *at).parse().unwrap());
+    }
+    let before = document.history().snapshot();
+    let (undo, redo) = (packed(&before.undo), packed(&before.redo));
+    let shape = Shape::of(document.contents());
+    let after = read_steps([&undo, &redo], shape, &Limits::default()).unwrap();
+    assert_eq!(&before, &after);
+    let restored = History::restored(after, document.history().budget_bytes(), None);
+    assert_eq!(restored.bytes(), document.history().bytes());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
     /// Whatever was done, the steps come back equal, in place, with the bytes that they take.
@@ -49,18 +65,7 @@ proptest! {
         lines in prop::collection::vec((0u8..10, [0i32..24, 0..24, 0..24]), 1..24),
         depth in prop::sample::select(&ColourDepth::ALL[..]),
     ) {
-        let mut document = document(UVec3::new(21, 24, 11), depth);
-        for (kind, at) in lines {
-            // Without colours nothing can be painted.
-            let _ = document.apply(&line(kind, at).parse().unwrap());
-        }
-        let before = document.history().snapshot();
-        let (undo, redo) = (packed(&before.undo), packed(&before.redo));
-        let shape = Shape::of(document.contents());
-        let after = read_steps([&undo, &redo], shape, &Limits::default()).unwrap();
-        prop_assert_eq!(&before, &after);
-        let restored = History::restored(after, document.history().budget_bytes(), None);
-        prop_assert_eq!(restored.bytes(), document.history().bytes());
+        read_back_exactly(&lines, depth);
     }
 
     /// No damage makes a step that breaks a sculpture.
@@ -124,4 +129,9 @@ fn the_steps_furthest_away_are_dropped_first() {
     assert_eq!(short.undo, all.undo[1..]);
     let mut whole = all.clone();
     assert_eq!((whole.shorten(usize::MAX), whole), ([0, 0], all));
+}
+
+#[test]
+fn a_sculpture_without_colours_that_was_cleared_is_read_back() {
+    read_back_exactly(&[(4, [0; 3])], ColourDepth::None);
 }
