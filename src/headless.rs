@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 use glam::{UVec2, UVec3, Vec3};
 use thiserror::Error;
 
+use crate::command::text::{ScriptError, parse_script};
 use crate::command::{COMMANDS, Command};
-use crate::command_text::{ScriptError, parse_script};
 use crate::config::Config;
 use crate::document::Document;
 use crate::fiducial::{family, sheet};

@@ -36,6 +36,6 @@ pub mod video;
 pub mod viewpoint;
 
 pub use sculpture_core::{
-    command, command_text, document, format, journal, mesh, print_check, progress, saved_history,
-    scenes, sculpture, session, shade, surface, tools, trace, view,
+    command, document, format, journal, mesh, print_check, progress, saved_history, scenes,
+    sculpture, session, shade, surface, tools, trace, view,
 };

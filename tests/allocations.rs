@@ -17,7 +17,7 @@ use virtual_sculpture::shade::{
     self, Lighting, NORMAL_REACH_VX, NormalField, Pixels, ShadePose, ShadeSource,
 };
 use virtual_sculpture::surface::{IndexMap, changed_pixels, quickstep, raycast};
-use virtual_sculpture::tools::construct::{Primitive, Solid};
+use virtual_sculpture::tools::solid::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye};
 
 /// Counts the requests to the system's allocator.

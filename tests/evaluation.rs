@@ -3,7 +3,7 @@
 
 use glam::{IVec3, UVec3};
 use virtual_sculpture::command::Command;
-use virtual_sculpture::command_text::parse_script;
+use virtual_sculpture::command::text::parse_script;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::headless::DemoScene;
 use virtual_sculpture::sculpture::Rgb;

@@ -16,8 +16,8 @@ use sculpture_core::print_check::{CheckOptions, check};
 use sculpture_core::scenes;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
-use sculpture_core::tools::construct::{Primitive, Solid};
-use sculpture_core::tools::mend::Mend;
+use sculpture_core::tools::repair::Mend;
+use sculpture_core::tools::solid::{Primitive, Solid};
 
 const PAINT: Rgb = Rgb::new(190, 30, 60);
 

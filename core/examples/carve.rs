@@ -6,7 +6,7 @@ use std::error::Error;
 use glam::{UVec2, UVec3, Vec3};
 use image::{Rgba, RgbaImage, imageops};
 use sculpture_core::command::NewSculpture;
-use sculpture_core::command_text::parse_script;
+use sculpture_core::command::text::parse_script;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 use sculpture_core::shade::{

@@ -5,7 +5,7 @@
 //! `session` those that concern files.
 //!
 //! Grammar, one command per line: a verb, then words, quoted strings and `key=value` pairs in any order;
-//! `#` at the start of a line opens a comment. The room `command_text` implements it.
+//! `#` at the start of a line opens a comment. [`text`] implements it.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,19 +18,20 @@ use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
-use crate::tools::construct::Primitive;
-use crate::tools::deform::Deform;
-use crate::tools::footprint::Footprint;
-use crate::tools::form::Form;
-use crate::tools::grab::{Grab, Motion};
-use crate::tools::mend::Mend;
-use crate::tools::spray::Spray;
+use crate::tools::brush::deform::Deform;
+use crate::tools::brush::footprint::Footprint;
+use crate::tools::brush::grab::{Grab, Motion};
+use crate::tools::brush::spray::Spray;
+use crate::tools::drawn::Form;
+use crate::tools::repair::Mend;
+use crate::tools::solid::Primitive;
 use crate::tools::symmetry::Symmetry;
 use crate::tools::tint::Tint;
 
 mod area;
 mod help;
 mod mask;
+pub mod text;
 
 pub use area::{Area, SelectOp};
 pub use help::{COMMANDS, CommandHelp};

@@ -2,7 +2,6 @@
 #![warn(missing_docs)]
 
 pub mod command;
-pub mod command_text;
 pub mod document;
 pub mod format;
 pub mod journal;

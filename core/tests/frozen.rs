@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sculpture_core::command::Command;
-use sculpture_core::command_text::parse_script;
+use sculpture_core::command::text::parse_script;
 use sculpture_core::document::Limits;
 use sculpture_core::journal::JournalOptions;
 use sculpture_core::journal::frame::Ending;

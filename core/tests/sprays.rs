@@ -7,10 +7,10 @@ use sculpture_core::command::{Command, NewSculpture, SpraySurface};
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
-use sculpture_core::tools::construct::{Primitive, Solid};
-use sculpture_core::tools::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::level::Level;
-use sculpture_core::tools::spray::{Effect, Smoothing, Spray};
+use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
+use sculpture_core::tools::brush::level::Level;
+use sculpture_core::tools::brush::spray::{Effect, Smoothing, Spray};
+use sculpture_core::tools::solid::{Primitive, Solid};
 
 const RED: Rgb = Rgb::new(220, 20, 30);
 

@@ -12,7 +12,7 @@ use crate::fiducial::family;
 use crate::input::{Action, ActionEvent, Bindings};
 use crate::session::Session;
 use crate::surface::{IndexMap, raycast};
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::spray::SprayKind;
 use crate::video::{Fit, Frame, Framing, Intrinsics};
 use crate::viewpoint::ar::{Look, rest};
 

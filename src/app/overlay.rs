@@ -15,9 +15,9 @@ use crate::render::overlay::{Line, ToolPreview};
 use crate::sculpture::Rgb;
 use crate::sculpture::region::VoxelBox;
 use crate::surface::IndexMap;
-use crate::tools::construct::{Primitive, Solid};
-use crate::tools::footprint::Outline;
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::footprint::Outline;
+use crate::tools::brush::spray::SprayKind;
+use crate::tools::solid::{Primitive, Solid};
 use crate::ui::{Theme, ViewState};
 
 const CUT: Rgb = Rgb::new(0xff, 0x6b, 0x57);

@@ -8,9 +8,9 @@ use glam::{Mat3, Vec2, Vec3};
 
 use super::overlay::{SEGMENTS, box_edges};
 use crate::sculpture::grid::Grid;
-use crate::tools::construct::{Primitive, Solid};
+use crate::tools::solid::{Primitive, Solid};
 
-/// A point by its parts, as [`Shape`](crate::tools::construct::Shape) adds them: of the core, and of the ellipsoid that
+/// A point by its parts, as [`Shape`](crate::tools::solid::Shape) adds them: of the core, and of the ellipsoid that
 /// rounds it.
 type Point = (Vec3, Vec3);
 

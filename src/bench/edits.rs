@@ -18,10 +18,10 @@ use crate::scenes::Random;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
-use crate::tools::construct::{Primitive, Solid};
-use crate::tools::deform::{Brush, Deform, Draw, Plane};
-use crate::tools::form::{Bead, Form, Pose};
-use crate::tools::grab::{Falloff, Grab, Motion};
+use crate::tools::brush::deform::{Brush, Deform, Draw, Plane};
+use crate::tools::brush::grab::{Falloff, Grab, Motion};
+use crate::tools::drawn::{Bead, Form, Pose};
+use crate::tools::solid::{Primitive, Solid};
 
 /// One edit, repeated.
 #[derive(Clone, PartialEq, Debug, Serialize)]

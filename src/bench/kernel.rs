@@ -13,7 +13,7 @@ use crate::document::Document;
 use crate::sculpture::edit::EditOp;
 use crate::shade::{self, Lighting, NormalField, Pixels, ShadePose, ShadeSource};
 use crate::surface::{IndexMap, quickstep, raycast};
-use crate::tools::construct::{Primitive, Solid};
+use crate::tools::solid::{Primitive, Solid};
 
 /// The kernels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]

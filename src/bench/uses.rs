@@ -9,10 +9,10 @@ use super::edits::{EditReport, block, subtract, take_back, timed};
 use crate::command::{Command, MaskArea, MaskChange, PatchRule, SpraySurface};
 use crate::document::CommandError;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
-use crate::tools::construct::{Primitive, Solid};
-use crate::tools::footprint::{Coverage, Footprint, Outline};
-use crate::tools::level::Level;
-use crate::tools::spray::{Effect, Smoothing, Spray};
+use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
+use crate::tools::brush::level::Level;
+use crate::tools::brush::spray::{Effect, Smoothing, Spray};
+use crate::tools::solid::{Primitive, Solid};
 use crate::tools::symmetry::{MirrorPlane, Radial, Symmetry};
 use crate::tools::texture::Texture;
 

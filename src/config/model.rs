@@ -123,7 +123,7 @@ impl Default for NewOptions {
         NewOptions {
             dims: [256; 3],
             colour_bits: ColourDepth::Bits24,
-            base: crate::command_text::DEFAULT_BASE,
+            base: crate::command::text::DEFAULT_BASE,
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::input::{Action, ToolMode};
 use crate::picking::Picker;
 use crate::sculpture::Placement;
 use crate::sculpture::orientation::Orientation;
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::spray::SprayKind;
 use crate::tools::symmetry::Parity;
 
 /// Factor on the tool's size for one press of a key.

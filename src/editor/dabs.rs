@@ -15,9 +15,9 @@ use crate::command::{Command, SpraySurface};
 use crate::input::pen::PenTouch;
 use crate::picking::Picker;
 use crate::sculpture::Grid;
-use crate::tools::deform::{Brush, Deform, DeformKind, Draw, Plane};
-use crate::tools::grab::{Grab, Motion};
-use crate::tools::offset::MAX_HEIGHT;
+use crate::tools::brush::deform::{Brush, Deform, DeformKind, Draw, Plane};
+use crate::tools::brush::grab::{Grab, Motion};
+use crate::tools::brush::offset::MAX_HEIGHT;
 
 /// Distance of two uses as a share of the radius.
 const SPACING: f32 = 0.2;

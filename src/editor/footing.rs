@@ -7,7 +7,7 @@ use super::Editor;
 use super::stroke::Stroke;
 use super::tool::{ToolEdit, ToolKind, ToolState};
 use crate::picking::{Picker, SurfacePoint};
-use crate::tools::construct::Solid;
+use crate::tools::solid::Solid;
 
 /// Where the tool was put on the surface, and with which choices.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]

@@ -14,7 +14,7 @@ use crate::command::Command;
 use crate::input::hands::HandEvent;
 use crate::picking::Picker;
 use crate::surface::raycast;
-use crate::tools::footprint::{Coverage, Footprint};
+use crate::tools::brush::footprint::{Coverage, Footprint};
 use crate::view::{Pose, Room};
 
 /// Where a spray held in a hand has the width that is shown, in metres from it.

@@ -10,9 +10,9 @@ use crate::document::Heeds;
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::region::{Region, VoxelBox};
-use crate::tools::construct::{Primitive, Solid};
-use crate::tools::footprint::{Footprint, Outline};
-use crate::tools::spray::{Effect, Spray, SprayKind};
+use crate::tools::brush::footprint::{Footprint, Outline};
+use crate::tools::brush::spray::{Effect, Spray, SprayKind};
+use crate::tools::solid::{Primitive, Solid};
 
 /// Most commands that are tried again.
 pub(super) const MOST_TRIED: usize = 16;

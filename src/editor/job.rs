@@ -20,7 +20,7 @@ use crate::notice::Notice;
 use crate::progress::{Report, Stage};
 use crate::sculpture::edit::EditStats;
 use crate::session::{Done, FileIdentity, Session, SessionError, Work};
-use crate::tools::mend::Mend;
+use crate::tools::repair::Mend;
 
 /// Work shorter than this goes without a sign, which would only flicker.
 const PATIENCE: Duration = Duration::from_millis(150);

@@ -8,7 +8,7 @@ use glam::Vec2;
 use super::Editor;
 use super::tool::{ToolKind, ToolState};
 use crate::input::{Action, ActionEvent};
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::spray::SprayKind;
 
 /// Pixels to the right that double the size.
 const DOUBLES_PX: f32 = 100.0;

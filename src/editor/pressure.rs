@@ -13,9 +13,9 @@ use super::stroke::Stroke;
 use super::tool::{ToolKind, ToolState};
 use crate::input::pen::PenTouch;
 use crate::sculpture::Rgb;
-use crate::tools::deform::DeformKind;
-use crate::tools::grab::{MAX_RADIUS, MIN_RADIUS};
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::grab::{MAX_RADIUS, MIN_RADIUS};
+use crate::tools::brush::spray::SprayKind;
 
 /// Smallest share of the size that pressure leads to: what is used at all has a size.
 const LEAST_SIZE: f32 = 0.05;

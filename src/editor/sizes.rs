@@ -7,10 +7,10 @@
 use std::ops::RangeInclusive;
 
 use super::tool::ToolState;
-use crate::tools::deform::DeformKind;
-use crate::tools::footprint::MAX_FOOTPRINT;
-use crate::tools::grab::{MAX_RADIUS, MIN_RADIUS};
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::footprint::MAX_FOOTPRINT;
+use crate::tools::brush::grab::{MAX_RADIUS, MIN_RADIUS};
+use crate::tools::brush::spray::SprayKind;
 
 /// The unit of the sizes of brushes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]

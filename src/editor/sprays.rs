@@ -2,9 +2,9 @@
 
 use crate::command::{Command, SpraySurface};
 use crate::sculpture::Rgb;
-use crate::tools::footprint::{Footprint, Outline};
-use crate::tools::level::Level;
-use crate::tools::spray::{Effect, Smoothing, Spray, SprayKind};
+use crate::tools::brush::footprint::{Footprint, Outline};
+use crate::tools::brush::level::Level;
+use crate::tools::brush::spray::{Effect, Smoothing, Spray, SprayKind};
 
 /// Multiples of the golden section lie evenly between whole numbers.
 const GOLDEN: f32 = 0.618_034;
@@ -128,7 +128,7 @@ pub fn opposite(kind: SprayKind) -> SprayKind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::footprint::Coverage;
+    use crate::tools::brush::footprint::Coverage;
     use glam::Vec3;
 
     #[test]

@@ -19,9 +19,9 @@ use crate::picking::Picker;
 use crate::picking::geometry::{lasting, surface_point};
 use crate::sculpture::Grid;
 use crate::surface::IndexMap;
-use crate::tools::construct::Primitive;
-use crate::tools::footprint::{Footprint, MAX_FOOTPRINT};
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::footprint::{Footprint, MAX_FOOTPRINT};
+use crate::tools::brush::spray::SprayKind;
+use crate::tools::solid::Primitive;
 
 /// After how long a spray that goes on while it is held is used again, in seconds.
 const AGAIN_S: f64 = 0.1;

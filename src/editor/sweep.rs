@@ -5,7 +5,7 @@
 
 use glam::{Quat, Vec3};
 
-use crate::tools::construct::{Primitive, Solid};
+use crate::tools::solid::{Primitive, Solid};
 
 /// How far the tool may have gone beside its way when it goes straight on, in edges of the smallest voxel edge.
 const BESIDE: f32 = 0.15;

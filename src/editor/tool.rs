@@ -20,10 +20,10 @@ use crate::input::{DrawKind, ToolMode};
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
-use crate::tools::construct::{Primitive, Solid};
-use crate::tools::deform::DeformKind;
-use crate::tools::footprint::{Footprint, Outline};
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::footprint::{Footprint, Outline};
+use crate::tools::brush::spray::SprayKind;
+use crate::tools::solid::{Primitive, Solid};
 
 /// Smallest and largest half extent that the interface offers.
 pub const HALF_RANGE: std::ops::RangeInclusive<f32> = 0.5..=2048.0;

@@ -7,8 +7,8 @@ use super::tool::ToolState;
 use crate::command::{Command, MaskArea, MaskChange};
 use crate::input::ToolMode;
 use crate::sculpture::edit::EditOp;
-use crate::tools::construct::Primitive;
-use crate::tools::form::Form;
+use crate::tools::drawn::Form;
+use crate::tools::solid::Primitive;
 
 /// What a mode does to the voxels that a solid covers.
 #[derive(Clone, Copy, PartialEq, Debug)]

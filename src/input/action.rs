@@ -7,9 +7,9 @@ use super::draw_kind::DrawKind;
 use super::panel::Panel;
 use super::tool_mode::ToolMode;
 use crate::sculpture::orientation::Up;
-use crate::tools::construct::Solid;
-use crate::tools::deform::DeformKind;
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::spray::SprayKind;
+use crate::tools::solid::Solid;
 
 /// A direction on the screen.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

@@ -18,7 +18,7 @@ use crate::gpu::{
     Recorder, Result, Staging, Vertices, shaders,
 };
 use crate::sculpture::Rgb;
-use crate::tools::construct::{Primitive, Solid};
+use crate::tools::solid::{Primitive, Solid};
 
 /// Factor on the depth of lines, so that they lie before a surface that they coincide with.
 const LINE_DEPTH: f32 = 1.002;

@@ -107,7 +107,7 @@ mod tests {
 
     use super::*;
     use crate::sculpture::Rgb;
-    use crate::tools::construct::{Primitive, Solid};
+    use crate::tools::solid::{Primitive, Solid};
     use crate::view::Camera;
 
     const SIZE: UVec2 = UVec2::new(800, 400);

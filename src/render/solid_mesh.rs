@@ -1,14 +1,14 @@
 //! The surfaces of the tool's solids as triangles, for its preview.
 //!
 //! A vertex of a solid whose shape depends on its proportions is kept in two parts, a point of the core and one of the
-//! ellipsoid that rounds it ([`Shape`](crate::tools::construct::Shape)), so that one mesh serves all proportions. Knows
+//! ellipsoid that rounds it ([`Shape`](crate::tools::solid::Shape)), so that one mesh serves all proportions. Knows
 //! no Vulkan.
 
 use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use crate::tools::construct::Solid;
+use crate::tools::solid::Solid;
 
 /// Segments around the axis of a round solid; half as many from pole to pole.
 const SEGMENTS: usize = 96;
@@ -194,7 +194,7 @@ fn flat(corners: [Vec3; 3]) -> [Vertex; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::construct::Shape;
+    use crate::tools::solid::Shape;
 
     fn place(vertex: &Vertex, round: Vec3, offset_scale: f32) -> Vec3 {
         Vec3::from(vertex.core) * (1.0 - round) + Vec3::from(vertex.offset) * round * offset_scale

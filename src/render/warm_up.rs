@@ -17,7 +17,7 @@ use crate::gpu::{Frames, GpuError, Result};
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Brick, ColourDepth, Grid, Material, Placement, Rgb};
 use crate::shade::Lighting;
-use crate::tools::construct::{Primitive, Solid};
+use crate::tools::solid::{Primitive, Solid};
 use crate::view::Camera;
 
 /// Edge of the sculpture in voxels.

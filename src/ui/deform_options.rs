@@ -10,8 +10,8 @@ use super::{UiContext, UiRequest};
 use crate::editor::deform::{DeformOptions, MAX_STEADY_PX};
 use crate::editor::tool::ToolEdit;
 use crate::input::Action;
-use crate::tools::deform::DeformKind;
-use crate::tools::grab::Falloff;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::grab::Falloff;
 
 /// Leaves room for a name before and a number with its unit behind.
 const SLIDER_WIDTH: f32 = 80.0;

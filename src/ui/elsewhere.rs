@@ -6,8 +6,8 @@
 use super::filter::Filter;
 use super::spot::Spot;
 use crate::input::{Action, DrawKind, ToolMode};
-use crate::tools::deform::DeformKind;
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::spray::SprayKind;
 
 /// Added to the rank of a name of which a part is typed.
 const PART: u32 = 3;

@@ -12,8 +12,8 @@ use crate::command::{Area, Command, SelectOp};
 use crate::document::Document;
 use crate::input::Action;
 use crate::sculpture::region::VoxelBox;
-use crate::tools::construct::Solid;
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::spray::SprayKind;
+use crate::tools::solid::Solid;
 
 const WIDTH: f32 = 300.0;
 const DONE: &str = "You know the tools now. Build a house, a tree, a lake and a hill!";

@@ -4,9 +4,9 @@
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use crate::input::ToolMode;
-use crate::tools::construct::Solid;
-use crate::tools::deform::DeformKind;
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::spray::SprayKind;
+use crate::tools::solid::Solid;
 
 /// Draws a window with an arrow out of it, or into it for one that can be put back.
 pub fn detach(painter: &Painter, rect: Rect, back: bool, colour: Color32) {

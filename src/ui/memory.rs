@@ -27,10 +27,10 @@ use crate::editor::sprays::SprayOptions;
 use crate::editor::tool::{ToolKind, ToolState};
 use crate::input::{DrawKind, Panel, ToolMode};
 use crate::sculpture::Rgb;
-use crate::tools::construct::Solid;
-use crate::tools::deform::DeformKind;
-use crate::tools::footprint::Outline;
-use crate::tools::spray::{MAX_REACH_VX, SprayKind};
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::footprint::Outline;
+use crate::tools::brush::spray::{MAX_REACH_VX, SprayKind};
+use crate::tools::solid::Solid;
 
 const HEAD: &str = "\
 # What Virtual Sculpture remembers from one start to the next. Settings stand in config.toml; this

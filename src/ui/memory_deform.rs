@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::memory::{neat, within};
 use crate::editor::deform::{DeformOptions, MAX_STEADY_PX};
 use crate::editor::sizes::SizeUnit;
-use crate::tools::grab::Falloff;
+use crate::tools::brush::grab::Falloff;
 
 /// The options of one tool; those that are missing or out of range are as usual.
 #[derive(Default, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ impl KeptDeform {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::deform::DeformKind;
+    use crate::tools::brush::deform::DeformKind;
 
     #[test]
     fn options_are_found_again_and_nonsense_is_not_believed() {

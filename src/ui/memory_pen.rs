@@ -61,7 +61,7 @@ impl KeptPens {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::spray::SprayKind;
+    use crate::tools::brush::spray::SprayKind;
 
     fn again(text: &str, usual: PenCurve) -> (PenState, PenUses) {
         let (mut pens, mut uses) = (PenState::new(usual), PenUses::default());

@@ -3,9 +3,9 @@
 use super::*;
 use crate::input::{Axis, DrawKind, Panel, Side, ToolMode};
 use crate::sculpture::orientation::Up;
-use crate::tools::construct::Solid;
-use crate::tools::deform::DeformKind;
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::spray::SprayKind;
+use crate::tools::solid::Solid;
 use crate::ui::filter::british;
 
 fn direct() -> Bindings {

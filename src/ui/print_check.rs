@@ -16,7 +16,7 @@ use crate::print_check::{CheckOptions, Checked, Finding, Kind, Place};
 use crate::render::overlay::Line;
 use crate::sculpture::Rgb;
 use crate::sculpture::region::VoxelBox;
-use crate::tools::mend::Mend;
+use crate::tools::repair::Mend;
 
 const WIDTH: f32 = 310.0;
 /// Of the findings, at most.

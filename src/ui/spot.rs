@@ -7,8 +7,8 @@ use egui::{Align, Context, Id, Response, Stroke, StrokeKind};
 
 use super::UiState;
 use crate::input::Action;
-use crate::tools::deform::DeformKind;
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::spray::SprayKind;
 
 /// How long an option blinks, and how often it changes, in seconds.
 const BLINK_S: f64 = 2.4;

@@ -8,8 +8,8 @@ use crate::command::SpraySurface;
 use crate::editor::sizes::SizeUnit;
 use crate::editor::sprays::SprayOptions;
 use crate::editor::tool::{ToolEdit, ToolState};
-use crate::tools::footprint::Outline;
-use crate::tools::spray::{MAX_REACH_VX, SprayKind};
+use crate::tools::brush::footprint::Outline;
+use crate::tools::brush::spray::{MAX_REACH_VX, SprayKind};
 
 /// Leaves room for a name before and a number with its unit behind.
 const SLIDER_WIDTH: f32 = 80.0;

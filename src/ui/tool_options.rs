@@ -16,7 +16,7 @@ use super::{
 use crate::editor::tool::{HALF_RANGE, NextPress, RECENT, ToolEdit, ToolKind, ToolState};
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::spray::SprayKind;
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 /// Of a solid's centre from the corner of the grid, in voxels.

@@ -9,9 +9,9 @@ use super::top_bar::capital;
 use super::{UiContext, UiRequest, UiState, draw_icons, icons, panels, section, theme};
 use crate::editor::tool::ToolKind;
 use crate::input::{Action, DrawKind, Panel, ToolMode};
-use crate::tools::construct::Solid;
-use crate::tools::deform::DeformKind;
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::spray::SprayKind;
+use crate::tools::solid::Solid;
 
 const ICON: f32 = 24.0;
 /// Least width of a button without a name.

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
+use virtual_sculpture::command::text::parse_script;
 use virtual_sculpture::command::{Command, NewSculpture};
-use virtual_sculpture::command_text::parse_script;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
 use virtual_sculpture::render::RenderMode;

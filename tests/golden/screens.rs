@@ -9,7 +9,7 @@ use virtual_sculpture::render::{Stereo, StereoSources};
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::shade::Pixels;
-use virtual_sculpture::tools::construct::{Primitive, Solid};
+use virtual_sculpture::tools::solid::{Primitive, Solid};
 use virtual_sculpture::view::off_axis::{ScreenInWorld, ScreenPlane};
 use virtual_sculpture::view::{Camera, StereoLayout, StereoRig};
 

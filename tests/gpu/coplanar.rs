@@ -15,7 +15,7 @@ use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
 use virtual_sculpture::shade::{Lighting, Pixels};
-use virtual_sculpture::tools::construct::{Primitive, Solid};
+use virtual_sculpture::tools::solid::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye, PixelRays};
 
 use super::fixture::with_device;

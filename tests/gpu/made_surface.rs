@@ -12,7 +12,7 @@ use virtual_sculpture::sculpture::edit::EditOp;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material};
 use virtual_sculpture::shade::Pixels;
-use virtual_sculpture::tools::construct::{Primitive, Solid};
+use virtual_sculpture::tools::solid::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye};
 
 use super::coplanar::{FACE, Painter, SIZE, STONE, painter};

@@ -18,7 +18,7 @@ use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
 use virtual_sculpture::shade::{Ground, Lighting, Pixels, Shadow};
 use virtual_sculpture::surface::IndexMap;
-use virtual_sculpture::tools::construct::{Primitive, Solid};
+use virtual_sculpture::tools::solid::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye};
 
 use super::fixture::with_device;

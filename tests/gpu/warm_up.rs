@@ -12,7 +12,7 @@ use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Placement, Rgb};
 use virtual_sculpture::shade::{Light, LightFrame, LightSource, Lighting};
-use virtual_sculpture::tools::construct::{Primitive, Solid};
+use virtual_sculpture::tools::solid::{Primitive, Solid};
 use virtual_sculpture::view::Camera;
 
 use super::fixture::with_device;

@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::editor::tool::ToolKind;
-use virtual_sculpture::tools::spray::SprayKind;
+use virtual_sculpture::tools::brush::spray::SprayKind;
 
 use super::bench::{Bench, bench, click, drag, has, key, middle, rest, send, undo_count, voxels};
 

@@ -5,9 +5,9 @@ use glam::Vec3;
 use virtual_sculpture::editor::tool::{ToolEdit, ToolKind};
 use virtual_sculpture::input::{Action, DrawKind, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::construct::Solid;
-use virtual_sculpture::tools::deform::DeformKind;
-use virtual_sculpture::tools::spray::SprayKind;
+use virtual_sculpture::tools::brush::deform::DeformKind;
+use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::solid::Solid;
 
 use super::bench::{self, Bench, drag, key, middle, rest, run, screen, send, voxels};
 

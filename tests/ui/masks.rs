@@ -7,7 +7,7 @@ use virtual_sculpture::editor::tool::NextPress;
 use virtual_sculpture::editor::wand::WandRule;
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::spray::SprayKind;
+use virtual_sculpture::tools::brush::spray::SprayKind;
 
 use super::bench::{
     Bench, bench, click, corner, drag, has, key, look, press, rest, run, screen, send, voxels,

@@ -10,7 +10,7 @@ use virtual_sculpture::config::Config;
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::{Panel, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::construct::Solid;
+use virtual_sculpture::tools::solid::Solid;
 use virtual_sculpture::ui::Theme;
 use virtual_sculpture::ui::toasts::Tone;
 

@@ -3,7 +3,7 @@
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::editor::tool::ToolKind;
-use virtual_sculpture::tools::deform::DeformKind;
+use virtual_sculpture::tools::brush::deform::DeformKind;
 use virtual_sculpture::ui::toasts::Tone;
 
 use super::bench::{Bench, bench, has, key, rest, send};

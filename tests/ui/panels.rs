@@ -12,7 +12,7 @@ use virtual_sculpture::editor::sweep::Leg;
 use virtual_sculpture::input::{Bindings, Panel, ToolMode};
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::session::Session;
-use virtual_sculpture::tools::construct::Solid;
+use virtual_sculpture::tools::solid::Solid;
 use virtual_sculpture::ui::Theme;
 
 use super::bench::{

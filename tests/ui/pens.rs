@@ -8,7 +8,7 @@ use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::pen::{PenEnd, PenPointer, PenSample};
 use virtual_sculpture::input::{Action, Button, Buttons, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::spray::SprayKind;
+use virtual_sculpture::tools::brush::spray::SprayKind;
 
 use super::bench::{Bench, bench, bench_of, config, look, middle, rest, undo_count, voxels};
 

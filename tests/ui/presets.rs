@@ -6,7 +6,7 @@ use std::path::Path;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::{Action, Bindings, Trigger};
-use virtual_sculpture::tools::spray::SprayKind;
+use virtual_sculpture::tools::brush::spray::SprayKind;
 
 use super::bench::{Bench, bench, key, middle, send, undo_count};
 

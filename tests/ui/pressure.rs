@@ -4,7 +4,7 @@ use egui::{Event, Modifiers, PointerButton, TouchDeviceId, TouchId, TouchPhase, 
 use virtual_sculpture::editor::pressure::{PenTool, PenUse};
 use virtual_sculpture::editor::sizes::SizeUnit;
 use virtual_sculpture::editor::tool::ToolKind;
-use virtual_sculpture::tools::deform::DeformKind;
+use virtual_sculpture::tools::brush::deform::DeformKind;
 
 use super::bench::{Bench, bench, middle, send, voxels};
 

@@ -7,8 +7,8 @@ use glam::{IVec3, Vec3};
 use virtual_sculpture::editor::sizes::SizeUnit;
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::Action;
-use virtual_sculpture::tools::deform::DeformKind;
-use virtual_sculpture::tools::spray::SprayKind;
+use virtual_sculpture::tools::brush::deform::DeformKind;
+use virtual_sculpture::tools::brush::spray::SprayKind;
 
 use super::bench::{
     Bench, bench_of, config, drag, key, look, rest, run, screen, send, undo_count, voxels, wheel,

@@ -2,7 +2,7 @@
 
 use virtual_sculpture::editor::tool::{ToolEdit, ToolKind};
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::spray::SprayKind;
+use virtual_sculpture::tools::brush::spray::SprayKind;
 
 use super::bench::{Bench, bench, has, middle, press, rest, run};
 

@@ -7,7 +7,7 @@ use glam::{EulerRot, IVec3, Quat, Vec2, Vec3};
 use virtual_sculpture::editor::tool::{ToolEdit, ToolKind};
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::surface::raycast;
-use virtual_sculpture::tools::construct::Solid;
+use virtual_sculpture::tools::solid::Solid;
 
 use super::bench::{self, Bench, corner, drag, key, middle, rest, run, screen, send, voxels};
 

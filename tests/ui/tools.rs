@@ -9,7 +9,7 @@ use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::{DrawKind, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::sculpture::region::VoxelBox;
-use virtual_sculpture::tools::spray::SprayKind;
+use virtual_sculpture::tools::brush::spray::SprayKind;
 
 use super::bench::{self, Bench, key, look, middle, rest, run, screen, send, voxels};
 

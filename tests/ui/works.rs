@@ -21,9 +21,9 @@ use virtual_sculpture::input::hands::{HandMapper, HandSettings, HandSide, HandSt
 use virtual_sculpture::input::pad::stick::Response;
 use virtual_sculpture::input::{Action, DrawKind, Step};
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::deform::DeformKind;
-use virtual_sculpture::tools::grab::Falloff;
-use virtual_sculpture::tools::spray::SprayKind;
+use virtual_sculpture::tools::brush::deform::DeformKind;
+use virtual_sculpture::tools::brush::grab::Falloff;
+use virtual_sculpture::tools::brush::spray::SprayKind;
 use virtual_sculpture::view::{Pose, Room};
 
 use super::bench::{Bench, bench_of, config, look, rest, run, screen, send};

@@ -1,7 +1,7 @@
 //! Tools that draw solids, in the real window: what is shown while the button is pressed, what comes of it, and that the
 //! recording gives the same without a window.
 
-use virtual_sculpture::command_text::parse_script;
+use virtual_sculpture::command::text::parse_script;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::session::Session;
 

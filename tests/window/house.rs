@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use glam::IVec3;
-use virtual_sculpture::command_text::parse_script;
+use virtual_sculpture::command::text::parse_script;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::session::Session;
 

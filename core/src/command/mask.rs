@@ -4,8 +4,8 @@ use glam::{UVec3, Vec3};
 
 use super::Area;
 use crate::sculpture::Rgb;
-use crate::tools::construct::Primitive;
-use crate::tools::form::Form;
+use crate::tools::drawn::Form;
+use crate::tools::solid::Primitive;
 
 /// A change of the mask.
 #[derive(Clone, PartialEq, Debug)]

@@ -8,8 +8,8 @@ use super::{CommandError, Document};
 use crate::command::SpraySurface;
 use crate::sculpture::Grid;
 use crate::sculpture::edit::{EditOp, EditStats};
-use crate::tools::deform::Deform;
-use crate::tools::grab::{Grab, Pulled};
+use crate::tools::brush::deform::Deform;
+use crate::tools::brush::grab::{Grab, Pulled};
 
 impl Document {
     /// Pulls at a ball of clay and at its mirror images, all at once.

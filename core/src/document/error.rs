@@ -9,7 +9,7 @@ use super::tools::{MAX_ARRAY, MAX_REPEATED};
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
 use crate::sculpture::selection::MAX_BOXES;
-use crate::tools::mend::MendError;
+use crate::tools::repair::MendError;
 
 /// Why a command was refused. The sculpture is as it was before.
 #[derive(Debug, Error)]

@@ -11,10 +11,10 @@ use crate::sculpture::edit::{EditStats, edit_mask};
 use crate::sculpture::permit::{Permit, Permitted};
 use crate::sculpture::region::{Everywhere, ListedBricks, Region};
 use crate::sculpture::{Grid, Rgb};
-use crate::tools::construct::check_way;
 use crate::tools::flood;
 use crate::tools::mask::{self, MAX_GROWTH_VX, MAX_REACH_VX};
 use crate::tools::pieces::{Part, pieces};
+use crate::tools::solid::check_way;
 
 impl Document {
     /// The voxels that are protected, if any are.
@@ -163,7 +163,7 @@ impl Document {
         let grid = self.grid();
         let starts = self.surface_images(at)?;
         let found = pieces(grid, Part::Solid, self.limits.grid_bytes, &())
-            .map_err(crate::tools::mend::MendError::from)?;
+            .map_err(crate::tools::repair::MendError::from)?;
         let wanted: Vec<u32> = starts.iter().filter_map(|v| found.at(v.as_ivec3())).collect();
         let bricks = grid
             .nonempty_bricks()

@@ -6,7 +6,7 @@ use crate::sculpture::Limits;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::history::Contents;
 use crate::sculpture::inherit::Inherited;
-use crate::tools::mend::{Mend, MendPlan};
+use crate::tools::repair::{Mend, MendPlan};
 
 use super::{Applied, CommandError, Document};
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::Document;
 use crate::command::Command;
 use crate::sculpture::edit::EditStats;
-use crate::tools::spray::Effect;
+use crate::tools::brush::spray::Effect;
 
 /// The things that keep tools off in a trial.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

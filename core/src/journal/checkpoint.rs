@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::entry::{put_text, take_bytes, take_text, take_u64};
 use super::frame::{Record, RecordBuffer};
 use crate::command::Command;
-use crate::command_text::{parse_path, parse_script, path_text};
+use crate::command::text::{parse_path, parse_script, path_text};
 use crate::document::DocumentSnapshot;
 use crate::format::history::{Shape, read_steps, write_step};
 use crate::format::{FormatError, Texts, read_sculpture, write_sculpture};

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::frame::{Record, RecordBuffer};
 use crate::command::Command;
-use crate::command_text::{parse_path, path_text};
+use crate::command::text::{parse_path, path_text};
 use crate::document::Document;
 use crate::format::{FormatError, Texts, read_sculpture, write_sculpture};
 use crate::sculpture::Limits;

@@ -15,9 +15,9 @@ use thiserror::Error;
 use crate::progress::Progress;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Grid, GridError};
-use crate::tools::mend::{self, Keep, Mend, MendError, Toward};
 use crate::tools::pieces::{Part, Pieces, pieces};
-use crate::tools::thickness::Thickness;
+use crate::tools::repair::thickness::Thickness;
+use crate::tools::repair::{self, Keep, Mend, MendError, Toward};
 
 /// Diameter of the drain holes that are proposed, in millimetres: resin and powder run out of less with difficulty.
 const DRAIN_MM: f32 = 3.0;
@@ -222,7 +222,7 @@ pub fn check(
     let voxel_mm = options.voxel_mm_of(grid);
     let wall_vx = options.wall_mm / voxel_mm.x;
     let too_thick = CheckError::Wall { wall_mm: options.wall_mm, voxel_mm: voxel_mm.min_element() };
-    let thickness = mend::thickness(wall_vx, grid.voxel_size()).map_err(|_| too_thick)?;
+    let thickness = repair::thickness(wall_vx, grid.voxel_size()).map_err(|_| too_thick)?;
     let Some((low, high)) = grid.opaque_bounds() else {
         let (size_mm, findings) = (Vec3::ZERO, Vec::new());
         return Ok(Checked { voxel_mm, size_mm, fits: true, contact_mm2: 0.0, findings });
@@ -232,7 +232,7 @@ pub fn check(
     findings.extend(islands(grid, budget_bytes, progress)?);
     findings.extend(cavities(grid, voxel_mm.x, budget_bytes, progress)?);
 
-    mend::check_memory(Thickness::bytes_to_measure(grid), budget_bytes)?;
+    repair::check_memory(Thickness::bytes_to_measure(grid), budget_bytes)?;
     let thin = thickness.thin(grid, progress).ok_or(CheckError::Cancelled)?;
     let thin = ListedBricks::new(thin.bricks(grid.brick_dims()));
     let thicken = vec![Mend::Thicken { to_vx: wall_vx }];
@@ -268,7 +268,7 @@ fn islands(
     progress: &dyn Progress,
 ) -> Result<Option<Finding>, MendError> {
     let found = pieces(grid, Part::Solid, budget_bytes, progress)?;
-    let standing = mend::standing(&found);
+    let standing = repair::standing(&found);
     let largest_stands = found.largest().is_none_or(|piece| standing[piece as usize]);
     // Where the largest piece floats, what stands on the bed is to go.
     let keep = if largest_stands { Keep::Standing } else { Keep::Largest };
@@ -305,5 +305,5 @@ fn of_pieces(
         let bounds = VoxelBox { min: min.as_ivec3(), max: max.as_ivec3() };
         Place { voxels: piece.voxels.into(), bounds }
     });
-    places::finding(kind, all.collect(), mends, || mend::voxels_of(grid, found, is_wrong))
+    places::finding(kind, all.collect(), mends, || repair::voxels_of(grid, found, is_wrong))
 }

@@ -10,8 +10,8 @@ use crate::progress::Progress;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use crate::sculpture::region::{ListedBricks, Region, VoxelBox};
-use crate::tools::mend::Mend;
 use crate::tools::pieces::{Part, pieces};
+use crate::tools::repair::Mend;
 
 /// Overhangs of fewer voxels are the roughness of a surface.
 const LEAST_OVERHANG: u64 = 4;
@@ -97,7 +97,7 @@ pub fn gathered(
 }
 
 fn mend_error(error: crate::tools::pieces::PiecesError) -> CheckError {
-    CheckError::from(crate::tools::mend::MendError::from(error))
+    CheckError::from(crate::tools::repair::MendError::from(error))
 }
 
 /// The voxels of `marked`.

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::HistoryToKeep;
-use crate::command_text::path_text;
+use crate::command::text::path_text;
 use crate::format::FormatError;
 use crate::format::history::{Shape, read_step, write_step};
 use crate::journal::SculptureFile;
@@ -135,7 +135,7 @@ fn record(kind: u8, payload: &[u8]) -> RecordBuffer {
 pub fn path_of(source: Source) -> Option<PathBuf> {
     let first = Records::new(source.reader, source.bytes).ok()?.next()?;
     let beginning = beginning(&first).ok()?;
-    crate::command_text::parse_path(&beginning.file).ok()
+    crate::command::text::parse_path(&beginning.file).ok()
 }
 
 fn beginning(first: &Record) -> Result<Beginning, FormatError> {

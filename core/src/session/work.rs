@@ -22,7 +22,7 @@ use crate::progress::Progress;
 use crate::saved_history::{Found, HistoryToKeep, KeptSteps, SavedHistories};
 use crate::sculpture::history::{Contents, State};
 use crate::sculpture::orientation::Orientation;
-use crate::tools::mend::{Mend, MendPlan};
+use crate::tools::repair::{Mend, MendPlan};
 
 /// Work to run.
 #[derive(Debug)]

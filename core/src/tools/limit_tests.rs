@@ -5,7 +5,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
-use super::construct::{Primitive, Solid};
+use super::solid::{Primitive, Solid};
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
 use crate::sculpture::permit::{Permit, Permitted};
 use crate::sculpture::region::{Region, VoxelBox};

@@ -6,12 +6,12 @@
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
-use super::filter;
 use super::flood::{self, Slices};
 use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use crate::sculpture::region::{ListedBricks, Region, VoxelBox};
+use crate::tools::brush::filter;
 
 /// Furthest that a mask grows or shrinks in one go, in voxels.
 pub const MAX_GROWTH_VX: u32 = 64;

@@ -1,7 +1,7 @@
 use glam::Quat;
 
 use super::*;
-use crate::tools::construct::{Primitive, Solid};
+use crate::tools::solid::{Primitive, Solid};
 
 const DIMS: UVec3 = UVec3::new(40, 32, 36);
 

@@ -6,12 +6,12 @@
 
 use glam::{DMat3, DQuat, DVec3, IVec3, Mat3, Quat, UVec3, Vec3};
 
-use super::construct::{PlacedSolid, Primitive};
-use super::footprint::Footprint;
-use super::form::Form;
-use super::form_region::PlacedForm;
+use super::drawn::Form;
+use super::solid::{PlacedSolid, Primitive};
 use crate::sculpture::grid::Grid;
 use crate::sculpture::orientation::Orientation;
+use crate::tools::brush::footprint::Footprint;
+use crate::tools::drawn::region::PlacedForm;
 
 /// The position of a mirror plane relative to the voxels.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

@@ -3,9 +3,9 @@
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
+use super::solid::{Primitive, Solid};
 use super::symmetry::*;
-use crate::tools::construct::{Primitive, Solid};
-use crate::tools::construct_tests::rotation;
+use crate::tools::solid::tests::rotation;
 
 proptest! {
     /// Each image covers the mirrored voxels, also where a face passes through their centres;

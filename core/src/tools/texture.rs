@@ -8,7 +8,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3, vec2};
 
-use super::construct::Solid;
+use super::solid::Solid;
 use crate::sculpture::Rgb;
 
 /// Longest side of an image, in pixels.

@@ -2,11 +2,11 @@
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
+use sculpture_core::command::text::parse_script;
 use sculpture_core::command::{Command, SpraySurface};
-use sculpture_core::command_text::parse_script;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::Rgb;
-use sculpture_core::tools::grab::{Falloff, Grab, Motion};
+use sculpture_core::tools::brush::grab::{Falloff, Grab, Motion};
 
 use super::strategies::{new_sculpture, work};
 

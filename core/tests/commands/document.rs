@@ -10,7 +10,7 @@ use sculpture_core::sculpture::brick::local_index;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{ColourDepth, Grid, GridError, Material, Placement, Rgb};
-use sculpture_core::tools::construct::{Primitive, Solid};
+use sculpture_core::tools::solid::{Primitive, Solid};
 
 use super::model::{Done, Model, Voxels};
 use super::strategies::{new_sculpture, work};

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use sculpture_core::command::Command;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
-use sculpture_core::tools::form::{Bead, Form, Pose};
-use sculpture_core::tools::form_region::PlacedForm;
+use sculpture_core::tools::drawn::region::PlacedForm;
+use sculpture_core::tools::drawn::{Bead, Form, Pose};
 use sculpture_core::tools::symmetry::{Image, Parity, Symmetry};
 
 use super::strategies::{new_sculpture, op, rotation};

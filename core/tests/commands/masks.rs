@@ -10,7 +10,7 @@ use sculpture_core::format::{read_sculpture, write_sculpture};
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
-use sculpture_core::tools::form::Form;
+use sculpture_core::tools::drawn::Form;
 
 use super::strategies::{area, colour};
 

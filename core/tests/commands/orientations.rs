@@ -6,7 +6,7 @@ use sculpture_core::command::{Command, NewSculpture};
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::{ColourDepth, Grid, Rgb};
-use sculpture_core::tools::construct::{Primitive, Solid};
+use sculpture_core::tools::solid::{Primitive, Solid};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 
 /// The grid's axis and the sign for each axis of a tool.

@@ -10,10 +10,10 @@ use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::selection::Selection;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
-use sculpture_core::tools::construct::{Primitive, Solid};
-use sculpture_core::tools::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::level::Level;
-use sculpture_core::tools::spray::{Effect, Smoothing, Spray};
+use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
+use sculpture_core::tools::brush::level::Level;
+use sculpture_core::tools::brush::spray::{Effect, Smoothing, Spray};
+use sculpture_core::tools::solid::{Primitive, Solid};
 use sculpture_core::tools::symmetry::Symmetry;
 
 use super::strategies::{any_command, area_work, new_sculpture, op, orientation, work};

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
+use sculpture_core::command::text::parse_script;
 use sculpture_core::command::{COMMANDS, Command, NewSculpture};
-use sculpture_core::command_text::parse_script;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 

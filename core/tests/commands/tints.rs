@@ -1,8 +1,8 @@
 //! Changes of colours, voxel by voxel, and flood fills, as commands.
 
 use glam::{IVec3, UVec3, Vec3};
+use sculpture_core::command::text::parse_script;
 use sculpture_core::command::{Command, NewSculpture};
-use sculpture_core::command_text::parse_script;
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 

@@ -19,8 +19,8 @@ mod sweep;
 mod symmetry;
 
 use glam::{IVec3, UVec3, Vec3};
+use sculpture_core::command::text::parse_script;
 use sculpture_core::command::{Command, NewSculpture};
-use sculpture_core::command_text::parse_script;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 

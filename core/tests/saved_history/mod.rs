@@ -277,7 +277,7 @@ fn a_journal_and_a_recording_go_on_from_it() {
     };
     let mut replay = Session::new(&new, Limits::default()).unwrap();
     let text = std::fs::read_to_string(&record).unwrap();
-    for (_, command) in sculpture_core::command_text::parse_script(&text).unwrap() {
+    for (_, command) in sculpture_core::command::text::parse_script(&text).unwrap() {
         replay.execute(&command, &()).unwrap();
     }
     assert_eq!(hash(&replay), hash(&session));

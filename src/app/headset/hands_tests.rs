@@ -20,8 +20,8 @@ use crate::input::{ActionEvent, Bindings, DrawKind, ToolMode};
 use crate::sculpture::Rgb;
 use crate::session::Session;
 use crate::surface::{IndexMap, raycast};
-use crate::tools::deform::DeformKind;
-use crate::tools::spray::SprayKind;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::spray::SprayKind;
 use crate::view::{Pose, Room};
 
 const REACH_M: f32 = 0.08;

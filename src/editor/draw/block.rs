@@ -6,7 +6,7 @@ use glam::{Quat, Vec2, Vec3};
 
 use super::view::View;
 use crate::picking::SurfacePoint;
-use crate::tools::construct::{Primitive, Solid};
+use crate::tools::solid::{Primitive, Solid};
 
 /// Where the normal of the face is seen shorter than this share of its length, it nearly points at the eye, and the
 /// pointer leads the height by going up and down in the picture instead of along it.

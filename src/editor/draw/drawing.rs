@@ -16,7 +16,7 @@ use crate::editor::tool_change::ToolChange;
 use crate::input::{DrawKind, ToolMode};
 use crate::picking::{Picker, SurfacePoint};
 use crate::sculpture::Grid;
-use crate::tools::form::Form;
+use crate::tools::drawn::Form;
 
 /// Least distance from one point of a drag to the next, in pixels.
 const SPACING_PX: f32 = 2.0;

@@ -7,7 +7,7 @@ use skrifa::instance::{LocationRef, Size};
 use skrifa::outline::{DrawSettings, OutlinePen};
 use skrifa::{FontRef, GlyphId, MetadataProvider};
 
-use crate::tools::form::MAX_POINTS;
+use crate::tools::drawn::MAX_POINTS;
 
 /// Most letters of a line.
 pub const MOST_LETTERS: usize = 120;

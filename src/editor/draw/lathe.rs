@@ -8,7 +8,7 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::thin::thinned_flat;
 use super::view::{View, circle};
-use crate::tools::form::{Form, Pose};
+use crate::tools::drawn::{Form, Pose};
 
 /// Furthest that the profile may lie from what was drawn, in units of the smallest edge.
 const TOLERANCE: f32 = 0.25;

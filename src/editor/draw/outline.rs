@@ -9,7 +9,7 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::thin::thinned_flat;
 use super::view::View;
-use crate::tools::form::{Form, Pose};
+use crate::tools::drawn::{Form, Pose};
 
 /// Smallest outline that is meant, in square pixels.
 const LEAST_AREA_PX: f32 = 30.0;

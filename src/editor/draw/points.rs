@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::tube;
 use super::view::View;
-use crate::tools::form::MAX_POINTS;
+use crate::tools::drawn::MAX_POINTS;
 
 /// How near to the last point a press means that point, in pixels: a second click on it ends the curve.
 pub const CLICK_PX: f32 = 4.0;

@@ -13,7 +13,7 @@ use super::view::View;
 use crate::editor::dabs::normal_around;
 use crate::sculpture::Grid;
 use crate::surface::raycast;
-use crate::tools::form::{Form, Pose};
+use crate::tools::drawn::{Form, Pose};
 
 /// A normal so near to an axis of the grid is meant to be that axis: the cosine of 8 degrees.
 const NEARLY: f32 = 0.99;

@@ -9,8 +9,8 @@ use glam::Vec3;
 
 use super::thin::{evened, length, thinned_to};
 use super::view::{View, chain};
-use crate::tools::form::{Bead, Form};
-use crate::tools::form_curve::way_of_tube;
+use crate::tools::drawn::curve::way_of_tube;
+use crate::tools::drawn::{Bead, Form};
 
 /// Most beads of a curve.
 const MOST_BEADS: usize = 256;

@@ -15,7 +15,7 @@ use crate::editor::tool::ToolKind;
 use crate::input::{DrawKind, ToolMode};
 use crate::picking::Picker;
 use crate::picking::geometry::surface_point;
-use crate::tools::form::MAX_POINTS;
+use crate::tools::drawn::MAX_POINTS;
 
 /// What is being drawn, between the presses or during one of them.
 #[derive(Clone, Debug)]

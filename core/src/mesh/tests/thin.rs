@@ -9,7 +9,7 @@ use crate::mesh::MeshKind;
 use crate::scenes::grid_of;
 use crate::sculpture::Grid;
 use crate::sculpture::region::VoxelBox;
-use crate::tools::construct::{Primitive, Solid};
+use crate::tools::solid::{Primitive, Solid};
 
 const EDGE_VX: u32 = 64;
 /// How much thinner or thicker than its voxels a part may be.

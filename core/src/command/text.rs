@@ -1,0 +1,495 @@
+//! The text form of commands, one per line, and scripts of them.
+//!
+//! A line is a verb, then words, quoted strings and `key=value` pairs in any order. A line that is
+//! empty or begins with `#` is ignored. Quotes and escapes: [`arguments`]. Numbers are written such that
+//! they read back to the same bits. Works on text; reads no file.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
+use thiserror::Error;
+
+use arguments::{Arguments, Quoted, QuotedPath};
+
+use crate::command::{COMMANDS, Command, NewSculpture};
+use crate::format::base64;
+use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize};
+use crate::sculpture::edit::EditOp;
+use crate::sculpture::{ColourDepth, Placement, Rgb};
+use crate::tools::drawn::Form;
+use crate::tools::solid::{Primitive, Solid};
+
+mod arguments;
+mod deform;
+mod export;
+mod form;
+mod grab;
+mod mask;
+mod mend;
+mod selection;
+mod spray;
+mod tint;
+
+/// The base colour of new sculptures by default.
+pub const DEFAULT_BASE: Rgb = Rgb::STONE;
+
+/// What is wrong with a line.
+#[derive(Debug, Error, PartialEq, Eq)]
+#[error("{0}")]
+pub struct ParseError(String);
+
+/// What is wrong with a script, and where.
+#[derive(Debug, Error, PartialEq, Eq)]
+#[error("line {line}: {error}")]
+pub struct ScriptError {
+    /// Counted from 1.
+    pub line: usize,
+    /// What is wrong with it.
+    pub error: ParseError,
+}
+
+/// Reads a script: the commands with their line numbers (from 1).
+pub fn parse_script(text: &str) -> Result<Vec<(usize, Command)>, ScriptError> {
+    let mut commands = Vec::new();
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    for (i, line) in text.lines().enumerate() {
+        let trimmed = line.trim();
+        if trimmed.is_empty() || trimmed.starts_with('#') {
+            continue;
+        }
+        let command = trimmed.parse().map_err(|error| ScriptError { line: i + 1, error })?;
+        commands.push((i + 1, command));
+    }
+    Ok(commands)
+}
+
+/// The text form of a file name, whatever bytes it has: one word of a command.
+pub fn path_text(path: &Path) -> String {
+    QuotedPath(path).to_string()
+}
+
+/// Reads what [`path_text`] has written.
+pub fn parse_path(text: &str) -> Result<PathBuf, ParseError> {
+    let mut args = Arguments::parse(&format!("open {text}"))?;
+    let path = args.path()?;
+    args.finish().map(|()| path)
+}
+
+impl fmt::Display for Command {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.verb())?;
+        match self {
+            Command::New(new) => {
+                write!(
+                    f,
+                    " dims={} size={}",
+                    list(new.dims.to_array()),
+                    list(new.voxel_size.to_array())
+                )?;
+                let fill = if new.solid { "solid" } else { "empty" };
+                write!(f, " colour={} base={} fill={fill}", new.colour_depth.bits(), new.base)
+            }
+            Command::Open { path, import } => {
+                write!(f, " {}", QuotedPath(path))?;
+                let ImportOptions {
+                    existence,
+                    colouring,
+                    colour_depth,
+                    upright,
+                    raw,
+                    channel,
+                    time,
+                    region,
+                    cubic,
+                    largest_piece,
+                    fill_holes,
+                    mesh_size,
+                    mesh_fill,
+                } = import;
+                if *existence != Existence::Auto {
+                    write!(f, " threshold={existence}")?;
+                }
+                if *colouring != Colouring::Auto {
+                    write!(f, " colouring={colouring}")?;
+                }
+                if let Some(depth) = colour_depth {
+                    write!(f, " colour={}", depth.bits())?;
+                }
+                if let Some(up) = upright {
+                    write!(f, " upright={up}")?;
+                }
+                if let Some(raw) = raw {
+                    write!(f, " raw={raw}")?;
+                }
+                if let Some(channel) = channel {
+                    write!(f, " channel={channel}")?;
+                }
+                if let Some(time) = time {
+                    write!(f, " time={time}")?;
+                }
+                if let Some(region) = region {
+                    write!(f, " region={region}")?;
+                }
+                if *cubic != Cubic::No {
+                    write!(f, " cubic={cubic}")?;
+                }
+                if *largest_piece {
+                    f.write_str(" pieces=largest")?;
+                }
+                if *fill_holes {
+                    f.write_str(" holes=filled")?;
+                }
+                if *mesh_size != MeshSize::default() {
+                    write!(f, " mesh_size={mesh_size}")?;
+                }
+                if *mesh_fill != MeshFill::default() {
+                    write!(f, " mesh_fill={mesh_fill}")?;
+                }
+                Ok(())
+            }
+            Command::Embed { path, file } => {
+                write!(f, " {} data={}", QuotedPath(path), base64::encode(file))
+            }
+            Command::Save { path, export } => {
+                write!(f, " {}", QuotedPath(path))?;
+                export::write(export, f)
+            }
+            Command::Begin { label } => write!(f, " {}", Quoted(label)),
+            Command::Construct { op, primitive, to_vx } => {
+                write_placed(primitive, *to_vx, f)?;
+                write_colour(op, f)
+            }
+            Command::Form { op, form } => {
+                form::write(form, f)?;
+                write_colour(op, f)
+            }
+            Command::Spray { spray, surface } => spray::write(spray, *surface, f),
+            Command::Deform { deform, surface } => deform::write(deform, *surface, f),
+            Command::Grab { grab, surface } => grab::write(grab, *surface, f),
+            Command::Texture { primitive, picture } => {
+                write!(f, " {} {primitive}", QuotedPath(picture))
+            }
+            Command::Stencil { picture, footprint, colour, cover } => {
+                write!(f, " {}", QuotedPath(picture))?;
+                spray::write_stencil(footprint, *colour, *cover, f)
+            }
+            Command::Fill { area, colour } => {
+                write!(f, " {}", area.name())?;
+                colour.map_or(Ok(()), |colour| write!(f, " colour={colour}"))
+            }
+            Command::Clear { area } => write!(f, " {}", area.name()),
+            Command::Dye { area, colour } => write!(f, " {} colour={colour}", area.name()),
+            Command::Tint { area, tint } => tint::write(*area, tint, f),
+            Command::Flood { at, colour, tolerance } => {
+                tint::write_flood(*at, *colour, *tolerance, f)
+            }
+            Command::Mask(change) => mask::write(change, f),
+            Command::Mark(_)
+            | Command::Select(_)
+            | Command::Limit(_)
+            | Command::Symmetry(_)
+            | Command::Irreversible(_)
+            | Command::Paste { .. }
+            | Command::Move { .. }
+            | Command::Array { .. }
+            | Command::Orient(_)
+            | Command::Surface(_) => selection::write(self, f),
+            Command::Mend(mend) => mend::write(mend, f),
+            Command::Undo { steps } | Command::Redo { steps } => match steps {
+                Some(n) => write!(f, " {n}"),
+                None => write!(f, " all"),
+            },
+            Command::Place(p) => write!(
+                f,
+                " turn={} move={} scale={}",
+                list(p.rotation.to_array()),
+                list(p.translation.to_array()),
+                p.scale
+            ),
+            Command::End | Command::Cancel | Command::Copy | Command::Cut => Ok(()),
+        }
+    }
+}
+
+fn write_placed(
+    primitive: &Primitive,
+    to_vx: Option<Vec3>,
+    f: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    write!(f, " {primitive}")?;
+    to_vx.map_or(Ok(()), |to| write!(f, " to={}", list(to.to_array())))
+}
+
+fn write_colour(op: &EditOp, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match op {
+        EditOp::Add(Some(colour)) | EditOp::Recolour(colour) => write!(f, " colour={colour}"),
+        EditOp::Add(None) | EditOp::Subtract => Ok(()),
+    }
+}
+
+impl fmt::Display for Primitive {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} at={} half={} turn={}",
+            self.solid.name(),
+            list(self.centre_vx.to_array()),
+            list(self.half.to_array()),
+            list(self.rotation.to_array())
+        )
+    }
+}
+
+impl FromStr for Command {
+    type Err = ParseError;
+
+    fn from_str(line: &str) -> Result<Command, ParseError> {
+        let mut args = Arguments::parse(line)?;
+        let verb = args.verb.clone();
+        let command = match verb.as_str() {
+            "new" => Command::New(parse_new(&mut args)?),
+            "open" => Command::Open {
+                path: args.path()?,
+                import: ImportOptions {
+                    existence: args.optional("threshold", str::parse)?.unwrap_or_default(),
+                    colouring: args.optional("colouring", str::parse)?.unwrap_or_default(),
+                    colour_depth: args.optional("colour", parse_colour_depth)?,
+                    upright: args.optional("upright", str::parse)?,
+                    raw: args.optional("raw", str::parse)?,
+                    channel: args.optional("channel", str::parse)?,
+                    time: args.optional("time", str::parse)?,
+                    region: args.optional("region", str::parse)?,
+                    cubic: args.optional("cubic", str::parse)?.unwrap_or_default(),
+                    largest_piece: choice(&mut args, "pieces", ["all", "largest"])?,
+                    fill_holes: choice(&mut args, "holes", ["open", "filled"])?,
+                    mesh_size: args.optional("mesh_size", str::parse)?.unwrap_or_default(),
+                    mesh_fill: args.optional("mesh_fill", str::parse)?.unwrap_or_default(),
+                },
+            },
+            "embed" => {
+                let data = |text: &str| {
+                    let file = base64::decode(text.as_bytes(), text.len());
+                    file.ok_or_else(|| "this is no Base64 text".to_string())
+                };
+                Command::Embed { path: args.path()?, file: args.required("data", data)?.into() }
+            }
+            "save" => Command::Save { path: args.path()?, export: export::parse(&mut args)? },
+            "begin" => Command::Begin { label: args.optional_word()?.unwrap_or("stroke".into()) },
+            "end" => Command::End,
+            "cancel" => Command::Cancel,
+            "add" | "subtract" | "recolour" => parse_construct(&verb, &mut args)?,
+            "spray" => spray::parse(&mut args)?,
+            "deform" => deform::parse(&mut args)?,
+            "grab" => grab::parse(&mut args)?,
+            "texture" => {
+                Command::Texture { picture: args.path()?, primitive: parse_primitive(&mut args)? }
+            }
+            "stencil" => spray::parse_stencil(&mut args)?,
+            "fill" => Command::Fill {
+                area: selection::parse_area(&mut args)?,
+                colour: args.optional("colour", parse_colour)?,
+            },
+            "clear" => Command::Clear { area: selection::parse_area(&mut args)? },
+            "dye" => Command::Dye {
+                area: selection::parse_area(&mut args)?,
+                colour: args.required("colour", parse_colour)?,
+            },
+            "adjust" | "gradient" | "noise" => tint::parse(&verb, &mut args)?,
+            "flood" => tint::parse_flood(&mut args)?,
+            "mask" => mask::parse(&mut args)?,
+            "mark" | "select" | "limit" | "irreversible" | "symmetry" | "copy" | "cut"
+            | "paste" | "move" | "array" | "orient" | "surface" => {
+                selection::parse(&verb, &mut args)?
+            }
+            "remove-islands" | "fill-cavities" | "thicken" | "drain" => {
+                mend::parse(&verb, &mut args)?
+            }
+            "undo" => Command::Undo { steps: parse_steps(&mut args)? },
+            "redo" => Command::Redo { steps: parse_steps(&mut args)? },
+            "place" => Command::Place(Placement {
+                rotation: args.optional("turn", parse_rotation)?.unwrap_or(Quat::IDENTITY),
+                translation: args.optional("move", parse_vec3)?.unwrap_or(Vec3::ZERO),
+                scale: args.optional("scale", number)?.unwrap_or(1.0),
+            }),
+            _ => {
+                let known: Vec<&str> = COMMANDS.iter().map(|c| c.verb).collect();
+                return Err(ParseError(format!(
+                    "unknown command `{verb}`; the commands are {}",
+                    known.join(", ")
+                )));
+            }
+        };
+        args.finish()?;
+        Ok(command)
+    }
+}
+
+fn parse_new(args: &mut Arguments) -> Result<NewSculpture, ParseError> {
+    Ok(NewSculpture {
+        dims: args.required("dims", |text| {
+            let [x, y, z] = numbers::<u32, 3>(text)?;
+            Ok(UVec3::new(x, y, z))
+        })?,
+        voxel_size: args.optional("size", parse_vec3)?.unwrap_or(Vec3::ONE),
+        colour_depth: args.optional("colour", parse_colour_depth)?.unwrap_or_default(),
+        base: args.optional("base", parse_colour)?.unwrap_or(DEFAULT_BASE),
+        solid: args
+            .optional("fill", |text| match text {
+                "solid" => Ok(true),
+                "empty" => Ok(false),
+                _ => Err("must be solid or empty".to_string()),
+            })?
+            .unwrap_or(true),
+    })
+}
+
+/// Which of two words is given; the first, which is the default, for false.
+fn choice(args: &mut Arguments, key: &str, words: [&str; 2]) -> Result<bool, ParseError> {
+    let parse = |text: &str| match words.iter().position(|word| *word == text) {
+        Some(place) => Ok(place == 1),
+        None => Err(format!("must be {} or {}", words[0], words[1])),
+    };
+    args.optional(key, parse).map(Option::unwrap_or_default)
+}
+
+fn parse_primitive(args: &mut Arguments) -> Result<Primitive, ParseError> {
+    let name = args.word(Solid::NAMES)?;
+    parse_placed(&name, args, Solid::NAMES)
+}
+
+/// Reads what follows the name of a solid, which is one of `names`.
+fn parse_placed(name: &str, args: &mut Arguments, names: &str) -> Result<Primitive, ParseError> {
+    let solid = Solid::ALL
+        .into_iter()
+        .find(|s| s.name() == name)
+        .ok_or_else(|| ParseError(format!("`{name}` is not a solid; use {names}")))?;
+    Ok(Primitive {
+        solid,
+        centre_vx: args.required("at", parse_vec3)?,
+        half: args.required("half", |text| match text.contains(',') {
+            true => parse_vec3(text),
+            false => number(text).map(Vec3::splat),
+        })?,
+        rotation: args.optional("turn", parse_rotation)?.unwrap_or(Quat::IDENTITY),
+    })
+}
+
+fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
+    let names = format!("{}, {}", Solid::NAMES.replace(" or ", ", "), Form::NAMES);
+    let name = args.word(&names)?;
+    let op = |args: &mut Arguments| -> Result<EditOp, ParseError> {
+        Ok(match verb {
+            "add" => EditOp::Add(args.optional("colour", parse_colour)?),
+            "recolour" => EditOp::Recolour(args.required("colour", parse_colour)?),
+            _ => EditOp::Subtract,
+        })
+    };
+    if let Some(form) = form::parse(&name, args)? {
+        return Ok(Command::Form { op: op(args)?, form });
+    }
+    let (primitive, to_vx) = parse_swept(&name, args, &names)?;
+    Ok(Command::Construct { op: op(args)?, primitive, to_vx })
+}
+
+/// Reads what follows the name of a solid that may sweep.
+fn parse_swept(
+    name: &str,
+    args: &mut Arguments,
+    names: &str,
+) -> Result<(Primitive, Option<Vec3>), ParseError> {
+    Ok((parse_placed(name, args, names)?, args.optional("to", parse_vec3)?))
+}
+
+fn parse_steps(args: &mut Arguments) -> Result<Option<u32>, ParseError> {
+    match args.optional_word()?.as_deref() {
+        None => Ok(Some(1)),
+        Some("all") => Ok(None),
+        Some(text) => number(text)
+            .map(Some)
+            .map_err(|_| ParseError(format!("`{text}` is neither a number of steps nor `all`"))),
+    }
+}
+
+/// Three angles in degrees about x, then y, then z; or a quaternion x, y, z, w.
+fn parse_rotation(text: &str) -> Result<Quat, String> {
+    if let Ok(degrees) = numbers::<f32, 3>(text) {
+        let [x, y, z] = degrees.map(f32::to_radians);
+        return Ok(Quat::from_euler(EulerRot::XYZEx, x, y, z));
+    }
+    let quat = numbers::<f32, 4>(text).map(Quat::from_array).map_err(|_| {
+        "must be three angles in degrees or a quaternion of four numbers".to_string()
+    })?;
+    // What was printed is taken to the bit; what was typed is made a rotation.
+    match quat.is_normalized() {
+        true => Ok(quat),
+        // Squares of large numbers have no room in single precision.
+        false if quat.as_dquat().length_squared() > 1e-12 => {
+            Ok(quat.as_dquat().normalize().as_quat())
+        }
+        false => Err("must not be a quaternion of length 0".to_string()),
+    }
+}
+
+fn parse_colour_depth(text: &str) -> Result<ColourDepth, String> {
+    let depth = number(text).ok().and_then(ColourDepth::from_bits);
+    depth.ok_or_else(|| "must be 0, 8, 16 or 24 bits".to_string())
+}
+
+fn parse_colour(text: &str) -> Result<Rgb, String> {
+    text.parse()
+}
+
+fn parse_vec3(text: &str) -> Result<Vec3, String> {
+    numbers::<f32, 3>(text).map(Vec3::from_array)
+}
+
+fn parse_ivec3(text: &str) -> Result<IVec3, String> {
+    numbers::<i32, 3>(text).map(IVec3::from_array)
+}
+
+fn numbers<T: Number, const N: usize>(text: &str) -> Result<[T; N], String> {
+    let values: Vec<T> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    values.try_into().map_err(|_| format!("must be {N} numbers separated by commas"))
+}
+
+fn number<T: Number>(text: &str) -> Result<T, String> {
+    match text.trim().parse::<T>() {
+        Ok(value) if value.usable() => Ok(value),
+        _ => Err(format!("`{text}` is not a valid number")),
+    }
+}
+
+/// A number that a command may hold.
+trait Number: FromStr {
+    fn usable(&self) -> bool;
+}
+
+impl Number for f32 {
+    fn usable(&self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Number for u32 {
+    fn usable(&self) -> bool {
+        true
+    }
+}
+
+impl Number for i32 {
+    fn usable(&self) -> bool {
+        true
+    }
+}
+
+impl Number for u64 {
+    fn usable(&self) -> bool {
+        true
+    }
+}
+
+fn list<T: fmt::Display, const N: usize>(values: [T; N]) -> String {
+    values.map(|v| v.to_string()).join(",")
+}

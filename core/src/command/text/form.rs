@@ -1,0 +1,103 @@
+//! The text form of solids that are drawn.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::{Quat, Vec2, Vec3};
+
+use super::arguments::Arguments;
+use super::{ParseError, list, number, numbers, parse_rotation, parse_vec3};
+use crate::tools::drawn::{Bead, Form, Pose};
+
+/// Writes the name and what follows it.
+pub fn write(form: &Form, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    write!(f, " {}", form.name())?;
+    match form {
+        Form::HalfSpace { at_vx, normal } => {
+            write!(f, " at={} normal={}", list(at_vx.to_array()), list(normal.to_array()))
+        }
+        Form::Ring { pose, radius, tube } => {
+            write_pose(pose, f)?;
+            write!(f, " radius={radius} tube={tube}")
+        }
+        Form::Tube { beads } => {
+            let bead = |b: &Bead| list(b.at_vx.extend(b.radius).to_array());
+            write!(f, " points={}", joined(beads, ";", bead))
+        }
+        Form::Lathe { pose, profile } => {
+            write_pose(pose, f)?;
+            write!(f, " profile={}", points(profile))
+        }
+        Form::Extrusion { pose, outlines, depth } => {
+            write_pose(pose, f)?;
+            write!(f, " depth={depth} outline={}", joined(outlines, "/", points))
+        }
+    }
+}
+
+fn write_pose(pose: &Pose, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let Pose { at_vx, rotation } = pose;
+    write!(f, " at={} turn={}", list(at_vx.to_array()), list(rotation.to_array()))
+}
+
+fn points(points: &Arc<[Vec2]>) -> String {
+    joined(points, ";", |p| list(p.to_array()))
+}
+
+fn joined<T>(items: &[T], between: &str, text: impl Fn(&T) -> String) -> String {
+    items.iter().map(text).collect::<Vec<_>>().join(between)
+}
+
+/// Reads what follows the name; None if it is not that of a form.
+pub fn parse(name: &str, args: &mut Arguments) -> Result<Option<Form>, ParseError> {
+    Ok(Some(match name {
+        "half-space" => Form::HalfSpace {
+            at_vx: args.required("at", parse_vec3)?,
+            normal: args.required("normal", parse_vec3)?,
+        },
+        "ring" => Form::Ring {
+            pose: parse_pose(args)?,
+            radius: args.required("radius", number)?,
+            tube: args.required("tube", number)?,
+        },
+        "tube" => {
+            let radius = args.optional("radius", number)?;
+            let bead = |text: &str| parse_bead(text, radius);
+            let beads = args.required("points", |text| text.split(';').map(bead).collect())?;
+            Form::Tube { beads }
+        }
+        "lathe" => Form::Lathe {
+            pose: parse_pose(args)?,
+            profile: args.required("profile", parse_points)?,
+        },
+        "extrusion" => Form::Extrusion {
+            pose: parse_pose(args)?,
+            depth: args.required("depth", number)?,
+            outlines: args
+                .required("outline", |text| text.split('/').map(parse_points).collect())?,
+        },
+        _ => return Ok(None),
+    }))
+}
+
+fn parse_pose(args: &mut Arguments) -> Result<Pose, ParseError> {
+    Ok(Pose {
+        at_vx: args.required("at", parse_vec3)?,
+        rotation: args.optional("turn", parse_rotation)?.unwrap_or(Quat::IDENTITY),
+    })
+}
+
+fn parse_points(text: &str) -> Result<Arc<[Vec2]>, String> {
+    text.split(';').map(|point| numbers::<f32, 2>(point).map(Vec2::from_array)).collect()
+}
+
+/// A point of four numbers, or of three with the radius of all.
+fn parse_bead(text: &str, radius: Option<f32>) -> Result<Bead, String> {
+    if let Some(radius) = radius {
+        return Ok(Bead { at_vx: parse_vec3(text)?, radius });
+    }
+    let [x, y, z, radius] = numbers::<f32, 4>(text).map_err(|error| {
+        format!("{error}: place and radius; or give `radius=` and points of three numbers")
+    })?;
+    Ok(Bead { at_vx: Vec3::new(x, y, z), radius })
+}

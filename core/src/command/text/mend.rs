@@ -1,0 +1,56 @@
+//! The text form of commands that make a sculpture fit for printing.
+
+use std::fmt;
+
+use super::arguments::Arguments;
+use super::{ParseError, number};
+use crate::command::Command;
+use crate::tools::repair::{Keep, Mend, Toward};
+
+/// The diameter of holes by default, in voxels.
+const HOLE_VX: f32 = 3.0;
+
+/// Writes what follows the verb.
+pub fn write(mend: &Mend, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let smaller = |f: &mut fmt::Formatter<'_>, smaller_vx: &Option<u32>| match smaller_vx {
+        Some(voxels) => write!(f, " smaller={voxels}"),
+        None => Ok(()),
+    };
+    match mend {
+        Mend::RemoveIslands { keep, smaller_vx } => {
+            write!(f, " keep={}", keep.name())?;
+            smaller(f, smaller_vx)
+        }
+        Mend::FillCavities { smaller_vx } => smaller(f, smaller_vx),
+        Mend::Thicken { to_vx } => write!(f, " to={to_vx}"),
+        Mend::Drain { diameter_vx, toward } => {
+            write!(f, " diameter={diameter_vx} toward={}", toward.name())
+        }
+    }
+}
+
+/// Reads what follows one of the verbs.
+pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
+    Ok(Command::Mend(match verb {
+        "remove-islands" => Mend::RemoveIslands {
+            keep: args
+                .optional("keep", |text| {
+                    let keep = Keep::ALL.into_iter().find(|keep| keep.name() == text);
+                    keep.ok_or_else(|| "must be standing or largest".to_string())
+                })?
+                .unwrap_or_default(),
+            smaller_vx: args.optional("smaller", number)?,
+        },
+        "fill-cavities" => Mend::FillCavities { smaller_vx: args.optional("smaller", number)? },
+        "thicken" => Mend::Thicken { to_vx: args.required("to", number)? },
+        _ => Mend::Drain {
+            diameter_vx: args.optional("diameter", number)?.unwrap_or(HOLE_VX),
+            toward: args
+                .optional("toward", |text| {
+                    let toward = Toward::ALL.into_iter().find(|toward| toward.name() == text);
+                    toward.ok_or_else(|| "must be down or nearest".to_string())
+                })?
+                .unwrap_or_default(),
+        },
+    }))
+}

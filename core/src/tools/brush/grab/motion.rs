@@ -1,0 +1,206 @@
+//! How clay in a ball moves ([`crate::tools::brush::grab`]): pulled along a way, twisted about an axis or pinched towards it.
+//!
+//! From a motion to the shift of eight voxels of a row in one small step. Twist turns each sphere about the middle as a
+//! whole; pinch is the curl of a stream function about its axis. So neither changes a volume, but for what a step rounds.
+
+use glam::{DVec3, Vec3};
+
+use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::grab::Falloff;
+use crate::tools::symmetry::Image;
+
+/// Eight voxels of a row of a brick: something along each axis.
+pub type Row = [[f32; EDGE]; 3];
+pub const EDGE: usize = BRICK_EDGE_VX as usize;
+
+/// What the clay in a ball does.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Motion {
+    /// Goes along.
+    Pull {
+        /// How far the middle goes, in voxels; at most [`crate::tools::brush::grab::MAX_PULL_VX`] along each axis.
+        by_vx: Vec3,
+    },
+    /// Turns about an axis through the middle.
+    Twist {
+        /// The axis, of any length; lengths are in units of the smallest edge of a voxel.
+        normal: Vec3,
+        /// By how much the middle turns, in degrees, counter-clockwise seen from where the axis points; at most
+        /// [`crate::tools::brush::grab::MAX_TWIST_DEG`] either way.
+        angle_deg: f32,
+    },
+    /// Comes together at an axis through the middle, and gives way along it.
+    Pinch {
+        /// The axis, as of a twist.
+        normal: Vec3,
+        /// How far: around the middle distances from the axis shrink by the factor e^-strength. From -1 to 1; below 0
+        /// the clay spreads.
+        strength: f32,
+    },
+}
+
+/// One small step of a motion.
+#[derive(Clone, Copy)]
+pub enum Step {
+    /// In voxels, with the ball.
+    Shift(DVec3),
+    /// About an axis of length 1, by an angle in radians.
+    Turn { axis: DVec3, angle: f64 },
+    /// To an axis of length 1.
+    Gather { axis: DVec3, strength: f64 },
+}
+
+/// One of several balls of clay at once, relative to the origin of the flow.
+pub struct Pull {
+    pub centre: DVec3,
+    pub step: Step,
+}
+
+impl Motion {
+    /// An image of this in `steps` steps.
+    pub fn step(&self, steps: usize, image: &Image) -> Step {
+        let share = 1.0 / steps as f64;
+        let unit = |normal: Vec3| image.normal(normal.as_dvec3().normalize_or(DVec3::Y));
+        match *self {
+            Motion::Pull { by_vx } => Step::Shift(image.vector_exactly(by_vx.as_dvec3() * share)),
+            // In a mirror turns go the other way round.
+            Motion::Twist { normal, angle_deg } => Step::Turn {
+                axis: unit(normal) * if image.is_reflection() { -1.0 } else { 1.0 },
+                angle: f64::from(angle_deg).to_radians() * share,
+            },
+            Motion::Pinch { normal, strength } => {
+                Step::Gather { axis: unit(normal), strength: f64::from(strength) * share }
+            }
+        }
+    }
+
+    /// Its steepest slope, of which each step may have a part. `stretch`: edges of a voxel in units of the smallest.
+    pub fn slope(&self, stretch: DVec3, radius: f64, falloff: Falloff) -> f64 {
+        match *self {
+            Motion::Pull { by_vx } => {
+                (by_vx.as_dvec3() * stretch).length() * falloff.steepest() / radius
+            }
+            Motion::Twist { angle_deg, .. } => {
+                f64::from(angle_deg).to_radians().abs() * falloff.steepest_twist()
+            }
+            Motion::Pinch { strength, .. } => f64::from(strength).abs() * falloff.steepest_pinch(),
+        }
+    }
+
+    /// The tool that does it.
+    pub const fn kind(&self) -> DeformKind {
+        match self {
+            Motion::Pull { .. } => DeformKind::Grab,
+            Motion::Twist { .. } => DeformKind::Twist,
+            Motion::Pinch { .. } => DeformKind::Pinch,
+        }
+    }
+
+    /// Whether clay goes nowhere.
+    pub fn is_still(&self) -> bool {
+        match *self {
+            Motion::Pull { by_vx } => by_vx == Vec3::ZERO,
+            Motion::Twist { angle_deg, .. } => angle_deg == 0.0,
+            Motion::Pinch { strength, .. } => strength == 0.0,
+        }
+    }
+}
+
+impl Pull {
+    /// How far the ball itself goes in a step, in voxels.
+    pub fn way(&self) -> DVec3 {
+        match self.step {
+            Step::Shift(by) => by,
+            Step::Turn { .. } | Step::Gather { .. } => DVec3::ZERO,
+        }
+    }
+
+    /// The furthest ways that clay goes in a step against the axes and along them, in voxels.
+    pub fn furthest(&self, radius: f64, stretch: DVec3, falloff: Falloff) -> [DVec3; 2] {
+        let round = |way: f64| [DVec3::splat(way * radius) / stretch; 2];
+        match self.step {
+            Step::Shift(by) => [(-by).max(DVec3::ZERO), by.max(DVec3::ZERO)],
+            Step::Turn { angle, .. } => round(angle.abs() * falloff.widest_twist()),
+            // Along the axis it goes up to twice as far as a twist by the same number.
+            Step::Gather { strength, .. } => round(2.0 * strength.abs() * falloff.widest_twist()),
+        }
+    }
+
+    /// How far the clay at eight places goes in a step, in voxels. `from_centre`: the places, from the ball's middle, in
+    /// units of the smallest edge.
+    #[inline(always)]
+    pub fn shift(
+        &self,
+        from_centre: &Row,
+        stretch: DVec3,
+        radius: f64,
+        falloff: Falloff,
+        shift: &mut Row,
+    ) {
+        let inverse = (1.0 / radius) as f32;
+        let inverse = inverse * inverse;
+        let mut squared = [0.0f32; EDGE];
+        for along in from_centre {
+            for x in 0..EDGE {
+                squared[x] += along[x] * along[x];
+            }
+        }
+        match self.step {
+            Step::Shift(by) => {
+                let by = by.as_vec3().to_array();
+                for x in 0..EDGE {
+                    let share = falloff.at(squared[x] * inverse);
+                    for axis in 0..3 {
+                        shift[axis][x] = by[axis] * share;
+                    }
+                }
+            }
+            Step::Turn { axis, angle } => {
+                let (n, angle) = (axis.as_vec3(), angle as f32);
+                for x in 0..EDGE {
+                    let a = angle * falloff.at(squared[x] * inverse);
+                    // Far below a right angle these are exact enough.
+                    let aa = a * a;
+                    let sine = a * (1.0 - aa / 6.0 * (1.0 - aa / 20.0));
+                    let less = aa * 0.5 * (1.0 - aa / 12.0 * (1.0 - aa / 30.0));
+                    let p = [from_centre[0][x], from_centre[1][x], from_centre[2][x]];
+                    let c = cross(n, p);
+                    let cc = cross(n, c);
+                    for axis in 0..3 {
+                        shift[axis][x] = sine * c[axis] + less * cc[axis];
+                    }
+                }
+            }
+            Step::Gather { axis, strength } => {
+                let (n, strength) = (axis.as_vec3().to_array(), strength as f32);
+                for x in 0..EDGE {
+                    let p = [from_centre[0][x], from_centre[1][x], from_centre[2][x]];
+                    let height = n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
+                    let (share, slope) = falloff.at_with_slope(squared[x] * inverse);
+                    let slope = slope * inverse;
+                    // With the distance rho from the axis and the height z: the curl of rho^2 z share.
+                    let across = -strength * (share + 2.0 * height * height * slope);
+                    let beside = squared[x] - height * height;
+                    let up = 2.0 * strength * height * (share + beside * slope);
+                    for axis in 0..3 {
+                        shift[axis][x] = (p[axis] - n[axis] * height) * across + n[axis] * up;
+                    }
+                }
+            }
+        }
+        if !matches!(self.step, Step::Shift(_)) {
+            let stretch = stretch.as_vec3().to_array();
+            for (shift, edge) in shift.iter_mut().zip(stretch) {
+                for along in shift {
+                    *along /= edge;
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn cross(a: Vec3, b: [f32; 3]) -> [f32; 3] {
+    [a.y * b[2] - a.z * b[1], a.z * b[0] - a.x * b[2], a.x * b[1] - a.y * b[0]]
+}

@@ -1,0 +1,318 @@
+//! Brushes that move the surface: inflate, flatten, scrape, fill, draw and crease.
+//!
+//! From a grid and a brush to the voxels that appear and vanish. Clay is added where the nearest clay is less far away
+//! than the brush raises the surface there, and removed where the nearest emptiness is less far than it is lowered; what
+//! draw and crease move goes along one direction, in which the surface is looked for.
+//! Distances are those between voxels less half of one, where the surface is. Changes nothing itself.
+
+use glam::{DVec3, IVec3, Vec3};
+
+use super::distance::Distances;
+use super::grab::Falloff;
+use super::spray::Stamp;
+use crate::sculpture::Grid;
+use crate::sculpture::bit_block::BitBlock;
+use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
+use crate::sculpture::region::{ListedBricks, VoxelBox};
+use crate::tools::symmetry::{Symmetry, origin_of};
+
+/// Furthest that a surface is raised or lowered, in units of the smallest edge of a voxel.
+pub const MAX_HEIGHT: f32 = 16.0;
+/// How far from the surface clay is added or removed to reach a plane, in the same units.
+const PLANE_REACH: f32 = 12.0;
+
+/// Where the surface goes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Target {
+    /// Along its own normals, by this much: outwards above 0.
+    Along(f32),
+    /// Towards a plane, from one side or both.
+    Plane {
+        /// Out of the clay.
+        normal: Vec3,
+        /// Share of the way, 0 to 1.
+        strength: f32,
+        /// Clay before the plane is removed.
+        lowers: bool,
+        /// Room behind the plane is filled.
+        raises: bool,
+    },
+    /// Along one direction, by a height.
+    Drawn {
+        /// Out of the clay.
+        normal: Vec3,
+        /// Along the normal above 0.
+        height: f32,
+        /// What share of the height a place goes.
+        profile: Profile,
+    },
+}
+
+/// What share of the way a place goes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Profile {
+    /// That of the falloff.
+    Falloff,
+    /// Its square.
+    Squared,
+}
+
+/// Shortest step in which the surface is looked for along a direction, in units of the smallest edge.
+const LOOK: f32 = 0.25;
+/// What a distance may be off by rounding.
+const ROUNDING: f32 = 1e-3;
+
+/// A brush, placed.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Offset {
+    /// Middle of the ball, in voxel coordinates.
+    pub centre_vx: Vec3,
+    /// In units of the smallest edge.
+    pub radius: f32,
+    /// How the effect falls off from the middle to the rim.
+    pub falloff: Falloff,
+    /// Where the surface goes.
+    pub target: Target,
+}
+
+/// The ball of a brush, relative to the mirror planes: what is mirrored differs in signs only and is rounded alike.
+struct Ball {
+    origin: DVec3,
+    centre: DVec3,
+    /// Voxel edges in units of the smallest.
+    edges: DVec3,
+    radius: f32,
+    falloff: Falloff,
+    normal: Vec3,
+}
+
+impl Ball {
+    /// From the ball's middle to that of a voxel, in units of the smallest edge.
+    #[inline(always)]
+    fn relative(&self, v: IVec3) -> Vec3 {
+        ((v.as_dvec3() + 0.5 - self.origin - self.centre) * self.edges).as_vec3()
+    }
+
+    /// The brush's share of the way at a place relative to the middle.
+    #[inline(always)]
+    fn share(&self, p: Vec3) -> f32 {
+        let p = p / self.radius;
+        self.falloff.at(p.x * p.x + p.y * p.y + p.z * p.z)
+    }
+
+    /// Height of a place over the plane through the middle.
+    #[inline(always)]
+    fn height(&self, p: Vec3) -> f32 {
+        p.x * self.normal.x + p.y * self.normal.y + p.z * self.normal.z
+    }
+
+    /// Whether what is at the first place towards `way` (of length 1) from which `distances` are counted, `away` or
+    /// farther from `v`, goes to `v` or beyond, if the middle goes by `height`.
+    fn is_drawn_from(
+        &self,
+        distances: &Distances,
+        v: IVec3,
+        away: f32,
+        way: Vec3,
+        height: f32,
+        profile: Profile,
+    ) -> bool {
+        let p = self.relative(v);
+        let share = |p: Vec3| match profile {
+            Profile::Falloff => self.share(p),
+            Profile::Squared => self.share(p) * self.share(p),
+        };
+        // Nothing on the line through `v` goes farther than what is nearest to the middle.
+        let along = p.x * way.x + p.y * way.y + p.z * way.z;
+        let furthest = height * share(p - way * along) + ROUNDING;
+        if away > furthest || p.length_squared() > self.radius * self.radius {
+            return false;
+        }
+        let mut gone = away;
+        loop {
+            let left = distances.at(v, way * gone / self.edges.as_vec3());
+            if left <= ROUNDING {
+                return gone <= height * share(p + way * gone) + ROUNDING;
+            }
+            if gone >= furthest {
+                return false;
+            }
+            gone = (gone + left.max(LOOK)).min(furthest);
+        }
+    }
+}
+
+impl Offset {
+    /// What this and its mirror images change in `grid`.
+    pub fn stamp(&self, grid: &Grid, symmetry: &Symmetry) -> Stamp {
+        let dims = grid.dims();
+        let size = grid.voxel_size().as_dvec3();
+        let edges = size / size.min_element();
+        let images = symmetry.images(dims, grid.voxel_size());
+        let origin = origin_of(&images);
+        let normal = match self.target {
+            Target::Plane { normal, .. } | Target::Drawn { normal, .. } => normal,
+            Target::Along(_) => Vec3::Y,
+        };
+        Stamp::union(images.iter().map(|image| {
+            self.one(
+                grid,
+                &Ball {
+                    origin,
+                    centre: image.relative(self.centre_vx.as_dvec3(), origin),
+                    edges,
+                    radius: self.radius,
+                    falloff: self.falloff,
+                    normal: image.normal(normal.as_dvec3()).as_vec3(),
+                },
+            )
+        }))
+    }
+
+    fn one(&self, grid: &Grid, ball: &Ball) -> Stamp {
+        let reach = match self.target {
+            Target::Along(height) | Target::Drawn { height, .. } => height.abs() + 1.0,
+            Target::Plane { .. } => PLANE_REACH + 1.0,
+        };
+        let edges = ball.edges.as_vec3();
+        let around = (Vec3::splat(reach) / edges).ceil().as_ivec3();
+        let Some(bounds) = self.bounds(grid, ball, around) else { return Stamp::default() };
+        let block = BitBlock::of_grid(grid, bounds.min - around - 1, bounds.max + around + 1);
+        let (raises, lowers) = match self.target {
+            Target::Along(height) | Target::Drawn { height, .. } => (height > 0.0, height < 0.0),
+            Target::Plane { raises, lowers, strength, .. } => {
+                (raises && strength > 0.0, lowers && strength > 0.0)
+            }
+        };
+        // Beyond the grid's border there is room, which is looked for.
+        let wide = VoxelBox { min: bounds.min - 1, max: bounds.max + 1 };
+        let bricks = |block: BitBlock| ListedBricks::new(block.bricks(grid.brick_dims()));
+        let mut stamp = Stamp::default();
+        if raises {
+            let to_clay = Distances::new(&block, true, wide, reach, edges);
+            let added = changed(bounds, &to_clay, |v, away| self.adds(ball, &to_clay, v, away));
+            stamp.add = bricks(added);
+        }
+        if lowers {
+            let to_room = Distances::new(&block, false, wide, reach, edges);
+            let removed =
+                changed(bounds, &to_room, |v, away| self.removes(ball, &to_room, v, away));
+            stamp.remove = bricks(removed);
+        }
+        stamp
+    }
+
+    /// The voxels that may change: those of the ball near a surface. None if there are none.
+    fn bounds(&self, grid: &Grid, ball: &Ball, around: IVec3) -> Option<VoxelBox> {
+        let half = DVec3::splat(f64::from(self.radius)) / ball.edges;
+        let middle = ball.centre + ball.origin;
+        let reached = VoxelBox {
+            min: (middle - half).floor().as_ivec3(),
+            max: (middle + half).ceil().as_ivec3(),
+        };
+        let reached = reached.intersect(VoxelBox::of_grid(grid));
+        if reached.is_empty() {
+            return None;
+        }
+        let edge = BRICK_EDGE_VX as i32;
+        let low = (reached.min - around).div_euclid(IVec3::splat(edge));
+        let high = (reached.max + around - 1).div_euclid(IVec3::splat(edge));
+        let dims = grid.brick_dims().as_ivec3();
+        let kind = |b: IVec3| {
+            let inside = b.cmpge(IVec3::ZERO).all() && b.cmplt(dims).all();
+            inside.then(|| grid.brick_kind(grid.brick_index(b.as_uvec3())))
+        };
+        let mut near = VoxelBox { min: IVec3::MAX, max: IVec3::MIN };
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                for b in (low.x..=high.x).map(|x| IVec3::new(x, y, z)) {
+                    let here = kind(b).unwrap_or(BrickKind::Empty);
+                    let beside = |axis: IVec3| {
+                        [b - axis, b + axis]
+                            .into_iter()
+                            .any(|b| kind(b) == Some(BrickKind::Empty) || kind(b).is_none())
+                    };
+                    let surface = here == BrickKind::Mixed
+                        || here == BrickKind::Full && IVec3::AXES.into_iter().any(beside);
+                    if surface {
+                        near.min = near.min.min(b * edge - around);
+                        near.max = near.max.max((b + 1) * edge + around);
+                    }
+                }
+            }
+        }
+        let bounds = if near.min.x == i32::MAX { return None } else { reached.intersect(near) };
+        (!bounds.is_empty()).then_some(bounds)
+    }
+
+    /// Whether a voxel without clay gets some; `away`: from the nearest clay.
+    #[inline(always)]
+    fn adds(&self, ball: &Ball, to_clay: &Distances, v: IVec3, away: f32) -> bool {
+        let p = ball.relative(v);
+        let share = ball.share(p);
+        match self.target {
+            Target::Along(height) => away < height * share,
+            Target::Plane { strength, .. } => {
+                let share = share * strength;
+                away < PLANE_REACH
+                    && (share - 1.0) * away - share * ball.height(p) > 0.0
+                    && faces(to_clay, v, ball.normal)
+            }
+            Target::Drawn { height, profile, .. } => {
+                ball.is_drawn_from(to_clay, v, away, -ball.normal, height, profile)
+            }
+        }
+    }
+
+    /// Whether a voxel of clay is removed; `away`: from the nearest emptiness.
+    #[inline(always)]
+    fn removes(&self, ball: &Ball, to_room: &Distances, v: IVec3, away: f32) -> bool {
+        let p = ball.relative(v);
+        let share = ball.share(p);
+        match self.target {
+            Target::Along(height) => away < -height * share,
+            Target::Plane { strength, .. } => {
+                let share = share * strength;
+                (1.0 - share) * away.min(PLANE_REACH) - share * ball.height(p) <= 0.0
+            }
+            Target::Drawn { height, profile, .. } => {
+                ball.is_drawn_from(to_room, v, away, ball.normal, -height, profile)
+            }
+        }
+    }
+}
+
+/// Whether the nearest clay does not lie on the far side, as behind a wall.
+fn faces(to_clay: &Distances, v: IVec3, normal: Vec3) -> bool {
+    let away = |v: IVec3| to_clay.near(v).sqrt();
+    let mut outwards = 0.0;
+    for (axis, step) in IVec3::AXES.into_iter().enumerate() {
+        outwards += normal[axis] * (away(v + step) - away(v - step));
+    }
+    outwards >= -0.5
+}
+
+/// The voxels of a box for which `is` holds, given each and how far the surface is from it. Voxels at the distance 0
+/// are on the other side.
+fn changed(
+    bounds: VoxelBox,
+    distances: &Distances,
+    is: impl Fn(IVec3, f32) -> bool + Sync,
+) -> BitBlock {
+    let empty = BitBlock::empty(bounds.min, bounds.max);
+    let origin = empty.origin();
+    empty.map_rows_in_parallel(|y, z, row| {
+        let start = origin + IVec3::new(0, y, z);
+        let inside = bounds.min.y <= start.y && start.y < bounds.max.y;
+        if !inside || start.z < bounds.min.z || start.z >= bounds.max.z {
+            return;
+        }
+        let squared = distances.row_from(IVec3::new(bounds.min.x, start.y, start.z));
+        for (x, squared) in (bounds.min.x..bounds.max.x).zip(squared) {
+            if *squared > 0.0 && is(IVec3::new(x, start.y, start.z), squared.sqrt() - 0.5) {
+                let place = (x - origin.x) as usize;
+                row[place / 64] |= 1 << (place % 64);
+            }
+        }
+    })
+}

@@ -1,0 +1,247 @@
+//! What makes a sculpture fit for a 3D printer: islands are removed, cavities filled or drained, thin walls thickened.
+//!
+//! From a [`Mend`] and a grid to the voxels to remove and to add; changes nothing. Knows no document. Up is y, and the
+//! bed lies below the lowest voxel. Lengths are in edges of a voxel along x.
+
+use glam::{UVec3, Vec3};
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::drain;
+use super::thickness::Thickness;
+use crate::progress::Progress;
+use crate::sculpture::Grid;
+use crate::sculpture::region::ListedBricks;
+use crate::tools::pieces::{Part, Pieces, PiecesError, pieces};
+
+/// The pieces that are no islands.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Keep {
+    /// The largest, and those that stand on the bed.
+    #[default]
+    Standing,
+    /// The largest alone.
+    Largest,
+}
+
+/// Where holes lead to.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Toward {
+    /// Down, out of the print's underside or its lowest opening.
+    #[default]
+    Down,
+    /// Along the axis on which they are shortest.
+    Nearest,
+}
+
+/// A change that makes a sculpture fit for printing.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Mend {
+    /// Remove the pieces that hang together with nothing.
+    RemoveIslands {
+        /// Which pieces stay.
+        keep: Keep,
+        /// Only islands of fewer voxels; none for all.
+        smaller_vx: Option<u32>,
+    },
+    /// Fill empty places that do not reach the outside.
+    FillCavities {
+        /// Only those of fewer voxels; none for all.
+        smaller_vx: Option<u32>,
+    },
+    /// Add voxels around walls that are thinner.
+    Thicken {
+        /// The thickness that all walls are to have.
+        to_vx: f32,
+    },
+    /// Drill a hole from each cavity to the outside.
+    Drain {
+        /// Its diameter.
+        diameter_vx: f32,
+        /// Its direction.
+        toward: Toward,
+    },
+}
+
+impl Keep {
+    /// All, in the order in which interfaces offer them.
+    pub const ALL: [Keep; 2] = [Keep::Standing, Keep::Largest];
+
+    /// Its name in the text form.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Keep::Standing => "standing",
+            Keep::Largest => "largest",
+        }
+    }
+}
+
+impl Toward {
+    /// All, in the order in which interfaces offer them.
+    pub const ALL: [Toward; 2] = [Toward::Down, Toward::Nearest];
+
+    /// Its name in the text form.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Toward::Down => "down",
+            Toward::Nearest => "nearest",
+        }
+    }
+}
+
+/// Why nothing can be mended.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum MendError {
+    /// The work was cancelled.
+    #[error("cancelled")]
+    Cancelled,
+    /// Finding the pieces takes too much memory.
+    #[error(transparent)]
+    Pieces(PiecesError),
+    /// A length is out of range.
+    #[error("{0} must be above 0 and at most 64 voxels on every axis")]
+    Length(&'static str),
+    /// Measuring walls takes too much memory.
+    #[error(
+        "measuring the walls needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
+         raise memory.grid_mib in the settings"
+    )]
+    Memory {
+        /// MiB needed.
+        needed_mib: u64,
+        /// MiB allowed.
+        budget_mib: u64,
+    },
+}
+
+impl From<PiecesError> for MendError {
+    fn from(error: PiecesError) -> MendError {
+        match error {
+            PiecesError::Cancelled => MendError::Cancelled,
+            memory => MendError::Pieces(memory),
+        }
+    }
+}
+
+/// The voxels of a mend.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct MendPlan {
+    /// Those that go.
+    pub remove: ListedBricks,
+    /// Those that come.
+    pub add: ListedBricks,
+}
+
+impl Mend {
+    /// The verb of its command.
+    pub fn verb(&self) -> &'static str {
+        match self {
+            Mend::RemoveIslands { .. } => "remove-islands",
+            Mend::FillCavities { .. } => "fill-cavities",
+            Mend::Thicken { .. } => "thicken",
+            Mend::Drain { .. } => "drain",
+        }
+    }
+
+    /// Checks the numbers.
+    pub fn check(&self, voxel: Vec3) -> Result<(), MendError> {
+        match *self {
+            Mend::Thicken { to_vx } => thickness(to_vx, voxel).map(drop),
+            Mend::Drain { diameter_vx, .. } if !(diameter_vx > 0.0 && diameter_vx <= 64.0) => {
+                Err(MendError::Length("the diameter of a hole"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The voxels of `grid` that it changes, found within `budget_bytes` beside it.
+    pub fn plan(
+        &self,
+        grid: &Grid,
+        budget_bytes: u64,
+        progress: &dyn Progress,
+    ) -> Result<MendPlan, MendError> {
+        self.check(grid.voxel_size())?;
+        let (mut remove, mut add) = (ListedBricks::default(), ListedBricks::default());
+        match *self {
+            Mend::RemoveIslands { keep, smaller_vx } => {
+                let found = pieces(grid, Part::Solid, budget_bytes, progress)?;
+                let stays = stays(&found, keep);
+                let list = found.list();
+                let is_small =
+                    |piece: u32| smaller_vx.is_none_or(|n| list[piece as usize].voxels < n);
+                remove =
+                    voxels_of(grid, &found, &|piece| !stays[piece as usize] && is_small(piece));
+            }
+            Mend::FillCavities { smaller_vx } => {
+                let found = pieces(grid, Part::Empty, budget_bytes, progress)?;
+                let list = found.list();
+                let is_small =
+                    |piece: u32| smaller_vx.is_none_or(|n| list[piece as usize].voxels < n);
+                add = voxels_of(grid, &found, &|piece| {
+                    !found.reaches_border(piece) && is_small(piece)
+                });
+            }
+            Mend::Thicken { to_vx } => {
+                let thickness = thickness(to_vx, grid.voxel_size())?;
+                check_memory(thickness.bytes_to_thicken(grid), budget_bytes)?;
+                let added = thickness.thicken(grid, progress).ok_or(MendError::Cancelled)?;
+                add = ListedBricks::new(added.bricks(grid.brick_dims()));
+            }
+            Mend::Drain { diameter_vx, toward } => {
+                let found = pieces(grid, Part::Empty, budget_bytes, progress)?;
+                let holes = drain::holes(grid, &found, diameter_vx, toward, progress);
+                remove = holes.ok_or(MendError::Cancelled)?;
+            }
+        }
+        Ok(MendPlan { remove, add })
+    }
+}
+
+/// An error if walls, which take `needed` bytes, cannot be measured within `budget_bytes`.
+pub fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), MendError> {
+    let (needed_mib, budget_mib) = (needed.div_ceil(1 << 20), budget_bytes >> 20);
+    let memory = MendError::Memory { needed_mib, budget_mib };
+    if needed > budget_bytes { Err(memory) } else { Ok(()) }
+}
+
+/// A thickness in edges of a voxel along x.
+pub fn thickness(to_vx: f32, voxel: Vec3) -> Result<Thickness, MendError> {
+    let thickness = Thickness::new(to_vx * voxel.x, voxel);
+    thickness.ok_or(MendError::Length("the thickness of a wall"))
+}
+
+/// Whether each piece of a solid stands on the bed, on which the lowest voxel lies.
+pub fn standing(solid: &Pieces) -> Vec<bool> {
+    let floor = |place: usize| solid.list()[place].bounds().0.y;
+    let lowest = (0..solid.list().len()).map(floor).min();
+    (0..solid.list().len()).map(|place| Some(floor(place)) == lowest).collect()
+}
+
+fn stays(solid: &Pieces, keep: Keep) -> Vec<bool> {
+    let mut stays = match keep {
+        Keep::Standing => standing(solid),
+        Keep::Largest => vec![false; solid.list().len()],
+    };
+    if let Some(largest) = solid.largest() {
+        stays[largest as usize] = true;
+    }
+    stays
+}
+
+/// The voxels of the pieces that are chosen.
+pub fn voxels_of(
+    grid: &Grid,
+    found: &Pieces,
+    is_chosen: &(dyn Fn(u32) -> bool + Sync),
+) -> ListedBricks {
+    let bricks = (0..grid.brick_count()).into_par_iter().with_min_len(1 << 10);
+    let chosen = bricks.map(|index| (index, found.chosen(index, &|piece| is_chosen(piece))));
+    let listed = chosen.filter(|(_, mask)| !mask.is_empty());
+    let listed = listed.map(|(index, mask)| (grid.brick_coords(index), mask));
+    ListedBricks::new(listed.collect::<Vec<(UVec3, _)>>())
+}
+
+#[cfg(test)]
+#[path = "mend_tests.rs"]
+mod tests;

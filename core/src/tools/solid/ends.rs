@@ -1,0 +1,241 @@
+//! From a convex solid's formula to the voxels of a row of bricks: real-valued ends for eight rows of
+//! voxels at a time, rounded to voxels where errors cannot matter, and decided voxel by voxel with the
+//! exact test where they can.
+//!
+//! Ends are computed in `f32`, eight at a time in a vector; about one row in a hundred is too close to
+//! call and is computed again in `f64`, and of those about one in a million is decided by the exact
+//! test itself. From a [`RowSolver`] and the exact test to spans that equal the test on every voxel.
+
+use std::ops::Range;
+
+use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
+use glam::{DVec3, IVec3};
+
+use super::spans::RowSpans;
+
+/// Relative error of one operation in `f64`.
+pub const ROUNDING: f64 = f64::EPSILON / 2.0;
+/// Relative error of one operation in `f32`.
+pub const ROUNDING_32: f64 = f32::EPSILON as f64 / 2.0;
+/// 0, 1, .. 7: the steps from one row to the next.
+pub const STEPS: [f32; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+/// Ends along x, as voxel indices less an origin, of eight rows next to each other along y. A
+/// row is empty where `from >= to`.
+pub struct Ends<S: Simd> {
+    pub from: f32x8<S>,
+    pub to: f32x8<S>,
+    /// The rows whose ends the margin does not cover.
+    pub doubtful: mask32x8<S>,
+}
+
+/// What is certain about one row: voxels outside `outer` are out, those in `inner` are in.
+#[derive(Clone, Copy, Debug)]
+pub struct Bracket {
+    /// Lowest and highest voxel index, as real numbers.
+    pub outer: [f64; 2],
+    /// No voxel if `inner[0] > inner[1]`.
+    pub inner: [f64; 2],
+}
+
+impl Bracket {
+    /// No voxel.
+    pub const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+    /// Every voxel is out.
+    pub const OUTSIDE: Bracket = Bracket { outer: Self::NONE, inner: Self::NONE };
+    /// Nothing is certain.
+    pub const UNKNOWN: Bracket =
+        Bracket { outer: [f64::NEG_INFINITY, f64::INFINITY], inner: Self::NONE };
+}
+
+/// A convex solid intersected with rows along x. Rows are given by their voxel coordinates.
+pub trait RowSolver {
+    /// What holds for one row of bricks.
+    type Local;
+
+    /// Prepares for the 8x8 rows from `y`, `z` on; none if they are all empty. Ends will be less
+    /// `origin`. The second value is how far, in voxels, the ends of a row that is not doubtful
+    /// may be from where the exact test turns; at a half or more all rows are doubtful.
+    fn local(&self, origin: f64, y: f64, z: f64) -> Option<(Self::Local, f32)>;
+
+    /// The ends of the eight rows `step_z` voxels on along z.
+    fn ends<S: Simd>(&self, simd: S, local: &Self::Local, step_z: usize) -> Ends<S>;
+
+    /// What is certain about the row at `y`, `z`, whatever the rounding errors.
+    fn bracket(&self, y: f64, z: f64) -> Bracket;
+}
+
+/// Adding this to an `f32` below 2^22 leaves its nearest integer in the low bits.
+const INTEGER_IN_LOW_BITS: f32 = 1.5 * (1u32 << 23) as f32;
+
+/// Fills `spans` with the voxels in `x` of the 8x8 rows from `y`, `z` on that are in the solid.
+/// False if those of some row are not contiguous, which can happen by rounding errors of the exact
+/// test where a surface runs along the row.
+#[inline(always)]
+pub fn solve<S: Simd>(
+    simd: S,
+    solver: &impl RowSolver,
+    x: &Range<i32>,
+    y: u32,
+    z: u32,
+    exact: impl Fn(IVec3) -> bool,
+    spans: &mut RowSpans,
+) -> bool {
+    let origin = (x.start + x.end) / 2;
+    // A voxel whose index is r is in if r is at or beyond the lower end, so the first one is
+    // that end rounded up: half added, then rounded to the nearest. One past the last voxel is
+    // the upper end rounded down plus one: the same. Near a tie the rounding is in doubt.
+    let at = (f64::from(origin) - 0.5, f64::from(y), f64::from(z));
+    let Some((local, margin)) = solver.local(at.0, at.1, at.2) else {
+        spans.clear();
+        return true;
+    };
+    let rounding = Rounding::new(simd, x, origin, margin);
+    let mut doubtful = 0;
+    for pair in 0..4 {
+        let (first, second) = (2 * pair, 2 * pair + 1);
+        let (from, to, doubts) = rounding.rows(solver.ends(simd, &local, first));
+        doubtful |= doubts << (8 * first);
+        let (next_from, next_to, doubts) = rounding.rows(solver.ends(simd, &local, second));
+        doubtful |= doubts << (8 * second);
+        spans.set(simd, pair, [from, next_from], [to, next_to]);
+    }
+    doubtful == 0 || settle_rows(solver, x, (y as i32, z as i32), doubtful, &exact, spans)
+}
+
+/// The step from ends to voxels.
+struct Rounding<S: Simd> {
+    low: f32x8<S>,
+    high: f32x8<S>,
+    /// [`INTEGER_IN_LOW_BITS`] and the origin of the ends.
+    magic: f32x8<S>,
+    /// Ends that are rounded by less are certain.
+    sure: f32x8<S>,
+}
+
+impl<S: Simd> Rounding<S> {
+    #[inline(always)]
+    fn new(simd: S, x: &Range<i32>, origin: i32, margin: f32) -> Rounding<S> {
+        Rounding {
+            low: f32x8::splat(simd, (x.start - origin) as f32),
+            high: f32x8::splat(simd, (x.end - origin) as f32),
+            magic: f32x8::splat(simd, INTEGER_IN_LOW_BITS + origin as f32),
+            sure: f32x8::splat(simd, 0.5 - margin),
+        }
+    }
+
+    /// The first voxels of eight rows, one past the last ones, and a bit for each row in doubt.
+    #[inline(always)]
+    fn rows(&self, ends: Ends<S>) -> (i32x8<S>, i32x8<S>, u64) {
+        let (from, off_from) = self.round(ends.from);
+        let (to, off_to) = self.round(ends.to);
+        // What is not a number is in doubt.
+        let doubtful = !off_from.max(off_to).simd_lt(self.sure) | ends.doubtful;
+        (from, to, doubtful.to_bitmask())
+    }
+
+    /// Ends within the voxels asked for, rounded, and by how much.
+    #[inline(always)]
+    fn round(&self, end: f32x8<S>) -> (i32x8<S>, f32x8<S>) {
+        let moved = end.max(self.low).min(self.high);
+        let rounded = moved + self.magic;
+        let off = (moved - (rounded - self.magic)).abs();
+        (rounded.bitcast::<i32x8<S>>() - INTEGER_IN_LOW_BITS.to_bits() as i32, off)
+    }
+}
+
+/// Decides the rows of the bits in `rows` among 64, y fastest. False if one is not contiguous.
+#[cold]
+#[inline(never)]
+fn settle_rows(
+    solver: &impl RowSolver,
+    x: &Range<i32>,
+    (y, z): (i32, i32),
+    mut rows: u64,
+    exact: &impl Fn(IVec3) -> bool,
+    spans: &mut RowSpans,
+) -> bool {
+    while rows != 0 {
+        let row = rows.trailing_zeros();
+        rows &= rows - 1;
+        let (step_y, step_z) = (row % 8, row / 8);
+        let at = (y + step_y as i32, z + step_z as i32);
+        let Some(span) = settle(solver, x, at.0, at.1, exact) else { return false };
+        spans.set_row(step_y as usize, step_z as usize, span);
+    }
+    true
+}
+
+/// The voxels of one row, by the exact test wherever the bracket leaves it open.
+fn settle(
+    solver: &impl RowSolver,
+    x: &Range<i32>,
+    y: i32,
+    z: i32,
+    exact: impl Fn(IVec3) -> bool,
+) -> Option<Range<i32>> {
+    let bracket = solver.bracket(f64::from(y), f64::from(z));
+    let (low, high) = (f64::from(x.start), f64::from(x.end));
+    // Clamped to indices that are not negative, so that a cast rounds down.
+    let first = |v: f64| {
+        let v = v.clamp(low, high);
+        v as i32 + i32::from(v > f64::from(v as i32))
+    };
+    let past = |v: f64| (v + 1.0).clamp(low, high) as i32;
+    let outer = first(bracket.outer[0])..past(bracket.outer[1]);
+    let inner = first(bracket.inner[0])..past(bracket.inner[1]);
+    let inner = if inner.is_empty() { outer.end..outer.end } else { inner };
+
+    let inside = |x: i32| exact(IVec3::new(x, y, z));
+    let mut span: Option<Range<i32>> = None;
+    let mut add = |more: Range<i32>| match &mut span {
+        None => {
+            span = Some(more);
+            true
+        }
+        Some(span) if span.end == more.start => {
+            span.end = more.end;
+            true
+        }
+        Some(_) => false,
+    };
+    let mut connected = true;
+    for x in outer.start..inner.start.min(outer.end) {
+        connected &= !inside(x) || add(x..x + 1);
+    }
+    connected &= inner.is_empty() || add(inner.clone());
+    for x in inner.end..outer.end {
+        connected &= !inside(x) || add(x..x + 1);
+    }
+    connected.then(|| span.unwrap_or(0..0))
+}
+
+/// Bounds on the numbers that the exact test meets within the voxels that are asked for: the
+/// source of every margin.
+#[derive(Clone, Copy, Debug)]
+pub struct Magnitudes {
+    /// Largest distance of a voxel centre from the solid's centre along each axis, in voxels,
+    /// and at least 1.
+    pub distance_vx: DVec3,
+    /// Largest coordinate that those distances are taken of.
+    pub coordinate_vx: f64,
+    /// Number of voxels along x that can be inside.
+    pub width_vx: f64,
+    /// No component of a tool-space position, nor a partial sum of one, is larger.
+    pub position: f64,
+}
+
+impl Magnitudes {
+    /// Bound on the error of a tool-space position, of a sum of three of its components, and of
+    /// the sum of their squares. A position takes six operations, each off by [`ROUNDING`] of
+    /// at most `position`; the sum of squares five more on at most `position` squared. 128 is
+    /// several times what these add up to.
+    pub fn error(&self) -> f64 {
+        self.linear_error() * (1.0 + self.position)
+    }
+
+    /// [`Magnitudes::error`] without the squares.
+    pub fn linear_error(&self) -> f64 {
+        128.0 * ROUNDING * (1.0 + self.position)
+    }
+}

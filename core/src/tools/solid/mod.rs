@@ -1,0 +1,19 @@
+//! Solids in a box: ellipsoid, cuboid and so on, at any pose, and what they sweep on a straight way.
+//!
+//! From a [`Primitive`] to the [`crate::sculpture::region::Region`] of its voxels. Knows no grid's contents.
+
+mod bricks;
+mod ends;
+mod lanes;
+mod placed;
+mod planes;
+mod quadric;
+mod shape;
+mod spans;
+mod sweep;
+mod swept;
+#[cfg(test)]
+pub mod tests;
+
+pub use placed::{PlacedSolid, Primitive, SolidRow, check_way};
+pub use shape::{Shape, Solid};

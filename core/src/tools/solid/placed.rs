@@ -1,0 +1,336 @@
+//! The construction solids at any pose, and what they sweep on a straight way.
+//!
+//! From a pose in voxel coordinates to a [`Region`] of the voxels whose centres lie inside, or that the solid passes
+//! over. [`PlacedSolid::contains_voxel`] is the definition; the rows of the region equal it on every voxel.
+//! Knows no document.
+
+use std::ops::Range;
+
+use fearless_simd::Simd;
+use glam::{DMat3, DVec3, IVec3, Quat, UVec3, Vec3};
+
+use super::ends::{Magnitudes, solve};
+use super::planes::{Faces, Planes};
+use super::quadric::Quadric;
+use super::shape::{Shape, Solid};
+use super::spans::RowSpans;
+use super::swept::SweptQuadric;
+use crate::sculpture::Brick;
+use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::grid::MAX_AXIS_VX;
+use crate::sculpture::region::{Region, RowReach, VoxelBox};
+use crate::tools::drawn::is_place;
+use crate::tools::symmetry::Image;
+
+/// A solid at a pose.
+///
+/// Lengths are in units of the smallest edge of a voxel, so that a ball is a ball in the world even
+/// where voxels are not cubes; with cubic voxels the unit is a voxel.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Primitive {
+    /// Its kind.
+    pub solid: Solid,
+    /// Centre in voxel coordinates (the centre of voxel 0 is 0.5).
+    pub centre_vx: Vec3,
+    /// Half the extent along each axis of the tool, before rotation.
+    pub half: Vec3,
+    /// Rotation of the tool's axes against the grid's.
+    pub rotation: Quat,
+}
+
+impl Primitive {
+    /// An error that names the first invalid field, if there is one.
+    pub fn check(&self) -> Result<(), &'static str> {
+        if !is_place(self.centre_vx) {
+            return Err("the centre of the solid must be within a million voxels");
+        }
+        if !self.half.is_finite() || self.half.min_element() <= 0.0 {
+            return Err("the half extent of the solid must be finite and above zero");
+        }
+        if !self.rotation.is_finite() || !self.rotation.is_normalized() {
+            return Err("the rotation of the solid must be a quaternion of length 1");
+        }
+        Ok(())
+    }
+
+    /// The region that this solid covers in a grid whose voxels have edges of `voxel_size`.
+    pub fn in_grid(&self, voxel_size: Vec3) -> PlacedSolid {
+        self.swept_in_grid(None, voxel_size)
+    }
+
+    /// The region that this solid sweeps on the straight way of its centre to `to_vx`, without turning; of the solid
+    /// alone for none.
+    pub fn swept_in_grid(&self, to_vx: Option<Vec3>, voxel_size: Vec3) -> PlacedSolid {
+        PlacedSolid::new(self, to_vx, voxel_size, &Image::of_planes([None; 3]))
+    }
+
+    /// Its shape in tool space.
+    pub fn shape(&self) -> Shape {
+        Shape::new(self.solid, self.half.as_dvec3())
+    }
+
+    /// The image of [`Primitive::swept_in_grid`]. Mirrored at planes along the grid, it covers exactly the mirrored
+    /// voxels where they lie between voxels or through their centres.
+    pub fn image_in_grid(
+        &self,
+        to_vx: Option<Vec3>,
+        voxel_size: Vec3,
+        image: &Image,
+    ) -> PlacedSolid {
+        PlacedSolid::new(self, to_vx, voxel_size, image)
+    }
+}
+
+/// An error that says so if a sweep does not end in a place.
+pub fn check_way(to_vx: Option<Vec3>) -> Result<(), &'static str> {
+    match to_vx {
+        Some(to) if !is_place(to) => {
+            Err("the end of the way of the solid must be within a million voxels")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A solid in the voxel coordinates of one grid.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedSolid {
+    pub(super) shape: Shape,
+    /// Where it is at first.
+    pub(super) centre_vx: DVec3,
+    /// Linear part of the map from voxel coordinates (less the centre) to tool space.
+    pub(super) tool_from_vx: DMat3,
+    /// How far the solid goes, in tool space; none if it stays.
+    pub(super) way: Option<DVec3>,
+    bounds: VoxelBox,
+    /// The part of the bounds that a grid can have.
+    pub(super) reachable: VoxelBox,
+    cut: Cut,
+}
+
+/// How rows are computed.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "one for each use of a solid, never many at once")]
+enum Cut {
+    Quadric(Quadric),
+    SweptQuadric(SweptQuadric),
+    Planes(Planes),
+    /// A cuboid along the grid's axes: all of a box of voxels.
+    Box(VoxelBox),
+    /// No rows: each brick is looked at by itself.
+    Bricks,
+}
+
+impl PlacedSolid {
+    fn new(
+        primitive: &Primitive,
+        to_vx: Option<Vec3>,
+        voxel_size: Vec3,
+        image: &Image,
+    ) -> PlacedSolid {
+        let Primitive { centre_vx, half, rotation, .. } = *primitive;
+        let shape = primitive.shape();
+        let way_vx = to_vx.map(|to| to.as_dvec3() - centre_vx.as_dvec3());
+        let way_vx = way_vx.filter(|way| *way != DVec3::ZERO);
+        let (centre_vx, half) = (image.point_exactly(centre_vx.as_dvec3()), half.as_dvec3());
+        let stretch = voxel_size.as_dvec3() / voxel_size.as_dvec3().min_element();
+        let rotation = DMat3::from_quat(rotation.as_dquat().normalize());
+        // Signs are changed after all rounding, so that an image is rounded as the solid is.
+        let (tool_from_world, world_from_tool) = (
+            DMat3::from_diagonal(half.recip()) * rotation.transpose(),
+            rotation * DMat3::from_diagonal(half),
+        );
+        let (stretched, shrunk) =
+            (DMat3::from_diagonal(stretch), DMat3::from_diagonal(stretch.recip()));
+        // An image of the solid moves along the image of the way, which in tool space is the same.
+        let way = way_vx.map(|way| tool_from_world * stretched * way);
+        let linear = image.linear();
+        let (tool_from_vx, vx_from_tool) = match image.is_along_grid() {
+            true => (tool_from_world * stretched * linear, linear * shrunk * world_from_tool),
+            false => (
+                tool_from_world * linear.transpose() * stretched,
+                shrunk * linear * world_from_tool,
+            ),
+        };
+
+        let axes = vx_from_tool.transpose();
+        let support = |sign: f64| {
+            let along = |axis: DVec3| {
+                let reach = shape.support(axis * sign) * (1.0 + 1e-9) + 1.0;
+                let Some(way) = way else { return reach };
+                // What a sweep covers far from its beginning is rounded as numbers there are.
+                let rounding = 1e-12
+                    * (centre_vx.abs().max_element() + (axis.abs() * way.abs()).element_sum());
+                reach + (axis.dot(way) * sign).max(0.0) + rounding
+            };
+            DVec3::new(along(axes.x_axis), along(axes.y_axis), along(axes.z_axis))
+        };
+        let limit = DVec3::splat(1e9);
+        let bounds = VoxelBox {
+            min: (centre_vx - support(-1.0)).clamp(-limit, limit).floor().as_ivec3(),
+            max: (centre_vx + support(1.0)).clamp(-limit, limit).ceil().as_ivec3(),
+        };
+        let longest = IVec3::splat(MAX_AXIS_VX as i32);
+        let reachable = bounds.intersect(VoxelBox { min: IVec3::ZERO, max: longest });
+
+        let mut placed = PlacedSolid {
+            shape,
+            centre_vx,
+            tool_from_vx,
+            way,
+            bounds,
+            reachable,
+            cut: Cut::Box(VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO }),
+        };
+        if !reachable.is_empty() {
+            placed.cut = placed.prepare();
+        }
+        placed
+    }
+
+    fn prepare(&self) -> Cut {
+        let m = self.tool_from_vx;
+        let VoxelBox { min, max } = self.reachable;
+        let off_axis = m - DMat3::from_diagonal(DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z));
+        let along_grid = off_axis == DMat3::ZERO;
+        if self.shape.solid() == Solid::Cuboid && along_grid && self.way.is_none() {
+            let axis = |axis: usize| {
+                // A cuboid is its own mirror image, so a reversed axis (from a mirror plane, or a
+                // half turn) is one that is not.
+                let scale = m.col(axis)[axis].abs();
+                let place = |v: i32| scale * (f64::from(v) + 0.5 - self.centre_vx[axis]);
+                // Position along the axis rises with the voxel, rounded or not.
+                let first = first_where(min[axis]..max[axis], |v| place(v) >= -1.0);
+                first..first_where(first..max[axis], |v| place(v) > 1.0)
+            };
+            let (x, y, z) = (axis(0), axis(1), axis(2));
+            return Cut::Box(VoxelBox {
+                min: IVec3::new(x.start, y.start, z.start),
+                max: IVec3::new(x.end, y.end, z.end),
+            });
+        }
+        // Queries are by whole bricks, so up to 7 voxels beyond the box.
+        let edge = f64::from(BRICK_EDGE_VX);
+        let distance_vx = (min.as_dvec3() - edge - self.centre_vx)
+            .abs()
+            .max((max.as_dvec3() + edge - self.centre_vx).abs())
+            .max(DVec3::ONE);
+        let largest = |column: DVec3, distance: f64| column.abs().element_sum() * distance;
+        let sizes = Magnitudes {
+            distance_vx,
+            width_vx: f64::from(max.x - min.x),
+            coordinate_vx: f64::from(MAX_AXIS_VX) + self.centre_vx.abs().max_element(),
+            position: largest(m.x_axis, distance_vx.x)
+                + largest(m.y_axis, distance_vx.y)
+                + largest(m.z_axis, distance_vx.z),
+        };
+        match self.shape.solid() {
+            Solid::Ellipsoid => match self.way {
+                None => Cut::Quadric(Quadric::new(&m, self.centre_vx, &sizes)),
+                Some(way) => Cut::SweptQuadric(SweptQuadric::new(&m, self.centre_vx, way, &sizes)),
+            },
+            solid @ (Solid::Cuboid | Solid::Pyramid) => {
+                let faces = Faces::swept(solid.half_spaces(), self.way.unwrap_or_default());
+                Cut::Planes(Planes::new(&faces, &m, self.centre_vx, &sizes))
+            }
+            Solid::Cylinder
+            | Solid::Cone
+            | Solid::Torus
+            | Solid::Capsule
+            | Solid::RoundedCuboid => Cut::Bricks,
+        }
+    }
+
+    /// Whether the centre of a voxel lies inside, or the solid passes over it: the definition that every row equals.
+    #[inline(always)]
+    pub fn contains_voxel(&self, v: IVec3) -> bool {
+        let p = self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx);
+        match self.way {
+            None => self.shape.contains(p),
+            Some(way) => self.shape.passes(p, way, 0.0),
+        }
+    }
+
+    /// A point in voxel coordinates, mapped to tool space, where the solid at its first place fills [-1, 1].
+    pub fn tool_point(&self, p: Vec3) -> Vec3 {
+        (self.tool_from_vx * (p.as_dvec3() - self.centre_vx)).as_vec3()
+    }
+}
+
+/// The first of `range` where `p` holds, or its end. `p` must hold from there on.
+fn first_where(range: Range<i32>, p: impl Fn(i32) -> bool) -> i32 {
+    let Range { mut start, mut end } = range;
+    while start < end {
+        let middle = start + (end - start) / 2;
+        if p(middle) { end = middle } else { start = middle + 1 }
+    }
+    start
+}
+
+/// The coverage of a row of bricks by a box of voxels.
+fn cut_box(inside: &VoxelBox, y_vx: u32, z_vx: u32, spans: &mut RowSpans) {
+    let VoxelBox { min, max } = inside;
+    for z in 0..8 {
+        let within_z = (min.z..max.z).contains(&(z_vx as i32 + z));
+        for y in 0..8 {
+            let within = within_z && (min.y..max.y).contains(&(y_vx as i32 + y));
+            spans.set_row(y as usize, z as usize, if within { min.x..max.x } else { 0..0 });
+        }
+    }
+}
+
+/// The part of a solid in a row of bricks.
+#[derive(Clone, Debug, Default)]
+pub struct SolidRow {
+    spans: RowSpans,
+    /// Set where the voxels of some row are not contiguous or need not be, and so do not fit into a span: bricks of
+    /// the row at this y, z are looked at one by one.
+    torn: Option<[u32; 2]>,
+}
+
+impl SolidRow {
+    /// Whether the voxels of some row are tested one by one.
+    #[cfg(test)]
+    pub fn is_torn(&self) -> bool {
+        self.torn.is_some()
+    }
+}
+
+impl Region for PlacedSolid {
+    type Row = SolidRow;
+
+    fn bounds_vx(&self) -> VoxelBox {
+        self.bounds
+    }
+
+    #[inline(always)]
+    fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut SolidRow) -> RowReach {
+        let VoxelBox { min, max } = self.reachable;
+        let (x, spans) = (min.x..max.x, &mut row.spans);
+        let exact = |v| self.contains_voxel(v);
+        let connected = match &self.cut {
+            Cut::Quadric(quadric) => solve(simd, quadric, &x, y_vx, z_vx, exact, spans),
+            Cut::SweptQuadric(swept) => solve(simd, swept, &x, y_vx, z_vx, exact, spans),
+            Cut::Planes(planes) => solve(simd, planes, &x, y_vx, z_vx, exact, spans),
+            Cut::Box(inside) => {
+                cut_box(inside, y_vx, z_vx, spans);
+                true
+            }
+            Cut::Bricks => false,
+        };
+        row.torn = (!connected).then_some([y_vx, z_vx]);
+        if connected {
+            return row.spans.reach(simd);
+        }
+        let all = min.x as u32 / BRICK_EDGE_VX..(max.x as u32).div_ceil(BRICK_EDGE_VX);
+        let unknown = RowReach { touched: all, whole: 0..0 };
+        self.reach_of_row(simd, y_vx, z_vx).unwrap_or(unknown)
+    }
+
+    #[inline(always)]
+    fn mask<S: Simd>(&self, simd: S, row: &SolidRow, _: &RowReach, brick_x: u32) -> Brick {
+        match row.torn {
+            None => row.spans.mask(simd, brick_x),
+            Some([y, z]) => self.test_brick(simd, UVec3::new(brick_x * BRICK_EDGE_VX, y, z)),
+        }
+    }
+}
