@@ -134,7 +134,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
             lines.extend(outline_of(&shape, grid).into_iter().map(outline(colour)));
             lines.extend(rope(scene).map(outline(colour)));
             for image in document.images().iter().skip(1).take(MOST_IMAGES) {
-                let mirrored = outline_of(&image.primitive(&shape), grid);
+                let mirrored = outline_of(&shape.image(image), grid);
                 lines.extend(mirrored.into_iter().map(outline(MIRROR)));
             }
         }

@@ -12,6 +12,7 @@ use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::region::{Region, VoxelBox};
 use crate::tools::brush::footprint::{Footprint, Outline};
 use crate::tools::brush::spray::{Effect, Spray, SprayKind};
+use crate::tools::drawn::region::PlacedForm;
 use crate::tools::solid::{Primitive, Solid};
 
 /// Most commands that are tried again.
@@ -214,12 +215,13 @@ impl Editor {
             Command::Construct { op: EditOp::Add(_), primitive, to_vx } => {
                 let size = grid.voxel_size();
                 document.images().iter().any(|image| {
-                    leaves(image.placed(primitive, *to_vx, size).bounds_vx(), BOUNDS_MARGIN)
+                    leaves(primitive.image_in_grid(*to_vx, size, image).bounds_vx(), BOUNDS_MARGIN)
                 })
             }
-            Command::Form { op: EditOp::Add(_), form } => {
-                document.images().iter().any(|image| image.form(form, grid).leaves_grid())
-            }
+            Command::Form { op: EditOp::Add(_), form } => document
+                .images()
+                .iter()
+                .any(|image| PlacedForm::new(form, grid, *image).leaves_grid()),
             Command::Paste { at, orientation } => {
                 document.clip().is_some_and(|clip| leaves(clip.bounds(*at, *orientation), 0))
             }

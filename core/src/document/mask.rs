@@ -11,6 +11,7 @@ use crate::sculpture::edit::{EditStats, edit_mask};
 use crate::sculpture::permit::{Permit, Permitted};
 use crate::sculpture::region::{Everywhere, ListedBricks, Region};
 use crate::sculpture::{Grid, Rgb};
+use crate::tools::drawn::region::PlacedForm;
 use crate::tools::flood;
 use crate::tools::mask::{self, MAX_GROWTH_VX, MAX_REACH_VX};
 use crate::tools::pieces::{Part, pieces};
@@ -94,13 +95,14 @@ impl Document {
                 checked.map_err(CommandError::Primitive)?;
                 let voxel_size = self.grid().voxel_size();
                 for image in images {
-                    stats += self.edit_mask(&image.placed(primitive, *to_vx, voxel_size), adds)?;
+                    stats +=
+                        self.edit_mask(&primitive.image_in_grid(*to_vx, voxel_size, &image), adds)?;
                 }
             }
             MaskArea::Form(form) => {
                 form.check().map_err(|reason| CommandError::Form { name: form.name(), reason })?;
                 for image in images {
-                    let placed = image.form(form, self.grid());
+                    let placed = PlacedForm::new(form, self.grid(), image);
                     stats += self.edit_mask(&placed, adds)?;
                 }
             }

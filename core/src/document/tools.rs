@@ -25,6 +25,7 @@ use crate::tools::brush::grab::Grab;
 use crate::tools::brush::spray::{Effect, Spray, Stamp};
 use crate::tools::brush::stencil::Stencil;
 use crate::tools::drawn::Form;
+use crate::tools::drawn::region::PlacedForm;
 use crate::tools::solid::{PlacedSolid, Primitive, check_way};
 use crate::tools::symmetry::Image;
 use crate::tools::texture::{Texture, picture_point};
@@ -151,7 +152,8 @@ impl Document {
             return Err(CommandError::NoColour);
         }
         let images = self.images();
-        let regions: Vec<_> = images.iter().map(|image| image.form(form, self.grid())).collect();
+        let regions: Vec<_> =
+            images.iter().map(|image| PlacedForm::new(form, self.grid(), *image)).collect();
         self.check_colour_memory(|document, exact| {
             regions.iter().map(|region| document.new_pages(region, op, exact)).sum()
         })?;
@@ -201,7 +203,7 @@ impl Document {
         let texture = self.picture(picture)?;
         let images = self.images().into_iter();
         let stamps = images.map(|image| {
-            let footprint = image.footprint(footprint);
+            let footprint = footprint.image(&image);
             let stencil = Stencil::new(&texture, &footprint, colour, cover);
             let stamp = Spray { footprint, ..brush }.stamp(self.grid(), self.grid());
             (stencil, stamp.paint)
@@ -232,7 +234,7 @@ impl Document {
         op: EditOp,
     ) -> Result<Vec<(Image, PlacedSolid)>, CommandError> {
         let voxel_size = self.grid().voxel_size();
-        let placed = |image: Image| (image, image.placed(primitive, to_vx, voxel_size));
+        let placed = |image: Image| (image, primitive.image_in_grid(to_vx, voxel_size, &image));
         let images = self.images();
         let solids: Vec<_> = images.into_iter().map(placed).collect();
         self.check_colour_memory(|document, exact| {
@@ -255,7 +257,7 @@ impl Document {
             let surface = surface.unwrap_or(self.grid());
             let images = self.images();
             Stamp::union(images.iter().map(|image| {
-                let footprint = image.footprint(&spray.footprint);
+                let footprint = spray.footprint.image(image);
                 Spray { footprint, ..*spray }.stamp(self.grid(), surface)
             }))
         };

@@ -2,16 +2,11 @@
 //!
 //! Mirror planes are perpendicular to the axes of the grid at its centre, between two voxels (even) or through the middle
 //! of one (odd); one more may lie anywhere; and tools may be repeated around an axis. Images keep lengths and angles in the
-//! world, also where voxels are not cubes. Computes images of tools; changes nothing itself.
+//! world, also where voxels are not cubes. Computes images of points, directions and rotations; knows no tool.
 
 use glam::{DMat3, DQuat, DVec3, IVec3, Mat3, Quat, UVec3, Vec3};
 
-use super::drawn::Form;
-use super::solid::{PlacedSolid, Primitive};
-use crate::sculpture::grid::Grid;
 use crate::sculpture::orientation::Orientation;
-use crate::tools::brush::footprint::Footprint;
-use crate::tools::drawn::region::PlacedForm;
 
 /// The position of a mirror plane relative to the voxels.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -372,37 +367,17 @@ impl Image {
         self.linear().determinant() < 0.0
     }
 
-    /// The voxels that the image of a solid covers, or sweeps on the image of the way to `to_vx`.
-    pub fn placed(
-        &self,
-        primitive: &Primitive,
-        to_vx: Option<Vec3>,
-        voxel_size: Vec3,
-    ) -> PlacedSolid {
-        primitive.image_in_grid(to_vx, voxel_size, self)
-    }
-
-    /// The voxels that the image of a form covers.
-    pub fn form(&self, form: &Form, grid: &Grid) -> PlacedForm {
-        PlacedForm::new(form, grid, *self)
-    }
-
-    /// The mirrored solid as a primitive, for drawing. A reflection is no rotation; but every solid is
-    /// symmetric about its own x plane, so that a further reflection there makes it one.
-    pub fn primitive(&self, primitive: &Primitive) -> Primitive {
+    /// The rotation of the mirrored image of a shape. A reflection is no rotation; but a shape that is symmetric about
+    /// its own x plane, as every solid is, may be reflected there as well, which makes it one.
+    pub fn rotation(&self, of: Quat) -> Quat {
         if self.moved.is_some() {
             let own = if self.is_reflection() { DVec3::new(-1.0, 1.0, 1.0) } else { DVec3::ONE };
-            let rotation = DMat3::from_quat(primitive.rotation.as_dquat().normalize());
+            let rotation = DMat3::from_quat(of.as_dquat().normalize());
             let rotation = self.linear() * rotation * DMat3::from_diagonal(own);
-            let rotation = DQuat::from_mat3(&rotation).normalize().as_quat().normalize();
-            return Primitive {
-                centre_vx: self.point(primitive.centre_vx),
-                rotation,
-                ..*primitive
-            };
+            return DQuat::from_mat3(&rotation).normalize().as_quat().normalize();
         }
         let mirrored = self.planes.iter().filter(|plane| plane.is_some()).count();
-        let mut rotation = primitive.rotation;
+        let mut rotation = of;
         for (axis, plane) in self.planes.into_iter().enumerate() {
             if plane.is_some() {
                 rotation = conjugated(rotation, axis);
@@ -412,24 +387,13 @@ impl Image {
         let odd = mirrored % 2 == 1;
         let own: [bool; 3] =
             std::array::from_fn(|axis| self.planes[axis].is_some() ^ (odd && axis == 0));
-        rotation *= match own {
-            [false, true, true] => Quat::from_xyzw(1.0, 0.0, 0.0, 0.0),
-            [true, false, true] => Quat::from_xyzw(0.0, 1.0, 0.0, 0.0),
-            [true, true, false] => Quat::from_xyzw(0.0, 0.0, 1.0, 0.0),
-            _ => Quat::IDENTITY,
-        };
-        Primitive { centre_vx: self.point(primitive.centre_vx), rotation, ..*primitive }
-    }
-
-    /// The mirror image of a footprint.
-    pub fn footprint(&self, footprint: &Footprint) -> Footprint {
-        Footprint {
-            eye_vx: self.point(footprint.eye_vx),
-            aim: self.vector(footprint.aim),
-            across: self.vector(footprint.across),
-            down: self.vector(footprint.down),
-            ..*footprint
-        }
+        rotation
+            * match own {
+                [false, true, true] => Quat::from_xyzw(1.0, 0.0, 0.0, 0.0),
+                [true, false, true] => Quat::from_xyzw(0.0, 1.0, 0.0, 0.0),
+                [true, true, false] => Quat::from_xyzw(0.0, 0.0, 1.0, 0.0),
+                _ => Quat::IDENTITY,
+            }
     }
 }
 

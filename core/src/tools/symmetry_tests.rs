@@ -37,8 +37,8 @@ proptest! {
         let (inner, outer) =
             (scaled(0.9999).swept_in_grid(to, Vec3::ONE), scaled(1.0001).swept_in_grid(to, Vec3::ONE));
         for image in &images {
-            let placed = image.placed(&primitive, to, Vec3::ONE);
-            let mirrored = image.primitive(&primitive);
+            let placed = primitive.image_in_grid(to, Vec3::ONE, image);
+            let mirrored = primitive.image(image);
             prop_assert!(mirrored.check().is_ok());
             let mirrored = mirrored.swept_in_grid(to.map(|to| image.point(to)), Vec3::ONE);
             for i in 0..4000 {

@@ -11,6 +11,7 @@ use glam::{IVec3, UVec2, Vec3};
 use super::visible;
 use crate::sculpture::Grid;
 use crate::surface::raycast;
+use crate::tools::symmetry::Image;
 
 /// Largest radius of a footprint, in rays.
 pub const MAX_FOOTPRINT: f32 = 256.0;
@@ -126,6 +127,17 @@ impl Footprint {
             radius,
             outline,
             coverage: Coverage::Visible,
+        }
+    }
+
+    /// The mirrored footprint.
+    pub fn image(&self, image: &Image) -> Footprint {
+        Footprint {
+            eye_vx: image.point(self.eye_vx),
+            aim: image.vector(self.aim),
+            across: image.vector(self.across),
+            down: image.vector(self.down),
+            ..*self
         }
     }
 

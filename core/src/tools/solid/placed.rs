@@ -79,6 +79,12 @@ impl Primitive {
     ) -> PlacedSolid {
         PlacedSolid::new(self, to_vx, voxel_size, image)
     }
+
+    /// The mirrored solid, for drawing.
+    pub fn image(&self, image: &Image) -> Primitive {
+        let rotation = image.rotation(self.rotation);
+        Primitive { centre_vx: image.point(self.centre_vx), rotation, ..*self }
+    }
 }
 
 /// An error that says so if a sweep does not end in a place.

@@ -18,7 +18,7 @@ use crate::tools::brush::grab::{Falloff, Pulled};
 use crate::tools::brush::spray::Stamp;
 use crate::tools::symmetry::MAX_IMAGES;
 
-/// Approximations of where a step comes from; each is [`STEP_SLOPE`] times as far off as the one before.
+/// Approximations of where a step comes from; each is [`super::STEP_SLOPE`] times as far off as the one before.
 const ROUNDS: usize = 3;
 
 /// As many images as planes along the grid make; more take more memory for each row.
