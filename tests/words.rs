@@ -17,11 +17,25 @@ fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
+/// Every page, from the root.
+fn pages() -> Vec<PathBuf> {
+    let mut pages = vec![PathBuf::from("core/README.md")];
+    for folder in ["", "docs", "docs/internals"] {
+        let entries = fs::read_dir(root().join(folder)).unwrap();
+        let names = entries.map(|entry| Path::new(folder).join(entry.unwrap().file_name()));
+        pages.extend(names.filter(|name| name.extension().is_some_and(|ending| ending == "md")));
+    }
+    pages
+}
+
 #[test]
 fn files_that_the_documents_for_programmers_name_are_there() {
     const ENDINGS: [&str; 5] = [".rs", ".toml", ".sh", ".wgsl", ".md"];
-    for document in ["CONTRIBUTING.md", "core/README.md"] {
-        let text = read(document);
+    const ROOTS: [&str; 4] = ["", "src", "core/src", "tracking/src"];
+    let internals = pages().into_iter().filter(|page| page.starts_with("docs/internals"));
+    let others = ["ARCHITECTURE.md", "CONTRIBUTING.md", "core/README.md"].map(PathBuf::from);
+    for document in internals.chain(others) {
+        let text = fs::read_to_string(root().join(&document)).unwrap();
         let paths = quoted(&text).filter(|it| {
             ENDINGS.iter().any(|ending| it.ends_with(ending))
                 && !it.contains(|c: char| c.is_whitespace() || "*<>".contains(c))
@@ -30,14 +44,51 @@ fn files_that_the_documents_for_programmers_name_are_there() {
         });
         let missing: Vec<&str> = paths
             .filter(|path| {
-                let inside = Path::new(document).parent().unwrap().join(path);
-                !root().join(path).exists() && !root().join(inside).exists()
+                let inside = document.parent().unwrap().join(path);
+                let is_there = |from: &&str| root().join(from).join(path).exists();
+                !ROOTS.iter().any(is_there) && !root().join(inside).exists()
             })
-            // Beside the settings of a person, and in the shared folder.
-            .filter(|path| !["settings.toml", "bindings.toml"].contains(path))
+            // Beside the settings of a person, in the shared folder, and any file of tests.
+            .filter(|path| {
+                !["settings.toml", "config.toml", "bindings.toml", "tests.rs"].contains(path)
+            })
             .collect();
-        assert!(missing.is_empty(), "{document} names files that are not there: {missing:?}");
+        assert!(missing.is_empty(), "{document:?} names files that are not there: {missing:?}");
     }
+}
+
+/// The anchor of a heading, as forges make them.
+fn anchor(heading: &str) -> String {
+    let kept = heading.to_lowercase().replace(' ', "-");
+    kept.chars().filter(|c| c.is_alphanumeric() || "-_".contains(*c)).collect()
+}
+
+#[test]
+fn links_lead_to_files_and_headings_that_are_there() {
+    let mut links = 0;
+    for page in pages() {
+        let text = fs::read_to_string(root().join(&page)).unwrap();
+        for rest in text.split("](").skip(1) {
+            let link = rest.split(')').next().unwrap();
+            if link.starts_with("http") {
+                continue;
+            }
+            links += 1;
+            let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+            let to = match file {
+                "" => page.clone(),
+                file => page.parent().unwrap().join(file),
+            };
+            assert!(root().join(&to).exists(), "{page:?} links to {link}");
+            if !heading.is_empty() {
+                let text = fs::read_to_string(root().join(&to)).unwrap();
+                let mut headings = text.lines().filter_map(|line| line.strip_prefix('#'));
+                let is_it = |line: &str| anchor(line.trim_start_matches('#').trim()) == heading;
+                assert!(headings.any(is_it), "{page:?} links to {link}");
+            }
+        }
+    }
+    assert!(links > 50, "{links}");
 }
 
 #[test]
