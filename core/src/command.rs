@@ -20,7 +20,7 @@ use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::brush::deform::Deform;
 use crate::tools::brush::footprint::Footprint;
-use crate::tools::brush::grab::{Grab, Motion};
+use crate::tools::brush::kernel::grab::{Grab, Motion};
 use crate::tools::brush::spray::Spray;
 use crate::tools::drawn::Form;
 use crate::tools::repair::Mend;

@@ -8,7 +8,7 @@ use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::brush::level::Level;
+use sculpture_core::tools::brush::kernel::level::Level;
 use sculpture_core::tools::brush::spray::{Effect, Smoothing, Spray};
 use sculpture_core::tools::solid::{Primitive, Solid};
 

@@ -19,7 +19,7 @@ use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
 use crate::tools::brush::deform::{Brush, Deform, Draw, Plane};
-use crate::tools::brush::grab::{Falloff, Grab, Motion};
+use crate::tools::brush::kernel::grab::{Falloff, Grab, Motion};
 use crate::tools::drawn::{Bead, Form, Pose};
 use crate::tools::solid::{Primitive, Solid};
 

@@ -10,7 +10,7 @@ use crate::command::{Command, MaskArea, MaskChange, PatchRule, SpraySurface};
 use crate::document::CommandError;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
-use crate::tools::brush::level::Level;
+use crate::tools::brush::kernel::level::Level;
 use crate::tools::brush::spray::{Effect, Smoothing, Spray};
 use crate::tools::solid::{Primitive, Solid};
 use crate::tools::symmetry::{MirrorPlane, Radial, Symmetry};

@@ -16,8 +16,8 @@ use crate::input::pen::PenTouch;
 use crate::picking::Picker;
 use crate::sculpture::Grid;
 use crate::tools::brush::deform::{Brush, Deform, DeformKind, Draw, Plane};
-use crate::tools::brush::grab::{Grab, Motion};
-use crate::tools::brush::offset::MAX_HEIGHT;
+use crate::tools::brush::kernel::grab::{Grab, Motion};
+use crate::tools::brush::kernel::offset::MAX_HEIGHT;
 
 /// Distance of two uses as a share of the radius.
 const SPACING: f32 = 0.2;

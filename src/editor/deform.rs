@@ -12,7 +12,7 @@ use super::stroke::{Stroke, Work};
 use crate::command::{Command, SpraySurface};
 use crate::picking::Picker;
 use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::grab::{Falloff, Grab, MAX_PULL_VX, MAX_TWIST_DEG, Motion};
+use crate::tools::brush::kernel::grab::{Falloff, Grab, MAX_PULL_VX, MAX_TWIST_DEG, Motion};
 
 /// The options of one tool.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -14,7 +14,7 @@ use super::tool::{ToolKind, ToolState};
 use crate::input::pen::PenTouch;
 use crate::sculpture::Rgb;
 use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::grab::{MAX_RADIUS, MIN_RADIUS};
+use crate::tools::brush::kernel::grab::{MAX_RADIUS, MIN_RADIUS};
 use crate::tools::brush::spray::SprayKind;
 
 /// Smallest share of the size that pressure leads to: what is used at all has a size.

@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use super::tool::ToolState;
 use crate::tools::brush::deform::DeformKind;
 use crate::tools::brush::footprint::MAX_FOOTPRINT;
-use crate::tools::brush::grab::{MAX_RADIUS, MIN_RADIUS};
+use crate::tools::brush::kernel::grab::{MAX_RADIUS, MIN_RADIUS};
 use crate::tools::brush::spray::SprayKind;
 
 /// The unit of the sizes of brushes.

@@ -3,7 +3,7 @@
 use crate::command::{Command, SpraySurface};
 use crate::sculpture::Rgb;
 use crate::tools::brush::footprint::{Footprint, Outline};
-use crate::tools::brush::level::Level;
+use crate::tools::brush::kernel::level::Level;
 use crate::tools::brush::spray::{Effect, Smoothing, Spray, SprayKind};
 
 /// Multiples of the golden section lie evenly between whole numbers.

@@ -5,9 +5,13 @@ use super::draw_kind::DrawKind;
 use super::panel::Panel;
 use super::tool_mode::ToolMode;
 use crate::sculpture::orientation::Up;
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
 use crate::tools::solid::Solid;
+
+fn of_brush(brush: BrushId) -> (&'static str, Kind, &'static str) {
+    let spec = brush.spec();
+    (spec.action, Kind::Tap, spec.help)
+}
 
 impl Action {
     /// Name, trigger and explanation.
@@ -57,65 +61,8 @@ impl Action {
             Action::Solid(Solid::RoundedCuboid) => {
                 ("rounded-cuboid", Tap, "Rounded cuboid tool: a box with soft edges")
             }
-            Action::Spray(SprayKind::Paintbrush) => {
-                ("paintbrush", Tap, "Brush: paints the visible surface under it")
-            }
-            Action::Spray(SprayKind::Devourer) => {
-                ("devourer", Tap, "Devourer (carve): bites into the surface under it")
-            }
-            Action::Spray(SprayKind::Clay) => {
-                ("clay", Tap, "Clay: builds up a soft mound on the surface")
-            }
-            Action::Spray(SprayKind::Erosion) => {
-                ("erosion", Tap, "Erosion: wears down edges and leaves flat faces alone")
-            }
-            Action::Spray(SprayKind::Dilation) => {
-                ("dilation", Tap, "Dilation: thickens edges and corners")
-            }
-            Action::Spray(SprayKind::Growth) => {
-                ("growth", Tap, "Growth: fills concave corners and small holes")
-            }
-            Action::Spray(SprayKind::Smooth) => ("smooth", Tap, "Smooth: evens out bumps and pits"),
-            Action::Spray(SprayKind::Mask) => {
-                ("mask", Tap, "Mask: protects the surface under it, so that nothing changes it")
-            }
-            Action::Spray(SprayKind::Unmask) => {
-                ("unmask", Tap, "Unmask: takes protection from the surface under it")
-            }
-            Action::Deform(DeformKind::Grab) => {
-                ("grab", Tap, "Grab: pulls the surface along with the pointer")
-            }
-            Action::Deform(DeformKind::Inflate) => {
-                ("inflate", Tap, "Inflate: swells the surface under it; inverted, it shrinks it")
-            }
-            Action::Deform(DeformKind::Flatten) => (
-                "flatten",
-                Tap,
-                "Flatten: levels bumps and pits to the plane where the stroke began",
-            ),
-            Action::Deform(DeformKind::Scrape) => (
-                "scrape",
-                Tap,
-                "Scrape: takes off what stands out of the plane where the stroke began",
-            ),
-            Action::Deform(DeformKind::Fill) => {
-                ("fill-up", Tap, "Fill up: fills pits up to the plane where the stroke began")
-            }
-            Action::Deform(DeformKind::Draw) => {
-                ("draw", Tap, "Draw: raises the surface along its normal; inverted, it lowers it")
-            }
-            Action::Deform(DeformKind::Crease) => {
-                ("crease", Tap, "Crease: cuts a sharp furrow; inverted, it raises a ridge")
-            }
-            Action::Deform(DeformKind::Pinch) => {
-                ("pinch", Tap, "Pinch: brings the clay together under it; inverted, it spreads it")
-            }
-            Action::Deform(DeformKind::Twist) => {
-                ("twist", Tap, "Twist: turns the clay like a knob; drag to the right or left")
-            }
-            Action::Deform(DeformKind::Smear) => {
-                ("smear", Tap, "Smear: takes clay along with the brush")
-            }
+            Action::Spray(kind) => of_brush(kind.brush()),
+            Action::Deform(kind) => of_brush(kind.brush()),
             Action::Draw(kind) => (kind.name(), Tap, drawn(kind)),
             Action::Marker => ("marker", Tap, "Marker: a box to select, copy and move voxels"),
             Action::Mode(ToolMode::Add) => ("add", Tap, "Add: the tool adds voxels"),

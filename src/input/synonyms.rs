@@ -9,8 +9,6 @@ use super::draw_kind::DrawKind;
 use super::panel::Panel;
 use super::tool_mode::ToolMode;
 use crate::sculpture::orientation::Up;
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::spray::SprayKind;
 use crate::tools::solid::Solid;
 
 impl Action {
@@ -69,25 +67,8 @@ impl Action {
             Action::Solid(Solid::Torus) => "ring donut doughnut handle tyre",
             Action::Solid(Solid::Capsule) => "pill sausage rod limb finger",
             Action::Solid(Solid::RoundedCuboid) => "rounded box soft cushion pillow",
-            Action::Spray(SprayKind::Paintbrush) => "paint airbrush colour",
-            Action::Spray(SprayKind::Devourer) => "dig gouge eat remove erase",
-            Action::Spray(SprayKind::Clay) => "build add draw",
-            Action::Spray(SprayKind::Erosion) => "erode weather round",
-            Action::Spray(SprayKind::Dilation) => "dilate inflate expand thicken",
-            Action::Spray(SprayKind::Growth) => "grow close fill",
-            Action::Spray(SprayKind::Mask) => "protect freeze lock",
-            Action::Spray(SprayKind::Unmask) => "unprotect release erase thaw",
-            Action::Spray(SprayKind::Smooth) => "soften relax blur polish",
-            Action::Deform(DeformKind::Grab) => "move pull push drag tweak deform hand",
-            Action::Deform(DeformKind::Inflate) => "swell blow expand deform puff shrink deflate",
-            Action::Deform(DeformKind::Flatten) => "level plane even deform",
-            Action::Deform(DeformKind::Scrape) => "plane shave level deform cut",
-            Action::Deform(DeformKind::Fill) => "level pit dent plane deform",
-            Action::Deform(DeformKind::Draw) => "raise build layer standard pull normal deform",
-            Action::Deform(DeformKind::Crease) => "line groove ridge fold wrinkle deform",
-            Action::Deform(DeformKind::Pinch) => "gather narrow sharpen tighten deform",
-            Action::Deform(DeformKind::Twist) => "rotate turn swirl screw deform",
-            Action::Deform(DeformKind::Smear) => "nudge smudge drag rub thumb deform",
+            Action::Spray(kind) => kind.brush().spec().synonyms,
+            Action::Deform(kind) => kind.brush().spec().synonyms,
             Action::Draw(DrawKind::Lasso) => "trim slice polygon freehand extrude",
             Action::Draw(DrawKind::Rectangle) => "trim square crop extrude",
             Action::Draw(DrawKind::Plane) => "slice split halve half space section trim knife",

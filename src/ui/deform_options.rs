@@ -11,14 +11,14 @@ use crate::editor::deform::{DeformOptions, MAX_STEADY_PX};
 use crate::editor::tool::ToolEdit;
 use crate::input::Action;
 use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::grab::Falloff;
+use crate::tools::brush::kernel::grab::Falloff;
 
 /// Leaves room for a name before and a number with its unit behind.
 const SLIDER_WIDTH: f32 = 80.0;
 
 pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let kind = context.tool.deform;
-    ui.label(deform_name(kind));
+    ui.label(kind.brush().spec().label);
     let before = *context.tool.deforms.of(kind);
     let mut options = before;
     ui.spacing_mut().slider_width = SLIDER_WIDTH;
@@ -82,13 +82,5 @@ pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
             requests.push(UiRequest::Tool(ToolEdit::Follow(follow)));
         }
         explain(response, context, Action::ToggleFollow);
-    }
-}
-
-/// What the interface calls a tool that deforms.
-pub fn deform_name(kind: DeformKind) -> String {
-    match kind {
-        DeformKind::Fill => "Fill up".to_string(),
-        other => capital(other.name()),
     }
 }

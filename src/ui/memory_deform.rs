@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::memory::{neat, within};
 use crate::editor::deform::{DeformOptions, MAX_STEADY_PX};
 use crate::editor::sizes::SizeUnit;
-use crate::tools::brush::grab::Falloff;
+use crate::tools::brush::kernel::grab::Falloff;
 
 /// The options of one tool; those that are missing or out of range are as usual.
 #[derive(Default, Serialize, Deserialize)]

@@ -3,7 +3,6 @@
 use egui::{Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
 
 use super::buttons::explain;
-use super::deform_options::deform_name;
 use super::draw_options::draw_name;
 use super::top_bar::capital;
 use super::{UiContext, UiRequest, UiState, draw_icons, icons, panels, section, theme};
@@ -98,8 +97,8 @@ pub fn content(
         })
         .collect();
     group(ui, state, "Drawn solids", |ui| tools(ui, context, &drawn, Look::Bare, requests));
-    let spray = |kind| Entry {
-        name: capital(spray_name(kind)),
+    let spray = |kind: SprayKind| Entry {
+        name: kind.brush().spec().label.to_string(),
         chosen: tool.kind == ToolKind::Spray(kind),
         action: Action::Spray(kind),
     };
@@ -116,7 +115,7 @@ pub fn content(
     let sprays: Vec<Entry> = sprays.collect();
     group(ui, state, "Brushes", |ui| tools(ui, context, &sprays, Look::Full, requests));
     let deforming = DEFORMING.map(|kind| Entry {
-        name: deform_name(kind),
+        name: kind.brush().spec().label.to_string(),
         chosen: tool.kind == ToolKind::Deform && tool.deform == kind,
         action: Action::Deform(kind),
     });
@@ -172,14 +171,6 @@ pub fn solid_name(solid: Solid) -> String {
     match solid {
         Solid::RoundedCuboid => "Rounded".to_string(),
         other => capital(other.name()),
-    }
-}
-
-/// What the interface calls a spray where there is little room.
-fn spray_name(kind: SprayKind) -> &'static str {
-    match kind {
-        SprayKind::Paintbrush => "brush",
-        other => other.name(),
     }
 }
 

@@ -22,7 +22,7 @@ use virtual_sculpture::input::pad::stick::Response;
 use virtual_sculpture::input::{Action, DrawKind, Step};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::brush::deform::DeformKind;
-use virtual_sculpture::tools::brush::grab::Falloff;
+use virtual_sculpture::tools::brush::kernel::grab::Falloff;
 use virtual_sculpture::tools::brush::spray::SprayKind;
 use virtual_sculpture::view::{Pose, Room};
 

@@ -9,7 +9,7 @@ use crate::command::SpraySurface;
 use crate::sculpture::Grid;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::tools::brush::deform::Deform;
-use crate::tools::brush::grab::{Grab, Pulled};
+use crate::tools::brush::kernel::grab::{Grab, Pulled};
 
 impl Document {
     /// Pulls at a ball of clay and at its mirror images, all at once.

@@ -21,7 +21,7 @@ use crate::sculpture::selection::MARKER_LIMIT_VX;
 use crate::sculpture::{Brick, Rgb};
 use crate::tools::brush::deform::Deform;
 use crate::tools::brush::footprint::Footprint;
-use crate::tools::brush::grab::Grab;
+use crate::tools::brush::kernel::grab::Grab;
 use crate::tools::brush::spray::{Effect, Spray, Stamp};
 use crate::tools::brush::stencil::Stencil;
 use crate::tools::drawn::Form;

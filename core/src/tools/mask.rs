@@ -11,7 +11,7 @@ use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use crate::sculpture::region::{ListedBricks, Region, VoxelBox};
-use crate::tools::brush::filter;
+use crate::tools::brush::kernel::filter;
 
 /// Furthest that a mask grows or shrinks in one go, in voxels.
 pub const MAX_GROWTH_VX: u32 = 64;

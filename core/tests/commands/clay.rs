@@ -6,7 +6,7 @@ use sculpture_core::command::text::parse_script;
 use sculpture_core::command::{Command, SpraySurface};
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::Rgb;
-use sculpture_core::tools::brush::grab::{Falloff, Grab, Motion};
+use sculpture_core::tools::brush::kernel::grab::{Falloff, Grab, Motion};
 
 use super::strategies::{new_sculpture, work};
 

@@ -11,7 +11,7 @@ use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::selection::Selection;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::brush::level::Level;
+use sculpture_core::tools::brush::kernel::level::Level;
 use sculpture_core::tools::brush::spray::{Effect, Smoothing, Spray};
 use sculpture_core::tools::solid::{Primitive, Solid};
 use sculpture_core::tools::symmetry::Symmetry;

@@ -6,7 +6,7 @@ use super::arguments::Arguments;
 use super::spray::parse_surface;
 use super::{ParseError, list, number, parse_vec3};
 use crate::command::{Command, SpraySurface};
-use crate::tools::brush::grab::{Falloff, Grab, Motion};
+use crate::tools::brush::kernel::grab::{Falloff, Grab, Motion};
 
 /// Writes what follows the verb.
 pub fn write(grab: &Grab, surface: SpraySurface, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -7,7 +7,7 @@ use super::{ParseError, list, number, parse_colour, parse_vec3};
 use crate::command::{Command, SpraySurface};
 use crate::sculpture::Rgb;
 use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
-use crate::tools::brush::level::Level;
+use crate::tools::brush::kernel::level::Level;
 use crate::tools::brush::spray::{Effect, Smoothing, Spray};
 
 /// How far a spray reaches if no one says otherwise, in voxels.

@@ -3,8 +3,9 @@
 
 use glam::Vec3;
 
-use super::grab::{Falloff, MAX_RADIUS, MIN_RADIUS};
-use super::offset::{MAX_HEIGHT, Offset, Profile, Target};
+use super::BrushId;
+use super::kernel::grab::{Falloff, MAX_RADIUS, MIN_RADIUS};
+use super::kernel::offset::{MAX_HEIGHT, Offset, Profile, Target};
 
 /// A tool that deforms clay, without its options.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -47,20 +48,25 @@ impl DeformKind {
         DeformKind::Smear,
     ];
 
-    /// Its name in the text form and the interface.
-    pub const fn name(self) -> &'static str {
+    /// As a brush.
+    pub const fn brush(self) -> BrushId {
         match self {
-            DeformKind::Grab => "grab",
-            DeformKind::Inflate => "inflate",
-            DeformKind::Flatten => "flatten",
-            DeformKind::Scrape => "scrape",
-            DeformKind::Fill => "fill",
-            DeformKind::Draw => "draw",
-            DeformKind::Crease => "crease",
-            DeformKind::Pinch => "pinch",
-            DeformKind::Twist => "twist",
-            DeformKind::Smear => "smear",
+            DeformKind::Grab => BrushId::Grab,
+            DeformKind::Inflate => BrushId::Inflate,
+            DeformKind::Flatten => BrushId::Flatten,
+            DeformKind::Scrape => BrushId::Scrape,
+            DeformKind::Fill => BrushId::Fill,
+            DeformKind::Draw => BrushId::Draw,
+            DeformKind::Crease => BrushId::Crease,
+            DeformKind::Pinch => BrushId::Pinch,
+            DeformKind::Twist => BrushId::Twist,
+            DeformKind::Smear => BrushId::Smear,
         }
+    }
+
+    /// Its name in the text form.
+    pub const fn name(self) -> &'static str {
+        self.brush().spec().name
     }
 }
 

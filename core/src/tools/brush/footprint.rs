@@ -1,14 +1,14 @@
 //! Footprints: where a brush is in the picture, and the voxels of the surface that it takes there.
 //!
 //! From rays around an aim and a grid to [`Touch`]es. A footprint either takes the visible voxels whose
-//! projection lies inside its outline ([`super::visible`]) or, as commands recorded before did, the voxels
+//! projection lies inside its outline ([`super::kernel::visible`]) or, as commands recorded before did, the voxels
 //! that its rays meet. Changes nothing; knows no brush.
 
 use std::collections::HashSet;
 
 use glam::{IVec3, UVec2, Vec3};
 
-use super::visible;
+use super::kernel::visible;
 use crate::sculpture::Grid;
 use crate::surface::raycast;
 use crate::tools::symmetry::Image;
@@ -66,7 +66,7 @@ pub enum Coverage {
     /// without a word about it mean this.
     #[default]
     Rays,
-    /// All visible ones whose middle is projected into its outline ([`super::visible`]).
+    /// All visible ones whose middle is projected into its outline ([`super::kernel::visible`]).
     Visible,
 }
 

@@ -8,9 +8,10 @@
 
 use glam::{IVec3, UVec3};
 
-use super::filter;
+use super::BrushId;
 use super::footprint::{Footprint, MAX_FOOTPRINT, Outline, Touch};
-use super::level::Level;
+use super::kernel::filter;
+use super::kernel::level::Level;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{ColourDepth, Grid, Rgb};
@@ -119,19 +120,24 @@ impl SprayKind {
         SprayKind::Unmask,
     ];
 
-    /// Its name in the text form and the interface.
-    pub const fn name(self) -> &'static str {
+    /// As a brush.
+    pub const fn brush(self) -> BrushId {
         match self {
-            SprayKind::Paintbrush => "paintbrush",
-            SprayKind::Devourer => "devourer",
-            SprayKind::Erosion => "erosion",
-            SprayKind::Dilation => "dilation",
-            SprayKind::Growth => "growth",
-            SprayKind::Smooth => "smooth",
-            SprayKind::Clay => "clay",
-            SprayKind::Mask => "mask",
-            SprayKind::Unmask => "unmask",
+            SprayKind::Paintbrush => BrushId::Paint,
+            SprayKind::Devourer => BrushId::Devour,
+            SprayKind::Erosion => BrushId::Erode,
+            SprayKind::Dilation => BrushId::Dilate,
+            SprayKind::Growth => BrushId::Grow,
+            SprayKind::Smooth => BrushId::Smooth,
+            SprayKind::Clay => BrushId::Clay,
+            SprayKind::Mask => BrushId::Mask,
+            SprayKind::Unmask => BrushId::Unmask,
         }
+    }
+
+    /// Its name in the text form.
+    pub const fn name(self) -> &'static str {
+        self.brush().spec().name
     }
 
     /// Whether the tool needs a colour.

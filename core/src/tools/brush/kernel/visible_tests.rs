@@ -6,10 +6,10 @@ use std::collections::{HashMap, HashSet};
 use glam::{DMat3, DVec3, IVec3, UVec3, Vec3, Vec3Swizzles};
 use proptest::prelude::*;
 
-use super::footprint::{Coverage, Footprint, Outline};
 use super::visible::{LEAST_TURN, is_turned};
 use crate::sculpture::Grid;
 use crate::surface::raycast;
+use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
 
 fn grid(dims: UVec3, exists: impl Fn(IVec3) -> bool) -> Grid {
     let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();

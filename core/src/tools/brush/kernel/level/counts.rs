@@ -250,7 +250,7 @@ mod tests {
     use crate::sculpture::bit_block::BitBlock;
     use crate::sculpture::region::VoxelBox;
     use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
-    use crate::tools::brush::visible::Cone;
+    use crate::tools::brush::kernel::visible::Cone;
 
     /// Plates, full and empty bricks and dust, cut off by the borders of bricks and of the grid.
     fn grid() -> Grid {

@@ -9,11 +9,11 @@ use glam::{DVec3, IVec3, Vec3};
 
 use super::distance::Distances;
 use super::grab::Falloff;
-use super::spray::Stamp;
 use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 use crate::sculpture::region::{ListedBricks, VoxelBox};
+use crate::tools::brush::spray::Stamp;
 use crate::tools::symmetry::{Symmetry, origin_of};
 
 /// Furthest that a surface is raised or lowered, in units of the smallest edge of a voxel.

@@ -1,4 +1,4 @@
-//! The motion of clay ([`crate::tools::brush::grab`]): where what arrives at each voxel comes from, and what changes by it.
+//! The motion of clay ([`crate::tools::brush::kernel::grab`]): where what arrives at each voxel comes from, and what changes by it.
 //!
 //! From the contents and the pulls to [`Pulled`]. Bricks to which only clay comes that is like their own are left out;
 //! the others are computed in rows of eight voxels, in loops that the compiler makes vector code of. Changes nothing
@@ -14,7 +14,7 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind, local_inde
 use crate::sculpture::history::Contents;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Brick, Rgb};
-use crate::tools::brush::grab::{Falloff, Pulled};
+use crate::tools::brush::kernel::grab::{Falloff, Pulled};
 use crate::tools::brush::spray::Stamp;
 use crate::tools::symmetry::MAX_IMAGES;
 

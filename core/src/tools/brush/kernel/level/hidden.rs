@@ -13,7 +13,7 @@ use crate::sculpture::{Grid, NO_VOXEL};
 use crate::surface::IndexMap;
 use crate::surface::raycast::sample;
 use crate::tools::brush::footprint::Footprint;
-use crate::tools::brush::visible::Cone;
+use crate::tools::brush::kernel::visible::Cone;
 use crate::view::PixelRays;
 
 /// How far behind the first voxel of a ray its own surface may be, in voxels.

@@ -5,7 +5,9 @@ use proptest::prelude::*;
 
 use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
-use crate::tools::brush::grab::{Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS, Motion};
+use crate::tools::brush::kernel::grab::{
+    Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS, Motion,
+};
 use crate::tools::symmetry::{Parity, Symmetry};
 
 const RED: Rgb = Rgb::new(200, 20, 10);

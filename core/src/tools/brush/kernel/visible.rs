@@ -19,11 +19,11 @@
 use glam::{DMat3, DVec3, IVec3, UVec2, UVec3, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 
-use super::footprint::{Footprint, Touch};
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::surface::IndexMap;
 use crate::surface::raycast::{self, sample};
+use crate::tools::brush::footprint::{Footprint, Touch};
 use crate::view::PixelRays;
 
 /// How far above a face the point lies that may be seen instead of its middle, in voxels: still within the empty voxel

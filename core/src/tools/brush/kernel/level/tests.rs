@@ -6,7 +6,7 @@ use crate::sculpture::brick::local_coords;
 use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{Brick, Grid};
 use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
-use crate::tools::brush::level::Level;
+use crate::tools::brush::kernel::level::Level;
 use crate::tools::brush::spray::Stamp;
 
 const FULL: Level = Level { strength: 1.0, rounding: Level::NEAREST };

@@ -3,11 +3,11 @@
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
-use super::deform::{Brush, Deform, Draw, Plane};
 use super::grab::{Falloff, MAX_RADIUS};
 use super::offset::MAX_HEIGHT;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::local_coords;
+use crate::tools::brush::deform::{Brush, Deform, Draw, Plane};
 use crate::tools::symmetry::{Parity, Symmetry};
 
 fn grid(dims: UVec3, voxel_size: Vec3, exists: impl Fn(IVec3) -> bool) -> Grid {

@@ -25,12 +25,12 @@ use self::field::{Cells, Field, Places, Smoothed};
 use self::hidden::Hidden;
 use super::distance::Distances;
 use super::filter::shifted;
-use super::footprint::Footprint;
-use super::spray::Stamp;
 use super::visible::Cone;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Brick, Grid};
+use crate::tools::brush::footprint::Footprint;
+use crate::tools::brush::spray::Stamp;
 
 /// Radii by which a brush smooths, in units of the smallest edge of a voxel; larger brushes smooth by the largest.
 pub const RADII: std::ops::RangeInclusive<f32> = 2.0..=64.0;

@@ -1,0 +1,13 @@
+//! What several brushes share: the voxels that are seen under an outline, filters on blocks of bits, distances, and the
+//! motion of surfaces and clay. Changes nothing; knows no brush's options.
+
+pub mod distance;
+pub mod filter;
+pub mod grab;
+pub mod level;
+pub mod offset;
+#[cfg(test)]
+mod offset_tests;
+pub mod visible;
+#[cfg(test)]
+mod visible_tests;
