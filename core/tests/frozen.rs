@@ -88,7 +88,7 @@ fn every_command_keeps_its_text_and_makes_the_same_sculpture() {
         assert_eq!(now, then, "command {i}");
     }
     assert_eq!(now.lines().count(), then.lines().count());
-    // What is written is read as it was meant.
+    // The written text reads back as the same commands.
     let texts =
         then.lines().map(|line| line.split_once(' ').unwrap().1.parse::<Command>().unwrap());
     assert!(texts.eq(script()));

@@ -72,21 +72,14 @@ impl Document {
 
 /// Whether all that a command changes is in the record of a stroke.
 fn can_be_tried(command: &Command) -> bool {
-    matches!(
+    let changes_area = matches!(
         command,
-        Command::Construct { .. }
-            | Command::Form { .. }
-            | Command::Texture { .. }
-            | Command::Stencil { .. }
-            | Command::Spray { .. }
-            | Command::Grab { .. }
-            | Command::Deform { .. }
-            | Command::Paste { .. }
-            | Command::Fill { .. }
+        Command::Fill { .. }
             | Command::Clear { .. }
             | Command::Dye { .. }
             | Command::Tint { .. }
             | Command::Flood { .. }
             | Command::Mask(_)
-    )
+    );
+    command.is_tool_use() || changes_area
 }

@@ -1,4 +1,5 @@
-//! What a brush is, as its file says: everything that people read of it, once for scripts, keys, panels and the palette.
+//! Describes a brush: the texts that scripts, key tables, panels and the palette show, each written once in the file of the
+//! brush. Knows no function of a brush.
 
 /// The description of a brush.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -9,7 +10,7 @@ pub struct BrushSpec {
     pub action: &'static str,
     /// In the interface.
     pub label: &'static str,
-    /// What it does, in one sentence.
+    /// Explains the brush in one sentence.
     pub help: &'static str,
     /// Words of other programs that find it, besides those of `help`, separated by spaces.
     pub synonyms: &'static str,

@@ -1,5 +1,5 @@
-//! What several brushes share: the voxels that are seen under an outline, filters on blocks of bits, distances, and the
-//! motion of surfaces and clay. Changes nothing; knows no brush's options.
+//! Computations that several brushes share: the voxels seen under an outline, filters on blocks of bits, distances, and
+//! the motion of surfaces and clay. Changes nothing; knows no brush's options.
 
 pub mod distance;
 pub mod filter;

@@ -152,6 +152,30 @@ impl Cone {
     }
 }
 
+/// The first voxels on the rays of a square around the middle ray of a footprint. `step`: between two rays, in rays of the
+/// footprint; `reach`: how many on each side of the middle one.
+pub(super) fn map_around(footprint: &Footprint, grid: &Grid, step: f32, reach: u32) -> IndexMap {
+    let Footprint { eye_vx, aim, across, down, .. } = *footprint;
+    let first = -(reach as f32 * step);
+    let mut map = IndexMap::new(PixelRays {
+        origin: eye_vx,
+        corner: aim + (across + down) * (first - 0.5 * step),
+        step_x: across * step,
+        step_y: down * step,
+        size: UVec2::splat(2 * reach + 1),
+    });
+    let view = map.rays;
+    sample(grid, &view, &mut map);
+    map
+}
+
+/// The direction of a ray, as the caster takes it: no 0 is divided by 0.
+#[inline(always)]
+pub(super) fn direction(view: &PixelRays, x: u32, y: u32) -> Vec3 {
+    let way = view.direction(x, y);
+    Vec3::select(way.abs().cmplt(LEAST_WAY), LEAST_WAY, way)
+}
+
 /// How far away the first voxel of each ray is, over the square around a footprint.
 struct Depths {
     /// Of the first ray, and between two, in rays of the footprint.
@@ -182,19 +206,11 @@ impl Depths {
 
     /// `step`: between two rays, in rays of the footprint; `reach`: how many on each side of the middle one.
     fn map(footprint: &Footprint, grid: &Grid, step: f32, reach: u32) -> Depths {
-        let rays = 2 * reach + 1;
+        let eye_vx = footprint.eye_vx;
         let first = -(reach as f32 * step);
-        let Footprint { eye_vx, aim, across, down, .. } = *footprint;
-        let mut map = IndexMap::new(PixelRays {
-            origin: eye_vx,
-            corner: aim + (across + down) * (first - 0.5 * step),
-            step_x: across * step,
-            step_y: down * step,
-            size: UVec2::splat(rays),
-        });
+        let map = map_around(footprint, grid, step, reach);
         let view = map.rays;
-        sample(grid, &view, &mut map);
-        let side = rays as usize;
+        let side = view.size.x as usize;
         let mut depths = vec![f32::INFINITY; map.voxels.len()];
         let rows = depths.par_chunks_mut(side).zip(map.voxels.par_chunks(side));
         let met = rows.enumerate().flat_map_iter(|(y, (depths, voxels))| {
@@ -203,9 +219,7 @@ impl Depths {
             for ((depth, &voxel), x) in pixels.filter(|((_, voxel), _)| **voxel != NO_VOXEL) {
                 let voxel = grid.voxel_coords(voxel);
                 let low = voxel.as_vec3() - eye_vx;
-                let way = view.direction(x, y as u32);
-                // As the caster takes them: no 0 is divided by 0.
-                let way = Vec3::select(way.abs().cmplt(LEAST_WAY), LEAST_WAY, way);
+                let way = direction(&view, x, y as u32);
                 let (a, b) = (low / way, (low + 1.0) / way);
                 let entries = a.min(b);
                 *depth = entries.max_element().max(0.0);

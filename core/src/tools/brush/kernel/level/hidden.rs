@@ -5,16 +5,13 @@
 //! Changes nothing; knows no brush.
 
 use fearless_simd::{Level, dispatch};
-use glam::{IVec3, UVec2, UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, WORD_EDGE_VX};
 use crate::sculpture::{Grid, NO_VOXEL};
-use crate::surface::IndexMap;
-use crate::surface::raycast::sample;
 use crate::tools::brush::footprint::Footprint;
-use crate::tools::brush::kernel::visible::Cone;
-use crate::view::PixelRays;
+use crate::tools::brush::kernel::visible::{Cone, direction, map_around};
 
 /// How far behind the first voxel of a ray its own surface may be, in voxels.
 const STAIR_VX: f32 = 0.9;
@@ -22,8 +19,6 @@ const STAIR_VX: f32 = 0.9;
 const MOST_RAYS: f32 = 256.0;
 /// Farthest rays from the middle one, in rays of the footprint.
 const MOST_SPREAD: f32 = 1e6;
-/// Least component of a direction.
-const LEAST_WAY: Vec3 = Vec3::splat(1e-20);
 /// Half the diagonal of a cube, in its edges, with some room.
 const RADIUS_OF_CUBE: f32 = 0.875;
 /// Rows and columns of rays whose depths are looked at together.
@@ -63,27 +58,19 @@ impl Hidden {
         at: f32,
         [around_vx, spacing_vx, behind_vx]: [f32; 3],
     ) -> Hidden {
-        let Footprint { eye_vx, aim, across, down, radius, .. } = *footprint;
+        let Footprint { eye_vx, across, down, radius, .. } = *footprint;
         let ray_vx = across.length().min(down.length());
         let wanted = (radius + around_vx / (ray_vx * at)).min(MOST_SPREAD);
         let step = (spacing_vx / (ray_vx * at)).max(wanted / MOST_RAYS);
         let reach = (wanted / step).ceil().clamp(1.0, MOST_RAYS);
         let first = -reach * step;
-        let side = 2 * reach as u32 + 1;
-        let mut map = IndexMap::new(PixelRays {
-            origin: eye_vx,
-            corner: aim + (across + down) * (first - 0.5 * step),
-            step_x: across * step,
-            step_y: down * step,
-            size: UVec2::splat(side),
-        });
+        let map = map_around(footprint, grid, step, reach as u32);
         let view = map.rays;
-        sample(grid, &view, &mut map);
+        let side = view.size.x;
         let depth = |(i, voxel): (usize, &u32)| match *voxel {
             NO_VOXEL => f32::INFINITY,
             voxel => {
-                let way = view.direction(i as u32 % side, i as u32 / side);
-                let way = Vec3::select(way.abs().cmplt(LEAST_WAY), LEAST_WAY, way);
+                let way = direction(&view, i as u32 % side, i as u32 / side);
                 let low = grid.voxel_coords(voxel).as_vec3() - eye_vx;
                 (low / way).min((low + 1.0) / way).max_element().max(0.0)
             }
