@@ -12,7 +12,7 @@ use crate::fiducial::family;
 use crate::input::{Action, ActionEvent, Bindings};
 use crate::session::Session;
 use crate::surface::{IndexMap, raycast};
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
 use crate::video::{Fit, Frame, Framing, Intrinsics};
 use crate::viewpoint::ar::{Look, rest};
 
@@ -163,7 +163,8 @@ fn drag(workspace: &mut Workspace, at: Vec2, by: Vec2) {
 
 #[test]
 fn a_leap_of_the_marker_ends_the_stroke_of_the_pointer() {
-    for tool in [ToolKind::Solid, ToolKind::Spray(SprayKind::Devourer), ToolKind::Deform] {
+    for tool in [ToolKind::Solid, ToolKind::Brush(BrushId::Devour), ToolKind::Brush(BrushId::Grab)]
+    {
         let mut workspace = workspace();
         workspace.editor.tool.kind = tool;
         workspace.track_at(0.0);

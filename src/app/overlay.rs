@@ -16,7 +16,9 @@ use crate::sculpture::Rgb;
 use crate::sculpture::region::VoxelBox;
 use crate::surface::IndexMap;
 use crate::tools::brush::footprint::Outline;
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::keys::{OUTLINE, RADIUS, STEADY};
+use crate::tools::brush::options::BrushOptions;
+use crate::tools::brush::spec::Tint;
 use crate::tools::solid::{Primitive, Solid};
 use crate::ui::{Theme, ViewState};
 
@@ -57,9 +59,10 @@ pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
     let voxel_size = scene.document.grid().voxel_size();
     match scene.tool.kind {
         _ if !scene.view.tool || scene.tool.next_press.is_some() => None,
-        ToolKind::Spray(_) | ToolKind::Draw(_) => None,
-        ToolKind::Deform => Some(ToolPreview {
-            primitive: scene.tool.ball(),
+        ToolKind::Draw(_) => None,
+        ToolKind::Brush(brush) if brush.spec().is_in_picture() => None,
+        ToolKind::Brush(brush) => Some(ToolPreview {
+            primitive: scene.tool.ball(brush),
             voxel_size,
             colour: MIRROR,
             opacity: [0.16, 0.08],
@@ -126,9 +129,14 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
     let outline =
         |colour| move |(from, to)| Line { from, to, colour, width_px: 1.4, opacity: [0.9, 0.3] };
     match tool.kind {
-        ToolKind::Solid | ToolKind::Deform => {
+        ToolKind::Brush(brush) if brush.spec().is_in_picture() => {
+            let options = tool.brushes.of(brush);
+            let colour = tint(brush.spec().tint, tool.colour);
+            lines.extend(footprint_edges(scene, options).into_iter().map(outline(colour)));
+        }
+        ToolKind::Solid | ToolKind::Brush(_) => {
             let (shape, colour) = match tool.kind {
-                ToolKind::Deform => (tool.ball(), MIRROR),
+                ToolKind::Brush(brush) => (tool.ball(brush), tint(brush.spec().tint, tool.colour)),
                 _ => (tool.primitive(), colour_of(tool)),
             };
             lines.extend(outline_of(&shape, grid).into_iter().map(outline(colour)));
@@ -137,15 +145,6 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
                 let mirrored = outline_of(&shape.image(image), grid);
                 lines.extend(mirrored.into_iter().map(outline(MIRROR)));
             }
-        }
-        ToolKind::Spray(kind) => {
-            let colour = match kind {
-                SprayKind::Devourer | SprayKind::Erosion => CUT,
-                SprayKind::Smooth => MIRROR,
-                SprayKind::Mask | SprayKind::Unmask => MASK,
-                _ => tool.colour,
-            };
-            lines.extend(footprint_edges(scene, kind).into_iter().map(outline(colour)));
         }
         ToolKind::Draw(_) => lines.extend(sketched(scene)),
         ToolKind::Marker => {
@@ -198,20 +197,29 @@ fn rope(scene: &OverlayScene) -> Option<(Vec3, Vec3)> {
     let tool = scene.tool;
     let (map, at) = scene.seen.zip(scene.pointer)?;
     let end = map.rays.origin + map.rays.direction_at(at.x, at.y) * scene.depth;
-    (scene.stroking && tool.deforms.of(tool.deform).steady_px > 0.0)
-        .then_some((tool.centre_vx, end))
+    let is_steady = tool.brush_options().is_some_and(|options| options.get(STEADY) > 0.0);
+    (scene.stroking && is_steady).then_some((tool.centre_vx, end))
 }
 
-/// The rim of a spray's footprint, laid into the picture at the depth of what it points at.
-fn footprint_edges(scene: &OverlayScene, kind: SprayKind) -> Vec<(Vec3, Vec3)> {
+/// The colour of a brush's outline. `own`: the colour in hand.
+fn tint(tint: Tint, own: Rgb) -> Rgb {
+    match tint {
+        Tint::Cut => CUT,
+        Tint::Neutral => MIRROR,
+        Tint::Mask => MASK,
+        Tint::Colour => own,
+    }
+}
+
+/// The rim of a brush's footprint, laid into the picture at the depth of what it points at.
+fn footprint_edges(scene: &OverlayScene, options: &BrushOptions) -> Vec<(Vec3, Vec3)> {
     let (Some(map), Some(at)) = (scene.seen, scene.pointer) else { return Vec::new() };
-    let options = scene.tool.sprays.of(kind);
-    let radius_px = scene.tool.radius_px(options.radius, None);
+    let radius_px = scene.tool.radius_px(options.get(RADIUS), None);
     let point = |offset: Vec2| {
         let at = at + offset * radius_px;
         map.rays.origin + map.rays.direction_at(at.x, at.y) * scene.depth
     };
-    let corners: Vec<Vec3> = match options.outline {
+    let corners: Vec<Vec3> = match options.get(OUTLINE) {
         Outline::Round => (0..SEGMENTS)
             .map(|i| point(Vec2::from_angle(TAU * i as f32 / SEGMENTS as f32)))
             .collect(),
@@ -278,6 +286,7 @@ mod tests {
     use crate::document::Limits;
     use crate::input::DrawKind;
     use crate::sculpture::ColourDepth;
+    use crate::tools::brush::BrushId;
     use crate::tools::symmetry::{Parity, Symmetry};
     use crate::ui::UiState;
 
@@ -358,7 +367,7 @@ mod tests {
         assert_eq!(count(&state, &tool, &document), (6 + 12, true));
         document.apply(&Command::Copy).unwrap();
         assert_eq!(count(&state, &tool, &document), (6 + 24, true));
-        tool.kind = ToolKind::Spray(SprayKind::Clay);
+        tool.kind = ToolKind::Brush(BrushId::Clay);
         assert_eq!(count(&state, &tool, &document), (6, false), "no pointer, no footprint");
         tool.kind = ToolKind::Solid;
         state.view.tool = false;

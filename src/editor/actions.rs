@@ -5,16 +5,18 @@
 
 use glam::{Quat, UVec3, Vec2, Vec3};
 
+use super::Editor;
 use super::lead::Led;
 use super::stroke::{Guide, SurfaceGuide};
 use super::tool::{NextPress, ToolKind};
-use super::{Editor, sprays};
 use crate::command::{Area, Command, MaskChange};
 use crate::input::{Action, ToolMode};
 use crate::picking::Picker;
 use crate::sculpture::Placement;
 use crate::sculpture::orientation::Orientation;
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
+use crate::tools::brush::keys::{OUTLINE, RADIUS};
+use crate::tools::brush::spec::Inverse;
 use crate::tools::symmetry::Parity;
 
 /// Factor on the tool's size for one press of a key.
@@ -40,11 +42,7 @@ impl Editor {
                 self.tool.solid = solid;
                 self.tool.kind = ToolKind::Solid;
             }
-            Action::Spray(kind) => self.tool.kind = ToolKind::Spray(kind),
-            Action::Deform(kind) => {
-                self.tool.deform = kind;
-                self.tool.kind = ToolKind::Deform;
-            }
+            Action::Brush(brush) => self.tool.kind = ToolKind::Brush(brush),
             Action::Draw(kind) => {
                 self.tool.kind = ToolKind::Draw(kind);
                 self.unfinished = None;
@@ -77,7 +75,7 @@ impl Editor {
                         self.tool.stretch(side, 1.0);
                         self.leave_ground();
                     }
-                    ToolKind::Spray(_) | ToolKind::Deform | ToolKind::Draw(_) => {}
+                    ToolKind::Brush(_) | ToolKind::Draw(_) => {}
                 }
             }
             Action::ToggleFollow => self.tool.follow = !self.tool.follow,
@@ -170,27 +168,28 @@ impl Editor {
         self.rotates_instead = target.is_none();
         let Some(point) = target else { return };
         let tool = &self.tool;
-        if let Some(kind) = spray_for(action, tool.kind) {
-            let mut options = *tool.sprays.of(kind);
-            if kind == SprayKind::Unmask {
-                options = *tool.sprays.of(SprayKind::Mask);
+        if let Some(brush) = picture_brush_for(action, tool.kind) {
+            let mut options = *tool.brushes.of(brush);
+            if let Some(other) = brush.spec().options_of {
+                let other = tool.brushes.of(other);
+                other.iter().for_each(|(param, value)| options.set_value(param.key, value));
             }
-            if let Some(held) = tool.spray() {
-                // It works where the tool in hand shows its outline.
-                options.radius = tool.sprays.of(held).radius;
-                options.outline = tool.sprays.of(held).outline;
-            } else if tool.kind == ToolKind::Deform {
-                options.radius = tool.deforms.of(tool.deform).radius;
+            // It works where the brush in hand shows its outline.
+            if let Some(in_hand) = tool.brush_options() {
+                options.set(RADIUS, in_hand.get(RADIUS));
+                if in_hand.has(OUTLINE) {
+                    options.set(OUTLINE, in_hand.get(OUTLINE));
+                }
             }
-            let unpaints = action == Action::SculptInverse && kind == SprayKind::Paintbrush;
-            self.begin_spray(kind, options, unpaints, at, picker);
+            let unpaints = action == Action::SculptInverse && brush == BrushId::Paint;
+            self.begin_picture_brush(options, unpaints, at, picker);
             return;
         }
-        if tool.kind == ToolKind::Deform {
+        if let Some(brush) = tool.brush() {
             if tool.follow {
                 self.lead_tool_to(at, point, picker);
             }
-            self.begin_clay(action == Action::SculptInverse, Some(at), picker);
+            self.begin_clay(brush, action == Action::SculptInverse, Some(at), picker);
             return;
         }
         let inverse = action == Action::SculptInverse;
@@ -218,19 +217,19 @@ impl Editor {
                 self.begin_stroke(self.tool.mode, false, Guide::Tool { hovering });
             }
             ToolKind::Marker => self.act(Action::SelectMarker, picker),
-            ToolKind::Deform => {
+            ToolKind::Brush(brush) if brush.spec().is_in_picture() => {
+                let tool = || picker.sight().pixel_of(self.tool.centre_vx);
+                if let Some(at) = self.pointer.or_else(tool) {
+                    self.begin_picture_brush(*self.tool.brushes.of(brush), false, at, picker);
+                }
+            }
+            ToolKind::Brush(brush) => {
                 let hovering = self.pointer.filter(|_| self.ground().is_some());
-                self.begin_clay(false, hovering, picker);
+                self.begin_clay(brush, false, hovering, picker);
             }
             ToolKind::Draw(kind) => {
                 if let Some(at) = self.pointer {
                     self.begin_drawing(kind, false, at, picker);
-                }
-            }
-            ToolKind::Spray(kind) => {
-                let tool = || picker.sight().pixel_of(self.tool.centre_vx);
-                if let Some(at) = self.pointer.or_else(tool) {
-                    self.begin_spray(kind, *self.tool.sprays.of(kind), false, at, picker);
                 }
             }
         }
@@ -244,7 +243,7 @@ impl Editor {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
                 _ if self.unfinished.is_some() => self.lead_unfinished(at, picker),
                 _ if self.marker.drag.is_some() => self.drag_marker(at, picker),
-                Some(stroke) if stroke.is_spray() => self.lead_spray(at, picker),
+                Some(stroke) if stroke.is_picture_brush() => self.lead_picture_brush(at, picker),
                 Some(stroke) if stroke.is_clay() => self.lead_clay(at, picker),
                 Some(stroke) if stroke.follows_surface() => self.lead_stroke(at, picker),
                 _ => self.drag_tool(by, false, picker),
@@ -253,8 +252,8 @@ impl Editor {
             Action::MoveTool | Action::MoveToolDeep if self.has_unfinished() => {
                 self.lead_unfinished(at, picker);
             }
-            Action::MoveTool | Action::MoveToolDeep if self.tool.spray().is_some() => {
-                self.lead_spray(at, picker);
+            Action::MoveTool | Action::MoveToolDeep if self.tool.picture_brush().is_some() => {
+                self.lead_picture_brush(at, picker);
             }
             Action::MoveTool => self.drag_tool(by, false, picker),
             Action::MoveToolDeep => self.drag_tool(by, true, picker),
@@ -343,13 +342,7 @@ impl Editor {
         let factor = factor.powf(notches.clamp(-20.0, 20.0));
         match self.tool.kind {
             ToolKind::Solid => self.tool.scale_by(factor),
-            ToolKind::Spray(kind) => {
-                self.tool.scale_brush(|tool| &mut tool.sprays.of_mut(kind).radius, factor);
-            }
-            ToolKind::Deform => {
-                let kind = self.tool.deform;
-                self.tool.scale_brush(|tool| &mut tool.deforms.of_mut(kind).radius, factor);
-            }
+            ToolKind::Brush(brush) => self.tool.scale_brush(brush, factor),
             ToolKind::Draw(kind) => self.tool.draws.scale(kind, factor),
             ToolKind::Marker => self.scale_marker(notches),
         }
@@ -378,9 +371,7 @@ impl Editor {
                 let marker = self.document().selection().marker();
                 (marker.min.as_vec3() + marker.max.as_vec3()) * 0.5
             }
-            ToolKind::Solid | ToolKind::Spray(_) | ToolKind::Deform | ToolKind::Draw(_) => {
-                self.tool.centre_vx
-            }
+            ToolKind::Solid | ToolKind::Brush(_) | ToolKind::Draw(_) => self.tool.centre_vx,
         };
         let second = if deep { -axes.near } else { axes.up };
         let across = axes.right * sight.along(axes.right, by.x, at);
@@ -393,12 +384,16 @@ impl Editor {
     }
 }
 
-/// The spray that an action uses with a tool in hand, if it uses one.
-fn spray_for(action: Action, kind: ToolKind) -> Option<SprayKind> {
-    match (action, kind) {
-        (Action::SculptSmooth, _) => Some(SprayKind::Smooth),
-        (Action::SculptInverse, ToolKind::Spray(kind)) => Some(sprays::opposite(kind)),
-        (_, ToolKind::Spray(kind)) => Some(kind),
-        _ => None,
-    }
+/// The brush under an outline in the picture that an action uses with a tool in hand, if it uses one.
+fn picture_brush_for(action: Action, kind: ToolKind) -> Option<BrushId> {
+    let brush = match (action, kind) {
+        (Action::SculptSmooth, _) => BrushId::Smooth,
+        (_, ToolKind::Brush(brush)) => brush,
+        _ => return None,
+    };
+    let inverse = match brush.spec().inverse {
+        Inverse::Brush(other) if action == Action::SculptInverse => other,
+        _ => brush,
+    };
+    brush.spec().is_in_picture().then_some(inverse)
 }

@@ -7,22 +7,21 @@
 use glam::{IVec3, Vec2, Vec3};
 
 use super::Editor;
-use super::deform::DeformOptions;
 use super::path::Path;
-use super::pressure::{PenTool, PenUse};
+use super::pressure::{PenUse, touched};
 use super::stroke::{LEAP, LOOK_EVERY_PX, MOST_LOOKS, Stroke, SurfaceGuide, Work};
 use crate::command::{Command, SpraySurface};
 use crate::input::pen::PenTouch;
 use crate::picking::Picker;
 use crate::sculpture::Grid;
-use crate::tools::brush::deform::{Brush, Deform, DeformKind, Draw, Plane};
-use crate::tools::brush::kernel::grab::{Grab, Motion};
+use crate::tools::brush::BrushId;
+use crate::tools::brush::deform::{Brush, Deform, Draw, Plane};
+use crate::tools::brush::kernel::grab::{Grab, MAX_RADIUS, MIN_RADIUS, Motion};
 use crate::tools::brush::kernel::offset::MAX_HEIGHT;
+use crate::tools::brush::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
+use crate::tools::brush::options::BrushOptions;
+use crate::tools::brush::spec::{BrushStroke, Inverse, SurfaceNormal};
 
-/// Distance of two uses as a share of the radius.
-const SPACING: f32 = 0.2;
-/// The same of `crease`, whose narrow bottom would show each use.
-const CREASE_SPACING: f32 = 0.08;
 /// Height to which the surface is raised with full strength, as a share of the radius.
 const HEIGHT: f32 = 0.5;
 /// How far one use of `pinch` brings the clay together with full strength; some ten of them overlap.
@@ -34,8 +33,7 @@ const STEPS: f32 = 10.0;
 
 /// A brush at work.
 pub(super) struct Dabs {
-    kind: DeformKind,
-    options: DeformOptions,
+    options: BrushOptions,
     /// The lead of a pen over it, and how it touches now.
     pen: PenUse,
     touch: PenTouch,
@@ -59,21 +57,36 @@ impl Dabs {
     }
 
     /// The options with which it is used now.
-    fn in_use(&self) -> DeformOptions {
-        self.options.touched(self.pen, self.touch)
+    fn in_use(&self) -> BrushOptions {
+        let options = touched(&self.options, self.pen, self.touch);
+        options.with(RADIUS, options.get(RADIUS).clamp(MIN_RADIUS, MAX_RADIUS))
     }
 
-    /// Whether the normal is that around each use.
-    fn turns(&self) -> bool {
-        matches!(self.kind, DeformKind::Draw | DeformKind::Crease | DeformKind::Pinch)
+    /// The normal that it uses.
+    fn normal_used(&self) -> SurfaceNormal {
+        match self.options.brush().spec().stroke {
+            BrushStroke::Surface { normal, .. } => normal,
+            _ => SurfaceNormal::OfPress { on_plane: false },
+        }
+    }
+
+    /// The brush that it is, or that the modifier makes of it, and the sense in which that works.
+    fn brush_and_sense(&self) -> (BrushId, f32) {
+        let brush = self.options.brush();
+        match brush.spec().inverse {
+            Inverse::Brush(other) if self.inverse => (other, 1.0),
+            Inverse::Sense if self.inverse => (brush, -1.0),
+            _ => (brush, 1.0),
+        }
     }
 
     /// A use of the brush at a place, in voxels, that moves the clay as it is. None where it goes nowhere.
     fn motion(&self, at: Vec3) -> Option<Grab> {
-        let DeformOptions { radius, falloff, strength, .. } = self.in_use();
-        let sense = if self.inverse { -1.0 } else { 1.0 };
-        let (centre_vx, motion) = match self.kind {
-            DeformKind::Pinch => {
+        let options = self.in_use();
+        let (radius, strength) = (options.get(RADIUS), options.get(STRENGTH));
+        let (brush, sense) = self.brush_and_sense();
+        let (centre_vx, motion) = match brush {
+            BrushId::Pinch => {
                 let strength = sense * strength * PINCH;
                 (at, Motion::Pinch { normal: self.normal, strength })
             }
@@ -87,60 +100,67 @@ impl Dabs {
                 (self.last, Motion::Pull { by_vx: way * strength })
             }
         };
-        let grab = Grab { centre_vx, radius, motion, falloff };
+        let grab = Grab { centre_vx, radius, motion, falloff: options.get(FALLOFF) };
         (!motion.is_still()).then_some(grab)
     }
 
     /// The use of the brush at a place, in voxels. None where it does nothing.
     fn command(&self, at: Vec3) -> Option<Command> {
-        if matches!(self.kind, DeformKind::Pinch | DeformKind::Smear) {
-            let grab = self.motion(at)?;
-            return Some(Command::Grab { grab, surface: SpraySurface::Now });
-        }
-        let DeformOptions { radius, falloff, strength, .. } = self.in_use();
-        let plane = Plane { normal: self.normal, strength };
-        let sense = if self.inverse { -1.0 } else { 1.0 };
+        let options = self.in_use();
+        let (radius, strength) = (options.get(RADIUS), options.get(STRENGTH));
+        let normal = self.normal;
+        let plane = Plane { normal, strength };
+        let (brush, sense) = self.brush_and_sense();
         let height = sense * (strength * HEIGHT * radius).min(MAX_HEIGHT);
-        let (brush, planar) = match (self.kind, self.inverse) {
-            (DeformKind::Flatten, _) => (Brush::Flatten(plane), true),
-            (DeformKind::Scrape, false) | (DeformKind::Fill, true) => (Brush::Scrape(plane), true),
-            (DeformKind::Fill, false) | (DeformKind::Scrape, true) => (Brush::Fill(plane), true),
-            (DeformKind::Draw, _) => (Brush::Draw(Draw { normal: self.normal, height }), false),
-            (DeformKind::Crease, _) => {
-                (Brush::Crease(Draw { normal: self.normal, height: -height }), false)
+        let brush = match brush {
+            BrushId::Flatten => Brush::Flatten(plane),
+            BrushId::Scrape => Brush::Scrape(plane),
+            BrushId::Fill => Brush::Fill(plane),
+            BrushId::Draw => Brush::Draw(Draw { normal, height }),
+            BrushId::Crease => Brush::Crease(Draw { normal, height: -height }),
+            BrushId::Pinch | BrushId::Smear => {
+                let grab = self.motion(at)?;
+                return Some(Command::Grab { grab, surface: SpraySurface::Now });
             }
-            (_, _) => (Brush::Inflate { height }, false),
+            _ => Brush::Inflate { height },
         };
-        let above = ((at - self.start) * self.edges).dot(self.normal);
-        let centre_vx = if planar { at - self.normal * above / self.edges } else { at };
-        let deform = Deform { brush, centre_vx, radius, falloff };
+        let above = ((at - self.start) * self.edges).dot(normal);
+        let centre_vx = match self.normal_used() {
+            SurfaceNormal::OfPress { on_plane: true } => at - normal * above / self.edges,
+            _ => at,
+        };
+        let deform = Deform { brush, centre_vx, radius, falloff: options.get(FALLOFF) };
         Some(Command::Deform { deform, surface: SpraySurface::Stroke })
     }
 }
 
 impl Editor {
     /// Opens a stroke of the brush in hand where the tool is, and uses it. `at`: the pointer that leads it (pixels).
-    pub(super) fn begin_dabs(&mut self, inverse: bool, at: Option<Vec2>, picker: &Picker) {
-        let kind = self.tool.deform;
-        if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {
+    pub(super) fn begin_dabs(
+        &mut self,
+        brush: BrushId,
+        inverse: bool,
+        at: Option<Vec2>,
+        picker: &Picker,
+    ) {
+        if !self.begin_brush(brush) {
             return;
         }
         let start = self.tool.centre_vx;
-        let radius = self.tool.ball_radius(kind);
-        let options = DeformOptions { radius, ..*self.tool.deforms.of(kind) };
+        let options = self.ball_options(brush);
+        let radius = options.get(RADIUS);
         let grid = self.session.document().grid();
-        let normal = normal_around(grid, start, options.radius)
+        let normal = normal_around(grid, start, radius)
             .or_else(|| at.map(|at| picker.normal(grid, at, true)))
             .and_then(Vec3::try_normalize)
             .unwrap_or(Vec3::Y);
         let guide = at.map(|at| SurfaceGuide::new(at, start, &self.tool, grid, picker));
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
-        let spacing = if kind == DeformKind::Crease { CREASE_SPACING } else { SPACING };
-        let path = Path::new(start, (spacing * options.radius).max(1.0), edges);
+        let path = Path::new(start, (brush.spec().spacing * radius).max(1.0), edges);
         self.grip.begin();
-        let (pen, touch) = (self.tool.pens.of(PenTool::Deform(kind)), self.grip.now);
+        let (pen, touch) = (self.tool.pens.of_brush(brush), self.grip.now);
         let last = start;
-        let dabs = Dabs { kind, options, pen, touch, inverse, guide, start, normal, last, edges };
+        let dabs = Dabs { options, pen, touch, inverse, guide, start, normal, last, edges };
         self.stroke = Some(Stroke::new(Work::Dabs(dabs), path));
         self.dab_at(&[start]);
     }
@@ -152,13 +172,13 @@ impl Editor {
         let grid = self.session.document().grid();
         path.scale(dabs.pen.size(self.grip.now));
         let from = guide.at;
-        let to = on_rope(from, to, dabs.options.steady_px);
+        let to = on_rope(from, to, dabs.options.get(STEADY));
         let looks = (to.distance(from) / LOOK_EVERY_PX).ceil().clamp(1.0, MOST_LOOKS) as u32;
         let mut stops = Vec::new();
         for i in 1..=looks {
             let look = from.lerp(to, i as f32 / looks as f32);
             let centre = guide.centre_at(look, grid, picker);
-            match path.distance(centre) > LEAP * 2.0 * dabs.options.radius {
+            match path.distance(centre) > LEAP * 2.0 * dabs.options.get(RADIUS) {
                 true => path.jump_to(centre, |stop| stops.push(stop)),
                 false => path.line_to(centre, |stop| stops.push(stop)),
             }
@@ -184,9 +204,9 @@ impl Editor {
         for (&stop, touch) in stops.iter().zip(self.grip.on_way(stops.len())) {
             let Some(Stroke { work: Work::Dabs(dabs), .. }) = &mut self.stroke else { return };
             dabs.touch = touch;
-            if dabs.turns() {
+            if dabs.normal_used() == SurfaceNormal::OfEachUse {
                 let surface = self.session.document().stroke_surface();
-                let normal = normal_around(surface, stop, dabs.options.radius);
+                let normal = normal_around(surface, stop, dabs.options.get(RADIUS));
                 dabs.normal = normal.and_then(Vec3::try_normalize).unwrap_or(dabs.normal);
             }
             let command = dabs.command(stop);

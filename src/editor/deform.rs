@@ -1,4 +1,4 @@
-//! The tools that deform clay: their options, and strokes that take clay along.
+//! Strokes of the brushes that deform clay, and in this file those of the brushes that take hold of it.
 //!
 //! A stroke of `grab` or `twist` moves the clay as it was when the stroke began. Each command takes the place of the one before,
 //! so that however long the drag, the clay is resampled once. Events only say how far to pull; [`Editor::catch_up`] does
@@ -11,72 +11,11 @@ use super::dabs::normal_around;
 use super::stroke::{Stroke, Work};
 use crate::command::{Command, SpraySurface};
 use crate::picking::Picker;
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::kernel::grab::{Falloff, Grab, MAX_PULL_VX, MAX_TWIST_DEG, Motion};
-
-/// The options of one tool.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct DeformOptions {
-    /// Of the ball, in the unit of the sizes of brushes; of clay that is held, in units of the smallest edge.
-    pub radius: f32,
-    /// How far the clay goes along, or the surface to where the brush moves it, 0 to 1.
-    pub strength: f32,
-    pub falloff: Falloff,
-    /// Length of the rope on which the pointer leads the brush, in pixels; 0 without one.
-    pub steady_px: f32,
-}
-
-/// Longest rope, in pixels.
-pub const MAX_STEADY_PX: f32 = 200.0;
-
-impl DeformOptions {
-    /// What a tool begins with.
-    pub fn of(kind: DeformKind) -> DeformOptions {
-        let options = DeformOptions {
-            radius: 60.0,
-            strength: 1.0,
-            falloff: Falloff::default(),
-            steady_px: 0.0,
-        };
-        match kind {
-            DeformKind::Grab | DeformKind::Twist => options,
-            DeformKind::Smear => DeformOptions { radius: 40.0, ..options },
-            DeformKind::Inflate | DeformKind::Draw | DeformKind::Pinch => {
-                DeformOptions { radius: 40.0, strength: 0.5, ..options }
-            }
-            DeformKind::Crease => {
-                DeformOptions { radius: 30.0, falloff: Falloff::Sharp, ..options }
-            }
-            DeformKind::Flatten | DeformKind::Scrape | DeformKind::Fill => {
-                DeformOptions { radius: 40.0, falloff: Falloff::Flat, ..options }
-            }
-        }
-    }
-}
-
-/// The options of all tools that deform.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Deforms([DeformOptions; DeformKind::ALL.len()]);
-
-impl Default for Deforms {
-    fn default() -> Self {
-        Deforms(DeformKind::ALL.map(DeformOptions::of))
-    }
-}
-
-impl Deforms {
-    pub fn of(&self, kind: DeformKind) -> &DeformOptions {
-        &self.0[place(kind)]
-    }
-
-    pub fn of_mut(&mut self, kind: DeformKind) -> &mut DeformOptions {
-        &mut self.0[place(kind)]
-    }
-}
-
-fn place(kind: DeformKind) -> usize {
-    DeformKind::ALL.iter().position(|k| *k == kind).unwrap_or(0)
-}
+use crate::tools::brush::BrushId;
+use crate::tools::brush::kernel::grab::{Grab, MAX_PULL_VX, MAX_TWIST_DEG, Motion};
+use crate::tools::brush::keys::{FALLOFF, RADIUS, STRENGTH};
+use crate::tools::brush::options::BrushOptions;
+use crate::tools::brush::spec::BrushStroke;
 
 /// How clay turns that is held: like a knob, clockwise when it is led to the right, by the radius for a radian.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -92,7 +31,7 @@ struct Turn {
 /// Clay that is held, and how far it is pulled.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct HeldClay {
-    options: DeformOptions,
+    options: BrushOptions,
     /// How it turns with the pointer; none if it goes along.
     turn: Option<Turn>,
     /// Where the tool took hold, in voxels.
@@ -117,8 +56,8 @@ impl HeldClay {
     }
 
     fn command(&self) -> Command {
-        let DeformOptions { radius, falloff, strength, .. } = self.options;
-        let by = self.by * strength;
+        let (radius, falloff) = (self.options.get(RADIUS), self.options.get(FALLOFF));
+        let by = self.by * self.options.get(STRENGTH);
         let motion = match self.turn {
             Some(Turn { normal, right, edges }) => {
                 let angle = -(by * edges).dot(right) / radius;
@@ -137,12 +76,23 @@ impl HeldClay {
 }
 
 impl Editor {
-    /// Begins to use the tool in hand that deforms. `at`: the pointer that leads it (pixels).
-    pub(super) fn begin_clay(&mut self, inverse: bool, at: Option<Vec2>, picker: &Picker) {
-        match self.tool.deform {
-            DeformKind::Grab | DeformKind::Twist => self.begin_grab(at, picker),
-            _ => self.begin_dabs(inverse, at, picker),
+    /// Begins to use a brush that deforms. `at`: the pointer that leads it (pixels).
+    pub(super) fn begin_clay(
+        &mut self,
+        brush: BrushId,
+        inverse: bool,
+        at: Option<Vec2>,
+        picker: &Picker,
+    ) {
+        match brush.spec().stroke {
+            BrushStroke::Held { turns } => self.begin_grab(brush, turns, at, picker),
+            _ => self.begin_dabs(brush, inverse, at, picker),
         }
+    }
+
+    /// The options of a brush where the tool is: the radius in units of the smallest edge.
+    pub(super) fn ball_options(&self, brush: BrushId) -> BrushOptions {
+        self.tool.brushes.of(brush).with(RADIUS, self.tool.ball_radius(brush))
     }
 
     /// Leads the clay that is held, or the brush, to a point of the picture.
@@ -158,18 +108,16 @@ impl Editor {
     }
 
     /// Takes hold of the clay around the tool. `at`: the pointer that leads it (pixels).
-    fn begin_grab(&mut self, at: Option<Vec2>, picker: &Picker) {
-        let kind = self.tool.deform;
-        if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {
+    fn begin_grab(&mut self, brush: BrushId, turns: bool, at: Option<Vec2>, picker: &Picker) {
+        if !self.begin_brush(brush) {
             return;
         }
         let start = self.tool.centre_vx;
-        let radius = self.tool.ball_radius(kind);
-        let options = DeformOptions { radius, ..*self.tool.deforms.of(kind) };
-        let turn = (kind == DeformKind::Twist).then(|| {
+        let options = self.ball_options(brush);
+        let turn = turns.then(|| {
             let grid = self.session.document().grid();
             let edges = grid.voxel_size() / grid.voxel_size().min_element();
-            let normal = normal_around(grid, start, options.radius)
+            let normal = normal_around(grid, start, options.get(RADIUS))
                 .or_else(|| at.map(|at| picker.normal(grid, at, true)))
                 .and_then(Vec3::try_normalize)
                 .unwrap_or(Vec3::Y);

@@ -58,9 +58,9 @@ impl Editor {
     /// The pointer moves with nothing held.
     pub fn hover(&mut self, at: Vec2, leads_tool: bool, picker: &Picker) {
         self.gauge(picker);
-        if let ToolKind::Spray(_) = self.tool.kind {
-            // A spray that a key holds down goes with the pointer.
-            self.lead_spray(at, picker);
+        if self.tool.picture_brush().is_some() {
+            // A brush that a key holds down goes with the pointer.
+            self.lead_picture_brush(at, picker);
         }
         // So does what is drawn with a key held, or by several presses.
         self.lead_drawing(at, picker);
@@ -155,7 +155,7 @@ impl Editor {
             let voxel_size = self.document().grid().voxel_size();
             self.tool.place_on(ground.point, ground.face, voxel_size);
             self.footing.choices = Some(Choices::of(&self.tool));
-        } else if self.tool.kind == ToolKind::Deform {
+        } else if self.tool.ball_brush().is_some() {
             self.tool.centre_vx = ground.point;
         }
     }
@@ -174,7 +174,7 @@ impl Editor {
         let Some(before) = self.footing.choices.replace(choices) else { return };
         let led = self.stroke.is_some() || self.hand.is_leading();
         let led = led || !choices.follow || !pointer_use.leads_tool;
-        let placed = matches!(choices.kind, ToolKind::Solid | ToolKind::Deform);
+        let placed = choices.kind == ToolKind::Solid || self.tool.ball_brush().is_some();
         if choices == before || !placed || led {
             return;
         }

@@ -15,14 +15,13 @@ use crate::input::hands::HandEvent;
 use crate::picking::Picker;
 use crate::surface::raycast;
 use crate::tools::brush::footprint::{Coverage, Footprint};
+use crate::tools::brush::keys::{OUTLINE, RADIUS};
 use crate::view::{Pose, Room};
 
-/// Where a spray held in a hand has the width that is shown, in metres from it.
+/// Where a brush in a hand has the width that is shown, in metres from it.
 const SPRAY_REACH_M: f32 = 0.1;
-/// Tangent of the angle between two rays of such a spray.
+/// Tangent of the angle between two rays of its cone.
 const SPRAY_STEP: f32 = 0.0085;
-/// How far it goes before it is used again, as a share of its radius there.
-const SPRAY_SPACING: f32 = 0.35;
 /// The tool is led no farther from the grid's origin than this, in voxels.
 const FARTHEST_VX: f32 = 1e7;
 /// Smallest and largest scale at which a sculpture is held, in world units a voxel edge.
@@ -120,15 +119,15 @@ impl Editor {
                     self.shift_marker(by);
                 }
             }
-            ToolKind::Spray(_) => {
+            ToolKind::Brush(brush) if brush.spec().is_in_picture() => {
                 self.tool.centre_vx = own.position;
                 if self.hand.stroke
-                    && let Some(footprint) = self.held_spray(room)
+                    && let Some(footprint) = self.cone(room)
                 {
-                    self.lead_held_spray(footprint);
+                    self.lead_cone(footprint);
                 }
             }
-            ToolKind::Deform => {
+            ToolKind::Brush(_) => {
                 self.tool.centre_vx = own.position;
                 self.clay_moved();
                 self.catch_up();
@@ -167,19 +166,15 @@ impl Editor {
             ToolKind::Solid => {
                 self.begin_stroke(self.tool.mode, false, Guide::Tool { hovering: None });
             }
-            ToolKind::Spray(kind) => {
-                if let Some(footprint) = self.held_spray(room) {
-                    let options = *self.tool.sprays.of(kind);
+            ToolKind::Brush(brush) if brush.spec().is_in_picture() => {
+                if let Some(footprint) = self.cone(room) {
+                    let options = *self.tool.brushes.of(brush);
                     let radius_vx = footprint.across.length() * footprint.radius;
-                    self.begin_held_spray(
-                        kind,
-                        options,
-                        footprint,
-                        (SPRAY_SPACING * radius_vx).max(1.0),
-                    );
+                    let spacing_vx = (brush.spec().spacing * radius_vx).max(1.0);
+                    self.begin_cone(options, footprint, spacing_vx);
                 }
             }
-            ToolKind::Deform => self.begin_clay(false, None, picker),
+            ToolKind::Brush(brush) => self.begin_clay(brush, false, None, picker),
             ToolKind::Draw(kind) => self.begin_held_drawing(kind, self.tool.centre_vx),
             ToolKind::Marker => {
                 self.hand.marker = self.hand.pose.map(|pose| self.in_grid(&pose, room).position);
@@ -208,9 +203,9 @@ impl Editor {
         }
     }
 
-    /// The rays of the spray in the hand, if it holds one.
-    pub fn held_spray(&self, room: &Room) -> Option<Footprint> {
-        let options = self.tool.sprays.of(self.tool.spray()?);
+    /// The cone in which the brush in the hand works, if it holds one that does.
+    pub fn cone(&self, room: &Room) -> Option<Footprint> {
+        let options = self.tool.brushes.of(self.tool.picture_brush()?);
         let pose = self.hand.pose?;
         let grid_from_room = |point: Vec3| self.grid_point(point, room);
         let eye_vx = grid_from_room(pose.position);
@@ -221,8 +216,8 @@ impl Editor {
             aim: way(Vec3::NEG_Z),
             across: way(Vec3::X) * SPRAY_STEP,
             down: way(Vec3::NEG_Y) * SPRAY_STEP,
-            radius: self.tool.radius_px(options.radius, Some(gauge)),
-            outline: options.outline,
+            radius: self.tool.radius_px(options.get(RADIUS), Some(gauge)),
+            outline: options.get(OUTLINE),
             coverage: Coverage::Visible,
         })
     }

@@ -11,7 +11,8 @@ use crate::sculpture::Rgb;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::region::{Region, VoxelBox};
 use crate::tools::brush::footprint::{Footprint, Outline};
-use crate::tools::brush::spray::{Effect, Spray, SprayKind};
+use crate::tools::brush::keys::STRENGTH;
+use crate::tools::brush::spray::{Effect, Spray};
 use crate::tools::drawn::region::PlacedForm;
 use crate::tools::solid::{Primitive, Solid};
 
@@ -180,7 +181,7 @@ impl Editor {
     }
 
     fn why_clay_is_idle(&mut self, centre_vx: glam::Vec3, radius: f32) -> String {
-        if self.tool.deforms.of(self.tool.deform).strength == 0.0 {
+        if self.tool.brush_options().is_some_and(|options| options.get(STRENGTH) == 0.0) {
             return "Nothing changed: the strength of the brush is 0".to_string();
         }
         let half = glam::Vec3::splat(radius);
@@ -232,10 +233,7 @@ impl Editor {
     /// A stroke begins: whatever it adds at the walls is noticed at its end.
     pub(super) fn note_walls(&mut self) {
         let adds = match self.tool.kind {
-            ToolKind::Spray(kind) => {
-                matches!(kind, SprayKind::Clay | SprayKind::Dilation | SprayKind::Growth)
-            }
-            ToolKind::Deform => true,
+            ToolKind::Brush(brush) => brush.spec().adds,
             _ => false,
         };
         self.walls.before = adds.then(|| self.document().grid().voxels_at_walls());

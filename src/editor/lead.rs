@@ -8,7 +8,8 @@ use glam::Vec2;
 use super::Editor;
 use super::tool::{ToolKind, ToolState};
 use crate::input::{Action, ActionEvent};
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::keys::STRENGTH;
+use crate::tools::brush::options::BrushOptions;
 
 /// Pixels to the right that double the size.
 const DOUBLES_PX: f32 = 100.0;
@@ -47,7 +48,7 @@ impl Editor {
             self.note("The marker's size is led by its faces: Ctrl and the left button");
             return;
         }
-        if what == Led::Strength && self.strength().is_none() {
+        if what == Led::Strength && self.with_strength().is_none() {
             self.note("This tool has no strength");
             return;
         }
@@ -74,8 +75,9 @@ impl Editor {
                 match what {
                     Led::Size => self.resize(by_px / DOUBLES_PX, 2.0),
                     Led::Strength => {
-                        if let Some(strength) = self.strength() {
-                            *strength = (*strength + by_px / FULL_PX).clamp(0.01, 1.0);
+                        if let Some(options) = self.with_strength() {
+                            let strength = options.get(STRENGTH) + by_px / FULL_PX;
+                            options.set(STRENGTH, strength.clamp(0.01, 1.0));
                         }
                     }
                 }
@@ -106,14 +108,9 @@ impl Editor {
         }
     }
 
-    /// The strength of the tool, if it has one.
-    fn strength(&mut self) -> Option<&mut f32> {
-        match self.tool.kind {
-            ToolKind::Spray(kind @ (SprayKind::Paintbrush | SprayKind::Smooth)) => {
-                Some(&mut self.tool.sprays.of_mut(kind).strength)
-            }
-            ToolKind::Deform => Some(&mut self.tool.deforms.of_mut(self.tool.deform).strength),
-            _ => None,
-        }
+    /// The options of the brush in hand, if it has a strength.
+    fn with_strength(&mut self) -> Option<&mut BrushOptions> {
+        let brush = self.tool.brush()?;
+        Some(self.tool.brushes.of_mut(brush)).filter(|options| options.has(STRENGTH))
     }
 }

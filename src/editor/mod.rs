@@ -8,6 +8,7 @@
 
 mod actions;
 mod autosave;
+pub mod brushes;
 pub mod commands;
 mod dabs;
 pub mod deform;
@@ -23,7 +24,6 @@ pub mod pressure;
 pub mod questions;
 pub mod recovery;
 pub mod sizes;
-pub mod sprays;
 mod stroke;
 pub mod sweep;
 pub mod symmetry;

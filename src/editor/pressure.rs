@@ -7,15 +7,13 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use super::Editor;
-use super::deform::DeformOptions;
-use super::sprays::SprayOptions;
 use super::stroke::Stroke;
 use super::tool::{ToolKind, ToolState};
 use crate::input::pen::PenTouch;
 use crate::sculpture::Rgb;
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::kernel::grab::{MAX_RADIUS, MIN_RADIUS};
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
+use crate::tools::brush::keys::RADIUS;
+use crate::tools::brush::options::BrushOptions;
 
 /// Smallest share of the size that pressure leads to: what is used at all has a size.
 const LEAST_SIZE: f32 = 0.05;
@@ -57,23 +55,20 @@ impl PenUse {
 pub enum PenTool {
     /// Any solid.
     Solid,
-    Spray(SprayKind),
-    Deform(DeformKind),
+    Brush(BrushId),
 }
 
 impl PenTool {
     /// All of them.
     pub fn all() -> impl Iterator<Item = PenTool> {
-        let sprays = SprayKind::ALL.into_iter().map(PenTool::Spray);
-        let deforms = DeformKind::ALL.into_iter().map(PenTool::Deform);
-        std::iter::once(PenTool::Solid).chain(sprays).chain(deforms.filter(|b| !b.is_dragged()))
+        let brushes = BrushId::ALL.iter().filter(|brush| !brush.spec().is_held());
+        std::iter::once(PenTool::Solid).chain(brushes.map(|brush| PenTool::Brush(*brush)))
     }
 
     pub fn name(self) -> &'static str {
         match self {
             PenTool::Solid => "solid",
-            PenTool::Spray(kind) => kind.name(),
-            PenTool::Deform(kind) => kind.name(),
+            PenTool::Brush(brush) => brush.spec().name,
         }
     }
 
@@ -81,21 +76,13 @@ impl PenTool {
     pub fn has_strength(self) -> bool {
         match self {
             PenTool::Solid => false,
-            PenTool::Spray(kind) => {
-                use SprayKind::{Clay, Devourer, Paintbrush, Smooth};
-                matches!(kind, Paintbrush | Smooth | Devourer | Clay)
-            }
-            PenTool::Deform(_) => true,
+            PenTool::Brush(brush) => brush.spec().pressure.is_some(),
         }
     }
 
     /// The lead that a pen has before the person has chosen.
     pub fn usual(self) -> PenUse {
         PenUse { strength: self.has_strength(), ..PenUse::default() }
-    }
-
-    fn is_dragged(&self) -> bool {
-        matches!(self, PenTool::Deform(DeformKind::Grab | DeformKind::Twist))
     }
 }
 
@@ -104,59 +91,44 @@ impl PenTool {
 pub struct PenUses(BTreeMap<&'static str, PenUse>);
 
 impl PenUses {
-    pub fn of(&self, brush: PenTool) -> PenUse {
-        self.0.get(brush.name()).copied().unwrap_or(brush.usual())
+    pub fn of(&self, tool: PenTool) -> PenUse {
+        self.0.get(tool.name()).copied().unwrap_or(tool.usual())
     }
 
-    pub fn set(&mut self, brush: PenTool, chosen: PenUse) {
-        let strength = chosen.strength && brush.has_strength();
+    pub fn of_brush(&self, brush: BrushId) -> PenUse {
+        self.of(PenTool::Brush(brush))
+    }
+
+    pub fn set(&mut self, tool: PenTool, chosen: PenUse) {
+        let strength = chosen.strength && tool.has_strength();
         let chosen = PenUse { strength, ..chosen };
         // Equal to one that was never changed, if it leads the same.
-        if chosen == brush.usual() {
-            self.0.remove(brush.name());
+        if chosen == tool.usual() {
+            self.0.remove(tool.name());
         } else {
-            self.0.insert(brush.name(), chosen);
+            self.0.insert(tool.name(), chosen);
         }
     }
 }
 
 impl ToolState {
-    /// The brush in hand, if a pen can lead something of it.
-    pub fn brush(&self) -> Option<PenTool> {
-        let brush = match self.kind {
-            ToolKind::Solid => PenTool::Solid,
-            ToolKind::Spray(kind) => PenTool::Spray(kind),
-            ToolKind::Deform => PenTool::Deform(self.deform),
-            ToolKind::Draw(_) | ToolKind::Marker => return None,
-        };
-        (!brush.is_dragged()).then_some(brush)
+    /// The tool in hand, if a pen can lead something of it.
+    pub fn pen_tool(&self) -> Option<PenTool> {
+        match self.kind {
+            ToolKind::Solid => Some(PenTool::Solid),
+            ToolKind::Brush(brush) => (!brush.spec().is_held()).then_some(PenTool::Brush(brush)),
+            ToolKind::Draw(_) | ToolKind::Marker => None,
+        }
     }
 }
 
-impl SprayOptions {
-    /// The options with which a brush is used that is touched so.
-    pub(super) fn touched(&self, kind: SprayKind, by: PenUse, touch: PenTouch) -> SprayOptions {
-        let (strength, size) = (by.strength(touch), by.size(touch));
-        let mut options = *self;
-        match kind {
-            SprayKind::Paintbrush | SprayKind::Smooth => options.strength *= strength,
-            SprayKind::Devourer | SprayKind::Clay => options.reach_vx *= strength,
-            _ => {}
-        }
-        options.radius *= size;
-        options
+/// The options with which a brush is used that is touched so.
+pub(super) fn touched(options: &BrushOptions, by: PenUse, touch: PenTouch) -> BrushOptions {
+    let mut options = *options;
+    if let Some(key) = options.brush().spec().pressure {
+        options.set(key, options.get(key) * by.strength(touch));
     }
-}
-
-impl DeformOptions {
-    /// The same for a brush that deforms.
-    pub(super) fn touched(&self, by: PenUse, touch: PenTouch) -> DeformOptions {
-        DeformOptions {
-            strength: self.strength * by.strength(touch),
-            radius: (self.radius * by.size(touch)).clamp(MIN_RADIUS, MAX_RADIUS),
-            ..*self
-        }
-    }
+    options.with(RADIUS, options.get(RADIUS) * by.size(touch))
 }
 
 /// How a tool is touched now, and was at its last use: between two events a hand presses evenly more or less.
@@ -240,6 +212,7 @@ mod tests {
     use glam::Vec2;
 
     use super::*;
+    use crate::tools::brush::keys::{REACH, STRENGTH};
 
     #[test]
     fn every_brush_has_a_name_of_its_own_and_only_what_has_a_strength_is_led_in_it() {
@@ -259,25 +232,25 @@ mod tests {
     fn pressure_leads_what_was_chosen_and_a_mouse_changes_nothing() {
         let light = PenTouch { pressure: 0.25, tilt_deg: Vec2::new(45.0, 0.0) };
         let chosen = |strength, size, tilt| PenUse { strength, size, tilt };
-        let clay = SprayOptions::of(SprayKind::Clay);
-        let of = |by, touch| clay.touched(SprayKind::Clay, by, touch);
-        let usual = PenTool::Spray(SprayKind::Clay).usual();
-        assert_eq!(of(usual, light), SprayOptions { reach_vx: 1.0, ..clay });
-        assert_eq!(of(chosen(false, true, false), light), SprayOptions { radius: 5.0, ..clay });
+        let clay = BrushOptions::first(BrushId::Clay);
+        let of = |by, touch| touched(&clay, by, touch);
+        let usual = PenTool::Brush(BrushId::Clay).usual();
+        assert_eq!(of(usual, light), clay.with(REACH, 1.0));
+        assert_eq!(of(chosen(false, true, false), light), clay.with(RADIUS, 5.0));
         let wide = of(chosen(false, false, true), light);
-        assert!((wide.radius - 40.0).abs() < 1e-3);
+        assert!((wide.get(RADIUS) - 40.0).abs() < 1e-3);
         assert_eq!(of(chosen(true, true, true), FULL), clay);
-        let paint = SprayOptions::of(SprayKind::Paintbrush);
-        let touched = paint.touched(SprayKind::Paintbrush, usual, light);
-        assert_eq!(touched, SprayOptions { strength: 0.25, ..paint });
-        let crease = DeformOptions::of(DeformKind::Crease);
-        let touched = crease.touched(chosen(true, true, false), light);
+        let paint = BrushOptions::first(BrushId::Paint);
+        assert_eq!(touched(&paint, usual, light), paint.with(STRENGTH, 0.25));
+        let crease = BrushOptions::first(BrushId::Crease);
         assert_eq!(
-            touched,
-            DeformOptions { strength: 0.25, radius: 0.25 * crease.radius, ..crease }
+            touched(&crease, chosen(true, true, false), light),
+            crease.with(STRENGTH, 0.25).with(RADIUS, 0.25 * crease.get(RADIUS))
         );
+        let growth = BrushOptions::first(BrushId::Grow);
+        assert_eq!(touched(&growth, usual, light), growth, "it has no strength");
         let none = PenTouch::of_pressure(0.0);
-        assert!(of(chosen(false, true, false), none).radius >= 1.0);
+        assert!(of(chosen(false, true, false), none).get(RADIUS) >= 1.0);
     }
 
     #[test]

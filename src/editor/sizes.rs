@@ -7,10 +7,10 @@
 use std::ops::RangeInclusive;
 
 use super::tool::ToolState;
-use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::BrushId;
 use crate::tools::brush::footprint::MAX_FOOTPRINT;
 use crate::tools::brush::kernel::grab::{MAX_RADIUS, MIN_RADIUS};
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::keys::RADIUS;
 
 /// The unit of the sizes of brushes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -70,9 +70,9 @@ impl ToolState {
         pixels.clamp(1.0, MAX_FOOTPRINT)
     }
 
-    /// The radius of the ball of a tool that deforms, in units of the smallest edge.
-    pub fn ball_radius(&self, kind: DeformKind) -> f32 {
-        let radius = self.deforms.of(kind).radius;
+    /// The radius of the ball of a brush that deforms clay, in units of the smallest edge.
+    pub fn ball_radius(&self, brush: BrushId) -> f32 {
+        let radius = self.brushes.radius(brush);
         let units = match self.size_unit {
             SizeUnit::Screen => radius * self.gauge,
             SizeUnit::Sculpture => radius,
@@ -99,18 +99,16 @@ impl ToolState {
             SizeUnit::Sculpture => self.gauge,
         };
         let (least, most) = unit.radii().into_inner();
-        let turned = |radius: &mut f32| *radius = (*radius * factor).clamp(least, most);
-        SprayKind::ALL.into_iter().for_each(|kind| turned(&mut self.sprays.of_mut(kind).radius));
-        DeformKind::ALL.into_iter().for_each(|kind| turned(&mut self.deforms.of_mut(kind).radius));
+        self.brushes.change_radii(|radius| (radius * factor).clamp(least, most));
         self.size_unit = unit;
     }
 
-    /// Makes the brush in hand larger or smaller.
-    pub(super) fn scale_brush(&mut self, radius: impl Fn(&mut ToolState) -> &mut f32, factor: f32) {
+    /// Makes a brush larger or smaller.
+    pub(super) fn scale_brush(&mut self, brush: BrushId, factor: f32) {
         let (least, most) = self.size_unit.radii().into_inner();
         if factor.is_finite() && factor > 0.0 {
-            let radius = radius(self);
-            *radius = (*radius * factor).clamp(least, most);
+            let options = self.brushes.of_mut(brush);
+            options.set(RADIUS, (options.get(RADIUS) * factor).clamp(least, most));
         }
     }
 }
@@ -125,39 +123,38 @@ mod tests {
     fn brushes_keep_their_sizes_when_the_unit_changes_and_stay_so_in_that_unit() {
         let mut tool = ToolState::new(UVec3::splat(64));
         tool.set_gauge(0.5);
-        tool.sprays.of_mut(SprayKind::Clay).radius = 40.0;
-        tool.deforms.of_mut(DeformKind::Draw).radius = 60.0;
-        let pixels =
-            |tool: &ToolState| tool.radius_px(tool.sprays.of(SprayKind::Clay).radius, None);
-        assert_eq!((pixels(&tool), tool.ball_radius(DeformKind::Draw)), (40.0, 30.0));
+        tool.brushes.of_mut(BrushId::Clay).set(RADIUS, 40.0);
+        tool.brushes.of_mut(BrushId::Draw).set(RADIUS, 60.0);
+        let pixels = |tool: &ToolState| tool.radius_px(tool.brushes.radius(BrushId::Clay), None);
+        assert_eq!((pixels(&tool), tool.ball_radius(BrushId::Draw)), (40.0, 30.0));
         tool.set_size_unit(SizeUnit::Sculpture);
-        assert_eq!(tool.sprays.of(SprayKind::Clay).radius, 20.0);
-        assert_eq!((pixels(&tool), tool.ball_radius(DeformKind::Draw)), (40.0, 30.0));
+        assert_eq!(tool.brushes.radius(BrushId::Clay), 20.0);
+        assert_eq!((pixels(&tool), tool.ball_radius(BrushId::Draw)), (40.0, 30.0));
         // Twice as near: what is given in voxels is twice as large in the picture.
         tool.set_gauge(0.25);
-        assert_eq!((pixels(&tool), tool.ball_radius(DeformKind::Draw)), (80.0, 30.0));
+        assert_eq!((pixels(&tool), tool.ball_radius(BrushId::Draw)), (80.0, 30.0));
         tool.set_size_unit(SizeUnit::Screen);
-        assert_eq!((pixels(&tool), tool.ball_radius(DeformKind::Draw)), (80.0, 30.0));
+        assert_eq!((pixels(&tool), tool.ball_radius(BrushId::Draw)), (80.0, 30.0));
         tool.set_gauge(0.5);
-        assert_eq!((pixels(&tool), tool.ball_radius(DeformKind::Draw)), (80.0, 60.0));
+        assert_eq!((pixels(&tool), tool.ball_radius(BrushId::Draw)), (80.0, 60.0));
         for nonsense in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             tool.set_gauge(nonsense);
-            assert_eq!(tool.ball_radius(DeformKind::Draw), 60.0);
+            assert_eq!(tool.ball_radius(BrushId::Draw), 60.0);
         }
     }
 
     #[test]
     fn sizes_stay_in_their_ranges() {
         let mut tool = ToolState::new(UVec3::splat(64));
-        let clay = |tool: &ToolState| tool.sprays.of(SprayKind::Clay).radius;
+        let clay = |tool: &ToolState| tool.brushes.radius(BrushId::Clay);
         for unit in SizeUnit::ALL {
             tool.set_size_unit(unit);
             let (least, most) = unit.radii().into_inner();
             for (factor, expected) in [(1e9, most), (1e-9, least), (f32::NAN, least)] {
-                tool.scale_brush(|tool| &mut tool.sprays.of_mut(SprayKind::Clay).radius, factor);
+                tool.scale_brush(BrushId::Clay, factor);
                 assert_eq!(clay(&tool), expected, "{unit:?} {factor}");
             }
         }
-        assert!(tool.sprays.of(SprayKind::Smooth).radius > 1.0, "each has its own");
+        assert!(tool.brushes.radius(BrushId::Smooth) > 1.0, "each has its own");
     }
 }

@@ -1,5 +1,5 @@
 //! The stroke under way: from the press to the release the tool is used along a path, and all of it
-//! is one step of the history. Solids follow a path in the grid, sprays one in the picture.
+//! is one step of the history. Solids follow a path in the grid, brushes under an outline one in the picture.
 
 use std::sync::Arc;
 
@@ -9,8 +9,7 @@ use super::Editor;
 use super::dabs::Dabs;
 use super::deform::HeldClay;
 use super::path::Path;
-use super::pressure::PenTool;
-use super::sprays::SprayOptions;
+use super::pressure::touched;
 use super::sweep::{Leg, Sweep};
 use super::tool::ToolState;
 use crate::command::Command;
@@ -19,14 +18,17 @@ use crate::picking::Picker;
 use crate::picking::geometry::{lasting, surface_point};
 use crate::sculpture::Grid;
 use crate::surface::IndexMap;
+use crate::tools::brush::BrushId;
 use crate::tools::brush::footprint::{Footprint, MAX_FOOTPRINT};
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::keys::{OUTLINE, RADIUS};
+use crate::tools::brush::options::BrushOptions;
+use crate::tools::brush::spec::BrushStroke;
 use crate::tools::solid::Primitive;
 
-/// After how long a spray that goes on while it is held is used again, in seconds.
+/// After how long a brush that goes on while it is held is used again, in seconds.
 const AGAIN_S: f64 = 0.1;
-/// Spacing of a spray's path as a share of its radius.
-const SPACING: f32 = 0.35;
+/// Distance of two uses of a stencil, as a share of the radius.
+const STENCIL_SPACING: f32 = 2.0;
 /// Pixels between two looks at the surface along a drag.
 pub(super) const LOOK_EVERY_PX: f32 = 3.0;
 /// Most looks at the surface along a drag.
@@ -87,15 +89,10 @@ pub(super) enum Work {
         guide: Guide,
         sweep: Sweep,
     },
-    Spray {
-        kind: SprayKind,
-        options: SprayOptions,
-    },
-    /// A spray that is held in a hand, with rays of its own.
-    HeldSpray {
-        kind: SprayKind,
-        options: SprayOptions,
-    },
+    /// A brush under an outline in the picture.
+    Picture(BrushOptions),
+    /// The same in a hand, in a cone of its own.
+    Cone(BrushOptions),
     /// Clay that is taken along.
     Grab(HeldClay),
     /// A brush that moves the surface.
@@ -105,7 +102,7 @@ pub(super) enum Work {
 /// A stroke that is not finished.
 pub(super) struct Stroke {
     pub work: Work,
-    /// In voxels; in pixels with z = 0 for sprays; of no use to clay that is held, nor to solids, which sweep.
+    /// In voxels; in pixels with z = 0 for brushes in the picture; of no use to clay that is held, nor to solids, which sweep.
     pub path: Path,
     /// Voxels that it has changed so far.
     pub changed: u64,
@@ -113,11 +110,11 @@ pub(super) struct Stroke {
     pub tried: Vec<Command>,
     /// It has added, and would have gone on beyond the walls of the grid.
     pub beyond: bool,
-    /// How often a spray was used.
+    /// How often a brush was used.
     uses: u32,
     /// Since when it has not been used, on the clock of [`Editor::dwell`].
     idle_since_s: Option<f64>,
-    /// The rays of a spray that is held in a hand, as they are now.
+    /// The cone of a brush in a hand, as it is now.
     held: Option<Footprint>,
     /// It takes paint away instead of putting it on.
     pub unpaints: bool,
@@ -160,12 +157,12 @@ impl Stroke {
         match &self.work {
             Work::Solid { guide: Guide::Surface(guide), .. } => Some(guide),
             Work::Solid { guide: Guide::Tool { hovering }, .. } => hovering.as_ref(),
-            Work::Spray { .. } | Work::HeldSpray { .. } | Work::Grab(_) | Work::Dabs(_) => None,
+            Work::Picture(_) | Work::Cone(_) | Work::Grab(_) | Work::Dabs(_) => None,
         }
     }
 
-    pub fn is_spray(&self) -> bool {
-        matches!(self.work, Work::Spray { .. })
+    pub fn is_picture_brush(&self) -> bool {
+        matches!(self.work, Work::Picture(_))
     }
 
     /// Whether where it goes depends on what the picture shows under the pointer.
@@ -175,7 +172,7 @@ impl Stroke {
             Work::Dabs(dabs) => dabs.is_led(),
             _ => false,
         };
-        self.surface_guide().is_some() || self.is_spray() || clay
+        self.surface_guide().is_some() || self.is_picture_brush() || clay
     }
 }
 
@@ -198,86 +195,93 @@ impl ToolState {
 }
 
 impl Editor {
-    /// Opens a stroke of a spray at a point of the picture and uses it there.
-    pub(super) fn begin_spray(
+    /// Opens a stroke of a brush at a point of the picture and uses it there.
+    pub(super) fn begin_picture_brush(
         &mut self,
-        kind: SprayKind,
-        options: SprayOptions,
+        options: BrushOptions,
         unpaints: bool,
         at: Vec2,
         picker: &Picker,
     ) {
-        if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {
+        if !self.begin_brush(options.brush()) {
             return;
         }
-        if kind.gives_colour() {
+        self.grip.begin();
+        let share = match options.brush() {
+            // Beside each other, since one over another would blur the image.
+            BrushId::Paint if self.tool.stencil.is_some() && !unpaints => STENCIL_SPACING,
+            brush => brush.spec().spacing,
+        };
+        let spacing = (share * self.brush_px(&options, at, picker)).max(1.0);
+        let path = Path::new(at.extend(0.0), spacing, Vec3::ONE);
+        self.stroke = Some(Stroke { unpaints, ..Stroke::new(Work::Picture(options), path) });
+        self.use_in_picture(&[at.extend(0.0)], picker);
+    }
+
+    /// Opens the undo step of a stroke of a brush. False if another stroke is under way, or it cannot begin.
+    pub(super) fn begin_brush(&mut self, brush: BrushId) -> bool {
+        let label = brush.spec().name.into();
+        let begun = self.stroke.is_none() && self.execute(&Command::Begin { label });
+        if begun && brush.spec().gives_colour {
             self.tool.used_colour();
         }
-        self.grip.begin();
-        let share = match kind {
-            // Beside each other, since one over another would blur the image.
-            SprayKind::Paintbrush if self.tool.stencil.is_some() && !unpaints => 2.0,
-            _ => SPACING,
-        };
-        let spacing = (share * self.spray_px(&options, at, picker)).max(1.0);
-        let path = Path::new(at.extend(0.0), spacing, Vec3::ONE);
-        let work = Work::Spray { kind, options };
-        self.stroke = Some(Stroke { unpaints, ..Stroke::new(work, path) });
-        self.spray_at(&[at.extend(0.0)], picker);
+        begun
     }
 
-    /// Leads the stroke of a spray to a point of the picture.
-    pub(super) fn lead_spray(&mut self, to: Vec2, picker: &Picker) {
+    /// Leads the stroke of a brush to a point of the picture.
+    pub(super) fn lead_picture_brush(&mut self, to: Vec2, picker: &Picker) {
         let mut stops = Vec::new();
-        if let Some(Stroke { work: Work::Spray { kind, .. }, path, .. }) = &mut self.stroke {
-            path.scale(self.tool.pens.of(PenTool::Spray(*kind)).size(self.grip.now));
+        if let Some(Stroke { work: Work::Picture(options), path, .. }) = &mut self.stroke {
+            path.scale(self.tool.pens.of_brush(options.brush()).size(self.grip.now));
             path.line_to(to.extend(0.0), |stop| stops.push(stop));
         }
-        self.spray_at(&stops, picker);
+        self.use_in_picture(&stops, picker);
     }
 
-    /// Uses the spray at points of the picture as it was last shown.
-    fn spray_at(&mut self, stops: &[Vec3], picker: &Picker) {
+    /// Uses the brush at points of the picture as it was last shown.
+    fn use_in_picture(&mut self, stops: &[Vec3], picker: &Picker) {
         for (stop, touch) in stops.iter().zip(self.grip.on_way(stops.len())) {
-            let Some(Stroke { work: Work::Spray { kind, options }, uses, .. }) = &self.stroke
-            else {
+            let Some(Stroke { work: Work::Picture(options), uses, .. }) = &self.stroke else {
                 return;
             };
-            let options = options.touched(*kind, self.tool.pens.of(PenTool::Spray(*kind)), touch);
+            let options = touched(options, self.tool.pens.of_brush(options.brush()), touch);
             let Some(map) = picker.map() else { return };
             let at = stop.truncate();
             let pixel = at.max(Vec2::ZERO).as_uvec2().min(map.rays.size - 1);
-            let (radius, outline) = (self.spray_px(&options, at, picker), options.outline);
-            let footprint = Footprint::of_pixel(&map.rays, pixel, radius, outline);
-            let command = self.tool_in_use().spray_command(*kind, &options, footprint, *uses);
-            self.note_use();
-            if !self.execute(&command) {
-                self.cancel_stroke();
-            }
+            let radius = self.brush_px(&options, at, picker);
+            let footprint = Footprint::of_pixel(&map.rays, pixel, radius, options.get(OUTLINE));
+            let command = self.tool_in_use().footprint_command(&options, footprint, *uses);
+            self.use_brush(command);
         }
     }
 
-    /// The radius of a spray where the picture shows the surface at `at`, in pixels.
-    fn spray_px(&self, options: &SprayOptions, at: Vec2, picker: &Picker) -> f32 {
-        let gauge = self.target(at, picker).map(|point| self.gauge_at(point, picker));
-        self.tool.radius_px(options.radius, gauge)
-    }
-
-    fn note_use(&mut self) {
+    fn use_brush(&mut self, command: Option<Command>) {
         if let Some(stroke) = &mut self.stroke {
             stroke.uses += 1;
             stroke.idle_since_s = None;
         }
+        if command.is_some_and(|command| !self.execute(&command)) {
+            self.cancel_stroke();
+        }
     }
 
-    /// Uses a spray that goes on for as long as it is held once more where it is, if it has not been used for a while.
+    /// The radius of a brush where the picture shows the surface at `at`, in pixels.
+    fn brush_px(&self, options: &BrushOptions, at: Vec2, picker: &Picker) -> f32 {
+        let gauge = self.target(at, picker).map(|point| self.gauge_at(point, picker));
+        self.tool.radius_px(options.get(RADIUS), gauge)
+    }
+
+    /// Uses a brush that goes on for as long as it is held once more where it is, if it has not been used for a while.
     /// Returns after how long to ask again, in seconds. `now_s`: on any clock; `by_hand`: in a headset.
     pub fn dwell(&mut self, now_s: f64, by_hand: bool, picker: &Picker) -> Option<f64> {
         let stroke = self.stroke.as_mut()?;
-        match stroke.work {
-            Work::Spray { kind: SprayKind::Smooth, .. } if !by_hand => {}
-            Work::HeldSpray { kind: SprayKind::Smooth, .. } if by_hand => {}
+        let brush = match stroke.work {
+            Work::Picture(options) if !by_hand => options.brush(),
+            Work::Cone(options) if by_hand => options.brush(),
             _ => return None,
+        };
+        if brush.spec().stroke != (BrushStroke::Picture { repeats: true }) {
+            return None;
         }
         let since_s = *stroke.idle_since_s.get_or_insert(now_s);
         let left_s = since_s + AGAIN_S - now_s;
@@ -286,8 +290,8 @@ impl Editor {
         }
         let end = stroke.path.end();
         match (&stroke.work, stroke.held) {
-            (Work::HeldSpray { .. }, Some(footprint)) => self.use_held_spray(footprint),
-            _ => self.spray_at(&[end], picker),
+            (Work::Cone(_), Some(footprint)) => self.use_cone(footprint),
+            _ => self.use_in_picture(&[end], picker),
         }
         if let Some(stroke) = &mut self.stroke {
             stroke.idle_since_s = Some(now_s);
@@ -295,52 +299,45 @@ impl Editor {
         Some(AGAIN_S)
     }
 
-    /// Opens a stroke of a spray that is held in a hand, and uses it. `footprint`: its rays;
-    /// `spacing_vx`: how far they go along the surface before it is used again.
-    pub(super) fn begin_held_spray(
+    /// Opens a stroke of a brush in a hand, and uses it. `footprint`: its cone; `spacing_vx`: how far that goes along the
+    /// surface before it is used again.
+    pub(super) fn begin_cone(
         &mut self,
-        kind: SprayKind,
-        options: SprayOptions,
+        options: BrushOptions,
         footprint: Footprint,
         spacing_vx: f32,
     ) {
-        if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {
+        if !self.begin_brush(options.brush()) {
             return;
         }
-        if kind.gives_colour() {
-            self.tool.used_colour();
-        }
         let path = Path::new(footprint.eye_vx + footprint.aim, spacing_vx, Vec3::ONE);
-        self.stroke = Some(Stroke::new(Work::HeldSpray { kind, options }, path));
-        self.use_held_spray(footprint);
+        self.stroke = Some(Stroke::new(Work::Cone(options), path));
+        self.use_cone(footprint);
     }
 
-    /// Leads the stroke of a spray that is held in a hand.
-    pub(super) fn lead_held_spray(&mut self, footprint: Footprint) {
+    /// Leads the stroke of a brush in a hand.
+    pub(super) fn lead_cone(&mut self, footprint: Footprint) {
         let at = footprint.eye_vx + footprint.aim;
-        if let Some(Stroke { work: Work::HeldSpray { .. }, path, held, .. }) = &mut self.stroke {
+        if let Some(Stroke { work: Work::Cone(_), path, held, .. }) = &mut self.stroke {
             *held = Some(footprint);
             let mut due = false;
             let mut way = *path;
             way.line_to(at, |_| due = true);
             if due {
                 path.jump_to(at, |_| ());
-                self.use_held_spray(footprint);
+                self.use_cone(footprint);
             }
         }
     }
 
-    fn use_held_spray(&mut self, footprint: Footprint) {
-        if let Some(Stroke { work: Work::HeldSpray { kind, options }, uses, .. }) = &self.stroke {
-            let by = self.tool.pens.of(PenTool::Spray(*kind));
-            let options = options.touched(*kind, by, self.grip.now);
+    fn use_cone(&mut self, footprint: Footprint) {
+        if let Some(Stroke { work: Work::Cone(options), uses, .. }) = &self.stroke {
+            let by = self.tool.pens.of_brush(options.brush());
+            let options = touched(options, by, self.grip.now);
             let radius = footprint.radius * by.size(self.grip.now);
             let footprint = Footprint { radius: radius.min(MAX_FOOTPRINT), ..footprint };
-            let command = self.tool.spray_command(*kind, &options, footprint, *uses);
-            self.note_use();
-            if !self.execute(&command) {
-                self.cancel_stroke();
-            }
+            let command = self.tool.footprint_command(&options, footprint, *uses);
+            self.use_brush(command);
         }
     }
 
@@ -430,11 +427,11 @@ impl Editor {
         let mut legs = Vec::new();
         let to = self.tool.centre_vx;
         self.clay_moved();
-        if self.tool.spray().is_some() {
-            // The spray works where the tool would be seen.
+        if self.tool.picture_brush().is_some() {
+            // The brush works where the tool would be seen.
             self.pointer = picker.sight().pixel_of(to);
             if let Some(at) = self.pointer {
-                self.lead_spray(at, picker);
+                self.lead_picture_brush(at, picker);
             }
             return;
         }

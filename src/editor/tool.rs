@@ -7,11 +7,10 @@ use std::path::PathBuf;
 
 use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
-use super::deform::{DeformOptions, Deforms};
+use super::brushes::{Brushes, footprint_command};
 use super::draw::DrawOptions;
 use super::pressure::{PenUse, PenUses};
 use super::sizes::{FIRST_GAUGE, SizeUnit};
-use super::sprays::{SprayOptions, Sprays};
 use super::symmetry::Placed;
 use super::tool_change::ToolChange;
 use super::wand::Wand;
@@ -20,9 +19,10 @@ use crate::input::{DrawKind, ToolMode};
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
-use crate::tools::brush::deform::DeformKind;
+use crate::tools::brush::BrushId;
 use crate::tools::brush::footprint::{Footprint, Outline};
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::keys::STRENGTH;
+use crate::tools::brush::options::BrushOptions;
 use crate::tools::solid::{Primitive, Solid};
 
 /// Smallest and largest half extent that the interface offers.
@@ -38,9 +38,7 @@ pub const RECENT: usize = 14;
 pub enum ToolKind {
     /// The solid of [`ToolState::solid`].
     Solid,
-    Spray(SprayKind),
-    /// The tool of [`ToolState::deform`].
-    Deform,
+    Brush(BrushId),
     Draw(DrawKind),
     /// The marker, which belongs to the document.
     Marker,
@@ -52,9 +50,7 @@ pub enum ToolKind {
 pub struct ToolState {
     pub kind: ToolKind,
     pub solid: Solid,
-    pub sprays: Sprays,
-    pub deform: DeformKind,
-    pub deforms: Deforms,
+    pub brushes: Brushes,
     /// In which the sizes of all brushes are given.
     pub size_unit: SizeUnit,
     /// How large a pixel is where the tool works, in units of the smallest edge.
@@ -150,8 +146,7 @@ pub enum ToolEdit {
     Stand(bool),
     Lean(bool),
     SizeUnit(SizeUnit),
-    Spray(SprayKind, SprayOptions),
-    Deform(DeformKind, DeformOptions),
+    Brush(BrushOptions),
     Draw(DrawOptions),
     /// The lead of a pen over the brush in hand.
     Pen(PenUse),
@@ -164,9 +159,7 @@ impl ToolState {
         let mut tool = ToolState {
             kind: ToolKind::Solid,
             solid: Solid::Ellipsoid,
-            sprays: Sprays::default(),
-            deform: DeformKind::default(),
-            deforms: Deforms::default(),
+            brushes: Brushes::default(),
             size_unit: SizeUnit::default(),
             gauge: FIRST_GAUGE,
             draws: DrawOptions::default(),
@@ -214,7 +207,7 @@ impl ToolState {
             ToolEdit::FloodTolerance(share) => self.flood_tolerance = share.clamp(0.0, 1.0),
             ToolEdit::Wand(wand) => self.wand = wand,
             ToolEdit::Picture(picture) => match self.kind {
-                ToolKind::Spray(_) => self.stencil = picture,
+                ToolKind::Brush(_) => self.stencil = picture,
                 _ => self.picture = picture,
             },
             ToolEdit::ThroughStencil(through) => self.through_stencil = through,
@@ -223,12 +216,11 @@ impl ToolState {
             ToolEdit::Stand(stand) => self.stand = stand,
             ToolEdit::Lean(lean) => self.lean = lean,
             ToolEdit::SizeUnit(unit) => self.set_size_unit(unit),
-            ToolEdit::Spray(kind, options) => *self.sprays.of_mut(kind) = options,
-            ToolEdit::Deform(kind, options) => *self.deforms.of_mut(kind) = options,
+            ToolEdit::Brush(options) => *self.brushes.of_mut(options.brush()) = options,
             ToolEdit::Draw(options) => self.draws = options,
             ToolEdit::Pen(chosen) => {
-                if let Some(brush) = self.brush() {
-                    self.pens.set(brush, chosen);
+                if let Some(tool) = self.pen_tool() {
+                    self.pens.set(tool, chosen);
                 }
             }
             ToolEdit::Array(array) => self.array = array,
@@ -347,12 +339,27 @@ impl ToolState {
         self.centre_vx += side * (self.half[axis] - before);
     }
 
-    /// The spray in tool, if it is one.
-    pub fn spray(&self) -> Option<SprayKind> {
+    /// The brush in hand, if it is one.
+    pub fn brush(&self) -> Option<BrushId> {
         match self.kind {
-            ToolKind::Spray(kind) => Some(kind),
-            ToolKind::Solid | ToolKind::Deform | ToolKind::Draw(_) | ToolKind::Marker => None,
+            ToolKind::Brush(brush) => Some(brush),
+            ToolKind::Solid | ToolKind::Draw(_) | ToolKind::Marker => None,
         }
+    }
+
+    /// The options of the brush in hand.
+    pub fn brush_options(&self) -> Option<&BrushOptions> {
+        self.brush().map(|brush| self.brushes.of(brush))
+    }
+
+    /// The brush in hand, if it works under an outline in the picture.
+    pub fn picture_brush(&self) -> Option<BrushId> {
+        self.brush().filter(|brush| brush.spec().is_in_picture())
+    }
+
+    /// The brush in hand, if it works in a ball of clay.
+    pub fn ball_brush(&self) -> Option<BrushId> {
+        self.brush().filter(|brush| !brush.spec().is_in_picture())
     }
 
     /// Notes that the colour has been used.
@@ -384,37 +391,36 @@ impl ToolState {
     /// The image that the tool in hand paints with.
     pub fn picture_in_use(&self) -> Option<&PathBuf> {
         match self.kind {
-            ToolKind::Spray(SprayKind::Paintbrush) => self.stencil.as_ref(),
-            ToolKind::Spray(_) => None,
+            ToolKind::Brush(BrushId::Paint) => self.stencil.as_ref(),
+            ToolKind::Brush(_) => None,
             _ => self.picture.as_ref(),
         }
     }
 
     /// What a brush does under a footprint. `uses`: of the stroke before it.
-    pub fn spray_command(
+    pub fn footprint_command(
         &self,
-        kind: SprayKind,
-        options: &SprayOptions,
+        options: &BrushOptions,
         footprint: Footprint,
         uses: u32,
-    ) -> Command {
+    ) -> Option<Command> {
         match &self.stencil {
-            Some(picture) if kind == SprayKind::Paintbrush => Command::Stencil {
+            Some(picture) if options.brush() == BrushId::Paint => Some(Command::Stencil {
                 picture: picture.clone(),
                 footprint: Footprint { outline: Outline::Square, ..footprint },
                 colour: self.through_stencil.then_some(self.colour),
-                cover: options.strength,
-            },
-            _ => options.command(kind, self.colour, footprint, uses),
+                cover: options.get(STRENGTH),
+            }),
+            _ => footprint_command(options, self.colour, footprint, uses),
         }
     }
 
-    /// The ball of clay that a tool that deforms takes hold of where it is.
-    pub fn ball(&self) -> Primitive {
+    /// The ball of a brush that deforms clay, where the tool is.
+    pub fn ball(&self, brush: BrushId) -> Primitive {
         Primitive {
             solid: Solid::Ellipsoid,
             centre_vx: self.centre_vx,
-            half: Vec3::splat(self.ball_radius(self.deform)),
+            half: Vec3::splat(self.ball_radius(brush)),
             rotation: Quat::IDENTITY,
         }
     }

@@ -7,8 +7,7 @@ use super::draw_kind::DrawKind;
 use super::panel::Panel;
 use super::tool_mode::ToolMode;
 use crate::sculpture::orientation::Up;
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
 use crate::tools::solid::Solid;
 
 /// A direction on the screen.
@@ -108,8 +107,7 @@ pub enum Action {
     /// Cancels the running stroke, or closes what is open.
     Cancel,
     Solid(Solid),
-    Spray(SprayKind),
-    Deform(DeformKind),
+    Brush(BrushId),
     /// Selects a tool that draws solids over the picture.
     Draw(DrawKind),
     /// Selects the marker as the tool.
@@ -261,7 +259,26 @@ pub struct ActionHelp {
 
 impl Action {
     /// Every action, in the order of the controls window.
-    pub const ALL: &[Action] = &[
+    pub const ALL: &[Action] = &Action::LISTED;
+
+    const LISTED: [Action; Action::FIRST.len() + BrushId::ALL.len() + Action::LAST.len()] = {
+        let (first, brushes, last) = (Action::FIRST, BrushId::ALL, Action::LAST);
+        let mut all = [Action::Sculpt; _];
+        let mut i = 0;
+        while i < all.len() {
+            all[i] = if i < first.len() {
+                first[i]
+            } else if i < first.len() + brushes.len() {
+                Action::Brush(brushes[i - first.len()])
+            } else {
+                last[i - first.len() - brushes.len()]
+            };
+            i += 1;
+        }
+        all
+    };
+
+    const FIRST: &[Action] = &[
         Action::Sculpt,
         Action::SculptInverse,
         Action::SculptSmooth,
@@ -297,26 +314,10 @@ impl Action {
         Action::Mode(ToolMode::Subtract),
         Action::Mode(ToolMode::Recolour),
         Action::Mode(ToolMode::Protect),
-        Action::Spray(SprayKind::Paintbrush),
-        Action::Spray(SprayKind::Devourer),
-        Action::Spray(SprayKind::Clay),
-        Action::Spray(SprayKind::Erosion),
-        Action::Spray(SprayKind::Dilation),
-        Action::Spray(SprayKind::Growth),
-        Action::Spray(SprayKind::Smooth),
-        Action::Spray(SprayKind::Mask),
-        Action::Spray(SprayKind::Unmask),
+    ];
+
+    const LAST: &[Action] = &[
         Action::Wand,
-        Action::Deform(DeformKind::Grab),
-        Action::Deform(DeformKind::Inflate),
-        Action::Deform(DeformKind::Flatten),
-        Action::Deform(DeformKind::Scrape),
-        Action::Deform(DeformKind::Fill),
-        Action::Deform(DeformKind::Draw),
-        Action::Deform(DeformKind::Crease),
-        Action::Deform(DeformKind::Pinch),
-        Action::Deform(DeformKind::Twist),
-        Action::Deform(DeformKind::Smear),
         Action::Marker,
         Action::NextToolMode,
         Action::Grow,

@@ -61,8 +61,7 @@ impl Action {
             Action::Solid(Solid::RoundedCuboid) => {
                 ("rounded-cuboid", Tap, "Rounded cuboid tool: a box with soft edges")
             }
-            Action::Spray(kind) => of_brush(kind.brush()),
-            Action::Deform(kind) => of_brush(kind.brush()),
+            Action::Brush(brush) => of_brush(brush),
             Action::Draw(kind) => (kind.name(), Tap, drawn(kind)),
             Action::Marker => ("marker", Tap, "Marker: a box to select, copy and move voxels"),
             Action::Mode(ToolMode::Add) => ("add", Tap, "Add: the tool adds voxels"),

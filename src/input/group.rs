@@ -46,9 +46,7 @@ impl Group {
             Sculpt | SculptInverse | SculptSmooth | PickColour | PickHere | Flood | Apply
             | Cancel | TurnSculpture | PanSculpture | Zoom | MoveTool | MoveToolDeep | TurnTool
             | ResizeTool | NextPadMode => Group::Pointer,
-            Solid(_) | Draw(_) | Mode(_) | Wand | NextToolMode | Spray(_) | Deform(_) | Marker => {
-                Group::Tools
-            }
+            Solid(_) | Draw(_) | Mode(_) | Wand | NextToolMode | Brush(_) | Marker => Group::Tools,
             Grow | Shrink | LeadSize | LeadStrength | Nudge(_) | Stretch(_) | AlignTool
             | ToggleFollow | ToggleSnap | ResetTool => Group::Pose,
             Mirror(_) | MirrorPlane | Radial | Repeat => Group::Repetition,

@@ -6,8 +6,7 @@
 use super::filter::Filter;
 use super::spot::Spot;
 use crate::input::{Action, DrawKind, ToolMode};
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
 
 /// Added to the rank of a name of which a part is typed.
 const PART: u32 = 3;
@@ -126,7 +125,7 @@ pub static ELSEWHERE: &[Elsewhere] = &[
     action(
         "remesh, remesher, dyntopo, dynamic topology, topology",
         "No remeshing: voxels have no topology; Smooth evens the surface",
-        Action::Spray(SprayKind::Smooth),
+        Action::Brush(BrushId::Smooth),
     ),
     action(
         "resample, resolution, subdivide, subdivision, multires, multiresolution",
@@ -163,7 +162,7 @@ pub static ELSEWHERE: &[Elsewhere] = &[
     action(
         "clay strips, clay buildup, build up",
         "Clay raises strips under the brush",
-        Action::Spray(SprayKind::Clay),
+        Action::Brush(BrushId::Clay),
     ),
     action(
         "thickness, wall thickness, thin walls",
@@ -179,7 +178,7 @@ pub static ELSEWHERE: &[Elsewhere] = &[
     action(
         "standard brush, draw brush",
         "Draw raises the surface along its normal",
-        Action::Deform(DeformKind::Draw),
+        Action::Brush(BrushId::Draw),
     ),
 ];
 

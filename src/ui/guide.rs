@@ -12,7 +12,7 @@ use crate::command::{Area, Command, SelectOp};
 use crate::document::Document;
 use crate::input::Action;
 use crate::sculpture::region::VoxelBox;
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
 use crate::tools::solid::Solid;
 
 const WIDTH: f32 = 300.0;
@@ -100,7 +100,7 @@ const STEPS: [Step; 7] = [
                both over the cuboid until it looks like rock.",
         by_hand: "Carve into it with the devourer, then fill the corners with growth: pull the \
                   trigger and sweep both over the cuboid until it looks like rock.",
-        actions: &[Action::Spray(SprayKind::Devourer), Action::Spray(SprayKind::Growth)],
+        actions: &[Action::Brush(BrushId::Devour), Action::Brush(BrushId::Grow)],
         is_done: |document, since| has_step(document, since, &["devourer", "growth"]),
         marker: None,
         commands: None,
@@ -111,7 +111,7 @@ const STEPS: [Step; 7] = [
                the current tool.",
         by_hand: "Wear down the edges with erosion: pull the trigger and sweep it along them. \
                   Smooth evens out what remains.",
-        actions: &[Action::Spray(SprayKind::Erosion)],
+        actions: &[Action::Brush(BrushId::Erode)],
         is_done: |document, since| has_step(document, since, &["erosion"]),
         marker: None,
         commands: None,
@@ -122,7 +122,7 @@ const STEPS: [Step; 7] = [
                pick a colour from the surface.",
         by_hand: "Choose the brush and a colour, point at the cuboid and pull the trigger. Pick in \
                   the options, or the A or X button, picks a colour from the surface.",
-        actions: &[Action::Spray(SprayKind::Paintbrush)],
+        actions: &[Action::Brush(BrushId::Paint)],
         is_done: |document, since| has_step(document, since, &["paintbrush"]),
         marker: None,
         commands: None,

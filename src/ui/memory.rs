@@ -11,8 +11,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::import_dialog::Remembered;
+use super::memory_brushes;
 use super::memory_check::KeptCheck;
-use super::memory_deform::KeptDeform;
 use super::memory_draw::KeptDraw;
 use super::memory_final::KeptFinal;
 use super::memory_pen::KeptPens;
@@ -21,15 +21,11 @@ use super::recent::Recent;
 use super::state::PanelPlace;
 use super::upright::Upright;
 use super::{SCALE_RANGE, Theme, UiState, WindowOptions};
-use crate::command::SpraySurface;
 use crate::editor::sizes::SizeUnit;
-use crate::editor::sprays::SprayOptions;
 use crate::editor::tool::{ToolKind, ToolState};
 use crate::input::{DrawKind, Panel, ToolMode};
 use crate::sculpture::Rgb;
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::footprint::Outline;
-use crate::tools::brush::spray::{MAX_REACH_VX, SprayKind};
+use crate::tools::brush::BrushId;
 use crate::tools::solid::Solid;
 
 const HEAD: &str = "\
@@ -77,9 +73,12 @@ struct Kept {
     #[serde(deserialize_with = "lenient")]
     tool: Option<KeptTool>,
     #[serde(deserialize_with = "lenient")]
-    sprays: Option<BTreeMap<String, KeptSpray>>,
-    #[serde(deserialize_with = "lenient")]
-    deforms: Option<BTreeMap<String, KeptDeform>>,
+    brushes: Option<toml::Table>,
+    /// The options of brushes as earlier versions wrote them.
+    #[serde(deserialize_with = "lenient", skip_serializing)]
+    sprays: Option<toml::Table>,
+    #[serde(deserialize_with = "lenient", skip_serializing)]
+    deforms: Option<toml::Table>,
     #[serde(deserialize_with = "lenient")]
     draws: Option<KeptDraw>,
     #[serde(deserialize_with = "lenient")]
@@ -118,7 +117,8 @@ impl Looks {
 struct KeptTool {
     #[serde(deserialize_with = "lenient")]
     kind: Option<String>,
-    #[serde(deserialize_with = "lenient")]
+    /// The brush in hand if an earlier version says that it is one that deforms.
+    #[serde(deserialize_with = "lenient", skip_serializing)]
     deform: Option<String>,
     /// The unit of the sizes of brushes; earlier versions had none.
     #[serde(deserialize_with = "lenient")]
@@ -147,27 +147,6 @@ impl KeptTool {
     }
 }
 
-#[derive(Default, Serialize, Deserialize)]
-#[serde(default)]
-struct KeptSpray {
-    #[serde(deserialize_with = "lenient")]
-    #[serde(rename = "radius_px")]
-    radius: Option<f64>,
-    #[serde(deserialize_with = "lenient")]
-    square: Option<bool>,
-    #[serde(deserialize_with = "lenient")]
-    reach_vx: Option<f64>,
-    #[serde(deserialize_with = "lenient")]
-    bites_cubes: Option<bool>,
-    #[serde(deserialize_with = "lenient")]
-    threshold: Option<u32>,
-    #[serde(deserialize_with = "lenient")]
-    #[serde(rename = "cover")]
-    strength: Option<f64>,
-    #[serde(deserialize_with = "lenient")]
-    once_a_stroke: Option<bool>,
-}
-
 /// What is to be remembered.
 pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> String {
     let names = |panels: &mut dyn Iterator<Item = &Panel>| {
@@ -188,18 +167,9 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
         upright: Some(state.known_files.upright.to_texts()),
         panels: Some(places.map(|(panel, place)| (panel.title().to_string(), *place)).collect()),
         tool: Some(kept_tool(tool)),
-        sprays: Some(
-            SprayKind::ALL
-                .into_iter()
-                .map(|kind| (kind.name().to_string(), kept_spray(tool.sprays.of(kind))))
-                .collect(),
-        ),
-        deforms: Some(
-            DeformKind::ALL
-                .into_iter()
-                .map(|kind| (kind.name().to_string(), KeptDeform::of(tool.deforms.of(kind))))
-                .collect(),
-        ),
+        brushes: Some(memory_brushes::kept(&tool.brushes)),
+        sprays: None,
+        deforms: None,
         draws: Some(KeptDraw::of(&tool.draws)),
         pens: Some(KeptPens::of(&state.pen, &tool.pens)),
         references: Some(memory_references::to_values(&state.references)),
@@ -276,21 +246,14 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     recall_tool(kept.tool.as_ref().unwrap_or(&KeptTool::default()), tool);
     let unit = kept.tool.as_ref().and_then(KeptTool::size_unit);
     tool.size_unit = unit.unwrap_or(tool.size_unit);
-    for kind in SprayKind::ALL {
-        if let Some(spray) = kept.sprays.as_ref().and_then(|sprays| sprays.get(kind.name())) {
-            let options = tool.sprays.of_mut(kind);
-            let usual = *options;
-            recall_spray(spray, tool.size_unit, options);
-            if unit.is_none() && kind == SprayKind::Smooth {
-                // Smoothing had no strength.
-                options.strength = usual.strength;
-            }
-        }
+    if let Some(sprays) = &kept.sprays {
+        memory_brushes::recall_sprays(sprays, unit, &mut tool.brushes);
     }
-    for kind in DeformKind::ALL {
-        if let Some(deform) = kept.deforms.as_ref().and_then(|deforms| deforms.get(kind.name())) {
-            deform.recall(unit, tool.deforms.of_mut(kind));
-        }
+    if let Some(deforms) = &kept.deforms {
+        memory_brushes::recall_deforms(deforms, unit, &mut tool.brushes);
+    }
+    if let Some(brushes) = &kept.brushes {
+        memory_brushes::recall(brushes, tool.size_unit, &mut tool.brushes);
     }
     if let Some(draws) = &kept.draws {
         draws.recall(&mut tool.draws);
@@ -309,14 +272,13 @@ pub fn upright(text: &str) -> Upright {
 fn kept_tool(tool: &ToolState) -> KeptTool {
     let kind = match tool.kind {
         ToolKind::Solid => SOLID,
-        ToolKind::Deform => DEFORM,
         ToolKind::Draw(kind) => kind.name(),
         ToolKind::Marker => MARKER,
-        ToolKind::Spray(kind) => kind.name(),
+        ToolKind::Brush(brush) => brush.spec().name,
     };
     KeptTool {
         kind: Some(kind.to_string()),
-        deform: Some(tool.deform.name().to_string()),
+        deform: None,
         sizes: Some(tool.size_unit.name().to_string()),
         solid: Some(tool.solid.name().to_string()),
         mode: Some(mode_name(tool.mode).to_string()),
@@ -330,20 +292,18 @@ fn kept_tool(tool: &ToolState) -> KeptTool {
 }
 
 fn recall_tool(kept: &KeptTool, tool: &mut ToolState) {
-    let spray = |name: &str| SprayKind::ALL.into_iter().find(|kind| kind.name() == name);
     let draw = |name: &str| DrawKind::ALL.into_iter().find(|kind| kind.name() == name);
-    match kept.kind.as_deref() {
-        Some(SOLID) => tool.kind = ToolKind::Solid,
-        Some(DEFORM) => tool.kind = ToolKind::Deform,
-        Some(MARKER) => tool.kind = ToolKind::Marker,
-        other => {
-            let drawn = other.and_then(draw).map(ToolKind::Draw);
-            let kind = other.and_then(spray).map(ToolKind::Spray).or(drawn);
-            tool.kind = kind.unwrap_or(tool.kind);
-        }
-    }
-    let deform = |name: &str| DeformKind::ALL.into_iter().find(|kind| kind.name() == name);
-    tool.deform = kept.deform.as_deref().and_then(deform).unwrap_or(tool.deform);
+    let brush = |name: &str| {
+        let found = BrushId::ALL.iter().find(|brush| brush.spec().name == name);
+        found.map(|brush| ToolKind::Brush(*brush))
+    };
+    let kind = match kept.kind.as_deref() {
+        Some(SOLID) => Some(ToolKind::Solid),
+        Some(MARKER) => Some(ToolKind::Marker),
+        Some(DEFORM) => kept.deform.as_deref().and_then(brush),
+        other => other.and_then(brush).or(other.and_then(draw).map(ToolKind::Draw)),
+    };
+    tool.kind = kind.unwrap_or(tool.kind);
     let solid = |name: &str| Solid::ALL.into_iter().find(|solid| solid.name() == name);
     tool.solid = kept.solid.as_deref().and_then(solid).unwrap_or(tool.solid);
     let mode = |name: &str| ToolMode::ALL.into_iter().find(|mode| mode_name(*mode) == name);
@@ -358,6 +318,7 @@ fn recall_tool(kept: &KeptTool, tool: &mut ToolState) {
 }
 
 const SOLID: &str = "solid";
+/// Of earlier versions.
 const DEFORM: &str = "deform";
 const MARKER: &str = "marker";
 
@@ -367,32 +328,6 @@ const fn mode_name(mode: ToolMode) -> &'static str {
         ToolMode::Subtract => "subtract",
         ToolMode::Recolour => "recolour",
         ToolMode::Protect | ToolMode::Release => "protect",
-    }
-}
-
-fn kept_spray(options: &SprayOptions) -> KeptSpray {
-    KeptSpray {
-        radius: Some(neat(options.radius)),
-        square: Some(options.outline == Outline::Square),
-        reach_vx: Some(neat(options.reach_vx)),
-        bites_cubes: Some(options.bite == Outline::Square),
-        threshold: Some(options.threshold),
-        strength: Some(neat(options.strength)),
-        once_a_stroke: Some(options.surface == SpraySurface::Stroke),
-    }
-}
-
-fn recall_spray(kept: &KeptSpray, unit: SizeUnit, options: &mut SprayOptions) {
-    let outline = |square: bool| if square { Outline::Square } else { Outline::Round };
-    options.radius = within(kept.radius, unit.radii(), options.radius);
-    options.reach_vx = within(kept.reach_vx, 0.0..=MAX_REACH_VX, options.reach_vx);
-    options.strength = within(kept.strength, 0.01..=1.0, options.strength);
-    options.outline = kept.square.map_or(options.outline, outline);
-    options.bite = kept.bites_cubes.map_or(options.bite, outline);
-    let threshold = kept.threshold.filter(|threshold| (1..=26).contains(threshold));
-    options.threshold = threshold.unwrap_or(options.threshold);
-    if let Some(once) = kept.once_a_stroke {
-        options.surface = if once { SpraySurface::Stroke } else { SpraySurface::Now };
     }
 }
 

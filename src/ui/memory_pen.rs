@@ -61,7 +61,7 @@ impl KeptPens {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::brush::spray::SprayKind;
+    use crate::tools::brush::BrushId;
 
     fn again(text: &str, usual: PenCurve) -> (PenState, PenUses) {
         let (mut pens, mut uses) = (PenState::new(usual), PenUses::default());
@@ -74,7 +74,7 @@ mod tests {
         let usual = PenCurve::default();
         let chosen = PenCurve { exponent: 0.7, full_at: 0.85 };
         let pens = PenState { curve: chosen, ..PenState::new(usual) };
-        let brush = PenTool::Spray(SprayKind::Paintbrush);
+        let brush = PenTool::Brush(BrushId::Paint);
         let mut uses = PenUses::default();
         uses.set(brush, PenUse { strength: false, size: true, tilt: true });
         uses.set(PenTool::Solid, PenUse { size: true, ..PenUse::default() });

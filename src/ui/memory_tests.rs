@@ -6,6 +6,9 @@ use proptest::prelude::*;
 use super::*;
 use crate::config::Config;
 use crate::input::Side;
+use crate::tools::brush::footprint::Outline;
+use crate::tools::brush::keys::{OUTLINE, RADIUS, REACH};
+use crate::tools::brush::options::BrushOptions;
 use crate::ui::references::Reference;
 
 fn state() -> (UiState, ToolState) {
@@ -25,7 +28,7 @@ fn changed() -> (UiState, ToolState) {
     state.dialogs.files.set_folder(PathBuf::from("/a folder/\"of\" mine"));
     state.known_files.recent.note(&"open \"/a/ä b.vsc\"".parse().unwrap());
     state.references.push(Reference::new("/a/plan.png".into(), None, Side::Top, 50.0));
-    tool.kind = ToolKind::Spray(SprayKind::Clay);
+    tool.kind = ToolKind::Brush(BrushId::Clay);
     tool.solid = Solid::Pyramid;
     tool.mode = ToolMode::Recolour;
     tool.stand = true;
@@ -33,8 +36,8 @@ fn changed() -> (UiState, ToolState) {
     tool.colour = Rgb::new(1, 2, 3);
     tool.used_colour();
     tool.size_unit = SizeUnit::Sculpture;
-    let clay = tool.sprays.of_mut(SprayKind::Clay);
-    (clay.radius, clay.outline, clay.reach_vx) = (33.3, Outline::Square, 7.5);
+    let clay = tool.brushes.of_mut(BrushId::Clay);
+    *clay = clay.with(RADIUS, 33.3).with(OUTLINE, Outline::Square).with(REACH, 7.5);
     (state, tool)
 }
 
@@ -101,10 +104,8 @@ fn what_is_damaged_is_left_out_and_the_rest_is_used() {
     assert_eq!(after.known_files.recent.paths().count(), 1);
     assert_eq!((tool.kind, tool.solid), (ToolKind::Solid, Solid::Cuboid));
     assert_eq!(tool.recent(), [Rgb::new(1, 2, 3)]);
-    let clay = tool.sprays.of(SprayKind::Clay);
-    let usual = SprayOptions::of(SprayKind::Clay);
-    assert_eq!((clay.radius, clay.threshold), (usual.radius, usual.threshold));
-    assert_eq!(clay.reach_vx, 5.0);
+    let clay = tool.brushes.of(BrushId::Clay);
+    assert_eq!(*clay, BrushOptions::first(BrushId::Clay).with(REACH, 5.0));
 }
 
 /// A file of November 2026 with no value as it is at first: what is written again was read.
@@ -115,8 +116,51 @@ fn what_earlier_versions_remembered_is_still_read() {
     let window = Config::default().window;
     recall(text, &mut state, &mut tool, &window);
     let again = to_text(&state, &tool, &window);
-    let kept = |text: &str| text.parse::<toml::Table>().unwrap();
-    assert_eq!(kept(&again), kept(text));
+    let table = |text: &str| text.parse::<toml::Table>().unwrap();
+    let (mut then, mut now) = (table(text), table(&again));
+    // What has other names today.
+    let [sprays, deforms] = ["sprays", "deforms"].map(|key| then.remove(key).unwrap());
+    then["tool"].as_table_mut().unwrap().remove("deform");
+    let brushes = now.remove("brushes").unwrap();
+    assert_eq!(now, then);
+    for &brush in BrushId::ALL {
+        let name = brush.spec().name;
+        let (kept, old) = (&brushes[name], sprays.get(name).or(deforms.get(name)).unwrap());
+        let names = [
+            ("radius", "radius_px"),
+            ("reach", "reach_vx"),
+            ("threshold", "threshold"),
+            ("strength", "cover"),
+            ("strength", "strength"),
+            ("once_per_stroke", "once_a_stroke"),
+            ("falloff", "falloff"),
+            ("steady", "steady_px"),
+        ];
+        let both = names.iter().filter_map(|(now, then)| Some((kept.get(now)?, old.get(then)?)));
+        assert!(both.clone().count() > 0 && both.clone().all(|(now, then)| now == then), "{name}");
+        if let Some(outline) = kept.get("outline") {
+            assert_eq!((outline.as_str(), old["square"].as_bool()), (Some("square"), Some(true)));
+        }
+        if let Some(bite) = kept.get("bite") {
+            assert_eq!((bite.as_str(), old["bites_cubes"].as_bool()), (Some("square"), Some(true)));
+        }
+    }
+}
+
+/// The tool in hand of earlier versions, if it was one that deforms, had two names.
+#[test]
+fn a_brush_in_hand_of_earlier_versions_is_in_hand_again() {
+    for (text, expected) in [
+        ("kind = \"deform\"\ndeform = \"crease\"", ToolKind::Brush(BrushId::Crease)),
+        ("kind = \"erosion\"\ndeform = \"crease\"", ToolKind::Brush(BrushId::Erode)),
+        ("kind = \"smear\"", ToolKind::Brush(BrushId::Smear)),
+        ("kind = \"deform\"", ToolKind::Solid),
+    ] {
+        let (mut after, mut tool) = state();
+        let text = format!("[tool]\n{text}\n");
+        recall(&text, &mut after, &mut tool, &Config::default().window);
+        assert_eq!(tool.kind, expected, "{text}");
+    }
 }
 
 proptest! {
@@ -133,10 +177,10 @@ proptest! {
         recall(&text, &mut after, &mut tool, &config.window);
         prop_assert!(SCALE_RANGE.contains(&after.appearance.scale.factor()));
         prop_assert!(after.layout.windows.main.is_none_or(|size| is_side(&size)));
-        for kind in SprayKind::ALL {
-            let options = tool.sprays.of(kind);
-            prop_assert!(tool.size_unit.radii().contains(&options.radius));
-            prop_assert!((0.0..=MAX_REACH_VX).contains(&options.reach_vx));
+        for &brush in BrushId::ALL {
+            for (param, value) in tool.brushes.of(brush).iter() {
+                prop_assert!(param.allows(value, tool.size_unit.radii()), "{brush:?} {param:?}");
+            }
         }
     }
 }

@@ -3,8 +3,7 @@
 use super::*;
 use crate::input::{Axis, DrawKind, Panel, Side, ToolMode};
 use crate::sculpture::orientation::Up;
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
 use crate::tools::solid::Solid;
 use crate::ui::filter::british;
 
@@ -58,21 +57,21 @@ fn what_people_type_finds_the_action() {
         ("cube", Action::Solid(Solid::Cuboid)),
         ("cone", Action::Solid(Solid::Cone)),
         ("donut", Action::Solid(Solid::Torus)),
-        ("brush", Action::Spray(SprayKind::Paintbrush)),
-        ("airbrush", Action::Spray(SprayKind::Paintbrush)),
-        ("carve", Action::Spray(SprayKind::Devourer)),
-        ("dig", Action::Spray(SprayKind::Devourer)),
-        ("clay", Action::Spray(SprayKind::Clay)),
-        ("inflate", Action::Deform(DeformKind::Inflate)),
-        ("smooth", Action::Spray(SprayKind::Smooth)),
-        ("blur", Action::Spray(SprayKind::Smooth)),
+        ("brush", Action::Brush(BrushId::Paint)),
+        ("airbrush", Action::Brush(BrushId::Paint)),
+        ("carve", Action::Brush(BrushId::Devour)),
+        ("dig", Action::Brush(BrushId::Devour)),
+        ("clay", Action::Brush(BrushId::Clay)),
+        ("inflate", Action::Brush(BrushId::Inflate)),
+        ("smooth", Action::Brush(BrushId::Smooth)),
+        ("blur", Action::Brush(BrushId::Smooth)),
         ("colour", Action::PickColour),
         ("color", Action::PickColour),
         ("eyedropper", Action::PickColour),
         ("marquee", Action::Marker),
         ("select", Action::Marker),
         ("deselect", Action::ClearSelection),
-        ("mask", Action::Spray(SprayKind::Mask)),
+        ("mask", Action::Brush(BrushId::Mask)),
         ("mirror", Action::Mirror(Axis::X)),
         ("symmetry", Action::Mirror(Axis::X)),
         ("flip", Action::Mirror(Axis::X)),
@@ -229,7 +228,7 @@ fn chosen(typed: &str) -> Option<Entry> {
 #[test]
 fn the_name_of_an_action_beats_a_command() {
     assert_eq!(chosen("symmetry"), Some(Entry::Do(Action::Mirror(Axis::X))));
-    assert_eq!(chosen("mask"), Some(Entry::Do(Action::Spray(SprayKind::Mask))));
+    assert_eq!(chosen("mask"), Some(Entry::Do(Action::Brush(BrushId::Mask))));
     assert_eq!(chosen("noise"), Some(Entry::Do(Action::Tints)));
     assert!(
         matches!(chosen("array"), Some(Entry::See(it)) if it.target == Target::Option(Spot::Array))
@@ -266,7 +265,7 @@ fn a_command_that_is_not_complete_is_begun() {
 fn what_is_called_otherwise_or_missing_is_said() {
     let wanted = [
         ("boolean", Target::Do(Action::Mode(ToolMode::Subtract))),
-        ("remesh", Target::Do(Action::Spray(SprayKind::Smooth))),
+        ("remesh", Target::Do(Action::Brush(BrushId::Smooth))),
         ("resample", Target::Do(Action::New)),
         ("subdivide", Target::Do(Action::New)),
         ("decimate", Target::Do(Action::Export)),
@@ -282,8 +281,8 @@ fn what_is_called_otherwise_or_missing_is_said() {
         ("gizmo", Target::Do(Action::Marker)),
         ("voxelize", Target::Do(Action::Open)),
         ("multires", Target::Do(Action::New)),
-        ("dyntopo", Target::Do(Action::Spray(SprayKind::Smooth))),
-        ("clay strips", Target::Do(Action::Spray(SprayKind::Clay))),
+        ("dyntopo", Target::Do(Action::Brush(BrushId::Smooth))),
+        ("clay strips", Target::Do(Action::Brush(BrushId::Clay))),
         ("lazy", Target::Option(Spot::Steady)),
         ("stabilizer", Target::Option(Spot::Steady)),
         ("steady", Target::Option(Spot::Steady)),

@@ -42,7 +42,7 @@ impl PenState {
 
 /// Checkboxes for the lead of a pen over the brush in hand, if it can lead anything.
 pub fn leads(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    let Some(brush) = context.tool.brush() else { return };
+    let Some(brush) = context.tool.pen_tool() else { return };
     let before = context.tool.pens.of(brush);
     let mut chosen: PenUse = before;
     let (name, what) = match context.in_headset {

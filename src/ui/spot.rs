@@ -7,8 +7,7 @@ use egui::{Align, Context, Id, Response, Stroke, StrokeKind};
 
 use super::UiState;
 use crate::input::Action;
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
 
 /// How long an option blinks, and how often it changes, in seconds.
 const BLINK_S: f64 = 2.4;
@@ -47,8 +46,8 @@ impl Spot {
     /// The action that selects the tool that has the option.
     pub fn needs(self) -> Option<Action> {
         match self {
-            Spot::Stencil => Some(Action::Spray(SprayKind::Paintbrush)),
-            Spot::Steady | Spot::Pressure => Some(Action::Deform(DeformKind::Draw)),
+            Spot::Stencil => Some(Action::Brush(BrushId::Paint)),
+            Spot::Steady | Spot::Pressure => Some(Action::Brush(BrushId::Draw)),
             _ => None,
         }
     }

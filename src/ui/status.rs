@@ -47,7 +47,11 @@ fn place(ui: &mut Ui, context: &UiContext) {
     }
     let text = |what: &str, at: glam::Vec3| format!("{what} {:.0} {:.0} {:.0}", at.x, at.y, at.z);
     let (shown, tip) = match context.tool.kind {
-        ToolKind::Solid | ToolKind::Deform => {
+        ToolKind::Brush(brush) if brush.spec().is_in_picture() => match context.pointed_vx {
+            Some(at) => (text("Brush", at.as_vec3()), "Voxel under the pointer: x, y, z"),
+            None => ("Brush".to_string(), "The pointer is not over the sculpture"),
+        },
+        ToolKind::Solid | ToolKind::Brush(_) => {
             (text("Tool", context.tool.centre_vx), "Centre of the tool in voxels: x, y, z")
         }
         ToolKind::Marker => {
@@ -57,10 +61,6 @@ fn place(ui: &mut Ui, context: &UiContext) {
         ToolKind::Draw(_) => match context.pointed_vx {
             Some(at) => (text("Pointer", at.as_vec3()), "Voxel under the pointer: x, y, z"),
             None => ("Pointer".to_string(), "The pointer is not over the sculpture"),
-        },
-        ToolKind::Spray(_) => match context.pointed_vx {
-            Some(at) => (text("Brush", at.as_vec3()), "Voxel under the pointer: x, y, z"),
-            None => ("Brush".to_string(), "The pointer is not over the sculpture"),
         },
     };
     ui.monospace(shown).on_hover_text(tip);

@@ -1,4 +1,4 @@
-//! The options of the tool in hand. A solid has size, rotation, colour and where it goes; sprays
+//! The options of the tool in hand. A solid has size, rotation, colour and where it goes; brushes
 //! and the marker have panels of their own.
 
 use egui::{Color32, DragValue, Response, Sense, Slider, Ui, vec2};
@@ -10,13 +10,12 @@ use super::spot::{self, Spot};
 use super::state::PasteAs;
 use super::toolbox::{mode_name, solid_name};
 use super::{
-    UiContext, UiRequest, UiState, deform_options, draw_options, history, marker_options,
-    pen_options, spray_options, theme,
+    UiContext, UiRequest, UiState, brush_options, draw_options, marker_options, pen_options, theme,
 };
 use crate::editor::tool::{HALF_RANGE, NextPress, RECENT, ToolEdit, ToolKind, ToolState};
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 /// Of a solid's centre from the corner of the grid, in voxels.
@@ -63,22 +62,13 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
                 pen_options::leads(ui, context, requests);
             }
         }
-        ToolKind::Spray(kind) => {
-            ui.label(match kind {
-                SprayKind::Devourer => "Devourer (carve)".to_string(),
-                kind => history::words(kind.name()),
-            });
-            let before = *tool.sprays.of(kind);
-            let mut options = before;
-            spray_options::show(ui, &mut options, kind, tool, requests);
-            if options != before {
-                requests.push(UiRequest::Tool(ToolEdit::Spray(kind, options)));
-            }
+        ToolKind::Brush(brush) => {
+            brush_options::show(ui, brush, context, requests);
             pen_options::leads(ui, context, requests);
-            if kind.gives_colour() {
+            if brush.spec().gives_colour {
                 colour(ui, context, requests);
             }
-            if kind == SprayKind::Paintbrush {
+            if brush == BrushId::Paint {
                 picture(ui, state, context, requests);
                 if tool.stencil.is_some() {
                     let through = tool.through_stencil;
@@ -88,10 +78,6 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
                         );
                 }
             }
-        }
-        ToolKind::Deform => {
-            deform_options::show(ui, context, requests);
-            pen_options::leads(ui, context, requests);
         }
         ToolKind::Draw(kind) => {
             draw_options::show(ui, kind, context, requests);

@@ -5,11 +5,13 @@ use egui::{Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, Wid
 use super::buttons::explain;
 use super::draw_options::draw_name;
 use super::top_bar::capital;
-use super::{UiContext, UiRequest, UiState, draw_icons, icons, panels, section, theme};
+use super::{
+    UiContext, UiRequest, UiState, brush_icons, draw_icons, icons, panels, section, theme,
+};
 use crate::editor::tool::ToolKind;
 use crate::input::{Action, DrawKind, Panel, ToolMode};
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
+use crate::tools::brush::spec::BrushGroup;
 use crate::tools::solid::Solid;
 
 const ICON: f32 = 24.0;
@@ -41,20 +43,6 @@ pub fn show(
                 .show(ui, |ui| content(ui, state, context, requests));
         });
 }
-
-/// The brushes that deform, those that are used most first.
-const DEFORMING: [DeformKind; 10] = [
-    DeformKind::Grab,
-    DeformKind::Draw,
-    DeformKind::Inflate,
-    DeformKind::Crease,
-    DeformKind::Flatten,
-    DeformKind::Scrape,
-    DeformKind::Fill,
-    DeformKind::Pinch,
-    DeformKind::Smear,
-    DeformKind::Twist,
-];
 
 /// The tools themselves.
 pub fn content(
@@ -97,28 +85,26 @@ pub fn content(
         })
         .collect();
     group(ui, state, "Drawn solids", |ui| tools(ui, context, &drawn, Look::Bare, requests));
-    let spray = |kind: SprayKind| Entry {
-        name: kind.brush().spec().label.to_string(),
-        chosen: tool.kind == ToolKind::Spray(kind),
-        action: Action::Spray(kind),
+    let brush = |brush: BrushId| Entry {
+        name: brush.spec().label.to_string(),
+        chosen: tool.kind == ToolKind::Brush(brush),
+        action: Action::Brush(brush),
+    };
+    let of_group = |group: BrushGroup| -> Vec<Entry> {
+        let all = BrushId::ALL.iter().copied();
+        all.filter(|brush| brush.spec().group == group).map(brush).collect()
     };
     let marker = Entry {
         name: "Marker".to_string(),
         chosen: tool.kind == ToolKind::Marker,
         action: Action::Marker,
     };
-    let selecting = [marker, spray(SprayKind::Mask)];
+    // The inverse of the mask's brush takes protection away.
+    let selecting = [marker, brush(BrushId::Mask)];
     group(ui, state, "Selection", |ui| tools(ui, context, &selecting, Look::Full, requests));
-    // What takes protection away is the mask's inverse.
-    let is_mask = |kind: &SprayKind| matches!(kind, SprayKind::Mask | SprayKind::Unmask);
-    let sprays = SprayKind::ALL.into_iter().filter(|kind| !is_mask(kind)).map(spray);
-    let sprays: Vec<Entry> = sprays.collect();
-    group(ui, state, "Brushes", |ui| tools(ui, context, &sprays, Look::Full, requests));
-    let deforming = DEFORMING.map(|kind| Entry {
-        name: kind.brush().spec().label.to_string(),
-        chosen: tool.kind == ToolKind::Deform && tool.deform == kind,
-        action: Action::Deform(kind),
-    });
+    let brushes = of_group(BrushGroup::Surface);
+    group(ui, state, "Brushes", |ui| tools(ui, context, &brushes, Look::Full, requests));
+    let deforming = of_group(BrushGroup::Deform);
     group(ui, state, "Deform", |ui| tools(ui, context, &deforming, look, requests));
 }
 
@@ -224,8 +210,7 @@ fn tool(
             };
             icons::mode(ui.painter(), icon.shrink(2.0), mode, tint);
         }
-        Action::Spray(kind) => icons::spray(ui.painter(), icon, kind, colour),
-        Action::Deform(kind) => icons::deform(ui.painter(), icon, kind, colour),
+        Action::Brush(brush) => brush_icons::draw(ui.painter(), icon, brush, colour),
         Action::Draw(kind) => draw_icons::draw(ui.painter(), icon.shrink(3.0), kind, colour),
         Action::Marker => icons::marker(ui.painter(), icon.shrink(2.0), colour),
         _ => {}

@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::editor::tool::ToolKind;
-use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::brush::BrushId;
 
 use super::bench::{Bench, bench, click, drag, has, key, middle, rest, send, undo_count, voxels};
 
@@ -32,9 +32,8 @@ fn a_button_with_the_focus_takes_enter_and_space_alone() {
     key(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(undo_count(&harness), 0, "undone with a button in focus");
     key(&mut harness, Modifiers::NONE, Key::B);
-    let is_paintbrush = |harness: &Bench| {
-        harness.state().editor.tool.kind == ToolKind::Spray(SprayKind::Paintbrush)
-    };
+    let is_paintbrush =
+        |harness: &Bench| harness.state().editor.tool.kind == ToolKind::Brush(BrushId::Paint);
     assert!(is_paintbrush(&harness), "tools are chosen");
     focus(&mut harness, "New");
     let before = harness.ctx.memory(|memory| memory.focused());

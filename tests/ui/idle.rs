@@ -5,8 +5,8 @@ use glam::Vec3;
 use virtual_sculpture::editor::tool::{ToolEdit, ToolKind};
 use virtual_sculpture::input::{Action, DrawKind, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::brush::deform::DeformKind;
-use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::brush::BrushId;
+use virtual_sculpture::tools::brush::keys::{REACH, STRENGTH};
 use virtual_sculpture::tools::solid::Solid;
 
 use super::bench::{self, Bench, drag, key, middle, rest, run, screen, send, voxels};
@@ -102,7 +102,7 @@ fn what_has_the_colour_already_is_said_to_have_it() {
     harness.state_mut().editor.tool.colour = Rgb::new(0x12, 0x34, 0x56);
     harness.state_mut().act(Action::Mode(ToolMode::Recolour));
     says(&mut harness, "it has this colour already", press);
-    harness.state_mut().editor.tool.kind = ToolKind::Spray(SprayKind::Paintbrush);
+    harness.state_mut().editor.tool.kind = ToolKind::Brush(BrushId::Paint);
     says(&mut harness, "it has this colour already", press);
     says(&mut harness, "it has this colour already", |harness| {
         key(harness, Modifiers::COMMAND, Key::G);
@@ -121,18 +121,18 @@ fn what_has_the_colour_already_is_said_to_have_it() {
 #[test]
 fn brushes_on_the_wall_and_on_what_is_done_say_why() {
     let mut harness = front(true);
-    harness.state_mut().editor.tool.kind = ToolKind::Spray(SprayKind::Clay);
+    harness.state_mut().editor.tool.kind = ToolKind::Brush(BrushId::Clay);
     says(&mut harness, "the grid ends here", press);
-    harness.state_mut().editor.tool.kind = ToolKind::Spray(SprayKind::Smooth);
+    harness.state_mut().editor.tool.kind = ToolKind::Brush(BrushId::Smooth);
     says(&mut harness, "it is smooth here", press);
-    harness.state_mut().act(Action::Deform(DeformKind::Draw));
+    harness.state_mut().act(Action::Brush(BrushId::Draw));
     says(&mut harness, "the grid ends here", press);
-    harness.state_mut().act(Action::Deform(DeformKind::Flatten));
+    harness.state_mut().act(Action::Brush(BrushId::Flatten));
     says(&mut harness, "the clay is already as the brush makes it", press);
-    harness.state_mut().editor.tool.deforms.of_mut(DeformKind::Flatten).strength = 0.0;
+    harness.state_mut().editor.tool.brushes.of_mut(BrushId::Flatten).set(STRENGTH, 0.0);
     says(&mut harness, "strength of the brush is 0", press);
     run(&mut harness, "mask add grid");
-    harness.state_mut().editor.tool.kind = ToolKind::Spray(SprayKind::Mask);
+    harness.state_mut().editor.tool.kind = ToolKind::Brush(BrushId::Mask);
     says(&mut harness, "it is masked already", press);
 }
 
@@ -182,8 +182,8 @@ fn what_the_wall_cuts_off_is_said_once_until_it_is_not() {
     // Clay that grows over the edge.
     let mut harness = front(false);
     run(&mut harness, "add cuboid at=32,32,47.5 half=8,8,15.5");
-    harness.state_mut().editor.tool.kind = ToolKind::Spray(SprayKind::Clay);
-    harness.state_mut().editor.tool.sprays.of_mut(SprayKind::Clay).reach_vx = 6.0;
+    harness.state_mut().editor.tool.kind = ToolKind::Brush(BrushId::Clay);
+    harness.state_mut().editor.tool.brushes.of_mut(BrushId::Clay).set(REACH, 6.0);
     assert_eq!(cut_off(&mut harness, &mut press), 1);
     harness.state_mut().act(Action::Solid(Solid::Ellipsoid));
 }

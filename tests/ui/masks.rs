@@ -7,7 +7,8 @@ use virtual_sculpture::editor::tool::NextPress;
 use virtual_sculpture::editor::wand::WandRule;
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::brush::BrushId;
+use virtual_sculpture::tools::brush::keys::REACH;
 
 use super::bench::{
     Bench, bench, click, corner, drag, has, key, look, press, rest, run, screen, send, voxels,
@@ -48,7 +49,7 @@ fn stroke(harness: &mut Bench, modifiers: Modifiers, from: [f32; 2], to: [f32; 2
 fn what_is_painted_with_the_mask_is_kept_from_the_tool_and_undone_like_a_stroke() {
     let mut harness = front();
     key(&mut harness, Modifiers::SHIFT, Key::Q);
-    harness.state_mut().editor.tool.sprays.of_mut(SprayKind::Mask).reach_vx = 1.5;
+    harness.state_mut().editor.tool.brushes.of_mut(BrushId::Mask).set(REACH, 1.5);
     stroke(&mut harness, Modifiers::NONE, [20.0, 32.0], [44.0, 32.0]);
     assert!(is_masked(&harness, [32, 32, 63]) && is_masked(&harness, [32, 32, 65 - 2]));
     assert!(!is_masked(&harness, [32, 60, 63]));

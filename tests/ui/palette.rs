@@ -3,7 +3,7 @@
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::editor::tool::ToolKind;
-use virtual_sculpture::tools::brush::deform::DeformKind;
+use virtual_sculpture::tools::brush::BrushId;
 use virtual_sculpture::ui::toasts::Tone;
 
 use super::bench::{Bench, bench, has, key, rest, send};
@@ -31,7 +31,7 @@ fn an_option_is_shown_in_its_panel() {
     // A tool that has the option is selected.
     search(&mut harness, "lazy mouse");
     let tool = &harness.state().editor.tool;
-    assert_eq!((tool.kind, tool.deform), (ToolKind::Deform, DeformKind::Draw));
+    assert_eq!(tool.kind, ToolKind::Brush(BrushId::Draw));
     assert!(has(&harness, "Steady"));
 }
 

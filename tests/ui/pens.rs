@@ -8,7 +8,8 @@ use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::pen::{PenEnd, PenPointer, PenSample};
 use virtual_sculpture::input::{Action, Button, Buttons, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::brush::BrushId;
+use virtual_sculpture::tools::brush::keys::RADIUS;
 
 use super::bench::{Bench, bench, bench_of, config, look, middle, rest, undo_count, voxels};
 
@@ -58,17 +59,17 @@ impl Pen {
     }
 }
 
-fn holding(kind: SprayKind, leads: PenUse) -> Bench {
+fn holding(kind: BrushId, leads: PenUse) -> Bench {
     let mut harness = bench();
     let tool = &mut harness.state_mut().editor.tool;
-    tool.kind = ToolKind::Spray(kind);
-    tool.pens.set(PenTool::Spray(kind), leads);
+    tool.kind = ToolKind::Brush(kind);
+    tool.pens.set(PenTool::Brush(kind), leads);
     harness
 }
 
 /// The number of voxels that a stroke of the devourer removes.
 fn removed(leads: PenUse, pressure: f32, tilt_deg: Vec2) -> u64 {
-    let mut harness = holding(SprayKind::Devourer, leads);
+    let mut harness = holding(BrushId::Devour, leads);
     let before = voxels(&harness);
     let start = middle(&harness);
     let mut pen = Pen { tilt_deg, ..Pen::new(PenEnd::Tip) };
@@ -98,7 +99,7 @@ fn pressure_leads_strength_or_size_or_nothing_and_tilt_widens() {
 fn the_curve_says_what_a_press_counts_for() {
     let of = |exponent: f32, full_at: f32| {
         let leads = PenUse { strength: true, ..PenUse::default() };
-        let mut harness = holding(SprayKind::Devourer, leads);
+        let mut harness = holding(BrushId::Devour, leads);
         harness.state_mut().ui.pen.curve.exponent = exponent;
         harness.state_mut().ui.pen.curve.full_at = full_at;
         let before = voxels(&harness);
@@ -128,7 +129,7 @@ fn the_eraser_adds_what_the_tip_cuts_and_takes_paint_away() {
         let coloured = |i: &u32| document.contents().rgb(grid.voxel_coords(*i)) == colour;
         (0..64 * 64 * 64).filter(coloured).count()
     };
-    for act in [Action::Spray(SprayKind::Paintbrush), Action::Mode(ToolMode::Recolour)] {
+    for act in [Action::Brush(BrushId::Paint), Action::Mode(ToolMode::Recolour)] {
         let mut harness = bench();
         harness.state_mut().act(act);
         let colour = harness.state().editor.tool.colour;
@@ -192,17 +193,17 @@ fn taken_over(harness: &mut Bench) -> bool {
 
 #[test]
 fn in_panels_a_pen_is_a_mouse_and_the_mouse_beside_it_presses_fully() {
-    let mut harness = holding(SprayKind::Devourer, PenTool::Spray(SprayKind::Devourer).usual());
+    let mut harness = holding(BrushId::Devour, PenTool::Brush(BrushId::Devour).usual());
     let mut pen = Pen::new(PenEnd::Eraser);
     harness.run_steps(2);
     let button = harness.get_by_label("Reset options").rect().center();
-    harness.state_mut().editor.tool.sprays.of_mut(SprayKind::Devourer).radius = 55.0;
+    harness.state_mut().editor.tool.brushes.of_mut(BrushId::Devour).set(RADIUS, 55.0);
     harness.step();
     for pressure in [0.0, 0.4, 0.0] {
         pen.at(&mut harness, button, pressure, &[]);
     }
     harness.run_steps(2);
-    assert_eq!(harness.state().editor.tool.sprays.of(SprayKind::Devourer).radius, 20.0);
+    assert_eq!(harness.state().editor.tool.brushes.radius(BrushId::Devour), 20.0);
     // After a light stroke of the pen, a mouse.
     let start = middle(&harness);
     Pen::new(PenEnd::Tip).stroke(&mut harness, start, 0.2);

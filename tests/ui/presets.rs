@@ -6,7 +6,8 @@ use std::path::Path;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::{Action, Bindings, Trigger};
-use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::brush::BrushId;
+use virtual_sculpture::tools::brush::keys::{RADIUS, STRENGTH};
 
 use super::bench::{Bench, bench, key, middle, send, undo_count};
 
@@ -72,8 +73,8 @@ fn click(harness: &mut Bench, button: PointerButton, pos: Pos2) {
 fn in_blenders_preset_f_leads_the_radius_and_shift_f_the_strength() {
     let mut harness = blender();
     key(&mut harness, Modifiers::NONE, Key::B);
-    assert_eq!(harness.state().editor.tool.kind, ToolKind::Spray(SprayKind::Paintbrush));
-    let options = |harness: &Bench| *harness.state().editor.tool.sprays.of(SprayKind::Paintbrush);
+    assert_eq!(harness.state().editor.tool.kind, ToolKind::Brush(BrushId::Paint));
+    let options = |harness: &Bench| *harness.state().editor.tool.brushes.of(BrushId::Paint);
     let follow = harness.state().editor.tool.follow;
     let at = middle(&harness);
     point(&mut harness, at);
@@ -82,27 +83,27 @@ fn in_blenders_preset_f_leads_the_radius_and_shift_f_the_strength() {
     assert_eq!(harness.state().editor.tool.follow, follow, "it does not toggle the pointer");
     point(&mut harness, at + vec2(50.0, 10.0));
     point(&mut harness, at + vec2(100.0, 20.0));
-    let led = options(&harness).radius;
-    assert!((led - before.radius * 2.0).abs() < 1e-3, "{led}");
+    let led = options(&harness).get(RADIUS);
+    assert!((led - before.get(RADIUS) * 2.0).abs() < 1e-3, "{led}");
     // A click keeps it and paints nothing.
     click(&mut harness, PointerButton::Primary, at + vec2(100.0, 20.0));
     assert!(!harness.state().editor.is_leading());
-    assert_eq!((options(&harness).radius, undo_count(&harness)), (led, 0));
+    assert_eq!((options(&harness).get(RADIUS), undo_count(&harness)), (led, 0));
     point(&mut harness, at);
-    assert_eq!(options(&harness).radius, led);
+    assert_eq!(options(&harness).get(RADIUS), led);
     click(&mut harness, PointerButton::Primary, at);
     assert_eq!(undo_count(&harness), 1, "the next click paints");
     // Escape, and another button, give back what was.
     for give_up in [None, Some(PointerButton::Middle)] {
         key(&mut harness, Modifiers::SHIFT, Key::F);
         point(&mut harness, at - vec2(100.0, 0.0));
-        let cover = options(&harness).strength;
+        let cover = options(&harness).get(STRENGTH);
         assert!((cover - 0.6).abs() < 1e-3, "{cover}");
         match give_up {
             None => key(&mut harness, Modifiers::NONE, Key::Escape),
             Some(button) => click(&mut harness, button, at - vec2(100.0, 0.0)),
         }
-        assert_eq!(options(&harness).strength, before.strength);
+        assert_eq!(options(&harness).get(STRENGTH), before.get(STRENGTH));
         point(&mut harness, at);
     }
 }

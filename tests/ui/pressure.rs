@@ -4,7 +4,8 @@ use egui::{Event, Modifiers, PointerButton, TouchDeviceId, TouchId, TouchPhase, 
 use virtual_sculpture::editor::pressure::{PenTool, PenUse};
 use virtual_sculpture::editor::sizes::SizeUnit;
 use virtual_sculpture::editor::tool::ToolKind;
-use virtual_sculpture::tools::brush::deform::DeformKind;
+use virtual_sculpture::tools::brush::BrushId;
+use virtual_sculpture::tools::brush::keys::RADIUS;
 
 use super::bench::{Bench, bench, middle, send, voxels};
 
@@ -13,9 +14,9 @@ const ALL: u64 = 64 * 64 * 64;
 fn creasing() -> Bench {
     let mut harness = bench();
     let tool = &mut harness.state_mut().editor.tool;
-    (tool.kind, tool.deform) = (ToolKind::Deform, DeformKind::Crease);
+    tool.kind = ToolKind::Brush(BrushId::Crease);
     tool.size_unit = SizeUnit::Sculpture;
-    tool.deforms.of_mut(DeformKind::Crease).radius = 8.0;
+    tool.brushes.of_mut(BrushId::Crease).set(RADIUS, 8.0);
     harness
 }
 
@@ -61,7 +62,7 @@ fn a_pen_that_presses_less_makes_a_flatter_furrow() {
     }
     let mut harness = creasing();
     let pens = &mut harness.state_mut().editor.tool.pens;
-    pens.set(PenTool::Deform(DeformKind::Crease), PenUse::default());
+    pens.set(PenTool::Brush(BrushId::Crease), PenUse::default());
     assert_eq!(furrow(&mut harness, Some(0.2)), full);
     // A light touch leaves nothing for the next one without a force.
     let mut harness = creasing();

@@ -7,8 +7,8 @@ use glam::{IVec3, Vec3};
 use virtual_sculpture::editor::sizes::SizeUnit;
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::Action;
-use virtual_sculpture::tools::brush::deform::DeformKind;
-use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::brush::BrushId;
+use virtual_sculpture::tools::brush::keys::{RADIUS, STRENGTH};
 
 use super::bench::{
     Bench, bench_of, config, drag, key, look, rest, run, screen, send, undo_count, voxels, wheel,
@@ -23,7 +23,7 @@ fn nub() -> Bench {
     run(&mut harness, "place");
     run(&mut harness, "subtract cuboid at=48,48,68 half=48,48,28");
     run(&mut harness, "add cuboid at=48,48,50 half=10,10,10");
-    harness.state_mut().editor.tool.kind = ToolKind::Spray(SprayKind::Smooth);
+    harness.state_mut().editor.tool.kind = ToolKind::Brush(BrushId::Smooth);
     harness
 }
 
@@ -55,9 +55,9 @@ fn a_nub_as_large_as_the_brush_is_levelled_by_eight_scrubs_and_the_floor_stays()
         let rim = screen(&harness, Vec3::new(58.0, 48.0, 60.0));
         let tool = &mut harness.state_mut().editor.tool;
         tool.edit(virtual_sculpture::editor::tool::ToolEdit::SizeUnit(unit));
-        let smooth = tool.sprays.of_mut(SprayKind::Smooth);
-        smooth.strength = 1.0;
-        smooth.radius = if unit == SizeUnit::Screen { rim.x - middle.x } else { 10.0 };
+        let smooth = tool.brushes.of_mut(BrushId::Smooth);
+        smooth.set(STRENGTH, 1.0);
+        smooth.set(RADIUS, if unit == SizeUnit::Screen { rim.x - middle.x } else { 10.0 });
         let before = undo_count(&harness);
         let far = rim.x - middle.x;
         for aside in [0.35, -0.35, 0.9, -0.9] {
@@ -83,7 +83,7 @@ fn a_nub_as_large_as_the_brush_is_levelled_by_eight_scrubs_and_the_floor_stays()
 fn it_goes_on_while_the_button_is_held_and_is_one_step() {
     let mut harness = nub();
     let at = screen(&harness, Vec3::new(48.0, 48.0, 60.0));
-    harness.state_mut().editor.tool.sprays.of_mut(SprayKind::Smooth).radius = 60.0;
+    harness.state_mut().editor.tool.brushes.of_mut(BrushId::Smooth).set(RADIUS, 60.0);
     let (before, steps) = (voxels(&harness), undo_count(&harness));
     send(&mut harness, Event::PointerMoved(at));
     button(&mut harness, at, true);
@@ -101,7 +101,7 @@ fn it_goes_on_while_the_button_is_held_and_is_one_step() {
     key(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!((voxels(&harness), left(&harness)), (before, 8000));
     // Other brushes do not.
-    harness.state_mut().editor.tool.kind = ToolKind::Spray(SprayKind::Erosion);
+    harness.state_mut().editor.tool.kind = ToolKind::Brush(BrushId::Erode);
     button(&mut harness, at, true);
     let once = voxels(&harness);
     harness.run_steps(4);
@@ -114,8 +114,8 @@ fn less_strength_takes_less() {
     let taken = |strength: f32| {
         let mut harness = nub();
         let at = screen(&harness, Vec3::new(48.0, 48.0, 60.0));
-        let smooth = harness.state_mut().editor.tool.sprays.of_mut(SprayKind::Smooth);
-        (smooth.radius, smooth.strength) = (60.0, strength);
+        let smooth = harness.state_mut().editor.tool.brushes.of_mut(BrushId::Smooth);
+        *smooth = smooth.with(RADIUS, 60.0).with(STRENGTH, strength);
         send(&mut harness, Event::PointerMoved(at));
         button(&mut harness, at, true);
         button(&mut harness, at, false);
@@ -131,7 +131,7 @@ fn all_brushes_have_their_sizes_in_one_unit_that_is_chosen_once() {
     rest(&mut harness);
     let sizes = |harness: &Bench| {
         let tool = &harness.state().editor.tool;
-        (tool.sprays.of(SprayKind::Clay).radius, tool.ball_radius(DeformKind::Draw))
+        (tool.brushes.radius(BrushId::Clay), tool.ball_radius(BrushId::Draw))
     };
     let (clay, ball) = sizes(&harness);
     harness.get_by_label("Sculpture").click();
@@ -145,7 +145,7 @@ fn all_brushes_have_their_sizes_in_one_unit_that_is_chosen_once() {
     harness.run_steps(2);
     assert_eq!(sizes(&harness), (clay_vx, ball_vx));
     // The same choice in the options of a brush that deforms.
-    harness.state_mut().act(Action::Deform(DeformKind::Draw));
+    harness.state_mut().act(Action::Brush(BrushId::Draw));
     harness.run_steps(2);
     harness.get_by_label("Screen").click();
     harness.run_steps(3);

@@ -2,7 +2,8 @@
 
 use virtual_sculpture::editor::tool::{ToolEdit, ToolKind};
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::brush::BrushId;
+use virtual_sculpture::tools::brush::keys::RADIUS;
 
 use super::bench::{Bench, bench, has, middle, press, rest, run};
 
@@ -21,9 +22,9 @@ fn with_stencil(folder: &std::path::Path) -> Bench {
     rest(&mut harness);
     run(&mut harness, "place");
     let tool = &mut harness.state_mut().editor.tool;
-    tool.kind = ToolKind::Spray(SprayKind::Paintbrush);
+    tool.kind = ToolKind::Brush(BrushId::Paint);
     tool.colour = RED;
-    tool.sprays.of_mut(SprayKind::Paintbrush).radius = 60.0;
+    tool.brushes.of_mut(BrushId::Paint).set(RADIUS, 60.0);
     tool.edit(ToolEdit::Picture(Some(path)));
     harness
 }
@@ -55,7 +56,7 @@ fn the_brush_paints_an_image_or_a_colour_through_it() {
     harness.state_mut().editor.tool.kind = ToolKind::Solid;
     assert!(harness.state().editor.tool.picture_in_use().is_none());
     // Without the file, a stroke says what is missing and leaves all as it is.
-    harness.state_mut().editor.tool.kind = ToolKind::Spray(SprayKind::Paintbrush);
+    harness.state_mut().editor.tool.kind = ToolKind::Brush(BrushId::Paint);
     harness.state_mut().editor.tool.edit(ToolEdit::Picture(Some("/nonexistent/leaf.png".into())));
     let before = harness.state().session().document().contents().clone();
     press_middle(&mut harness);

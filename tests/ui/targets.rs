@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui::{Event, Modifiers, PointerButton, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use virtual_sculpture::input::{Action, DrawKind};
-use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::brush::BrushId;
 
 use super::bench::{Bench, bench, bench_of, click, config, rest, run, send};
 
@@ -37,10 +37,10 @@ fn everything_that_is_clicked_has_at_least_24_points_a_side() {
         Action::Solid(virtual_sculpture::tools::solid::Solid::Cuboid),
         Action::Mode(virtual_sculpture::input::ToolMode::Recolour),
         Action::Marker,
-        Action::Spray(SprayKind::Paintbrush),
-        Action::Spray(SprayKind::Smooth),
+        Action::Brush(BrushId::Paint),
+        Action::Brush(BrushId::Smooth),
         Action::Draw(DrawKind::Text),
-        Action::Deform(virtual_sculpture::tools::brush::deform::DeformKind::Draw),
+        Action::Brush(BrushId::Draw),
     ];
     for tool in tools {
         harness.state_mut().act(tool);

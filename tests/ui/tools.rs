@@ -9,7 +9,8 @@ use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::{DrawKind, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::sculpture::region::VoxelBox;
-use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::brush::BrushId;
+use virtual_sculpture::tools::brush::keys::{ONCE_PER_STROKE, STRENGTH};
 
 use super::bench::{self, Bench, key, look, middle, rest, run, screen, send, voxels};
 
@@ -62,15 +63,15 @@ fn labels(harness: &Bench) -> Vec<String> {
 const FULL: u64 = 64 * 64 * 64;
 
 #[test]
-fn every_spray_is_taken_by_button_and_works_where_the_pointer_is() {
+fn every_brush_is_taken_by_button_and_works_where_the_pointer_is() {
     for (button, kind) in [
-        ("Brush", SprayKind::Paintbrush),
-        ("Devourer", SprayKind::Devourer),
-        ("Clay", SprayKind::Clay),
-        ("Erosion", SprayKind::Erosion),
-        ("Dilation", SprayKind::Dilation),
-        ("Growth", SprayKind::Growth),
-        ("Smooth", SprayKind::Smooth),
+        ("Brush", BrushId::Paint),
+        ("Devourer", BrushId::Devour),
+        ("Clay", BrushId::Clay),
+        ("Erosion", BrushId::Erode),
+        ("Dilation", BrushId::Dilate),
+        ("Growth", BrushId::Grow),
+        ("Smooth", BrushId::Smooth),
     ] {
         let mut harness = front();
         // A step and a single voxel: something for filters to work on.
@@ -79,14 +80,14 @@ fn every_spray_is_taken_by_button_and_works_where_the_pointer_is() {
         run(&mut harness, "subtract cuboid at=28.5,28.5,63.5 half=0.5");
         let before = harness.state().session().document().contents().clone();
         click(&mut harness, button);
-        assert_eq!(harness.state().editor.tool.kind, ToolKind::Spray(kind));
+        assert_eq!(harness.state().editor.tool.kind, ToolKind::Brush(kind));
         let at = middle(&harness);
         drag(&mut harness, &[at, at + vec2(10.0, -10.0)]);
         let now = harness.state().session().document().contents().clone();
         assert_ne!(now, before, "{button}");
-        assert_eq!(labels(&harness).last().unwrap(), kind.name());
+        assert_eq!(labels(&harness).last().unwrap(), kind.spec().name);
         let painted = before.grid == now.grid;
-        assert_eq!(painted, kind == SprayKind::Paintbrush, "{button}");
+        assert_eq!(painted, kind == BrushId::Paint, "{button}");
         key(&mut harness, Modifiers::COMMAND, Key::Z);
         assert_eq!(harness.state().session().document().contents(), &before);
     }
@@ -97,10 +98,9 @@ fn a_stroke_of_the_devourer_does_not_dig_where_it_overlaps() {
     let depth_below = |once: bool| {
         let mut harness = front();
         key(&mut harness, Modifiers::NONE, Key::D);
-        let options = harness.state_mut().editor.tool.sprays.of_mut(SprayKind::Devourer);
-        if !once {
-            options.surface = virtual_sculpture::command::SpraySurface::Now;
-        }
+        let options = harness.state_mut().editor.tool.brushes.of_mut(BrushId::Devour);
+        assert!(options.get(ONCE_PER_STROKE));
+        options.set(ONCE_PER_STROKE, once);
         let at = middle(&harness);
         let way: Vec<Pos2> = (0..12).map(|i| at + vec2((i % 2) as f32 * 30.0, 0.0)).collect();
         drag(&mut harness, &way);
@@ -123,7 +123,7 @@ fn modifiers_invert_smooth_and_pick() {
     drag_with(&mut harness, Modifiers::COMMAND, &[at]);
     assert!(voxels(&harness) < FULL, "the opposite of clay is the devourer");
     // Over the edge of what it has cut: its ground is flat.
-    harness.state_mut().editor.tool.sprays.of_mut(SprayKind::Smooth).strength = 1.0;
+    harness.state_mut().editor.tool.brushes.of_mut(BrushId::Smooth).set(STRENGTH, 1.0);
     let way = [0.0, 20.0, 40.0, 60.0].map(|right| at + vec2(right, 0.0));
     drag_with(&mut harness, Modifiers::SHIFT, &way);
     assert_eq!(labels(&harness).last().unwrap(), "smooth");
@@ -295,10 +295,10 @@ fn the_options_of_every_tool_fit_into_their_panel() {
     let mut harness = front();
     run(&mut harness, "copy");
     run(&mut harness, "select add");
-    let sprays = SprayKind::ALL.map(ToolKind::Spray);
+    let brushes = BrushId::ALL.iter().map(|brush| ToolKind::Brush(*brush));
     let drawn = DrawKind::ALL.map(ToolKind::Draw);
     let others = [ToolKind::Solid, ToolKind::Marker];
-    for tool in sprays.into_iter().chain(drawn).chain(others) {
+    for tool in brushes.chain(drawn).chain(others) {
         harness.state_mut().editor.tool.kind = tool;
         harness.state_mut().editor.tool.mode = ToolMode::Recolour;
         harness.state_mut().editor.tool.used_colour();
@@ -376,10 +376,9 @@ fn every_brush_that_deforms_has_its_button_and_its_section_folds() {
         button.click();
         rest(&mut harness);
         let tool = &harness.state().editor.tool;
-        assert_eq!(tool.kind, ToolKind::Deform);
-        let kind = tool.deform;
+        let ToolKind::Brush(brush) = tool.kind else { panic!("{name}: {:?}", tool.kind) };
         let word = if name == "Fill up" { "fill".to_string() } else { name.to_lowercase() };
-        assert_eq!(kind.name(), word);
+        assert_eq!(brush.spec().name, word);
         let chosen = |other: &str| {
             let node = harness.get_by_role_and_label(Role::Button, other);
             node.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)

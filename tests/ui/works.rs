@@ -21,9 +21,9 @@ use virtual_sculpture::input::hands::{HandMapper, HandSettings, HandSide, HandSt
 use virtual_sculpture::input::pad::stick::Response;
 use virtual_sculpture::input::{Action, DrawKind, Step};
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::tools::brush::deform::DeformKind;
+use virtual_sculpture::tools::brush::BrushId;
 use virtual_sculpture::tools::brush::kernel::grab::Falloff;
-use virtual_sculpture::tools::brush::spray::SprayKind;
+use virtual_sculpture::tools::brush::keys::{FALLOFF, RADIUS, STRENGTH};
 use virtual_sculpture::view::{Pose, Room};
 
 use super::bench::{Bench, bench_of, config, look, rest, run, screen, send};
@@ -114,25 +114,17 @@ impl Sculptor {
             ["colour", colour] => tool.edit(ToolEdit::Colour(colour.parse::<Rgb>().unwrap())),
             ["brush", name, radius, strength, ref falloff @ ..] => {
                 tool.edit(ToolEdit::SizeUnit(SizeUnit::Sculpture));
-                let kind = DeformKind::ALL.into_iter().find(|kind| kind.name() == name).unwrap();
-                let mut options = *tool.deforms.of(kind);
-                (options.radius, options.strength) = (number(radius), number(strength));
-                options.falloff = match falloff {
-                    ["sharp"] => Falloff::Sharp,
-                    ["flat"] => Falloff::Flat,
-                    ["smooth"] => Falloff::Smooth,
-                    _ => options.falloff,
+                let brush = BrushId::ALL.iter().find(|brush| brush.spec().name == name).unwrap();
+                let options = tool.brushes.of(*brush).with(RADIUS, number(radius));
+                let options = options.with(STRENGTH, number(strength));
+                let options = match falloff {
+                    ["sharp"] => options.with(FALLOFF, Falloff::Sharp),
+                    ["flat"] => options.with(FALLOFF, Falloff::Flat),
+                    ["smooth"] => options.with(FALLOFF, Falloff::Smooth),
+                    _ => options,
                 };
-                tool.edit(ToolEdit::Deform(kind, options));
-                self.harness.state_mut().act(Action::Deform(kind));
-            }
-            ["spray", name, radius, strength] => {
-                tool.edit(ToolEdit::SizeUnit(SizeUnit::Sculpture));
-                let kind = SprayKind::ALL.into_iter().find(|kind| kind.name() == name).unwrap();
-                let mut options = *tool.sprays.of(kind);
-                (options.radius, options.strength) = (number(radius), number(strength));
-                tool.edit(ToolEdit::Spray(kind, options));
-                self.harness.state_mut().act(Action::Spray(kind));
+                tool.edit(ToolEdit::Brush(options));
+                self.harness.state_mut().act(Action::Brush(*brush));
             }
             ["tube", start, end] => {
                 let mut draws = tool.draws.clone();

@@ -20,8 +20,8 @@ use crate::input::{ActionEvent, Bindings, DrawKind, ToolMode};
 use crate::sculpture::Rgb;
 use crate::session::Session;
 use crate::surface::{IndexMap, raycast};
-use crate::tools::brush::deform::DeformKind;
-use crate::tools::brush::spray::SprayKind;
+use crate::tools::brush::BrushId;
+use crate::tools::brush::keys::RADIUS;
 use crate::view::{Pose, Room};
 
 const REACH_M: f32 = 0.08;
@@ -82,12 +82,13 @@ impl Person {
     }
 }
 
+const GRAB: ToolKind = ToolKind::Brush(BrushId::Grab);
 /// The middle of the cube.
 const MIDDLE: Vec3 = Vec3::new(0.0, 1.3, -0.7);
 
 #[test]
 fn a_jump_of_tracking_cuts_no_tunnel() {
-    for tool in [ToolKind::Solid, ToolKind::Spray(SprayKind::Devourer), ToolKind::Deform] {
+    for tool in [ToolKind::Solid, ToolKind::Brush(BrushId::Devour), GRAB] {
         let mut person = Person::new(DIMS);
         person.workspace.editor.tool.kind = tool;
         let left = MIDDLE - Vec3::X * 0.3;
@@ -108,7 +109,7 @@ fn a_jump_of_tracking_cuts_no_tunnel() {
         }
         person.hold(MIDDLE, 0.0, 2);
         assert!(!person.workspace.editor.is_stroking());
-        if tool == ToolKind::Deform {
+        if tool == GRAB {
             assert!(person.removed_voxels() > 100, "the clay goes along with the hand");
         }
         if tool == ToolKind::Solid {
@@ -176,13 +177,12 @@ fn the_symmetry_goes_with_the_hand_until_the_trigger_is_let_go() {
 fn a_brush_is_weaker_while_the_trigger_is_pulled_less() {
     let furrow = |trigger: f32, by_pressure: bool| {
         let mut person = Person::new(DIMS);
-        person.workspace.editor.tool.kind = ToolKind::Deform;
-        person.workspace.editor.tool.deform = DeformKind::Crease;
+        person.workspace.editor.tool.kind = ToolKind::Brush(BrushId::Crease);
         let leads = PenUse { strength: by_pressure, ..PenUse::default() };
         let tool = &mut person.workspace.editor.tool;
-        tool.pens.set(PenTool::Deform(DeformKind::Crease), leads);
+        tool.pens.set(PenTool::Brush(BrushId::Crease), leads);
         tool.set_size_unit(SizeUnit::Sculpture);
-        tool.deforms.of_mut(DeformKind::Crease).radius = 8.0;
+        tool.brushes.of_mut(BrushId::Crease).set(RADIUS, 8.0);
         let front = MIDDLE + Vec3::Z * 0.25;
         person.hold(front, 0.0, 5);
         for i in 0..10 {
@@ -370,7 +370,7 @@ fn a_million_nonsensical_poses_do_no_harm() {
             person.workspace.editor.tool.kind = match next() % 6 {
                 0..3 => ToolKind::Solid,
                 3 => ToolKind::Marker,
-                _ => ToolKind::Spray(SprayKind::ALL[next() % SprayKind::ALL.len()]),
+                _ => ToolKind::Brush(BrushId::ALL[next() % BrushId::ALL.len()]),
             };
         }
         for hand in 0..2 {

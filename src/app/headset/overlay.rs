@@ -30,15 +30,15 @@ pub fn overlay(
     let scene = OverlayScene { seen: None, pointer: None, ..workspace.overlay_scene() };
     let (preview, mut lines) = (overlay::preview(&scene), overlay::lines(&scene));
     let line = |from, to, colour, width_px, opacity| Line { from, to, colour, width_px, opacity };
-    if let Some(spray) = workspace.editor.held_spray(room).filter(|_| workspace.ui.view.tool) {
-        let tip = spray.eye_vx + spray.aim;
+    if let Some(cone) = workspace.editor.cone(room).filter(|_| workspace.ui.view.tool) {
+        let tip = cone.eye_vx + cone.aim;
         let rim = |i: usize| {
             let (sin, cos) = (TAU * i as f32 / SEGMENTS as f32).sin_cos();
-            tip + (spray.across * cos + spray.down * sin) * spray.radius
+            tip + (cone.across * cos + cone.down * sin) * cone.radius
         };
         let colour = workspace.editor.tool.colour;
         lines.extend((0..SEGMENTS).map(|i| line(rim(i), rim(i + 1), colour, 1.4, [0.9, 0.3])));
-        lines.push(line(spray.eye_vx, tip, colour, 1.2, [0.6, 0.2]));
+        lines.push(line(cone.eye_vx, tip, colour, 1.2, [0.6, 0.2]));
     }
     let at = |point| workspace.editor.grid_point(point, room);
     if let Some([from, to]) = ray {

@@ -1,6 +1,8 @@
 //! Erosion: wears down edges and leaves flat faces alone.
 
-use super::spec::BrushSpec;
+use super::BrushId;
+use super::keys::{ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
+use super::spec::{BrushSpec, Inverse, Tint};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -9,4 +11,16 @@ pub const SPEC: BrushSpec = BrushSpec {
     label: "Erosion",
     help: "Erosion: wears down edges and leaves flat faces alone",
     synonyms: "erode weather round",
+    options: &[
+        RADIUS.param,
+        OUTLINE.param,
+        REACH.param,
+        THRESHOLD
+            .help("Voxels with fewer of their 26 neighbours are removed; up to 17 keeps flat faces")
+            .param,
+        ONCE_PER_STROKE.param,
+    ],
+    inverse: Inverse::Brush(BrushId::Dilate),
+    tint: Tint::Cut,
+    ..BrushSpec::SURFACE
 };

@@ -1,6 +1,8 @@
 //! Flatten: levels bumps and pits to the plane where the stroke began.
 
-use super::spec::BrushSpec;
+use super::kernel::grab::Falloff;
+use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
+use super::spec::{BrushSpec, BrushStroke, SurfaceNormal};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -9,4 +11,15 @@ pub const SPEC: BrushSpec = BrushSpec {
     label: "Flatten",
     help: "Flatten: levels bumps and pits to the plane where the stroke began",
     synonyms: "level plane even deform",
+    options: &[
+        RADIUS.first(40.0).param,
+        STRENGTH.help("How far the surface goes to the plane").param,
+        STEADY.param,
+        FALLOFF.first(Falloff::Flat).param,
+    ],
+    stroke: BrushStroke::Surface {
+        normal: SurfaceNormal::OfPress { on_plane: true },
+        adds_up: false,
+    },
+    ..BrushSpec::DEFORM
 };

@@ -1,6 +1,8 @@
 //! Mask: protects the surface under it, so that nothing changes it.
 
-use super::spec::BrushSpec;
+use super::BrushId;
+use super::keys::{OUTLINE, RADIUS, REACH};
+use super::spec::{BrushGroup, BrushSpec, Inverse, Tint};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -9,4 +11,17 @@ pub const SPEC: BrushSpec = BrushSpec {
     label: "Mask",
     help: "Mask: protects the surface under it, so that nothing changes it",
     synonyms: "protect freeze lock",
+    group: BrushGroup::Mask,
+    options: &[
+        RADIUS.param,
+        OUTLINE.param,
+        REACH
+            .first(4.0)
+            .label("Depth")
+            .help("How far from the surface voxels are protected, outwards, too")
+            .param,
+    ],
+    inverse: Inverse::Brush(BrushId::Unmask),
+    tint: Tint::Mask,
+    ..BrushSpec::SURFACE
 };

@@ -17,8 +17,11 @@ mod grab;
 mod grow;
 mod inflate;
 pub mod kernel;
+pub mod keys;
 mod mask;
+pub mod options;
 mod paint;
+pub mod param;
 mod pinch;
 mod scrape;
 mod smear;
@@ -69,15 +72,15 @@ brushes! {
     Mask = mask,
     Unmask = unmask,
     Grab = grab,
+    Draw = draw,
     Inflate = inflate,
+    Crease = crease,
     Flatten = flatten,
     Scrape = scrape,
     Fill = fill,
-    Draw = draw,
-    Crease = crease,
     Pinch = pinch,
-    Twist = twist,
     Smear = smear,
+    Twist = twist,
 }
 
 #[cfg(test)]

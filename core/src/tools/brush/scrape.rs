@@ -1,6 +1,9 @@
 //! Scrape: takes off what stands out of the plane where the stroke began.
 
-use super::spec::BrushSpec;
+use super::BrushId;
+use super::kernel::grab::Falloff;
+use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
+use super::spec::{BrushSpec, BrushStroke, Inverse, SurfaceNormal};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -9,4 +12,16 @@ pub const SPEC: BrushSpec = BrushSpec {
     label: "Scrape",
     help: "Scrape: takes off what stands out of the plane where the stroke began",
     synonyms: "plane shave level deform cut",
+    options: &[
+        RADIUS.first(40.0).param,
+        STRENGTH.help("How far the surface goes to the plane").param,
+        STEADY.param,
+        FALLOFF.first(Falloff::Flat).param,
+    ],
+    stroke: BrushStroke::Surface {
+        normal: SurfaceNormal::OfPress { on_plane: true },
+        adds_up: false,
+    },
+    inverse: Inverse::Brush(BrushId::Fill),
+    ..BrushSpec::DEFORM
 };

@@ -1,8 +1,11 @@
-//! Describes a brush: the texts that scripts, key tables, panels and the palette show, each written once in the file of the
+//! Describes a brush: its texts, its options and the manner in which a hand uses it, each written once in the file of the
 //! brush. Knows no function of a brush.
 
+use super::BrushId;
+use super::param::{Key, Param};
+
 /// The description of a brush.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct BrushSpec {
     /// In scripts, in labels of undo steps, and in what is remembered.
     pub name: &'static str,
@@ -10,8 +13,147 @@ pub struct BrushSpec {
     pub action: &'static str,
     /// In the interface.
     pub label: &'static str,
-    /// Explains the brush in one sentence.
+    /// Explains the brush in one sentence, after its title and a colon.
     pub help: &'static str,
     /// Words of other programs that find it, besides those of `help`, separated by spaces.
     pub synonyms: &'static str,
+    /// The family with which interfaces show it.
+    pub group: BrushGroup,
+    /// Its options, in the order in which panels show them.
+    pub options: &'static [Param],
+    /// The manner in which a stroke uses it.
+    pub stroke: BrushStroke,
+    /// Distance of two uses, as a share of the radius.
+    pub spacing: f32,
+    /// The modifier that inverts the tool.
+    pub inverse: Inverse,
+    /// Options that it has in common with another brush are those of that one, but for radius and outline.
+    pub options_of: Option<BrushId>,
+    /// The option that the pressure of a pen leads.
+    pub pressure: Option<Key<f32>>,
+    /// The colour of its outline.
+    pub tint: Tint,
+    /// It gives the colour in hand.
+    pub gives_colour: bool,
+    /// It can add voxels, and so meet the walls of the grid.
+    pub adds: bool,
+}
+
+/// The families of brushes.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum BrushGroup {
+    /// Brushes that change voxels under an outline in the picture.
+    Surface,
+    /// Brushes that deform clay.
+    Deform,
+    /// Brushes that protect the surface. The one that takes protection away is offered as the inverse of the other.
+    Mask,
+}
+
+/// The manner in which a stroke uses a brush.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum BrushStroke {
+    /// Under an outline that lies in the picture, at a spacing along the path of the pointer.
+    Picture {
+        /// It is used again while it is held in one place.
+        repeats: bool,
+    },
+    /// In a ball that goes over the surface.
+    Surface {
+        /// The normal of the surface.
+        normal: SurfaceNormal,
+        /// It moves what uses before it left, instead of the surface as it was when the stroke began.
+        adds_up: bool,
+    },
+    /// In a ball of clay that is held and follows the drag.
+    Held {
+        /// It turns instead of going along.
+        turns: bool,
+    },
+}
+
+/// The place whose normal a brush uses.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum SurfaceNormal {
+    /// That of the surface around the press, for the whole stroke. `on_plane`: all uses lie in the plane there.
+    OfPress {
+        /// The middles of all uses lie in one plane.
+        on_plane: bool,
+    },
+    /// That of the surface around each use, as it was when the stroke began.
+    OfEachUse,
+}
+
+/// The effect of the modifier that inverts the tool.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Inverse {
+    /// None.
+    Same,
+    /// The brush works in the other sense.
+    Sense,
+    /// Another brush is used.
+    Brush(BrushId),
+}
+
+/// The colour of a brush's outline.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Tint {
+    /// That of tools that cut.
+    Cut,
+    /// That of tools that neither cut nor add.
+    Neutral,
+    /// That of the mask.
+    Mask,
+    /// The colour in hand.
+    Colour,
+}
+
+impl BrushSpec {
+    /// A brush under an outline in the picture.
+    pub(super) const SURFACE: BrushSpec = BrushSpec {
+        name: "",
+        action: "",
+        label: "",
+        help: "",
+        synonyms: "",
+        group: BrushGroup::Surface,
+        options: &[],
+        stroke: BrushStroke::Picture { repeats: false },
+        spacing: 0.35,
+        inverse: Inverse::Same,
+        options_of: None,
+        pressure: None,
+        tint: Tint::Colour,
+        gives_colour: false,
+        adds: false,
+    };
+
+    /// A brush that deforms clay.
+    pub(super) const DEFORM: BrushSpec = BrushSpec {
+        group: BrushGroup::Deform,
+        stroke: BrushStroke::Surface {
+            normal: SurfaceNormal::OfPress { on_plane: false },
+            adds_up: false,
+        },
+        spacing: 0.2,
+        pressure: Some(super::keys::STRENGTH),
+        tint: Tint::Neutral,
+        adds: true,
+        ..BrushSpec::SURFACE
+    };
+
+    /// Over its options: the first words of the help.
+    pub fn title(&self) -> &'static str {
+        self.help.split(':').next().unwrap_or(self.label)
+    }
+
+    /// Whether it works under an outline in the picture.
+    pub fn is_in_picture(&self) -> bool {
+        matches!(self.stroke, BrushStroke::Picture { .. })
+    }
+
+    /// Whether it takes hold of clay.
+    pub fn is_held(&self) -> bool {
+        matches!(self.stroke, BrushStroke::Held { .. })
+    }
 }

@@ -1,0 +1,188 @@
+//! The options that several brushes share. A brush lists those that it has, each with the label, the help and the first
+//! value that it needs. Knows no brush.
+
+use super::footprint::Outline;
+use super::kernel::grab::Falloff;
+use super::param::{Choice, Domain, Key, Param, ParamValue, Unit, Value};
+use super::spray::MAX_REACH_VX;
+
+/// Longest rope, in pixels.
+const MAX_STEADY_PX: f32 = 200.0;
+
+const BASE: Param = Param {
+    key: "",
+    label: "",
+    help: "",
+    domain: Domain::Switch,
+    unit: Unit::Plain,
+    first: Value::On(false),
+    logarithmic: false,
+    needs_pointer: false,
+};
+
+/// Radius of the brush. Every brush has one.
+pub const RADIUS: Key<f32> = Key::new(Param {
+    key: "radius",
+    label: "Radius",
+    help: "Radius of the brush",
+    domain: Domain::Radius,
+    first: Value::Number(20.0),
+    logarithmic: true,
+    ..BASE
+});
+
+/// The outline of a brush in the picture.
+pub const OUTLINE: Key<Outline> = Key::new(Param {
+    key: "outline",
+    label: "Brush shape",
+    help: "The outline of the brush in the picture",
+    domain: Domain::Choice(&[
+        Choice { name: Outline::Round.name(), help: "Circular brush" },
+        Choice { name: Outline::Square.name(), help: "Square brush" },
+    ]),
+    first: Value::Choice(0),
+    ..BASE
+});
+
+/// How far around a point under the brush voxels may change.
+pub const REACH: Key<f32> = Key::new(Param {
+    key: "reach",
+    label: "Reach",
+    help: "How far from the surface voxels may change",
+    domain: Domain::Number([0.0, MAX_REACH_VX]),
+    unit: Unit::Voxels,
+    first: Value::Number(3.0),
+    logarithmic: true,
+    ..BASE
+});
+
+/// The shape that is cut around a point under the brush.
+pub const BITE: Key<Outline> = Key::new(Param {
+    key: "bite",
+    label: "Cut shape",
+    help: "The shape that is cut around each point under the brush",
+    domain: Domain::Choice(&[
+        Choice { name: Outline::Round.name(), help: "Cut balls" },
+        Choice { name: Outline::Square.name(), help: "Cut cubes" },
+    ]),
+    first: Value::Choice(0),
+    ..BASE
+});
+
+/// A number of the 26 neighbours of a voxel.
+pub const THRESHOLD: Key<u32> = Key::new(Param {
+    key: "threshold",
+    label: "Threshold",
+    help: "Gaps with at least this many of their 26 neighbours are filled; 10 or more keeps flat faces",
+    domain: Domain::Whole([1, 26]),
+    first: Value::Whole(14),
+    ..BASE
+});
+
+/// How much one use of the brush does.
+pub const STRENGTH: Key<f32> = Key::new(Param {
+    key: "strength",
+    label: "Strength",
+    help: "How much each use does",
+    domain: Domain::Number([0.0, 1.0]),
+    unit: Unit::Share,
+    first: Value::Number(1.0),
+    ..BASE
+});
+
+/// Overlapping uses in one stroke do not add up.
+pub const ONCE_PER_STROKE: Key<bool> = Key::new(Param {
+    key: "once_per_stroke",
+    label: "Once per stroke",
+    help: "Uses the surface as it was when the stroke began, so that overlapping parts of the stroke are not cut or raised \
+           twice",
+    ..BASE
+});
+
+/// Length of the rope on which the pointer leads the brush; 0 without one.
+pub const STEADY: Key<f32> = Key::new(Param {
+    key: "steady",
+    label: "Steady",
+    help: "The pointer leads the brush on a rope of this length, so that a hand that trembles draws an even line; 0 without \
+           one",
+    domain: Domain::Number([0.0, MAX_STEADY_PX]),
+    unit: Unit::Pixels,
+    first: Value::Number(0.0),
+    needs_pointer: true,
+    ..BASE
+});
+
+/// How the effect falls off from the middle of the ball to its rim.
+pub const FALLOFF: Key<Falloff> = Key::new(Param {
+    key: "falloff",
+    label: "Falloff",
+    help: "How the effect falls off from the middle of the brush to its rim",
+    domain: Domain::Choice(&[
+        Choice { name: Falloff::Smooth.name(), help: "Evenly less from the middle to the rim" },
+        Choice { name: Falloff::Sharp.name(), help: "Quickly less from the middle: a tip" },
+        Choice {
+            name: Falloff::Flat.name(),
+            help: "The same around the middle, then less: as if by a hand",
+        },
+    ]),
+    first: Value::Choice(0),
+    ..BASE
+});
+
+impl ParamValue for Outline {
+    fn from_value(value: Value) -> Option<Outline> {
+        of_choice(&Outline::ALL, value)
+    }
+
+    fn to_value(self) -> Value {
+        Value::Choice(self as u8)
+    }
+}
+
+impl ParamValue for Falloff {
+    fn from_value(value: Value) -> Option<Falloff> {
+        of_choice(&Falloff::ALL, value)
+    }
+
+    fn to_value(self) -> Value {
+        Value::Choice(self as u8)
+    }
+}
+
+impl Key<Falloff> {
+    /// The same option with another first value.
+    pub(super) const fn first(mut self, falloff: Falloff) -> Key<Falloff> {
+        self.param.first = Value::Choice(falloff as u8);
+        self
+    }
+}
+
+fn of_choice<T: Copy>(all: &[T], value: Value) -> Option<T> {
+    let Value::Choice(place) = value else { return None };
+    all.get(usize::from(place)).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_stand_in_the_order_of_their_types() {
+        let names = |param: Param| -> Vec<&str> {
+            let Domain::Choice(choices) = param.domain else { panic!("{param:?}") };
+            choices.iter().map(|choice| choice.name).collect()
+        };
+        for key in [OUTLINE, BITE] {
+            assert_eq!(names(key.param), Outline::ALL.map(Outline::name));
+        }
+        assert_eq!(names(FALLOFF.param), Falloff::ALL.map(Falloff::name));
+        for outline in Outline::ALL {
+            assert_eq!(Outline::from_value(outline.to_value()), Some(outline));
+        }
+        for falloff in Falloff::ALL {
+            assert_eq!(Falloff::from_value(falloff.to_value()), Some(falloff));
+        }
+        assert_eq!(Outline::from_value(Value::Choice(2)), None);
+        assert_eq!(Falloff::from_value(Value::Number(0.0)), None);
+    }
+}

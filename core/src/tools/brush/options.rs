@@ -1,0 +1,111 @@
+//! The options of one brush: a value for each that its description lists.
+
+use super::BrushId;
+use super::param::{Key, Param, ParamValue, Value};
+
+/// Most options of a brush.
+const MOST: usize = 8;
+
+/// The options with which a brush is used.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct BrushOptions {
+    brush: BrushId,
+    values: [Value; MOST],
+}
+
+impl BrushOptions {
+    /// The options that a brush begins with.
+    pub fn first(brush: BrushId) -> BrushOptions {
+        let mut values = [Value::Absent; MOST];
+        for (value, param) in values.iter_mut().zip(brush.spec().options) {
+            *value = param.first;
+        }
+        BrushOptions { brush, values }
+    }
+
+    /// The brush.
+    pub fn brush(&self) -> BrushId {
+        self.brush
+    }
+
+    /// Whether the brush has an option.
+    pub fn has<T>(&self, key: Key<T>) -> bool {
+        self.place(key.param.key).is_some()
+    }
+
+    /// The value of an option. If the brush does not have it, what it usually is.
+    pub fn get<T: ParamValue + Default>(&self, key: Key<T>) -> T {
+        let value = self.place(key.param.key).map_or(key.param.first, |place| self.values[place]);
+        T::from_value(value).unwrap_or_default()
+    }
+
+    /// Sets an option, if the brush has it.
+    pub fn set<T: ParamValue>(&mut self, key: Key<T>, value: T) {
+        self.set_value(key.param.key, value.to_value());
+    }
+
+    /// The same options with another value of one of them.
+    pub fn with<T: ParamValue>(mut self, key: Key<T>, value: T) -> BrushOptions {
+        self.set(key, value);
+        self
+    }
+
+    /// The same for an option that is known by its name.
+    pub fn set_value(&mut self, key: &str, value: Value) {
+        if let Some(place) = self.place(key) {
+            self.values[place] = value;
+        }
+    }
+
+    /// All options with their values, in the order in which panels show them.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static Param, Value)> + use<> {
+        self.brush.spec().options.iter().zip(self.values)
+    }
+
+    fn place(&self, key: &str) -> Option<usize> {
+        self.brush.spec().options.iter().position(|param| param.key == key)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::super::footprint::{MAX_FOOTPRINT, Outline};
+    use super::super::keys::{BITE, FALLOFF, OUTLINE, RADIUS, REACH, STEADY, STRENGTH};
+    use super::super::param::Domain;
+    use super::*;
+
+    #[test]
+    fn every_brush_begins_with_options_that_it_can_have() {
+        for &brush in BrushId::ALL {
+            let options = BrushOptions::first(brush);
+            assert!(options.has(RADIUS), "{brush:?}");
+            assert!(brush.spec().options.len() <= MOST, "{brush:?}");
+            let keys: HashSet<&str> = options.iter().map(|(param, _)| param.key).collect();
+            assert_eq!(keys.len(), brush.spec().options.len(), "{brush:?}");
+            for (param, value) in options.iter() {
+                assert!(param.allows(value, 1.0..=MAX_FOOTPRINT), "{brush:?}: {param:?}");
+                assert!(!param.label.is_empty() && !param.help.is_empty(), "{param:?}");
+                assert!(!param.help.contains('\n') && !param.help.contains("  "), "{param:?}");
+                assert!((param.domain == Domain::Radius) == (param.key == RADIUS.param.key));
+            }
+        }
+    }
+
+    #[test]
+    fn an_option_is_found_by_its_key_and_one_that_a_brush_lacks_is_as_usual() {
+        let mut options = BrushOptions::first(BrushId::Devour);
+        assert_eq!((options.get(REACH), options.get(BITE)), (3.0, Outline::Round));
+        options.set(BITE, Outline::Square);
+        options.set(REACH, 7.5);
+        assert_eq!((options.get(REACH), options.get(BITE)), (7.5, Outline::Square));
+        assert_eq!(options.get(OUTLINE), Outline::Round);
+        let before = options;
+        options.set(STEADY, 50.0);
+        options.set_value("no such option", Value::On(true));
+        assert_eq!(options, before);
+        assert!(!options.has(STEADY) && options.get(STEADY) == 0.0);
+        assert_eq!((options.get(STRENGTH), options.get(FALLOFF).name()), (1.0, "smooth"));
+    }
+}

@@ -1,0 +1,190 @@
+//! Describes an option of a brush: its name, its values, its texts. From these descriptions panels, memory and pens are made.
+//!
+//! An option is read by its [`Key`], which knows the type of its values. Knows no brush and no interface.
+
+use std::marker::PhantomData;
+use std::ops::RangeInclusive;
+
+/// A value of an option.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Value {
+    /// The brush has no such option.
+    Absent,
+    /// A number, in the unit of the option; shares from 0 to 1.
+    Number(f32),
+    /// A count.
+    Whole(u32),
+    /// A switch.
+    On(bool),
+    /// A place in the list of choices.
+    Choice(u8),
+}
+
+/// The values that an option can have.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Domain {
+    /// The radius of the brush, in the unit that the person has chosen for the sizes of all brushes.
+    Radius,
+    /// Numbers from a least to a largest one.
+    Number([f32; 2]),
+    /// Counts from a least to a largest one.
+    Whole([u32; 2]),
+    /// On or off.
+    Switch,
+    /// One of these.
+    Choice(&'static [Choice]),
+}
+
+/// One of several values.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Choice {
+    /// In scripts, in what is remembered, and, with a capital, in panels.
+    pub name: &'static str,
+    /// Explains it in one sentence.
+    pub help: &'static str,
+}
+
+/// The unit in which an option is shown.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Unit {
+    /// A plain number.
+    Plain,
+    /// Pixels of the picture.
+    Pixels,
+    /// Smallest edges of a voxel.
+    Voxels,
+    /// A share from 0 to 1, shown in percent.
+    Share,
+}
+
+/// The description of an option.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Param {
+    /// In what is remembered.
+    pub key: &'static str,
+    /// In panels.
+    pub label: &'static str,
+    /// Explains it in one sentence.
+    pub help: &'static str,
+    /// Its values.
+    pub domain: Domain,
+    /// The unit in which it is shown.
+    pub unit: Unit,
+    /// Its first value; of a radius in pixels.
+    pub first: Value,
+    /// Sliders give small values more room.
+    pub logarithmic: bool,
+    /// It makes no sense without a pointer on a screen.
+    pub needs_pointer: bool,
+}
+
+impl Param {
+    /// Whether the option can have a value. A radius: see [`Domain::Radius`]; `radii` are those of the unit in use.
+    pub fn allows(&self, value: Value, radii: RangeInclusive<f32>) -> bool {
+        match (self.domain, value) {
+            (Domain::Radius, Value::Number(number)) => radii.contains(&number),
+            (Domain::Number([least, most]), Value::Number(number)) => {
+                (least..=most).contains(&number)
+            }
+            (Domain::Whole([least, most]), Value::Whole(count)) => (least..=most).contains(&count),
+            (Domain::Switch, Value::On(_)) => true,
+            (Domain::Choice(choices), Value::Choice(place)) => usize::from(place) < choices.len(),
+            _ => false,
+        }
+    }
+}
+
+/// A type of values of options.
+pub trait ParamValue: Sized {
+    /// From a value; none if it is of another type.
+    fn from_value(value: Value) -> Option<Self>;
+    /// As a value.
+    fn to_value(self) -> Value;
+}
+
+impl ParamValue for f32 {
+    fn from_value(value: Value) -> Option<f32> {
+        if let Value::Number(number) = value { Some(number) } else { None }
+    }
+
+    fn to_value(self) -> Value {
+        Value::Number(self)
+    }
+}
+
+impl ParamValue for u32 {
+    fn from_value(value: Value) -> Option<u32> {
+        if let Value::Whole(count) = value { Some(count) } else { None }
+    }
+
+    fn to_value(self) -> Value {
+        Value::Whole(self)
+    }
+}
+
+impl ParamValue for bool {
+    fn from_value(value: Value) -> Option<bool> {
+        if let Value::On(on) = value { Some(on) } else { None }
+    }
+
+    fn to_value(self) -> Value {
+        Value::On(self)
+    }
+}
+
+/// The key of an option whose values are of the type `T`, with the description that a brush adapts to itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Key<T> {
+    /// The description.
+    pub param: Param,
+    values: PhantomData<fn() -> T>,
+}
+
+impl<T> Key<T> {
+    /// A key with a description whose values are of the type `T`.
+    pub(super) const fn new(param: Param) -> Key<T> {
+        Key { param, values: PhantomData }
+    }
+
+    /// The same option under another label.
+    pub(super) const fn label(mut self, label: &'static str) -> Key<T> {
+        self.param.label = label;
+        self
+    }
+
+    /// The same option, explained for one brush.
+    pub(super) const fn help(mut self, help: &'static str) -> Key<T> {
+        self.param.help = help;
+        self
+    }
+}
+
+impl Key<f32> {
+    /// The same option with another first value.
+    pub(super) const fn first(mut self, number: f32) -> Key<f32> {
+        self.param.first = Value::Number(number);
+        self
+    }
+
+    /// The same option with another range.
+    pub(super) const fn range(mut self, least: f32, most: f32) -> Key<f32> {
+        self.param.domain = Domain::Number([least, most]);
+        self
+    }
+}
+
+impl Key<u32> {
+    /// The same option with another first value.
+    pub(super) const fn first(mut self, count: u32) -> Key<u32> {
+        self.param.first = Value::Whole(count);
+        self
+    }
+}
+
+impl Key<bool> {
+    /// The same option, on or off at first.
+    pub(super) const fn first(mut self, on: bool) -> Key<bool> {
+        self.param.first = Value::On(on);
+        self
+    }
+}
