@@ -30,7 +30,7 @@ fn used(commands: &[Command]) -> Vec<String> {
     let mut used: Vec<String> = commands
         .iter()
         .map(|command| match command {
-            Command::Spray { spray, .. } => spray.effect.name().to_string(),
+            Command::Brush(used) => used.brush().spec().name.to_string(),
             other => other.verb().to_string(),
         })
         .collect();

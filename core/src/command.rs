@@ -18,10 +18,7 @@ use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
-use crate::tools::brush::deform::Deform;
-use crate::tools::brush::footprint::Footprint;
-use crate::tools::brush::kernel::grab::{Grab, Motion};
-use crate::tools::brush::spray::Spray;
+use crate::tools::brush::BrushUse;
 use crate::tools::drawn::Form;
 use crate::tools::repair::Mend;
 use crate::tools::solid::Primitive;
@@ -50,17 +47,6 @@ pub struct NewSculpture {
     pub base: Rgb,
     /// Start with a solid block instead of an empty grid.
     pub solid: bool,
-}
-
-/// The surface that the rays of a spray tool are cast on, or the clay that a pull takes hold of.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum SpraySurface {
-    /// The current one, so that strokes go deeper where they overlap, and pulls go on from there.
-    #[default]
-    Now,
-    /// The surface before the first spray with this setting in the stroke. A pull takes the place of all that the
-    /// stroke has done so far.
-    Stroke,
 }
 
 /// A value that changes a sculpture.
@@ -115,44 +101,14 @@ pub enum Command {
         /// The solid.
         form: Form,
     },
-    /// Use a spray tool once, where its rays meet the surface.
-    Spray {
-        /// The brush and its rays.
-        spray: Spray,
-        /// What the rays are cast on.
-        surface: SpraySurface,
-    },
-    /// Pull at a ball of clay, twist or pinch it.
-    Grab {
-        /// The ball and its motion.
-        grab: Grab,
-        /// Which clay is pulled.
-        surface: SpraySurface,
-    },
-    /// Use a brush that moves the surface in a ball once.
-    Deform {
-        /// The brush and the ball.
-        deform: Deform,
-        /// Which surface is moved. Of the one before the stroke, no use takes back what others have done.
-        surface: SpraySurface,
-    },
+    /// Use a brush once.
+    Brush(BrushUse),
     /// Recolour the voxels inside a solid by an image.
     Texture {
         /// The solid.
         primitive: Primitive,
         /// The PNG or JPEG file.
         picture: PathBuf,
-    },
-    /// Paint the visible surface under a brush with an image, or with a colour through it.
-    Stencil {
-        /// The PNG or JPEG file; its longer side is as long as the brush is wide.
-        picture: PathBuf,
-        /// The rays of the brush; its outline is that of the image.
-        footprint: Footprint,
-        /// The colour that goes through where the image is bright; none for the image's own colours.
-        colour: Option<Rgb>,
-        /// Share of the new colour in the mixture, 0 to 1.
-        cover: f32,
     },
     /// Make every voxel of the area exist; new ones get the colour, or the base colour.
     Fill {
@@ -269,10 +225,7 @@ impl Command {
             Command::Construct { .. }
                 | Command::Form { .. }
                 | Command::Texture { .. }
-                | Command::Stencil { .. }
-                | Command::Spray { .. }
-                | Command::Grab { .. }
-                | Command::Deform { .. }
+                | Command::Brush(_)
                 | Command::Paste { .. }
         )
     }
@@ -280,15 +233,18 @@ impl Command {
     /// The image that it paints with.
     pub fn picture(&self) -> Option<&Path> {
         match self {
-            Command::Texture { picture, .. } | Command::Stencil { picture, .. } => Some(picture),
+            Command::Texture { picture, .. } => Some(picture),
+            Command::Brush(used) => used.picture.as_deref(),
             _ => None,
         }
     }
 
     /// The same command with another name for its image.
     pub fn with_picture(mut self, name: PathBuf) -> Command {
-        if let Command::Texture { picture, .. } | Command::Stencil { picture, .. } = &mut self {
-            *picture = name;
+        match &mut self {
+            Command::Texture { picture, .. } => *picture = name,
+            Command::Brush(used) if used.picture.is_some() => used.picture = Some(name),
+            _ => {}
         }
         self
     }
@@ -308,12 +264,8 @@ impl Command {
                 EditOp::Subtract => "subtract",
                 EditOp::Recolour(_) => "recolour",
             },
-            Command::Spray { .. } => "spray",
-            Command::Grab { grab: Grab { motion: Motion::Pull { .. }, .. }, .. } => "grab",
-            Command::Grab { .. } => "deform",
-            Command::Deform { .. } => "deform",
+            Command::Brush(used) => text::verb_of_brush(used),
             Command::Texture { .. } => "texture",
-            Command::Stencil { .. } => "stencil",
             Command::Fill { .. } => "fill",
             Command::Clear { .. } => "clear",
             Command::Dye { .. } => "dye",
@@ -356,9 +308,7 @@ impl Command {
             Command::Mask(change) => format!("mask {}", change.name()),
             Command::Surface(kind) => format!("{} {}", self.verb(), kind.name()),
             Command::Form { form, .. } => format!("{} {}", self.verb(), form.name()),
-            Command::Spray { spray, .. } => spray.effect.name().to_string(),
-            Command::Grab { grab, .. } => grab.motion.kind().name().to_string(),
-            Command::Deform { deform, .. } => deform.brush.kind().name().to_string(),
+            Command::Brush(used) if used.picture.is_none() => used.brush().spec().name.to_string(),
             _ => self.verb().to_string(),
         }
     }

@@ -24,8 +24,8 @@ use crate::tools::symmetry::Symmetry;
 use crate::tools::texture::Texture;
 
 mod areas;
+mod brush;
 mod changes;
-mod clay;
 mod error;
 mod mask;
 mod mend;
@@ -309,10 +309,7 @@ impl Document {
             Command::Construct { .. }
             | Command::Form { .. }
             | Command::Texture { .. }
-            | Command::Stencil { .. }
-            | Command::Spray { .. }
-            | Command::Grab { .. }
-            | Command::Deform { .. }
+            | Command::Brush(_)
             | Command::Paste { .. } => self.use_tool(command),
             Command::Array { count, step } => self.array(*count, *step, command),
             Command::Fill { area, colour } => self.edit_area(*area, EditOp::Add(*colour), command),

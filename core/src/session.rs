@@ -272,13 +272,10 @@ impl Session {
     /// Reads the images that a command needs, unless they are loaded.
     fn learn_pictures(&mut self, command: &Command) -> Result<(), SessionError> {
         let needed: Vec<PathBuf> = match command {
-            Command::Texture { picture, .. } | Command::Stencil { picture, .. } => {
-                vec![picture.clone()]
-            }
             Command::Array { .. } => {
                 self.document.pictures_to_repeat().map(Path::to_path_buf).collect()
             }
-            _ => return Ok(()),
+            command => command.picture().map(Path::to_path_buf).into_iter().collect(),
         };
         for path in needed {
             if !self.document.has_picture(&path) {

@@ -1,15 +1,17 @@
-//! Spray commands (the brushes): exact undo, strokes on the surface as it was at their beginning, and
+//! Brushes under an outline: exact undo, strokes on the surface as it was at their beginning, and
 //! what each tool may and may not change in random sculptures.
 
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::{Command, NewSculpture, SpraySurface};
+use sculpture_core::command::{Command, NewSculpture};
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::brush::kernel::level::Level;
-use sculpture_core::tools::brush::spray::{Effect, Smoothing, Spray};
+use sculpture_core::tools::brush::keys::{
+    AROUND, BITE, COLOUR, COVER, REACH, ROUNDING, STRENGTH, THRESHOLD,
+};
+use sculpture_core::tools::brush::{BrushId, BrushSurface, BrushUse};
 use sculpture_core::tools::solid::{Primitive, Solid};
 
 const RED: Rgb = Rgb::new(220, 20, 30);
@@ -41,20 +43,32 @@ fn looking(eye: Vec3, target: Vec3, radius: f32, coverage: Coverage) -> Footprin
     }
 }
 
-fn effect() -> impl Strategy<Value = Effect> {
+/// A brush that changes voxels or colours, under a footprint.
+fn brush_use(footprint: Footprint) -> impl Strategy<Value = BrushUse> {
+    let used = move |brush| BrushUse::under(brush, footprint);
+    let smooth = (0f32..=1.0, 0f32..=1.0).prop_map(move |(strength, rounding)| {
+        used(BrushId::Smooth).with(STRENGTH, strength).with(ROUNDING, rounding)
+    });
     prop_oneof![
-        Just(Effect::Paintbrush { colour: RED, cover: 0.7 }),
-        Just(Effect::Devourer { outline: Outline::Round }),
-        Just(Effect::Devourer { outline: Outline::Square }),
-        Just(Effect::Erosion { threshold: 14 }),
-        Just(Effect::Dilation { threshold: 8, colour: Some(RED) }),
-        Just(Effect::Growth { threshold: 12, colour: Some(RED) }),
-        Just(Effect::Smooth(Smoothing::Majority { radius_vx: 2 })),
-        (0f32..=1.0, 0f32..=1.0).prop_map(|(strength, rounding)| {
-            Effect::Smooth(Smoothing::Level(Level { strength, rounding }))
-        }),
-        Just(Effect::Clay { colour: RED }),
+        Just(used(BrushId::Paint).with(COLOUR, RED).with(COVER, 0.7)),
+        Just(used(BrushId::Devour).with(BITE, Outline::Round)),
+        Just(used(BrushId::Devour).with(BITE, Outline::Square)),
+        Just(used(BrushId::Erode).with(THRESHOLD, 14)),
+        Just(used(BrushId::Dilate).with(THRESHOLD, 8).with(COLOUR, RED)),
+        Just(used(BrushId::Grow).with(THRESHOLD, 12).with(COLOUR, RED)),
+        Just(used(BrushId::Smooth).with(AROUND, 2)),
+        smooth,
+        Just(used(BrushId::Clay).with(COLOUR, RED)),
     ]
+    .prop_map(|used| used.with(REACH, 2.5))
+}
+
+/// A use from a direction at a point.
+fn aimed(coverage: Coverage) -> impl Strategy<Value = BrushUse> {
+    (point(), point(), 0f32..10.0).prop_flat_map(move |(direction, target, radius)| {
+        let eye = target + (direction - 18.0).normalize_or(Vec3::Z) * 90.0;
+        brush_use(looking(eye, target, radius, coverage))
+    })
 }
 
 fn point() -> impl Strategy<Value = Vec3> {
@@ -67,8 +81,8 @@ proptest! {
     #[test]
     fn sprays_change_only_what_they_may_and_undo_exactly(
         bites in prop::collection::vec((point(), 3f32..9.0), 1..5),
-        sprays in prop::collection::vec((effect(), point(), point(), 0f32..10.0), 1..6),
-        coverage in prop::sample::select(&Coverage::ALL),
+        uses in prop::sample::select(&Coverage::ALL)
+            .prop_flat_map(|coverage| prop::collection::vec(aimed(coverage), 1..6)),
     ) {
         let mut document = block(ColourDepth::Bits16);
         for (centre_vx, half) in bites {
@@ -82,28 +96,22 @@ proptest! {
         }
         let before = document.contents().clone();
         let steps = document.history().undo_count();
-        for (effect, direction, target, radius) in sprays {
-            let eye = target + (direction - 18.0).normalize_or(Vec3::Z) * 90.0;
-            let spray = Spray { effect, footprint: looking(eye, target, radius, coverage), reach_vx: 2.5 };
+        for used in uses {
+            let brush = used.brush();
             let old = document.contents().clone();
-            let command = Command::Spray { spray, surface: SpraySurface::Now };
-            let stats = document.apply(&command).unwrap().stats;
-            match effect {
-                Effect::Paintbrush { .. } => {
+            let stats = document.apply(&Command::Brush(used)).unwrap().stats;
+            match brush {
+                BrushId::Paint => {
                     prop_assert_eq!(document.grid(), &old.grid);
                 }
-                Effect::Devourer { .. } | Effect::Erosion { .. } => {
+                BrushId::Devour | BrushId::Erode => {
                     prop_assert_eq!(stats.voxels_added, 0);
                     prop_assert_eq!(document.material(), &old.material);
                 }
-                Effect::Dilation { .. } | Effect::Growth { .. } | Effect::Clay { .. } => {
+                BrushId::Dilate | BrushId::Grow | BrushId::Clay => {
                     prop_assert_eq!(stats.voxels_removed, 0);
                 }
-                Effect::Smooth(_) => {}
-                Effect::Mask { .. } => {
-                    let now = document.contents();
-                    prop_assert!(now.grid == old.grid && now.material == old.material);
-                }
+                _ => {}
             }
             let count = old.grid.opaque_count() + stats.voxels_added - stats.voxels_removed;
             prop_assert_eq!(document.grid().opaque_count(), count);
@@ -121,16 +129,15 @@ proptest! {
 fn a_stroke_on_its_first_surface_cuts_each_voxel_once() {
     let removed = |surface| {
         let mut document = block(ColourDepth::None);
-        let effect = Effect::Devourer { outline: Outline::Round };
         let footprint = looking(
             Vec3::new(20.0, 90.0, 20.0),
             Vec3::new(20.0, 36.0, 20.0),
             4.0,
             Coverage::Visible,
         );
-        let spray = Spray { effect, footprint, reach_vx: 2.0 };
+        let used = BrushUse::under(BrushId::Devour, footprint).with(REACH, 2.0).on(surface);
         document.apply(&Command::Begin { label: "groove".to_string() }).unwrap();
-        let bite = || Command::Spray { spray, surface };
+        let bite = || Command::Brush(used.clone());
         let first = document.apply(&bite()).unwrap().stats.voxels_removed;
         let second = document.apply(&bite()).unwrap().stats.voxels_removed;
         document.apply(&Command::End).unwrap();
@@ -141,9 +148,9 @@ fn a_stroke_on_its_first_surface_cuts_each_voxel_once() {
         document.apply(&Command::End).unwrap();
         (first, second, third)
     };
-    let (first, second, third) = removed(SpraySurface::Stroke);
+    let (first, second, third) = removed(BrushSurface::Stroke);
     assert!(first > 0 && second == 0 && third > 0);
-    let (first, second, _) = removed(SpraySurface::Now);
+    let (first, second, _) = removed(BrushSurface::Now);
     assert!(first > 0 && second > 0);
 }
 
@@ -153,14 +160,14 @@ fn unusable_sprays_are_refused_and_change_nothing() {
     let before = document.contents().clone();
     let footprint =
         looking(Vec3::new(20.0, 90.0, 20.0), Vec3::new(20.0, 36.0, 20.0), 4.0, Coverage::Visible);
-    let paint = Effect::Paintbrush { colour: RED, cover: 1.0 };
-    let mut apply = |effect, reach_vx| {
-        let spray = Spray { effect, footprint, reach_vx };
-        document.apply(&Command::Spray { spray, surface: SpraySurface::Now })
-    };
-    assert!(matches!(apply(paint, 2.0), Err(CommandError::NoColour)));
-    let devourer = Effect::Devourer { outline: Outline::Round };
-    assert!(matches!(apply(devourer, 1e9), Err(CommandError::Spray("the reach"))));
+    let mut apply = |used: BrushUse| document.apply(&Command::Brush(used));
+    let used = |brush| BrushUse::under(brush, footprint);
+    let paint = used(BrushId::Paint).with(COLOUR, RED);
+    assert!(matches!(apply(paint), Err(CommandError::NoColour)));
+    let far = apply(used(BrushId::Devour).with(REACH, 1e9)).unwrap_err();
+    assert_eq!(far.to_string(), "the reach of the brush must be from 0 to 64");
+    let colourless = apply(used(BrushId::Clay)).unwrap_err();
+    assert_eq!(colourless.to_string(), "the colour of the brush is missing");
     assert_eq!(document.contents(), &before);
 }
 

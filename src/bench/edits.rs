@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::LEAST_RUNS;
 use super::pictures::Pictures;
 use super::statistics::{Times, measure};
-use crate::command::{Command, NewSculpture, SpraySurface};
+use crate::command::{Command, NewSculpture};
 use crate::document::{ChangeSubscriber, CommandError, Document};
 use crate::gpu::GpuError;
 use crate::mesh::{ContentsVersion, KeptMesh, MeshKind, VertexColours};
@@ -18,8 +18,8 @@ use crate::scenes::Random;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
-use crate::tools::brush::deform::{Brush, Deform, Draw, Plane};
-use crate::tools::brush::kernel::grab::{Falloff, Grab, Motion};
+use crate::tools::brush::keys::{ANGLE, HEIGHT, STRENGTH};
+use crate::tools::brush::{Ball, BrushId, BrushUse, Frame};
 use crate::tools::drawn::{Bead, Form, Pose};
 use crate::tools::solid::{Primitive, Solid};
 
@@ -58,25 +58,12 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         primitive: Primitive { solid, centre_vx: centre, half: even, rotation: turn },
         to_vx: Some(centre + SWEEP_VX),
     };
-    let grab = Grab {
-        centre_vx: Vec3::new(256.0, 512.0, 256.0),
-        radius: 48.0,
-        motion: Motion::Pull { by_vx: Vec3::new(3.0, -8.0, 2.0) },
-        falloff: Falloff::Smooth,
-    };
-    let pull = Command::Grab { grab, surface: SpraySurface::Now };
     let top = Vec3::new(256.0, 512.0, 256.0);
-    let deform = |brush| Command::Deform {
-        deform: Deform { brush, centre_vx: top, radius: 48.0, falloff: Falloff::Smooth },
-        surface: SpraySurface::Now,
-    };
-    let plane = Plane { normal: Vec3::new(0.2, 1.0, 0.1), strength: 1.0 };
-    let way = Draw { normal: plane.normal, height: -8.0 };
-    let moved =
-        |motion| Command::Grab { grab: Grab { motion, ..grab }, surface: SpraySurface::Now };
-    let twist = moved(Motion::Twist { normal: plane.normal, angle_deg: 20.0 });
-    // The most of a use in a stroke.
-    let pinch = moved(Motion::Pinch { normal: plane.normal, strength: 0.1 });
+    let normal = Vec3::new(0.2, 1.0, 0.1);
+    let used =
+        |brush, frame| BrushUse::in_ball(brush, Ball { centre_vx: top, radius: 48.0, frame });
+    let along = |brush| used(brush, Frame::Normal(normal));
+    let brush = |used: BrushUse| Command::Brush(used);
     let form = |form| Command::Form { op: EditOp::Subtract, form };
     let pose = Pose { at_vx: centre, rotation: turn };
     let commands = [
@@ -92,7 +79,7 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         ("sweep of a turned cuboid of half edge 64", swept(Solid::Cuboid)),
         ("sweep of a turned cylinder of half edge 64", swept(Solid::Cylinder)),
         ("sweep of a turned torus of half edge 64", swept(Solid::Torus)),
-        ("half space across", form(Form::HalfSpace { at_vx: centre, normal: plane.normal })),
+        ("half space across", form(Form::HalfSpace { at_vx: centre, normal })),
         ("turned ring of radius 64 and 16", form(Form::Ring { pose, radius: 64.0, tube: 16.0 })),
         ("tube of radius 12 along a curve of 9 points", form(coil(centre))),
         ("turned lathe of 33 points", form(Form::Lathe { pose, profile: vase(33) })),
@@ -100,13 +87,20 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
             "turned extrusion of 33 points",
             form(Form::Extrusion { pose, outlines: Arc::new([vase(33)]), depth: 64.0 }),
         ),
-        ("pull at a ball of radius 48", pull),
-        ("sinking in a ball of radius 48", deform(Brush::Inflate { height: -8.0 })),
-        ("flattening in a ball of radius 48", deform(Brush::Flatten(plane))),
-        ("twisting a ball of radius 48", twist),
-        ("pinching a ball of radius 48", pinch),
-        ("lowering in a ball of radius 48", deform(Brush::Draw(way))),
-        ("creasing in a ball of radius 48", deform(Brush::Crease(way))),
+        (
+            "pull at a ball of radius 48",
+            brush(used(BrushId::Grab, Frame::Displacement(Vec3::new(3.0, -8.0, 2.0)))),
+        ),
+        (
+            "sinking in a ball of radius 48",
+            brush(used(BrushId::Inflate, Frame::None).with(HEIGHT, -8.0)),
+        ),
+        ("flattening in a ball of radius 48", brush(along(BrushId::Flatten).with(STRENGTH, 1.0))),
+        ("twisting a ball of radius 48", brush(along(BrushId::Twist).with(ANGLE, 20.0))),
+        // The most of a use in a stroke.
+        ("pinching a ball of radius 48", brush(along(BrushId::Pinch).with(STRENGTH, 0.1))),
+        ("lowering in a ball of radius 48", brush(along(BrushId::Draw).with(HEIGHT, -8.0))),
+        ("creasing in a ball of radius 48", brush(along(BrushId::Crease).with(HEIGHT, -8.0))),
     ];
     let mut reports = Vec::new();
     for (name, command) in commands {

@@ -6,12 +6,12 @@ use std::path::Path;
 use glam::{Quat, UVec3, Vec3};
 
 use super::edits::{EditReport, block, subtract, take_back, timed};
-use crate::command::{Command, MaskArea, MaskChange, PatchRule, SpraySurface};
+use crate::command::{Command, MaskArea, MaskChange, PatchRule};
 use crate::document::CommandError;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
-use crate::tools::brush::kernel::level::Level;
-use crate::tools::brush::spray::{Effect, Smoothing, Spray};
+use crate::tools::brush::keys::{AROUND, COLOUR, COVER, REACH, STRENGTH, THRESHOLD};
+use crate::tools::brush::{BrushId, BrushUse};
 use crate::tools::solid::{Primitive, Solid};
 use crate::tools::symmetry::{MirrorPlane, Radial, Symmetry};
 use crate::tools::texture::Texture;
@@ -20,7 +20,7 @@ use crate::tools::texture::Texture;
 const TOP_VX: Vec3 = Vec3::new(256.0, 512.0, 256.0);
 /// A name for the stencil.
 const PICTURE: &str = "stripes";
-const COLOUR: Rgb = Rgb::new(190, 30, 60);
+const PAINT: Rgb = Rgb::new(190, 30, 60);
 
 /// The measured uses. A face with a hollow gives filters and masks something to do.
 pub fn uses(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError> {
@@ -73,13 +73,12 @@ fn brushes() -> Vec<(&'static str, Command)> {
         outline: Outline::Round,
         coverage: Coverage::Visible,
     };
-    let spray_under = |footprint, effect, reach_vx| Command::Spray {
-        spray: Spray { effect, footprint, reach_vx },
-        surface: SpraySurface::Now,
+    let under = |footprint, brush| BrushUse::under(brush, footprint);
+    let used = |brush, reach_vx: f32| under(footprint, brush).with(REACH, reach_vx);
+    let painted = |footprint| {
+        let used = under(footprint, BrushId::Paint).with(REACH, 0.0);
+        Command::Brush(used.with(COLOUR, PAINT).with(COVER, 0.5))
     };
-    let spray = |effect, reach_vx| spray_under(footprint, effect, reach_vx);
-    let paint = Effect::Paintbrush { colour: COLOUR, cover: 0.5 };
-    let level = Level { strength: 0.5, rounding: Level::NEAREST };
     // As at 1024^3 in whole view, and from ten degrees above the surface.
     let wide = Footprint { across: Vec3::X * 2.0, down: Vec3::Z * 2.0, ..footprint };
     let way = Vec3::new(0.985, -0.174, 0.0);
@@ -90,23 +89,21 @@ fn brushes() -> Vec<(&'static str, Command)> {
         down: way.cross(Vec3::Z),
         ..footprint
     };
-    let stencil = Command::Stencil { picture: PICTURE.into(), footprint, colour: None, cover: 1.0 };
+    let mut stencil = under(footprint, BrushId::Paint);
+    stencil.picture = Some(PICTURE.into());
     vec![
-        ("brush", spray(paint, 0.0)),
-        ("brush, two voxels a pixel", spray_under(wide, paint, 0.0)),
-        ("brush, seen aslant", spray_under(aslant, paint, 0.0)),
-        ("stencil", stencil),
-        ("devourer of depth 4", spray(Effect::Devourer { outline: Outline::Round }, 4.0)),
-        ("clay of height 4", spray(Effect::Clay { colour: COLOUR }, 4.0)),
-        ("erosion", spray(Effect::Erosion { threshold: 14 }, 1.0)),
-        ("dilation", spray(Effect::Dilation { threshold: 12, colour: None }, 1.0)),
-        ("growth", spray(Effect::Growth { threshold: 14, colour: None }, 1.0)),
-        (
-            "smooth by the majority",
-            spray(Effect::Smooth(Smoothing::Majority { radius_vx: 2 }), 2.0),
-        ),
-        ("smooth", spray(Effect::Smooth(Smoothing::Level(level)), 0.0)),
-        ("mask brush of depth 4", spray(Effect::Mask { adds: true }, 4.0)),
+        ("brush", painted(footprint)),
+        ("brush, two voxels a pixel", painted(wide)),
+        ("brush, seen aslant", painted(aslant)),
+        ("stencil", Command::Brush(stencil)),
+        ("devourer of depth 4", Command::Brush(used(BrushId::Devour, 4.0))),
+        ("clay of height 4", Command::Brush(used(BrushId::Clay, 4.0).with(COLOUR, PAINT))),
+        ("erosion", Command::Brush(used(BrushId::Erode, 1.0).with(THRESHOLD, 14))),
+        ("dilation", Command::Brush(used(BrushId::Dilate, 1.0).with(THRESHOLD, 12))),
+        ("growth", Command::Brush(used(BrushId::Grow, 1.0).with(THRESHOLD, 14))),
+        ("smooth by the majority", Command::Brush(used(BrushId::Smooth, 2.0).with(AROUND, 2))),
+        ("smooth", Command::Brush(used(BrushId::Smooth, 0.0).with(STRENGTH, 0.5))),
+        ("mask brush of depth 4", Command::Brush(used(BrushId::Mask, 4.0))),
     ]
 }
 

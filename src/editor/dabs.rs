@@ -10,24 +10,17 @@ use super::Editor;
 use super::path::Path;
 use super::pressure::{PenUse, touched};
 use super::stroke::{LEAP, LOOK_EVERY_PX, MOST_LOOKS, Stroke, SurfaceGuide, Work};
-use crate::command::{Command, SpraySurface};
+use crate::command::Command;
 use crate::input::pen::PenTouch;
 use crate::picking::Picker;
 use crate::sculpture::Grid;
 use crate::tools::brush::BrushId;
-use crate::tools::brush::deform::{Brush, Deform, Draw, Plane};
-use crate::tools::brush::kernel::grab::{Grab, MAX_RADIUS, MIN_RADIUS, Motion};
-use crate::tools::brush::kernel::offset::MAX_HEIGHT;
-use crate::tools::brush::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
+use crate::tools::brush::dab::{Dab, DabPlace};
+use crate::tools::brush::kernel::grab::{MAX_RADIUS, MIN_RADIUS};
+use crate::tools::brush::keys::{RADIUS, STEADY};
 use crate::tools::brush::options::BrushOptions;
 use crate::tools::brush::spec::{BrushStroke, Inverse, SurfaceNormal};
 
-/// Height to which the surface is raised with full strength, as a share of the radius.
-const HEIGHT: f32 = 0.5;
-/// How far one use of `pinch` brings the clay together with full strength; some ten of them overlap.
-const PINCH: f32 = 0.1;
-/// Longest way of `smear` in one use, as a share of the radius: beyond that the brush has leapt.
-const SMEAR: f32 = 0.5;
 /// Most steps along a radius in which the surface is looked at for its plane.
 const STEPS: f32 = 10.0;
 
@@ -80,57 +73,19 @@ impl Dabs {
         }
     }
 
-    /// A use of the brush at a place, in voxels, that moves the clay as it is. None where it goes nowhere.
-    fn motion(&self, at: Vec3) -> Option<Grab> {
-        let options = self.in_use();
-        let (radius, strength) = (options.get(RADIUS), options.get(STRENGTH));
-        let (brush, sense) = self.brush_and_sense();
-        let (centre_vx, motion) = match brush {
-            BrushId::Pinch => {
-                let strength = sense * strength * PINCH;
-                (at, Motion::Pinch { normal: self.normal, strength })
-            }
-            _ => {
-                let way = at - self.last;
-                let length = (way * self.edges).length();
-                // Small brushes are used once a voxel.
-                if length > (SMEAR * radius).max(2.0) {
-                    return None;
-                }
-                (self.last, Motion::Pull { by_vx: way * strength })
-            }
-        };
-        let grab = Grab { centre_vx, radius, motion, falloff: options.get(FALLOFF) };
-        (!motion.is_still()).then_some(grab)
-    }
-
     /// The use of the brush at a place, in voxels. None where it does nothing.
     fn command(&self, at: Vec3) -> Option<Command> {
-        let options = self.in_use();
-        let (radius, strength) = (options.get(RADIUS), options.get(STRENGTH));
-        let normal = self.normal;
-        let plane = Plane { normal, strength };
         let (brush, sense) = self.brush_and_sense();
-        let height = sense * (strength * HEIGHT * radius).min(MAX_HEIGHT);
-        let brush = match brush {
-            BrushId::Flatten => Brush::Flatten(plane),
-            BrushId::Scrape => Brush::Scrape(plane),
-            BrushId::Fill => Brush::Fill(plane),
-            BrushId::Draw => Brush::Draw(Draw { normal, height }),
-            BrushId::Crease => Brush::Crease(Draw { normal, height: -height }),
-            BrushId::Pinch | BrushId::Smear => {
-                let grab = self.motion(at)?;
-                return Some(Command::Grab { grab, surface: SpraySurface::Now });
-            }
-            _ => Brush::Inflate { height },
-        };
+        let options = self.in_use().of(brush);
+        let normal = self.normal;
         let above = ((at - self.start) * self.edges).dot(normal);
-        let centre_vx = match self.normal_used() {
+        let at_vx = match self.normal_used() {
             SurfaceNormal::OfPress { on_plane: true } => at - normal * above / self.edges,
             _ => at,
         };
-        let deform = Deform { brush, centre_vx, radius, falloff: options.get(FALLOFF) };
-        Some(Command::Deform { deform, surface: SpraySurface::Stroke })
+        let (from_vx, edges) = (self.last, self.edges);
+        let place = DabPlace::Surface { at_vx, from_vx, normal, edges, sense };
+        (brush.spec().dab)(&Dab { options: &options, place }).map(Command::Brush)
     }
 }
 

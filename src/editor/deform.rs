@@ -9,13 +9,13 @@ use glam::{Vec2, Vec3};
 use super::Editor;
 use super::dabs::normal_around;
 use super::stroke::{Stroke, Work};
-use crate::command::{Command, SpraySurface};
+use crate::command::Command;
 use crate::picking::Picker;
-use crate::tools::brush::BrushId;
-use crate::tools::brush::kernel::grab::{Grab, MAX_PULL_VX, MAX_TWIST_DEG, Motion};
-use crate::tools::brush::keys::{FALLOFF, RADIUS, STRENGTH};
+use crate::tools::brush::kernel::grab::{MAX_PULL_VX, MAX_TWIST_DEG};
+use crate::tools::brush::keys::{ANGLE, FALLOFF, RADIUS, STRENGTH};
 use crate::tools::brush::options::BrushOptions;
 use crate::tools::brush::spec::BrushStroke;
+use crate::tools::brush::{Ball, BrushId, BrushSurface, BrushUse, Frame};
 
 /// How clay turns that is held: like a knob, clockwise when it is led to the right, by the radius for a radian.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -56,22 +56,24 @@ impl HeldClay {
     }
 
     fn command(&self) -> Command {
-        let (radius, falloff) = (self.options.get(RADIUS), self.options.get(FALLOFF));
+        let radius = self.options.get(RADIUS);
         let by = self.by * self.options.get(STRENGTH);
-        let motion = match self.turn {
+        let (frame, angle_deg) = match self.turn {
             Some(Turn { normal, right, edges }) => {
                 let angle = -(by * edges).dot(right) / radius;
-                let angle_deg = angle.to_degrees().clamp(-MAX_TWIST_DEG, MAX_TWIST_DEG);
-                Motion::Twist { normal, angle_deg }
+                (Frame::Normal(normal), angle.to_degrees().clamp(-MAX_TWIST_DEG, MAX_TWIST_DEG))
             }
             None => {
                 let furthest = by.abs().max_element();
                 let share = if furthest > MAX_PULL_VX { MAX_PULL_VX / furthest } else { 1.0 };
-                Motion::Pull { by_vx: by * share }
+                (Frame::Displacement(by * share), 0.0)
             }
         };
-        let grab = Grab { centre_vx: self.start, radius, motion, falloff };
-        Command::Grab { grab, surface: SpraySurface::Stroke }
+        let ball = Ball { centre_vx: self.start, radius, frame };
+        let used = BrushUse::in_ball(self.options.brush(), ball)
+            .with(ANGLE, angle_deg)
+            .with(FALLOFF, self.options.get(FALLOFF));
+        Command::Brush(used.on(BrushSurface::Stroke))
     }
 }
 

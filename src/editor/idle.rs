@@ -10,9 +10,9 @@ use crate::document::Heeds;
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::region::{Region, VoxelBox};
-use crate::tools::brush::footprint::{Footprint, Outline};
-use crate::tools::brush::keys::STRENGTH;
-use crate::tools::brush::spray::{Effect, Spray};
+use crate::tools::brush::footprint::Footprint;
+use crate::tools::brush::keys::{REACH, STRENGTH};
+use crate::tools::brush::{Ball, BrushId, BrushUse, Contact};
 use crate::tools::drawn::region::PlacedForm;
 use crate::tools::solid::{Primitive, Solid};
 
@@ -96,18 +96,7 @@ impl Editor {
                 true => "Nothing was painted: it shows this image already".to_string(),
                 false => format!("Nothing was painted: {rest}"),
             },
-            Command::Spray { spray, .. } => self.why_brush_is_idle(&spray.footprint, spray.effect),
-            Command::Stencil { footprint, .. } => match self.meets(&[bite(footprint)]) {
-                true => {
-                    "Nothing was painted: it shows this image already, or the image is dark here"
-                        .to_string()
-                }
-                false => NO_SURFACE.to_string(),
-            },
-            Command::Grab { grab, .. } => self.why_clay_is_idle(grab.centre_vx, grab.radius),
-            Command::Deform { deform, .. } => {
-                self.why_clay_is_idle(deform.centre_vx, deform.radius)
-            }
+            Command::Brush(used) => self.why_brush_is_idle(used),
             Command::Fill { .. } => "Nothing was added: the area is full".to_string(),
             Command::Clear { .. } => "Nothing was deleted: the area is empty".to_string(),
             Command::Dye { area, colour } => {
@@ -161,43 +150,38 @@ impl Editor {
         }
     }
 
-    fn why_brush_is_idle(&mut self, footprint: &Footprint, effect: Effect) -> String {
-        if !self.meets(&[bite(footprint)]) {
-            return NO_SURFACE.to_string();
-        }
-        match effect {
-            Effect::Paintbrush { .. } => HAS_COLOUR,
-            Effect::Clay { .. } => "Nothing was added: the grid ends here",
-            Effect::Mask { adds: true } => "Nothing changed: it is masked already",
-            Effect::Mask { adds: false } => "Nothing changed: there is no mask here",
-            Effect::Devourer { .. } => "Nothing was cut",
-            Effect::Erosion { .. } => "Nothing was removed: all voxels here have as many neighbours as the threshold",
-            Effect::Dilation { .. } | Effect::Growth { .. } => {
-                "Nothing was added: no place here has as many neighbours as the threshold, or the grid ends here"
+    fn why_brush_is_idle(&mut self, used: &BrushUse) -> String {
+        let idle = used.brush().spec().idle;
+        match &used.contact {
+            Contact::Footprint(footprint) if !self.meets(&[bite(footprint)]) => NO_SURFACE,
+            Contact::Footprint(_) if used.picture.is_some() => {
+                "Nothing was painted: it shows this image already, or the image is dark here"
             }
-            Effect::Smooth(_) => "Nothing changed: it is smooth here",
+            Contact::Footprint(_) => idle,
+            Contact::Ball(ball) => self.why_ball_is_idle(ball, idle),
         }
         .to_string()
     }
 
-    fn why_clay_is_idle(&mut self, centre_vx: glam::Vec3, radius: f32) -> String {
+    fn why_ball_is_idle(&mut self, ball: &Ball, idle: &'static str) -> &'static str {
         if self.tool.brush_options().is_some_and(|options| options.get(STRENGTH) == 0.0) {
-            return "Nothing changed: the strength of the brush is 0".to_string();
+            return "Nothing changed: the strength of the brush is 0";
         }
-        let half = glam::Vec3::splat(radius);
-        let rotation = glam::Quat::IDENTITY;
-        let ball = Primitive { solid: Solid::Ellipsoid, centre_vx, half, rotation };
+        let ball = Primitive {
+            solid: Solid::Ellipsoid,
+            centre_vx: ball.centre_vx,
+            half: glam::Vec3::splat(ball.radius),
+            rotation: glam::Quat::IDENTITY,
+        };
         if !self.meets(&[cut(&ball)]) {
-            return "Nothing changed: there is no clay under the brush".to_string();
+            return "Nothing changed: there is no clay under the brush";
         }
-        let beyond = self.goes_beyond(&with_op(&cut(&ball), EditOp::Add(None)));
-        match beyond {
+        match self.goes_beyond(&with_op(&cut(&ball), EditOp::Add(None))) {
             true => {
                 "Nothing changed: the grid ends here, or the clay is already as the brush makes it"
             }
-            false => "Nothing changed: the clay is already as the brush makes it",
+            false => idle,
         }
-        .to_string()
     }
 
     fn whole(&self) -> VoxelBox {
@@ -302,9 +286,7 @@ fn cut(primitive: &Primitive) -> Command {
 
 /// Takes off the voxels that a brush sees.
 fn bite(footprint: &Footprint) -> Command {
-    let effect = Effect::Devourer { outline: Outline::Round };
-    let spray = Spray { effect, footprint: *footprint, reach_vx: 0.0 };
-    Command::Spray { spray, surface: crate::command::SpraySurface::Now }
+    Command::Brush(BrushUse::under(BrushId::Devour, *footprint).with(REACH, 0.0))
 }
 
 /// The same solid with another operation.

@@ -250,7 +250,7 @@ impl Editor {
             let pixel = at.max(Vec2::ZERO).as_uvec2().min(map.rays.size - 1);
             let radius = self.brush_px(&options, at, picker);
             let footprint = Footprint::of_pixel(&map.rays, pixel, radius, options.get(OUTLINE));
-            let command = self.tool_in_use().footprint_command(&options, footprint, *uses);
+            let command = self.tool_in_use().brush_under(&options, footprint, *uses);
             self.use_brush(command);
         }
     }
@@ -336,7 +336,7 @@ impl Editor {
             let options = touched(options, by, self.grip.now);
             let radius = footprint.radius * by.size(self.grip.now);
             let footprint = Footprint { radius: radius.min(MAX_FOOTPRINT), ..footprint };
-            let command = self.tool.footprint_command(&options, footprint, *uses);
+            let command = self.tool.brush_under(&options, footprint, *uses);
             self.use_brush(command);
         }
     }

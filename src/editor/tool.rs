@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
-use super::brushes::{Brushes, footprint_command};
+use super::brushes::Brushes;
 use super::draw::DrawOptions;
 use super::pressure::{PenUse, PenUses};
 use super::sizes::{FIRST_GAUGE, SizeUnit};
@@ -19,10 +19,11 @@ use crate::input::{DrawKind, ToolMode};
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
-use crate::tools::brush::BrushId;
+use crate::tools::brush::dab::{Dab, DabPlace};
 use crate::tools::brush::footprint::{Footprint, Outline};
-use crate::tools::brush::keys::STRENGTH;
+use crate::tools::brush::keys::{COLOUR, COVER, STRENGTH};
 use crate::tools::brush::options::BrushOptions;
+use crate::tools::brush::{BrushId, BrushUse};
 use crate::tools::solid::{Primitive, Solid};
 
 /// Smallest and largest half extent that the interface offers.
@@ -44,7 +45,7 @@ pub enum ToolKind {
     Marker,
 }
 
-/// The tool in tool. Lengths are in edges of the sculpture's smallest voxel edge, as in
+/// The tool in hand. Lengths are in edges of the sculpture's smallest voxel edge, as in
 /// [`Primitive`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct ToolState {
@@ -397,22 +398,25 @@ impl ToolState {
         }
     }
 
-    /// What a brush does under a footprint. `uses`: of the stroke before it.
-    pub fn footprint_command(
+    /// The use of a brush under a footprint. `uses`: of the stroke before it.
+    pub fn brush_under(
         &self,
         options: &BrushOptions,
         footprint: Footprint,
         uses: u32,
     ) -> Option<Command> {
-        match &self.stencil {
-            Some(picture) if options.brush() == BrushId::Paint => Some(Command::Stencil {
-                picture: picture.clone(),
-                footprint: Footprint { outline: Outline::Square, ..footprint },
-                colour: self.through_stencil.then_some(self.colour),
-                cover: options.get(STRENGTH),
-            }),
-            _ => footprint_command(options, self.colour, footprint, uses),
+        let place = DabPlace::Picture { footprint, colour: self.colour, uses };
+        let mut used = (options.brush().spec().dab)(&Dab { options, place })?;
+        if let Some(picture) = self.stencil.as_ref().filter(|_| options.brush() == BrushId::Paint) {
+            // An image has its own outline and, unless the colour goes through it, its own colours.
+            let footprint = Footprint { outline: Outline::Square, ..footprint };
+            used = BrushUse::under(BrushId::Paint, footprint).with(COVER, options.get(STRENGTH));
+            used.picture = Some(picture.clone());
+            if self.through_stencil {
+                used = used.with(COLOUR, self.colour);
+            }
         }
+        Some(Command::Brush(used))
     }
 
     /// The ball of a brush that deforms clay, where the tool is.

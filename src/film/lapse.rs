@@ -83,11 +83,8 @@ fn is_step(command: &Command) -> bool {
         | Command::Cancel
         | Command::Construct { .. }
         | Command::Form { .. }
-        | Command::Spray { .. }
-        | Command::Grab { .. }
-        | Command::Deform { .. }
+        | Command::Brush(_)
         | Command::Texture { .. }
-        | Command::Stencil { .. }
         | Command::Fill { .. }
         | Command::Clear { .. }
         | Command::Dye { .. }

@@ -90,6 +90,7 @@ fn text(param: &Param, value: Value) -> toml::Value {
             let name = choices.get(usize::from(place)).map_or("", |choice| choice.name);
             toml::Value::String(name.to_string())
         }
+        (_, Value::Colour(colour)) => toml::Value::String(colour.to_string()),
         (_, Value::Choice(_) | Value::Absent) => toml::Value::String(String::new()),
     }
 }
@@ -106,6 +107,7 @@ fn value(param: &Param, kept: &toml::Value) -> Option<Value> {
             u32::try_from(*count).ok().map(Value::Whole)
         }
         (Domain::Switch, toml::Value::Boolean(on)) => Some(Value::On(*on)),
+        (Domain::Colour, toml::Value::String(colour)) => colour.parse().ok().map(Value::Colour),
         (Domain::Choice(choices), toml::Value::String(name)) => {
             let place = choices.iter().position(|choice| choice.name == name)?;
             Some(Value::Choice(place as u8))
@@ -130,7 +132,7 @@ mod tests {
                     Value::Whole(count) => Value::Whole(count + 1),
                     Value::On(on) => Value::On(!on),
                     Value::Choice(place) => Value::Choice(1 - place.min(1)),
-                    Value::Absent => panic!("{param:?}"),
+                    Value::Absent | Value::Colour(_) => panic!("{param:?}"),
                 };
                 brushes.of_mut(brush).set_value(param.key, value);
             }

@@ -92,9 +92,9 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
             ranked.push((if last { LAST } else { rank }, entry));
         }
     }
-    for command in COMMANDS {
+    for command in COMMANDS.iter() {
         // Of equals the action comes first: it needs no arguments. What was typed as a verb with arguments is that command.
-        let rank = filter.rank(command.verb, &[command.usage, command.tooltip], &[]);
+        let rank = filter.rank(command.verb, &[&command.usage, command.tooltip], &[]);
         let rank = if command.verb == verb && !alone { Some(0) } else { rank };
         let after = if alone { AFTER_WORDS } else { 1 };
         let after = if filter.is_empty() { 0 } else { after };

@@ -233,7 +233,7 @@ fn the_name_of_an_action_beats_a_command() {
     assert!(
         matches!(chosen("array"), Some(Entry::See(it)) if it.target == Target::Option(Spot::Array))
     );
-    for help in COMMANDS {
+    for help in COMMANDS.iter() {
         let (list, error) = entries(help.verb, Some(&direct()));
         assert_eq!(error, None, "{} is not wrong because it is not complete", help.verb);
         let is_command = |entry: &Entry| matches!(entry, Entry::Run(_) | Entry::Complete(_));

@@ -286,7 +286,7 @@ fn a_failed_save_keeps_the_old_file() {
 fn every_command_of_the_manual_is_listed() {
     let folder = folder();
     let said = succeed(folder.path(), &["commands"]);
-    for command in virtual_sculpture::command::COMMANDS {
+    for command in virtual_sculpture::command::COMMANDS.iter() {
         assert!(said.contains(command.verb) && said.contains(command.tooltip));
     }
 }

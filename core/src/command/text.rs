@@ -22,15 +22,15 @@ use crate::tools::drawn::Form;
 use crate::tools::solid::{Primitive, Solid};
 
 mod arguments;
-mod deform;
+mod brush;
 mod export;
 mod form;
-mod grab;
 mod mask;
 mod mend;
 mod selection;
-mod spray;
 mod tint;
+
+pub(super) use brush::{usage as usage_of_brushes, verb as verb_of_brush};
 
 /// The base colour of new sculptures by default.
 pub const DEFAULT_BASE: Rgb = Rgb::STONE;
@@ -165,15 +165,9 @@ impl fmt::Display for Command {
                 form::write(form, f)?;
                 write_colour(op, f)
             }
-            Command::Spray { spray, surface } => spray::write(spray, *surface, f),
-            Command::Deform { deform, surface } => deform::write(deform, *surface, f),
-            Command::Grab { grab, surface } => grab::write(grab, *surface, f),
+            Command::Brush(used) => brush::write(used, f),
             Command::Texture { primitive, picture } => {
                 write!(f, " {} {primitive}", QuotedPath(picture))
-            }
-            Command::Stencil { picture, footprint, colour, cover } => {
-                write!(f, " {}", QuotedPath(picture))?;
-                spray::write_stencil(footprint, *colour, *cover, f)
             }
             Command::Fill { area, colour } => {
                 write!(f, " {}", area.name())?;
@@ -280,13 +274,12 @@ impl FromStr for Command {
             "end" => Command::End,
             "cancel" => Command::Cancel,
             "add" | "subtract" | "recolour" => parse_construct(&verb, &mut args)?,
-            "spray" => spray::parse(&mut args)?,
-            "deform" => deform::parse(&mut args)?,
-            "grab" => grab::parse(&mut args)?,
+            "spray" | "deform" | "grab" | "stencil" => {
+                Command::Brush(brush::parse(&verb, &mut args)?)
+            }
             "texture" => {
                 Command::Texture { picture: args.path()?, primitive: parse_primitive(&mut args)? }
             }
-            "stencil" => spray::parse_stencil(&mut args)?,
             "fill" => Command::Fill {
                 area: selection::parse_area(&mut args)?,
                 colour: args.optional("colour", parse_colour)?,

@@ -9,6 +9,7 @@ use super::tools::{MAX_ARRAY, MAX_REPEATED};
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
 use crate::sculpture::selection::MAX_BOXES;
+use crate::tools::brush::BrushError;
 use crate::tools::repair::MendError;
 
 /// Why a command was refused. The sculpture is as it was before.
@@ -81,12 +82,9 @@ pub enum CommandError {
         /// Why, as a sentence.
         reason: &'static str,
     },
-    /// A parameter of the brush is out of range.
-    #[error("the brush is not valid: {0} is out of range")]
-    Spray(&'static str),
-    /// A parameter of a pull or of a brush that deforms is out of range; the text says which.
-    #[error("{0}")]
-    Grab(&'static str),
+    /// A brush cannot be used so.
+    #[error(transparent)]
+    Brush(#[from] BrushError),
     /// A number of a change of colours is out of range; the text says which.
     #[error("{0}")]
     Tint(&'static str),

@@ -53,10 +53,7 @@ pub(super) fn edits(command: &Command) -> bool {
         Command::Construct { .. }
         | Command::Form { .. }
         | Command::Texture { .. }
-        | Command::Stencil { .. }
-        | Command::Spray { .. }
-        | Command::Grab { .. }
-        | Command::Deform { .. }
+        | Command::Brush(_)
         | Command::Paste { .. }
         | Command::Array { .. }
         | Command::Fill { .. }

@@ -1,4 +1,4 @@
-//! Applies tools to a document: solids, images on them, sprays and pastes, each with its mirror images,
+//! Applies tools to a document: solids, images on them, brushes and pastes, each with its mirror images,
 //! limited to the selection, kept off the mask, and repeated in arrays.
 //!
 //! All changes go through [`Document::edit`] and [`Document::paint`], which apply selection and mask. Memory is checked before the first change.
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{IVec3, UVec3, Vec3};
 
 use super::{Applied, CommandError, Document};
-use crate::command::{Command, SpraySurface};
+use crate::command::Command;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::{self, EditOp, EditStats};
 use crate::sculpture::history::Contents;
@@ -19,16 +19,12 @@ use crate::sculpture::permit::{Permit, Permitted};
 use crate::sculpture::region::{ListedBricks, Region};
 use crate::sculpture::selection::MARKER_LIMIT_VX;
 use crate::sculpture::{Brick, Rgb};
-use crate::tools::brush::deform::Deform;
-use crate::tools::brush::footprint::Footprint;
-use crate::tools::brush::kernel::grab::Grab;
-use crate::tools::brush::spray::{Effect, Spray, Stamp};
-use crate::tools::brush::stencil::Stencil;
+use crate::tools::brush::BrushSurface;
 use crate::tools::drawn::Form;
 use crate::tools::drawn::region::PlacedForm;
 use crate::tools::solid::{PlacedSolid, Primitive, check_way};
 use crate::tools::symmetry::Image;
-use crate::tools::texture::{Texture, picture_point};
+use crate::tools::texture::picture_point;
 
 /// Most copies in an array.
 pub const MAX_ARRAY: u32 = 1024;
@@ -44,20 +40,15 @@ impl Document {
             }
             Command::Form { op, form } => self.form(*op, form)?,
             Command::Texture { primitive, picture } => self.texture(primitive, picture)?,
-            Command::Spray { spray, surface } => self.spray(spray, *surface)?,
-            Command::Stencil { picture, footprint, colour, cover } => {
-                self.stencil(picture, footprint, *colour, *cover)?
-            }
-            Command::Grab { grab, surface } => self.grab(grab, *surface)?,
-            Command::Deform { deform, surface } => self.deform(deform, *surface)?,
+            Command::Brush(used) => self.brush(used)?,
             Command::Paste { at, orientation } => self.paste(*at, *orientation)?,
             _ => EditStats::default(),
         };
         let applied = self.applied(stats, command)?;
-        let replaces = matches!(command, Command::Grab { surface: SpraySurface::Stroke, .. });
+        let replaces = matches!(command, Command::Brush(used) if used.replaces_stroke());
         let used = match command {
             // A copy in an array does not take the place of those before it.
-            Command::Grab { grab, .. } => Command::Grab { grab: *grab, surface: SpraySurface::Now },
+            Command::Brush(used) if replaces => Command::Brush(used.clone().on(BrushSurface::Now)),
             _ => command.clone(),
         };
         let uses = if self.stroke.is_none() { &mut self.last_uses } else { &mut self.uses };
@@ -186,45 +177,6 @@ impl Document {
         Ok(stats)
     }
 
-    /// Paints the surface under a brush by an image. Mirror images show the image mirrored.
-    fn stencil(
-        &mut self,
-        picture: &std::path::Path,
-        footprint: &Footprint,
-        colour: Option<Rgb>,
-        cover: f32,
-    ) -> Result<EditStats, CommandError> {
-        let effect = Effect::Paintbrush { colour: self.new_colour(), cover };
-        let brush = Spray { effect, footprint: *footprint, reach_vx: 0.0 };
-        brush.check().map_err(CommandError::Spray)?;
-        if !self.has_colour() {
-            return Err(CommandError::NoColour);
-        }
-        let texture = self.picture(picture)?;
-        let images = self.images().into_iter();
-        let stamps = images.map(|image| {
-            let footprint = footprint.image(&image);
-            let stencil = Stencil::new(&texture, &footprint, colour, cover);
-            let stamp = Spray { footprint, ..brush }.stamp(self.grid(), self.grid());
-            (stencil, stamp.paint)
-        });
-        let stamps: Vec<_> = stamps.collect();
-        self.check_colour_memory(|document, exact| {
-            let op = EditOp::Recolour(self.new_colour());
-            stamps.iter().map(|(_, voxels)| document.new_pages(voxels, op, exact)).sum()
-        })?;
-        let mut stats = EditStats::default();
-        for (stencil, voxels) in stamps {
-            stats += self.paint(&voxels, |v, now| stencil.colour(v, now));
-        }
-        Ok(stats)
-    }
-
-    fn picture(&self, name: &std::path::Path) -> Result<Arc<Texture>, CommandError> {
-        let texture = self.pictures.get(name).cloned();
-        texture.ok_or_else(|| CommandError::NoPicture(name.to_path_buf()))
-    }
-
     /// A solid and its mirror images, placed in the grid; an error if memory does not suffice for what
     /// `op` paints.
     fn images_of(
@@ -241,56 +193,6 @@ impl Document {
             solids.iter().map(|(_, region)| document.new_pages(region, op, exact)).sum()
         })?;
         Ok(solids)
-    }
-
-    /// Computes the changes of a spray and its mirror images, then applies them: removes, adds, paints.
-    fn spray(&mut self, spray: &Spray, surface: SpraySurface) -> Result<EditStats, CommandError> {
-        spray.check().map_err(CommandError::Spray)?;
-        if matches!(spray.effect, Effect::Paintbrush { .. }) && !self.has_colour() {
-            return Err(CommandError::NoColour);
-        }
-        let stamp = {
-            let surface = match surface {
-                SpraySurface::Stroke => self.stroke_surface.as_deref(),
-                SpraySurface::Now => None,
-            };
-            let surface = surface.unwrap_or(self.grid());
-            let images = self.images();
-            Stamp::union(images.iter().map(|image| {
-                let footprint = spray.footprint.image(image);
-                Spray { footprint, ..*spray }.stamp(self.grid(), surface)
-            }))
-        };
-        if let Effect::Mask { .. } = spray.effect {
-            let mut stats = self.edit_mask(&stamp.add, true)?;
-            stats += self.edit_mask(&stamp.remove, false)?;
-            if surface == SpraySurface::Stroke {
-                self.keep_stroke_surface()?;
-            }
-            return Ok(stats);
-        }
-        let inherited = match spray.colour() {
-            None => self.inherited(&stamp.add),
-            Some(_) => Inherited::default(),
-        };
-        let (add, paint) = (EditOp::Add(spray.colour()), EditOp::Recolour(self.new_colour()));
-        self.check_colour_memory(|document, exact| {
-            document.new_pages(&stamp.add, add, exact)
-                + document.new_pages(&stamp.paint, paint, exact)
-                + inherited.new_pages(document.contents())
-        })?;
-        if surface == SpraySurface::Stroke {
-            self.keep_stroke_surface()?;
-        }
-        let mut stats = self.edit(&stamp.remove, EditOp::Subtract);
-        stats += self.edit(&stamp.add, add);
-        if !inherited.is_empty() {
-            self.paint(&stamp.add, |v, now| inherited.colour(v).unwrap_or(now));
-        }
-        if let Some(mix) = spray.paint(self.material().depth()) {
-            stats += self.paint(&stamp.paint, mix);
-        }
-        Ok(stats)
     }
 
     /// The colours that voxels to be added take from those around them.
@@ -456,26 +358,7 @@ impl Command {
             Command::Texture { primitive, picture } => {
                 Command::Texture { primitive: solid(primitive), picture: picture.clone() }
             }
-            Command::Stencil { .. } => {
-                let mut moved = self.clone();
-                if let Command::Stencil { footprint, .. } = &mut moved {
-                    footprint.eye_vx += by;
-                }
-                moved
-            }
-            Command::Spray { spray, surface } => {
-                let mut spray = *spray;
-                spray.footprint.eye_vx += by;
-                Command::Spray { spray, surface: *surface }
-            }
-            Command::Grab { grab, surface } => Command::Grab {
-                grab: Grab { centre_vx: grab.centre_vx + by, ..*grab },
-                surface: *surface,
-            },
-            Command::Deform { deform, surface } => Command::Deform {
-                deform: Deform { centre_vx: deform.centre_vx + by, ..*deform },
-                surface: *surface,
-            },
+            Command::Brush(used) => Command::Brush(used.shifted(by)),
             Command::Paste { at, orientation } => {
                 Command::Paste { at: at.saturating_add(step), orientation: *orientation }
             }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::Document;
 use crate::command::Command;
 use crate::sculpture::edit::EditStats;
-use crate::tools::brush::spray::Effect;
+use crate::tools::brush::spec::BrushGroup;
 
 /// The things that keep tools off in a trial.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -38,7 +38,7 @@ impl Document {
         // The mask keeps nothing off itself.
         let about_mask = |command: &Command| match command {
             Command::Mask(_) => true,
-            Command::Spray { spray, .. } => matches!(spray.effect, Effect::Mask { .. }),
+            Command::Brush(used) => used.brush().spec().group == BrushGroup::Mask,
             _ => false,
         };
         let lifts = !heeds.mask && self.mask().is_some() && !commands.iter().any(about_mask);

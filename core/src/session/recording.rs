@@ -212,8 +212,9 @@ fn line_of(command: &Command, applied: Applied) -> Option<String> {
         Command::Open { path, import } => {
             format!("{}\n", Command::Open { path: absolute(path), import: *import })
         }
-        Command::Texture { picture, .. } | Command::Stencil { picture, .. } => {
-            format!("{}\n", command.clone().with_picture(absolute(picture)))
+        command if command.picture().is_some() => {
+            let absolute = command.picture().map(absolute).unwrap_or_default();
+            format!("{}\n", command.clone().with_picture(absolute))
         }
         // As many as there were: a replay has another one before them, that of the beginning.
         Command::Undo { .. } | Command::Redo { .. } if applied.steps == 0 => return None,

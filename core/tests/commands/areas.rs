@@ -2,7 +2,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
+use sculpture_core::command::{Area, Command, NewSculpture, SelectOp};
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::region::VoxelBox;
@@ -76,7 +76,7 @@ proptest! {
                     | Command::Cancel
             );
             // It takes back what the stroke did, wherever that was, and pulls within the limit.
-            let replaces = matches!(command, Command::Grab { surface: SpraySurface::Stroke, .. });
+            let replaces = matches!(command, Command::Brush(used) if used.replaces_stroke());
             let before = if replaces { &begun } else { &before };
             if let (Some(stack), false) = (selection.limit(), free) {
                 for v in voxels(before.grid.dims()).filter(|v| !stack.contains(*v)) {

@@ -2,11 +2,11 @@
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
+use sculpture_core::command::Command;
 use sculpture_core::command::text::parse_script;
-use sculpture_core::command::{Command, SpraySurface};
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::Rgb;
-use sculpture_core::tools::brush::kernel::grab::{Falloff, Grab, Motion};
+use sculpture_core::tools::brush::{Ball, BrushId, BrushSurface, BrushUse, Frame};
 
 use super::strategies::{new_sculpture, work};
 
@@ -17,14 +17,10 @@ fn block(limits: Limits) -> Document {
     document
 }
 
-fn pull(by_vx: Vec3, surface: SpraySurface) -> Command {
-    let grab = Grab {
-        centre_vx: Vec3::new(20.0, 20.0, 20.0),
-        radius: 9.0,
-        motion: Motion::Pull { by_vx },
-        falloff: Falloff::Smooth,
-    };
-    Command::Grab { grab, surface }
+fn pull(by_vx: Vec3, surface: BrushSurface) -> Command {
+    let frame = Frame::Displacement(by_vx);
+    let ball = Ball { centre_vx: Vec3::splat(20.0), radius: 9.0, frame };
+    Command::Brush(BrushUse::in_ball(BrushId::Grab, ball).on(surface))
 }
 
 fn begin() -> Command {
@@ -36,13 +32,13 @@ fn however_long_the_drag_the_clay_is_pulled_once() {
     let mut once = block(Limits::default());
     let mut dragged = once_more(&once);
     let before = dragged.contents().clone();
-    once.apply(&pull(Vec3::new(1.0, 6.0, -2.0), SpraySurface::Now)).unwrap();
+    once.apply(&pull(Vec3::new(1.0, 6.0, -2.0), BrushSurface::Now)).unwrap();
     dragged.apply(&begin()).unwrap();
     for i in 0..12 {
         let by = Vec3::new(0.3 * i as f32, i as f32, 5.0 - i as f32);
-        dragged.apply(&pull(by, SpraySurface::Stroke)).unwrap();
+        dragged.apply(&pull(by, BrushSurface::Stroke)).unwrap();
     }
-    dragged.apply(&pull(Vec3::new(1.0, 6.0, -2.0), SpraySurface::Stroke)).unwrap();
+    dragged.apply(&pull(Vec3::new(1.0, 6.0, -2.0), BrushSurface::Stroke)).unwrap();
     assert!(dragged.contents() == once.contents());
     dragged.apply(&Command::End).unwrap();
     assert_eq!(dragged.history().undo_count(), once.history().undo_count());
@@ -70,9 +66,9 @@ fn clay_that_is_let_go_where_it_was_leaves_no_step() {
     let mut document = block(Limits::default());
     let (before, steps) = (document.contents().clone(), document.history().undo_count());
     document.apply(&begin()).unwrap();
-    document.apply(&pull(Vec3::Y * 7.0, SpraySurface::Stroke)).unwrap();
+    document.apply(&pull(Vec3::Y * 7.0, BrushSurface::Stroke)).unwrap();
     assert!(*document.contents() != before);
-    document.apply(&pull(Vec3::ZERO, SpraySurface::Stroke)).unwrap();
+    document.apply(&pull(Vec3::ZERO, BrushSurface::Stroke)).unwrap();
     assert!(*document.contents() == before);
     document.apply(&Command::End).unwrap();
     assert_eq!(document.history().undo_count(), steps);
@@ -88,15 +84,15 @@ fn a_pull_that_is_refused_leaves_the_stroke_as_it_was() {
         document.apply(&command.parse().unwrap()).unwrap();
     }
     let before = document.contents().clone();
-    document.apply(&pull(Vec3::Y * 0.6, SpraySurface::Stroke)).unwrap();
+    document.apply(&pull(Vec3::Y * 0.6, BrushSurface::Stroke)).unwrap();
     let small = document.contents().clone();
     assert!(small != before);
-    assert!(document.apply(&pull(Vec3::new(7.0, 19.0, 9.0), SpraySurface::Stroke)).is_err());
+    assert!(document.apply(&pull(Vec3::new(7.0, 19.0, 9.0), BrushSurface::Stroke)).is_err());
     assert!(*document.contents() == small);
-    document.apply(&pull(Vec3::Y * 0.9, SpraySurface::Stroke)).unwrap();
-    document.apply(&pull(Vec3::Y * 0.6, SpraySurface::Stroke)).unwrap();
+    document.apply(&pull(Vec3::Y * 0.9, BrushSurface::Stroke)).unwrap();
+    document.apply(&pull(Vec3::Y * 0.6, BrushSurface::Stroke)).unwrap();
     assert!(*document.contents() == small);
-    assert!(document.apply(&pull(Vec3::new(7.0, 19.0, 9.0), SpraySurface::Stroke)).is_err());
+    assert!(document.apply(&pull(Vec3::new(7.0, 19.0, 9.0), BrushSurface::Stroke)).is_err());
     document.apply(&Command::End).unwrap();
     document.apply(&Command::Undo { steps: Some(1) }).unwrap();
     assert!(*document.contents() == before);
@@ -119,12 +115,16 @@ proptest! {
         let before = document.contents().clone();
         document.apply(&begin()).unwrap();
         for command in &commands {
-            let stays = matches!(command, Command::Construct { .. } | Command::Spray { .. });
+            let stays = match command {
+                Command::Construct { .. } => true,
+                Command::Brush(used) => used.footprint().is_some(),
+                _ => false,
+            };
             if stays {
                 let _ = document.apply(command);
             }
         }
-        let pull = pull(by.into(), SpraySurface::Stroke);
+        let pull = pull(by.into(), BrushSurface::Stroke);
         document.apply(&pull).unwrap();
         document.apply(&Command::End).unwrap();
         let pulled = document.contents().clone();
@@ -195,10 +195,7 @@ fn a_bust_is_made_in_less_than_a_hundred_commands() {
     let mut document = Document::new(new, Limits::default()).unwrap();
     for (line, command) in &script[1..] {
         let done = document.apply(command).unwrap();
-        let shapes = matches!(
-            command,
-            Command::Construct { .. } | Command::Deform { .. } | Command::Grab { .. }
-        );
+        let shapes = matches!(command, Command::Construct { .. } | Command::Brush(_));
         assert!(!shapes || done.stats.voxels_changed() > 0, "line {line} does nothing");
     }
     let grid = document.grid();

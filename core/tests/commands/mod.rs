@@ -1,6 +1,7 @@
 //! Commands through the public interface: their text form, scripts, and their effect on documents.
 
 mod areas;
+mod brushes;
 mod budget;
 mod clay;
 mod document;

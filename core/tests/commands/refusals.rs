@@ -3,19 +3,17 @@
 
 use glam::{IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::{Command, NewSculpture, SpraySurface};
+use sculpture_core::command::{Command, NewSculpture};
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::clip::Clip;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::selection::Selection;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
-use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::brush::kernel::level::Level;
-use sculpture_core::tools::brush::spray::{Effect, Smoothing, Spray};
 use sculpture_core::tools::solid::{Primitive, Solid};
 use sculpture_core::tools::symmetry::Symmetry;
 
+use super::brushes::{self, Parts, brush_use};
 use super::strategies::{any_command, area_work, new_sculpture, op, orientation, work};
 
 /// Everything that a command can change.
@@ -56,7 +54,7 @@ impl State {
 }
 
 /// Numbers including extremes, denormals and NaN.
-fn number() -> impl Strategy<Value = f32> {
+pub fn number() -> impl Strategy<Value = f32> {
     let odd = [
         0.0,
         -0.0,
@@ -107,31 +105,17 @@ fn solid() -> impl Strategy<Value = Primitive> {
     )
 }
 
-fn spray() -> impl Strategy<Value = Command> {
-    let threshold = || prop::sample::select(vec![0u32, 1, 9, 26, 27, u32::MAX]);
-    let effect = prop_oneof![
-        number().prop_map(|cover| Effect::Paintbrush { colour: Rgb::STONE, cover }),
-        Just(Effect::Devourer { outline: Outline::Square }),
-        threshold().prop_map(|threshold| Effect::Erosion { threshold }),
-        threshold().prop_map(|threshold| Effect::Dilation { threshold, colour: None }),
-        threshold().prop_map(|threshold| Effect::Growth { threshold, colour: None }),
-        prop::sample::select(vec![0u32, 1, 8, 9, u32::MAX])
-            .prop_map(|radius_vx| Effect::Smooth(Smoothing::Majority { radius_vx })),
-        (number(), number()).prop_map(|(strength, rounding)| {
-            Effect::Smooth(Smoothing::Level(Level { strength, rounding }))
-        }),
-        Just(Effect::Clay { colour: Rgb::new(255, 0, 0) }),
-    ];
-    let rays = (vector(), vector(), vector(), vector(), number());
-    (effect, rays, number(), any::<bool>(), prop::sample::select(&Coverage::ALL)).prop_map(
-        |(effect, (eye_vx, aim, across, down, radius), reach_vx, stroke, coverage)| {
-            let radius = if radius > 12.0 && radius <= 256.0 { 12.0 } else { radius };
-            let footprint =
-                Footprint { eye_vx, aim, across, down, radius, outline: Outline::Round, coverage };
-            let surface = if stroke { SpraySurface::Stroke } else { SpraySurface::Now };
-            Command::Spray { spray: Spray { effect, footprint, reach_vx }, surface }
-        },
-    )
+fn brush() -> impl Strategy<Value = Command> {
+    let parts = Parts {
+        ray: vector().boxed(),
+        // No more rays than the test has time for.
+        rays: number().prop_map(|r| if r > 12.0 && r <= 256.0 { 12.0 } else { r }).boxed(),
+        centre: vector().boxed(),
+        radius: number().boxed(),
+        way: vector().boxed(),
+        value: brushes::hostile,
+    };
+    brush_use(&parts).prop_map(Command::Brush)
 }
 
 fn hostile() -> impl Strategy<Value = Command> {
@@ -154,7 +138,7 @@ fn hostile() -> impl Strategy<Value = Command> {
         3 => (op(), solid(), prop::option::of(vector()))
             .prop_map(|(op, primitive, to_vx)| Command::Construct { op, primitive, to_vx }),
         1 => solid().prop_map(|primitive| Command::Texture { primitive, picture: "none.png".into() }),
-        3 => spray(),
+        6 => brush(),
         2 => (whole_vector(), whole_vector())
             .prop_map(|(min, max)| Command::Mark(VoxelBox { min, max })),
         2 => (whole_vector(), orientation())

@@ -4,22 +4,19 @@ use std::path::PathBuf;
 
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
+use sculpture_core::command::{Area, Command, NewSculpture, SelectOp};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::SurfaceKind;
 use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
-use sculpture_core::tools::brush::deform::{Brush, Deform, Draw, Plane};
-use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::brush::kernel::grab::{Falloff, Grab, Motion};
-use sculpture_core::tools::brush::kernel::level::Level;
-use sculpture_core::tools::brush::spray::{Effect, Smoothing, Spray};
+use sculpture_core::tools::brush::Contact;
 use sculpture_core::tools::repair::{Keep, Mend, Toward};
 use sculpture_core::tools::solid::{Primitive, Solid};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 use sculpture_core::tools::tint::Tint;
 
+use super::brushes::{self, Parts, brush_use, stencil};
 use super::file_options::{export, import};
 use super::forms::{form, small_form};
 use super::masks::mask;
@@ -32,48 +29,6 @@ pub fn colour() -> impl Strategy<Value = Rgb> {
         Just(Rgb::new(0, 90, 255)),
         any::<[u8; 3]>().prop_map(Rgb),
     ]
-}
-
-fn outline() -> impl Strategy<Value = Outline> {
-    prop::sample::select(&Outline::ALL[..])
-}
-
-fn coverage() -> impl Strategy<Value = Coverage> {
-    prop::sample::select(&Coverage::ALL)
-}
-
-/// Sprays whose vectors come from `vector`.
-pub fn spray<S: Strategy<Value = Vec3>>(vector: impl Fn() -> S) -> impl Strategy<Value = Spray> {
-    let effect = prop_oneof![
-        (colour(), 0f32..=1.0).prop_map(|(colour, cover)| Effect::Paintbrush { colour, cover }),
-        outline().prop_map(|outline| Effect::Devourer { outline }),
-        (1u32..=26).prop_map(|threshold| Effect::Erosion { threshold }),
-        (1u32..=26, prop::option::of(colour()))
-            .prop_map(|(threshold, colour)| Effect::Dilation { threshold, colour }),
-        (1u32..=26, prop::option::of(colour()))
-            .prop_map(|(threshold, colour)| Effect::Growth { threshold, colour }),
-        (1u32..=3).prop_map(|radius_vx| Effect::Smooth(Smoothing::Majority { radius_vx })),
-        (0f32..=1.0, 0f32..=1.0).prop_map(|(strength, rounding)| {
-            Effect::Smooth(Smoothing::Level(Level { strength, rounding }))
-        }),
-        colour().prop_map(|colour| Effect::Clay { colour }),
-        any::<bool>().prop_map(|adds| Effect::Mask { adds }),
-    ];
-    let footprint = (vector(), vector(), vector(), vector(), 0f32..6.0, outline(), coverage())
-        .prop_map(|(eye_vx, aim, across, down, radius, outline, coverage)| Footprint {
-            eye_vx,
-            aim,
-            across,
-            down,
-            radius,
-            outline,
-            coverage,
-        });
-    (effect, footprint, 0f32..5.0).prop_map(|(effect, footprint, reach_vx)| Spray {
-        effect,
-        footprint,
-        reach_vx,
-    })
 }
 
 pub fn rotation() -> impl Strategy<Value = Quat> {
@@ -159,7 +114,7 @@ pub fn hostile_text() -> impl Strategy<Value = String> {
     ]
 }
 
-fn path() -> impl Strategy<Value = PathBuf> {
+pub fn path() -> impl Strategy<Value = PathBuf> {
     #[cfg(unix)]
     {
         use std::os::unix::ffi::OsStringExt;
@@ -199,50 +154,33 @@ fn any_ivec3() -> impl Strategy<Value = IVec3> {
     any::<[i32; 3]>().prop_map(IVec3::from)
 }
 
-/// Brushes that move the surface of a sculpture of 24 voxels.
-pub fn deform() -> impl Strategy<Value = Deform> {
+/// A use of any brush that suits a sculpture of 24 voxels: those under an outline look at it.
+pub fn brush_command() -> impl Strategy<Value = Command> {
     let vector = |range: std::ops::Range<f32>| prop::array::uniform3(range).prop_map(Vec3::from);
-    let plane =
-        (vector(-1.0..1.0), 0f32..=1.0).prop_map(|(normal, strength)| Plane { normal, strength });
-    let brush = (0..6, -6f32..6.0, plane).prop_map(|(kind, height, plane)| match kind {
-        0 => Brush::Inflate { height },
-        1 => Brush::Flatten(plane),
-        2 => Brush::Scrape(plane),
-        3 => Brush::Draw(Draw { normal: plane.normal, height }),
-        4 => Brush::Crease(Draw { normal: plane.normal, height }),
-        _ => Brush::Fill(plane),
-    });
-    (brush, vector(-4.0..28.0), 0.5f32..12.0, falloff()).prop_map(
-        |(brush, centre_vx, radius, falloff)| Deform { brush, centre_vx, radius, falloff },
+    let parts = Parts {
+        ray: any_unit().boxed(),
+        rays: (0f32..6.0).boxed(),
+        centre: vector(-4.0..28.0).boxed(),
+        radius: (0.5f32..12.0).boxed(),
+        way: vector(-9.0..9.0).boxed(),
+        value: brushes::valid,
+    };
+    (brush_use(&parts), vector(0.0..24.0), vector(-1.0..1.0)).prop_map(
+        |(mut used, target, from)| {
+            if let Contact::Footprint(footprint) = &mut used.contact {
+                footprint.eye_vx = target + from.normalize_or(Vec3::Y) * 60.0;
+                footprint.aim = target - footprint.eye_vx;
+            }
+            Command::Brush(used)
+        },
     )
 }
 
 /// Commands about areas and copies, with values that suit a sculpture of 24 voxels.
 pub fn area_work() -> impl Strategy<Value = Command> {
     let near = || prop::array::uniform3(-12i32..24).prop_map(IVec3::from);
-    let spray = prop::array::uniform3(0f32..24.0).prop_flat_map(|target| {
-        let target = Vec3::from(target);
-        (spray(any_unit), prop::array::uniform3(-1f32..1.0)).prop_map(move |(spray, from)| {
-            let eye_vx = target + Vec3::from(from).normalize_or(Vec3::Y) * 60.0;
-            let footprint = Footprint { eye_vx, aim: target - eye_vx, ..spray.footprint };
-            Command::Spray { spray: Spray { footprint, ..spray }, surface: SpraySurface::Now }
-        })
-    });
-    let vector = |range: std::ops::Range<f32>| prop::array::uniform3(range).prop_map(Vec3::from);
-    let grab = (vector(-4.0..28.0), 1.0f32..12.0, motion(vector(-9.0..9.0)), falloff()).prop_map(
-        |(centre_vx, radius, motion, falloff)| Grab { centre_vx, radius, motion, falloff },
-    );
-    let grab = (grab, any::<bool>()).prop_map(|(grab, stroke)| Command::Grab {
-        grab,
-        surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
-    });
-    let moved = (deform(), any::<bool>()).prop_map(|(deform, stroke)| Command::Deform {
-        deform,
-        surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
-    });
     prop_oneof![
-        3 => grab,
-        3 => moved,
+        12 => brush_command(),
         4 => (op(), small_form()).prop_map(|(op, form)| Command::Form { op, form }),
         2 => (area(), prop::option::of(colour()))
             .prop_map(|(area, colour)| Command::Fill { area, colour }),
@@ -265,7 +203,6 @@ pub fn area_work() -> impl Strategy<Value = Command> {
             .prop_map(|(by, orientation)| Command::Move { by, orientation }),
         1 => orientation().prop_map(Command::Orient),
         3 => (0u32..4, near()).prop_map(|(count, step)| Command::Array { count, step }),
-        6 => spray,
         4 => mend(|| 0.5f32..6.0).prop_map(Command::Mend),
         2 => surface_kind().prop_map(Command::Surface),
     ]
@@ -366,22 +303,8 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         .prop_map(Command::Mark);
     prop_oneof![
         new,
-        (spray(any_vec3), any::<bool>()).prop_map(|(spray, stroke)| Command::Spray {
-            spray,
-            surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
-        }),
-        (any_vec3(), any_number(), motion(any_vec3()), falloff(), any::<bool>()).prop_map(
-            |(centre_vx, radius, motion, falloff, stroke)| Command::Grab {
-                grab: Grab { centre_vx, radius, motion, falloff },
-                surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
-            }
-        ),
-        (deform(), any_vec3(), any_number(), any::<bool>()).prop_map(
-            |(deform, centre_vx, radius, stroke)| Command::Deform {
-                deform: Deform { centre_vx, radius, ..deform },
-                surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
-            }
-        ),
+        brush_use(&anywhere()).prop_map(Command::Brush),
+        stencil(&anywhere()).prop_map(Command::Brush),
         (path(), import()).prop_map(|(path, import)| Command::Open { path, import }),
         (path(), export()).prop_map(|(path, export)| Command::Save { path, export }),
         (path(), any::<Vec<u8>>())
@@ -397,21 +320,6 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         area().prop_map(|area| Command::Clear { area }),
         (area(), colour()).prop_map(|(area, colour)| Command::Dye { area, colour }),
         (area(), any_tint()).prop_map(|(area, tint)| Command::Tint { area, tint }),
-        (
-            path(),
-            prop::array::uniform4(any_vec3()),
-            any_number(),
-            prop::option::of(colour()),
-            coverage()
-        )
-            .prop_map(
-                |(picture, [eye_vx, aim, across, down], radius, colour, coverage)| {
-                    let outline = Outline::Square;
-                    let footprint =
-                        Footprint { eye_vx, aim, across, down, radius, outline, coverage };
-                    Command::Stencil { picture, footprint, colour, cover: radius }
-                },
-            ),
         mask(form(any_vec3, any_number), 0..u32::MAX, -1e9f32..1e9, 0..u32::MAX)
             .prop_map(Command::Mask),
         (any::<[u32; 3]>(), colour(), any_number()).prop_map(|(at, colour, tolerance)| {
@@ -439,16 +347,16 @@ pub fn any_command() -> impl Strategy<Value = Command> {
 }
 
 /// Pulls by a vector, turns about it and pinches towards it.
-fn motion(vector: impl Strategy<Value = Vec3>) -> impl Strategy<Value = Motion> {
-    (vector, 0..4, -1.0f32..1.0).prop_map(|(by_vx, kind, share)| match kind {
-        0 => Motion::Twist { normal: by_vx, angle_deg: 180.0 * share },
-        1 => Motion::Pinch { normal: by_vx, strength: share },
-        _ => Motion::Pull { by_vx },
-    })
-}
-
-fn falloff() -> impl Strategy<Value = Falloff> {
-    prop::sample::select(&Falloff::ALL[..])
+/// Uses of brushes with vectors and radii that only the text form can hold.
+fn anywhere() -> Parts {
+    Parts {
+        ray: any_vec3().boxed(),
+        rays: any_number().boxed(),
+        centre: any_vec3().boxed(),
+        radius: any_number().boxed(),
+        way: any_vec3().boxed(),
+        value: brushes::valid,
+    }
 }
 
 /// Commands of normal work on a small sculpture, in and out of strokes.

@@ -269,7 +269,7 @@ fn the_usage_of_each_command_matches_its_parser() {
         verbs.insert(command.verb());
     }
     assert_eq!(verbs.len(), COMMANDS.len());
-    for help in COMMANDS {
+    for help in COMMANDS.iter() {
         // Every key of the lines above is in the usage, and vice versa.
         let keys = |text: &str| -> HashSet<String> {
             let parts = text.split(['[', ']', ' ', '|']);
@@ -277,7 +277,7 @@ fn the_usage_of_each_command_matches_its_parser() {
         };
         let lines = lines.iter().filter(|line| line.split(' ').next() == Some(help.verb));
         let used: HashSet<String> = lines.flat_map(|line| keys(line)).collect();
-        let told = keys(help.usage);
+        let told = keys(&help.usage);
         assert!(used.is_subset(&told), "{}: {used:?} but usage has {told:?}", help.verb);
         assert!(!help.tooltip.is_empty());
     }
@@ -296,6 +296,10 @@ fn errors_say_what_is_wrong() {
         ("new dims=4,5,-6", "dims=4,5,-6: `-6` is not a valid number"),
         ("new dims=4,5,6 colour=7", "colour=7: must be 0, 8, 16 or 24 bits"),
         ("new dims=4,5,6 fill=full", "fill=full: must be solid or empty"),
+        (
+            "spray smooth eye=1,2,3 aim=1,0,0 across=0,1,0 down=0,0,1 radius=3 around=2 strength=1",
+            "`around=` stands instead of `strength=`",
+        ),
         ("new dims=4,5,6 dims=4,5,6", "`dims=` is given twice"),
         ("open", "`open` needs a file name"),
         ("open a b", "`open` does not take `b`"),

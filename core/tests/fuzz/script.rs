@@ -72,7 +72,7 @@ fn damaged_scripts_do_no_harm() {
         return;
     }
     let verb = |line: &str| line.split(' ').next().unwrap().to_string();
-    for help in COMMANDS {
+    for help in COMMANDS.iter() {
         let known = ["save", "redo", "cancel", "irreversible", "fill-cavities"];
         let there = LINES.iter().any(|line| verb(line) == help.verb);
         assert!(there || known.contains(&help.verb), "no line for {}", help.verb);

@@ -1,8 +1,11 @@
 //! Devourer (carve): bites into the surface under it.
 
-use super::BrushId;
+use super::change::{Change, Site};
+use super::kernel::rays;
+use super::kernel::stamp::Stamp;
 use super::keys::{BITE, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH};
-use super::spec::{BrushSpec, Inverse, Tint};
+use super::spec::{BrushSpec, Inverse, Script, Tint};
+use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -21,5 +24,16 @@ pub const SPEC: BrushSpec = BrushSpec {
     inverse: Inverse::Brush(BrushId::Clay),
     pressure: Some(REACH),
     tint: Tint::Cut,
+    idle: "Nothing was cut",
+    script: Script::under(&[REACH.param, BITE.param], apply),
     ..BrushSpec::SURFACE
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let (reach_vx, bite) = (used.get(REACH), used.get(BITE));
+    let stamp = rays::under(used, site, |footprint| Stamp {
+        remove: rays::around(footprint, site, reach_vx, |_| reach_vx, bite),
+        ..Stamp::default()
+    });
+    Ok(Change { remove: stamp.remove, ..Change::default() })
+}

@@ -1,8 +1,11 @@
 //! Dilation: thickens edges and corners.
 
-use super::BrushId;
-use super::keys::{ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
-use super::spec::{BrushSpec, Inverse};
+use super::change::{Change, NewClay, Site};
+use super::kernel::filter;
+use super::kernel::rays::{self, Filtered};
+use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
+use super::spec::{BrushSpec, Inverse, Script};
+use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -20,5 +23,19 @@ pub const SPEC: BrushSpec = BrushSpec {
     ],
     inverse: Inverse::Brush(BrushId::Erode),
     adds: true,
+    idle: "Nothing was added: no place here has as many neighbours as the threshold, or the grid ends here",
+    script: Script::under(&[REACH.param, THRESHOLD.first(9).param, COLOUR.optional().param], apply),
     ..BrushSpec::SURFACE
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let (reach_vx, threshold) = (used.get(REACH), used.get(THRESHOLD));
+    let stamp = rays::under(used, site, |footprint| {
+        rays::filtered(footprint, site, reach_vx, 1, |near| Filtered {
+            add: Some(filter::dilation(&near.solid, &near.may, threshold)),
+            ..Filtered::default()
+        })
+    });
+    let new_clay = used.find(COLOUR).map_or(NewClay::Inherited, NewClay::Colour);
+    Ok(Change { add: stamp.add, new_clay, ..Change::default() })
+}

@@ -1,7 +1,10 @@
 //! Draw: raises the surface along its normal; inverted, it lowers it.
 
-use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, Inverse, SurfaceNormal};
+use super::change::{Change, Site};
+use super::kernel::offset::{self, Profile, Target};
+use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
+use super::{BrushError, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -21,5 +24,16 @@ pub const SPEC: BrushSpec = BrushSpec {
     ],
     stroke: BrushStroke::Surface { normal: SurfaceNormal::OfEachUse, adds_up: false },
     inverse: Inverse::Sense,
+    dab: |dab| Some(dab.along_normal().with(HEIGHT, dab.height())),
+    script: Script::in_ball(ContactKind::BallWithNormal, &[HEIGHT.param, FALLOFF.param], apply),
     ..BrushSpec::DEFORM
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let height = used.get(HEIGHT);
+    Ok(offset::change(used, site, |normal| Target::Drawn {
+        normal,
+        height,
+        profile: Profile::Falloff,
+    }))
+}

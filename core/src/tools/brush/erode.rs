@@ -1,8 +1,11 @@
 //! Erosion: wears down edges and leaves flat faces alone.
 
-use super::BrushId;
+use super::change::{Change, Site};
+use super::kernel::filter;
+use super::kernel::rays::{self, Filtered};
 use super::keys::{ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
-use super::spec::{BrushSpec, Inverse, Tint};
+use super::spec::{BrushSpec, Inverse, Script, Tint};
+use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -22,5 +25,18 @@ pub const SPEC: BrushSpec = BrushSpec {
     ],
     inverse: Inverse::Brush(BrushId::Dilate),
     tint: Tint::Cut,
+    idle: "Nothing was removed: all voxels here have as many neighbours as the threshold",
+    script: Script::under(&[REACH.param, THRESHOLD.param], apply),
     ..BrushSpec::SURFACE
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let (reach_vx, threshold) = (used.get(REACH), used.get(THRESHOLD));
+    let stamp = rays::under(used, site, |footprint| {
+        rays::filtered(footprint, site, reach_vx, 1, |near| Filtered {
+            remove: Some(filter::erosion(&near.solid, &near.may, threshold)),
+            ..Filtered::default()
+        })
+    });
+    Ok(Change { remove: stamp.remove, ..Change::default() })
+}

@@ -1,9 +1,11 @@
 //! Fill up: fills pits up to the plane where the stroke began.
 
-use super::BrushId;
+use super::change::{Change, Site};
 use super::kernel::grab::Falloff;
+use super::kernel::offset::{self, Target};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, Inverse, SurfaceNormal};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
+use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -23,5 +25,16 @@ pub const SPEC: BrushSpec = BrushSpec {
         adds_up: false,
     },
     inverse: Inverse::Brush(BrushId::Scrape),
+    script: Script::in_ball(ContactKind::BallWithNormal, &[STRENGTH.param, FALLOFF.param], apply),
     ..BrushSpec::DEFORM
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let strength = used.get(STRENGTH);
+    Ok(offset::change(used, site, |normal| Target::Plane {
+        normal,
+        strength,
+        lowers: false,
+        raises: true,
+    }))
+}

@@ -1,8 +1,11 @@
 //! Flatten: levels bumps and pits to the plane where the stroke began.
 
+use super::change::{Change, Site};
 use super::kernel::grab::Falloff;
+use super::kernel::offset::{self, Target};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, SurfaceNormal};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Script, SurfaceNormal};
+use super::{BrushError, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -21,5 +24,16 @@ pub const SPEC: BrushSpec = BrushSpec {
         normal: SurfaceNormal::OfPress { on_plane: true },
         adds_up: false,
     },
+    script: Script::in_ball(ContactKind::BallWithNormal, &[STRENGTH.param, FALLOFF.param], apply),
     ..BrushSpec::DEFORM
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let strength = used.get(STRENGTH);
+    Ok(offset::change(used, site, |normal| Target::Plane {
+        normal,
+        strength,
+        lowers: true,
+        raises: true,
+    }))
+}

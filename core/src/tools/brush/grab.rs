@@ -1,7 +1,10 @@
 //! Grab: pulls the surface along with the pointer.
 
+use super::change::{Change, Site};
+use super::kernel::grab::{self, Motion};
 use super::keys::{FALLOFF, RADIUS, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Script};
+use super::{BrushError, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -16,5 +19,10 @@ pub const SPEC: BrushSpec = BrushSpec {
         FALLOFF.param,
     ],
     stroke: BrushStroke::Held { turns: false },
+    script: Script::of_clay(ContactKind::BallWithDisplacement, &[FALLOFF.param], apply),
     ..BrushSpec::DEFORM
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    grab::change(used, site, |by_vx| Motion::Pull { by_vx })
+}

@@ -1,7 +1,10 @@
 //! Inflate: swells the surface under it; inverted, it shrinks it.
 
-use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, Inverse};
+use super::change::{Change, Site};
+use super::kernel::offset::{self, Target};
+use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
+use super::spec::{BrushSpec, ContactKind, Inverse, Script};
+use super::{BrushError, BrushUse, Frame};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -17,5 +20,11 @@ pub const SPEC: BrushSpec = BrushSpec {
         FALLOFF.param,
     ],
     inverse: Inverse::Sense,
+    dab: |dab| Some(dab.used(Frame::None).with(HEIGHT, dab.height())),
+    script: Script::in_ball(ContactKind::Ball, &[HEIGHT.param, FALLOFF.param], apply),
     ..BrushSpec::DEFORM
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    Ok(offset::change(used, site, |_| Target::Along(used.get(HEIGHT))))
+}

@@ -3,8 +3,11 @@
 
 use super::footprint::Outline;
 use super::kernel::grab::Falloff;
-use super::param::{Choice, Domain, Key, Param, ParamValue, Unit, Value};
-use super::spray::MAX_REACH_VX;
+use super::kernel::grab::MAX_TWIST_DEG;
+use super::kernel::offset::MAX_HEIGHT;
+use super::kernel::rays::MAX_REACH_VX;
+use super::param::{Choice, Domain, Key, Omitted, Param, ParamValue, Unit, Value};
+use crate::sculpture::Rgb;
 
 /// Longest rope, in pixels.
 const MAX_STEADY_PX: f32 = 200.0;
@@ -16,6 +19,7 @@ const BASE: Param = Param {
     domain: Domain::Switch,
     unit: Unit::Plain,
     first: Value::On(false),
+    omitted: Omitted::Required,
     logarithmic: false,
     needs_pointer: false,
 };
@@ -52,6 +56,7 @@ pub const REACH: Key<f32> = Key::new(Param {
     domain: Domain::Number([0.0, MAX_REACH_VX]),
     unit: Unit::Voxels,
     first: Value::Number(3.0),
+    omitted: Omitted::Is(Value::Number(3.0)),
     logarithmic: true,
     ..BASE
 });
@@ -66,6 +71,7 @@ pub const BITE: Key<Outline> = Key::new(Param {
         Choice { name: Outline::Square.name(), help: "Cut cubes" },
     ]),
     first: Value::Choice(0),
+    omitted: Omitted::Is(Value::Choice(0)),
     ..BASE
 });
 
@@ -76,6 +82,7 @@ pub const THRESHOLD: Key<u32> = Key::new(Param {
     help: "Gaps with at least this many of their 26 neighbours are filled; 10 or more keeps flat faces",
     domain: Domain::Whole([1, 26]),
     first: Value::Whole(14),
+    omitted: Omitted::Is(Value::Whole(14)),
     ..BASE
 });
 
@@ -87,6 +94,7 @@ pub const STRENGTH: Key<f32> = Key::new(Param {
     domain: Domain::Number([0.0, 1.0]),
     unit: Unit::Share,
     first: Value::Number(1.0),
+    omitted: Omitted::Is(Value::Number(1.0)),
     ..BASE
 });
 
@@ -126,6 +134,67 @@ pub const FALLOFF: Key<Falloff> = Key::new(Param {
         },
     ]),
     first: Value::Choice(0),
+    omitted: Omitted::Is(Value::Choice(0)),
+    ..BASE
+});
+
+/// The colour of new voxels, or of paint.
+pub const COLOUR: Key<Rgb> = Key::new(Param {
+    key: "colour",
+    label: "Colour",
+    help: "The colour that the brush gives",
+    domain: Domain::Colour,
+    ..BASE
+});
+
+/// Share of the colour that a pass mixes in.
+pub const COVER: Key<f32> = Key::new(Param {
+    key: "cover",
+    label: "Cover",
+    help: "Share of the colour that a pass mixes in",
+    domain: Domain::Number([0.0, 1.0]),
+    unit: Unit::Share,
+    omitted: Omitted::Is(Value::Number(1.0)),
+    ..BASE
+});
+
+/// Reach of the neighbourhood whose majority smooths, on each axis. Recordings of the first versions smooth so.
+pub const AROUND: Key<u32> = Key::new(Param {
+    key: "around",
+    label: "Around",
+    help: "Reach of the neighbourhood whose majority smooths, in voxels",
+    domain: Domain::Whole([1, 8]),
+    unit: Unit::Voxels,
+    omitted: Omitted::InsteadOf(STRENGTH.param.key, Value::Whole(2)),
+    ..BASE
+});
+
+/// How far the surface must have come towards the next voxel for it to change.
+pub const ROUNDING: Key<f32> = Key::new(Param {
+    key: "rounding",
+    label: "Rounding",
+    help: "How far the surface must have come towards the next voxel for it to change",
+    domain: Domain::Number([0.0, 1.0]),
+    omitted: Omitted::Unwritten(Value::Number(super::kernel::level::Level::NEAREST)),
+    ..BASE
+});
+
+/// How far the surface goes in the middle of the ball, in units of the smallest edge of a voxel.
+pub const HEIGHT: Key<f32> = Key::new(Param {
+    key: "height",
+    label: "Height",
+    help: "How far the surface goes in the middle of the ball",
+    domain: Domain::Number([-MAX_HEIGHT, MAX_HEIGHT]),
+    unit: Unit::Voxels,
+    ..BASE
+});
+
+/// By how much the middle of the ball turns, in degrees, counter-clockwise seen from where the normal points.
+pub const ANGLE: Key<f32> = Key::new(Param {
+    key: "angle",
+    label: "Angle",
+    help: "By how many degrees the middle of the ball turns",
+    domain: Domain::Number([-MAX_TWIST_DEG, MAX_TWIST_DEG]),
     ..BASE
 });
 

@@ -1,8 +1,12 @@
 //! Mask: protects the surface under it, so that nothing changes it.
 
-use super::BrushId;
+use super::change::{Change, Site};
+use super::footprint::Outline;
+use super::kernel::rays;
+use super::kernel::stamp::Stamp;
 use super::keys::{OUTLINE, RADIUS, REACH};
-use super::spec::{BrushGroup, BrushSpec, Inverse, Tint};
+use super::spec::{BrushGroup, BrushSpec, Inverse, Script, Tint};
+use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -23,5 +27,16 @@ pub const SPEC: BrushSpec = BrushSpec {
     ],
     inverse: Inverse::Brush(BrushId::Unmask),
     tint: Tint::Mask,
+    idle: "Nothing changed: it is masked already",
+    script: Script::under(&[REACH.param], apply),
     ..BrushSpec::SURFACE
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let reach_vx = used.get(REACH);
+    let stamp = rays::under(used, site, |footprint| Stamp {
+        add: rays::around(footprint, site, reach_vx, |_| reach_vx, Outline::Round),
+        ..Stamp::default()
+    });
+    Ok(Change { add: stamp.add, ..Change::default() })
+}

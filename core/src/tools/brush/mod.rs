@@ -3,9 +3,11 @@
 //!
 //! From a grid and one use of a brush to the voxels to remove, to add and to paint. Changes nothing; knows no document.
 
+pub mod brush_use;
+pub mod change;
 mod clay;
 mod crease;
-pub mod deform;
+pub mod dab;
 mod devour;
 mod dilate;
 mod draw;
@@ -19,6 +21,7 @@ mod inflate;
 pub mod kernel;
 pub mod keys;
 mod mask;
+mod mix;
 pub mod options;
 mod paint;
 pub mod param;
@@ -27,13 +30,13 @@ mod scrape;
 mod smear;
 mod smooth;
 pub mod spec;
-pub mod spray;
+mod stencil;
 #[cfg(test)]
-mod spray_tests;
-pub mod stencil;
+mod tests;
 mod twist;
 mod unmask;
 
+pub use brush_use::{Ball, BrushError, BrushSurface, BrushUse, Contact, Frame};
 use spec::BrushSpec;
 
 macro_rules! brushes {
@@ -81,38 +84,4 @@ brushes! {
     Pinch = pinch,
     Smear = smear,
     Twist = twist,
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::HashSet;
-
-    use super::deform::DeformKind;
-    use super::spray::SprayKind;
-    use super::*;
-
-    #[test]
-    fn every_brush_is_in_hand_once_and_has_words_of_its_own() {
-        let sprays = SprayKind::ALL.map(SprayKind::brush);
-        let deforms = DeformKind::ALL.map(DeformKind::brush);
-        let all: HashSet<BrushId> = sprays.into_iter().chain(deforms).collect();
-        assert_eq!(all.len(), sprays.len() + deforms.len());
-        assert_eq!(all, BrushId::ALL.iter().copied().collect());
-        let specs: Vec<&BrushSpec> = BrushId::ALL.iter().map(|brush| brush.spec()).collect();
-        let texts = |of: fn(&BrushSpec) -> &str| -> HashSet<&str> {
-            specs.iter().map(|spec| of(spec)).collect()
-        };
-        assert_eq!(texts(|spec| spec.name).len(), specs.len());
-        assert_eq!(texts(|spec| spec.action).len(), specs.len());
-        assert_eq!(texts(|spec| spec.label).len(), specs.len());
-        assert_eq!(texts(|spec| spec.help).len(), specs.len());
-        for spec in specs {
-            let is_word = |text: &str| {
-                !text.is_empty() && text.chars().all(|c| c.is_ascii_lowercase() || c == '-')
-            };
-            assert!(is_word(spec.name) && is_word(spec.action), "{spec:?}");
-            assert!(spec.synonyms.split(' ').all(is_word), "{spec:?}");
-            assert!(spec.help.starts_with(spec.label), "{spec:?}");
-        }
-    }
 }

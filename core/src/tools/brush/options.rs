@@ -1,26 +1,62 @@
-//! The options of one brush: a value for each that its description lists.
+//! The values of a brush: a value for each parameter that its description lists, in a hand or in a command.
 
 use super::BrushId;
 use super::param::{Key, Param, ParamValue, Value};
 
-/// Most options of a brush.
+/// Most parameters of a list.
 const MOST: usize = 8;
 
-/// The options with which a brush is used.
+/// A value for each parameter of a list, which the owner knows. Unused ones are absent.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Values([Value; MOST]);
+
+impl Values {
+    pub fn new(params: &[Param], value: impl Fn(&Param) -> Value) -> Values {
+        let mut values = [Value::Absent; MOST];
+        values.iter_mut().zip(params).for_each(|(slot, param)| *slot = value(param));
+        Values(values)
+    }
+
+    pub fn get(&self, params: &[Param], key: &str) -> Option<Value> {
+        place(params, key).map(|place| self.0[place])
+    }
+
+    pub fn set(&mut self, params: &[Param], key: &str, value: Value) {
+        if let Some(place) = place(params, key) {
+            self.0[place] = value;
+        }
+    }
+
+    pub fn iter(
+        self,
+        params: &'static [Param],
+    ) -> impl Iterator<Item = (&'static Param, Value)> + use<> {
+        params.iter().zip(self.0)
+    }
+}
+
+fn place(params: &[Param], key: &str) -> Option<usize> {
+    params.iter().position(|param| param.key == key)
+}
+
+/// The options with which a hand uses a brush.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BrushOptions {
     brush: BrushId,
-    values: [Value; MOST],
+    values: Values,
 }
 
 impl BrushOptions {
     /// The options that a brush begins with.
     pub fn first(brush: BrushId) -> BrushOptions {
-        let mut values = [Value::Absent; MOST];
-        for (value, param) in values.iter_mut().zip(brush.spec().options) {
-            *value = param.first;
-        }
-        BrushOptions { brush, values }
+        BrushOptions { brush, values: Values::new(brush.spec().options, |param| param.first) }
+    }
+
+    /// These options for another brush, as far as it has them.
+    pub fn of(&self, brush: BrushId) -> BrushOptions {
+        let mut options = BrushOptions::first(brush);
+        self.iter().for_each(|(param, value)| options.set_value(param.key, value));
+        options
     }
 
     /// The brush.
@@ -30,12 +66,12 @@ impl BrushOptions {
 
     /// Whether the brush has an option.
     pub fn has<T>(&self, key: Key<T>) -> bool {
-        self.place(key.param.key).is_some()
+        place(self.params(), key.param.key).is_some()
     }
 
     /// The value of an option. If the brush does not have it, what it usually is.
     pub fn get<T: ParamValue + Default>(&self, key: Key<T>) -> T {
-        let value = self.place(key.param.key).map_or(key.param.first, |place| self.values[place]);
+        let value = self.values.get(self.params(), key.param.key).unwrap_or(key.param.first);
         T::from_value(value).unwrap_or_default()
     }
 
@@ -52,21 +88,18 @@ impl BrushOptions {
 
     /// The same for an option that is known by its name.
     pub fn set_value(&mut self, key: &str, value: Value) {
-        if let Some(place) = self.place(key) {
-            self.values[place] = value;
-        }
+        self.values.set(self.params(), key, value);
     }
 
     /// All options with their values, in the order in which panels show them.
     pub fn iter(&self) -> impl Iterator<Item = (&'static Param, Value)> + use<> {
-        self.brush.spec().options.iter().zip(self.values)
+        self.values.iter(self.params())
     }
 
-    fn place(&self, key: &str) -> Option<usize> {
-        self.brush.spec().options.iter().position(|param| param.key == key)
+    fn params(&self) -> &'static [Param] {
+        self.brush.spec().options
     }
 }
-
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;

@@ -1,7 +1,13 @@
 //! Brush: paints the visible surface under it.
 
-use super::keys::{OUTLINE, RADIUS, STRENGTH};
-use super::spec::{BrushSpec, Inverse};
+use super::change::{Change, Paint, Site};
+use super::kernel::rays;
+use super::kernel::stamp::Stamp;
+use super::keys::{COLOUR, COVER, OUTLINE, RADIUS, REACH, STRENGTH};
+use super::mix::Mix;
+use super::spec::{BrushSpec, ContactKind, Inverse, Script};
+use super::stencil::Stencil;
+use super::{BrushError, BrushUse, Frame};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -18,5 +24,34 @@ pub const SPEC: BrushSpec = BrushSpec {
     inverse: Inverse::Sense,
     pressure: Some(STRENGTH),
     gives_colour: true,
+    idle: "Nothing was painted: it has this colour already",
+    dab: |dab| Some(dab.used(Frame::None).with(COVER, dab.options.get(STRENGTH))),
+    script: Some(Script {
+        contact: ContactKind::Footprint,
+        params: &[REACH.param, COLOUR.param, COVER.param],
+        replaces_stroke: false,
+        needs_colours: true,
+        apply,
+    }),
     ..BrushSpec::SURFACE
 };
+
+/// With an image each mirror image of the brush has its own; a colour is dithered as under the brush itself.
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let Some(footprint) = used.footprint() else { return Ok(Change::default()) };
+    let cover = used.get(COVER);
+    let Some(texture) = site.picture else {
+        let mix = Mix::new(used.get(COLOUR), cover, footprint, site.depth());
+        let seen = rays::under(used, site, |footprint| Stamp {
+            paint: rays::seen(footprint, site),
+            ..Stamp::default()
+        });
+        return Ok(Change::painted(seen.paint, Paint::Mix(mix)));
+    };
+    let paint = site.images.iter().map(|image| {
+        let footprint = footprint.image(image);
+        let stencil = Stencil::new(texture, &footprint, used.find(COLOUR), cover);
+        (rays::seen(&footprint, site), Paint::Stencil(stencil))
+    });
+    Ok(Change { paint: paint.collect(), ..Change::default() })
+}

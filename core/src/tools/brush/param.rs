@@ -1,14 +1,17 @@
-//! Describes an option of a brush: its name, its values, its texts. From these descriptions panels, memory and pens are made.
+//! Describes a number, a choice or a colour of a brush: its name, its values, its texts. From these descriptions panels,
+//! memory, pens and the text form of commands are made.
 //!
-//! An option is read by its [`Key`], which knows the type of its values. Knows no brush and no interface.
+//! A value is read by its [`Key`], which knows the type of its values. Knows no brush and no interface.
 
 use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 
+use crate::sculpture::Rgb;
+
 /// A value of an option.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Value {
-    /// The brush has no such option.
+    /// There is none.
     Absent,
     /// A number, in the unit of the option; shares from 0 to 1.
     Number(f32),
@@ -18,6 +21,8 @@ pub enum Value {
     On(bool),
     /// A place in the list of choices.
     Choice(u8),
+    /// A colour.
+    Colour(Rgb),
 }
 
 /// The values that an option can have.
@@ -33,6 +38,21 @@ pub enum Domain {
     Switch,
     /// One of these.
     Choice(&'static [Choice]),
+    /// Any colour.
+    Colour,
+}
+
+/// The meaning of a script that says nothing about a value.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Omitted {
+    /// It cannot be left out.
+    Required,
+    /// It is this one, which the text form states nevertheless.
+    Is(Value),
+    /// It is this one, about which the text form says nothing either.
+    Unwritten(Value),
+    /// It is this one if the script does not state another parameter, which it names, instead.
+    InsteadOf(&'static str, Value),
 }
 
 /// One of several values.
@@ -60,7 +80,7 @@ pub enum Unit {
 /// The description of an option.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Param {
-    /// In what is remembered.
+    /// In scripts and in what is remembered.
     pub key: &'static str,
     /// In panels.
     pub label: &'static str,
@@ -70,8 +90,10 @@ pub struct Param {
     pub domain: Domain,
     /// The unit in which it is shown.
     pub unit: Unit,
-    /// Its first value; of a radius in pixels.
+    /// Its first value in a hand; of a radius in pixels.
     pub first: Value,
+    /// Its value in a script that says nothing about it.
+    pub omitted: Omitted,
     /// Sliders give small values more room.
     pub logarithmic: bool,
     /// It makes no sense without a pointer on a screen.
@@ -87,9 +109,24 @@ impl Param {
                 (least..=most).contains(&number)
             }
             (Domain::Whole([least, most]), Value::Whole(count)) => (least..=most).contains(&count),
-            (Domain::Switch, Value::On(_)) => true,
+            (Domain::Switch, Value::On(_)) | (Domain::Colour, Value::Colour(_)) => true,
             (Domain::Choice(choices), Value::Choice(place)) => usize::from(place) < choices.len(),
             _ => false,
+        }
+    }
+
+    /// The rule that values keep, after the name of the option.
+    pub(super) fn rule(&self) -> String {
+        match self.domain {
+            Domain::Number([least, most]) => format!("must be from {least} to {most}"),
+            Domain::Whole([least, most]) => format!("must be from {least} to {most}"),
+            Domain::Choice(choices) => {
+                let names: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
+                format!("must be {}", names.join(" or "))
+            }
+            Domain::Radius => "must be a radius".to_string(),
+            Domain::Switch => "must be on or off".to_string(),
+            Domain::Colour => "must be a colour".to_string(),
         }
     }
 }
@@ -132,6 +169,16 @@ impl ParamValue for bool {
     }
 }
 
+impl ParamValue for Rgb {
+    fn from_value(value: Value) -> Option<Rgb> {
+        if let Value::Colour(colour) = value { Some(colour) } else { None }
+    }
+
+    fn to_value(self) -> Value {
+        Value::Colour(self)
+    }
+}
+
 /// The key of an option whose values are of the type `T`, with the description that a brush adapts to itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Key<T> {
@@ -157,6 +204,18 @@ impl<T> Key<T> {
         self.param.help = help;
         self
     }
+
+    /// The same in scripts that must state it.
+    pub(super) const fn required(mut self) -> Key<T> {
+        self.param.omitted = Omitted::Required;
+        self
+    }
+
+    /// The same in scripts that need not have it.
+    pub(super) const fn optional(mut self) -> Key<T> {
+        self.param.omitted = Omitted::Unwritten(Value::Absent);
+        self
+    }
 }
 
 impl Key<f32> {
@@ -174,9 +233,10 @@ impl Key<f32> {
 }
 
 impl Key<u32> {
-    /// The same option with another first value.
+    /// The same option with another first value, in a hand and in scripts.
     pub(super) const fn first(mut self, count: u32) -> Key<u32> {
         self.param.first = Value::Whole(count);
+        self.param.omitted = Omitted::Is(Value::Whole(count));
         self
     }
 }

@@ -1,7 +1,11 @@
 //! Pinch: brings the clay together under it; inverted, it spreads it.
 
+use super::change::{Change, Site};
+use super::dab::Dab;
+use super::kernel::grab::{self, Motion};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, Inverse, SurfaceNormal};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
+use super::{BrushError, BrushSurface, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -18,5 +22,25 @@ pub const SPEC: BrushSpec = BrushSpec {
     ],
     stroke: BrushStroke::Surface { normal: SurfaceNormal::OfEachUse, adds_up: true },
     inverse: Inverse::Sense,
+    dab,
+    script: Script::of_clay(
+        ContactKind::BallWithNormal,
+        &[STRENGTH.range(-1.0, 1.0).required().param, FALLOFF.param],
+        apply,
+    ),
     ..BrushSpec::DEFORM
 };
+
+/// How far one use brings the clay together with full strength; some ten of them overlap.
+const SHARE: f32 = 0.1;
+
+fn dab(dab: &Dab) -> Option<BrushUse> {
+    let strength = dab.sense() * dab.options.get(STRENGTH) * SHARE;
+    let used = dab.along_normal().with(STRENGTH, strength).on(BrushSurface::Now);
+    (strength != 0.0).then_some(used)
+}
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let strength = used.get(STRENGTH);
+    grab::change(used, site, |normal| Motion::Pinch { normal, strength })
+}

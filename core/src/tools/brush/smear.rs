@@ -1,7 +1,11 @@
 //! Smear: takes clay along with the brush.
 
+use glam::Vec3;
+
+use super::dab::{Dab, DabPlace};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, SurfaceNormal};
+use super::{Ball, BrushId, BrushUse, Frame};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -20,5 +24,21 @@ pub const SPEC: BrushSpec = BrushSpec {
         normal: SurfaceNormal::OfPress { on_plane: false },
         adds_up: true,
     },
+    dab,
     ..BrushSpec::DEFORM
 };
+
+/// Longest way of one use, as a share of the radius: beyond that the brush has leapt.
+const LONGEST: f32 = 0.5;
+
+/// Pulls the clay from where the brush was to where it is. Small brushes are used once a voxel.
+fn dab(dab: &Dab) -> Option<BrushUse> {
+    let DabPlace::Surface { at_vx, from_vx, edges, .. } = dab.place else { return None };
+    let (way, radius) = (at_vx - from_vx, dab.options.get(RADIUS));
+    let by_vx = way * dab.options.get(STRENGTH);
+    if (way * edges).length() > (LONGEST * radius).max(2.0) || by_vx == Vec3::ZERO {
+        return None;
+    }
+    let ball = Ball { centre_vx: from_vx, radius, frame: Frame::Displacement(by_vx) };
+    Some(BrushUse::in_ball(BrushId::Grab, ball).with(FALLOFF, dab.options.get(FALLOFF)))
+}

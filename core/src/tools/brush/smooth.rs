@@ -1,7 +1,14 @@
 //! Smooth: evens out bumps and pits.
 
-use super::keys::{OUTLINE, RADIUS, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, Tint};
+use super::change::{Change, NewClay, Site};
+use super::dab::{Dab, DabPlace};
+use super::kernel::filter;
+use super::kernel::level::Level;
+use super::kernel::rays::{self, Filtered};
+use super::kernel::stamp::Stamp;
+use super::keys::{AROUND, OUTLINE, RADIUS, REACH, ROUNDING, STRENGTH};
+use super::spec::{BrushSpec, BrushStroke, Script, Tint};
+use super::{BrushError, BrushUse, Frame};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -18,5 +25,42 @@ pub const SPEC: BrushSpec = BrushSpec {
     stroke: BrushStroke::Picture { repeats: true },
     pressure: Some(STRENGTH),
     tint: Tint::Neutral,
+    idle: "Nothing changed: it is smooth here",
+    dab,
+    script: Script::under(
+        &[REACH.param, AROUND.param, STRENGTH.optional().param, ROUNDING.param],
+        apply,
+    ),
     ..BrushSpec::SURFACE
 };
+
+/// Multiples of the golden section lie evenly between whole numbers.
+const GOLDEN: f32 = 0.618_034;
+
+/// As far from the surface as it smooths, each use of a stroke with another rounding.
+fn dab(dab: &Dab) -> Option<BrushUse> {
+    let DabPlace::Picture { uses, .. } = dab.place else { return None };
+    let rounding = (Level::NEAREST + uses as f32 * GOLDEN).fract();
+    Some(dab.used(Frame::None).with(REACH, 0.0).with(ROUNDING, rounding))
+}
+
+/// With a strength it smooths by a level as large as the footprint, and the reach has no say; without one by the majority, as
+/// the first versions did.
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let stamp = rays::under(used, site, |footprint| match used.find(STRENGTH) {
+        // All of it works on one surface: overlapping uses on that of a stroke's beginning do not add up.
+        Some(strength) => {
+            let level = Level { strength, rounding: used.get(ROUNDING) };
+            level.stamp(footprint, site.surface)
+        }
+        None => {
+            let around_vx = used.get(AROUND);
+            rays::filtered(footprint, site, used.get(REACH), around_vx, |near| {
+                let (add, remove) = filter::majority(&near.solid, &near.may, around_vx);
+                Filtered { add: Some(add), remove: Some(remove) }
+            })
+        }
+    });
+    let Stamp { add, remove, .. } = stamp;
+    Ok(Change { add, remove, new_clay: NewClay::Inherited, ..Change::default() })
+}

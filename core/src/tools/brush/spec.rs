@@ -1,8 +1,10 @@
-//! Describes a brush: its texts, its options and the manner in which a hand uses it, each written once in the file of the
-//! brush. Knows no function of a brush.
+//! Describes a brush: its texts, its options, the manner in which a hand uses it and what a command of it does, each written
+//! once in the file of the brush.
 
-use super::BrushId;
+use super::change::{Change, Site};
+use super::dab::Dab;
 use super::param::{Key, Param};
+use super::{BrushError, BrushId, BrushUse, Frame};
 
 /// The description of a brush.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +39,74 @@ pub struct BrushSpec {
     pub gives_colour: bool,
     /// It can add voxels, and so meet the walls of the grid.
     pub adds: bool,
+    /// Explains a use that has met the surface and changed nothing.
+    pub idle: &'static str,
+    /// The use that a hand makes; none where it would change nothing.
+    pub dab: fn(&Dab) -> Option<BrushUse>,
+    /// What a command does; none if the commands of a hand are those of another brush.
+    pub script: Option<Script>,
+}
+
+/// The command of a brush.
+#[derive(Clone, Copy, Debug)]
+pub struct Script {
+    /// Where it is used.
+    pub contact: ContactKind,
+    /// Its parameters, in the order in which the text form has them.
+    pub params: &'static [Param],
+    /// On the surface as it was when the stroke began it takes the place of what the stroke has done.
+    pub replaces_stroke: bool,
+    /// A sculpture without colours refuses it.
+    pub needs_colours: bool,
+    /// The change that a use makes, which has been checked.
+    pub apply: fn(&BrushUse, &Site) -> Result<Change, BrushError>,
+}
+
+/// The kinds of places where brushes are used.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum ContactKind {
+    /// Under an outline in a picture.
+    Footprint,
+    /// In a ball, along the normals of the surface.
+    Ball,
+    /// In a ball with a direction out of the clay.
+    BallWithNormal,
+    /// In a ball that goes somewhere.
+    BallWithDisplacement,
+}
+
+impl Script {
+    /// A command under an outline.
+    pub(super) const fn under(
+        params: &'static [Param],
+        apply: fn(&BrushUse, &Site) -> Result<Change, BrushError>,
+    ) -> Option<Script> {
+        Some(Script {
+            contact: ContactKind::Footprint,
+            params,
+            replaces_stroke: false,
+            needs_colours: false,
+            apply,
+        })
+    }
+
+    /// A command in a ball.
+    pub(super) const fn in_ball(
+        contact: ContactKind,
+        params: &'static [Param],
+        apply: fn(&BrushUse, &Site) -> Result<Change, BrushError>,
+    ) -> Option<Script> {
+        Some(Script { contact, params, replaces_stroke: false, needs_colours: false, apply })
+    }
+
+    /// A command that moves a ball of clay, which takes the place of what the stroke has done.
+    pub(super) const fn of_clay(
+        contact: ContactKind,
+        params: &'static [Param],
+        apply: fn(&BrushUse, &Site) -> Result<Change, BrushError>,
+    ) -> Option<Script> {
+        Some(Script { contact, params, replaces_stroke: true, needs_colours: false, apply })
+    }
 }
 
 /// The families of brushes.
@@ -126,6 +196,9 @@ impl BrushSpec {
         tint: Tint::Colour,
         gives_colour: false,
         adds: false,
+        idle: "Nothing changed",
+        dab: |dab| Some(dab.used(Frame::None)),
+        script: None,
     };
 
     /// A brush that deforms clay.
@@ -139,12 +212,19 @@ impl BrushSpec {
         pressure: Some(super::keys::STRENGTH),
         tint: Tint::Neutral,
         adds: true,
+        idle: "Nothing changed: the clay is already as the brush makes it",
+        dab: |dab| Some(dab.along_normal()),
         ..BrushSpec::SURFACE
     };
 
     /// Over its options: the first words of the help.
     pub fn title(&self) -> &'static str {
         self.help.split(':').next().unwrap_or(self.label)
+    }
+
+    /// The parameters of its command.
+    pub fn params(&self) -> &'static [Param] {
+        self.script.map_or(&[], |script| script.params)
     }
 
     /// Whether it works under an outline in the picture.

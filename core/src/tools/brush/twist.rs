@@ -1,7 +1,10 @@
 //! Twist: turns the clay like a knob; drag to the right or left.
 
-use super::keys::{FALLOFF, RADIUS, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke};
+use super::change::{Change, Site};
+use super::kernel::grab::{self, Motion};
+use super::keys::{ANGLE, FALLOFF, RADIUS, STRENGTH};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Script};
+use super::{BrushError, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -16,5 +19,11 @@ pub const SPEC: BrushSpec = BrushSpec {
         FALLOFF.param,
     ],
     stroke: BrushStroke::Held { turns: true },
+    script: Script::of_clay(ContactKind::BallWithNormal, &[ANGLE.param, FALLOFF.param], apply),
     ..BrushSpec::DEFORM
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let angle_deg = used.get(ANGLE);
+    grab::change(used, site, |normal| Motion::Twist { normal, angle_deg })
+}

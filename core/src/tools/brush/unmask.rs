@@ -1,8 +1,12 @@
 //! Unmask: takes protection from the surface under it.
 
-use super::BrushId;
+use super::change::{Change, Site};
+use super::footprint::Outline;
+use super::kernel::rays;
+use super::kernel::stamp::Stamp;
 use super::keys::{OUTLINE, RADIUS, REACH};
-use super::spec::{BrushGroup, BrushSpec, Inverse, Tint};
+use super::spec::{BrushGroup, BrushSpec, Inverse, Script, Tint};
+use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -24,5 +28,16 @@ pub const SPEC: BrushSpec = BrushSpec {
     inverse: Inverse::Brush(BrushId::Mask),
     options_of: Some(BrushId::Mask),
     tint: Tint::Mask,
+    idle: "Nothing changed: there is no mask here",
+    script: Script::under(&[REACH.param], apply),
     ..BrushSpec::SURFACE
 };
+
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+    let reach_vx = used.get(REACH);
+    let stamp = rays::under(used, site, |footprint| Stamp {
+        remove: rays::around(footprint, site, reach_vx, |_| reach_vx, Outline::Round),
+        ..Stamp::default()
+    });
+    Ok(Change { remove: stamp.remove, ..Change::default() })
+}

@@ -23,7 +23,11 @@ use crate::sculpture::Rgb;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_index};
 use crate::sculpture::history::Contents;
 use crate::sculpture::region::VoxelBox;
-use crate::tools::brush::spray::Stamp;
+use crate::tools::brush::brush_use::Frame;
+use crate::tools::brush::change::{Change, NewClay, Paint, Site};
+use crate::tools::brush::kernel::stamp::Stamp;
+use crate::tools::brush::keys::FALLOFF;
+use crate::tools::brush::{BrushError, BrushUse};
 use crate::tools::symmetry::{Symmetry, origin_of};
 
 /// Smallest radius, in units of the smallest edge of a voxel: shorter steps would never end.
@@ -152,45 +156,35 @@ const STEP_SLOPE: f64 = 0.4;
 /// Most steps of a pull: more than the longest pull at the smallest ball of cubic voxels takes.
 const MOST_STEPS: usize = 8192;
 
-impl Grab {
-    /// An error that names the first invalid field, if there is one.
-    pub fn check(&self) -> Result<(), &'static str> {
-        if !self.centre_vx.is_finite() || self.centre_vx.abs().max_element() > 1e6 {
-            return Err("the middle of the ball must lie near the grid");
-        }
-        if !(self.radius >= MIN_RADIUS && self.radius <= MAX_RADIUS) {
-            return Err("the radius of the ball must be from 0.5 to 96 voxels");
-        }
-        let direction = |normal: Vec3| match normal.try_normalize() {
-            Some(_) => Ok(()),
-            None => Err("the normal must be a direction"),
-        };
-        match self.motion {
-            Motion::Pull { by_vx } => {
-                match by_vx.is_finite() && by_vx.abs().max_element() <= MAX_PULL_VX {
-                    true => Ok(()),
-                    false => Err("the pull must be at most 192 voxels along each axis"),
-                }
-            }
-            Motion::Twist { normal, angle_deg } => match angle_deg.abs() <= MAX_TWIST_DEG {
-                true => direction(normal),
-                false => Err("the angle must be at most 360 degrees"),
-            },
-            Motion::Pinch { normal, strength } => match strength.abs() <= 1.0 {
-                true => direction(normal),
-                false => Err("the strength must be from -1 to 1"),
-            },
-        }
-    }
+/// The change of a use that moves a ball of clay. `motion`: of the clay, from the direction in which the brush works.
+pub fn change(
+    used: &BrushUse,
+    site: &Site,
+    motion: impl Fn(Vec3) -> Motion,
+) -> Result<Change, BrushError> {
+    let Some(ball) = used.ball() else { return Ok(Change::default()) };
+    let motion = match ball.frame {
+        Frame::Normal(way) | Frame::Displacement(way) => motion(way),
+        Frame::None => motion(Vec3::ZERO),
+    };
+    let falloff = used.get(FALLOFF);
+    let grab = Grab { centre_vx: ball.centre_vx, radius: ball.radius, motion, falloff };
+    grab.check_steps(site.contents.grid.voxel_size())?;
+    let mut pulled = grab.pulled(site.contents, site.symmetry);
+    let Stamp { add, remove, paint } = std::mem::take(&mut pulled.stamp);
+    let paint = vec![(paint, Paint::Carried(pulled))];
+    Ok(Change { add, remove, new_clay: NewClay::Base, paint })
+}
 
-    /// An error if the pull would take too many steps in voxels of this size: if it leads far along the longest edge of
+impl Grab {
+    /// An error if the motion would take too many steps in voxels of this size: if it leads far along the longest edge of
     /// thin voxels.
-    pub fn check_steps(&self, voxel_size: Vec3) -> Result<(), &'static str> {
+    fn check_steps(&self, voxel_size: Vec3) -> Result<(), BrushError> {
+        let rule =
+            "is too long for so small a ball of such long voxels; enlarge it or pull in parts";
         match self.steps(voxel_size) <= MOST_STEPS {
             true => Ok(()),
-            false => Err(
-                "the pull is too long for so small a ball of such long voxels; enlarge it or pull in parts",
-            ),
+            false => Err(BrushError::new("pull", rule)),
         }
     }
 

@@ -30,7 +30,7 @@ use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Brick, Grid};
 use crate::tools::brush::footprint::Footprint;
-use crate::tools::brush::spray::Stamp;
+use crate::tools::brush::kernel::stamp::Stamp;
 
 /// Radii by which a brush smooths, in units of the smallest edge of a voxel; larger brushes smooth by the largest.
 pub const RADII: std::ops::RangeInclusive<f32> = 2.0..=64.0;

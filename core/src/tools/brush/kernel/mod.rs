@@ -8,6 +8,8 @@ pub mod level;
 pub mod offset;
 #[cfg(test)]
 mod offset_tests;
+pub mod rays;
+pub mod stamp;
 pub mod visible;
 #[cfg(test)]
 mod visible_tests;

@@ -13,7 +13,11 @@ use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 use crate::sculpture::region::{ListedBricks, VoxelBox};
-use crate::tools::brush::spray::Stamp;
+use crate::tools::brush::BrushUse;
+use crate::tools::brush::brush_use::Frame;
+use crate::tools::brush::change::{Change, NewClay, Site};
+use crate::tools::brush::kernel::stamp::Stamp;
+use crate::tools::brush::keys::FALLOFF;
 use crate::tools::symmetry::{Symmetry, origin_of};
 
 /// Furthest that a surface is raised or lowered, in units of the smallest edge of a voxel.
@@ -140,6 +144,19 @@ impl Ball {
             gone = (gone + left.max(LOOK)).min(furthest);
         }
     }
+}
+
+/// The change of a use in a ball. `target`: where the surface goes, from the direction out of the clay.
+pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> Change {
+    let Some(ball) = used.ball() else { return Change::default() };
+    let target = match ball.frame {
+        Frame::Normal(normal) => target(normal.normalize_or(Vec3::Y)),
+        _ => target(Vec3::Y),
+    };
+    let falloff = used.get(FALLOFF);
+    let offset = Offset { centre_vx: ball.centre_vx, radius: ball.radius, falloff, target };
+    let Stamp { add, remove, .. } = offset.stamp(site.surface, site.symmetry);
+    Change { add, remove, new_clay: NewClay::Inherited, ..Change::default() }
 }
 
 impl Offset {

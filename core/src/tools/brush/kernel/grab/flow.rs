@@ -15,7 +15,7 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Brick, Rgb};
 use crate::tools::brush::kernel::grab::{Falloff, Pulled};
-use crate::tools::brush::spray::Stamp;
+use crate::tools::brush::kernel::stamp::Stamp;
 use crate::tools::symmetry::MAX_IMAGES;
 
 /// Approximations of where a step comes from; each is [`super::STEP_SLOPE`] times as far off as the one before.

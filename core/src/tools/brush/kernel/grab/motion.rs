@@ -6,7 +6,6 @@
 use glam::{DVec3, Vec3};
 
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::tools::brush::deform::DeformKind;
 use crate::tools::brush::kernel::grab::Falloff;
 use crate::tools::symmetry::Image;
 
@@ -85,15 +84,6 @@ impl Motion {
                 f64::from(angle_deg).to_radians().abs() * falloff.steepest_twist()
             }
             Motion::Pinch { strength, .. } => f64::from(strength).abs() * falloff.steepest_pinch(),
-        }
-    }
-
-    /// The tool that does it.
-    pub const fn kind(&self) -> DeformKind {
-        match self {
-            Motion::Pull { .. } => DeformKind::Grab,
-            Motion::Twist { .. } => DeformKind::Twist,
-            Motion::Pinch { .. } => DeformKind::Pinch,
         }
     }
 

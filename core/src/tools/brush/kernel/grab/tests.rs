@@ -5,9 +5,7 @@ use proptest::prelude::*;
 
 use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
-use crate::tools::brush::kernel::grab::{
-    Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS, Motion,
-};
+use crate::tools::brush::kernel::grab::{Falloff, Grab, MAX_PULL_VX, MIN_RADIUS, Motion};
 use crate::tools::symmetry::{Parity, Symmetry};
 
 const RED: Rgb = Rgb::new(200, 20, 10);
@@ -187,7 +185,6 @@ proptest! {
     fn only_what_is_within_reach_changes(grab in grab(), seed in 0u32..1000, kind in 0u8..3) {
         let noise = |v: UVec3| (v.x * 7 + v.y * 131 + v.z * 1741 + seed).wrapping_mul(2654435761) >> 30 == 0;
         let before = contents(UVec3::new(34, 30, 33), |v| match kind { 0 => false, 1 => true, _ => noise(v) });
-        prop_assert!(grab.check().is_ok());
         let after = pulled(&before, &grab, Symmetry::default());
         if kind == 0 {
             prop_assert_eq!(after.grid.opaque_count(), 0);
@@ -272,29 +269,6 @@ fn a_pull_does_the_same_wherever_the_clay_lies_in_its_bricks() {
                 assert!(!here.grid.get(v) || a == b, "{v} {shift}");
             }
         }
-    }
-}
-
-#[test]
-fn numbers_out_of_range_are_refused() {
-    let good = carry(Vec3::splat(8.0), Vec3::X);
-    assert!(good.check().is_ok());
-    for bad in [
-        Grab { radius: 0.0, ..good },
-        Grab { radius: 1e-6, ..good },
-        Grab { radius: f32::NAN, ..good },
-        Grab { radius: MAX_RADIUS * 1.01, ..good },
-        Grab { motion: Motion::Pull { by_vx: Vec3::NAN }, ..good },
-        Grab { motion: Motion::Pull { by_vx: Vec3::X * (MAX_PULL_VX + 1.0) }, ..good },
-        Grab { motion: Motion::Twist { normal: Vec3::ZERO, angle_deg: 9.0 }, ..good },
-        Grab { motion: Motion::Twist { normal: Vec3::Y, angle_deg: f32::NAN }, ..good },
-        Grab { motion: Motion::Twist { normal: Vec3::Y, angle_deg: -361.0 }, ..good },
-        Grab { motion: Motion::Pinch { normal: Vec3::NAN, strength: 0.5 }, ..good },
-        Grab { motion: Motion::Pinch { normal: Vec3::Y, strength: 1.5 }, ..good },
-        Grab { centre_vx: Vec3::INFINITY, ..good },
-        Grab { centre_vx: Vec3::splat(1e30), ..good },
-    ] {
-        assert!(bad.check().is_err(), "{bad:?}");
     }
 }
 

@@ -7,7 +7,7 @@ use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{Brick, Grid};
 use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
 use crate::tools::brush::kernel::level::Level;
-use crate::tools::brush::spray::Stamp;
+use crate::tools::brush::kernel::stamp::Stamp;
 
 const FULL: Level = Level { strength: 1.0, rounding: Level::NEAREST };
 

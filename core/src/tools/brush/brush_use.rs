@@ -1,0 +1,270 @@
+//! A brush used once: which one, where, with which values. Commands hold such uses; the brush's file says what they change.
+
+use std::path::PathBuf;
+
+use glam::Vec3;
+use thiserror::Error;
+
+use super::BrushId;
+use super::footprint::{Footprint, MAX_FOOTPRINT};
+use super::kernel::grab::{MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
+use super::keys::COLOUR;
+use super::options::Values;
+use super::param::{Key, Omitted, Param, ParamValue, Value};
+use super::spec::ContactKind;
+
+/// A brush used once.
+#[derive(Clone, PartialEq, Debug)]
+pub struct BrushUse {
+    brush: BrushId,
+    /// Where it is used.
+    pub contact: Contact,
+    /// The surface on which it works.
+    pub surface: BrushSurface,
+    /// The PNG or JPEG file with which it paints; its longer side is as long as the brush is wide.
+    pub picture: Option<PathBuf>,
+    values: Values,
+}
+
+/// The surface that the rays of a brush are cast on, or the clay that it moves.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum BrushSurface {
+    /// The current one, so that strokes go deeper where they overlap, and pulls go on from there.
+    #[default]
+    Now,
+    /// The surface before the first use with this setting in the stroke, so that no use takes back the effect of others. A
+    /// pull takes the place of all that the stroke has done so far.
+    Stroke,
+}
+
+/// The place where a brush is used.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Contact {
+    /// Under an outline in a picture.
+    Footprint(Footprint),
+    /// In a ball.
+    Ball(Ball),
+}
+
+/// A ball in which a brush works.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Ball {
+    /// Its middle, in voxel coordinates.
+    pub centre_vx: Vec3,
+    /// Its radius in units of the smallest edge of a voxel, from [`MIN_RADIUS`] to [`MAX_RADIUS`].
+    pub radius: f32,
+    /// The direction in which the brush works.
+    pub frame: Frame,
+}
+
+/// The direction in which a brush works.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Frame {
+    /// None: along the normals of the surface.
+    None,
+    /// Out of the clay, or an axis, of any length.
+    Normal(Vec3),
+    /// How far the middle of the ball goes, in voxels; at most [`MAX_PULL_VX`] along each axis.
+    Displacement(Vec3),
+}
+
+/// A value with which a brush cannot be used.
+#[derive(Clone, PartialEq, Eq, Debug, Error)]
+#[error("the {field} of the brush {rule}")]
+pub struct BrushError {
+    /// The parameter.
+    pub field: &'static str,
+    /// The rule that its value does not keep.
+    pub rule: String,
+}
+
+impl BrushError {
+    pub(super) fn new(field: &'static str, rule: impl Into<String>) -> BrushError {
+        BrushError { field, rule: rule.into() }
+    }
+}
+
+impl BrushUse {
+    /// A use with the values that a script need not state.
+    pub fn new(brush: BrushId, contact: Contact) -> BrushUse {
+        let omitted = |param: &Param| match param.omitted {
+            Omitted::Required | Omitted::InsteadOf(..) => Value::Absent,
+            Omitted::Is(value) | Omitted::Unwritten(value) => value,
+        };
+        let values = Values::new(brush.spec().params(), omitted);
+        BrushUse { brush, contact, surface: BrushSurface::Now, picture: None, values }
+    }
+
+    /// A use under an outline in a picture.
+    pub fn under(brush: BrushId, footprint: Footprint) -> BrushUse {
+        BrushUse::new(brush, Contact::Footprint(footprint))
+    }
+
+    /// A use in a ball.
+    pub fn in_ball(brush: BrushId, ball: Ball) -> BrushUse {
+        BrushUse::new(brush, Contact::Ball(ball))
+    }
+
+    /// The same use on another surface.
+    pub fn on(mut self, surface: BrushSurface) -> BrushUse {
+        self.surface = surface;
+        self
+    }
+
+    /// The same use with another value of a parameter, if the brush has it.
+    pub fn with<T: ParamValue>(mut self, key: Key<T>, value: T) -> BrushUse {
+        self.set_value(key.param.key, value.to_value());
+        self
+    }
+
+    /// Sets the value of a parameter that is known by its name.
+    pub fn set_value(&mut self, key: &str, value: Value) {
+        self.values.set(self.brush.spec().params(), key, value);
+    }
+
+    /// The same use with the values that stand in for parameters that it does not have.
+    pub(crate) fn completed(mut self) -> BrushUse {
+        let params = self.brush.spec().params();
+        for param in params {
+            if let Omitted::InsteadOf(other, value) = param.omitted
+                && self.values.get(params, other) == Some(Value::Absent)
+                && self.values.get(params, param.key) == Some(Value::Absent)
+            {
+                self.set_value(param.key, value);
+            }
+        }
+        self
+    }
+
+    /// The brush.
+    pub fn brush(&self) -> BrushId {
+        self.brush
+    }
+
+    /// The value of a parameter, if it has one.
+    pub fn find<T: ParamValue>(&self, key: Key<T>) -> Option<T> {
+        self.values.get(self.brush.spec().params(), key.param.key).and_then(T::from_value)
+    }
+
+    /// The value of a parameter that is known by its name, if it has one.
+    pub(crate) fn value(&self, key: &str) -> Option<Value> {
+        let value = self.values.get(self.brush.spec().params(), key);
+        value.filter(|value| *value != Value::Absent)
+    }
+
+    /// The value of a parameter that the check has seen.
+    pub(super) fn get<T: ParamValue + Default>(&self, key: Key<T>) -> T {
+        self.find(key).unwrap_or_default()
+    }
+
+    /// All parameters with their values, in the order in which the text form has them.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static Param, Value)> + use<> {
+        self.values.iter(self.brush.spec().params())
+    }
+
+    /// The footprint under which it is used.
+    pub fn footprint(&self) -> Option<&Footprint> {
+        match &self.contact {
+            Contact::Footprint(footprint) => Some(footprint),
+            Contact::Ball(_) => None,
+        }
+    }
+
+    /// The ball in which it is used.
+    pub fn ball(&self) -> Option<&Ball> {
+        match &self.contact {
+            Contact::Ball(ball) => Some(ball),
+            Contact::Footprint(_) => None,
+        }
+    }
+
+    /// Whether it takes the place of what the stroke has done so far.
+    pub fn replaces_stroke(&self) -> bool {
+        let replaces = self.brush.spec().script.is_some_and(|script| script.replaces_stroke);
+        replaces && self.surface == BrushSurface::Stroke
+    }
+
+    /// The same use, moved by a number of voxels.
+    pub(crate) fn shifted(&self, by_vx: Vec3) -> BrushUse {
+        let mut moved = self.clone();
+        match &mut moved.contact {
+            Contact::Footprint(footprint) => footprint.eye_vx += by_vx,
+            Contact::Ball(ball) => ball.centre_vx += by_vx,
+        }
+        moved
+    }
+
+    /// An error that names the first invalid field, if there is one.
+    pub fn check(&self) -> Result<(), BrushError> {
+        match &self.contact {
+            Contact::Footprint(footprint) => check_footprint(footprint)?,
+            Contact::Ball(ball) => check_ball(ball)?,
+        }
+        if self.brush.spec().script.is_none_or(|script| script.contact != self.contact.kind()) {
+            return Err(BrushError::new("place", "is not one where it can be used"));
+        }
+        for (param, value) in self.iter() {
+            let is_needed = match param.omitted {
+                // An image has its own colours.
+                Omitted::Required => self.picture.is_none() || param.key != COLOUR.param.key,
+                Omitted::InsteadOf(other, _) => {
+                    self.values.get(self.brush.spec().params(), other) == Some(Value::Absent)
+                }
+                Omitted::Is(_) | Omitted::Unwritten(_) => false,
+            };
+            if value == Value::Absent && is_needed {
+                return Err(BrushError::new(param.key, "is missing"));
+            }
+            if value != Value::Absent && !param.allows(value, MIN_RADIUS..=MAX_RADIUS) {
+                return Err(BrushError::new(param.key, param.rule()));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Contact {
+    /// The kind, without its numbers.
+    pub fn kind(&self) -> ContactKind {
+        match self {
+            Contact::Footprint(_) => ContactKind::Footprint,
+            Contact::Ball(Ball { frame: Frame::None, .. }) => ContactKind::Ball,
+            Contact::Ball(Ball { frame: Frame::Normal(_), .. }) => ContactKind::BallWithNormal,
+            Contact::Ball(Ball { frame: Frame::Displacement(_), .. }) => {
+                ContactKind::BallWithDisplacement
+            }
+        }
+    }
+}
+
+fn check_footprint(footprint: &Footprint) -> Result<(), BrushError> {
+    let Footprint { eye_vx, aim, across, down, radius, .. } = footprint;
+    if ![eye_vx, aim, across, down].iter().all(|vector| vector.is_finite()) {
+        return Err(BrushError::new("footprint", "must have finite rays"));
+    }
+    match (0.0..=MAX_FOOTPRINT).contains(radius) {
+        true => Ok(()),
+        false => Err(BrushError::new("radius", format!("must be from 0 to {MAX_FOOTPRINT} rays"))),
+    }
+}
+
+fn check_ball(ball: &Ball) -> Result<(), BrushError> {
+    let Ball { centre_vx, radius, frame } = *ball;
+    if !centre_vx.is_finite() || centre_vx.abs().max_element() > 1e6 {
+        return Err(BrushError::new("middle", "must lie near the grid"));
+    }
+    if !(MIN_RADIUS..=MAX_RADIUS).contains(&radius) {
+        let rule = format!("must be from {MIN_RADIUS} to {MAX_RADIUS} voxels");
+        return Err(BrushError::new("radius", rule));
+    }
+    match frame {
+        Frame::Normal(normal) if normal.try_normalize().is_none() => {
+            Err(BrushError::new("normal", "must be a direction"))
+        }
+        Frame::Displacement(by) if !by.is_finite() || by.abs().max_element() > MAX_PULL_VX => {
+            let rule = format!("must be at most {MAX_PULL_VX} voxels along each axis");
+            Err(BrushError::new("pull", rule))
+        }
+        _ => Ok(()),
+    }
+}

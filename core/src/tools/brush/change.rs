@@ -1,0 +1,97 @@
+//! The change that a use of a brush makes: voxels to remove, to add and to paint. Documents carry it out.
+
+use std::sync::Arc;
+
+use glam::UVec3;
+
+use super::BrushUse;
+use super::kernel::grab::Pulled;
+use super::mix::Mix;
+use super::stencil::Stencil;
+use crate::sculpture::history::Contents;
+use crate::sculpture::region::ListedBricks;
+use crate::sculpture::{ColourDepth, Grid, Rgb};
+use crate::tools::symmetry::{Image, Symmetry};
+use crate::tools::texture::Texture;
+
+/// The sculpture on which a brush is used.
+pub struct Site<'a> {
+    /// The sculpture as it is.
+    pub contents: &'a Contents,
+    /// The surface on which the brush works: the same grid, or that when the stroke began.
+    pub surface: &'a Grid,
+    /// The symmetry of tools.
+    pub symmetry: &'a Symmetry,
+    /// Its images, the use itself among them.
+    pub images: &'a [Image],
+    /// The image with which the brush paints.
+    pub picture: Option<&'a Arc<Texture>>,
+}
+
+/// The change that a use of a brush makes.
+#[derive(Default)]
+pub struct Change {
+    /// Voxels to remove; of the mask if the brush changes that.
+    pub remove: ListedBricks,
+    /// Voxels to add, likewise.
+    pub add: ListedBricks,
+    /// The colour of added voxels.
+    pub new_clay: NewClay,
+    /// Voxels to paint after that.
+    pub paint: Vec<(ListedBricks, Paint)>,
+}
+
+/// The colour of voxels that a brush adds.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub enum NewClay {
+    /// The base colour.
+    #[default]
+    Base,
+    /// This one.
+    Colour(Rgb),
+    /// That of the voxels around them.
+    Inherited,
+}
+
+/// The new colours of voxels.
+pub enum Paint {
+    /// A mixture with the present ones.
+    Mix(Mix),
+    /// Those of an image.
+    Stencil(Stencil),
+    /// Those of clay that has come there.
+    Carried(Pulled),
+}
+
+impl Site<'_> {
+    /// The bits of colour of the sculpture.
+    pub fn depth(&self) -> ColourDepth {
+        self.contents.material.depth()
+    }
+}
+
+impl Change {
+    /// The voxels that a use changes. The use must have been checked.
+    pub fn of(used: &BrushUse, site: &Site) -> Result<Change, super::BrushError> {
+        match used.brush().spec().script {
+            Some(script) => (script.apply)(used, site),
+            None => Ok(Change::default()),
+        }
+    }
+
+    /// A change that paints.
+    pub(super) fn painted(voxels: ListedBricks, paint: Paint) -> Change {
+        Change { paint: vec![(voxels, paint)], ..Change::default() }
+    }
+}
+
+impl Paint {
+    /// The new colour of a voxel from its present one.
+    pub fn colour(&self, v: UVec3, now: Rgb) -> Rgb {
+        match self {
+            Paint::Mix(mix) => mix.colour(v, now),
+            Paint::Stencil(stencil) => stencil.colour(v, now),
+            Paint::Carried(pulled) => pulled.colour(v).unwrap_or(now),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! A use of a brush by a hand, from its options and the place on the surface. The brush's file makes a [`BrushUse`] of it.
+
+use glam::Vec3;
+
+use super::footprint::Footprint;
+use super::kernel::offset::MAX_HEIGHT;
+use super::keys::{COLOUR, ONCE_PER_STROKE, RADIUS, STRENGTH};
+use super::options::BrushOptions;
+use super::{Ball, BrushSurface, BrushUse, Contact, Frame};
+use crate::sculpture::Rgb;
+
+/// Height to which the surface is raised with full strength, as a share of the radius.
+const HEIGHT_SHARE: f32 = 0.5;
+
+/// A use of a brush by a hand.
+#[derive(Clone, Copy, Debug)]
+pub struct Dab<'a> {
+    /// The options; of a brush in a ball with the radius in units of the smallest edge of a voxel.
+    pub options: &'a BrushOptions,
+    /// Where it is used.
+    pub place: DabPlace,
+}
+
+/// The place where a hand uses a brush.
+#[derive(Clone, Copy, Debug)]
+pub enum DabPlace {
+    /// Under an outline in a picture.
+    Picture {
+        /// The outline.
+        footprint: Footprint,
+        /// The colour in hand.
+        colour: Rgb,
+        /// Uses of the stroke before it.
+        uses: u32,
+    },
+    /// On the surface.
+    Surface {
+        /// The middle of the ball, in voxels.
+        at_vx: Vec3,
+        /// That of the use before, in voxels.
+        from_vx: Vec3,
+        /// Out of the clay, of length 1.
+        normal: Vec3,
+        /// Voxel edges in units of the smallest.
+        edges: Vec3,
+        /// 1, or -1 if the brush works in the other sense.
+        sense: f32,
+    },
+}
+
+impl Dab<'_> {
+    /// A use with the values of the options that have the names of its parameters. `frame`: in which it works in a ball.
+    pub(super) fn used(&self, frame: Frame) -> BrushUse {
+        let brush = self.options.brush();
+        let radius = self.options.get(RADIUS);
+        let (contact, surface, colour) = match self.place {
+            DabPlace::Picture { footprint, colour, .. } => {
+                let surface = match self.options.get(ONCE_PER_STROKE) {
+                    true => BrushSurface::Stroke,
+                    false => BrushSurface::Now,
+                };
+                let colour = brush.spec().gives_colour.then_some(colour);
+                (Contact::Footprint(footprint), surface, colour)
+            }
+            DabPlace::Surface { at_vx: centre_vx, .. } => {
+                (Contact::Ball(Ball { centre_vx, radius, frame }), BrushSurface::Stroke, None)
+            }
+        };
+        let mut used = BrushUse::new(brush, contact).on(surface);
+        self.options.iter().for_each(|(param, value)| used.set_value(param.key, value));
+        match colour {
+            Some(colour) => used.with(COLOUR, colour),
+            None => used,
+        }
+    }
+
+    /// The same along the normal.
+    pub(super) fn along_normal(&self) -> BrushUse {
+        self.used(Frame::Normal(self.normal()))
+    }
+
+    /// Out of the clay, of length 1.
+    pub(super) fn normal(&self) -> Vec3 {
+        match self.place {
+            DabPlace::Surface { normal, .. } => normal,
+            DabPlace::Picture { footprint, .. } => -footprint.aim.normalize_or(Vec3::NEG_Y),
+        }
+    }
+
+    /// How far the surface is raised with the strength of the options, in units of the smallest edge; below 0 in the other
+    /// sense.
+    pub(super) fn height(&self) -> f32 {
+        let height = self.options.get(STRENGTH) * HEIGHT_SHARE * self.options.get(RADIUS);
+        self.sense() * height.min(MAX_HEIGHT)
+    }
+
+    /// 1, or -1 in the other sense.
+    pub(super) fn sense(&self) -> f32 {
+        match self.place {
+            DabPlace::Surface { sense, .. } => sense,
+            DabPlace::Picture { .. } => 1.0,
+        }
+    }
+}

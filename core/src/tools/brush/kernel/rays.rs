@@ -1,0 +1,130 @@
+//! Brushes under an outline in the picture: the voxels around those of the surface that a footprint takes.
+//!
+//! The footprint lies in the picture, so that the brush works on exactly what is on the screen
+//! (J. Mueller 2005: "congruent with the picture"). Changes nothing itself.
+
+use glam::IVec3;
+
+use super::stamp::Stamp;
+use crate::sculpture::Grid;
+use crate::sculpture::bit_block::BitBlock;
+use crate::sculpture::region::ListedBricks;
+use crate::tools::brush::BrushUse;
+use crate::tools::brush::change::Site;
+use crate::tools::brush::footprint::{Footprint, Outline, Touch};
+
+/// Largest reach of a brush around a voxel of the surface, in voxels.
+pub const MAX_REACH_VX: f32 = 64.0;
+
+/// The voxels of the surface under a footprint, and a box of all that may change around them.
+struct Touched {
+    touches: Vec<Touch>,
+    min: IVec3,
+    max: IVec3,
+}
+
+/// What filters read and may change: existing voxels near the surface, and those that may change.
+pub struct Near {
+    /// Existing voxels.
+    pub solid: BitBlock,
+    /// Voxels that may change.
+    pub may: BitBlock,
+}
+
+/// The voxels that a filter adds, and those that it removes.
+#[derive(Default)]
+pub struct Filtered {
+    /// To add.
+    pub add: Option<BitBlock>,
+    /// To remove.
+    pub remove: Option<BitBlock>,
+}
+
+/// The change under the footprint of a use and its mirror images.
+pub fn under(used: &BrushUse, site: &Site, one: impl Fn(&Footprint) -> Stamp) -> Stamp {
+    let Some(footprint) = used.footprint() else { return Stamp::default() };
+    Stamp::union(site.images.iter().map(|image| one(&footprint.image(image))))
+}
+
+/// The voxels of the surface under one footprint.
+pub fn seen(footprint: &Footprint, site: &Site) -> ListedBricks {
+    let Some(touched) = Touched::under(footprint, site.surface, 0) else {
+        return ListedBricks::default();
+    };
+    let mut seen = BitBlock::empty(touched.min, touched.max);
+    touched.touches.iter().for_each(|Touch { voxel: v, .. }| seen.set_span(v.x, v.x, v.y, v.z));
+    ListedBricks::new(seen.bricks(site.contents.grid.brick_dims()))
+}
+
+/// The voxels around those of the surface under a footprint, up to the `reach_vx` for their distances from its centre (0)
+/// to its rim (1). `most_vx`: the largest reach.
+pub fn around(
+    footprint: &Footprint,
+    site: &Site,
+    most_vx: f32,
+    reach_vx: impl Fn(f32) -> f32,
+    outline: Outline,
+) -> ListedBricks {
+    let margin = most_vx.ceil() as i32 + 1;
+    match Touched::under(footprint, site.surface, margin) {
+        Some(touched) => {
+            let around = touched.around(reach_vx, outline);
+            ListedBricks::new(around.bricks(site.contents.grid.brick_dims()))
+        }
+        None => ListedBricks::default(),
+    }
+}
+
+/// A filter on the voxels near the surface under a footprint. `margin`: how far around voxels that may change it reads.
+pub fn filtered(
+    footprint: &Footprint,
+    site: &Site,
+    reach_vx: f32,
+    margin: u32,
+    filter: impl Fn(&Near) -> Filtered,
+) -> Stamp {
+    let margin = reach_vx.ceil() as i32 + margin as i32;
+    let Some(touched) = Touched::under(footprint, site.surface, margin) else {
+        return Stamp::default();
+    };
+    let may = touched.around(|_| reach_vx, Outline::Round);
+    let solid = BitBlock::of_grid(&site.contents.grid, touched.min, touched.max);
+    let Filtered { add, remove } = filter(&Near { solid, may });
+    let dims = site.contents.grid.brick_dims();
+    let listed = |block: Option<BitBlock>| {
+        block.map(|block| ListedBricks::new(block.bricks(dims))).unwrap_or_default()
+    };
+    Stamp { add: listed(add), remove: listed(remove), ..Stamp::default() }
+}
+
+impl Touched {
+    /// None if there is no surface under the footprint.
+    fn under(footprint: &Footprint, surface: &Grid, margin: i32) -> Option<Touched> {
+        let touches = footprint.touched(surface);
+        let min = touches.iter().map(|touch| touch.voxel).reduce(IVec3::min)?;
+        let max = touches.iter().map(|touch| touch.voxel).reduce(IVec3::max)?;
+        Some(Touched { touches, min: min - margin, max: max + margin + 1 })
+    }
+
+    fn around(&self, reach_vx: impl Fn(f32) -> f32, outline: Outline) -> BitBlock {
+        // Distances between voxels are roots of whole numbers: reaches between two of them are the same.
+        let steps = |offset: f32| match outline {
+            Outline::Round => reach_vx(offset).max(0.0).powi(2) as u32,
+            Outline::Square => reach_vx(offset).max(0.0) as u32,
+        };
+        let touches = self.touches.iter();
+        let mut seeds: Vec<(u32, IVec3)> =
+            touches.map(|touch| (steps(touch.offset), touch.voxel)).collect();
+        seeds.sort_unstable_by_key(|(steps, _)| *steps);
+        let mut around = BitBlock::empty(self.min, self.max);
+        for alike in seeds.chunk_by(|(a, _), (b, _)| a == b) {
+            let mut seeds = around.emptied();
+            alike.iter().for_each(|(_, v)| seeds.set_span(v.x, v.x, v.y, v.z));
+            match outline {
+                Outline::Round => around.add_balls(&seeds, alike[0].0),
+                Outline::Square => around.add_cubes(&seeds, alike[0].0),
+            }
+        }
+        around
+    }
+}

@@ -1,0 +1,151 @@
+//! Random uses of brushes, made from their descriptions: every brush that has a command is among them.
+
+use glam::Vec3;
+use proptest::prelude::*;
+use sculpture_core::sculpture::Rgb;
+use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
+use sculpture_core::tools::brush::param::{Domain, Omitted, Param, Unit, Value};
+use sculpture_core::tools::brush::spec::{ContactKind, Script};
+use sculpture_core::tools::brush::{Ball, BrushId, BrushSurface, BrushUse, Contact, Frame};
+
+use super::strategies::{colour, path};
+
+/// Numbers in voxels that suit a small sculpture.
+const FAR_VX: f32 = 6.0;
+
+/// The strategies of what a use consists of.
+#[derive(Clone)]
+pub struct Parts {
+    /// Vectors of footprints.
+    pub ray: BoxedStrategy<Vec3>,
+    /// Radii of footprints.
+    pub rays: BoxedStrategy<f32>,
+    /// Middles of balls.
+    pub centre: BoxedStrategy<Vec3>,
+    /// Their radii.
+    pub radius: BoxedStrategy<f32>,
+    /// Normals and displacements.
+    pub way: BoxedStrategy<Vec3>,
+    /// Values of parameters.
+    pub value: fn(&Param) -> BoxedStrategy<Value>,
+}
+
+/// A use of any brush, without an image.
+pub fn brush_use(parts: &Parts) -> impl Strategy<Value = BrushUse> + use<> {
+    let all = BrushId::ALL.iter().filter_map(|brush| Some((*brush, brush.spec().script?)));
+    let all: Vec<(BrushId, Script)> = all.collect();
+    let parts = parts.clone();
+    prop::sample::select(all).prop_flat_map(move |(brush, script)| {
+        let values: Vec<_> =
+            script.params.iter().map(|param| maybe_absent(param, parts.value)).collect();
+        (contact(script.contact, &parts), values, any::<bool>()).prop_map(
+            move |(contact, values, stroke)| {
+                let surface = if stroke { BrushSurface::Stroke } else { BrushSurface::Now };
+                let mut used = BrushUse::new(brush, contact).on(surface);
+                for (param, value) in script.params.iter().zip(values) {
+                    used.set_value(param.key, value);
+                }
+                for param in script.params {
+                    let instead = |other: &str| {
+                        used.iter().any(|(p, value)| p.key == other && value != Value::Absent)
+                    };
+                    if matches!(param.omitted, Omitted::InsteadOf(other, _) if instead(other)) {
+                        used.set_value(param.key, Value::Absent);
+                    }
+                }
+                used
+            },
+        )
+    })
+}
+
+/// A use of the brush with an image.
+pub fn stencil(parts: &Parts) -> impl Strategy<Value = BrushUse> + use<> {
+    let params = BrushId::Paint.spec().params();
+    let cover = params.iter().find(|param| param.key == "cover").unwrap();
+    let colour = prop_oneof![Just(Value::Absent), colour().prop_map(Value::Colour)];
+    let contact = contact(ContactKind::Footprint, parts);
+    (path(), contact, colour, (parts.value)(cover)).prop_map(|(picture, contact, colour, cover)| {
+        let mut used = BrushUse::new(BrushId::Paint, contact);
+        if let Contact::Footprint(footprint) = &mut used.contact {
+            footprint.outline = Outline::Square;
+        }
+        used.picture = Some(picture);
+        used.set_value("colour", colour);
+        used.set_value("cover", cover);
+        used
+    })
+}
+
+fn contact(kind: ContactKind, parts: &Parts) -> BoxedStrategy<Contact> {
+    let ball = (parts.centre.clone(), parts.radius.clone());
+    let framed = |frame: fn(Vec3) -> Frame| {
+        (ball.clone(), parts.way.clone())
+            .prop_map(move |((centre_vx, radius), way)| {
+                Contact::Ball(Ball { centre_vx, radius, frame: frame(way) })
+            })
+            .boxed()
+    };
+    match kind {
+        ContactKind::Footprint => {
+            let ray = || parts.ray.clone();
+            let outline = prop::sample::select(&Outline::ALL[..]);
+            let coverage = prop::sample::select(&Coverage::ALL[..]);
+            (ray(), ray(), ray(), ray(), parts.rays.clone(), outline, coverage)
+                .prop_map(|(eye_vx, aim, across, down, radius, outline, coverage)| {
+                    Contact::Footprint(Footprint {
+                        eye_vx,
+                        aim,
+                        across,
+                        down,
+                        radius,
+                        outline,
+                        coverage,
+                    })
+                })
+                .boxed()
+        }
+        ContactKind::Ball => framed(|_| Frame::None),
+        ContactKind::BallWithNormal => framed(Frame::Normal),
+        ContactKind::BallWithDisplacement => framed(Frame::Displacement),
+    }
+}
+
+fn maybe_absent(param: &Param, value: fn(&Param) -> BoxedStrategy<Value>) -> BoxedStrategy<Value> {
+    match param.omitted {
+        Omitted::Unwritten(Value::Absent) => prop_oneof![Just(Value::Absent), value(param)].boxed(),
+        _ => value(param),
+    }
+}
+
+/// Values that a parameter can have, with lengths that suit a small sculpture.
+pub fn valid(param: &Param) -> BoxedStrategy<Value> {
+    match param.domain {
+        Domain::Number([least, most]) if param.unit == Unit::Voxels => {
+            (least.max(-FAR_VX)..=most.min(FAR_VX)).prop_map(Value::Number).boxed()
+        }
+        Domain::Number([least, most]) => (least..=most).prop_map(Value::Number).boxed(),
+        Domain::Whole([least, most]) if param.unit == Unit::Voxels => {
+            (least..=most.min(3)).prop_map(Value::Whole).boxed()
+        }
+        Domain::Whole([least, most]) => (least..=most).prop_map(Value::Whole).boxed(),
+        Domain::Switch => any::<bool>().prop_map(Value::On).boxed(),
+        Domain::Choice(choices) => (0..choices.len() as u8).prop_map(Value::Choice).boxed(),
+        Domain::Colour => colour().prop_map(Value::Colour).boxed(),
+        Domain::Radius => panic!("{} is no parameter of a command", param.key),
+    }
+}
+
+/// Values of the type of a parameter, most of which it must not have.
+pub fn hostile(param: &Param) -> BoxedStrategy<Value> {
+    match param.domain {
+        Domain::Number(_) => super::refusals::number().prop_map(Value::Number).boxed(),
+        Domain::Whole(_) => prop::sample::select(vec![0u32, 1, 8, 9, 26, 27, u32::MAX])
+            .prop_map(Value::Whole)
+            .boxed(),
+        Domain::Choice(_) => (0..4u8).prop_map(Value::Choice).boxed(),
+        Domain::Switch => any::<bool>().prop_map(Value::On).boxed(),
+        Domain::Colour => Just(Value::Colour(Rgb::STONE)).boxed(),
+        Domain::Radius => panic!("{} is no parameter of a command", param.key),
+    }
+}
