@@ -100,6 +100,15 @@ pub fn point_at_board(remote: &mut Remote, program: &Program, share: [f32; 2]) {
     let at = program.board_point(share, BOARD_HAND);
     let aim = Quat::from_rotation_arc(Vec3::NEG_Z, (at - from).normalize());
     remote.place(Side::Right, from, aim);
+    // However long the runtime takes to hand on where the hand is.
+    let pointed_at = || -> Option<[f32; 2]> {
+        let log = program.log();
+        let (_, last) = log.rsplit_once("board pointed at ")?;
+        let (x, y) = last.lines().next()?.split_once(',')?;
+        Some([x.parse().ok()?, y.parse().ok()?])
+    };
+    let is_there = |at: [f32; 2]| at.iter().zip(share).all(|(at, share)| (at - share).abs() < 0.01);
+    program.wait("the ray on the board", || pointed_at().filter(|at| is_there(*at)));
     program.frames(4);
 }
 

@@ -125,7 +125,11 @@ fn predict() {
         a.placement.position_m.distance(b.placement.position_m) + a.placement.angle_to(b.placement)
     };
     let mut moved = 0.0_f64;
-    for _ in 0..10 {
+    let mut queries = 0;
+    // At the turning points of its path the head hardly moves.
+    while queries < 10 || moved <= 0.01 {
+        queries += 1;
+        assert!(start.elapsed() < PATIENCE, "the head moves: {moved}");
         let then = clock.now_s() + AHEAD_S;
         let predicted = tracker.located(0, then).unwrap();
         assert_eq!(predicted.time_s, then);
@@ -138,7 +142,6 @@ fn predict() {
         assert!(far(&predicted, &found) < 1e-3, "{predicted:?} {found:?}");
         tracker.poll(clock.now_s(), &mut events);
     }
-    assert!(moved > 0.01, "the head moves: {moved}");
     assert!(events.iter().any(|event| matches!(event, Event::Pose(_))));
 }
 

@@ -87,8 +87,10 @@ impl BoardUi {
         match *event {
             HandEvent::Point(at) => {
                 let size = self.size_points();
+                let share = at;
                 let at = Pos2::new(at.x * size.x, at.y * size.y);
                 if self.pointer.replace(at) != Some(at) {
+                    tracing::trace!("board pointed at {:.3},{:.3}", share.x, share.y);
                     self.send_pointer();
                     self.stale = true;
                 }
