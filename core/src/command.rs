@@ -61,12 +61,12 @@ pub enum Command {
         /// How to read it.
         import: ImportOptions,
     },
-    /// Give a file's content to the commands that follow and name it, whatever is on the disk. Recordings use it, so
+    /// Give a file's content to the following commands that name it, whatever the disk holds. Recordings use it, so
     /// that they replay anywhere. Changes no voxel and is no undo step.
     Embed {
         /// The name of the file.
         path: PathBuf,
-        /// Its bytes: an image, or a sculpture as .vsc, whatever the name says.
+        /// Its bytes: an image, or a sculpture as .vsc, regardless of the name.
         file: Arc<[u8]>,
     },
     /// Write the sculpture to a file, in the format of its extension.
@@ -85,18 +85,19 @@ pub enum Command {
     End,
     /// End the open stroke and revert its changes.
     Cancel,
-    /// Add, subtract or recolour the voxels inside a solid, or of what it sweeps.
+    /// Add, subtract or recolour the voxels inside a solid, or inside the volume that it sweeps.
     Construct {
-        /// What happens to the voxels.
+        /// The operation on the voxels.
         op: EditOp,
         /// The solid.
         primitive: Primitive,
-        /// Where its centre goes, in voxel coordinates: all that it sweeps on the straight way there. None if it stays.
+        /// Where its centre moves, in voxel coordinates: the whole volume swept on the straight path there. None if it
+        /// stays.
         to_vx: Option<Vec3>,
     },
     /// Add, subtract or recolour the voxels inside a solid that is drawn.
     Form {
-        /// What happens to the voxels.
+        /// The operation on the voxels.
         op: EditOp,
         /// The solid.
         form: Form,
@@ -133,7 +134,7 @@ pub enum Command {
     Tint {
         /// Which voxels.
         area: Area,
-        /// What happens to their colours.
+        /// The change of their colours.
         tint: Tint,
     },
     /// Give the patch of one colour on the surface around a voxel another colour.
@@ -205,7 +206,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// What is left of an undo or redo of which `done` steps are done; none of other commands.
+    /// The rest of an undo or redo of which `done` steps are done; none of other commands.
     pub fn after_steps(&self, done: u32) -> Option<Command> {
         let left = |steps: Option<u32>| match steps {
             Some(steps) => (steps > done).then(|| Some(steps - done)),

@@ -400,7 +400,7 @@ impl Document {
             let label = command.label();
             if let Err(error) = self.require_room(&label, self.recorder.bytes()) {
                 self.take_back();
-                // As if it had not been tried: whoever replays what was done counts the same states.
+                // As if it had not been tried: a replay of the commands that were done counts the same states.
                 (self.revision, self.states) = (revision, states);
                 return Err(error);
             }

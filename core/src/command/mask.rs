@@ -1,4 +1,4 @@
-//! What commands do to the mask: the voxels that all tools leave alone.
+//! Changes that commands make to the mask: the voxels that all tools leave alone.
 
 use glam::{UVec3, Vec3};
 
@@ -12,13 +12,14 @@ use crate::tools::solid::Primitive;
 pub enum MaskChange {
     /// Nothing is protected any more.
     Clear,
-    /// What was protected is not, and the other way round.
+    /// Protected voxels become unprotected, and the other way round.
     Invert,
     /// Its outline moves outwards by so many voxels.
     Grow(u32),
     /// Its outline moves inwards by so many voxels.
     Shrink(u32),
-    /// Its outline is evened by the majority of the cube that reaches so many voxels around each.
+    /// Its outline is evened by the majority of the cube that reaches so many voxels around each
+    /// voxel.
     Smooth(u32),
     /// Voxels are added to it, or taken out of it.
     Put {
@@ -61,7 +62,7 @@ pub enum MaskArea {
     Patch {
         /// A voxel of it.
         at: UVec3,
-        /// What belongs to it.
+        /// Which voxels belong to it.
         by: PatchRule,
         /// How far from the surface voxels are protected with it.
         depth_vx: u32,
@@ -73,7 +74,7 @@ pub enum MaskArea {
     },
 }
 
-/// What belongs to a patch of the surface.
+/// Rule for the voxels that belong to a patch of the surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum PatchRule {
     /// Colours that differ from the first voxel's by at most a share of the range of each channel.

@@ -35,18 +35,18 @@ pub(super) use brush::{usage as usage_of_brushes, verb as verb_of_brush};
 /// The base colour of new sculptures by default.
 pub const DEFAULT_BASE: Rgb = Rgb::STONE;
 
-/// What is wrong with a line.
+/// The error in a line.
 #[derive(Debug, Error, PartialEq, Eq)]
 #[error("{0}")]
 pub struct ParseError(String);
 
-/// What is wrong with a script, and where.
+/// The error in a script, and its place.
 #[derive(Debug, Error, PartialEq, Eq)]
 #[error("line {line}: {error}")]
 pub struct ScriptError {
     /// Counted from 1.
     pub line: usize,
-    /// What is wrong with it.
+    /// The error in that line.
     pub error: ParseError,
 }
 
@@ -414,10 +414,10 @@ fn parse_rotation(text: &str) -> Result<Quat, String> {
     let quat = numbers::<f32, 4>(text).map(Quat::from_array).map_err(|_| {
         "must be three angles in degrees or a quaternion of four numbers".to_string()
     })?;
-    // What was printed is taken to the bit; what was typed is made a rotation.
+    // A printed rotation is kept to the bit; a typed one is normalised.
     match quat.is_normalized() {
         true => Ok(quat),
-        // Squares of large numbers have no room in single precision.
+        // Squares of large numbers overflow single precision.
         false if quat.as_dquat().length_squared() > 1e-12 => {
             Ok(quat.as_dquat().normalize().as_quat())
         }

@@ -106,7 +106,7 @@ impl Document {
 
     /// Copies the marker's contents to the clipboard.
     pub(super) fn copy(&mut self) -> Result<(), CommandError> {
-        // What is masked stays as it is when it is copied.
+        // Copying leaves masked voxels as they are, so the mask does not limit it.
         let permit = Permit { mask: None, ..self.permit() };
         self.clip = Some(Arc::new(self.marked(permit)?));
         Ok(())

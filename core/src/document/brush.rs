@@ -1,4 +1,5 @@
-//! Carries out uses of brushes: what a brush's file says that changes, limited to the selection and kept off the mask.
+//! Carries out uses of brushes: the changes that a brush's file describes, limited to the selection and kept off the
+//! mask.
 //!
 //! As all tools it changes voxels through [`Document::edit`] and [`Document::paint`] alone.
 

@@ -13,7 +13,7 @@ use crate::sculpture::brick_set::BrickSet;
 #[derive(Clone, Debug, Default)]
 pub struct ChangeSubscriber(Arc<()>);
 
-/// What a subscriber has not drained yet.
+/// The changes that a subscriber has not drained yet.
 #[derive(Debug)]
 struct Pending {
     subscriber: Weak<()>,
@@ -31,8 +31,8 @@ pub(super) struct Changes {
 }
 
 impl Changes {
-    /// Adds changes to what is pending for every subscriber, in a grid of `brick_count` bricks: those
-    /// of `bricks`, which is emptied, or, with `all`, all bricks of a grid perhaps of another size.
+    /// Adds changes to the pending ones of every subscriber, in a grid of `brick_count` bricks: those of `bricks`,
+    /// which is emptied, or, with `all`, all bricks of a grid perhaps of another size.
     pub fn publish(&mut self, bricks: &mut BrickSet, all: bool, brick_count: usize) {
         self.pending.retain(|pending| pending.subscriber.strong_count() > 0);
         if all {
@@ -47,8 +47,8 @@ impl Changes {
         bricks.clear();
     }
 
-    /// Returns what has been published since `subscriber` last drained, as rising linear indices. None
-    /// means all bricks, as for a new subscriber.
+    /// Returns the changes published since `subscriber` last drained, as rising linear indices. None means all bricks,
+    /// as for a new subscriber.
     pub fn drain(&mut self, subscriber: &ChangeSubscriber, brick_count: usize) -> Option<&[u32]> {
         let subscriber = Arc::downgrade(&subscriber.0);
         let known = |pending: &&mut Pending| pending.subscriber.ptr_eq(&subscriber);
@@ -87,7 +87,7 @@ mod tests {
         assert_eq!(changes.drain(&headset.clone(), 500), Some(&[1, 2, 499][..]));
         assert_eq!(changes.drain(&headset, 500), Some(&[][..]));
         assert_eq!(changes.drain(&window, 500), Some(&[1, 2, 499][..]));
-        // Another grid: what is pending of the old one no longer matters.
+        // Another grid: pending changes of the old one no longer matter.
         changes.publish(&mut set(&[]), true, 8);
         assert_eq!(changes.drain(&window, 8), None);
         assert_eq!(changes.drain(&window, 8), Some(&[][..]));

@@ -1,5 +1,5 @@
-//! Changes the mask: what is protected from all tools. Mirror planes and the limit to the selection apply to it as to
-//! tools; each change is undone like any other.
+//! Changes the mask: the voxels that are protected from all tools. Mirror planes and the limit to the selection apply
+//! to it as to tools; each change is undone like any other.
 
 use std::sync::Arc;
 

@@ -27,7 +27,7 @@ impl Document {
     }
 
     /// Removes and adds the voxels of a plan that was made of the present contents. Thickened walls take the colours
-    /// around them, what fills cavities the base colour.
+    /// around them, fillings of cavities the base colour.
     pub fn put_mended(
         &mut self,
         plan: &MendPlan,

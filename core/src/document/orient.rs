@@ -62,7 +62,7 @@ impl Document {
         Ok(())
     }
 
-    /// What a step takes that undoes an orientation.
+    /// Bytes of a step that undoes an orientation.
     pub(super) fn bytes_to_undo(&self, orientation: Orientation) -> usize {
         if self.is_exact(orientation) { 0 } else { self.contents.kept_bytes() }
     }
@@ -71,8 +71,8 @@ impl Document {
         Reorientation::new(&self.contents, orientation).is_exact()
     }
 
-    /// Reverses an orientation and returns the change that does it again. `computed`: what it leads
-    /// to, if that is known already.
+    /// Reverses an orientation and returns the change that does it again. `computed`: the contents
+    /// that it leads to, if they are known already.
     ///
     /// # Errors
     /// If it must be computed and memory does not suffice.
@@ -83,7 +83,7 @@ impl Document {
         computed: Option<Contents>,
     ) -> Result<Change, CommandError> {
         match before {
-            // What is left here is what the orientation makes of it again.
+            // Repeating the orientation restores the present contents exactly.
             Some(before) => Ok(self.swap_oriented(*before, back, true)),
             None => {
                 let contents = match computed {

@@ -1,5 +1,5 @@
-//! Memory for changes: the contents become the document's own before they are changed, and what the system has no memory for is
-//! refused before anything has changed.
+//! Memory for changes. The contents become the document's own before they are changed. A change for which the system
+//! lacks memory is refused before anything has changed.
 //!
 //! Takes the document; copies its contents where a snapshot shares them.
 

@@ -22,7 +22,7 @@ pub struct DocumentSnapshot {
     pub history: HistorySnapshot,
     /// The clipboard.
     pub clip: Option<Arc<Clip>>,
-    /// The commands that set placement, selection, symmetry and what else is no undo step, from a document
+    /// The commands that set placement, selection, symmetry and everything else that is no undo step, from a document
     /// where nothing is set.
     pub settings: Vec<Command>,
     /// The uses of tools that an array repeats.

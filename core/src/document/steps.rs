@@ -151,9 +151,9 @@ impl Document {
         Ok(true)
     }
 
-    /// Swaps a step's values with the sculpture's and returns the reverse step. If they cannot be read back, or
-    /// the history cannot keep that, nothing has changed and the step itself is returned. `oriented`: what an
-    /// orientation leads to, if it was computed before.
+    /// Swaps a step's values with the sculpture's and returns the reverse step. If they cannot be read back, or the
+    /// history cannot keep that, nothing has changed and the step itself is returned. `oriented`: the contents that an
+    /// orientation leads to, if they were computed before.
     fn reverse_if_kept(
         &mut self,
         mut step: Step,

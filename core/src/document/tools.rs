@@ -177,8 +177,8 @@ impl Document {
         Ok(stats)
     }
 
-    /// A solid and its mirror images, placed in the grid; an error if memory does not suffice for what
-    /// `op` paints.
+    /// A solid and its mirror images, placed in the grid; an error if memory does not suffice for the colours that `op`
+    /// paints.
     fn images_of(
         &self,
         primitive: &Primitive,
@@ -308,8 +308,8 @@ impl Document {
         }
     }
 
-    /// Refuses what would take more memory for colours than is allowed. `pages`: how many new
-    /// pages it takes, at most (`false`) or as exactly as can be known (`true`).
+    /// Refuses a change that would take more memory for colours than is allowed. `pages`: how many new pages it takes,
+    /// at most (`false`) or as exactly as can be known (`true`).
     pub(super) fn check_colour_memory(
         &self,
         pages: impl Fn(&Document, bool) -> u64,

@@ -1,6 +1,7 @@
-//! Tries commands without keeping anything of what they do, so that it can be said why others have done nothing.
+//! Tries commands without keeping any of their changes, so that it can be said why others have done nothing.
 //!
-//! Takes commands that use tools or edit areas; gives what they would change; other commands are passed over. Leaves the document as it was.
+//! Takes commands that use tools or edit areas; gives the changes that they would make; other commands are passed over.
+//! Leaves the document as it was.
 
 use std::sync::Arc;
 

@@ -29,7 +29,7 @@ pub struct Brick {
     pub words: [u64; BRICK_WORDS],
 }
 
-/// What a brick holds, as far as a voxel count tells.
+/// How full a brick is, as far as a voxel count tells.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum BrickKind {
     /// No voxel.
@@ -190,8 +190,8 @@ impl Brick {
         })
     }
 
-    /// The voxels whose brick-local coordinates are below `limit` on every axis
-    /// (each limit is clamped to 8): what a brick at the upper border may hold.
+    /// The voxels whose brick-local coordinates are below `limit` on every axis (each limit is clamped to 8): those
+    /// that a brick at the upper border may hold.
     pub fn below(limit: [u32; 3]) -> Brick {
         let row = low_bits(limit[0].min(8)) as u64;
         let mut rows = [0u64; 8];

@@ -20,7 +20,7 @@ use super::region::{BrickBox, Region};
 use super::row_edit::{Piece, RowEdit};
 use super::stroke::{BandRecord, Recording, StrokeRecorder};
 
-/// What to do with the voxels of a region.
+/// An operation on the voxels of a region.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum EditOp {
     /// Make them exist. New ones get the colour, or the base colour.
@@ -31,7 +31,7 @@ pub enum EditOp {
     Recolour(Rgb),
 }
 
-/// What an edit did.
+/// Counts of an edit's changes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct EditStats {
     /// Voxels that exist now and did not before.

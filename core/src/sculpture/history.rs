@@ -1,6 +1,6 @@
-//! Undo and redo: for each step the earlier values of the changed bricks, within a budget of bytes. What
-//! exceeds it goes to a store, if there is one, the steps furthest from the present first; without one, or
-//! where that has no room, they are dropped.
+//! Undo and redo: for each step the earlier values of the changed bricks, within a budget of bytes. Steps that exceed
+//! it go to a store, if there is one, those furthest from the present first; without one, or where it has no room, they
+//! are dropped.
 //!
 //! A step is reversed by swapping its values with the sculpture's, so that undo and redo are the same
 //! operation and both are exact to the byte. Knows no command and no document.
@@ -16,7 +16,7 @@ use step::STUB_BYTES;
 pub use step::{Change, Contents, HistorySnapshot, State, Step, SurfaceKind};
 pub use store::{StepStore, Stored, StoredStep};
 
-/// Steps up to this size stay in memory: what would stand for them takes as much.
+/// Steps up to this size stay in memory: their placeholders would take as much.
 const SMALL_BYTES: usize = 3 * STUB_BYTES;
 
 /// The two lists of steps.
@@ -211,9 +211,9 @@ impl History {
         self.budget_bytes - self.store.as_ref().map_or(0, |_| self.budget_bytes / 4)
     }
 
-    /// Adds a step to the top of a stack; then what exceeds the memory goes to the store, and what it does not
-    /// take is dropped. Without a store a step larger than the whole budget is dropped with all below it:
-    /// callers ask [`History::can_keep`] first.
+    /// Adds a step to the top of a stack. Then steps that exceed the memory go to the store, and those that it does not
+    /// take are dropped. Without a store a step larger than the whole budget is dropped with all below it: callers ask
+    /// [`History::can_keep`] first.
     fn put(&mut self, mut step: Arc<Step>, to: Stack) {
         if step.heap_bytes() > self.budget_bytes && !self.store_step(&mut step) {
             // The steps below it can only be reached through it.
@@ -232,7 +232,7 @@ impl History {
         }
     }
 
-    /// Puts what stands for a step in its place, if the store takes it.
+    /// Puts a placeholder in a step's place, if the store takes the step.
     fn store_step(&self, step: &mut Arc<Step>) -> bool {
         let Some(store) = &self.store else { return false };
         let Ok(stored) = store.keep(step.clone()) else { return false };
@@ -260,7 +260,7 @@ impl History {
         for (stack, at) in places.chain(others).chain([(newest, top)]) {
             let mut step = self.stack(stack)[at].clone();
             let before = step.heap_bytes();
-            // Small ones, such as those that are computed anew, take less than what would stand for them.
+            // Small ones, such as those that are computed anew, take less than their placeholders.
             if matches!(step.change, Change::Stored(_)) || before <= SMALL_BYTES {
                 continue;
             }

@@ -53,8 +53,8 @@ impl<'a> Reorientation<'a> {
     /// Prepares to lay `from` another way.
     pub fn new(from: &'a Contents, orientation: Orientation) -> Reorientation<'a> {
         let (dims, brick_dims) = (from.grid.dims(), from.grid.brick_dims());
-        // What was the upper border of a reversed axis begins the first brick, so that bricks
-        // overlap two unless the size is a multiple of the brick's.
+        // The former upper border of a reversed axis begins the first brick, so that bricks overlap two unless the size
+        // is a multiple of the brick's.
         let first = orientation.source(IVec3::ZERO, brick_dims) * BRICK_EDGE_VX as i32;
         let mut overlapped = 0;
         let sources = (0..BRICK_VOXELS).map(|local| {
@@ -162,7 +162,7 @@ impl<'a> Reorientation<'a> {
         if all_are(BrickKind::Empty) {
             return Brick::EMPTY;
         }
-        // What lies beyond the border is cut off anyhow.
+        // The part beyond the border is cut off anyhow.
         if all_are(BrickKind::Full) {
             return Brick::FULL;
         }
@@ -205,8 +205,8 @@ impl<'a> Reorientation<'a> {
         (self.overlapped == 1 || turned != self.base_page).then_some(turned)
     }
 
-    /// Refuses what would take more memory for colours than is allowed. The pages are counted
-    /// one by one only where an upper bound is too much.
+    /// Refuses a result that would take more memory for colours than is allowed. The pages are counted one by one only
+    /// where an upper bound is too much.
     fn check_colour_memory(&self, colours: &Material, budget: u64) -> Result<(), OrientError> {
         let painted = self.from.material.page_count() as u64;
         let bricks = self.from.grid.brick_count();

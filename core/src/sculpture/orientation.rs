@@ -133,8 +133,8 @@ impl Up {
         (Up::MinusX, "-x"),
     ];
 
-    /// The rotation that makes this axis the y axis. Where that leaves a choice, what faces the
-    /// viewer (z) goes on to do so.
+    /// The rotation that makes this axis the y axis. Where that leaves a choice, the side that faces the viewer (z)
+    /// continues to do so.
     pub fn turned_upright(self) -> Orientation {
         let (to, reversed) = match self {
             Up::Y => ([0, 1, 2], [false, false, false]),

@@ -1,6 +1,6 @@
 //! Where tools may work: within the selection, if they are limited to it, and outside the mask.
 //!
-//! [`Permitted`] cuts what a tool covers down to that; whoever edits contents passes it. Changes nothing.
+//! [`Permitted`] cuts a tool's region down to that; all code that edits contents passes it. Changes nothing.
 
 use std::ops::Range;
 
@@ -36,9 +36,9 @@ impl Permit<'_> {
 
 /// The part of a tool's region where it may work.
 pub struct Permitted<'a, R> {
-    /// What the tool covers.
+    /// The region that the tool covers.
     pub region: &'a R,
-    /// Where it may.
+    /// Where it may work.
     pub permit: Permit<'a>,
 }
 
@@ -92,7 +92,7 @@ impl<R: Region> Region for Permitted<'_, R> {
         };
         if let Some(mask) = self.permit.mask {
             let b = UVec3::new(brick_x, row.y, row.z);
-            // What reaches beyond the border is cut off where it is used.
+            // The part beyond the border is cut off where the result is used.
             if b.cmplt(mask.brick_dims()).all() {
                 allowed = allowed.and_not(mask.brick(b));
             }

@@ -1,9 +1,8 @@
 //! Regions: sets of voxels as edits query them. A region has a bounding box and says, for each row of
 //! bricks along x, which bricks it touches, which it covers entirely, and which voxels of the others.
 //!
-//! The unit is a row because solids are convex: what decides the 64 rows of voxels in a row of bricks
-//! is computed once, and the bricks in the middle are then known without looking at them. Knows no
-//! tool.
+//! The unit is a row because solids are convex: the values that decide the 64 rows of voxels in a row of bricks are
+//! computed once, and the bricks in the middle are then known without looking at them. Knows no tool.
 
 use std::ops::Range;
 
@@ -117,8 +116,8 @@ impl BrickBox {
     }
 }
 
-/// What a region does to the bricks of a row, named by their brick coordinate along x; they may
-/// lie beyond the grid's border.
+/// How a region covers the bricks of a row, named by their brick coordinate along x; they may lie beyond the grid's
+/// border.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RowReach {
     /// Bricks outside of this range are not covered at all.
@@ -134,7 +133,7 @@ impl RowReach {
 
 /// A set of voxels that is queried by rows of bricks, with the vector instructions of the whole edit.
 pub trait Region: Sync {
-    /// What is computed once for a row of bricks along x; its memory is reused for the next row.
+    /// Values computed once for a row of bricks along x; their memory is reused for the next row.
     type Row: Default;
 
     /// A box outside of which the region covers nothing (it may reach beyond the grid).

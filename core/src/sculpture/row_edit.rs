@@ -19,7 +19,7 @@ const FULL: u16 = BRICK_VOXELS as u16;
 pub enum Piece<'a, S: Simd, R: Region> {
     /// `len` bricks along x from `first` on, all of them.
     Whole { first: UVec3, len: u32 },
-    /// What the region, cut by the row, covers of one brick.
+    /// The part of one brick that the region, cut by the row, covers.
     Part { simd: S, brick: UVec3, region: &'a R, cut: &'a R::Row, reach: &'a RowReach },
 }
 

@@ -108,7 +108,7 @@ impl Selection {
         let turned = |bounds: VoxelBox| {
             let ends = [bounds.min, bounds.max - 1].map(|v| orientation.destination(v, dims));
             let (min, max) = (ends[0].min(ends[1]), ends[0].max(ends[1]) + 1);
-            // What was as far away as a box may be could be farther now, by less than the grid.
+            // A box that was as far away as allowed could be farther now, by less than the grid.
             let limit = IVec3::splat(MARKER_LIMIT_VX);
             let back = (limit - max).min(IVec3::ZERO) + (-limit - min).max(IVec3::ZERO);
             let (min, max) = (min + back, max + back);
@@ -129,7 +129,7 @@ impl Selection {
         self.limits = limits;
     }
 
-    /// What tools are limited to. None while they work everywhere.
+    /// The boxes that tools are limited to. None while they work everywhere.
     pub fn limit(&self) -> Option<&BoxStack> {
         (self.limits && !self.stack.0.is_empty()).then_some(&self.stack)
     }
@@ -148,7 +148,7 @@ impl BoxStack {
 }
 
 impl Region for BoxStack {
-    /// For each box what it covers of the row.
+    /// For each box, the part of the row that it covers.
     type Row = Vec<(RowReach, BoxRow)>;
 
     fn bounds_vx(&self) -> VoxelBox {

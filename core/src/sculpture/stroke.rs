@@ -20,7 +20,7 @@ pub struct StrokeRecorder {
     mask: Option<Box<StrokeRecorder>>,
 }
 
-/// What one band of the grid keeps during a stroke, and reports after each edit of it.
+/// Values that one band of the grid keeps during a stroke, and reports after each edit of it.
 #[derive(Debug, Default)]
 pub struct BandRecord {
     /// Earlier values, from the whole stroke.
@@ -31,7 +31,7 @@ pub struct BandRecord {
     pub pages_changed: Vec<BrickMask>,
     /// Voxels that the current edit has yet to paint, by brick.
     pub to_paint: Vec<(u32, Brick)>,
-    /// What the current edit has changed.
+    /// Counts of the current edit's changes.
     pub stats: EditStats,
 }
 

@@ -13,8 +13,8 @@ pub fn vectorised<T>(f: impl FnOnce() -> T) -> T {
 }
 
 /// `f` of the three axes. Unlike [`std::array::from_fn`] and `array::map` always inlined, and with it a closure that is
-/// marked `#[inline(always)]`: what is not inlined is compiled for the baseline, and calls a function for each vector
-/// instruction.
+/// marked `#[inline(always)]`. Code that is not inlined is compiled for the baseline, and calls a function for each
+/// vector instruction.
 #[inline(always)]
 pub fn for_axes<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]

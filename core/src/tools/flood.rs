@@ -21,7 +21,7 @@ pub(super) type Slices = [u64; BRICK_EDGE_VX as usize];
 const LOWEST_X: u64 = 0x0101_0101_0101_0101;
 const HIGHEST_X: u64 = LOWEST_X << 7;
 
-/// What is known of a brick that a patch has reached.
+/// The known state of a brick that a patch has reached.
 struct Reached {
     /// The voxels that may belong to it.
     may: Slices,

@@ -1,5 +1,5 @@
-//! Which voxels a mask is extended by or loses: what grows, shrinks and evens it, and what of the surface is chosen by
-//! its shape.
+//! The voxels that a mask gains or loses when it grows, shrinks or is evened, and the parts of the surface that are
+//! chosen by their shape.
 //!
 //! From grids to lists of voxels. Changes nothing; knows no document.
 
@@ -18,8 +18,8 @@ pub const MAX_GROWTH_VX: u32 = 64;
 /// Furthest that cavities are looked for around a voxel, and that a patch is thickened, in voxels.
 pub const MAX_REACH_VX: u32 = 4;
 
-/// How many of 26 neighbours a voxel needs to be added, in alternate rounds: cubes and octahedra, so that what grows stays
-/// round.
+/// How many of 26 neighbours a voxel needs to be added, in alternate rounds: cubes and octahedra, so that growing masks
+/// stay round.
 const ROUNDS: [u32; 2] = [1, 4];
 /// By how much more of the cube around a voxel of a cavity is filled than around one of a plane.
 const CAVITY_SHARE: f32 = 0.06;
@@ -56,8 +56,8 @@ pub fn shrunk(mask: &Grid, by: u32) -> ListedBricks {
     ListedBricks::new(start.zip(&bits, |old, left| old & !left).bricks(mask.brick_dims()))
 }
 
-/// What `mask` gains and loses where its outline is evened by the majority of the cube of `radius_vx` around each voxel.
-/// Beyond the grid the mask goes on as it is at the border, which is no outline.
+/// The voxels that `mask` gains and loses when its outline is evened by the majority of the cube of `radius_vx` around
+/// each voxel. Beyond the grid the mask continues as it is at the border, so that the border is no outline.
 pub fn evened(mask: &Grid, radius_vx: u32) -> (ListedBricks, ListedBricks) {
     let Some(bounds) = bounds_of(mask) else { return Default::default() };
     let reach = IVec3::splat(radius_vx as i32);

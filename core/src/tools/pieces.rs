@@ -321,7 +321,7 @@ fn flood(mut seed: u64, within: u64) -> u64 {
         let before = seed;
         for axis in 0..3 {
             let step = BIT_STEPS[axis];
-            // What leaves the word at one side must not come back at the other.
+            // Bits that leave the word at one side must not come back at the other.
             let highest = LOWEST[axis] << (3 * step);
             seed |= ((seed & !highest) << step | (seed & !LOWEST[axis]) >> step) & within;
         }

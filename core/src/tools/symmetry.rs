@@ -72,7 +72,7 @@ impl Symmetry {
         Symmetry { axes, plane: None, radial: None }
     }
 
-    /// An error that says what is not valid, if anything is.
+    /// An error that says which value is invalid, if one is.
     pub fn check(&self) -> Result<(), &'static str> {
         let place = |p: Vec3| p.is_finite() && p.abs().max_element() <= FURTHEST_VX;
         let direction = |v: Vec3| {
@@ -188,8 +188,8 @@ impl Symmetry {
 }
 
 impl Radial {
-    /// Half a turn about an axis of the grid is what two mirror planes do, and as exact: those of `image` with it, if
-    /// that is so.
+    /// Half a turn about an axis of the grid equals two mirror planes, and is as exact. Returns the planes of `image`
+    /// with those two, if it is such a turn.
     fn half_turn(&self, k: u32, image: &Image) -> Option<[Option<f32>; 3]> {
         let axis = grid_axis(self.axis).filter(|_| 2 * k == self.count && image.moved.is_none())?;
         let mut planes = image.planes;
@@ -238,7 +238,7 @@ impl Move {
         Move::about(radial.at_vx, turn, stretch)
     }
 
-    /// What leaves a point (voxel coordinates) where it is.
+    /// The move by `linear` that leaves a point (voxel coordinates) where it is.
     fn about(at_vx: Vec3, linear: DMat3, stretch: DVec3) -> Move {
         // Quarter turns are exact.
         let snapped = |v: f64| if (v - v.round()).abs() < 1e-12 { v.round() } else { v };
@@ -362,7 +362,7 @@ impl Image {
         self.moved.map_or(mirror, |moved| moved.linear * mirror)
     }
 
-    /// Whether it is a reflection, which turns what turns the other way round.
+    /// Whether it is a reflection, which reverses the sense of rotations.
     pub(super) fn is_reflection(&self) -> bool {
         self.linear().determinant() < 0.0
     }

@@ -17,7 +17,7 @@ const STEPS: usize = 1024;
 /// Octaves of noise; each has half the size and half the weight of the one before.
 const OCTAVES: u32 = 3;
 
-/// What happens to the colours of an area.
+/// A change to the colours of an area.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Tint {
     /// Changes hue, saturation and value.
@@ -103,7 +103,7 @@ enum Prepared {
     Adjust {
         /// As in [`Tint::Adjust`].
         change: [f32; 3],
-        /// The colour that most voxels have, and what becomes of it.
+        /// The colour that most voxels have, and its changed value.
         base: [Rgb; 2],
     },
     Gradient {
@@ -137,7 +137,7 @@ impl Tinter {
                 let [first, last] = colours.map(oklab_of);
                 let at = |i| oklab_to_rgb(first.lerp(last, i as f32 / (STEPS - 1) as f32));
                 let mut table: Vec<Rgb> = (0..STEPS).map(at).collect();
-                // The ends are what was asked for, to the bit.
+                // The ends are the requested colours, to the bit.
                 (table[0], table[STEPS - 1]) = (colours[0], colours[1]);
                 Prepared::Gradient { start: from_vx, way, table, strength }
             }
@@ -293,7 +293,7 @@ fn gradient_noise(p: Vec3, seed: u32) -> f32 {
     let within = p - cell.as_vec3();
     let fade = within * within * within * (within * (within * 6.0 - 15.0) + 10.0);
     let [x, y, z] = cell.to_array();
-    // What each axis adds to the hashes of the corners at its lower and upper end.
+    // The contribution of each axis to the hashes of the corners at its lower and upper end.
     let ends =
         |i: u32, factor: u32| [i.wrapping_mul(factor), (i.wrapping_add(1)).wrapping_mul(factor)];
     let [xs, ys, zs] = [ends(x, 0x8DA6_B343), ends(y, 0xD816_3841), ends(z, 0xCB1A_B31F)];

@@ -1,9 +1,9 @@
 //! A parsed line of the text form: a verb, words and `key=value` pairs, which commands take one by one.
 //!
-//! A word in double quotes is what stands between them, backslashes too, so that `"C:\dir\new.vsc"`
-//! names that file. A word that holds double quotes, line ends or bytes that are no text is written
-//! `e"..."`; in it `\"`, `\\`, `\n`, `\r`, `\t` and `\xNN` (one byte, in hexadecimal) stand for what
-//! they name. Keys are read in American spelling, too. Knows no command.
+//! A word in double quotes is the text between them, backslashes included, so that `"C:\dir\new.vsc"` names that file.
+//! A word that holds double quotes, line ends or bytes that are not text is written `e"..."`; in it `\"`, `\\`, `\n`,
+//! `\r`, `\t` and `\xNN` (one byte, in hexadecimal) stand for the bytes that they name. Keys are read in American
+//! spelling, too. Knows no command.
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
@@ -100,7 +100,7 @@ impl Arguments {
         parse(&value).map(Some).map_err(|error| ParseError(format!("{key}={value}: {error}")))
     }
 
-    /// Refuses what no one asked for.
+    /// Refuses arguments that nobody has taken.
     pub fn finish(self) -> Result<(), ParseError> {
         let pair = self.pairs.first().map(|(key, _)| format!("{key}="));
         let word = || self.words.front().map(|w| String::from_utf8_lossy(w).into_owned());
@@ -116,8 +116,7 @@ fn text(word: Word) -> Result<String, ParseError> {
         .map_err(|error| ParseError(format!("{:?} is not UTF-8", error.into_bytes().as_slice())))
 }
 
-/// A verb or a key as commands know it: `color`, `coloring` and `recolor` are taken for what they
-/// are in British spelling.
+/// A verb or a key as commands know it: `color`, `coloring` and `recolor` are read as their British spellings.
 fn british(word: &str) -> String {
     match word {
         "color" | "coloring" | "recolor" => word.replace("color", "colour"),
@@ -125,7 +124,7 @@ fn british(word: &str) -> String {
     }
 }
 
-/// Reads what stands as it is up to the closing quote; gives the word and what follows.
+/// Reads a text without escapes up to the closing quote; gives the word and the text after it.
 fn unquote(text: &str) -> Result<(Word, &str), ParseError> {
     match text.split_once('"') {
         Some((word, after)) => Ok((word.into(), after)),
@@ -137,7 +136,7 @@ fn unclosed() -> ParseError {
     ParseError("a quoted text has no closing `\"`".to_string())
 }
 
-/// Reads a text with escapes up to the closing quote; gives the word and what follows.
+/// Reads a text with escapes up to the closing quote; gives the word and the text after it.
 fn unescape(text: &str) -> Result<(Word, &str), ParseError> {
     let mut word = Vec::new();
     let mut rest = text;

@@ -1,4 +1,4 @@
-//! The text form of how a sculpture is written: what follows the path of `save`.
+//! The text form of how a sculpture is written: the arguments after the path of `save`.
 
 use std::fmt;
 

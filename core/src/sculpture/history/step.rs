@@ -1,4 +1,4 @@
-//! What a history holds: contents, what a step changed, steps, and all steps at one moment.
+//! The parts of a history: contents, the change of a step, steps, and all steps at one moment.
 
 use std::sync::Arc;
 
@@ -87,7 +87,7 @@ impl Contents {
 /// Bytes that a step takes of the budget while a store keeps its values.
 pub(super) const STUB_BYTES: usize = 256;
 
-/// What one step changed.
+/// The change made by one step.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Change {
     /// Some bricks of the sculpture.
@@ -97,7 +97,7 @@ pub enum Change {
     /// The whole sculpture was laid another way, and `back` leads back. `before` is kept only where
     /// that would not restore every byte.
     Oriented {
-        /// The inverse of what was done.
+        /// The inverse of the orientation that was done.
         back: Orientation,
         /// The sculpture as it was.
         before: Option<Box<Contents>>,
@@ -139,8 +139,8 @@ impl Change {
     }
 }
 
-/// Identifies a state of a document. Undo and redo restore the identifier with the state, so that
-/// whatever belongs to a state, such as its file, can be looked up by it.
+/// Identifies a state of a document. Undo and redo restore the identifier with the state, so that anything that belongs
+/// to a state, such as its file, can be looked up by it.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct State {
     /// Differs for each sculpture that was created or opened.
@@ -152,7 +152,7 @@ pub struct State {
 /// A named, reversible change.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Step {
-    /// What was done, as the history list shows it.
+    /// Name of the change, as the history list shows it.
     pub label: String,
     /// The values to swap with the sculpture's.
     pub change: Change,

@@ -1,5 +1,5 @@
-//! Where the steps go that memory has no room for: what a history asks of it, and what stands for a step there.
-//! Knows no file; the room `spill` is such a store.
+//! The place for steps that memory has no room for: the interface that a history needs, and the placeholder of a stored
+//! step. Knows no file; the room `spill` is such a store.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -8,20 +8,20 @@ use super::step::{Change, Contents, Step};
 
 /// Keeps steps outside the memory of a history.
 pub trait StepStore: Debug + Send + Sync {
-    /// Takes a step. Waits only while too much of what it was given before is still in memory. Gives the step
-    /// back where it has no room or does not work.
+    /// Takes a step. Waits only while too much of the steps given to it before is still in memory. Gives the step back
+    /// where it has no room or does not work.
     fn keep(&self, step: Arc<Step>) -> Result<Stored, Arc<Step>>;
     /// Waits until a step of so many bytes can be made, or read, without too much in memory.
     fn make_way(&self, bytes: usize);
-    /// Most bytes that it takes. A step is refused in advance that needs more memory than this; 0 while it does
-    /// not work.
+    /// Most bytes that it takes; 0 while it does not work. A step that needs more memory than this is refused in
+    /// advance.
     fn room_bytes(&self) -> u64;
 }
 
 /// A step in a store. Its place there is free again once the last owner is gone.
 pub trait StoredStep: Debug + Send + Sync {
-    /// The change, to be reversed from `contents`. What it returns is what was stored, to the byte. `is_last`:
-    /// that nobody will want it again; after an error it is there all the same.
+    /// The change, to be reversed from `contents`, equal to the stored one to the byte. `is_last`: nobody will want it
+    /// again. After an error the step is still there.
     ///
     /// # Errors
     /// If it cannot be read or is damaged: why, as a part of a sentence.
@@ -35,7 +35,7 @@ pub trait StoredStep: Debug + Send + Sync {
     fn whole_bytes(&self) -> usize;
 }
 
-/// What stands for a step in a store. Equal to itself alone.
+/// The placeholder of a step in a store. Equal to itself alone.
 #[derive(Clone, Debug)]
 pub struct Stored(pub Arc<dyn StoredStep>);
 

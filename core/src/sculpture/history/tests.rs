@@ -32,7 +32,7 @@ fn recount(history: &History) -> usize {
 }
 
 proptest! {
-    /// What is undone comes back by another number of bytes, as full bricks turn to mixed.
+    /// An undone step comes back with another number of bytes, as full bricks turn to mixed.
     #[test]
     fn bytes_are_counted_and_within_the_budget(
         budget in 0usize..60_000,
@@ -82,7 +82,7 @@ proptest! {
             if bytes > budget {
                 if kind == 2 { redo.clear() } else { undo.clear() }
             }
-            // What is left are the newest of each, in order.
+            // The newest steps of each stack are left, in order.
             let left: Vec<usize> = history.undo_labels().map(named).collect();
             prop_assert!(undo.ends_with(&left), "{:?} {:?}", undo, left);
             let left: Vec<usize> = history.redo_labels().map(named).collect();

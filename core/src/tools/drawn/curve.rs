@@ -12,7 +12,7 @@ const TOLERANCE: f64 = 0.02;
 /// Most pieces from one bead to the next.
 const MAX_PIECES: f64 = 32.0;
 
-/// What a ball sweeps on a straight way, its radius changing evenly: the convex hull of its two ends.
+/// The volume that a ball sweeps in straight motion while its radius changes evenly: the convex hull of its two ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
     from: DVec3,
@@ -20,7 +20,7 @@ pub struct Piece {
     along: DVec3,
     length: f64,
     radius: f64,
-    /// How the radius grows along the way.
+    /// Growth of the radius per unit of length along the piece.
     slope: f64,
 }
 
@@ -41,7 +41,7 @@ impl Piece {
         let offset = p - self.from;
         let height = offset.dot(self.along);
         let aside = (offset - self.along * height).length();
-        // What is sought is the least of hypot(aside, s - height) - radius - slope s, which is convex in s.
+        // Seeks the least of hypot(aside, s - height) - radius - slope s, which is convex in s.
         let s = match 1.0 - self.slope * self.slope {
             steep if steep > 0.0 => height + aside * self.slope / steep.sqrt(),
             // One end contains the other.
@@ -69,8 +69,8 @@ pub fn pieces(balls: &[DVec4]) -> Vec<Piece> {
     }
 }
 
-/// The way of the ball that sweeps a tube, for what shows one: from bead to bead in straight lines that are as near to
-/// its curve as those of its voxels. `edges`: of a voxel, in units of the smallest. Neighbours must differ in place.
+/// The path of the ball that sweeps a tube, for displaying the tube: straight lines from bead to bead that are as near
+/// to its curve as those of its voxels. `edges`: of a voxel, in units of the smallest. Neighbours must differ in place.
 pub fn way_of_tube(beads: &[Bead], edges: Vec3) -> Vec<Bead> {
     let ball = |bead: &Bead| (bead.at_vx * edges).as_dvec3().extend(f64::from(bead.radius));
     let balls: Vec<DVec4> = beads.iter().map(ball).collect();

@@ -55,9 +55,9 @@ pub enum Form {
         /// Radius of the tube.
         tube: f32,
     },
-    /// What a ball sweeps on its way along a curve through points, its radius changing from one to the next: a centripetal
-    /// Catmull-Rom spline (Yuksel, Schaefer, Keyser: Parameterization and Applications of Catmull-Rom Curves, 2011).
-    /// Two points make a line, one a ball.
+    /// The volume that a ball sweeps along a curve through points, its radius changing from one to the next: a
+    /// centripetal Catmull-Rom spline (Yuksel, Schaefer, Keyser: Parameterization and Applications of Catmull-Rom
+    /// Curves, 2011). Two points make a line, one a ball.
     Tube {
         /// The points.
         beads: Arc<[Bead]>,
@@ -97,7 +97,7 @@ impl Form {
         }
     }
 
-    /// An error that says what is not valid, if anything is.
+    /// An error that says which value is invalid, if one is.
     pub fn check(&self) -> Result<(), &'static str> {
         let place = is_place;
         let length = |v: f32| v > 0.0 && v <= FURTHEST_VX;

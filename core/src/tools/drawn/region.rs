@@ -26,11 +26,11 @@ pub struct PlacedForm {
     bounds: VoxelBox,
     /// It ends, and by more than a voxel outside the grid.
     leaves_grid: bool,
-    /// More than distances are wrong by.
+    /// Bound on the error of distances.
     rounding: f64,
 }
 
-/// What is ready for distances, in units of the smallest edge of a voxel.
+/// A form prepared for computing distances, in units of the smallest edge of a voxel.
 #[derive(Clone, Debug)]
 enum Kind {
     HalfSpace { at: DVec3, normal: DVec3 },

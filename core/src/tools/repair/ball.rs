@@ -1,5 +1,5 @@
-//! Erosion and dilation of blocks of bits by a ball of any diameter: what of a solid a ball can reach,
-//! which tells the thickness of its walls.
+//! Erosion and dilation of blocks of bits by a ball of any diameter: the part of a solid that a ball can reach, which
+//! tells the thickness of its walls.
 //!
 //! From a block to a block of the same place and size; beyond its border nothing exists. The ball is a
 //! list of runs along x. For each length of a run the block is first reduced along x by doubling, then rows
@@ -131,7 +131,7 @@ impl Ball {
             let (from, to) = (first - reach, first + (words.len() / (width * rows)) as i32 + reach);
             let (from, to) = (from.max(0), to.min(layers as i32));
             let row_of = |y: i32, z: i32| block.row(y, z).unwrap_or_default();
-            // The runs of each length along x, of this slab and of what the ball reaches around it.
+            // The runs of each length along x, of this slab and of the layers that the ball reaches around it.
             let count = (to - from) as usize * rows;
             let places = || (from..to).flat_map(|z| (0..rows as i32).map(move |y| (y, z)));
             let occupied: Vec<bool> =
@@ -179,7 +179,7 @@ impl Ball {
             let done = done.fetch_add(SLAB, std::sync::atomic::Ordering::Relaxed) + SLAB;
             progress.advance((done as f32 / layers as f32).min(1.0));
         });
-        // What lies beyond the size of the block, which its last word has room for.
+        // Clears the bits of each row's last word that lie beyond the size of the block.
         let beyond = match size.x % 64 {
             0 => u64::MAX,
             inside => (1 << inside) - 1,
@@ -207,7 +207,7 @@ fn merge<const ALL: bool>(target: &mut [u64], other: &[u64]) -> u64 {
 /// voxels further exist. Beyond the row there are none.
 fn reduce_along_x<const ALL: bool>(row: &mut [u64], scratch: &mut [u64], low: i32, high: i32) {
     scratch.copy_from_slice(row);
-    // The length doubles with each step. What is read has not been written yet.
+    // The length doubles with each step. The words that are read have not been written yet.
     let (length, mut have) = (high as u32 + 1, 1);
     while have < length {
         let by = have.min(length - have);

@@ -1,4 +1,5 @@
-//! What makes a sculpture fit for a 3D printer: islands are removed, cavities filled or drained, thin walls thickened.
+//! Repairs that make a sculpture fit for a 3D printer: islands are removed, cavities filled or drained, thin walls
+//! thickened.
 //!
 //! From a [`Mend`] and a grid to the voxels to remove and to add; changes nothing. Knows no document. Up is y, and the
 //! bed lies below the lowest voxel. Lengths are in edges of a voxel along x.

@@ -1,4 +1,4 @@
-//! Mended sculptures: what is gone, what is added, and that nothing is left to mend.
+//! Mended sculptures: which voxels are gone, which are added, and that nothing is left to mend.
 
 use glam::{IVec3, Vec3};
 use proptest::prelude::*;

@@ -1,9 +1,9 @@
-//! Walls that are too thin: where no ball of the wanted diameter within the solid comes near.
+//! Walls that are too thin: those places that no ball of the wanted diameter within the solid comes near.
 //!
-//! The rule: a solid is opened by a ball ([`Ball`]), which leaves what such a ball can reach within it
-//! (morphological opening: J. Serra, Image Analysis and Mathematical Morphology, 1982). What is left over is thin
-//! unless it lies within a tolerance of that, counted in steps to any of the 26 neighbours inside the solid: enough
-//! steps that the edges and corners of a cuboid, which a ball does not fill, and the steps of curved and sloping
+//! The rule: a solid is opened by a ball ([`Ball`]), which leaves the part that such a ball can reach within it
+//! (morphological opening: J. Serra, Image Analysis and Mathematical Morphology, 1982). The remainder is thin unless it
+//! lies within a tolerance of that part, counted in steps to any of the 26 neighbours inside the solid. The steps are
+//! enough that the edges and corners of a cuboid, which a ball does not fill, and the steps of curved and sloping
 //! surfaces are never thin. So a wall along an axis is thin if it has fewer voxels than the ball, exactly; a sloping
 //! one may be off by up to two voxels. Edges sharper than a right angle are thin along the edge.
 //!
@@ -26,7 +26,7 @@ const BLOCKS_TO_THICKEN: u64 = 8;
 #[derive(Clone, PartialEq, Debug)]
 pub struct Thickness {
     ball: Ball,
-    /// Steps around what the ball reaches within which nothing is thin.
+    /// Steps around the part that the ball reaches within which nothing is thin.
     tolerance: u32,
 }
 
@@ -117,8 +117,8 @@ impl Thickness {
         Some(solid.zip(&before, |after, before| after & !before))
     }
 
-    /// The places nearest to `places` at which the ball lies within the box from `min` (inclusive) to `max` (exclusive):
-    /// at a border a ball that is cut off would leave what it was set on thin.
+    /// The places nearest to `places` at which the ball lies within the box from `min` (inclusive) to `max`
+    /// (exclusive). At a border, a ball that is cut off would leave the voxels thin that it was placed on.
     fn moved_inside(&self, places: &BitBlock, min: IVec3, max: IVec3) -> BitBlock {
         let edges = IVec3::from(self.ball.extent_vx().map(|edge| edge as i32));
         let first = min + (edges - 1) / 2;

@@ -15,10 +15,10 @@ use crate::sculpture::region::{RowReach, VoxelBox};
 
 impl PlacedSolid {
     /// By how much the value at the middle of a cube may differ from that of its voxels' centres, with all rounding,
-    /// where no middle is further from the centre than `furthest` along each axis. None where positions may be no
-    /// numbers, or proportions beyond all digits leave no thickness.
+    /// where no middle is further from the centre than `furthest` along each axis. None where positions may be NaN, or
+    /// where extreme proportions leave no thickness in floating point.
     fn slack_of_cube(&self, edge_vx: u32, furthest: DVec3) -> Option<f64> {
-        // What the offset of a voxel from the centre and its product with the matrix may be off by.
+        // Bound on the relative error of a voxel's offset from the centre and of its product with the matrix.
         let rounding = f64::EPSILON * 4.0;
         let reach = 0.5 * f64::from(edge_vx - 1)
             + rounding * (self.centre_vx.abs() + f64::from(MAX_AXIS_VX))
@@ -89,7 +89,7 @@ impl PlacedSolid {
                     let first = if reach.touched.is_empty() { x } else { reach.touched.start };
                     reach.touched = first..x + 1;
                 }
-                // The longest run of whole bricks is known as such.
+                // Only the longest run of whole bricks is reported as whole.
                 if whole >> i & 1 != 0 {
                     run = if run.end == x { run.start..x + 1 } else { x..x + 1 };
                     if run.len() > reach.whole.len() {

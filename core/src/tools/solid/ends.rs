@@ -29,7 +29,7 @@ pub struct Ends<S: Simd> {
     pub doubtful: mask32x8<S>,
 }
 
-/// What is certain about one row: voxels outside `outer` are out, those in `inner` are in.
+/// The certain part of one row: voxels outside `outer` are out, those in `inner` are in.
 #[derive(Clone, Copy, Debug)]
 pub struct Bracket {
     /// Lowest and highest voxel index, as real numbers.
@@ -50,18 +50,18 @@ impl Bracket {
 
 /// A convex solid intersected with rows along x. Rows are given by their voxel coordinates.
 pub trait RowSolver {
-    /// What holds for one row of bricks.
+    /// Values for one row of bricks.
     type Local;
 
-    /// Prepares for the 8x8 rows from `y`, `z` on; none if they are all empty. Ends will be less
-    /// `origin`. The second value is how far, in voxels, the ends of a row that is not doubtful
-    /// may be from where the exact test turns; at a half or more all rows are doubtful.
+    /// Prepares for the 8x8 rows from `y`, `z` on; none if they are all empty. Ends will be relative to `origin`. The
+    /// second value is how far, in voxels, the ends of a row that is not doubtful may be from where the exact test
+    /// turns; at a half or more all rows are doubtful.
     fn local(&self, origin: f64, y: f64, z: f64) -> Option<(Self::Local, f32)>;
 
     /// The ends of the eight rows `step_z` voxels on along z.
     fn ends<S: Simd>(&self, simd: S, local: &Self::Local, step_z: usize) -> Ends<S>;
 
-    /// What is certain about the row at `y`, `z`, whatever the rounding errors.
+    /// The certain part of the row at `y`, `z`, with all rounding errors allowed for.
     fn bracket(&self, y: f64, z: f64) -> Bracket;
 }
 
@@ -129,7 +129,7 @@ impl<S: Simd> Rounding<S> {
     fn rows(&self, ends: Ends<S>) -> (i32x8<S>, i32x8<S>, u64) {
         let (from, off_from) = self.round(ends.from);
         let (to, off_to) = self.round(ends.to);
-        // What is not a number is in doubt.
+        // A row whose ends are NaN is in doubt.
         let doubtful = !off_from.max(off_to).simd_lt(self.sure) | ends.doubtful;
         (from, to, doubtful.to_bitmask())
     }
@@ -226,10 +226,9 @@ pub struct Magnitudes {
 }
 
 impl Magnitudes {
-    /// Bound on the error of a tool-space position, of a sum of three of its components, and of
-    /// the sum of their squares. A position takes six operations, each off by [`ROUNDING`] of
-    /// at most `position`; the sum of squares five more on at most `position` squared. 128 is
-    /// several times what these add up to.
+    /// Bound on the error of a tool-space position, of a sum of three of its components, and of the sum of their
+    /// squares. A position takes six operations, each off by [`ROUNDING`] of at most `position`; the sum of squares
+    /// five more on at most `position` squared. 128 is several times their total.
     pub fn error(&self) -> f64 {
         self.linear_error() * (1.0 + self.position)
     }

@@ -1,5 +1,5 @@
-//! Numbers one at a time or eight at a time: what the inside tests of solids are written for, so that the test of a voxel
-//! and that of a row of voxels are the same operations in the same order, and agree to the bit. Knows no solid.
+//! Numbers one at a time or eight at a time. The inside tests of solids are written for both, so that the test of a
+//! voxel and that of a row of voxels are the same operations in the same order, and agree to the bit. Knows no solid.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
@@ -17,14 +17,14 @@ pub trait Lanes:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
-    /// What is true of each.
+    /// A truth value for each number.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
 
     /// `value` in all lanes.
     fn all(self, value: f64) -> Self;
     fn abs(self) -> Self;
     fn sqrt(self) -> Self;
-    /// The larger and the smaller; of numbers only.
+    /// The larger and the smaller; neither may be NaN.
     fn max(self, other: Self) -> Self;
     fn min(self, other: Self) -> Self;
     /// Whether it is at most, and less than, the other.

@@ -1,4 +1,4 @@
-//! Solids in a box: ellipsoid, cuboid and so on, at any pose, and what they sweep on a straight way.
+//! Solids in a box: ellipsoid, cuboid and so on, at any pose, and the volumes that they sweep in straight motion.
 //!
 //! From a [`Primitive`] to the [`crate::sculpture::region::Region`] of its voxels. Knows no grid's contents.
 

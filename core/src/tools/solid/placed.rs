@@ -1,4 +1,4 @@
-//! The construction solids at any pose, and what they sweep on a straight way.
+//! The construction solids at any pose, and the volumes that they sweep in straight motion.
 //!
 //! From a pose in voxel coordinates to a [`Region`] of the voxels whose centres lie inside, or that the solid passes
 //! over. [`PlacedSolid::contains_voxel`] is the definition; the rows of the region equal it on every voxel.
@@ -163,7 +163,7 @@ impl PlacedSolid {
             let along = |axis: DVec3| {
                 let reach = shape.support(axis * sign) * (1.0 + 1e-9) + 1.0;
                 let Some(way) = way else { return reach };
-                // What a sweep covers far from its beginning is rounded as numbers there are.
+                // Far from its start a sweep is rounded like the large coordinates there.
                 let rounding = 1e-12
                     * (centre_vx.abs().max_element() + (axis.abs() * way.abs()).element_sum());
                 reach + (axis.dot(way) * sign).max(0.0) + rounding

@@ -1,5 +1,6 @@
-//! Intersects rows with a solid of flat faces at any pose, or what it sweeps on a straight way: each face that a row can
-//! cross determines one end, linear in the row's coordinates; a face along the row leaves it whole or empty.
+//! Intersects rows with a solid of flat faces at any pose, or with the volume that it sweeps in straight motion: each
+//! face that a row can cross determines one end, linear in the row's coordinates; a face along the row leaves it whole
+//! or empty.
 
 use std::ops::Range;
 
@@ -8,15 +9,15 @@ use glam::{DMat3, DVec3};
 
 use super::ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, STEPS};
 
-/// A face along which a row moves by less than this, of the half extent, is along the row. What
-/// is less would make ends that move too fast from row to row for `f32`.
+/// A face along which a row moves by less than this, of the half extent, is along the row. A smaller limit would make
+/// ends that move too fast from row to row for `f32`.
 const FLAT: f64 = 1e-4;
 
 /// No voxel index is as large.
 const FAR: f64 = 1e30;
 
-/// Most faces of a solid with flat faces and of what it sweeps: a cuboid has six, and goes with up to six of its edges
-/// ahead.
+/// Most faces of a solid with flat faces and of its swept volume: a cuboid has six, and goes with up to six of its
+/// edges ahead.
 const MOST_FACES: usize = 12;
 
 /// A half space of tool space: `normal . p <= distance`.
@@ -26,7 +27,7 @@ pub struct HalfSpace {
     pub distance: f64,
 }
 
-/// The half spaces that meet in a solid, or in what it sweeps.
+/// The half spaces that meet in a solid, or in its swept volume.
 #[derive(Clone, Copy, Debug)]
 pub struct Faces {
     faces: [HalfSpace; MOST_FACES],
@@ -34,9 +35,9 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// Those of what a solid sweeps that moves by `way`. A point is in it if at some time t from 0 to 1 it is in all
-    /// half spaces of the solid moved by `t way`; t is eliminated by the method of Fourier and Motzkin: each bound of t
-    /// from below is at most each from above.
+    /// The half spaces of the volume that a solid sweeps when it moves by `way`. A point is in it if at some time t
+    /// from 0 to 1 it is in all half spaces of the solid moved by `t way`; t is eliminated by the method of Fourier and
+    /// Motzkin: each bound of t from below is at most each from above.
     pub fn swept(solid: &[HalfSpace], way: DVec3) -> Faces {
         let mut swept = Faces { faces: [HalfSpace::default(); MOST_FACES], len: 0 };
         for face in solid {

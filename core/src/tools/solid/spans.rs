@@ -142,8 +142,8 @@ fn ordered<S: Simd>(simd: S, [first, second]: [i32x8<S>; 2]) -> i16x16<S> {
     middle_swapped(simd.relaxed_narrow_i32x8(first, second).bitcast()).bitcast()
 }
 
-/// Swaps the second quarter with the third. Instructions that narrow two vectors leave the
-/// quarters so, and what brings them to order before is not needed then.
+/// Swaps the second quarter with the third. Instructions that narrow two vectors leave the quarters so, and reordering
+/// them beforehand is not needed then.
 #[inline(always)]
 fn middle_swapped<S: Simd>(quarters: u64x4<S>) -> u64x4<S> {
     let (even, _) = quarters.unzip_low(quarters).split();

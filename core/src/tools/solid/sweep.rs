@@ -1,9 +1,9 @@
-//! Whether a solid that moves straight, without turning, passes over a point: the inside test of what it sweeps.
+//! The inside test of swept solids: whether a solid that moves straight, without turning, passes over a point.
 //!
 //! Every solid is the set of points where a value `f` is at most 0. The value is that of the inside test: of an
-//! ellipsoid |p| - 1, of a solid with faces the largest excess over a face. What a solid sweeps is where the least of
-//! `f(p - t way)` for t from 0 to 1 is at most 0. `f` changes from a point to another by at most [`Shape::slack`] of
-//! their distance, so that a value at the middle of a box decides all of it.
+//! ellipsoid |p| - 1, of a solid with faces the largest excess over a face. The swept volume is the set of points where
+//! the least of `f(p - t way)` for t from 0 to 1 is at most 0. Between two points `f` changes by at most
+//! [`Shape::slack`] of their distance, so that the value at the middle of a box can decide the whole box.
 //!
 //! Pure geometry in tool space, exact up to rounding, but for the torus ([`FINEST`]).
 
@@ -12,10 +12,10 @@ use glam::DVec3;
 use super::lanes::Lanes;
 use super::shape::{Shape, Solid};
 
-/// The way of a torus is looked at in steps in which its value changes by at least this: a thousandth of the tube's
-/// radius.
+/// The displacement of a torus is sampled in steps in which its value changes by at least this: a thousandth of the
+/// tube's radius.
 const FINEST: f64 = 1e-3;
-/// Nor in more steps than this, while it is in the box around the torus.
+/// Most steps along the displacement while it is in the box around the torus.
 const MOST_STEPS: f64 = 16384.0;
 /// Times from 0 to 1 that differ by less than this may be equal.
 const NO_TIME: f64 = 1e-15;
@@ -36,19 +36,19 @@ impl Shape {
         }
     }
 
-    /// Whether the solid, led from its place straight along `way`, passes over `p`; with a value up to `margin` instead
-    /// of 0, which makes it larger or smaller.
+    /// Whether the solid, moved straight from its place by `way`, passes over `p`. Points with a value up to `margin`
+    /// instead of 0 count as inside, which makes the solid larger or smaller.
     pub(super) fn passes(&self, p: DVec3, way: DVec3, margin: f64) -> bool {
-        // What is no number is in nothing.
+        // NaN or infinite coordinates lie in no solid.
         p.is_finite() && way.is_finite() && self.passes_over(p.to_array(), way, margin)
     }
 
-    /// The same of one point or eight, all of them numbers, as coordinates in tool space.
+    /// The same for one point or eight, none of them NaN, as coordinates in tool space.
     #[inline(always)]
     pub(super) fn passes_over<N: Lanes>(&self, p: [N; 3], way: DVec3, margin: f64) -> N::Mask {
         let [x, y, z] = p;
         let most = 1.0 + margin;
-        // Half the base of a solid with an apex: its limit where heights have no digits left.
+        // Half the base of a solid with an apex: its limit where heights have no significant digits left.
         let widest = 1.0 + 1.5 * margin;
         match self.solid() {
             Solid::Cuboid => {
@@ -99,8 +99,8 @@ impl Shape {
         }
     }
 
-    /// When a sum of a box and an ellipsoid is nearest to a point, from 0 to 1. The square of the distance is convex in
-    /// time, and of second degree between the times when the point passes a face of the box.
+    /// The time from 0 to 1 when the sum of a box and an ellipsoid is nearest to a point. The square of the distance is
+    /// convex in time, and quadratic between the times when the point passes a face of the box.
     #[inline(always)]
     fn nearest_of_sum<N: Lanes>(&self, p: [N; 3], way: DVec3) -> N {
         let core = self.core();
@@ -133,7 +133,7 @@ impl Shape {
         // At one of the ends, or where the slope is 0.
         let level = change.at_most(zero) & zero.at_most(change);
         let t = from + (to - from) * (slope_from / p[0].all(1.0).where_true(level, change));
-        // A time even where slopes are no numbers.
+        // Gives a time even where slopes are NaN.
         zero.where_true(first, p[0].all(1.0).where_true(last, t.max(zero)))
     }
 
@@ -144,14 +144,15 @@ impl Shape {
         let at = behind(p, way, t);
         let mut slope = t.all(0.0);
         for axis in 0..3 {
-            // What is beyond the core, with its sign.
+            // The part outside the core, with its sign.
             let nearest = at[axis].max(t.all(-core[axis])).min(t.all(core[axis]));
             slope = slope - (at[axis] - nearest) * (way[axis] / (round[axis] * round[axis]));
         }
         slope
     }
 
-    /// Follows the way, while it is in the box around the solid, as far as the value lets the point be outside.
+    /// Marches along the displacement while it is in the box around the solid, each step as long as the value lets the
+    /// point be outside.
     #[inline(always)]
     fn torus_passes<N: Lanes>(&self, p: [N; 3], way: DVec3, margin: f64) -> N::Mask {
         let zero = p[0].all(0.0);
@@ -192,10 +193,10 @@ fn behind<N: Lanes>([x, y, z]: [N; 3], way: DVec3, t: N) -> [N; 3] {
 struct Across<N> {
     at: [N; 2],
     way: [f64; 2],
-    /// Square of the length of the way, and one over it; 0 if there is none.
+    /// Square of the length of the displacement, and its reciprocal; 0 if there is none.
     squared_way: f64,
     inverse: f64,
-    /// When it is nearest to the axis: any time.
+    /// The time when it is nearest to the axis; not limited to 0 to 1.
     foot: N,
 }
 
@@ -216,7 +217,7 @@ impl<N: Lanes> Across<N> {
         x * x + z * z
     }
 
-    /// When the point is furthest inside of a circle around the axis that grows by `grows`: the least of
+    /// The time when the point is furthest inside a circle around the axis that grows by `grows`: the least of
     /// hypot(aside, length u) - grows u, which is convex, with u from the foot.
     #[inline(always)]
     fn deepest_in_cone(&self, grows: f64) -> N {
@@ -256,7 +257,7 @@ impl<N: Lanes> Times<N> {
         let inverse = change.recip();
         let turn = start * -inverse;
         match () {
-            // No change, or less than can be told.
+            // No change, or one too small to divide by.
             _ if !inverse.is_finite() => {
                 let held = start.at_most(start.all(0.0));
                 self.to = self.to.where_true(held, start.all(f64::NEG_INFINITY));
@@ -300,7 +301,7 @@ mod tests {
         (axis(), axis(), axis()).prop_map(DVec3::from)
     }
 
-    /// What a torus may miss of its way.
+    /// The margin by which the sweep of a torus may miss points, because its steps are finite; 0 for other solids.
     fn finest(shape: &Shape, way: DVec3) -> f64 {
         match shape.solid() {
             Solid::Torus => FINEST.max(shape.slack(way.abs()) / MOST_STEPS),
@@ -339,7 +340,7 @@ mod tests {
             prop_assert!(nearly || !passes);
         }
 
-        /// Without a way it is the inside test, and a margin takes as much as the slack says.
+        /// Without a displacement the sweep is the inside test. A margin covers as much as the slack says.
         #[test]
         fn a_margin_covers_the_slack(
             solid in solid(),

@@ -1,4 +1,5 @@
-//! Intersects rows with what an ellipsoid sweeps on a straight way: the convex hull of its two places.
+//! Intersects rows with the volume that an ellipsoid sweeps in straight motion: the convex hull of its first and last
+//! place.
 //!
 //! With the names of [`super::quadric`]: at time t the rest of a row is a parabola in t, `most - (tau - tau0)^2`
 //! with tau = t times the speed across rows. `most` is a quadratic form in (dy, dz), tau0 is linear. The lower end of the
@@ -12,7 +13,7 @@ use super::ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, S
 
 /// Rows with a smaller rest are decided one by one, as of an ellipsoid that stays.
 const SHORT_ROW: f64 = 2e-3;
-/// A way that leads less than this across rows, in tool space, leads along them.
+/// A displacement that leads less than this across rows, in tool space, counts as leading along them.
 const ALONG: f64 = 1e-7;
 
 /// A number that is linear in the row's distances from the centre.
@@ -45,12 +46,12 @@ pub struct SweptQuadric {
     yz: f64,
     zz: f64,
     tau0: Linear,
-    /// Tau at the end of the way.
+    /// Tau at the end of the displacement.
     end: f64,
     /// How far along x the row's middle goes, in voxels, while tau grows by 1.
     drift: f64,
     lead: f64,
-    /// What is added to the lower and the upper end: the way, where it leads along rows.
+    /// Added to the lower and the upper end: the displacement, where it leads along rows.
     along: [f64; 2],
     /// Middle of a row at the first place.
     middle: Linear,
@@ -63,8 +64,8 @@ pub struct SweptQuadric {
     tame: bool,
 }
 
-/// What holds for one row of bricks: numbers of the first row of each eight along z, and how they change with each step
-/// along y.
+/// Values for one row of bricks: those of the first row of each eight along z, and how they change with each step along
+/// y.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalSwept {
     most: [f32; 8],
@@ -86,7 +87,7 @@ impl SweptQuadric {
         let DMat3 { x_axis: m0, y_axis: m1, z_axis: m2 } = *tool_from_vx;
         let length_sq = m0.length_squared();
         let half_length = 1.0 / length_sq.sqrt();
-        // The parts across the rows: of the steps from row to row, and of the way.
+        // The parts across the rows: of the steps from row to row, and of the displacement.
         let across = |v: DVec3| v - m0 * (v.dot(m0) / length_sq);
         let (y, z, side) = (across(m1), across(m2), across(way));
         let middle = Linear {
@@ -118,7 +119,7 @@ impl SweptQuadric {
         };
         if !is_along {
             let side = side / speed;
-            // The parts across the way, too.
+            // The parts across the displacement, too.
             let (y_aside, z_aside) = (y - side * y.dot(side), z - side * z.dot(side));
             swept.yy = y_aside.length_squared();
             swept.yz = 2.0 * y_aside.dot(z_aside);

@@ -35,7 +35,7 @@ fn check_with(simd: impl Simd, placed: &PlacedSolid, dims: UVec3) -> Result<(), 
                 let bounded = v.cmpge(bounds.min).all() && v.cmplt(bounds.max).all();
                 prop_assert!(bounded || !inside, "{v} is inside but not within {bounds:?}");
             }
-            // What an edit asks for: nothing beyond the touched range, and beyond the bounds.
+            // Masks as an edit asks for them: none beyond the touched range, but also beyond the bounds.
             let mask = match (reach.touched.contains(&bx), reach.whole.contains(&bx)) {
                 (false, whole) => {
                     prop_assert!(!whole);
@@ -50,8 +50,8 @@ fn check_with(simd: impl Simd, placed: &PlacedSolid, dims: UVec3) -> Result<(), 
     Ok(())
 }
 
-/// A sweep covers what the solid covers at places of its way, nothing that one a little larger does not, and the
-/// same from its other end.
+/// A sweep covers the voxels that the solid covers at places along its displacement, and none that a slightly larger
+/// solid does not cover there. The sweep from the other end covers the same.
 fn check_places_of_way(primitive: &Primitive, way: Vec3, size: Vec3) -> Result<(), TestCaseError> {
     let solid = primitive.solid;
     // In edges of the smallest voxel edge, as are half extents.
@@ -66,8 +66,8 @@ fn check_places_of_way(primitive: &Primitive, way: Vec3, size: Vec3) -> Result<(
     };
     let count = 120u16;
     let share = |i: u16| f32::from(i) / f32::from(count);
-    // Between two of these a solid moves by at most half a voxel. What is in a torus a little smaller and in one a
-    // little larger is clearly in it; the larger one has the larger hole.
+    // Between two of these a solid moves by at most half a voxel. A point inside both a slightly smaller and a slightly
+    // larger torus is clearly inside; the larger one has the larger hole.
     let little = if solid == Solid::Torus { 0.002 } else { 0.0005 };
     let inner: Vec<_> = (0..=count).map(|i| stamp(share(i), 1.0 - little)).collect();
     let outer: Vec<_> = (0..=count).map(|i| stamp(share(i), 1.0 + little)).collect();
@@ -208,7 +208,7 @@ proptest! {
         dims in dims(),
         planes in prop::array::uniform3(prop::option::of((0u8..50).prop_map(|p| f32::from(p) / 2.0))),
     ) {
-        // Images by symmetry may be further away than what they are images of.
+        // Images by symmetry may be further away than their originals.
         prop_assert_eq!(primitive.check().is_ok(), is_place(primitive.centre_vx));
         check(&primitive.in_grid(size), dims)?;
         check(&primitive.image_in_grid(None, size, &Image::of_planes(planes)), dims)?;

@@ -23,12 +23,12 @@ pub struct Distances {
 /// Rows are a multiple of this long, so that no voxel is computed alone.
 const LANES: usize = 16;
 
-/// What is farther than the reach.
+/// The squared distance that stands for all distances beyond the reach.
 pub const FAR: f32 = 1e12;
 
 impl Distances {
-    /// To the nearest voxel of `block` that exists (`set`) or does not, along each axis at most `reach` away. A voxel
-    /// is `edges` long. What lies outside the block does not exist.
+    /// The distances to the nearest voxel of `block` that exists (`set`) or does not, along each axis at most `reach`
+    /// away. A voxel is `edges` long. Nothing exists outside the block.
     pub fn new(
         block: &BitBlock,
         set: bool,
@@ -91,7 +91,8 @@ impl Distances {
     }
 
     /// The distance less half of an edge, where the surface is, at `offset` (in voxels) from the middle of `v`,
-    /// interpolated; what is beyond the reach counts as there. What is mirrored about `v` gives the same to the bit.
+    /// interpolated; distances beyond the reach count as the reach. Positions that mirror each other about `v` give the
+    /// same to the bit.
     pub fn at(&self, v: IVec3, offset: Vec3) -> f32 {
         let whole = offset.trunc();
         let share = (offset - whole).abs().to_array();
@@ -113,12 +114,12 @@ impl Distances {
     }
 }
 
-/// Squared distances within a row, from the voxel `at` on: what lies between two runs of what is looked for is as far as
-/// from the nearer one.
+/// Squared distances within a row, from the voxel `at` on. A voxel between two runs of sought voxels takes the distance
+/// to the nearer run.
 fn nearest_in_row(block: &BitBlock, set: bool, at: IVec3, steps: i32, edge: f32, out: &mut [f32]) {
     let local = at - block.origin();
     let row = block.row(local.y, local.z).unwrap_or(&[]);
-    // Counted from the block's origin; what is outside does not exist.
+    // Counted from the block's origin; nothing exists outside.
     let width = if row.is_empty() { 0 } else { block.size().x as i32 };
     let (first, len) = (local.x, out.len() as i32);
     let (start, end) = (first - steps, first + len + steps);

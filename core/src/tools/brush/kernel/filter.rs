@@ -115,8 +115,8 @@ fn word_of(block: &BitBlock, y: i32, z: i32, word: usize) -> u64 {
 
 /// Existing voxels of `may` with fewer than `threshold` of their 26 neighbours: to be removed.
 ///
-/// A voxel of a plane has 17, of a straight edge 11, of a corner 7: thresholds from 12 to 17
-/// leave planes alone and take edges; up to 7 take only what sticks out.
+/// A voxel of a plane has 17, of a straight edge 11, of a corner 7: thresholds from 12 to 17 leave planes alone and
+/// take edges; thresholds up to 7 take only protruding voxels.
 pub fn erosion(solid: &BitBlock, may: &BitBlock, threshold: u32) -> BitBlock {
     map_words(may, |y, z, word, _| {
         word_of(solid, y, z, word) & !word_with_neighbours(solid, y, z, word, threshold)
@@ -168,9 +168,8 @@ pub fn growth(solid: &BitBlock, may: &BitBlock, threshold: u32, rounds: u32) -> 
     grown.zip(solid, |g, s| g & !s)
 }
 
-/// What a majority filter changes: `(added, removed)`. A voxel takes the value that most voxels
-/// of the cube reaching `radius_vx` (1 to 8) around it have, itself included; so planes stay as
-/// they are.
+/// The changes of a majority filter: `(added, removed)`. A voxel takes the value that most voxels of the cube reaching
+/// `radius_vx` (1 to 8) around it have, itself included; so planes stay as they are.
 pub fn majority(solid: &BitBlock, may: &BitBlock, radius_vx: u32) -> (BitBlock, BitBlock) {
     let reach = radius_vx as i32;
     let volume = (2 * radius_vx + 1).pow(3);
@@ -225,7 +224,7 @@ mod tests {
         block
     }
 
-    /// What may change without seeing the block's border.
+    /// The voxels at least `margin` from the block's border, which may change without seeing it.
     fn inner(margin: i32) -> BitBlock {
         let mut block = BitBlock::empty(MIN, MAX);
         for z in MIN.z + margin..MAX.z - margin {

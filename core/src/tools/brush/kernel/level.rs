@@ -1,4 +1,4 @@
-//! Smoothing by a level as large as the brush: what is smaller than the brush goes, larger forms stay.
+//! Smoothing by a level as large as the brush: forms smaller than the brush go, larger ones stay.
 //!
 //! From a grid, a footprint and a strength to the voxels that appear and vanish. The smoothed surface is where half of the
 //! neighbourhood exists ([`self::field`]). The surface goes the share of the way to it that the strength says, less
@@ -53,7 +53,7 @@ const TILE_VX: i32 = 64;
 /// How a brush smooths.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Level {
-    /// Share of the way to the smoothed surface, 0 to 1.
+    /// Share of the distance to the smoothed surface, 0 to 1.
     pub strength: f32,
     /// How far the surface must have come towards the next voxel for it to change, 0 to 1. Where it differs from use to
     /// use, steps shorter than a voxel add up.

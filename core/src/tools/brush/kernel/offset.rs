@@ -1,9 +1,9 @@
 //! Brushes that move the surface: inflate, flatten, scrape, fill, draw and crease.
 //!
 //! From a grid and a brush to the voxels that appear and vanish. Clay is added where the nearest clay is less far away
-//! than the brush raises the surface there, and removed where the nearest emptiness is less far than it is lowered; what
-//! draw and crease move goes along one direction, in which the surface is looked for.
-//! Distances are those between voxels less half of one, where the surface is. Changes nothing itself.
+//! than the brush raises the surface there, and removed where the nearest emptiness is less far than it is lowered.
+//! Draw and crease move the surface along one direction, in which it is looked for. Distances are those between voxels
+//! less half of one, where the surface is. Changes nothing itself.
 
 use glam::{DVec3, IVec3, Vec3};
 
@@ -34,7 +34,7 @@ pub enum Target {
     Plane {
         /// Out of the clay.
         normal: Vec3,
-        /// Share of the way, 0 to 1.
+        /// Share of the distance to the plane, 0 to 1.
         strength: f32,
         /// Clay before the plane is removed.
         lowers: bool,
@@ -47,12 +47,12 @@ pub enum Target {
         normal: Vec3,
         /// Along the normal above 0.
         height: f32,
-        /// What share of the height a place goes.
+        /// The share of the height by which a place moves.
         profile: Profile,
     },
 }
 
-/// What share of the way a place goes.
+/// The share of the displacement by which a place moves.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Profile {
     /// That of the falloff.
@@ -63,7 +63,7 @@ pub enum Profile {
 
 /// Shortest step in which the surface is looked for along a direction, in units of the smallest edge.
 const LOOK: f32 = 0.25;
-/// What a distance may be off by rounding.
+/// Largest rounding error of a distance.
 const ROUNDING: f32 = 1e-3;
 
 /// A brush, placed.
@@ -79,7 +79,7 @@ pub struct Offset {
     pub target: Target,
 }
 
-/// The ball of a brush, relative to the mirror planes: what is mirrored differs in signs only and is rounded alike.
+/// The ball of a brush, relative to the mirror planes: mirrored positions differ in signs only and are rounded alike.
 struct Ball {
     origin: DVec3,
     centre: DVec3,
@@ -97,7 +97,7 @@ impl Ball {
         ((v.as_dvec3() + 0.5 - self.origin - self.centre) * self.edges).as_vec3()
     }
 
-    /// The brush's share of the way at a place relative to the middle.
+    /// The brush's share of the displacement at a place relative to the middle.
     #[inline(always)]
     fn share(&self, p: Vec3) -> f32 {
         let p = p / self.radius;
@@ -110,8 +110,8 @@ impl Ball {
         p.x * self.normal.x + p.y * self.normal.y + p.z * self.normal.z
     }
 
-    /// Whether what is at the first place towards `way` (of length 1) from which `distances` are counted, `away` or
-    /// farther from `v`, goes to `v` or beyond, if the middle goes by `height`.
+    /// Whether the brush draws the first place towards `way` (of length 1) from which `distances` are counted to `v` or
+    /// beyond, if the middle moves by `height`. That place is `away` or farther from `v`.
     fn is_drawn_from(
         &self,
         distances: &Distances,
@@ -126,7 +126,7 @@ impl Ball {
             Profile::Falloff => self.share(p),
             Profile::Squared => self.share(p) * self.share(p),
         };
-        // Nothing on the line through `v` goes farther than what is nearest to the middle.
+        // On the line through `v`, the place nearest to the middle moves farthest.
         let along = p.x * way.x + p.y * way.y + p.z * way.z;
         let furthest = height * share(p - way * along) + ROUNDING;
         if away > furthest || p.length_squared() > self.radius * self.radius {
@@ -160,7 +160,7 @@ pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> 
 }
 
 impl Offset {
-    /// What this and its mirror images change in `grid`.
+    /// The changes that this and its mirror images make in `grid`.
     pub fn stamp(&self, grid: &Grid, symmetry: &Symmetry) -> Stamp {
         let dims = grid.dims();
         let size = grid.voxel_size().as_dvec3();
@@ -299,7 +299,7 @@ impl Offset {
     }
 }
 
-/// Whether the nearest clay does not lie on the far side, as behind a wall.
+/// Whether the nearest clay lies on the near side. False where it lies on the far side, as behind a wall.
 fn faces(to_clay: &Distances, v: IVec3, normal: Vec3) -> bool {
     let away = |v: IVec3| to_clay.near(v).sqrt();
     let mut outwards = 0.0;

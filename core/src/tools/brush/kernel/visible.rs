@@ -98,7 +98,7 @@ impl Cone {
         let [across, down, aim] = [across, down, aim].map(Vec3::as_dvec3);
         let matrix = DMat3::from_cols(across, down, aim);
         let volume = matrix.determinant().abs();
-        // Not a number is none, too.
+        // NaN gives None, too.
         let spans = volume > LEAST_VOLUME * across.length() * down.length() * aim.length();
         if !spans {
             return None;
@@ -336,7 +336,7 @@ impl Search<'_> {
     fn may_be_seen(&self, first: UVec3, bricks: u32) -> bool {
         let edge = (bricks * BRICK_EDGE_VX) as f32;
         let centre = (first * BRICK_EDGE_VX).as_vec3() + 0.5 * edge;
-        // Half the diagonal, and what a point may be lifted above a face.
+        // Half the diagonal, and the distance that a point may be lifted above a face.
         let radius_vx = edge * 0.87 + 1.0;
         let Some((min, max, near)) = self.cone.ball(centre, radius_vx) else { return false };
         let hidden = self.depths.farthest(min, max) + SURELY_HIDDEN_VX * self.cone.per_voxel;
@@ -356,7 +356,7 @@ impl Search<'_> {
             let middle = from_eye + v + 0.5;
             let [i, j, s] = self.cone.project(middle);
             let distance = footprint.outline.distance(i, j);
-            // Written so that no number is outside.
+            // Written so that NaN is outside.
             if !(s > 0.0 && distance <= footprint.radius) {
                 return;
             }

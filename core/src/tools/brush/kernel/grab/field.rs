@@ -11,8 +11,8 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 use crate::sculpture::region::VoxelBox;
 
 /// Existence bits smoothed by (9 B - 5 B^2) / 4, where B is the binomial filter 1-4-6-4-1 along each axis. Its second
-/// moment makes up for that of the interpolation, so that curved surfaces stay where they are. 0 to 4096 and a little beyond, above [`HALF`] exactly where a voxel
-/// exists, so that what does not move does not change.
+/// moment makes up for that of the interpolation, so that curved surfaces stay where they are. 0 to 4096 and a little
+/// beyond, above [`HALF`] exactly where a voxel exists, so that places that do not move do not change.
 pub struct Field {
     min: IVec3,
     size: UVec3,
@@ -21,7 +21,7 @@ pub struct Field {
 
 /// Places to a voxel that sources are told apart by.
 pub const FINE: i32 = 1 << 10;
-/// What the filter reaches, and a voxel for the interpolation.
+/// The reach of the filter, and a voxel for the interpolation.
 pub const MARGIN_VX: i32 = 5;
 /// Half of the filter's sum.
 const HALF: i16 = 2048;
@@ -219,7 +219,7 @@ fn smooth_across<S: Simd>(
 ) {
     let row = out.len();
     let here = &from[start..start + row];
-    // What does not count is multiplied by 0.
+    // Values that do not count are multiplied by 0.
     let before = if ends[0] { here } else { &from[start - stride..][..row] };
     let after = if ends[1] { here } else { &from[start + stride..][..row] };
     let [low, high] = ends.map(|end| i16::from(!end));

@@ -1,4 +1,5 @@
-//! The motion of clay ([`crate::tools::brush::kernel::grab`]): where what arrives at each voxel comes from, and what changes by it.
+//! The motion of clay ([`crate::tools::brush::kernel::grab`]): the source of the clay or emptiness that arrives at each
+//! voxel, and the changes that follow.
 //!
 //! From the contents and the pulls to [`Pulled`]. Bricks to which only clay comes that is like their own are left out;
 //! the others are computed in rows of eight voxels, in loops that the compiler makes vector code of. Changes nothing
@@ -26,7 +27,7 @@ const FEW_PULLS: usize = 8;
 
 /// The motion of all pulls together.
 ///
-/// Positions are relative to the mirror planes: what is mirrored differs in signs only and is rounded alike, so that the
+/// Positions are relative to the mirror planes: mirrored ones differ in signs only and are rounded alike, so that the
 /// result is symmetric to the voxel.
 pub struct Flow<'a> {
     pub pulls: &'a [Pull],
@@ -74,7 +75,7 @@ impl Flow<'_> {
         (bricks, bounds)
     }
 
-    /// The voxels between which what arrives in a brick comes from, or more.
+    /// The box of voxels that the clay or emptiness arriving in a brick comes from, or a larger one.
     fn sources(&self, b: IVec3) -> VoxelBox {
         let edge = BRICK_EDGE_VX as i32;
         let (mut down, mut up) = (DVec3::ZERO, DVec3::ZERO);
@@ -181,7 +182,8 @@ impl Flow<'_> {
         some.then_some(moved)
     }
 
-    /// How far away what arrives at the middles of eight voxels comes from, in units of 1 / [`FINE`] voxel.
+    /// How far away the sources are of the clay or emptiness that arrives at the middles of eight voxels, in units of 1
+    /// / [`FINE`] voxel.
     #[inline(always)]
     fn row_of_offsets<const PULLS: usize>(&self, start: UVec3) -> [[i32; EDGE]; 3] {
         let first = start.as_dvec3() + 0.5 - self.origin;
@@ -212,7 +214,7 @@ impl Flow<'_> {
         offsets
     }
 
-    /// `arrived` less what the clay at `at` moves in a step. All are relative to the voxels.
+    /// `arrived` less the displacement of the clay at `at` in a step. All are relative to the voxels.
     #[inline(always)]
     fn before<const PULLS: usize>(
         &self,
@@ -292,7 +294,7 @@ fn stays(contents: &Contents, sources: VoxelBox) -> bool {
     true
 }
 
-/// What changes in one brick.
+/// The changes in one brick.
 struct Moved {
     remove: Brick,
     add: Brick,

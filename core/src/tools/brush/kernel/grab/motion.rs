@@ -1,4 +1,5 @@
-//! How clay in a ball moves ([`crate::tools::brush::kernel::grab`]): pulled along a way, twisted about an axis or pinched towards it.
+//! How clay in a ball moves ([`crate::tools::brush::kernel::grab`]): pulled along a displacement, twisted about an axis
+//! or pinched towards it.
 //!
 //! From a motion to the shift of eight voxels of a row in one small step. Twist turns each sphere about the middle as a
 //! whole; pinch is the curl of a stream function about its axis. So neither changes a volume, but for what a step rounds.
@@ -13,7 +14,7 @@ use crate::tools::symmetry::Image;
 pub type Row = [[f32; EDGE]; 3];
 pub const EDGE: usize = BRICK_EDGE_VX as usize;
 
-/// What the clay in a ball does.
+/// How the clay in a ball moves.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Motion {
     /// Goes along.

@@ -1,4 +1,4 @@
-//! Twist and pinch: what turns, what comes together, and that volumes are kept.
+//! Twist and pinch: which parts turn, which come together, and that volumes are kept.
 
 use glam::{IVec3, UVec3, Vec3};
 

@@ -1,4 +1,4 @@
-//! Pulls at clay: what moves, what stays, and that a pull back gives the same clay again.
+//! Pulls at clay: which parts move, which stay, and that a pull back gives the same clay again.
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
@@ -126,7 +126,7 @@ fn a_long_pull_neither_tears_nor_folds() {
     assert!(widths.iter().all(|width| *width > 0), "{widths:?}");
     assert!(widths.windows(2).all(|pair| pair[1] <= pair[0] + 1), "{widths:?}");
     assert!(widths[0] > widths[53]);
-    // What is beyond the hand stays.
+    // The clay beyond the hand stays.
     assert!(
         after.grid.get(glam::IVec3::new(2, 20, 2)) && !after.grid.get(glam::IVec3::new(2, 30, 2))
     );
