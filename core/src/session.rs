@@ -51,9 +51,9 @@ pub struct Session {
     document: Document,
     /// The files of the sculptures that undo and redo can lead to.
     files: Files,
-    /// What those files were like when they were read or written.
+    /// The identities of those files when they were read or written.
     on_disk: OnDisk,
-    /// Who may write to those files.
+    /// The record of who may write to those files.
     access: Access,
     /// The command that reproduces the sculpture at the session's start.
     beginning: Command,
@@ -65,13 +65,13 @@ pub struct Session {
     spill: Option<Arc<Spill>>,
     /// The undo histories of saved files.
     histories: Option<Arc<SavedHistories>>,
-    /// What is kept of the last mesh that was written.
+    /// The data kept of the last mesh that was written.
     meshes: Option<KeptMeshes>,
     /// The bytes of the images that are loaded, or were for the last stroke.
     pictures: HashMap<PathBuf, Arc<[u8]>>,
     /// Files whose content is given by commands.
     embedded: HashMap<PathBuf, Arc<[u8]>>,
-    /// What reading the last file left out, for the person to know.
+    /// Notes on what reading the last file left out, for the user.
     notes: Vec<String>,
 }
 
@@ -139,7 +139,7 @@ impl Session {
     /// [`Limits::history_disk_bytes`]; nothing if that is 0. The file goes with the session.
     ///
     /// # Errors
-    /// If no thread can be made. What goes wrong with files is told by [`Session::take_history_message`].
+    /// If no thread can be made. Problems with files are reported by [`Session::take_history_message`].
     pub fn keep_history_in(&mut self, folder: &Path) -> std::io::Result<()> {
         self.spill = spill(folder, self.document.limits())?;
         if let Some(spill) = &self.spill {
@@ -148,8 +148,8 @@ impl Session {
         Ok(())
     }
 
-    /// What the person should know of the history on disk and of those of saved files: that they cannot be written, or
-    /// can be again. Said once.
+    /// Returns the message for the user on the history on disk or on those of saved files: that they cannot be written,
+    /// or can be again. Each is returned once.
     pub fn take_history_message(&self) -> Option<String> {
         let of_saved = self.histories.as_ref().and_then(|histories| histories.take_message());
         of_saved.or_else(|| self.spill.as_ref()?.take_message())
@@ -199,7 +199,7 @@ impl Session {
         self.recording.as_ref().map(Recording::path)
     }
 
-    /// What reading the last file left out or took otherwise, returned once.
+    /// Notes on what reading the last file left out or interpreted otherwise, returned once.
     pub fn take_notes(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notes)
     }

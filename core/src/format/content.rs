@@ -20,7 +20,7 @@ const STL_TRIANGLE_BYTES: u64 = 50;
 /// Where NIfTI-1 says what it is, after a length of its header that tells the byte order.
 const NIFTI_MAGIC_AT: usize = 344;
 
-/// What begins with these bytes at that place is of this format.
+/// Signatures of the formats that are read: the offset, the bytes there, and the format.
 const KNOWN: [(usize, &[u8], Format); 19] = [
     (0, b"\x89VSC\r\n\x1A\n", Format::Vsc),
     (0, b"PVM\n", Format::Pvm),
@@ -43,7 +43,7 @@ const KNOWN: [(usize, &[u8], Format); 19] = [
     (0, b"# vtk DataFile Version", Format::Scan(scan::Kind::Vtk)),
 ];
 
-/// What begins with these bytes at that place is not read.
+/// Signatures of contents that are not read: the offset, the bytes there, and the name for people.
 const FOREIGN: [(usize, &[u8], &str); 17] = [
     (0, b"\x89PNG", "a PNG image"),
     (0, b"\xFF\xD8\xFF", "a JPEG image"),
@@ -68,7 +68,7 @@ const FOREIGN: [(usize, &[u8], &str); 17] = [
     ),
 ];
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Content {
     Known(Format),
@@ -146,7 +146,7 @@ pub fn needs_layout(path: &Path) -> bool {
     }
 }
 
-/// What begins with `start` and has `length` bytes.
+/// The content of a file that begins with `start` and has `length` bytes.
 fn content_of(start: &[u8], length: u64) -> Content {
     let begins =
         |at: usize, magic: &[u8]| start.get(at..).is_some_and(|rest| rest.starts_with(magic));

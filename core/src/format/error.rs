@@ -103,7 +103,7 @@ pub enum FormatError {
         what: &'static str,
         /// Its text.
         line: String,
-        /// What it must be.
+        /// The rule that it must meet.
         rule: &'static str,
     },
     /// The line ends of the PVM header were converted.
@@ -158,7 +158,7 @@ pub enum FormatError {
     Malformed {
         /// Where in the file.
         place: String,
-        /// What is wrong there.
+        /// The fault that was found there.
         what: String,
     },
     /// A file that a mesh names, but that cannot be read beside it.

@@ -130,7 +130,7 @@ impl Histogram {
         let range = f64::from(max) - f64::from(min);
         let (count, bin_width) =
             if range == 0.0 { (1, 1.0) } else { (FINE_BINS, range / (FINE_BINS - 1) as f64) };
-        // What is not finite is counted in a bin of its own, then dropped.
+        // Values that are not finite are counted in a bin of their own, which is then dropped.
         let mut bins = count_all(voxels, count + 1, |v| {
             let v = value(v);
             let bin = ((f64::from(v) - f64::from(min)) / bin_width) as usize;

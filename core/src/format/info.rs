@@ -1,4 +1,4 @@
-//! What a file contains, found without converting it to a sculpture: size, spacing, sample type, histogram, and what
+//! The contents of a file, found without converting it to a sculpture: size, spacing, sample type, histogram, and what
 //! opening it would leave out.
 
 use std::fmt;
@@ -32,13 +32,13 @@ pub struct Info {
     pub texts: Texts,
     /// Of densities.
     pub densities: Option<Densities>,
-    /// What this program noted when it wrote the file.
+    /// The note that this program left when it wrote the file.
     pub signature: Option<Signature>,
     /// Where the axes of a scan point, in the patient or the world; none where the file does not say.
     pub orientation: Option<String>,
     /// Which channel and time the rest is about.
     pub volumes: Volumes,
-    /// What opening the file leaves out or takes otherwise.
+    /// Notes on what opening the file leaves out or interprets otherwise.
     pub notes: Vec<String>,
 }
 

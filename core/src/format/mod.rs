@@ -146,7 +146,7 @@ pub struct Loaded {
     pub texts: Texts,
     /// The axis that was taken for the one that points up; none where the file says so itself.
     pub assumed_up: Option<Up>,
-    /// What of the file was left out or taken otherwise, for the person to know.
+    /// Notes on what was left out of the file or interpreted otherwise, for the user.
     pub notes: Vec<String>,
 }
 
@@ -352,7 +352,7 @@ fn read_file(
     store::read(path, budget_bytes(limits), |_| Ok(()), progress)
 }
 
-/// What is known of a file beside its voxels.
+/// Metadata of a file: all that is known of it besides its voxels.
 #[derive(Default)]
 struct Source {
     kind: String,

@@ -68,7 +68,7 @@ pub struct RawLayout {
 pub struct ImportOptions {
     /// Which voxels exist.
     pub existence: Existence,
-    /// What colours they get.
+    /// The colours that they get.
     pub colouring: Colouring,
     /// Bits of colour of the sculpture; `None`: as the file was written by this program, as the
     /// packed colours have, or 24.
@@ -99,7 +99,7 @@ pub struct ImportOptions {
     pub mesh_fill: MeshFill,
 }
 
-/// What to store of a sculpture.
+/// The form in which a volume stores a sculpture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum ExportForm {
     /// [`ExportForm::Densities`] without colours, else [`ExportForm::Rgba`].
@@ -117,7 +117,7 @@ pub enum ExportForm {
 /// How a sculpture is written. Each format has use for some of it, and refuses what it cannot do.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ExportOptions {
-    /// What a volume stores.
+    /// The form of a volume.
     pub form: ExportForm,
     /// How a mesh is made.
     pub mesh: MeshOptions,

@@ -34,7 +34,7 @@ pub fn prepared(
         Cubic::EdgeMm(edge) => edge,
     };
     let is_same = (voxel_size - edge).abs().max_element() <= SAME_EDGE * edge;
-    // What a header says may be no length; that is said later.
+    // The voxel size in a header may be no valid length; that is reported later.
     if is_same || !voxel_size.is_finite() || voxel_size.min_element() <= 0.0 {
         return Ok((dims, voxel_size));
     }

@@ -1,8 +1,8 @@
 //! The PVM volume format, versions 1 to 3, plain or packed as a DDS stream: bytes <-> [`Volume`].
 //!
 //! A header of text lines, the voxels, and in version 3 four NUL-ended texts; the file must end
-//! there. What a header claims is compared with the actual contents of the file or stream, and
-//! passed to the caller, before memory is allocated for it.
+//! there. The claims of a header are compared with the actual contents of the file or stream, and
+//! passed to the caller, before memory is allocated for them.
 
 use glam::{UVec3, Vec3};
 

@@ -97,7 +97,7 @@ impl FromStr for Samples {
 /// The four texts of a PVM3 file. Their encoding is not declared; old files are Latin-1.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Texts {
-    /// What the volume shows.
+    /// The subject of the volume.
     pub description: Vec<u8>,
     /// Where it comes from.
     pub courtesy: Vec<u8>,

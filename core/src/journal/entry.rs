@@ -1,7 +1,7 @@
-//! What happened in a session, one entry for each thing, and its bytes.
+//! The entries of a journal, one for each thing that happened in a session, and their bytes.
 //!
-//! Most entries carry a [`Mark`]: what the session looked like afterwards, so that a replay that goes another
-//! way is noticed where it does. Contents are packed as in .vsc files, file names in the text form of commands.
+//! Most entries carry a [`Mark`] of the document afterwards, so that a replay that diverges is noticed where it
+//! does. Contents are packed as in .vsc files, file names in the text form of commands.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ const SAME_PICTURE: u8 = 20;
 
 const DAMAGED: FormatError = FormatError::Damaged("an entry of the journal has no known form");
 
-/// What a document looked like after an entry.
+/// A summary of a document as it was after an entry.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Mark {
     /// Its state.
@@ -75,7 +75,7 @@ pub enum Entry {
     Command {
         /// The command.
         command: Command,
-        /// What it led to.
+        /// The mark of the document afterwards.
         mark: Mark,
     },
     /// A file was opened.
@@ -88,7 +88,7 @@ pub enum Entry {
         texts: Texts,
         /// The axis that was taken for the one that points up, if that had to be assumed.
         assumed_up: Option<Up>,
-        /// What it led to.
+        /// The mark of the document afterwards.
         mark: Mark,
     },
     /// The sculpture was saved, perhaps while it went on being changed.

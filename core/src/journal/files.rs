@@ -74,7 +74,7 @@ impl Files for Disk {
     fn create(&self, path: &Path) -> Result<Box<dyn Appender>> {
         let mut options = OpenOptions::new();
         options.append(true).create_new(true);
-        // What somebody works on is nobody else's.
+        // Nobody else may read or write what a user works on.
         #[cfg(unix)]
         std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
         let file = options.open(path)?;

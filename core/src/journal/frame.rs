@@ -69,7 +69,7 @@ fn checksum(frame: &[u8], payload: &[u8]) -> u32 {
 /// A record as it was read.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Record {
-    /// What the payload is.
+    /// The kind of the payload.
     pub kind: u8,
     /// The rest.
     pub payload: Vec<u8>,
@@ -82,7 +82,7 @@ pub enum Ending {
     Whole,
     /// It ends within a record, as when the power fails.
     Cut,
-    /// What follows is no record that fits.
+    /// The bytes that follow are no record that fits here.
     Damaged,
 }
 

@@ -57,7 +57,7 @@ impl Open {
     }
 
     /// Begins to put what is written on the disk, while entries go on being written: a busy disk may take long, and
-    /// what is written outlives at least the process. What cannot go on beside is done at once.
+    /// what is written outlives at least the process. Where no thread can sync meanwhile, the sync is done at once.
     pub fn begin_sync(&mut self) -> std::io::Result<()> {
         let thread = self.file.syncer().and_then(|sync| {
             std::thread::Builder::new().name("journal sync".to_string()).spawn(sync).ok()

@@ -40,7 +40,7 @@ impl Live {
 /// Sees to it that all that was done so far is on the disk, in every journal of this process; waits for that at most so
 /// long in all. Returns the files of those that were in time. May be called while the process panics.
 pub fn sync_all(patience: Duration) -> Vec<PathBuf> {
-    // Who panics with the lock in hand has lost it.
+    // A thread that panics while it holds the lock cannot take it again.
     let Ok(live) = LIVE.try_lock() else { return Vec::new() };
     let asked: Vec<_> = live
         .iter()

@@ -1,12 +1,11 @@
 //! The journal of a session: a file that is always far enough ahead that a crash, a signal or an empty battery
 //! costs at most the stroke in hand and what ended just before it.
 //!
-//! A journal begins with a **checkpoint**: all that the session began with, by content. What follows are
+//! A journal begins with a **checkpoint**: all that the session began with, by content. It is followed by
 //! **entries**: the commands that were executed, and the files that they read. `files` is the file layer,
-//! `frame` the framing of records, `entry` and `checkpoint` what they mean, `writer` the thread that writes, `growing` its file,
-//! `live` knows all of this process,
-//! `shelf` the folder in which journals lie, `reader` reads one. Knows documents, but no session: that
-//! replays them.
+//! `frame` is the framing of records, `entry` and `checkpoint` define their meaning, `writer` is the thread that
+//! writes, `growing` is its file, `live` knows all journals of this process, `shelf` is the folder in which journals
+//! lie, and `reader` reads one. Knows documents, but no session: the session replays journals.
 
 mod checkpoint;
 mod entry;

@@ -66,7 +66,7 @@ impl JournalReader {
 }
 
 impl Iterator for JournalReader {
-    /// An error ends the journal, too: what follows it cannot be understood.
+    /// An error ends the journal, too: entries after it cannot be understood.
     type Item = Result<Entry, FormatError>;
 
     fn next(&mut self) -> Option<Self::Item> {

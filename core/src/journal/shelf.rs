@@ -19,7 +19,7 @@ pub struct Shelf {
     folder: PathBuf,
 }
 
-/// What is at a number of the shelf.
+/// The state of the file at a number of the shelf.
 pub enum Left {
     /// A journal that no session writes to, open and locked.
     Journal(Source),

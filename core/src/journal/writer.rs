@@ -3,7 +3,7 @@
 //!
 //! If something cannot be written, the thread says so once, drops entries, and asks for a checkpoint now and
 //! then: with the next one that can be written the journal is whole again. It also asks for one where a replay
-//! would take long or the file has grown large. What was written stays until a checkpoint has replaced it.
+//! would take long or the file has grown large. Entries that were written stay until a checkpoint has replaced them.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
@@ -59,7 +59,7 @@ impl JournalOptions {
     }
 }
 
-/// What thread and session tell each other without waiting.
+/// The state that the thread and the session share without waiting.
 #[derive(Debug, Default)]
 struct Shared {
     /// The thread wants a checkpoint.
@@ -212,7 +212,7 @@ impl JournalWriter {
         self.gap = true;
     }
 
-    /// What is to be told to the person, once: that nothing can be written, or that it can again.
+    /// Returns the message for the user, once: that nothing can be written, or that it can again.
     pub fn take_message(&self) -> Option<String> {
         let mut news = self.shared.news.lock().unwrap_or_else(PoisonError::into_inner);
         let back = self.shared.caught_up.swap(false, Ordering::Relaxed);
@@ -264,7 +264,7 @@ impl Drop for JournalWriter {
     }
 }
 
-/// What the thread works with.
+/// The state of the thread.
 struct Work {
     options: JournalOptions,
     shared: Arc<Shared>,
@@ -307,7 +307,7 @@ impl Work {
                     self.appends &= !after_gap;
                     self.checkpoint(&checkpoint);
                 }
-                // Whoever asked may be gone.
+                // The receiver of the answer may be gone.
                 Ok(Message::Written(answer)) => {
                     let _ = answer.try_send(());
                 }

@@ -34,7 +34,7 @@ impl MeshCache {
         progress: &dyn Progress,
     ) -> Result<Mesh, MeshError> {
         let most = Budget::new(limits).bytes() / SHARE;
-        // What the last export left is no more than a copy.
+        // A poisoned lock does no harm: the mesh that the last export left is only a copy.
         let mut slot = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let former = slot.take().filter(|kept| kept.is_of(kind, colours));
         let is_small = bytes_of_faces(contents, colours.are_in(contents)) <= most;

@@ -31,7 +31,7 @@ pub struct Fan {
     pub apart: Vec3,
 }
 
-/// What is known of a corner from its eight voxels.
+/// The properties of a corner that follow from its eight voxels.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner {
     /// Number of fans.

@@ -25,7 +25,7 @@ use crate::sculpture::{Grid, Limits, Rgb};
 /// Cells of a block along each axis: a word along x, and few across, as all of a block are made anew for any change.
 const BLOCK: UVec3 = UVec3::new(Cells::MOST_ALONG_X, 16, 16);
 
-/// The part of a block, and what its vertices are.
+/// The part of a block, and the keys of its vertices.
 #[derive(Default, Debug)]
 struct Block {
     part: Part,
@@ -47,7 +47,7 @@ pub struct ContentsVersion {
     pub changed: Option<Vec<u32>>,
 }
 
-/// What a mesh is of.
+/// The subject of a mesh: the properties that all its blocks share.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Subject {
     dims: UVec3,

@@ -39,7 +39,7 @@ pub struct Layer {
     has_odd: bool,
 }
 
-/// What is known of a row of corners while a layer is read.
+/// The data of a row of corners while a layer is read.
 pub struct RowOfCorners {
     places: Places,
     /// By place along x; those that are no corners mean nothing.
@@ -53,7 +53,7 @@ impl RowOfCorners {
     }
 }
 
-/// What a vertex beyond the first of its corner is.
+/// The place of a vertex beyond the first of its corner.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Further {
     /// The fan of this number.
@@ -269,7 +269,7 @@ impl Layer {
         })
     }
 
-    /// What the further vertices are, in the order of their numbers: the corner, and which of its vertices.
+    /// The keys of the further vertices, in the order of their numbers: the corner, and which of its vertices.
     pub fn further_keys(&self) -> impl Iterator<Item = ([usize; 2], u8)> {
         let row = 64 * self.width;
         self.further.iter().chain(&self.further_z).map(move |&key| {

@@ -21,7 +21,7 @@ pub const GAP_VX: f32 = 1.0 / 64.0;
 
 /// Places the vertices of a mesh.
 pub trait Place: Sync {
-    /// What is kept of the voxels beside a layer of the lattice while its vertices are placed.
+    /// The data kept of the voxels beside a layer of the lattice while its vertices are placed.
     type Layer: Default;
 
     /// Makes `layer` that of the corners of `rows` at `z`; it may be that of any others before.
@@ -67,7 +67,7 @@ impl Place for AtCorners {
     }
 }
 
-/// What a fan's vertex is computed from: the mean of the places where the surface crosses its edges.
+/// The data that a fan's vertex is computed from: the mean of the places where the surface crosses its edges.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Mean {

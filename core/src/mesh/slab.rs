@@ -15,7 +15,7 @@ use super::{Budget, Part, push_polygon};
 use crate::sculpture::Rgb;
 use crate::sculpture::history::Contents;
 
-/// What a slab is made from.
+/// The source that a slab is made from.
 pub struct Slab<'a, P> {
     /// The sculpture.
     pub contents: &'a Contents,
@@ -34,7 +34,7 @@ pub fn bytes_of_face(coloured: bool) -> u64 {
 /// Faces of one direction: their axis, and whether they look up along it.
 type Direction = (usize, bool);
 
-/// What a vertex is.
+/// The identity of a vertex.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct CornerKey {
     /// The corner of the lattice that it is at, or in the edge from it.
@@ -44,7 +44,7 @@ pub struct CornerKey {
 }
 
 impl CornerKey {
-    /// Appends what the vertices of a layer are, in the order of their numbers.
+    /// Appends the keys of the vertices of a layer, in the order of their numbers.
     fn list(layer: &Layer, rows: &Rows, z: u32, keys: &mut Vec<CornerKey>) {
         // Along x rows may begin before the grid, but no corner does.
         let [x_0, y_0] = rows.origin().map(|first| first as u16);
@@ -212,7 +212,7 @@ impl<P: Place> Slab<'_, P> {
     }
 }
 
-/// What is known of a row while faces are found.
+/// The data of a row while faces are found.
 struct RowOfFaces {
     /// The numbers of the corners of rows y and y + 1, here and above; those of other places mean nothing.
     numbers: [Vec<u32>; 4],

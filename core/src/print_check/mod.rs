@@ -24,7 +24,7 @@ const DRAIN_MM: f32 = 3.0;
 /// Most places of a kind that are listed; the largest ones.
 pub const MOST_PLACES: usize = 1000;
 
-/// What is asked of a print.
+/// The requirements on a print.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CheckOptions {
     /// Length of a voxel along x in millimetres; none for the sculpture's voxel size.
@@ -88,7 +88,7 @@ impl From<MendError> for CheckError {
     }
 }
 
-/// What may be wrong with a print.
+/// A kind of problem that a print may have.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Kind {
     /// Pieces that do not stand on the bed and hang together with nothing.
@@ -135,10 +135,10 @@ pub struct Place {
     pub bounds: VoxelBox,
 }
 
-/// All that is wrong of one kind.
+/// All problems of one kind.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Finding {
-    /// What is wrong.
+    /// The kind of problem.
     pub kind: Kind,
     /// Number of places; [`Finding::places`] lists the largest.
     pub count: usize,
@@ -148,7 +148,7 @@ pub struct Finding {
     pub places: Vec<Place>,
     /// The voxels of all places.
     pub marked: ListedBricks,
-    /// What mends it, the best first. Nothing but support material mends overhangs.
+    /// The remedies, the best first. Nothing but support material mends overhangs.
     pub mends: Vec<Mend>,
 }
 
@@ -163,7 +163,7 @@ pub struct Checked {
     pub fits: bool,
     /// The area that stands on the bed.
     pub contact_mm2: f32,
-    /// What is wrong; only kinds of which there is something.
+    /// The problems; only the kinds that occur.
     pub findings: Vec<Finding>,
 }
 

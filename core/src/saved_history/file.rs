@@ -1,4 +1,4 @@
-//! What the file of a history holds, as records of [`frame`](crate::journal::frame):
+//! The file of a history, as records of [`frame`](crate::journal::frame):
 //!
 //! 1. the beginning (32): JSON with version of the program, the sculpture's file and its hash, the hash of the
 //!    contents, and the state that the steps lead from;

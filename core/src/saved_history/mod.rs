@@ -42,7 +42,7 @@ impl SavedHistoryOptions {
     }
 }
 
-/// A history to be kept: what a document was when it was saved.
+/// A history to keep, of a document as it was when it was saved.
 #[derive(Clone, Debug)]
 pub struct HistoryToKeep {
     /// The file of the sculpture, absolute.
@@ -75,7 +75,7 @@ impl KeptSteps {
     }
 }
 
-/// What was found for a file.
+/// The result of a search for the history of a file.
 #[derive(Debug)]
 pub enum Found {
     /// None is kept.
@@ -127,7 +127,7 @@ impl SavedHistories {
         let path = history.path.clone();
         let work = move || {
             if let Some(former) = former {
-                // What went wrong there has been told.
+                // Problems of that write have already been reported.
                 let _ = former.thread.join();
             }
             let name = history.path.display().to_string();
@@ -162,7 +162,7 @@ impl SavedHistories {
         tell(&self.messages, text);
     }
 
-    /// What the person should know, each thing once: that a history could not be written, or not be used.
+    /// Returns the next message for the user, each once: that a history could not be written, or not be used.
     pub fn take_message(&self) -> Option<String> {
         self.messages.lock().unwrap_or_else(PoisonError::into_inner).pop_front()
     }

@@ -50,7 +50,7 @@ impl HistoryShelf {
         };
         match file::read(source, file_hash, contents, limits) {
             Ok(history) => Found::History(history),
-            // What else the error says concerns sculptures.
+            // The rest of the error message concerns sculptures.
             Err(FormatError::Damaged(what)) => Found::Unusable(what.to_string()),
             Err(error) => Found::Unusable(error.to_string()),
         }

@@ -1,8 +1,8 @@
-//! What a session may do with the files of its sculptures, and who else has them open.
+//! The access of a session to the files of its sculptures, and the other programs that have them open.
 //!
 //! The file of the present sculpture is locked ([`lock`](super::lock)) as long as it is the present one, if
 //! [`FileAccess`] says so; undo and redo past `open` give one back and take the other. A file that is saved is locked
-//! at least meanwhile. Only .vsc files are; volumes are written for other programs.
+//! at least meanwhile. Only .vsc files are locked; volumes are written for other programs.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ struct Present {
     taken: Taken,
 }
 
-/// What a session knows of who may write.
+/// A session's record of who may write.
 #[derive(Debug, Default)]
 pub(super) struct Access {
     mode: FileAccess,
@@ -83,7 +83,7 @@ impl Session {
         self.access.mode
     }
 
-    /// Who has the present sculpture's file open, if it is another program. Returned once.
+    /// The other program that has the present sculpture's file open, if there is one. Returned once.
     pub fn take_foreign_holder(&mut self) -> Option<Holder> {
         if !std::mem::take(&mut self.access.is_news) {
             return None;

@@ -39,7 +39,7 @@ pub enum SessionError {
     ChangedOnDisk {
         /// The file.
         path: PathBuf,
-        /// What it is like now; none if it cannot be read.
+        /// Its identity now; none if it cannot be read.
         found: Option<FileIdentity>,
     },
     /// Another program has the file open.
@@ -47,7 +47,7 @@ pub enum SessionError {
     InUse {
         /// The file.
         path: PathBuf,
-        /// Who has it.
+        /// The program that has it open.
         holder: Holder,
     },
     /// The file was opened to be read only.
@@ -79,7 +79,7 @@ pub enum SessionError {
     JournalTaken {
         /// The file.
         path: PathBuf,
-        /// What the file holds.
+        /// Names the contents of the file.
         holds: &'static str,
     },
     /// The sculpture has already been changed.

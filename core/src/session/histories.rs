@@ -97,7 +97,7 @@ impl Session {
     }
 }
 
-/// What is kept for a file that was read as `contents`.
+/// Finds the history that is kept for a file that was read as `contents`.
 pub(super) fn find(
     histories: Option<&SavedHistories>,
     identity: Option<FileIdentity>,
@@ -110,7 +110,7 @@ pub(super) fn find(
     }
 }
 
-/// What is to be kept for a file that has been saved.
+/// The history to keep for a file that has been saved.
 pub(super) fn to_keep(
     steps: Option<KeptSteps>,
     path: &Path,

@@ -35,7 +35,7 @@ impl Session {
     /// Begins a journal with what the session is now. It is removed when the session ends with everything saved.
     ///
     /// # Errors
-    /// If no thread can be made. What goes wrong with files is told by [`Session::take_journal_message`].
+    /// If no thread can be made. Problems with files are reported by [`Session::take_journal_message`].
     pub fn keep_journal(&mut self, options: JournalOptions) -> std::io::Result<()> {
         self.discard_journal();
         let Some((checkpoint, missing)) = self.checkpoint(options.max_bytes) else {
@@ -63,12 +63,12 @@ impl Session {
         Some(writer.options().shelf.path(writer.number()?))
     }
 
-    /// What the person should know of the journal: that it cannot be written, or can be again. Said once.
+    /// Returns the message for the user on the journal, once: that it cannot be written, or can be again.
     pub fn take_journal_message(&self) -> Option<String> {
         self.journal.as_ref()?.writer.take_message()
     }
 
-    /// Why what is done is not in the journal, with what helps, for as long as that lasts.
+    /// The reason why commands are not in the journal, with a remedy, for as long as that lasts.
     pub fn journal_trouble(&self) -> Option<String> {
         self.journal.as_ref()?.writer.trouble()
     }
@@ -93,7 +93,7 @@ impl Session {
         }
     }
 
-    /// Ends the journal and removes it: what it holds is saved or not wanted.
+    /// Ends the journal and removes it: its contents are saved or not wanted.
     pub fn discard_journal(&mut self) {
         if let Some(journal) = self.journal.take() {
             journal.writer.end(true);
@@ -122,7 +122,7 @@ impl Session {
     /// within a stroke.
     fn checkpoint(&mut self, max_bytes: u64) -> Option<(Checkpoint, [usize; 2])> {
         let mut document = self.document.snapshot()?;
-        // What comes after the checkpoint knows no other pictures than those in it.
+        // Entries after the checkpoint know no earlier pictures than those in it.
         self.pictures.retain(|path, _| self.document.has_picture(path));
         let missing =
             document.history.shorten(usize::try_from(max_bytes / 2).unwrap_or(usize::MAX));

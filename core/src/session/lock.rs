@@ -39,13 +39,13 @@ impl Holder {
         }
     }
 
-    /// What the lock file at `path` says. Nothing where the system does not let a locked file be read.
+    /// Reads the lock file at `path`. Returns an empty holder where the system does not let a locked file be read.
     fn read(path: &Path) -> Holder {
         let read = || -> io::Result<Holder> {
             let mut text = String::new();
             File::open(path)?.take(MOST_BYTES).read_to_string(&mut text)?;
             let mut holder: Holder = serde_json::from_str(&text)?;
-            // Whoever may write to the folder may have written this.
+            // Anyone who may write to the folder may have written this.
             holder.host =
                 holder.host.map(|host| host.chars().filter(|c| !c.is_control()).take(64).collect());
             Ok(holder)
@@ -82,14 +82,14 @@ impl FileLock {
 
 impl Drop for FileLock {
     fn drop(&mut self) {
-        // What cannot be removed is taken over by the next.
+        // A lock file that cannot be removed is taken over by the next program.
         if let Err(error) = fs::remove_file(&self.path) {
             tracing::debug!("cannot remove {}: {error}", self.path.display());
         }
     }
 }
 
-/// What came of taking a lock.
+/// The result of taking a lock.
 #[derive(Debug)]
 pub(super) enum Taken {
     Ours(FileLock),

@@ -1,4 +1,4 @@
-//! What a session keeps of the meshes that it writes, and how the sculpture has changed from one to the next.
+//! Keeps data of the meshes that a session writes, and tracks how the sculpture changes from one to the next.
 //!
 //! Takes the document at the time of a save; gives a numbered version of its contents for the [`MeshCache`]. Makes no mesh.
 

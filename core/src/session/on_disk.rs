@@ -1,5 +1,5 @@
-//! What the sculptures' files were like when the session read or wrote them, so that what another program has put there
-//! since is not overwritten unseen.
+//! The identities of the sculptures' files when the session read or wrote them, so that contents that another program
+//! has put there since are not overwritten unseen.
 //!
 //! Length and hash count, not times: these are coarse on some disks, and programs that copy files set them. Only .vsc files
 //! are remembered; volumes are written for other programs, under names that are asked for each time. Writes no file.
@@ -13,7 +13,7 @@ use super::Session;
 use crate::format;
 use crate::sculpture::digest::Digest;
 
-/// What a file was like.
+/// The identity of a file: its length and hash.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FileIdentity {
     bytes: u64,
@@ -33,8 +33,8 @@ impl FileIdentity {
         Some(FileIdentity { bytes, hash: hash.ok()? })
     }
 
-    /// Whether the file at `path` is still this one. What is gone, or no file, holds nothing to lose. Of a file that
-    /// cannot be read nobody knows what it holds, so that the answer is no.
+    /// Whether the file at `path` is still this one. Where it is gone, or no file, there is nothing to lose, so the
+    /// answer is yes. Where it cannot be read, its contents are unknown, so the answer is no.
     pub fn may_be_replaced(self, path: &Path) -> bool {
         match fs::metadata(path) {
             Ok(found) if found.is_file() => {
@@ -65,7 +65,7 @@ impl OnDisk {
         };
     }
 
-    /// What the file at `path` was like, if the session has read or written it.
+    /// The identity that the file at `path` had, if the session has read or written it.
     pub fn known(&self, path: &Path) -> Option<FileIdentity> {
         self.known.get(&key(path)).copied()
     }

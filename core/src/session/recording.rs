@@ -1,7 +1,7 @@
 //! The recording of a session: a script that grows by a line with every command, so that a crash loses
-//! nothing and `run` reproduces the session anywhere: files that were opened and images are embedded. What
-//! the script cannot repeat, such as an undo of steps from before it began, is a checkpoint: the sculpture
-//! embedded as it is then, with clipboard and settings.
+//! nothing and `run` reproduces the session anywhere: files that were opened and images are embedded.
+//! A command that the script cannot repeat, such as an undo of steps from before it began, becomes a checkpoint: the
+//! sculpture embedded as it is then, with clipboard and settings.
 //!
 //! Non-empty files are never opened for writing, and a replay writes none. Knows no document.
 

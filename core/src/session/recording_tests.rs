@@ -144,7 +144,7 @@ fn undo_past_orientations_is_recorded_and_replays() {
         execute(&mut made, line);
         states.push(made.document().contents().clone());
     }
-    // Whatever way, and wherever it ends.
+    // In either direction, and wherever it ends.
     for (line, at) in [
         ("undo 2", 4),
         ("undo 3", 1),

@@ -36,7 +36,7 @@ pub struct RecoveryReport {
     pub difference: Option<String>,
 }
 
-/// What a journal holds, as far as that is known without a replay.
+/// The contents of a journal, as far as they are known without a replay.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Summary {
     /// The file of the sculpture, if it has one.
@@ -63,7 +63,7 @@ pub struct Summary {
 /// session that wrote it had such a place, or the limits allow one.
 ///
 /// # Errors
-/// If there is no whole checkpoint in it. What follows the checkpoint is replayed as far as it can be.
+/// If there is no whole checkpoint in it. Entries after the checkpoint are replayed as far as they can be.
 pub fn recover(
     source: Source,
     limits: &Limits,

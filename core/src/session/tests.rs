@@ -75,7 +75,7 @@ fn a_file_that_another_program_has_changed_is_not_overwritten() {
         assert!(error.to_string().contains("another program"), "{error}");
         assert_eq!(std::fs::read(&path).unwrap(), mine);
     }
-    // Who wrote it last may go on, and another name is free.
+    // The session that wrote it last may go on, and another name is free.
     execute(&mut saved, &save).unwrap();
     execute(&mut saved, &save).unwrap();
     let copy = folder.path().join("copy.vsc");
@@ -155,7 +155,7 @@ fn a_change_on_disk_that_is_accepted_is_overwritten_once() {
     assert_eq!(std::fs::read(&path).unwrap(), mine);
     std::fs::write(&path, "again").unwrap();
     execute(&mut session, &save).unwrap_err();
-    // What is gone is written anew.
+    // A file that is gone is written anew.
     std::fs::remove_file(&path).unwrap();
     execute(&mut session, &save).unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), mine);

@@ -60,11 +60,11 @@ pub(super) enum Task {
     },
     Save {
         path: PathBuf,
-        /// What the file was like when the session last read or wrote it, if it did.
+        /// The identity of the file when the session last read or wrote it, if it did.
         known: Option<FileIdentity>,
         export: ExportOptions,
         contents: Arc<Contents>,
-        /// What is kept of the last mesh, if this is to be one, and how it differs.
+        /// The cache of the last mesh, if a mesh is to be written, and how the contents differ from it.
         meshes: Option<(Arc<MeshCache>, ContentsVersion)>,
         texts: Texts,
         limits: Limits,
@@ -137,7 +137,7 @@ impl Work {
                 let read = format::read_embedded(&file, &limits, progress);
                 let failed = |error| SessionError::Open { path: path.clone(), error };
                 let loaded = Box::new(read.map_err(failed)?);
-                // What lies at its path need not be what was embedded.
+                // The file at its path need not be the one that was embedded.
                 Outcome::Opened { path, loaded, identity: None, history: Found::Nothing }
             }
             Task::Open { path, embedded: None, import, limits, histories } => {
@@ -190,7 +190,7 @@ impl Work {
 }
 
 impl Done {
-    /// What was done.
+    /// The command that was done.
     pub fn command(&self) -> &Command {
         &self.command
     }

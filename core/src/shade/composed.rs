@@ -25,7 +25,7 @@ const STANDSTILL: f32 = 1e-20;
 /// A picture to compose.
 #[derive(Clone, Copy, Debug)]
 pub struct Composition<'a> {
-    /// What is seen.
+    /// The voxels that are seen.
     pub map: &'a IndexMap,
     /// Shaded from `map`.
     pub pixels: &'a Pixels,

@@ -56,7 +56,7 @@ pub struct Shadow {
 pub struct Lighting {
     /// The lights; `None` is an unused slot.
     pub lights: [Option<Light>; MAX_LIGHTS],
-    /// What the surface is made of.
+    /// The look of the surface: what it is made of.
     pub look: Look,
     /// Used by [`Look::Matcap`].
     pub matcap: Matcap,

@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 
 use crate::sculpture::Rgb;
 
-/// What the surface is made of.
+/// The look of a surface: what it is made of.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Look {

@@ -11,8 +11,9 @@ use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
 /// Width of a line of the hatching, along any axis of the grid.
 const LINE_VX: u32 = 3;
 
-/// What is mixed into a protected voxel's colour in dark and in light lines, and how many parts in 256 its own colour
-/// keeps: so little that hatching is seen on black and on white, so much that painted colours can still be told apart.
+/// The colours mixed into a protected voxel's colour in dark and in light lines, and how many parts in 256 its own
+/// colour keeps: so little that hatching is seen on black and on white, so much that painted colours can still be told
+/// apart.
 const DARK: (Rgb, u32) = (Rgb::new(12, 22, 60), 80);
 const LIGHT: (Rgb, u32) = (Rgb::new(64, 96, 160), 96);
 

@@ -38,7 +38,7 @@ const VOXELS_PER_DEPTH: f32 = (2 * WORD_EDGE_VX * 2 * WORD_EDGE_VX) as f32;
 /// How deep the middles of voxels lie below a face, in voxels.
 const DEPTH_AT_FACE_VX: f32 = 0.5;
 
-/// Fractions of a voxel in which what is filled is counted.
+/// Fractions of a voxel in which the filling is counted.
 const FILLED_PER_VOXEL: f32 = 64.0;
 
 /// Corners of words along an axis of a brick.
@@ -69,7 +69,7 @@ impl Default for OpennessTables {
 }
 
 impl OpennessTables {
-    /// What is filled about a voxel.
+    /// How much of the cube about a voxel is filled.
     #[cfg(test)]
     pub fn filled(&mut self, grid: &Grid, voxel: UVec3) -> Filled {
         Filled((filled_in(self.table_of(grid, voxel), voxel) * FILLED_PER_VOXEL + 0.5) as u16)
@@ -137,7 +137,7 @@ impl Filled {
     }
 }
 
-/// What is filled about each voxel of a brick, `x + 8 y + 64 z`.
+/// How much of the cube about each voxel of a brick is filled, `x + 8 y + 64 z`.
 #[derive(Clone, Debug)]
 pub struct BrickFilling([Filled; BRICK_VOXELS as usize]);
 

@@ -24,7 +24,7 @@ pub struct SurfacePoint {
     pub voxel: [u16; 3],
     /// Its normal.
     pub normal: PackedNormal,
-    /// What stands in for a normal that is none: a vector out of the solid, of any length, a covector of
+    /// The stand-in for a missing normal: a vector out of the solid, of any length, a covector of
     /// grid coordinates; then the share of the ambient light that arrives, 0 to 127, all bits inverted in the
     /// shadow of the sun.
     pub estimate: [i8; 4],

@@ -78,7 +78,7 @@ impl SoftwareShader {
         });
     }
 
-    /// What each pixel shows.
+    /// Finds what each pixel shows.
     fn look(
         &mut self,
         map: &IndexMap,

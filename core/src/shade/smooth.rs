@@ -21,7 +21,7 @@ use crate::sculpture::NO_VOXEL;
 /// Distance from the plane at which a neighbour's weight becomes 0, in voxels.
 const PLANE_REACH_VX: f32 = 2.0;
 
-/// What a pixel shows. Vectors are in eye space.
+/// The place on a surface that a pixel shows. Vectors are in eye space.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct Shown {
     /// Middle of the voxel.

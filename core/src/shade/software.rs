@@ -126,7 +126,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// What all pixels of a picture share.
+/// The data that all pixels of a picture share.
 struct Shader<'a> {
     source: ShadeSource<'a>,
     places: Places,
@@ -140,7 +140,7 @@ struct Shader<'a> {
     tinted: Option<(&'a Grid, ColourDepth)>,
 }
 
-/// What is looked up for sixteen pixels.
+/// The data looked up for sixteen pixels.
 #[derive(Default)]
 struct Found {
     /// In the grid.
@@ -159,7 +159,7 @@ impl Found {
     }
 }
 
-/// What one task works with.
+/// The buffers of one task.
 #[derive(Default)]
 struct Scratch {
     /// A row of a strip.

@@ -9,7 +9,7 @@ use super::occlusion::OpennessTables;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::{Grid, Material, Rgb};
 
-/// What is shaded.
+/// The sculpture that is shaded.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadeSource<'a> {
     /// The voxels.

@@ -2,7 +2,7 @@
 //! tests can let each of them fail. [`Folder`] is the real one.
 //!
 //! A file `N.history` in a folder, which only its owner can read, is locked while its session runs and removed
-//! when that ends. What a killed session has left is removed by the next one.
+//! when that ends. A file that a killed session has left is removed by the next one.
 
 use std::fmt::Debug;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -64,7 +64,7 @@ impl Folder {
         builder.create(&self.0)?;
         let mut options = OpenOptions::new();
         options.read(true).write(true).create_new(true);
-        // What somebody works on is nobody else's.
+        // Nobody else may read or write what a user works on.
         #[cfg(unix)]
         std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
         for number in 1..=u32::MAX {

@@ -1,9 +1,10 @@
 //! Undo and redo steps on disk: the store of a history that takes more than memory is allowed.
 //!
 //! A thread of its own packs the steps (`format::history`) and writes them to one file; until then they stay in
-//! memory, and what waits is bounded. Packing and unpacking go in parts, each with a CRC-32. Where the disk is
+//! memory, and their size is bounded. Packing and unpacking go in parts, each with a CRC-32. Where the disk is
 //! full or fails, a message says so, steps are refused, and every further step tries again.
-//! `file` is the file, `parts` what of a step is in it, `space` which parts of it are in use, `record` what stands for a step. Knows no document.
+//! `file` is the file, `parts` are the parts of steps in it, `space` tracks which parts of the file are in use, and
+//! `record` stands for a step. Knows no document.
 
 mod file;
 mod parts;
@@ -36,7 +37,7 @@ pub struct Spill {
     writer: Option<JoinHandle<()>>,
 }
 
-/// What the thread, the steps and the session have in common. Locks are taken in this order: a record's, `file`,
+/// The state that the thread, the steps and the session share. Locks are taken in this order: a record's, `file`,
 /// `state`.
 #[derive(Debug)]
 struct Shared {
@@ -69,7 +70,7 @@ struct State {
     is_busy: bool,
     /// Whether the person was told that nothing can be written.
     told: bool,
-    /// What the person has not been told yet.
+    /// The message that the user has not been given yet.
     message: Option<String>,
     has_ended: bool,
 }
@@ -120,7 +121,7 @@ impl Spill {
         Ok(Spill { shared, writer: Some(writer) })
     }
 
-    /// What is to be told to the person, once: that nothing can be written, or that it can again.
+    /// Returns the message for the user, once: that nothing can be written, or that it can again.
     pub fn take_message(&self) -> Option<String> {
         self.shared.state().message.take()
     }
@@ -164,7 +165,7 @@ impl StepStore for Spill {
     fn room_bytes(&self) -> u64 {
         let mut state = self.shared.state();
         if matches!(state.blocked, Some(Blocked::Failed)) {
-            // What is refused now may find room the next time.
+            // Steps that are refused now may find room the next time.
             state.retry = true;
             self.shared.changed.notify_all();
             return 0;
@@ -178,7 +179,7 @@ impl Drop for Spill {
         self.shared.state().has_ended = true;
         self.shared.changed.notify_all();
         if let Some(writer) = self.writer.take() {
-            // It has nothing to say: what it could not write has been told.
+            // The thread has nothing to return: its errors have already been reported.
             let _ = writer.join();
         }
     }

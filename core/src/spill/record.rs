@@ -1,4 +1,4 @@
-//! What stands for a step: in memory until it is written, then its place in the file.
+//! The stand-in for a step: in memory until it is written, then its place in the file.
 
 use std::io::Read;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

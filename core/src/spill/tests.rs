@@ -176,8 +176,8 @@ proptest! {
         prop_assert_eq!(spill.take_message(), None);
     }
 
-    /// Whatever file operations fail, one or all from then on: each state that is reached is one that was there,
-    /// and nothing is lost that is not told.
+    /// Each state that is reached is one that was there, and no loss goes unreported, whatever file operations fail:
+    /// one, or all from then on.
     #[test]
     fn faults_never_lead_to_wrong_bytes(
         lines in script(30),

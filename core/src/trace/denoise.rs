@@ -1,8 +1,8 @@
 //! Removes the noise that remains in a final picture, without blurring edges.
 //!
 //! From a film to one with other radiances: the edge-avoiding a-trous wavelet transform (Dammertz, Sewtz, Hanika and
-//! Lensch, "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination Filtering", 2010). What is filtered
-//! is the light that falls on surfaces, without their colours, so that these stay sharp. Weights fall with the angle
+//! Lensch, "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination Filtering", 2010). It filters
+//! the light that falls on surfaces, without their colours, so that these stay sharp. Weights fall with the angle
 //! between normals, the distance from the other's plane, and the difference of light over its standard error (after
 //! Schied et al., "Spatiotemporal Variance-Guided Filtering", 2017): more samples mean less filtering, and none in the
 //! limit. The background has no noise and stays as it is.

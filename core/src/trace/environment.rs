@@ -38,7 +38,7 @@ pub struct AreaLight {
     pub strength: f32,
 }
 
-/// What lights a final picture.
+/// The light of a final picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum LightOptions {
     /// Sun, sky and perhaps a lamp.
@@ -225,7 +225,7 @@ impl Environment {
         environment
     }
 
-    /// What comes from `direction` (unit length) without the sun's disc and the lamp.
+    /// The radiance from `direction` (unit length) without the sun's disc and the lamp.
     #[inline]
     pub fn sky(&self, direction: Vec3) -> Vec3 {
         let height = direction.dot(self.up);
@@ -247,7 +247,7 @@ impl Environment {
         self.sky(level.normalize_or(self.up))
     }
 
-    /// What the eye sees in `direction` where nothing else is: the sky with the sun's disc.
+    /// The radiance that the eye sees in `direction` where nothing else is: the sky with the sun's disc.
     #[inline]
     pub fn seen(&self, direction: Vec3) -> Vec3 {
         let disc = self.sun.filter(|sun| sun.covers(direction));

@@ -1,4 +1,4 @@
-//! What a final picture collects: the sums of samples, pixel by pixel, then their means.
+//! The film of a final picture: the sums of samples, pixel by pixel, then their means.
 //!
 //! Takes the samples of each pixel in order; gives linear light, and what a filter or other programs need besides:
 //! colour, normal and place of the surface, coverage, and how uncertain the light is. Knows no rays.
@@ -67,7 +67,7 @@ pub(super) fn luminance(light: Vec3) -> f32 {
     light.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// What radiance is divided by to leave the light that falls on a surface. Background counts as white.
+/// The divisor of radiance that leaves the light that falls on a surface. Background counts as white.
 pub(super) fn divisor(albedo: Vec3, surface: f32) -> Vec3 {
     (albedo + (1.0 - surface)).max(Vec3::splat(LEAST_ALBEDO))
 }

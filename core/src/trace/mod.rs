@@ -66,7 +66,7 @@ pub struct Ground {
 /// The lens of the camera.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Lens {
-    /// Diameter of its opening over the distance of what is sharp; at 0 everything is sharp.
+    /// Diameter of its opening over the distance of the places in focus; at 0 everything is sharp.
     pub aperture: f32,
     /// The place of the picture that is sharp: shares of its width from the left and height from the top.
     pub focus: Vec2,

@@ -30,7 +30,7 @@ pub struct Prepared {
     pub middle: Vec3,
     /// The ground, if there is one.
     pub ground: Option<PreparedGround>,
-    /// What ground sends on which no shadow falls.
+    /// The radiance of ground on which no shadow falls.
     pub open_ground: Vec3,
     /// The sun, if it is up.
     pub sun: Option<SunDisc>,

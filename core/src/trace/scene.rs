@@ -1,4 +1,4 @@
-//! What rays of a final picture meet: the sculpture and the ground.
+//! The scene that rays of a final picture meet: the sculpture and the ground.
 //!
 //! From rays to the nearest surface: where on it further rays start, its normal and its colour. Points are in grid
 //! coordinates, directions and normals in the world, so that voxels may have edges of different lengths and angles
@@ -46,7 +46,7 @@ pub(super) struct Surface {
     pub albedo: Vec3,
 }
 
-/// What a ray meets.
+/// The result of following a ray: what it meets.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Met {
     Nothing,
@@ -121,7 +121,7 @@ impl<'a> Scene<'a> {
         away.length() / self.radius
     }
 
-    /// What a ray from a surface meets; `direction` is in the world.
+    /// Finds what a ray from a surface meets; `direction` is in the world.
     pub fn meet(&self, origin: Vec3, direction: Vec3, cache: &mut CellCache) -> Met {
         let along = self.grid_from_world * direction;
         let sculpture = match self.levels {
@@ -161,7 +161,8 @@ impl<'a> Scene<'a> {
             || self.ground_on(origin, direction.dot(self.up)).is_some_and(|(_, t)| t < reach)
     }
 
-    /// What the eye sees along a ray of a picture, where `first` is what [`Scene::first`] says of it, and how far away.
+    /// Finds what the eye sees along a ray of a picture, and how far away. `first` is what [`Scene::first`] says
+    /// of the ray.
     pub fn seen(
         &self,
         origin: Vec3,

@@ -90,7 +90,7 @@ fn white_surfaces_vanish_in_a_white_furnace() {
     }
 }
 
-/// What is lost after the usual number of bounces is little even where nothing is absorbed.
+/// Little light is lost after the usual number of bounces, even where nothing is absorbed.
 #[test]
 fn few_paths_end_early() {
     let subject = subject(stretched_ball(), WHITE, SIZE);

@@ -44,9 +44,9 @@ fn display_with_gain(film: &Film, gain: f32) -> Pixels {
     pixels
 }
 
-/// What is added to the value of a pixel before it is cut to a whole number: 0 to 1, evenly distributed among the pixels
-/// around any (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014: interleaved gradient
-/// noise).
+/// The offset added to the value of a pixel before it is cut to a whole number: 0 to 1, evenly distributed among the
+/// pixels around any (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014: interleaved
+/// gradient noise).
 fn rounding(x: usize, y: usize) -> f32 {
     (52.982_918 * (0.067_110_56 * x as f32 + 0.005_837_15 * y as f32).fract()).fract()
 }

@@ -119,7 +119,7 @@ impl Similarity {
 pub struct RoomView {
     /// Where it is in the room.
     pub pose: Pose,
-    /// What it sees.
+    /// The frustum that it sees.
     pub frustum: Frustum,
 }
 

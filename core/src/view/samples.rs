@@ -134,7 +134,7 @@ mod tests {
         for count in [3, 9, 27] {
             assert_eq!(strata(1, count), vec![1; count]);
         }
-        // What an upright or slanting edge through the pixel covers is the share of samples beyond it.
+        // An upright or slanting edge through the pixel covers as much of it as the share of samples beyond the edge.
         for count in [16, 64] {
             let mean = all[..count].iter().sum::<Vec2>() / count as f32;
             assert!(mean.abs().max_element() < 0.06, "{count}: {mean}");

@@ -104,7 +104,7 @@ impl Frame {
             MeshSize::VoxelMm(mm) => mm_per_unit / f64::from(mm),
         };
         let sides = rows.map(|row| row.dot(high - low).abs() * voxels_per_unit);
-        // What rounding adds must not cost a voxel.
+        // Rounding errors must not cost an additional voxel.
         let dims = sides.map(|side| (side - 1e-3).ceil().clamp(1.0, f64::from(u32::MAX)) as u32);
         let voxel_size = Vec3::splat((mm_per_unit / voxels_per_unit) as f32);
         Ok(Frame {

@@ -26,7 +26,7 @@ use crate::sculpture::{ColourDepth, Grid, GridError, Limits, Material, Rgb};
 /// Share of rays that fall through holes from which on a mesh counts as open.
 const OPEN_SHARE: f64 = 0.02;
 
-/// What becomes of the inside of a mesh.
+/// The filling of the inside of a mesh.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Fill {
     /// Solid; of an open mesh the surface alone.
@@ -44,7 +44,7 @@ impl Fill {
         [(Fill::Auto, "auto"), (Fill::Solid, "solid"), (Fill::Shell, "shell")];
 }
 
-/// What was found about a mesh.
+/// The findings about a mesh.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Findings {
     /// Share of the rays through the mesh that enter it and do not leave it, or the other way round: 0 for a closed one.

@@ -15,7 +15,7 @@ use crate::sculpture::{Grid, Material, Rgb};
 /// Layers of bricks that are coloured between two looks at memory and cancellation.
 const LAYERS: usize = 8;
 
-/// What the colours are made from.
+/// The data that the colours are made from.
 pub struct Painter<'a> {
     pub mesh: &'a Mesh,
     pub placed: &'a Placed,

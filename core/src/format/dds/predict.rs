@@ -87,7 +87,7 @@ fn shifted_add<const BY: usize>(bytes: [u8; 16]) -> [u8; 16] {
     std::array::from_fn(|i| if i < BY { bytes[i] } else { bytes[i].wrapping_add(bytes[i - BY]) })
 }
 
-/// What the samples before a stretch add to a stretch that was undone from zero.
+/// The amounts that the samples before a stretch add to it, where it was undone from zero.
 #[derive(Debug)]
 pub struct Shift {
     /// Added within one period of whole rows.

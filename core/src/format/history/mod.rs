@@ -24,7 +24,7 @@ use crate::sculpture::history::{Change, Contents, HistorySnapshot, State, Step, 
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::{ColourDepth, Limits};
 
-/// What the records of undo steps must fit.
+/// The shape of contents, which records of undo steps must fit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Shape {
     /// Size in voxels.
@@ -34,7 +34,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// That of contents.
+    /// The shape of `contents`.
     pub fn of(contents: &Contents) -> Shape {
         Shape { dims: contents.grid.dims(), depth: contents.material.depth() }
     }

@@ -59,7 +59,7 @@ fn read_back_exactly(lines: &[(u8, [i32; 3])], depth: ColourDepth) {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
-    /// Whatever was done, the steps come back equal, in place, with the bytes that they take.
+    /// The steps come back equal, in place, with the bytes that they take, whatever was done.
     #[test]
     fn a_history_is_read_back_exactly(
         lines in prop::collection::vec((0u8..10, [0i32..24, 0..24, 0..24]), 1..24),

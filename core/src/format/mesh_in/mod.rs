@@ -73,7 +73,7 @@ pub struct Imported {
     of: Option<Kind>,
     /// Such as `STL, binary`.
     pub kind: String,
-    /// What was left out, for the person to know.
+    /// Notes on what was left out, for the user.
     pub notes: Vec<String>,
 }
 
@@ -124,7 +124,7 @@ impl Imported {
     }
 }
 
-/// What there is to say about a mesh that was voxelised.
+/// The note on a mesh that was voxelised, if there is anything to say.
 fn note_of(findings: &Findings) -> Option<String> {
     let percent = 100.0 * findings.open_share;
     match (findings.open_share > 0.0, findings.is_shell) {

@@ -1,6 +1,6 @@
 //! Reads `.mtl`, the materials of a Wavefront file: colours and textures.
 //!
-//! Whatever is missing or not allowed leaves a note, not an error: a mesh is worth having without its colours.
+//! Anything that is missing or not allowed leaves a note, not an error: a mesh is worth having without its colours.
 
 use std::path::Path;
 use std::sync::Arc;

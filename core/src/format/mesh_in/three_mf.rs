@@ -1,6 +1,6 @@
 //! Reads `.3mf` (3mf.io, core specification 1.3, production extension 1.1): the triangles of all objects where the build
-//! puts them, from all models of the archive, with colours of colour groups and base materials. What slicers do not print
-//! (`three_mf_parts.rs`) is left out, and said.
+//! puts them, from all models of the archive, with colours of colour groups and base materials. Parts that slicers do
+//! not print (`three_mf_parts.rs`) are left out, and reported.
 //!
 //! An archive may unpack to far more than it has: what is unpacked is bounded, and so are copies of objects.
 
@@ -134,7 +134,7 @@ fn entry(
     let entry = archive.by_name(name).map_err(|error| faulty(printable(&error.to_string())))?;
     check_budget(entry.size(), budget_bytes)?;
     let mut bytes = Vec::new();
-    // Whatever the archive says of its size.
+    // The size that the archive states is not relied on.
     let read = entry.take(budget_bytes + 1).read_to_end(&mut bytes);
     read.map_err(|error| faulty(printable(&error.to_string())))?;
     check_budget(bytes.len() as u64, budget_bytes)?;

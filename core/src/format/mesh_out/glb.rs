@@ -22,7 +22,7 @@ const VERSION: u32 = 2;
 const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
-/// What a part of the buffer is for.
+/// Targets of buffer views: what a part of the buffer is for.
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 

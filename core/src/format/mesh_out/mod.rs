@@ -60,7 +60,7 @@ pub struct MeshOptions {
     pub triangles: Option<u64>,
 }
 
-/// What was written.
+/// Summary of a mesh that was written.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MeshSummary {
     /// Vertices, each once.

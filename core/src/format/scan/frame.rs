@@ -19,8 +19,8 @@ pub enum Frame {
 
 impl Frame {
     /// The orientation nearest to the file's that lies along the axes of the sculpture, where y points to the head and z
-    /// to the viewer, whom the patient faces. What is a mirror image in the file's numbers is undone, so that none
-    /// is shown. Upright where directions are unknown or no directions at all.
+    /// to the viewer, whom the patient faces. A mirror image in the file's numbers is undone, so that none is
+    /// shown. Returns the upright orientation where directions are unknown or are no directions at all.
     pub fn orientation(&self) -> Orientation {
         let axes = match self {
             Frame::Unknown => return Orientation::UPRIGHT,

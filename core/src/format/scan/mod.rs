@@ -86,7 +86,7 @@ pub struct Scan {
     pub is_label: bool,
     /// Which of several volumes it is.
     pub volumes: Volumes,
-    /// What was left out or taken otherwise, for people.
+    /// Notes on what was left out or interpreted otherwise, for people.
     pub notes: Vec<String>,
 }
 
@@ -94,7 +94,7 @@ pub struct Scan {
 const OTHER_TIME: &str = "the option `time` takes another";
 const OTHER_CHANNEL: &str = "the option `channel` takes another";
 
-/// What a reader is given beside the bytes.
+/// The input of a reader besides the bytes.
 pub struct Reading<'a> {
     path: &'a Path,
     options: &'a ImportOptions,

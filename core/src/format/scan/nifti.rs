@@ -21,7 +21,7 @@ const FARTHEST_OFFSET: f64 = 1e9;
 /// The meaning "each voxel is a label" of a volume.
 const INTENT_LABEL: i64 = 1002;
 
-/// What is known from the header.
+/// The data from the header.
 struct Header {
     version: u8,
     is_big: bool,

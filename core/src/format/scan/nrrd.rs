@@ -101,7 +101,7 @@ fn join(
         let what = format!("{total} bytes of voxels cannot lie in {count} files alike");
         return Err(malformed("the header", what));
     }
-    // Whoever is refused a file should not wait for those before it.
+    // All names are checked first: a refusal should not wait until the files before it are read.
     let paths: Vec<_> = names.iter().map(|name| reading.beside(name)).collect::<Result<_, _>>()?;
     let mut data = Vec::with_capacity(total as usize);
     for path in paths {

@@ -36,11 +36,11 @@ pub struct Axis {
     pub direction: Option<DVec3>,
     /// Millimetres of its lengths, where the file names their unit.
     pub mm_per_unit: f64,
-    /// What it stands for, such as `domain` or `RGB-color`.
+    /// The kind of axis, such as `domain` or `RGB-color`.
     pub kind: String,
 }
 
-/// What a header says.
+/// The contents of a header.
 #[derive(Debug)]
 pub struct Header {
     pub number: Number,

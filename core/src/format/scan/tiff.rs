@@ -1,8 +1,8 @@
 //! TIFF stacks (TIFF 6.0, BigTIFF): the pages of one file, or the numbered files of a folder, one page each.
 //!
-//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Which pages are the layers of the
-//! channel and time that are read, and the distances of voxels, are known where ImageJ or an OME-TIFF notes them (`tiff/told.rs`). Which
-//! way is up no TIFF file says.
+//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Where ImageJ or an OME-TIFF notes
+//! them (`tiff/told.rs`), the distances of voxels are known, and which pages are the layers of the channel and time
+//! that are read. No TIFF file says which way is up.
 
 mod palette;
 #[cfg(test)]
@@ -35,7 +35,7 @@ const MOST_FILES: usize = 1 << 16;
 
 type Pages<'a> = Decoder<Cursor<&'a [u8]>>;
 
-/// What all pages of a stack have in common.
+/// The properties that all pages of a stack have in common.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Page {
     width: u32,

@@ -21,7 +21,7 @@ use crate::format::{FormatError, go_on};
 const APPENDED: &[u8] = b"<AppendedData";
 
 pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
-    // What is appended may be any bytes, which no XML allows.
+    // The appended data may be any bytes, which XML does not allow.
     let place = file.windows(APPENDED.len()).position(|window| window == APPENDED);
     let (tags, appended) = file.split_at(place.unwrap_or(file.len()));
     let mut text = std::str::from_utf8(tags)

@@ -24,7 +24,7 @@ pub struct MeshStudy {
     pub has_colours: bool,
     /// Format, for people.
     pub kind: String,
-    /// What was left out.
+    /// Notes on what was left out.
     pub notes: Vec<String>,
     format: Kind,
     bounds: (DVec3, DVec3),
@@ -66,7 +66,8 @@ impl MeshStudy {
         Ok(Frame::of_bounds(self.bounds, options.mesh_size, up, mm)?)
     }
 
-    /// What would become of the mesh; an error if it cannot be imported so. Triangles may need more memory than said.
+    /// The sculpture that an import of the mesh would make; an error if it cannot be imported so. Triangles may need
+    /// more memory than stated.
     pub fn outlook(
         &self,
         options: &ImportOptions,

@@ -1,8 +1,8 @@
 //! A file before it is imported: what a dialog shows of it and asks about it.
 //!
-//! Takes a path; gives a volume that can be cut into slices, the outline of a mesh, or the surface of a voxel
-//! model, and for options of the import
-//! which voxels would exist, how large the sculpture would be and which memory it would take. Makes no sculpture.
+//! Takes a path; gives a volume that can be cut into slices, the outline of a mesh, or the surface of a voxel model.
+//! For options of the import, also gives which voxels would exist, how large the sculpture would be and how much memory
+//! it would take. Makes no sculpture.
 
 mod mesh;
 mod model;
@@ -38,8 +38,8 @@ impl Family {
         [(Family::Volume, "volume"), (Family::Mesh, "mesh"), (Family::Model, "model")];
 }
 
-/// What may be asked about a file. None for sculptures, which leave nothing open, and for files that cannot be
-/// read.
+/// The family of a file, which says what may be asked about it. None for sculptures, which leave nothing open, and for
+/// files that cannot be read.
 pub fn family(path: &Path) -> Option<Family> {
     if content::needs_layout(path) {
         return Some(Family::Volume);
@@ -52,7 +52,7 @@ pub fn family(path: &Path) -> Option<Family> {
     }
 }
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Debug)]
 pub enum Study {
     /// Voxels.
@@ -80,8 +80,9 @@ pub struct Outlook {
     pub colour_bytes: u64,
 }
 
-/// Reads a file to ask about it, a raw one with the layout of `options`, one of several channels or times as they say. It may take as much memory as [`super::load`]; a
-/// volume whose sculpture would be too large is read all the same, since a part of it may be asked for.
+/// Reads a file for a study: a raw one with the layout of `options`, one of several channels or times as they say. This
+/// may take as much memory as [`super::load`]. A volume whose sculpture would be too large is read all the same, since
+/// a part of it may be asked for.
 pub fn study(
     path: &Path,
     options: &ImportOptions,

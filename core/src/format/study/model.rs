@@ -25,7 +25,7 @@ const PORTION: usize = 1 << 12;
 pub struct ModelStudy {
     /// Format and parts, for people.
     pub kind: String,
-    /// What was left out.
+    /// Notes on what was left out.
     pub notes: Vec<String>,
     /// Voxels that exist.
     pub voxels: u64,
@@ -147,7 +147,7 @@ impl ModelStudy {
         self.up.turned_upright().inverse().then(self.up(options).turned_upright())
     }
 
-    /// What would become of the model; an error if it cannot be imported so.
+    /// The sculpture that an import of the model would make; an error if it cannot be imported so.
     pub fn outlook(
         &self,
         options: &ImportOptions,
@@ -163,7 +163,7 @@ impl ModelStudy {
         };
         let voxel_size = voxel::voxel_size(options);
         Grid::check(dims, voxel_size, limits.grid_bytes)?;
-        // Whoever turns it has it twice for a while.
+        // A model that is turned is in memory twice for a while.
         let times = if self.turn(options) == Orientation::UPRIGHT { 1 } else { 2 };
         let read_bytes = (grid_bytes + colour_bytes) * times;
         Ok(Outlook { dims, voxel_size, read_bytes, grid_bytes, colour_bytes })

@@ -20,8 +20,8 @@ use crate::sculpture::{Grid, Limits, Rgb};
 pub struct VolumeStudy {
     /// The voxels.
     pub volume: Volume,
-    /// Of what is compared with thresholds: densities; of colours the opacity, or where there is none the greatest of
-    /// red, green and blue.
+    /// Statistics of the values that are compared with thresholds: densities; of colours the opacity, or where there is
+    /// none the greatest of red, green and blue.
     pub densities: Densities,
     /// Whether the file says that its numbers are labels.
     pub is_label: bool,
@@ -29,7 +29,7 @@ pub struct VolumeStudy {
     pub kind: String,
     /// Which channel and time it is.
     pub volumes: Volumes,
-    /// What was left out or taken otherwise.
+    /// Notes on what was left out or interpreted otherwise.
     pub notes: Vec<String>,
     frame: Frame,
 }
@@ -126,7 +126,7 @@ impl VolumeStudy {
         }
     }
 
-    /// What is compared with thresholds at a voxel of the file.
+    /// The value at a voxel of the file that is compared with thresholds.
     pub fn value(&self, voxel: UVec3) -> f32 {
         let at = self.volume.offset(voxel.x, voxel.y, voxel.z);
         match (self.volume.samples, self.volume.data.get(at..)) {
@@ -201,7 +201,7 @@ impl VolumeStudy {
         Region { low: UVec3::ZERO, high: self.volume.dims - 1 }
     }
 
-    /// What would become of the volume; an error if it cannot be imported so.
+    /// The sculpture that an import of the volume would make; an error if it cannot be imported so.
     pub fn outlook(
         &self,
         options: &ImportOptions,

@@ -96,7 +96,7 @@ fn dims_of(low: I64Vec3, high: I64Vec3) -> UVec3 {
     (high - low).clamp(I64Vec3::ZERO, I64Vec3::splat(i64::from(u32::MAX))).as_uvec3()
 }
 
-/// What the first walk finds.
+/// The findings of the first walk.
 struct Survey {
     low: I64Vec3,
     high: I64Vec3,

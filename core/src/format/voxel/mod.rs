@@ -76,7 +76,7 @@ pub trait Model {
         self.up().turned_upright().inverse().then(up.turned_upright())
     }
 
-    /// What of the file is left out, for the person to know.
+    /// Notes on what is left out of the file, for the user.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }

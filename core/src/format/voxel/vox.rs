@@ -38,7 +38,7 @@ pub struct Vox<'a> {
     notes: Vec<String>,
 }
 
-/// What the chunks hold, before the scene is followed.
+/// The contents of the chunks, before the scene graph is followed.
 #[derive(Default)]
 struct Chunks<'a> {
     parts: Vec<Part<'a>>,

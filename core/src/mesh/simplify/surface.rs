@@ -22,12 +22,12 @@ const COLOUR_ERROR: f64 = 0.5;
 /// How far beyond its edge, in lengths of it, a vertex may be placed.
 const REACH: f32 = 1.0;
 
-/// What becomes of an edge.
+/// The collapse of an edge into a vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Collapse {
     /// Where the vertex goes.
     pub place: Vec3,
-    /// What that costs.
+    /// The cost of the collapse.
     pub error: f32,
 }
 
@@ -124,7 +124,7 @@ impl Surface {
         self.triangles[triangle].map(|vertex| self.positions[vertex as usize])
     }
 
-    /// What collapsing the edge would do.
+    /// Computes the collapse of the edge, without performing it.
     pub fn collapse_of(&self, edge: [u32; 2]) -> Collapse {
         let [a, b] = edge.map(|vertex| self.positions[vertex as usize]);
         let [qa, qb] = edge.map(|vertex| &self.quadrics[vertex as usize]);
@@ -271,7 +271,7 @@ impl Surface {
         (self.first[vertex], self.last[vertex]) = (first, last);
     }
 
-    /// What is left.
+    /// Returns the surface that is left.
     pub fn into_part(mut self) -> Part {
         self.move_apart();
         let mut part = Part::default();

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-/// What a sound mesh encloses.
+/// The properties of a sound mesh.
 #[derive(Debug)]
 pub struct Sound {
     /// Connected surfaces.

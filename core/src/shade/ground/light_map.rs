@@ -40,7 +40,7 @@ impl Openness {
         seen.par_chunks_mut(OPEN_EDGE).enumerate().for_each(|(y, row)| {
             for (x, share) in row.iter_mut().enumerate() {
                 let origin = plane.point(place(Vec2::new(x as f32, y as f32), OPEN_EDGE));
-                // Other directions at each point: what they miss is evened out below.
+                // Other directions at each point: the light that they miss is evened out below.
                 let turn = Vec2::from_angle(TAU * 0.618_034 * (x + 5 * y) as f32);
                 let open = |ray: &&Vec3| {
                     let level = turn.rotate(ray.truncate());

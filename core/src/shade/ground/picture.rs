@@ -18,7 +18,7 @@ const MAJOR_LINE: [f32; 2] = [0.7, 0.4];
 /// Lines vanish where there are more than this many in twelve pixels; half as many are drawn in full.
 const DENSE: f32 = 6.0;
 
-/// The ground in the picture of one eye, as numbers. What a device takes, too.
+/// The ground in the picture of one eye, as numbers, in the form that a device takes, too.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct GroundPicture {
     /// The first two over the third, each times (x, y, 1) in pixels, is the place on the plane, from (-1, -1) to

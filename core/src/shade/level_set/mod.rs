@@ -39,7 +39,7 @@ pub use self::light_ray::BEYOND_VOXELS_VX;
 pub use self::ray::{CellCache, SurfaceHit};
 pub use self::sample::LevelSampler;
 
-/// The level of what is far outside; its negative is that of what is far inside.
+/// The level of places far outside; its negative is the level of places far inside.
 pub const FAR: i8 = 127;
 /// The smallest level outside; its negative is the largest inside.
 const LEAST: i8 = 3;

@@ -42,7 +42,7 @@ pub enum Naming {
     ByShare(f32),
 }
 
-/// What a ray is traced through.
+/// The scene that a ray is traced through.
 #[derive(Clone, Copy)]
 pub(super) struct Scene<'a> {
     pub grid: &'a Grid,
@@ -60,7 +60,7 @@ struct Cell {
     has_normals: bool,
 }
 
-/// The cells that were looked into last: pixels next to each other look into the same. What it holds changes no result.
+/// The cells that were looked into last: pixels next to each other look into the same. The cache changes no result.
 #[derive(Clone)]
 pub struct CellCache(Vec<Cell>);
 

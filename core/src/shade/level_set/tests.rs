@@ -173,7 +173,7 @@ fn layers_have_the_levels_of_cells() {
     }
 }
 
-/// What follows edits is what is made anew.
+/// A level set that follows edits equals one that is made anew.
 #[test]
 fn edits_are_followed() {
     let mut random = scenes::Random(11);
@@ -216,7 +216,7 @@ fn edits_are_followed() {
     }
 }
 
-/// What was computed in portions is what is computed at once.
+/// A level set that was computed in portions equals one that is computed at once.
 #[test]
 fn portions_add_up() {
     let grid = scenes::cheese(96, 20, 4).unwrap();
@@ -334,7 +334,7 @@ proptest! {
         let expected = (0..=2000).map(|i| i as f32 / 2000.0).find(|s| at(*s) <= 0.0);
         match (first_root(&corners, begin, end), expected) {
             (Some(found), Some(expected)) => {
-                // What only just touches 0 may be missed.
+                // A root that only just touches 0 may be missed.
                 prop_assert!(found < expected + 2e-3 || at(expected) > -0.5, "{found} {expected}");
                 prop_assert!(at(found).abs() < 1.0 || found == 0.0, "{} at {}", at(found), found);
             }

@@ -2,9 +2,10 @@
 //!
 //! Normals and depths are found by smoothing the bits, which moves both surfaces of a plate towards each other as soon
 //! as it is not much thicker than the Gaussian is wide. A run of few voxels along an axis whose ends face away from each
-//! other is thin: the planes of its ends are moved so that together they are as far apart as the run is long. What is thin
-//! along two axes or more, a bar or a needle, has planes further out, since the corners of a mesh lie within them. The
-//! edge of something thick is no thin part, though its runs are short, too: they are longer further inside.
+//! other is thin: the planes of its ends are moved so that together they are as far apart as the run is long. A part
+//! that is thin along two axes or more, a bar or a needle, has planes further out, since the corners of a mesh lie
+//! within them. The edge of something thick is no thin part, though its runs are short, too: they are longer further
+//! inside.
 //!
 //! Takes the bits of a brick and those around it, and planes of surface voxels; gives other planes. Knows no pages.
 

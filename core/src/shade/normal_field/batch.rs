@@ -94,7 +94,7 @@ fn estimates(samples: &Samples, records: &mut Vec<SurfaceRecord>) {
     }
 }
 
-/// What was found of the surface in a brick.
+/// The surface that was found in a brick.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceOf<'a> {
     pub mask: &'a SurfaceMask,
@@ -108,12 +108,12 @@ impl SurfaceOf<'_> {
         SurfaceOf { mask: &SurfaceMask { layers: [0; 8] }, records: &[] };
 }
 
-/// What a thread needs for one brick.
+/// The buffers that a thread needs for one brick.
 #[derive(Default)]
 struct Scratch {
     sums: Sums,
     neighbourhood: Neighbourhood,
-    /// What is filled around the surface voxels.
+    /// How much is filled around each surface voxel.
     filled: Vec<Filled>,
 }
 
@@ -269,7 +269,7 @@ impl Batch {
         (words, cells)
     }
 
-    /// Lists what has to be computed for `targets`: targets first, then what is filtered, then the rest.
+    /// Lists the bricks to compute for `targets`: targets first, then those that are filtered, then the rest.
     fn plan(&mut self, grid: &Grid, targets: &[u32], precision: Precision) {
         let (low, high) = bounds(grid, targets);
         self.low = low - MARGIN_BRICKS;

@@ -31,7 +31,7 @@ const CELL_REACH_VX: f32 = 4.0;
 const VOXEL_REACH_VX: f32 = 5.0;
 /// Cosine of the angle between normals at which the weight is 0.
 const LEAST_COSINE: f32 = 0.4;
-/// Weight of a sample without planarity: what has no plane nearby keeps its estimate.
+/// Weight of a sample without planarity: a voxel with no plane nearby keeps its estimate.
 const LEAST_WEIGHT: f32 = 1e-9;
 /// Weight of the estimate of the voxel itself.
 const OWN_WEIGHT: f32 = 1e-4;
@@ -202,7 +202,7 @@ impl Neighbourhood {
                 }
             }
         }
-        // What fills the last vector has no weight.
+        // The lanes that fill up the last vector have no weight.
         let end = self.count.next_multiple_of(LANES).min(MOST);
         self.weights[self.count..end].fill(0.0);
     }
@@ -358,7 +358,8 @@ pub fn cells_towards(direction: IVec3) -> u64 {
     mask(x, y, z)
 }
 
-/// Filters the normals of those of the cells of a brick that are `wanted`. `around` gives the cells of a brick by its offset from this one.
+/// Filters the normals of the `wanted` cells of a brick. `around` gives the cells of a brick by its offset from this
+/// one.
 #[inline(always)]
 pub fn filter_cells<'a, S: Simd>(
     simd: S,

@@ -228,7 +228,7 @@ impl NormalField {
         self.record(brick, local).map_or(PackedNormal::NONE, SurfaceRecord::normal)
     }
 
-    /// What is known of a voxel; none if it is no surface voxel, or was not computed yet.
+    /// The record of a voxel; none if it is no surface voxel, or was not computed yet.
     #[inline(always)]
     pub(super) fn record(&self, brick: usize, local: UVec3) -> Option<SurfaceRecord> {
         self.pages.record(self.page(brick), local.x | local.y << 3 | local.z << 6)

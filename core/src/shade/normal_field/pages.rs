@@ -1,8 +1,8 @@
-//! Storage of what is known of surface voxels: a page for each brick that has any.
+//! Storage of the records of surface voxels: a page for each brick that has any.
 //!
 //! A page has the mask of its surface voxels, then a record for each; a voxel's record has the number of surface
 //! voxels before it. So memory follows the surface: 80 bytes a brick and 4 a voxel, rounded up to units of 128 bytes.
-//! All pages are numbers in one array that a device holds in the same form. What is freed is used again.
+//! All pages are numbers in one array that a device holds in the same form. Memory that is freed is used again.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -24,12 +24,12 @@ const FETCHED_LINES: usize = 8;
 /// The entry of a brick without a page: that of a page without surface voxels, so that look-ups need not ask.
 pub const NO_PAGE: u32 = 0;
 
-/// What a page and its records consist of.
+/// The unit that pages, with their records, consist of.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
 pub struct Unit(pub [u32; UNIT_NUMBERS]);
 
-/// What is known of a surface voxel: its normal in the lower half, then its depth and its openness in a byte each.
+/// The record of a surface voxel: its normal in the lower half, then its depth and its openness in a byte each.
 #[repr(transparent)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Pod, Zeroable)]
 pub struct SurfaceRecord(pub u32);
@@ -161,7 +161,7 @@ impl Pages {
         let numbers = self.records().numbers;
         let mut sum = 0;
         for page in pages {
-            // What follows a short page is most often that of a brick beside it.
+            // The page after a short one is most often that of a brick beside it.
             let first = UNIT_NUMBERS * *page as usize;
             for line in 0..FETCHED_LINES {
                 sum ^= numbers.get(first + LINE_NUMBERS * line).copied().unwrap_or(0);

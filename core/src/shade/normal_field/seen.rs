@@ -30,8 +30,9 @@ const ROWS_AT_ONCE: usize = 64;
 impl NormalField {
     /// Puts off what the last edits have changed, but for the bricks that are seen in `pixels` of `maps`; these must be
     /// all in which they can be seen. Then nobody may look at other pictures before the next [`NormalField::update`].
-    /// With [`Precision::Estimated`], many bricks have first estimates until [`NormalField::update_deferred`]. Reports bricks as `update` does. Does nothing while normals of a sculpture that was opened are missing, or
-    /// where very many of the bricks are seen.
+    /// With [`Precision::Estimated`], many bricks have first estimates until [`NormalField::update_deferred`]. Reports
+    /// bricks as `update` does. Does nothing while normals of a sculpture that was opened are missing, or where very
+    /// many of the bricks are seen.
     pub fn update_seen<'a>(
         &mut self,
         grid: &Grid,
@@ -58,7 +59,7 @@ impl NormalField {
             return;
         }
         let inexact = std::mem::take(&mut self.inexact);
-        // What was put off before may have a page, and be altered again.
+        // A brick that was put off before may have a page, and be altered again.
         let unseen = self.queue.iter().copied().chain(inexact.masks().flat_map(BrickMask::indices));
         for index in unseen.filter(|index| !seen.contains(*index)) {
             let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);

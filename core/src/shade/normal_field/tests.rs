@@ -188,7 +188,7 @@ fn the_field_is_its_definition() {
         }
         let (mean, most) = spread(errors.clone());
         let worst = errors.into_iter().fold(0.0, f32::max);
-        // What packing costs; a step of the table at its very edge may cost a little more.
+        // The errors that packing causes; a step of the table at its very edge may cost a little more.
         assert!(mean < 0.4 && most < 1.0 && worst < 3.0, "{mean} {most} {worst}");
         let _ = random.unit();
     }
@@ -197,7 +197,7 @@ fn the_field_is_its_definition() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Whatever is edited, and however far apart: the field that follows is that of the grid as it is.
+    /// The field that follows edits, whatever they are and however far apart, is that of the grid as it is.
     #[test]
     fn a_field_that_follows_edits_is_that_of_the_grid(
         dims in prop::array::uniform3(1u32..90),

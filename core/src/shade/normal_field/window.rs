@@ -46,8 +46,8 @@ const SLOPES: [i16; TAPS] = {
     slopes
 };
 
-/// What a row of sixteen voxels adds to the smoothed values and to the derivatives of the eight in its middle, for
-/// each value of its lower and of its upper half.
+/// The amounts that a row of sixteen voxels adds to the smoothed values and to the derivatives of the eight in its
+/// middle, for each value of its lower and of its upper half.
 struct RowTable {
     sums: [[[u16; EDGE]; 256]; 2],
     slopes: [[[i16; EDGE]; 256]; 2],
@@ -70,7 +70,7 @@ static ROWS: LazyLock<Box<RowTable>> = LazyLock::new(|| {
     table
 });
 
-/// What a half space looks like where its smoothed value is that of the interval: the depth of the voxel in
+/// The properties of a half space where its smoothed value is that of the interval: the depth of the voxel in
 /// voxels, and the factor from the length of the gradient to the planarity.
 static HALF_SPACE: LazyLock<[[f32; 2]; INTERVALS + 1]> = LazyLock::new(half_space);
 
@@ -105,8 +105,8 @@ fn bell(x: f64) -> f64 {
     (0..10).fold(once, |v, _| v * v)
 }
 
-/// The surface voxels of a brick: existing ones that have an empty neighbour across a face. What lies outside of
-/// the grid is empty.
+/// The surface voxels of a brick: existing ones that have an empty neighbour across a face. Voxels outside of
+/// the grid are empty.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct SurfaceMask {
     /// A word per z; bit `x + 8 y`.
@@ -175,12 +175,12 @@ impl Default for Sums {
     }
 }
 
-/// What is wanted of a brick.
+/// The results that are wanted of a brick.
 #[derive(Clone, Copy)]
 pub struct Wanted {
     /// The words with samples: a bit each.
     pub words: u8,
-    /// How much around its voxels is filled.
+    /// Whether to count how much around its voxels is filled.
     pub filling: bool,
 }
 

@@ -36,7 +36,7 @@ fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
     assert_eq!(unlit.rgba[centre][..3], [63, 31, 17]);
 }
 
-/// Alone and in company: what is beside a pixel in a vector must not show.
+/// A pixel is the same alone and in company: the pixels beside it in a vector must not show.
 #[test]
 fn a_pixel_is_shaded_the_same_whatever_is_beside_it() {
     let grid = scenes::cheese(64, 30, 7).unwrap();

@@ -24,7 +24,7 @@ const BLOCK: usize = 5;
 /// Size of the stack: up to seven siblings a level, and the eight of the last.
 const STACK: usize = 8 * (MAX_LEVEL - BRICK);
 
-/// What all tiles of a picture share.
+/// The data that all tiles of a picture share.
 pub(super) struct Sweep<'a> {
     pub grid: &'a Grid,
     pub rays: PixelRays,

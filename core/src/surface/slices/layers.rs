@@ -41,13 +41,13 @@ pub struct Layer {
     pub rank: u32,
 }
 
-/// What to draw of a layer: a rectangle of voxels in it, or (`None`) all of the picture, because
+/// The part to draw of a layer: a rectangle of voxels in it, or (`None`) all of the picture, because
 /// the eye is in the layer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LayerRect {
     /// Where the layer lies.
     pub layer: Layer,
-    /// What to draw of it, in voxels across the axis.
+    /// The rectangle to draw of it, in voxels across the axis.
     pub rect: Option<Area>,
 }
 

@@ -120,7 +120,7 @@ proptest! {
         }
     }
 
-    /// What a ray meets must have been drawn for its pixel, by a layer and an area that the ray
+    /// Anything that a ray meets must have been drawn for its pixel, by a layer and an area that the ray
     /// passes, and no layer of a lower rank may hold anything that the ray meets later.
     #[test]
     fn layers_come_in_the_order_of_the_rays_and_hold_what_they_meet(

@@ -82,7 +82,7 @@ fn begins_with_elements(bytes: &[u8]) -> bool {
 pub enum Part {
     /// All of it.
     Whole,
-    /// Its first bytes: what is cut off is not missed.
+    /// Its first bytes: no error if the rest is cut off.
     Start,
 }
 
@@ -368,7 +368,7 @@ impl<'a> Parser<'a> {
         match length {
             UNDEFINED => Ok(end),
             length if length as usize <= end - self.at => Ok(self.at + length as usize),
-            // What can be read of a sequence that is cut off is worth having.
+            // The readable part of a sequence that is cut off is worth having.
             _ if self.part == Part::Start => Ok(end),
             _ => Err(self.cut("a sequence")),
         }

@@ -33,7 +33,7 @@ pub struct Found {
     pub notes: Vec<String>,
 }
 
-/// What the beginning of a file says.
+/// The data at the beginning of a file.
 #[derive(Clone)]
 struct Start {
     path: PathBuf,
@@ -167,7 +167,7 @@ fn nowhere() -> Plane {
     Plane { file: 0, frame: 0, number: 0.0, position: None, axes: None, phases: Vec::new() }
 }
 
-/// What the DICOM files of a folder begin with.
+/// Reads the beginnings of the DICOM files of a folder.
 fn starts(folder: &Path, reading: &Reading) -> Result<Vec<Start>, FormatError> {
     let files = entries(folder)?;
     let mut starts = Vec::new();

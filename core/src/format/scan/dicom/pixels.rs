@@ -22,7 +22,7 @@ const RLE_HEADER_BYTES: usize = 64;
 pub struct Layout {
     pub columns: u32,
     pub rows: u32,
-    /// What a frame is read to.
+    /// The type of number that a frame is read to.
     pub number: Number,
     /// Of each sample, stored.
     bits_stored: u32,

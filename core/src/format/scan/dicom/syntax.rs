@@ -30,7 +30,7 @@ const OTHERS: [(&str, &str); 10] = [
     ("4.111", "JPEG XL"),
     ("4.112", "JPEG XL"),
 ];
-/// What identifiers of the standard begin with.
+/// The prefix of the identifiers of the standard.
 const ROOT: &str = "1.2.840.10008.1.2.";
 /// Most of an unknown identifier that is shown.
 const SHOWN: usize = 64;

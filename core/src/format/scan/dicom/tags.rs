@@ -40,7 +40,7 @@ pub const IS_SIGNED: Tag = 0x0028_0103;
 pub const INTERCEPT: Tag = 0x0028_1052;
 pub const SLOPE: Tag = 0x0028_1053;
 
-/// What frames have in common, and each one's own; items of both have the sequences below.
+/// The functional groups that frames share, and those of each frame; items of both have the sequences below.
 pub const SHARED_GROUPS: Tag = 0x5200_9229;
 pub const FRAME_GROUPS: Tag = 0x5200_9230;
 pub const POSITION_GROUP: Tag = 0x0020_9113;

@@ -1,4 +1,4 @@
-//! What pictures show after edits, whatever is estimated or put off; and that in the end all is refined.
+//! Tests of what pictures show after edits, whatever is estimated or put off; and that in the end all is refined.
 
 use std::collections::BTreeSet;
 
