@@ -1,5 +1,5 @@
-//! What actions do to the tool and through it: choices of the tool, commands for the document, and
-//! presses and drags on the picture.
+//! The effects of actions on the tool and, through it, on the sculpture: choices of the tool, commands for the
+//! document, and presses and drags on the picture.
 //!
 //! Places on the picture are in pixels and come with the [`Picker`] of that picture.
 
@@ -28,7 +28,7 @@ impl Editor {
     /// Carries out an action that asks once. Actions of others than the editor do nothing here.
     pub fn act(&mut self, action: Action, picker: &Picker) {
         match action {
-            // What is not finished comes before what is.
+            // An unfinished drawing is taken back before finished work.
             Action::Undo | Action::DropBox if self.take_back_press() => {}
             Action::Undo => self.run(Command::Undo { steps: Some(1) }),
             Action::Redo => self.run(Command::Redo { steps: Some(1) }),
@@ -101,8 +101,8 @@ impl Editor {
         }
     }
 
-    /// What a drag or a hold of an action is for: a drag of `Sculpt` that began beside the sculpture
-    /// rotates it.
+    /// Returns the action that a drag or a hold of `action` stands for: a drag of `Sculpt` that began beside the
+    /// sculpture rotates it.
     pub fn meant(&self, action: Action) -> Action {
         match action {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth
@@ -270,7 +270,7 @@ impl Editor {
     pub fn lift(&mut self) {
         let stroke = self.stroke.as_ref().is_some_and(|stroke| stroke.is_led_over_picture());
         let drag = self.marker.drag.take().is_some() | self.drawing.take().is_some();
-        // What several presses draw goes on in the new view.
+        // A drawing made with several presses goes on in the new view.
         self.release_unfinished();
         if stroke {
             self.end_stroke();

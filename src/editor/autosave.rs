@@ -16,10 +16,10 @@ use crate::format::options::ExportOptions;
 /// How soon it is tried again where it cannot be done at the moment.
 const SOON: Duration = Duration::from_secs(1);
 
-/// What is known from one look to the next.
+/// The state that is kept from one look to the next.
 #[derive(Default)]
 pub(super) struct Autosave {
-    /// Since when there are unsaved changes, or when the last try was.
+    /// When the unsaved changes began, or when saving was last tried.
     since: Option<Instant>,
     /// The file that is left alone until the person has saved it.
     left_alone: Option<PathBuf>,

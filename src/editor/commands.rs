@@ -87,7 +87,7 @@ impl Editor {
             self.run(command);
         }
         if self.jobs.is_busy() {
-            // What comes of it is put in place when it is done.
+            // Its result is put in place when the job is done.
             self.jobs.set_irreversible();
         } else {
             self.execute(&Command::Irreversible(false));

@@ -19,7 +19,7 @@ pub(super) struct Footing {
     worked_at: Option<Vec3>,
 }
 
-/// What the place of a tool depends on, besides the pointer.
+/// The choices that the place of a tool depends on, besides the pointer.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Choices {
     kind: ToolKind,

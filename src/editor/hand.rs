@@ -27,14 +27,14 @@ const FARTHEST_VX: f32 = 1e7;
 /// Smallest and largest scale at which a sculpture is held, in world units a voxel edge.
 const SCALES: std::ops::RangeInclusive<f32> = 0.02..=100.0;
 
-/// What a hand holds between two events.
+/// The state that a hand keeps between two events.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct HandTool {
-    /// Where the hand has led the tool last, in the room; none while no hand leads it.
+    /// The pose to which the hand last led the tool, in the room; none while no hand leads it.
     pose: Option<Pose>,
     /// The stroke under way is the hand's, not the mouse's.
     stroke: bool,
-    /// Of the symmetry, what goes with the hand.
+    /// The part of the symmetry that goes with the hand.
     symmetry: Option<Placed>,
     /// The marker goes with the hand, from this point of the grid.
     marker: Option<Vec3>,
@@ -58,7 +58,7 @@ impl HandTool {
 }
 
 impl Editor {
-    /// Does what a hand asks for. What concerns the board and the room itself is not done here.
+    /// Carries out the request of a hand. Requests that concern the board and the room itself are not handled here.
     pub fn hand_event(&mut self, event: &HandEvent, room: &Room, picker: &Picker) {
         match *event {
             HandEvent::Carry(by) => {

@@ -2,10 +2,9 @@
 //! it leads to among them) runs on a thread of its own,
 //! while the window stays alive, shows how far it is and can cancel it.
 //!
-//! The sculpture stays where it is. What is saved is shared with the thread, what is opened or
-//! made is made apart and put in place at the end; until then the editor refuses to change
-//! anything. Work that changes nothing, such as a final picture, runs likewise
-//! ([`Editor::start_side_work`]).
+//! The sculpture stays where it is. A sculpture to be saved is shared with the thread. One that is opened or made is
+//! built apart and put in place at the end. Until then the editor refuses to change anything. Work that changes
+//! nothing, such as a final picture, runs likewise ([`Editor::start_side_work`]).
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -60,7 +59,7 @@ impl Jobs {
     }
 }
 
-/// What came of work.
+/// The result of long work.
 #[derive(Debug)]
 enum Product {
     /// The result of a command, to be put in place.
@@ -105,7 +104,7 @@ struct Job {
     then: Then,
 }
 
-/// What follows when the work is done.
+/// The step that follows when the work is done.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Then {
     Stay,

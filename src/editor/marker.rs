@@ -13,7 +13,7 @@ use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::selection::{SelectedBox, Selection};
 
-/// What a drag does to the marker.
+/// The effect of a drag on the marker.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum MarkerDrag {
     /// Slides it in the plane of a face; `normal` leads out of it.
@@ -24,12 +24,12 @@ pub(super) enum MarkerDrag {
     Span { from: IVec3 },
 }
 
-/// What is known of the marker between events.
+/// The state of the marker between events.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct MarkerTool {
-    /// What a drag does to it.
+    /// The drag under way.
     pub drag: Option<MarkerDrag>,
-    /// What drags have moved it by, less whole voxels.
+    /// The movement by drags that remains after whole voxels are taken off.
     rest: Vec3,
     /// The box that was selected only because tools were to be limited to the marker.
     lent_to_limit: Option<VoxelBox>,
@@ -205,8 +205,8 @@ impl Editor {
                     .take()
                     .map(|bounds| SelectedBox { bounds, adds: true });
                 let only_lent = lent.is_some_and(|lent| selection.boxes() == [lent]);
-                // Whoever limits tools without having selected anything means the marker, and
-                // the next time where it is by then.
+                // A person who limits tools without having selected anything means the marker, and the next time the
+                // marker where it is by then.
                 if !limits && empty {
                     self.marker.lent_to_limit = Some(marker);
                     self.run(Command::Select(SelectOp::Add));

@@ -2,9 +2,8 @@
 //! session that carries out commands.
 //!
 //! [`Editor`] takes actions, pointer positions with a [`Picker`](crate::picking::Picker), and commands;
-//! it changes the document through its session alone. What else follows from an edit it returns as
-//! [`Outcome`]s, which its owner takes after every call ([`Editor::take_outcomes`]). Knows no egui, no
-//! window, no camera and no Vulkan.
+//! it changes the document through its session alone. It returns the further effects of an edit as [`Outcome`]s, which
+//! its owner takes after every call ([`Editor::take_outcomes`]). Knows no egui, no window, no camera and no Vulkan.
 
 mod actions;
 mod autosave;
@@ -52,7 +51,7 @@ use tool::ToolState;
 
 pub use footing::PointerUse;
 
-/// What an edit led to, besides the change of the document.
+/// An effect of an edit, besides the change of the document.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Outcome {
     /// Another sculpture is there: views of it begin anew.
@@ -72,8 +71,8 @@ pub enum Outcome {
     FileUsed(Command),
     /// The program is to be left, as was asked for while there was long work.
     Leave,
-    /// What an earlier session has left is to be recovered from the journal of this number, as was asked for while
-    /// there was unsaved work, which is saved now.
+    /// The work that an earlier session left is to be recovered from the journal of this number. This was asked for
+    /// while there was unsaved work, which is saved now.
     Recover(u64),
 }
 
@@ -100,7 +99,7 @@ pub struct Editor {
     pointer: Option<Vec2>,
     /// A drag of `Sculpt` that began beside the sculpture rotates it.
     rotates_instead: bool,
-    /// What the pointer's button holds was ended, and does nothing until it is released.
+    /// The gesture that the pointer's button holds was ended; the button does nothing until it is released.
     lifted: bool,
     /// How a pen or the trigger of a hand is pressed; fully where nothing tells.
     grip: Grip,
@@ -152,7 +151,7 @@ impl Editor {
         self.session.document()
     }
 
-    /// What calls since the last time have led to, in order.
+    /// Returns the outcomes of the calls since the last time, in order.
     pub fn take_outcomes(&mut self) -> Vec<Outcome> {
         std::mem::take(&mut self.outcomes)
     }

@@ -131,7 +131,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever a path goes through, it ends, with few samples, all of them points.
+        /// A path ends wherever it goes, with few samples, all of them finite.
         #[test]
         fn a_path_ends_wherever_it_goes(
             ways in prop::collection::vec(prop::array::uniform3(prop::num::f32::ANY), 1..20),

@@ -1,17 +1,17 @@
-//! What the editor needs an answer to before it goes on, as values for the interface.
+//! The questions that the editor needs answered before it goes on, as values for the interface.
 
 use std::path::PathBuf;
 
 use crate::command::Command;
 use crate::session::{FileIdentity, Holder};
 
-/// What would lose unsaved work.
+/// A step that would lose unsaved work.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Next {
     Leave,
     /// `new` or `open`.
     Run(Command),
-    /// What an earlier session has left, in the journal of this number.
+    /// Recovers the work that an earlier session left in the journal of this number.
     Recover(u64),
 }
 
@@ -19,9 +19,9 @@ pub enum Next {
 #[derive(Clone, PartialEq, Debug)]
 pub struct ChangedOnDisk {
     pub path: PathBuf,
-    /// What it was like when it was to be saved; none if it could not be read.
+    /// The identity of the file when it was to be saved; none if it could not be read.
     pub found: Option<FileIdentity>,
-    /// What was to follow.
+    /// The step that was to follow.
     pub next: Option<Next>,
 }
 

@@ -36,12 +36,12 @@ pub(super) const MOST_LOOKS: f32 = 1024.0;
 /// A step on the surface longer than this many tool sizes is a leap over an edge.
 pub(super) const LEAP: f32 = 2.0;
 
-/// What leads the tool.
+/// The input that leads the tool.
 pub(super) enum Guide {
     /// A drag of the pointer over the surface.
     Surface(SurfaceGuide),
-    /// Whatever moves the tool, while a key, a button or a hand holds it down; `hovering`: the
-    /// pointer, if it has moved the tool last.
+    /// Any input that moves the tool while a key, a button or a hand holds it down. `hovering`: the pointer, if it was
+    /// the last to move the tool.
     Tool { hovering: Option<SurfaceGuide> },
 }
 
@@ -82,7 +82,7 @@ impl SurfaceGuide {
     }
 }
 
-/// What a stroke does along its path.
+/// The work that a stroke does along its path.
 pub(super) enum Work {
     Solid {
         mode: ToolMode,

@@ -254,7 +254,7 @@ mod tests {
             }
         }
 
-        /// Whatever a way goes through, it ends, with few legs, all of them between points.
+        /// A way ends wherever it goes, with few legs whose ends are all finite.
         #[test]
         fn a_way_ends_wherever_it_goes(
             ways in prop::collection::vec(prop::array::uniform3(prop::num::f32::ANY), 1..20),

@@ -18,7 +18,7 @@ const NEARLY: f32 = 0.99863;
 /// How often a tool is repeated at first.
 pub const FIRST_COUNT: u32 = 6;
 
-/// What is placed.
+/// The part of the symmetry that is placed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Placed {
     /// The mirror plane.

@@ -68,9 +68,9 @@ pub struct ToolState {
     pub colour: Rgb,
     /// Colours that were used, the latest first.
     recent: Vec<Rgb>,
-    /// What a solid paints with instead of the colour.
+    /// The picture that a solid paints with instead of the colour.
     pub picture: Option<PathBuf>,
-    /// What the brush paints with instead of the colour, or what it paints the colour through.
+    /// The picture that the brush paints with instead of the colour, or through which it paints the colour.
     pub stencil: Option<PathBuf>,
     /// The colour goes through the stencil where it is bright.
     pub through_stencil: bool,
@@ -80,7 +80,7 @@ pub struct ToolState {
     pub follow: bool,
     /// The tool's centre is kept at centres of voxels.
     pub snap: bool,
-    /// What the next press does instead of using the tool.
+    /// The action of the next press, in place of a use of the tool.
     pub next_press: Option<NextPress>,
     /// How far colours may differ from that of the voxel that a flood begins with, as a share of the range.
     pub flood_tolerance: f32,
@@ -97,7 +97,7 @@ pub struct ToolState {
     pub array: ArrayOptions,
 }
 
-/// What a press may do once, instead of using the tool.
+/// An action that a press may carry out once, instead of using the tool.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NextPress {
     /// Takes the colour of what it meets.
@@ -139,7 +139,7 @@ pub enum ToolEdit {
     /// A share of the range of colours.
     FloodTolerance(f32),
     Wand(Wand),
-    /// What a solid or the brush in hand paints with instead of the colour.
+    /// The picture that a solid or the brush in hand paints with instead of the colour.
     Picture(Option<PathBuf>),
     ThroughStencil(bool),
     Snap(bool),
@@ -429,7 +429,7 @@ impl ToolState {
         }
     }
 
-    /// What a mode does to voxels.
+    /// Returns the change that a mode makes to voxels.
     pub fn change(&self, mode: ToolMode) -> ToolChange {
         match mode {
             ToolMode::Add => ToolChange::Voxels(EditOp::Add(Some(self.colour))),

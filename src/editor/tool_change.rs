@@ -1,4 +1,4 @@
-//! What a mode of solids does to the voxels that they cover: the command for each solid.
+//! The effect of a mode of solids on the voxels that they cover: the command for each solid.
 
 use glam::Vec3;
 
@@ -10,7 +10,7 @@ use crate::sculpture::edit::EditOp;
 use crate::tools::drawn::Form;
 use crate::tools::solid::Primitive;
 
-/// What a mode does to the voxels that a solid covers.
+/// The effect of a mode on the voxels that a solid covers.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum ToolChange {
     /// They are added, cut or painted.
@@ -44,8 +44,8 @@ impl ToolChange {
 }
 
 impl ToolState {
-    /// Chooses what solids do. What rests on the surface cuts nothing, so that a tool that cuts rests only if that is asked
-    /// for then; afterwards it rests as before.
+    /// Chooses the mode of solids. A solid that rests on the surface cuts nothing. A tool that begins to cut therefore
+    /// rests only if that is asked for while it cuts; afterwards it rests as before.
     pub fn set_mode(&mut self, mode: ToolMode) {
         match (self.mode == ToolMode::Subtract, mode == ToolMode::Subtract) {
             (false, true) => self.rested = std::mem::take(&mut self.stand),
@@ -55,7 +55,7 @@ impl ToolState {
         self.mode = mode;
     }
 
-    /// What a solid does on a piece of its way. An image is put down where it ends.
+    /// Returns the command of a solid on one leg of its way. An image is put down where the leg ends.
     pub fn command(&self, mode: ToolMode, leg: &Leg) -> Command {
         let at = |centre_vx| Primitive { centre_vx, rotation: leg.rotation, ..self.primitive() };
         if let (ToolMode::Recolour, Some(picture)) = (mode, &self.picture) {

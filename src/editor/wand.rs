@@ -6,7 +6,7 @@ use super::Editor;
 use crate::command::{Command, MaskArea, MaskChange, PatchRule};
 use crate::picking::Picker;
 
-/// What hangs together with a voxel for the wand.
+/// The rule by which voxels hang together with a voxel for the wand.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum WandRule {
     /// Voxels of the surface of nearly the same colour.
@@ -17,7 +17,7 @@ pub enum WandRule {
     Piece,
 }
 
-/// What the wand protects.
+/// The settings that decide which voxels the wand protects.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Wand {
     pub rule: WandRule,

@@ -32,14 +32,14 @@ pub struct Ground {
     pub face: Vec3,
 }
 
-/// What is being drawn, as lines between places of the grid (voxels).
+/// A drawing under way, as lines between places of the grid (voxels).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sketch {
-    /// What will be done.
+    /// The mode that will be applied.
     pub mode: ToolMode,
-    /// What was drawn.
+    /// The lines that were drawn.
     pub lines: Vec<[Vec3; 2]>,
-    /// What follows from it, or leads it.
+    /// The lines that follow from the drawn ones, or lead them.
     pub faint: Vec<[Vec3; 2]>,
 }
 
@@ -191,7 +191,7 @@ impl Drawing {
         }
     }
 
-    /// What makes it, or what to draw instead.
+    /// Returns the commands that make the form, or advice on what to draw instead.
     pub fn commands(
         &self,
         options: &DrawOptions,
@@ -245,7 +245,7 @@ impl Drawing {
         line.map_or_else(Vec::new, |(stand, letters)| stand.floating(grid, &letters))
     }
 
-    /// What to do for something to come of it.
+    /// Returns advice on how to draw so that a form results.
     fn advice(&self) -> &'static str {
         match self.kind {
             DrawKind::Lasso => "Drag around what is meant, with the button pressed",

@@ -52,9 +52,9 @@ impl Font {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Letter {
     pub outlines: Vec<Vec<Vec2>>,
-    /// What it is, or is a part of.
+    /// The character that the letter is, or is a part of.
     pub sign: char,
-    /// The middle of that along the line.
+    /// The middle of the character along the line.
     pub middle: f32,
 }
 

@@ -15,7 +15,7 @@ const SPACING_VX: f32 = 0.5;
 const MOST_PLACES: usize = 8192;
 
 impl Editor {
-    /// The hand begins to draw at a place of the grid.
+    /// Begins a drawing by the hand at a place of the grid.
     pub(in crate::editor) fn begin_held_drawing(&mut self, kind: DrawKind, at_vx: Vec3) {
         match kind {
             DrawKind::Line | DrawKind::Curve => self.held_way = vec![at_vx],
@@ -25,7 +25,7 @@ impl Editor {
         }
     }
 
-    /// It goes on, if it draws.
+    /// Continues the drawing, if there is one.
     pub(in crate::editor) fn lead_held_drawing(&mut self, to_vx: Vec3) {
         let line = self.tool.kind == ToolKind::Draw(DrawKind::Line);
         let Some(last) = self.held_way.last() else { return };
@@ -37,7 +37,7 @@ impl Editor {
         }
     }
 
-    /// What it has drawn is made.
+    /// Ends the drawing and makes its tube.
     pub(in crate::editor) fn end_held_drawing(&mut self) {
         let way = std::mem::take(&mut self.held_way);
         let voxel_size = self.document().grid().voxel_size();

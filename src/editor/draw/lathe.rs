@@ -48,7 +48,7 @@ impl Axis {
         (t > 0.0 && point.abs().max_element() < 1e5).then_some(point)
     }
 
-    /// The profile that was drawn: distances from the axis and heights. What crosses the axis is folded back.
+    /// The profile that was drawn: distances from the axis and heights. A part that crosses the axis is folded back.
     pub fn profile(&self, view: &View, drawn: &[Vec2]) -> Vec<Vec2> {
         let points = drawn.iter().filter_map(|at| self.point(view, *at));
         points.map(|p| Vec2::new(p.x.abs(), p.y)).collect()
@@ -75,8 +75,8 @@ impl Axis {
         self.at_vx + (self.right * (point.x * side) + self.up * point.y) / view.edges
     }
 
-    /// What shows the solid while its profile is drawn: the profile on both sides with some of the circles it makes, and
-    /// the axis.
+    /// Returns the lines that show the solid while its profile is drawn: the profile on both sides with some of the
+    /// circles it makes, and the axis.
     pub fn sketch(&self, view: &View, drawn: &[Vec2]) -> (Vec<[Vec3; 2]>, Vec<[Vec3; 2]>) {
         let profile = self.profile(view, drawn);
         let mut lines = Vec::new();

@@ -1,8 +1,8 @@
 //! Tools that draw solids: a drag over the picture becomes a lasso, a box, a tube, a turned solid or letters.
 //!
-//! Takes pixels of the picture; every solid is a command, as any script may write it: mirrored, limited to the selection
-//! and undone like others. What each drag means, and what several presses draw, is in the files beside this one. Knows no
-//! window and no egui.
+//! Takes pixels of the picture. Every solid is a command, as any script may write it: mirrored, limited to the
+//! selection and undone like others. The meaning of each drag, and the drawings that take several presses, are in the
+//! files beside this one. Knows no window and no egui.
 
 mod block;
 mod drawing;
@@ -57,7 +57,7 @@ impl Editor {
         self.drawing.is_some()
     }
 
-    /// What a press at a pixel begins.
+    /// Returns the drawing that a press at a pixel begins.
     fn started(&self, kind: DrawKind, inverse: bool, at: Vec2, picker: &Picker) -> Option<Drawing> {
         let grid = self.document().grid();
         let view = View::new(picker.sight(), grid);
@@ -178,7 +178,7 @@ impl Editor {
         self.drawing.is_some() || self.progress().is_some()
     }
 
-    /// What is being drawn, or what a press would begin with, as lines.
+    /// Returns the drawing under way, or the one that a press would begin, as lines.
     pub fn sketch(&self, picker: &Picker) -> Option<Sketch> {
         if let Some(drawing) = &self.drawing {
             return Some(drawing.sketch(&self.tool.draws, self.document().grid()));

@@ -10,14 +10,14 @@ pub const RADII: RangeInclusive<f32> = 0.5..=256.0;
 /// Heights of boxes and letters, thicknesses of slabs and depths of letters.
 pub const LENGTHS: RangeInclusive<f32> = 1.0..=512.0;
 
-/// What the tools that draw make of a drag.
+/// The options by which the tools that draw turn a drag into solids.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DrawOptions {
-    /// Of a slab that lasso and rectangle add, along the line of sight.
+    /// The thickness of a slab that lasso and rectangle add, along the line of sight.
     pub thickness: f32,
-    /// The pointer leads the height of a box once its base stands; else it is `height`.
+    /// The pointer leads the height of a box once its base stands; otherwise the height is `height`.
     pub height_by_pointer: bool,
-    /// Of a box over its base.
+    /// The height of a box over its base.
     pub height: f32,
     /// Of a tube at its beginning and its end.
     pub radii: [f32; 2],

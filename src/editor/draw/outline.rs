@@ -37,8 +37,9 @@ pub fn is_meant(outline: &[Vec2]) -> bool {
     size.min_element() >= 2.0 && size.element_product() >= LEAST_AREA_PX
 }
 
-/// What an outline (pixels) covers that is as large as it is drawn at `target_vx`: along the line of sight through its
-/// middle, by `depth` (in units of the smallest edge of a voxel) about the target, or through the whole grid.
+/// Returns the prism that an outline (pixels) covers. The outline is as large as it is drawn at `target_vx`. The prism
+/// extends along the line of sight through the outline's middle, by `depth` (in units of the smallest edge of a voxel)
+/// about the target, or through the whole grid.
 pub fn prism(view: &View, outline: &[Vec2], target_vx: Vec3, depth: Option<f32>) -> Option<Form> {
     let closed: Vec<Vec2> = outline.iter().chain(outline.first()).copied().collect();
     let mut outline = thinned_flat(&closed, TOLERANCE_PX, MOST_POINTS);

@@ -13,14 +13,14 @@ pub const CLICK_PX: f32 = 4.0;
 /// Radius of what marks a point, in pixels.
 const MARK_PX: f32 = 4.0;
 
-/// What a press has done.
+/// The effect of a press.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Pressed {
     /// Another point is there.
     Added,
-    /// It was on the last point: that is all.
+    /// The press was on the last point, which finishes the tube.
     Finished,
-    /// No tube has more points.
+    /// The tube can have no more points.
     Full,
 }
 

@@ -73,7 +73,7 @@ fn even(way: &[Vec3], radius: f32) -> Vec<Vec3> {
     evened(way, 0.5 * over, over)
 }
 
-/// What shows a tube while it is drawn along a way: its middle line and, beside it, its outline.
+/// Returns the lines that show a tube while it is drawn along a way: its middle line and, beside it, its outline.
 pub fn sketch(view: &View, way_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
     let way: Vec<Vec3> = way_vx.iter().map(|p| *p * view.edges).collect();
     let even = even(&way, 0.5 * (radii[0] + radii[1]));
@@ -86,7 +86,7 @@ pub fn sketch(view: &View, way_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
     outline(view, &beads)
 }
 
-/// What shows a tube through places while they are chosen.
+/// Returns the lines that show a tube through places while they are chosen.
 pub fn sketch_through(view: &View, places_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
     match through(places_vx, radii, view.edges) {
         Some(Form::Tube { beads }) => outline(view, &way_of_tube(&beads, view.edges)),

@@ -1,7 +1,7 @@
-//! What is drawn by several presses: a box that is raised once its base stands, and a curve by points.
+//! Drawings that take several presses: a box that is raised once its base stands, and a curve by points.
 //!
-//! Between the presses nothing is held, so that the view may change: each event brings that of the moment. Takes pixels;
-//! what is finished becomes a command as after a drag. Knows no window and no keys.
+//! Nothing is held between the presses, so the view may change: each event brings the view of the moment. Takes pixels;
+//! a finished drawing becomes a command, as after a drag. Knows no window and no keys.
 
 use glam::Vec2;
 
@@ -17,7 +17,7 @@ use crate::picking::Picker;
 use crate::picking::geometry::surface_point;
 use crate::tools::drawn::MAX_POINTS;
 
-/// What is being drawn, between the presses or during one of them.
+/// A drawing under way, between the presses or during one of them.
 #[derive(Clone, Debug)]
 pub(in crate::editor) struct Unfinished {
     /// It does the inverse of what the tool does.
@@ -54,8 +54,8 @@ pub enum Progress {
 }
 
 impl Editor {
-    /// What a drag leaves unfinished: the base of a box whose height the pointer leads, or, after a click, a curve. Gives
-    /// back every other drag.
+    /// Keeps a drag that is unfinished: the base of a box whose height the pointer leads, or, after a click, a curve.
+    /// Returns every other drag.
     pub(super) fn leave_unfinished(&mut self, drawing: Drawing) -> Option<Drawing> {
         let what = match drawing.kind() {
             DrawKind::Box if self.tool.draws.height_by_pointer => {
@@ -72,7 +72,7 @@ impl Editor {
         None
     }
 
-    /// What is not finished; none once another tool is in hand.
+    /// The unfinished drawing; none once another tool is in hand.
     fn unfinished_now(&self) -> Option<&Unfinished> {
         let in_hand = |drawn: &&Unfinished| self.tool.kind == ToolKind::Draw(drawn.kind());
         self.unfinished.as_ref().filter(in_hand)
