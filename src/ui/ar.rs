@@ -1,4 +1,4 @@
-//! What the interface shows of the sculpture on a marker.
+//! The interface of the sculpture on a printed marker.
 
 use egui::Ui;
 
@@ -17,7 +17,7 @@ fn state_text(ar: &ArStatus) -> String {
     }
 }
 
-/// Its part of the options.
+/// Shows its part of the options.
 pub fn options(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mut on = context.ar.on;
     let stand = ui.checkbox(&mut on, "Stand on the printed marker");

@@ -15,7 +15,7 @@ const HISTORY_WIDTH: f32 = 290.0;
 /// Height of the list of steps, in points; below it stand the hands' hints.
 const HISTORY_HEIGHT: f32 = 250.0;
 
-/// What the hands do, for those who open the board for the first time.
+/// The controls of the hands, for those who open the board for the first time.
 const HINTS: [(&str, &str); 8] = [
     ("Trigger", "use the tool; click here"),
     ("Grip", "grab, move and rotate the sculpture"),

@@ -1,7 +1,7 @@
-//! What lies over the sculpture: windows, dialogs and questions, each with its own state, and which
-//! of them has the person's attention.
+//! The windows, dialogs and questions over the sculpture, each with its own state, and which of
+//! them has the person's attention.
 //!
-//! Takes and gives values; shows nothing itself. Who shows what is in the module of each dialog.
+//! Takes and gives values; shows nothing itself. The module of each dialog says who shows it.
 
 use super::export_dialog::ExportDialog;
 use super::files::Files;
@@ -35,7 +35,7 @@ pub struct Dialogs {
     pub film: FilmDialog,
     pub export: ExportDialog,
     pub import: ImportDialog,
-    /// What earlier sessions have left.
+    /// The dialog about the work that earlier sessions left.
     pub recovery: RecoveryDialog,
     /// The window of the print check.
     pub print_check: PrintCheck,

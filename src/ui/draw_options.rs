@@ -115,7 +115,7 @@ fn numbers(ui: &mut Ui, kind: DrawKind, mode: ToolMode, options: &mut DrawOption
     }
 }
 
-/// What to do with the tool.
+/// Returns advice on using the tool.
 fn advice(kind: DrawKind, mode: ToolMode, options: &DrawOptions) -> &'static str {
     match (kind, mode) {
         (DrawKind::Lasso | DrawKind::Rectangle, ToolMode::Add) => {
@@ -142,7 +142,7 @@ fn advice(kind: DrawKind, mode: ToolMode, options: &DrawOptions) -> &'static str
     }
 }
 
-/// What the interface calls a tool that draws.
+/// Returns the name of a tool that draws, in the interface.
 pub fn draw_name(kind: DrawKind) -> &'static str {
     match kind {
         DrawKind::Lasso => "Lasso",

@@ -1,4 +1,4 @@
-//! What the interface says of a drawing that takes several presses: how far it is, and which keys do what.
+//! Texts about a drawing that takes several presses: how far it is, and which keys do what.
 //!
 //! Takes its [`Progress`] and the bindings in use; gives texts.
 
@@ -40,7 +40,7 @@ fn amount(drawn: Progress) -> String {
     }
 }
 
-/// What can be done, each with the presses that do it; what has none is left out.
+/// Returns the possible acts, each with the presses that do it. An act without a press is left out.
 fn acts(drawn: Progress, keys: impl Fn(Action) -> Vec<String>) -> Vec<String> {
     let (press, goes_back) = match drawn {
         Progress::Raised(_) => ("Click", false),

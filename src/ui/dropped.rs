@@ -15,7 +15,7 @@ use crate::format::{READ_ENDINGS, can_be_read};
 /// Endings of images that can be reference pictures.
 const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
-/// What dropping files does.
+/// The use of dropped files.
 #[derive(PartialEq, Eq, Debug)]
 enum Use {
     Open(PathBuf),

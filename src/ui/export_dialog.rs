@@ -23,7 +23,7 @@ const MOST_TRIANGLES: u64 = 100_000_000;
 /// Edges of a voxel that can be chosen, in millimetres.
 const VOXEL_MM: std::ops::RangeInclusive<f32> = 0.001..=1000.0;
 
-/// What is chosen so far, and for which file.
+/// The options chosen so far, and the file that they are for.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ExportDialog {
     /// The file while the dialog is open.
@@ -96,7 +96,7 @@ impl ExportDialog {
         UiRequest::Run(Command::Save { path, export })
     }
 
-    /// What is chosen, of that which the format of `path` has use for.
+    /// Returns the chosen options that the format of `path` has a use for.
     fn options(&self, path: &Path) -> ExportOptions {
         if is_volume(path) {
             return self.form.into();

@@ -29,7 +29,7 @@ const EXPORTS: [(&str, &str); 9] = [
 ];
 const SIDE_WIDTH: f32 = 170.0;
 
-/// What a file dialog is open for.
+/// The task that a file dialog is open for.
 #[derive(Clone, PartialEq, Debug)]
 pub enum FileTask {
     Open,

@@ -17,7 +17,7 @@ const MOST_FPS: u16 = 240;
 const MOST_FPS_OF_GIF: u16 = 50;
 const WIDTH: f32 = 360.0;
 
-/// What a film shows.
+/// The subject of a film.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum FilmKind {
     #[default]
@@ -25,7 +25,7 @@ pub enum FilmKind {
     Lapse,
 }
 
-/// What a film becomes.
+/// The form of the film's output.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum FilmForm {
     #[default]
@@ -84,7 +84,7 @@ pub struct FilmRequest {
     pub form: FilmForm,
 }
 
-/// What is chosen so far.
+/// The options chosen so far.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FilmDialog {
     pub open: bool,

@@ -74,7 +74,7 @@ pub fn british(text: &str) -> String {
         ("randomize", "randomise"),
     ];
     let lower = text.to_lowercase();
-    // What is British already stays: "colour" holds no "color".
+    // A text that is British already stays as it is: "colour" holds no "color".
     SPELLINGS.into_iter().fold(lower, |text, (american, here)| text.replace(american, here))
 }
 

@@ -80,7 +80,7 @@ pub struct FinalRequest {
     pub on_gpu: bool,
 }
 
-/// What is chosen so far.
+/// The options chosen so far.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FinalDialog {
     pub open: bool,

@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, pad: PadStatus, requests: &mut Vec<UiRequest>) {
     });
 }
 
-/// What sticks do in a mode, in a sentence.
+/// Returns a sentence that says what the sticks do in a mode.
 pub const fn mode_hint(mode: PadMode) -> &'static str {
     match mode {
         PadMode::OnlyMouse => "Left stick: pointer; Y: click; A: double click",

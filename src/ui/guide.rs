@@ -33,16 +33,16 @@ pub struct Guide {
 /// A step of the guide.
 struct Step {
     title: &'static str,
-    /// What to do; `{}` stands for the shortcuts of `actions`, in their order.
+    /// The task; `{}` stands for the shortcuts of `actions`, in their order.
     text: &'static str,
-    /// The same for hands with controllers, in a headset.
+    /// The same task for hands with controllers, in a headset.
     by_hand: &'static str,
     actions: &'static [Action],
     /// Looks at the sculpture, and at what was done since the step began.
     is_done: fn(&Document, u64) -> bool,
-    /// What the marker is to hold, for those who would rather type.
+    /// The box that the marker is to hold, for those who would rather type.
     marker: Option<fn(&Document) -> VoxelBox>,
-    /// What the step comes to, for those who would rather watch.
+    /// The commands that the step comes to, for those who would rather watch.
     commands: Option<fn(&Document) -> Vec<Command>>,
 }
 

@@ -1,5 +1,5 @@
-//! What the interface shows of head tracking: a switch with the state of the tracker, a word in the
-//! status line, and the window that leads through the calibration by four touches.
+//! The interface of head tracking: a switch with the state of the tracker, a word in the status
+//! line, and the window that leads through the calibration by four touches.
 
 use egui::{Align2, Key, RichText, Ui, Window, vec2};
 

@@ -21,14 +21,14 @@ const HEAD: f32 = 110.0;
 const TEXT_WIDTH: f32 = 262.0;
 const TRIGGERS_WIDTH: f32 = 256.0;
 
-/// What the window remembers.
+/// The state that the window remembers.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct KeyTable {
     pub open: bool,
     filter: String,
-    /// The action that gets what is pressed next.
+    /// The action that gets the next key or button pressed.
     pub(super) catch: Option<Catch>,
-    /// What another device has pressed since the last pass.
+    /// The trigger that another device has pressed since the last pass.
     pub(super) pressed: Option<Trigger>,
 }
 

@@ -19,7 +19,7 @@ const ROW_WIDTH: f32 = 12.0;
 const REPEAT_AFTER_S: f64 = 0.5;
 const REPEAT_EVERY_S: f64 = 0.08;
 
-/// What is on a key.
+/// The character or function of a key.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Cap {
     /// Writes the first character, with shift the second.
@@ -300,7 +300,7 @@ pub fn place(field: Rect, board: Rect) -> Rect {
     let left = board.center().x - size.x * 0.5;
     let at = |top: f32| Rect::from_min_size(Pos2::new(left, top), size);
     let (low, high) = (at(board.bottom() - margin - size.y), at(board.top() + margin));
-    // What a field says of its text often stands right below it.
+    // A message about the text of a field often stands right below the field.
     let near = field.expand(margin);
     if low.intersects(near) && !high.intersects(near) { high } else { low }
 }

@@ -19,13 +19,13 @@ const NAME_WIDTH: f32 = 72.0;
 const PLACES: [[f32; 3]; MAX_LIGHTS] =
     [[-0.4, 0.7, 0.6], [0.8, 0.2, 0.5], [0.0, -0.8, 0.4], [0.0, 0.6, -0.8]];
 
-/// What the window remembers.
+/// The state that the window remembers.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct LightWindow {
     pub open: bool,
     /// The lamp whose place is shown.
     pub lamp: usize,
-    /// As the settings have them, which *Reset lights* goes back to.
+    /// The lights as the settings have them, to which *Reset lights* goes back.
     pub usual: (LightOptions, Finish),
 }
 

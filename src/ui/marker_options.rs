@@ -120,7 +120,7 @@ fn selection(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     }
 }
 
-/// What is done to the voxels in the marker where they are.
+/// Shows the buttons that act on the voxels in the marker where they are.
 fn contents(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     buttons(ui, context, requests, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
     type Make = fn(usize) -> Orientation;
@@ -146,7 +146,7 @@ fn contents(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     }
 }
 
-/// What has been copied, and how it will be put down.
+/// Shows the copied voxels, and how they will be put down.
 fn copy(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     heading(ui, "Clipboard");
     let clip = context.document.clip();

@@ -15,13 +15,13 @@ const WIDTH: f32 = 290.0;
 /// Least width of the names before sliders.
 const NAME_WIDTH: f32 = 76.0;
 
-/// What the window remembers.
+/// The state that the window remembers.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Masks {
     pub open: bool,
-    /// What is chosen is added to the mask, or taken out of it.
+    /// The chosen voxels are added to the mask, or taken out of it.
     adds: bool,
-    /// By how much the outline moves.
+    /// The distance by which the outline moves.
     by_vx: u32,
     /// How far cavities are looked for.
     cavity_vx: u32,
@@ -66,7 +66,7 @@ fn of_mask(ui: &mut Ui, context: &UiContext, name: &str, help: &str) -> bool {
         .clicked()
 }
 
-/// What concerns the mask as a whole, and how large it is.
+/// Shows the changes to the mask as a whole, and its size.
 fn whole(ui: &mut Ui, context: &UiContext, ask: &mut impl FnMut(MaskChange)) {
     ui.horizontal(|ui| {
         let help = "Protect what is not masked, and nothing else";
@@ -147,7 +147,7 @@ fn areas(ui: &mut Ui, window: &mut Masks, context: &UiContext, ask: &mut impl Fn
     });
 }
 
-/// What the wand protects, and the button that makes the next press use it.
+/// Shows the options that decide which voxels the wand protects, and the button that makes the next press use it.
 fn wand(ui: &mut Ui, adds: bool, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let tool = context.tool;
     let before = tool.wand;

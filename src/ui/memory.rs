@@ -1,8 +1,8 @@
 //! Owns what a person finds again at the next start, as text: how the interface looks, which panels
 //! are where, the tool in hand with its colours, the last folder and the last files.
 //!
-//! Takes and gives text; knows no file. What cannot be read is left out and never stops a start.
-//! A setting that has changed since overrules what is remembered of the same thing.
+//! Takes and gives text; knows no file. An entry that cannot be read is left out and never stops a start. A setting
+//! that has changed since overrules the remembered value.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -60,7 +60,7 @@ struct Kept {
     export: Option<String>,
     #[serde(deserialize_with = "lenient")]
     recent: Option<Vec<toml::Value>>,
-    /// What the settings said when this was written.
+    /// The looks in the settings when this was written.
     #[serde(deserialize_with = "lenient")]
     settings: Option<Looks>,
     #[serde(deserialize_with = "lenient")]
@@ -147,7 +147,7 @@ impl KeptTool {
     }
 }
 
-/// What is to be remembered.
+/// Returns the text to be remembered.
 pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> String {
     let names = |panels: &mut dyn Iterator<Item = &Panel>| {
         panels.map(|panel| panel.title().to_string()).collect()
@@ -263,7 +263,7 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     }
 }
 
-/// What a text remembers about which axis points up.
+/// Returns the remembered answers in a text about which axis points up.
 pub fn upright(text: &str) -> Upright {
     let kept: Kept = toml::from_str(text).unwrap_or_default();
     kept.upright.as_ref().map(Upright::from_texts).unwrap_or_default()

@@ -1,4 +1,4 @@
-//! What is remembered of the print check: the printer and what it can do, not what was found.
+//! The remembered options of the print check: the printer and what it can do, not the findings.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! What is remembered of the tools that draw solids.
+//! The remembered options of the tools that draw solids.
 
 use std::ops::RangeInclusive;
 

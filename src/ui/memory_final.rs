@@ -1,4 +1,5 @@
-//! What is remembered of the dialog of a final picture: how it is made and lit, not its size, which is that of the view.
+//! The remembered options of the dialog of a final picture: how the picture is made and lit. Its size is not
+//! remembered: it is that of the view.
 
 use serde::{Deserialize, Serialize};
 

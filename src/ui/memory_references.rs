@@ -1,4 +1,4 @@
-//! What is remembered of reference pictures: where the files are and where they stand, as TOML values.
+//! The remembered reference pictures: where their files are and where they stand, as TOML values.
 
 use std::path::PathBuf;
 
@@ -38,7 +38,7 @@ pub fn to_values(references: &[Reference]) -> Vec<toml::Value> {
     kept.filter_map(|kept| toml::Value::try_from(kept).ok()).collect()
 }
 
-/// The references of such values, whose files are not read yet. What is none is left out.
+/// Returns the references of such values; their files are not read yet. A value that is no reference is left out.
 pub fn from_values(values: Vec<toml::Value>) -> Vec<Reference> {
     let known = values.into_iter().filter_map(|value| {
         let kept: KeptReference = value.try_into().ok()?;

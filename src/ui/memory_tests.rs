@@ -118,7 +118,7 @@ fn what_earlier_versions_remembered_is_still_read() {
     let again = to_text(&state, &tool, &window);
     let table = |text: &str| text.parse::<toml::Table>().unwrap();
     let (mut then, mut now) = (table(text), table(&again));
-    // What has other names today.
+    // These tables have other names today.
     let [sprays, deforms] = ["sprays", "deforms"].map(|key| then.remove(key).unwrap());
     then["tool"].as_table_mut().unwrap().remove("deform");
     let brushes = now.remove("brushes").unwrap();

@@ -105,7 +105,7 @@ pub struct FrameTimes {
     pub total_ms: f32,
 }
 
-/// What the interface reads.
+/// The values that the interface reads.
 pub struct UiContext<'a> {
     pub document: &'a Document,
     pub path: Option<&'a Path>,

@@ -9,7 +9,7 @@ use crate::command::{Command, NewSculpture};
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::{ColourDepth, Grid as VoxelGrid, Rgb};
 
-/// What is typed so far.
+/// The values typed so far.
 #[derive(Clone, PartialEq, Debug)]
 pub struct NewDialog {
     pub open: bool,

@@ -23,7 +23,7 @@ const TOP: f32 = 60.0;
 /// Added to the ranks of commands for a word alone: behind whatever begins with the word or has it as a name.
 const AFTER_WORDS: u32 = 5;
 
-/// What is typed, and which entry is chosen.
+/// The typed text, and the entry that is chosen.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Palette {
     pub open: bool,
@@ -43,7 +43,7 @@ impl Palette {
 /// A line of the list.
 #[derive(Clone, PartialEq, Debug)]
 enum Entry {
-    /// What is typed is this command.
+    /// The typed text is this command.
     Run(Box<Command>),
     Do(Action),
     /// The things that are called otherwise here, or are not here.
@@ -59,7 +59,7 @@ impl Entry {
     }
 }
 
-/// What can be chosen with `typed` in the field, and what is wrong with it as a command.
+/// Returns the entries that can be chosen with `typed` in the field, and the error in it as a command.
 fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<String>) {
     let typed = typed.trim();
     let verb = typed.split_whitespace().next().unwrap_or_default();
@@ -93,7 +93,8 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
         }
     }
     for command in COMMANDS.iter() {
-        // Of equals the action comes first: it needs no arguments. What was typed as a verb with arguments is that command.
+        // Of equals the action comes first, as it needs no arguments. A text that begins with a verb and has arguments
+        // is that command.
         let rank = filter.rank(command.verb, &[&command.usage, command.tooltip], &[]);
         let rank = if command.verb == verb && !alone { Some(0) } else { rank };
         let after = if alone { AFTER_WORDS } else { 1 };
@@ -213,7 +214,7 @@ impl Palette {
                 led_to = Some(*spot);
             }
             Entry::Complete(command) => {
-                // What is typed behind the verb already stays.
+                // Arguments that are already typed behind the verb stay.
                 let typed = self.text.split_whitespace().collect::<Vec<_>>();
                 if typed.first() != Some(&command.verb) || typed.len() == 1 {
                     self.text = format!("{} ", command.verb);

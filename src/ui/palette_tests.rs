@@ -29,7 +29,7 @@ fn words_choose_by_text_name_key_and_usage() {
     assert!(matches!(listed("off even odd")[..], [Entry::Complete(c)] if c.verb == "symmetry"));
 }
 
-/// What people who know other programs type, and the action that must come first.
+/// The words that people who know other programs type, and the action that must come first.
 #[test]
 fn what_people_type_finds_the_action() {
     let expected = [

@@ -46,7 +46,7 @@ pub fn show(
     if !state.dialogs.files.is_open() {
         numbers::hear(root.ctx());
     }
-    // What lies over the sculpture has the person's attention.
+    // A modal dialog over the sculpture has the person's attention.
     let enabled = !state.dialogs.is_modal();
     let frame = Frame::central_panel(root.style()).inner_margin(Margin::same(8));
     CentralPanel::default().frame(frame).show(root, |ui| {

@@ -28,11 +28,11 @@ const MOST_HATCHES: usize = 1200;
 /// Valid lengths in the window, in millimetres.
 const LENGTHS_MM: std::ops::RangeInclusive<f32> = 0.01..=10_000.0;
 
-/// What a check has found, and how that is shown.
+/// The findings of a check, and how they are shown.
 #[derive(Debug)]
 pub struct Found {
     pub checked: Checked,
-    /// Of the document that was checked.
+    /// The revision of the document that was checked.
     revision: u64,
     /// Lines along x through the voxels of each finding.
     hatches: Vec<(Kind, Vec3, Vec3)>,
@@ -89,7 +89,7 @@ impl PrintCheck {
         self.current(document).is_some()
     }
 
-    /// What was found in the sculpture as it is now.
+    /// Returns the findings in the sculpture as it is now.
     fn current(&self, document: &Document) -> Option<&Found> {
         self.found.as_ref().filter(|found| found.revision == document.revision())
     }
@@ -335,7 +335,7 @@ fn of_kind(
     ui.add_space(4.0);
 }
 
-/// What is wrong, for tooltips.
+/// Describes a kind of finding, for tooltips.
 const fn meaning(kind: Kind) -> &'static str {
     match kind {
         Kind::Islands => "Pieces that hang in the air, connected with nothing",

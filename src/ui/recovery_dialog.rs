@@ -17,10 +17,10 @@ const PICTURE: Vec2 = Vec2::new(128.0, 96.0);
 /// Height of what is above and below the list, in points.
 const BESIDE: f32 = 170.0;
 
-/// What one session has left.
+/// The work that one session has left.
 #[derive(Clone, Debug)]
 pub struct LeftSession {
-    /// That of its journal.
+    /// The number of its journal.
     pub number: u64,
     /// When it was last written, in seconds since 1970, and as text.
     pub changed_unix_s: u64,

@@ -1,8 +1,8 @@
 //! The state of the interface: how the sculpture is shown, and which windows are open. None of it
 //! belongs to the sculpture.
 //!
-//! Panels change these values by themselves; the rest of the program reads them. What another part
-//! owns (the document, the tool, the viewpoint, the controls) they ask for with a [`UiRequest`].
+//! Panels change these values by themselves; the rest of the program reads them. For changes to values that another
+//! part owns (the document, the tool, the viewpoint, the controls) they send a [`UiRequest`].
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -35,7 +35,7 @@ use crate::shade::Lighting;
 use crate::video::VideoOptions;
 use crate::viewpoint::head::CalibrationStep;
 
-/// What a person asked for in the interface.
+/// A request that a person made in the interface.
 #[derive(Clone, PartialEq, Debug)]
 pub enum UiRequest {
     /// The same as by key or mouse.
@@ -131,8 +131,8 @@ impl ViewState {
         self.mode_is_automatic = false;
     }
 
-    /// Takes the mode that suits a device to draw with, unless the person has chosen one, and likewise smooth edges. What suits
-    /// a GPU stays: the window may draw without one while a headset has one.
+    /// Takes the mode that suits a device to draw with, unless the person has chosen one, and likewise smooth edges. A
+    /// choice that suits a GPU stays: the window may draw without one while a headset has one.
     pub fn suit_device(&mut self, software: bool) {
         if self.mode_is_automatic && !software {
             self.choose_mode(RenderMode::usual(software));
@@ -140,7 +140,7 @@ impl ViewState {
         self.smooth_edges |= self.smooth_edges_is_automatic && !software;
     }
 
-    /// What has lines below the sculpture, if anything has.
+    /// Returns the name of the feature that draws lines below the sculpture, if one does.
     pub fn has_lines(&self) -> Option<&'static str> {
         match (self.ground, self.floor) {
             (true, _) => Some("Ground lines"),
@@ -149,7 +149,7 @@ impl ViewState {
         }
     }
 
-    /// What the shaders take.
+    /// Returns the lighting as the shaders take it.
     pub fn lighting(&self) -> Lighting {
         self.finish.of(self.light.lighting())
     }
@@ -236,18 +236,18 @@ impl PanelLayout {
     }
 }
 
-/// What the main window is still to do.
+/// The tasks that the main window is still to do.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct WindowTasks {
-    /// It is to fill its screen, or no longer.
+    /// The window is to fill its screen, or no longer.
     pub switch_fullscreen: bool,
-    /// What is to be done with a picture of the view.
+    /// The use of a picture of the view.
     pub screenshot: Option<ScreenshotTo>,
-    /// What is to be done with the picture on the clipboard of the system.
+    /// The use of the picture on the clipboard of the system.
     pub paste: Option<PasteAs>,
 }
 
-/// What a pasted picture is used as.
+/// The use of a pasted picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PasteAs {
     /// A reference picture.
@@ -265,21 +265,21 @@ pub enum ScreenshotTo {
     Clipboard,
 }
 
-/// What is known of files that were opened or saved.
+/// The facts known about files that were opened or saved.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct KnownFiles {
-    /// Those that were last.
+    /// The files opened or saved last.
     pub recent: Recent,
     /// Which axis points up in files that do not say so.
     pub upright: Upright,
 }
 
-/// What is chosen about a headset.
+/// The choices made for a headset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct HeadsetChoices {
     /// The hand that has the tool.
     pub hand_side: HandSide,
-    /// How its pictures are to go together with the surroundings.
+    /// How the pictures are blended with the surroundings.
     pub blend: Blend,
 }
 
@@ -304,7 +304,7 @@ pub struct UiState {
 pub struct AutosaveChoice {
     /// After how many minutes with unsaved changes; 0: never.
     pub minutes: u32,
-    /// What the settings say.
+    /// The value in the settings.
     pub usual_min: u32,
 }
 

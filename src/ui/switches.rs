@@ -8,13 +8,13 @@ use super::{UiContext, UiRequest, UiState, stereo_options};
 use crate::input::Action;
 use crate::view::StereoLayout;
 
-/// What they take of the bar, in points, and what stands right of them.
+/// The widths of the switches in the bar, in points, and of the items to the right of them.
 const WIDTH: f32 = 296.0;
 const RUMBLE_WIDTH: f32 = 66.0;
 const LIGHTS_WIDTH: f32 = 66.0;
 const HELP_AND_MENU: f32 = 104.0;
 
-/// Whether what is left of the bar has room for them.
+/// Whether the rest of the bar has room for them.
 pub fn fit(ui: &Ui, context: &UiContext) -> bool {
     if context.in_headset {
         return ui.available_width() >= LIGHTS_WIDTH + HELP_AND_MENU;

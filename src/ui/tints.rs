@@ -19,7 +19,7 @@ const NAME_WIDTH: f32 = 76.0;
 /// Largest factor on saturation and value that the sliders offer; scripts may go further.
 const MOST_FACTOR: f32 = 2.0;
 
-/// What the window offers.
+/// The tools that the window offers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Kind {
     Adjust,
@@ -27,7 +27,7 @@ enum Kind {
     Noise,
 }
 
-/// What the window remembers.
+/// The state that the window remembers.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Tints {
     pub open: bool,
@@ -147,7 +147,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
     state.dialogs.tints.open &= open;
 }
 
-/// What floods take for one colour.
+/// Shows the tolerance within which floods take colours for one.
 fn flood(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     Grid::new("flood").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         let mut tolerance = context.tool.flood_tolerance;

@@ -114,7 +114,7 @@ impl Toasts {
             ctx.move_to_top(response.layer_id);
         }
         for toast in &mut self.list {
-            // What cannot be seen, or is being read, stays.
+            // A toast that cannot be seen, or is being read, stays.
             if place.is_none() {
                 toast.until = Some(now + toast.tone.life_s());
             } else if response.contains_pointer() {

@@ -131,7 +131,7 @@ fn follow(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     });
 }
 
-/// What a solid paints with instead of one colour.
+/// Shows the picture that a solid paints with instead of one colour.
 fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let tool = context.tool;
     let row = ui.horizontal(|ui| {

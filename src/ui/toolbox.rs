@@ -152,7 +152,7 @@ fn tools(
     }
 }
 
-/// What the interface calls a solid.
+/// Returns the name of a solid in the interface.
 pub fn solid_name(solid: Solid) -> String {
     match solid {
         Solid::RoundedCuboid => "Rounded".to_string(),
@@ -160,7 +160,7 @@ pub fn solid_name(solid: Solid) -> String {
     }
 }
 
-/// What the interface calls a mode.
+/// Returns the name of a mode in the interface.
 pub fn mode_name(mode: ToolMode) -> &'static str {
     match mode {
         ToolMode::Add => "Add",

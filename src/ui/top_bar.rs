@@ -188,7 +188,7 @@ fn turn_upright(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>)
     });
 }
 
-/// What makes sense before a screen alone: keys, windows and pictures of the view.
+/// Shows the items that make sense only before a screen: keys, windows and pictures of the view.
 fn at_the_desk(
     ui: &mut Ui,
     state: &mut UiState,

@@ -18,14 +18,14 @@ use crate::sculpture::orientation::Up;
 /// From the upper edge of the picture, in points.
 const MARGIN: f32 = 8.0;
 
-/// What was answered.
+/// The answers about which axis points up.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Upright {
-    /// By the endings of file names, in lower case.
+    /// The axis by the endings of file names, in lower case.
     by_ending: BTreeMap<String, Up>,
     /// The state of the sculpture in which nobody wants to be asked.
     dismissed: Option<State>,
-    /// The file about which this was said when it was imported.
+    /// The file about which the question was answered when it was imported.
     answered: Option<PathBuf>,
 }
 
@@ -46,12 +46,12 @@ impl Upright {
         self.answered = Some(path.to_path_buf());
     }
 
-    /// What is remembered: endings and the text forms of axes.
+    /// Returns the answers to be remembered: endings and the text forms of axes.
     pub fn to_texts(&self) -> BTreeMap<String, String> {
         self.by_ending.iter().map(|(ending, up)| (ending.clone(), up.to_string())).collect()
     }
 
-    /// From such texts; what names no axis is left out.
+    /// Reads such texts. An entry that names no axis is left out.
     pub fn from_texts(texts: &BTreeMap<String, String>) -> Upright {
         let known =
             texts.iter().filter_map(|(ending, up)| Some((ending.clone(), up.parse().ok()?)));
@@ -169,7 +169,7 @@ impl<'a> Asked<'a> {
             state.known_files.recent.set_upright(path, up);
             state.toasts.note(format!(".{ending} files open with {} from now on", label(up)));
             if up != *assumed {
-                // What points up then is y.
+                // After this turn, y points up.
                 state.view.up = Vec3::Y;
                 let lying = assumed.turned_upright().inverse();
                 requests.push(UiRequest::Run(Command::Orient(lying.then(up.turned_upright()))));

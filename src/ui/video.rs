@@ -1,5 +1,5 @@
-//! What the interface shows of the video behind the sculpture: a switch, where it comes from, how
-//! it lies on the screen, and how the camera does.
+//! The interface of the video behind the sculpture: a switch, where the video comes from, how it
+//! lies on the screen, and the state of the camera.
 
 use egui::{ComboBox, TextEdit, Ui};
 

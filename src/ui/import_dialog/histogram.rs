@@ -85,7 +85,8 @@ fn fields(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
     });
 }
 
-/// What exists once a threshold is dragged to a density. One that is dragged to its end is none.
+/// Returns which voxels exist once a threshold is dragged to a density. A threshold that is dragged to its end is
+/// dropped.
 fn dragged(existing: Existing, handle: Handle, to: f64, histogram: &Histogram) -> Existence {
     let (min, max) = (f64::from(histogram.min), f64::from(histogram.max));
     let (least, most) = match handle {

@@ -1,5 +1,5 @@
-//! What is asked about a mesh: its size, which way is up, what becomes of its inside, with its outline in the box of
-//! the grid that it would lie in.
+//! The questions about a mesh: its size, which way is up, and what becomes of its inside. Its outline is shown in the
+//! box of the grid that it would lie in.
 //!
 //! Takes a sample of its triangles; changes the options of the import.
 

@@ -37,10 +37,10 @@ const BESIDE: f32 = 48.0;
 const OPTIONS_WIDTH: f32 = 252.0;
 const NARROW: f32 = 400.0;
 
-/// What came of reading the file.
+/// The result of reading the file.
 type News = Arc<Mutex<Option<Result<Study, String>>>>;
 
-/// How far it is.
+/// The stage that the dialog has reached.
 #[derive(Debug)]
 enum Stage {
     Closed,
@@ -58,14 +58,14 @@ enum Stage {
     Model(Box<ModelStudy>),
 }
 
-/// What is chosen so far, and for which file.
+/// The options chosen so far, and the file that they are for.
 pub struct ImportDialog {
     stage: Stage,
     path: PathBuf,
     options: ImportOptions,
-    /// Whether it is shown at all; raw files are asked about anyhow.
+    /// Whether the dialog is shown at all; it asks about raw files in any case.
     pub ask: bool,
-    /// What was chosen last.
+    /// The options chosen last.
     pub remembered: Remembered,
     news: News,
     /// The slices that are shown of a volume as it will stand.
@@ -107,7 +107,7 @@ impl ImportDialog {
         self.news.clone()
     }
 
-    /// What is chosen so far.
+    /// Returns the options chosen so far.
     pub fn options(&self) -> &ImportOptions {
         &self.options
     }
@@ -140,7 +140,8 @@ impl ImportDialog {
         }
     }
 
-    /// Takes what reading the file has come to, once that is over: nothing can be opened while it is busy.
+    /// Takes the result of reading the file, once it is there. Waits while the program is busy, as nothing can be
+    /// opened then.
     fn take_news(&mut self, is_busy: bool, requests: &mut Vec<UiRequest>) {
         if is_busy || !matches!(self.stage, Stage::Reading) {
             return;
@@ -153,7 +154,7 @@ impl ImportDialog {
                 if self.at.cmpge(dims).any() {
                     self.at = dims / 2;
                 }
-                // What was chosen for another version of the file.
+                // A region that does not fit was chosen for another version of the file.
                 let fits = |region: &Region| region.high.cmplt(study.volume.dims).all();
                 self.options.region = self.options.region.filter(fits);
                 volume::allow(&study, &mut self.options);
@@ -180,7 +181,7 @@ impl ImportDialog {
         }
     }
 
-    /// What would become of the file.
+    /// Returns the outlook on the result of importing the file.
     fn outlook(&self, limits: &Limits) -> Option<Result<Outlook, FormatError>> {
         match &self.stage {
             Stage::Volume(study) => Some(study.outlook(&study.settled(&self.options), limits)),
@@ -270,7 +271,7 @@ enum Answer {
     Cancel,
 }
 
-/// What would become of the file, and the buttons.
+/// Shows the outlook on the result, and the buttons.
 fn foot(ui: &mut Ui, dialog: &mut ImportDialog, context: &UiContext, enter: bool) -> Answer {
     let outlook = dialog.outlook(context.document.limits());
     let error = match &outlook {

@@ -1,8 +1,8 @@
-//! What is asked about a voxel model: which way is up and what becomes of its colours, with a picture of it and its
-//! palette.
+//! The questions about a voxel model: which way is up, and what becomes of its colours. A picture of it and its palette
+//! are shown.
 //!
 //! Takes its surface and palette; changes the options of the import. The picture is a texture of the interface that
-//! shows it, made anew when what it shows has changed.
+//! shows it. It is made anew when its contents have changed.
 
 use egui::{
     Color32, ColorImage, ComboBox, Context, DragValue, Grid, Id, Pos2, Rect, RichText, Sense,
@@ -27,7 +27,7 @@ const SWATCH: f32 = 14.0;
 const SWATCHES_A_ROW: usize = 15;
 /// Pixels of a side of the picture, at most.
 const MOST_PX: f32 = 1024.0;
-/// What becomes of the colours, for people.
+/// The choices for the colours, with texts for people.
 const COLOURS: [(Option<ColourDepth>, &str, &str); 4] = [
     (Some(ColourDepth::Bits24), "As they are", "24 bits for each voxel"),
     (Some(ColourDepth::Bits16), "16 bits", "65 536 colours; less memory"),

@@ -1,4 +1,4 @@
-//! What was chosen in the last import of each family of files, as the command that such an import is.
+//! The choices of the last import of each family of files, as the command that such an import is.
 //!
 //! Thresholds, channel, time and the region belong to one file, and the axis that points up to its ending: they are not kept here.
 
@@ -85,7 +85,7 @@ mod tests {
         assert_eq!((next.upright, next.cubic), (Some(Up::X), Cubic::EdgeMm(0.5)));
         assert!(next.largest_piece && next.fill_holes && next.colouring == Colouring::Tissue);
         assert_eq!(remembered.applied(Family::Mesh, fresh), fresh, "another family");
-        // What is known of a file counts more.
+        // Facts known about a file count more.
         let known = ImportOptions { existence: Existence::Threshold(2.0), ..fresh };
         assert_eq!(remembered.applied(Family::Volume, known), known);
 

@@ -46,7 +46,7 @@ struct Cut {
     at: u32,
 }
 
-/// What its colours depend on.
+/// The state that the colours of the slice depend on.
 #[derive(Clone, Copy, PartialEq)]
 struct Look {
     existing: Existing,

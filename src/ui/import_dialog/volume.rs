@@ -87,7 +87,7 @@ pub fn allow(study: &VolumeStudy, options: &mut ImportOptions) {
     }
 }
 
-/// What the file says.
+/// Shows the facts that the file states.
 fn facts(ui: &mut Ui, study: &VolumeStudy) {
     let UVec3 { x, y, z } = study.volume.dims;
     let samples = samples_text(study.volume.samples);
