@@ -161,7 +161,7 @@ impl Workspace {
             Action::ZoomOut => self.zoom(-ZOOM_NOTCHES, self.viewpoint.turntable.middle()),
             _ => {
                 if matches!(action, Action::TurnUpright(_)) {
-                    // What points up then is y.
+                    // After this turn, y points up.
                     self.ui.view.up = Vec3::Y;
                 }
                 let picker = self.picker();
@@ -316,7 +316,7 @@ impl Workspace {
         let catching = self.ui.dialogs.keys.is_catching();
         let start = self.picture().center();
         for event in self.controls.take_pad_events(now_s) {
-            // What is pressed is taken as a trigger and has no other effect.
+            // A pressed button is taken as a trigger and has no other effect.
             if catching && !matches!(event, PadEvent::Action(ActionEvent::End(_))) {
                 continue;
             }

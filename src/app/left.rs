@@ -1,4 +1,4 @@
-//! What earlier sessions have left that did not end as they should have: it is listed in a dialog at the start, and
+//! The work left by earlier sessions that did not end as they should have: it is listed in a dialog at the start, and
 //! brought back or removed as the person wishes.
 //!
 //! Journals are read and replayed on a thread, while the window stays alive.

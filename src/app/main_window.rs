@@ -1,6 +1,6 @@
 //! The main window: its device, and the picture of the sculpture below its interface.
 //!
-//! What is drawn is decided by the workspace.
+//! The workspace decides what is drawn.
 
 use std::sync::Arc;
 use std::time::Duration;

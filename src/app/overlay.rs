@@ -1,5 +1,5 @@
-//! What the overlay shows and how: the tool with its outline and its mirror images, the red
-//! line from the grid's centre, the edges of the grid, marker and selection, mirror planes.
+//! The contents of the overlay and their look: the tool with its outline and its mirror images, the
+//! red line from the grid's centre, the edges of the grid, marker and selection, mirror planes.
 
 use std::f32::consts::TAU;
 
@@ -28,14 +28,14 @@ const SELECTED: Rgb = Rgb::new(0x58, 0xd0, 0x78);
 const PASTE: Rgb = Rgb::new(0xf4, 0xc8, 0x40);
 /// Most images of a tool that are outlined.
 const MOST_IMAGES: usize = 15;
-/// What is masked.
+/// The colour of the mask.
 const MASK: Rgb = Rgb::new(0x5f, 0x8d, 0xd3);
 pub(super) const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 const RED: Rgb = Rgb::new(0xf0, 0x30, 0x28);
 /// Segments of a circle.
 pub(super) const SEGMENTS: usize = 40;
 
-/// What the overlay is drawn from.
+/// The values that the overlay is drawn from.
 pub struct OverlayScene<'a> {
     pub tool: &'a ToolState,
     pub document: &'a Document,
@@ -46,11 +46,11 @@ pub struct OverlayScene<'a> {
     pub pointer: Option<Vec2>,
     /// A stroke is under way.
     pub stroking: bool,
-    /// What a tool that draws is about to make.
+    /// The lines of the solid that a tool that draws is about to make.
     pub sketch: Option<Sketch>,
     /// The plane or line in which a drag leads the marker.
     pub marker_guide: Vec<[Vec3; 2]>,
-    /// Of the eye plane to what the pointer points at, in world units.
+    /// The distance from the eye plane to the point that the pointer points at, in world units.
     pub depth: f32,
 }
 
@@ -170,7 +170,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
     lines
 }
 
-/// What is being drawn, with its mirror images.
+/// Returns the lines of the drawing under way, with its mirror images.
 fn sketched(scene: &OverlayScene) -> Vec<Line> {
     let Some(sketch) = &scene.sketch else { return Vec::new() };
     let colour = colour_in(scene.tool, sketch.mode);

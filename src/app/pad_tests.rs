@@ -253,7 +253,7 @@ fn a_button_is_caught_in_the_table_of_keys() {
     desk.press(PadButton::LeftStick);
     assert_eq!(desk.voxels(), full, "from then on it is a key as any other");
 
-    // What another action has is asked about, and stays with it until the answer.
+    // A button that another action has is asked about, and stays with that action until the answer.
     let right = Trigger::Pad { button: PadButton::DpadRight };
     desk.workspace.ui.dialogs.keys.listen_for(Action::Fill);
     desk.press(PadButton::DpadRight);

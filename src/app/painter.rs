@@ -121,21 +121,21 @@ impl Painter {
         }
     }
 
-    /// What was painted last, in memory, with its format. Waits for the device.
+    /// Reads the pictures painted last back to memory, with their format. Waits for the device.
     pub fn read_back(&mut self) -> Result<Option<(vk::Format, Vec<Pixels>)>> {
         let Some(pictures) = self.renderer.pictures() else { return Ok(None) };
         let format = pictures.colour.image().format();
         Ok(Some((format, self.renderer.read_back()?)))
     }
 
-    /// What was painted last.
+    /// Returns the pictures painted last.
     pub fn pictures(&mut self) -> Option<&mut Pictures> {
         self.renderer.pictures()
     }
 }
 
 impl Workspace {
-    /// What the overlay of the next picture is drawn from.
+    /// Returns the values that the overlay of the next picture is drawn from.
     pub(super) fn overlay_scene(&self) -> OverlayScene<'_> {
         let document = self.editor.document();
         let (grid, picker) = (document.grid(), self.picker());

@@ -343,7 +343,7 @@ impl Pane {
         !self.textures.is_empty()
     }
 
-    /// What of the interface lacks memory, once ([`Gui::take_lack`]).
+    /// Returns the error, once, if memory was lacking for a part of the interface ([`Gui::take_lack`]).
     pub fn take_lack(&mut self) -> Option<GpuError> {
         self.gui.take_lack()
     }

@@ -1,5 +1,5 @@
-//! What a window needs to show two eyes: the interface in an image of its own, and the pass that
-//! composites pictures and interface.
+//! The resources by which a window shows two eyes: the interface in an image of its own, and the
+//! pass that composites pictures and interface.
 //!
 //! Created when stereo is first switched on. Knows no workspace.
 

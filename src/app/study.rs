@@ -1,6 +1,7 @@
 //! Reads a file for the import dialog on a thread, while the window stays alive.
 //!
-//! What the file holds, or why it cannot be read, goes to the dialog. Knows no window.
+//! The contents of the file, or the reason why it cannot be read, go to the dialog. Knows no
+//! window.
 
 use std::path::PathBuf;
 use std::sync::PoisonError;

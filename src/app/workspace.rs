@@ -39,7 +39,7 @@ use key_focus::{Around, Heard, KeyFocus};
 /// Between two looks at a journal that cannot be written.
 const JOURNAL_LOOK: Duration = Duration::from_secs(2);
 
-/// What the window with its device, and a headset, report.
+/// The facts that the window with its device, and a headset, report.
 pub struct Display {
     /// Name of the Vulkan device.
     pub device: String,
@@ -140,7 +140,7 @@ impl Workspace {
         self.editor.document().world_from_grid()
     }
 
-    /// What can be picked in the picture as it was last shown.
+    /// Returns the picker for the picture as it was last shown.
     pub(super) fn picker(&self) -> Picker {
         self.viewpoint.picker(self.editor.document(), &self.ui.view.stereo)
     }
@@ -433,7 +433,7 @@ impl Workspace {
             };
         }
         if self.editor.is_drawing() {
-            // What several presses draw takes a press anywhere.
+            // A drawing that takes several presses takes a press anywhere.
             return CursorIcon::Crosshair;
         }
         let at = root.input(|input| input.pointer.hover_pos()).map(|at| {

@@ -36,7 +36,7 @@ pub struct Video<'a> {
 }
 
 impl Video<'_> {
-    /// What its pixels depend on: no two frames arrive at the same time.
+    /// Returns the key that the pixels depend on: no two frames arrive at the same time.
     pub fn key(&self) -> (Instant, VideoView) {
         (self.frame.arrived, self.view)
     }

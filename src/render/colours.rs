@@ -27,7 +27,7 @@ const STAGING_BYTES: u64 = 1 << 20;
 /// Largest gap between changed entries of the table that one copy bridges.
 const GAP_ENTRIES: u32 = 256;
 
-/// What the pages of all bricks depend on.
+/// The values that the pages of all bricks depend on.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Kind {
     depth: ColourDepth,

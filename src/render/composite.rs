@@ -80,7 +80,7 @@ pub struct Composite {
     pictures: Option<EyeImage>,
     /// The rows of each eye's picture that are on the device.
     uploaded: Vec<Range<u32>>,
-    /// What is shaded and was not uploaded since, of each eye.
+    /// The part of each eye's picture that is shaded and has not been uploaded since.
     pending: Vec<Pending>,
     staging: Staging,
 }

@@ -1,8 +1,8 @@
 //! Painting with fallback: a sculpture that is too large for the device in one mode is drawn in the
 //! next best. Serves windows, files and headsets alike.
 //!
-//! Takes a [`FrameDesc`]; returns a [`FrameReport`] of what was drawn and how. What becomes of a
-//! fallback (another mode from then on, a message) is up to the caller.
+//! Takes a [`FrameDesc`]; returns a [`FrameReport`] of what was drawn and how. The caller decides what follows from a
+//! fallback (another mode from then on, a message).
 
 use std::sync::Arc;
 
@@ -19,15 +19,15 @@ pub struct Fallback {
     pub to: RenderMode,
 }
 
-/// What has become of a frame description.
+/// The outcome of painting a frame description.
 #[derive(Debug)]
 pub struct FrameReport {
-    /// Of the picture; with `painted` false the one to go on with.
+    /// The mode of the picture; with `painted` false, the mode to go on with.
     pub mode: RenderMode,
     /// False if the caller has kept [`FrameReport::mode`] for itself.
     pub painted: bool,
-    /// Which voxel each pixel shows, a map an eye. The renderer uses the memory of those again that
-    /// nobody holds.
+    /// The map of which voxel each pixel shows, one for each eye. The renderer reuses the memory of maps that nobody
+    /// holds any more.
     pub pick_maps: Vec<Arc<IndexMap>>,
     pub times: RenderTimes,
     /// False if the next picture, of the same, will be better: while normals or the smooth surface are missing

@@ -18,7 +18,7 @@ use crate::shade::{Ground, Lighting};
 use crate::surface::{PixelRects, changed_pixels};
 use crate::view::{Eye, PixelRays};
 
-/// What the index maps of pictures depend on.
+/// The values that the index maps of pictures depend on.
 #[derive(Clone, Copy, PartialEq)]
 struct SampleKey {
     revision: u64,
@@ -36,7 +36,7 @@ impl SampleKey {
     }
 }
 
-/// What the current pictures depend on.
+/// The values that the current pictures depend on.
 pub(super) struct FrameCache {
     sample: SampleKey,
     lighting: Lighting,
@@ -132,7 +132,7 @@ impl RedrawPlan {
         };
         let sample = sample_key(document, desc, smooth.is_some());
         let same_light = before.lighting == desc.lighting;
-        // Whatever changes may throw another shadow.
+        // Any change of the document may cast another shadow.
         let same_ground = before.ground == desc.ground
             && (desc.ground.is_none() || before.sample.revision == sample.revision);
         let same_back = before.background == desc.background

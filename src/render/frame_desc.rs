@@ -1,4 +1,4 @@
-//! The frame description: how a sculpture is to be seen, as values. What a renderer takes beside the document.
+//! The frame description: how a sculpture is to be seen, as values. A renderer takes it beside the document.
 
 use glam::Affine3A;
 
@@ -25,7 +25,7 @@ pub enum SmoothSurface {
 }
 
 impl SmoothSurface {
-    /// What a window or a headset shows: the smooth surface, if it is asked for.
+    /// Returns the choice for a window or a headset: the smooth surface at rest, if it is asked for.
     pub fn on_screen(asked_for: bool) -> SmoothSurface {
         if asked_for { SmoothSurface::AtRest } else { SmoothSurface::Never }
     }
@@ -101,7 +101,7 @@ impl FrameDesc<'_> {
         is_shown.then(|| MaskShown { instead: look.or_else(base) })
     }
 
-    /// What the CPU shades.
+    /// Returns the source of shading on the CPU.
     pub(super) fn source<'a>(
         &self,
         document: &'a Document,

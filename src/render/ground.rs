@@ -1,7 +1,7 @@
 //! Draws the ground below the sculpture: [`crate::shade::ground`] on the device.
 //!
 //! How much light reaches the ground is computed on the CPU, where the voxels are in every render mode, when voxels or
-//! the sun have changed; it is kept on the device as an image. What a pixel shows is the shader's. Drawn after the
+//! the sun have changed; it is kept on the device as an image. The shader decides what a pixel shows. Drawn after the
 //! sculpture, where nothing is before it; writes no depth.
 
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use crate::shade::shadow::Sun;
 use crate::shade::{Ground, GroundLight, GroundPicture, GroundPlane};
 use crate::view::{Eye, PixelRays};
 
-/// What the light on the ground depends on.
+/// The values that the light on the ground depends on.
 #[derive(Clone, Copy, PartialEq)]
 struct Voxels {
     revision: u64,
@@ -35,11 +35,11 @@ pub struct GroundPass {
     sets: DescriptorSets,
     image: EyeImage,
     staging: Staging,
-    /// What the openness and the plane are of.
+    /// The voxels for which the openness and the plane were computed.
     voxels: Option<Voxels>,
     plane: Option<GroundPlane>,
     openness: Openness,
-    /// What the map is of, besides.
+    /// The sun for which the map was computed, besides the voxels.
     sun: Option<Option<Sun>>,
     map: LightMap,
     slot: usize,

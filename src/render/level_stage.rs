@@ -19,7 +19,7 @@ use crate::view::PixelRays;
 /// Reach of a voxel's level beyond the voxel: cells lie between the middles of voxels.
 const LEVEL_REACH_VX: u32 = 1;
 
-/// What the next picture needs of the surface.
+/// The demands of the next picture on the surface.
 pub(super) struct LevelWish {
     /// Its mode can show the surface, and it is to.
     pub wanted: bool,

@@ -79,7 +79,7 @@ impl std::fmt::Debug for MatcapFile {
     }
 }
 
-/// What the place of a lamp means.
+/// The meaning of a lamp's place.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LampKind {

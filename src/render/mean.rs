@@ -19,7 +19,7 @@ use crate::gpu::{
 /// A format to which every device can blend.
 const FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
-/// What a set names: a picture to add, or the mean to draw.
+/// The kinds of image that a descriptor set names: a picture to add, or the mean to draw.
 const KINDS: usize = 2;
 const ADD: usize = 0;
 const RESOLVE: usize = 1;

@@ -17,13 +17,13 @@ use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{NormalField, Precision};
 use crate::surface::{IndexMap, PixelRects, changed_pixels, pixels_of_grid};
 
-/// What has become of the normals since the last picture.
+/// The change of the normals since the last picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum NormalsChange {
     None,
-    /// Those of known bricks differ.
+    /// The normals of known bricks differ.
     Some,
-    /// Any may differ.
+    /// Any normals may differ.
     All,
 }
 
@@ -37,13 +37,14 @@ pub(super) struct NormalStage {
     reshaded: Vec<u32>,
     /// Only while a mode uses it.
     copy: Option<Normals>,
-    /// What was written to the field since the last picture.
+    /// The units written to the field since the last picture.
     written: Vec<u32>,
     /// The time that the last [`NormalStage::update`] took.
     pub took: Duration,
 }
 
-/// Voxels within which those are that the normals of a changed brick's neighbours depend on: two bricks.
+/// The distance, in voxels, within which all voxels lie that the normals of a changed brick's neighbours depend on: two
+/// bricks.
 const REACH_VX: u32 = 2 * BRICK_EDGE_VX;
 
 impl NormalStage {
@@ -74,8 +75,8 @@ impl NormalStage {
         self.field.deferred() > 0
     }
 
-    /// [`NormalStage::update`] for pictures with these maps, sampled after the edit. What nobody sees is put off.
-    /// `moved`: the last pictures were of other eyes.
+    /// [`NormalStage::update`] for pictures with these maps, sampled after the edit. Normals that nobody sees are put
+    /// off. `moved`: the last pictures were of other eyes.
     pub fn update_seen(
         &mut self,
         grid: &Grid,

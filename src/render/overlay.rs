@@ -1,8 +1,8 @@
 //! Draws the overlay: the semi-transparent tool preview and lines, each tested against the
 //! sculpture's depth and fainter where it lies behind the sculpture.
 //!
-//! What to draw comes in as values; the depth attachment is read only. Faces and lines that lie in
-//! the surface win the depth test by a margin, so that they do not flicker. The faces of solids, which surfaces of voxels
+//! The previews and lines to draw come in as values; the depth attachment is read only. Faces and lines that lie in the
+//! surface win the depth test by a margin, so that they do not flicker. The faces of solids, which surfaces of voxels
 //! follow in steps, win it by as much as these steps are high.
 
 use std::sync::Arc;
@@ -285,7 +285,7 @@ impl Overlay {
         if let Some(references) = &mut self.references {
             references.draw(recorder, scene);
         }
-        // What is behind comes first, as it is farther.
+        // Parts behind the sculpture come first, as they are farther.
         for side in [1, 0] {
             self.draw_lines(recorder, scene, side)?;
             for preview in scene.previews {

@@ -20,12 +20,12 @@ const STAGING_BYTES: u64 = 1 << 18;
 /// Largest gap between changed entries of the table that one copy bridges.
 const GAP_ENTRIES: u32 = 256;
 
-/// What a buffer is for.
+/// The purpose of a buffer.
 #[derive(Clone, Copy)]
 pub(super) struct PagedKind {
-    /// For debuggers.
+    /// The name of the buffer, for debuggers.
     pub name: &'static str,
-    /// In messages.
+    /// The name of its contents, in messages.
     pub what: &'static str,
     pub unit_bytes: usize,
 }

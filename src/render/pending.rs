@@ -1,4 +1,4 @@
-//! What of a picture in memory is not yet on the device.
+//! The part of a picture in memory that is not yet on the device.
 
 use crate::surface::PixelRect;
 

@@ -28,7 +28,7 @@ const REST_FRAMES: u32 = 6;
 /// Pixels of the smooth surface that are sampled in a frame: some 15 ms on two cores.
 const SMOOTH_PIXELS: u32 = 1 << 16;
 
-/// What a picture is made in.
+/// The buffers in which a picture is made.
 #[derive(Default)]
 pub(super) struct Buffers {
     pub maps: Vec<Arc<IndexMap>>,
@@ -120,7 +120,7 @@ impl Renderer {
         document: &mut Document,
         desc: &FrameDesc,
     ) -> Result<()> {
-        // What is transparent has no light to average.
+        // A transparent background has no light to average.
         let opaque = desc.video.is_some() || !matches!(desc.background, Background::Keep);
         let refinement = &mut self.refinement;
         refinement.possible =

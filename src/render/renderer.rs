@@ -62,7 +62,7 @@ pub struct Renderer {
     changed: Vec<u32>,
     pub(super) normals: NormalStage,
     pub(super) levels: LevelStage,
-    /// What the pictures were made of; none while they are incomplete.
+    /// The values that the pictures were made from; none while they are incomplete.
     pub(super) cache: Option<FrameCache>,
     pub(super) refinement: Refinement,
     pub(super) times: RenderTimes,
@@ -141,7 +141,7 @@ impl Renderer {
             && (!self.changed.is_empty() || self.normals.has_deferred())
             && self.can_defer_normals(document, desc);
         let normals = if defers {
-            // What is seen must be known before.
+            // The visible voxels must be known before.
             let redraw = if moved { Redraw::All } else { Redraw::Changed };
             self.sample(document, desc, redraw)?;
             self.normals.update_seen(document.grid(), &self.changed, &self.maps, moved)

@@ -1,4 +1,4 @@
-//! What the passes that draw a sculpture to a target share: the background, a descriptor set for each frame in
+//! The parts shared by the passes that draw a sculpture to a target: the background, a descriptor set for each frame in
 //! flight and eye, the layout of their pipelines, and the recording of a draw.
 //!
 //! Takes the bindings and push constants of a pass when it is made; in a frame the images that its shaders read,

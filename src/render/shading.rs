@@ -33,7 +33,7 @@ pub struct Surface<'a> {
     /// None: every voxel has the base colour.
     pub colours: Option<&'a Colours>,
     pub base: Rgb,
-    /// What shades the surface on the device looks normals up here.
+    /// The normals that are looked up when the device shades the surface.
     pub normals: Option<&'a Normals>,
     /// Normals are incomplete, and estimates stand in for missing ones.
     pub estimates: bool,

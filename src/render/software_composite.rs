@@ -2,8 +2,8 @@
 //! device that is this processor would take several times as long to draw them, and the maps and shaded pictures would
 //! have to be copied to it, too.
 //!
-//! Takes what the CPU has sampled and shaded; leaves the pictures as drawing would. What comes over the sculpture is
-//! drawn as ever.
+//! Takes the samples and the shading that the CPU has computed; leaves the pictures as drawing would. Anything over the
+//! sculpture is drawn as ever.
 
 use std::sync::Arc;
 

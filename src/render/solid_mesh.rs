@@ -111,7 +111,7 @@ fn straight(ends: [Vec2; 2], normal: Vec2) -> [Profile; 2] {
     ends.map(|offset| Profile { core: Vec2::ZERO, offset, normal })
 }
 
-/// What a profile, from the top down along the outside, sweeps around the y axis.
+/// Returns the triangles that a profile, from the top down along the outside, sweeps around the y axis.
 fn revolved(profile: &[[Profile; 2]]) -> Vec<[Vertex; 3]> {
     let at = |p: Profile, segment: usize| {
         let (sin, cos) = (TAU * segment as f32 / SEGMENTS as f32).sin_cos();

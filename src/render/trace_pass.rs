@@ -69,7 +69,7 @@ pub fn trace_on_device(
     Ok(Film::of_sums(size, sums, samples).ok_or(TraceError::TooLarge(size.x, size.y))?)
 }
 
-/// What a picture needs on the device.
+/// The resources that a picture needs on the device.
 struct DeviceTracer {
     pipeline: Pipeline,
     sets: DescriptorSets,

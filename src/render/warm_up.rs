@@ -25,7 +25,7 @@ const EDGE_VX: u32 = 16;
 const SIZE_PX: UVec2 = UVec2::splat(32);
 const GREY: Rgb = Rgb::new(128, 128, 128);
 
-/// What determines the pipelines of a picture.
+/// The values that determine the pipelines of a picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WarmUp {
     pub mode: RenderMode,

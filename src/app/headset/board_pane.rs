@@ -91,7 +91,7 @@ impl BoardPane {
         Ok(self.picture.image().layer(0))
     }
 
-    /// The part of the interface that there was no memory for, once ([`Gui::take_lack`]).
+    /// Returns the error, once, if memory was lacking for a part of the interface ([`Gui::take_lack`]).
     pub fn take_lack(&mut self) -> Option<GpuError> {
         self.gui.take_lack()
     }

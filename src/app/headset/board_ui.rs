@@ -23,7 +23,7 @@ const MAX_CLICK_S: f64 = 3.0;
 /// Farthest that the pointer may move in a click on a widget that can also be dragged, in points.
 const CLICK_DRIFT: f32 = 6.0;
 
-/// What receives a press of the pointer until it is released.
+/// The receiver of a press of the pointer until its release.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum PressTarget {
     Widgets,
@@ -46,7 +46,7 @@ pub struct BoardUi {
     /// The rectangle of the pressed widget until it is released, if the widget cannot be dragged.
     pressed: Option<Rect>,
     keyboard: Keyboard,
-    /// What is drawn over the widgets (keyboard, pointer) has changed.
+    /// The content drawn over the widgets (keyboard, pointer) has changed.
     stale: bool,
     /// When the next pass is due, in seconds since the program's start.
     due_s: f64,

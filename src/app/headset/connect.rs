@@ -32,14 +32,14 @@ pub(super) struct SessionStart {
     pub placed: bool,
     /// Receives the poses of the head.
     pub head: Option<SessionHead>,
-    /// What the first picture shows, and the colours of the sculpture.
+    /// The view that the first picture shows, and the colour depth of the sculpture.
     pub view: ViewState,
     pub depth: ColourDepth,
 }
 
 /// The attempts to connect, one after the other.
 pub(super) struct ConnectAttempts {
-    /// Of the last attempt.
+    /// The connection of the last attempt.
     connection: Connection,
     settings: HeadsetOptions,
     options: XrSessionOptions,

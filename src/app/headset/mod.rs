@@ -1,7 +1,7 @@
 //! The program in a headset: connecting, connecting again, and the frames of the XR session.
 //!
-//! The headset has a device and a renderer of its own beside the window's; both show the sculpture of
-//! the same workspace. Whatever happens to the runtime, workspace and window go on.
+//! The headset has a device and a renderer of its own beside the window's; both show the sculpture of the same
+//! workspace. The workspace and the window go on, whatever happens to the runtime.
 
 mod board_pane;
 mod board_panel;

@@ -18,8 +18,8 @@ const FLOOR: Rgb = Rgb::new(0x8a, 0x94, 0xa4);
 const RAY: Rgb = Rgb::new(0x4a, 0xc8, 0xf0);
 const SEGMENTS: usize = 32;
 
-/// What is drawn besides the sculpture. `ray`: from a hand to the board; `floor`: draws a grid on the
-/// floor, where the pictures hide the real one.
+/// Returns everything that is drawn besides the sculpture. `ray`: from a hand to the board; `floor`: draws a grid on
+/// the floor, where the pictures hide the real one.
 pub fn overlay(
     workspace: &Workspace,
     room: &Room,

@@ -23,12 +23,12 @@ impl Extent {
     }
 }
 
-/// What of the sculpture's placement in the world is to be reset.
+/// The part of the sculpture's placement in the world that is to be reset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reset {
     /// Position, scale and orientation.
     Upright,
-    /// Position and scale: it keeps its orientation.
+    /// Position and scale; the sculpture keeps its orientation.
     Position,
 }
 
