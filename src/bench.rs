@@ -113,7 +113,7 @@ impl Suite {
 /// Smallest number of runs, however long they take.
 const LEAST_RUNS: usize = 5;
 
-/// What can be measured alone.
+/// A part that can be measured alone.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Only {
     Kernel(Kernel),

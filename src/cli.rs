@@ -344,7 +344,7 @@ fn journal_options(config: &Config) -> JournalOptions {
 }
 
 fn dispatch(cli: Cli) -> Result<(), ProgramError> {
-    // What the program says of itself does not depend on settings, which may be wrong.
+    // The program's texts about itself do not depend on settings, which may be wrong.
     let is_help =
         matches!(cli.job, Some(Job::Commands | Job::Completions { .. } | Job::Man { .. }));
     let config = match is_help {

@@ -161,13 +161,13 @@ impl Config {
         self.gpu.device_options(pipeline_cache)
     }
 
-    /// What pictures without a screen depend on, made on `device`.
+    /// Returns the options of pictures without a screen, made on `device`.
     pub fn picture_options(&self, device: &DeviceOptions) -> PictureOptions {
         let (lighting, device) = (self.lighting(), device.clone());
         PictureOptions { stereo: self.stereo, lighting, device }
     }
 
-    /// What the interface starts with.
+    /// Returns the options that the interface starts with.
     pub fn ui_options(&self) -> UiOptions<'_> {
         UiOptions {
             window: &self.window,

@@ -36,14 +36,15 @@ use timing::Timing;
 /// Extension of scripts, of which a film is a time lapse.
 pub const SCRIPT_ENDING: &str = "sculpt";
 
-/// What a film shows.
+/// The subject of a film.
 #[derive(Clone, Debug)]
 pub enum Subject {
     /// A sculpture or volume, or a script by its extension.
     File(PathBuf),
     /// A sculpture that is open.
     Sculpture { contents: Arc<Contents>, placement: Placement },
-    /// How an open sculpture came to be, as far as undo leads back. `store`: where steps are that memory has no room for.
+    /// How an open sculpture came to be, as far as undo leads back. `store`: holds the steps that memory has no room
+    /// for.
     Steps { now: Box<DocumentSnapshot>, store: Option<Arc<dyn StepStore>> },
 }
 
@@ -51,14 +52,14 @@ pub enum Subject {
 #[derive(Debug)]
 pub struct FilmJob {
     pub subject: Subject,
-    /// What a script starts from.
+    /// The file that a script starts from.
     pub input: Option<PathBuf>,
     pub out: PathBuf,
-    /// Of the whole film.
+    /// The number of frames of the whole film.
     pub frames: u32,
     /// The part to make.
     pub range: FrameRange,
-    /// Per second.
+    /// Frames per second.
     pub fps: u16,
     /// How far the sculpture turns in the film; none: once around in a turntable, not at all in a time lapse.
     pub spin_deg: Option<f32>,

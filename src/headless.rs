@@ -77,7 +77,7 @@ impl DemoScene {
     }
 }
 
-/// What every job works with.
+/// The values that every job works with.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
     pub config: &'a Config,

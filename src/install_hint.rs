@@ -1,4 +1,4 @@
-//! What to install on this operating system where something is missing: ends of error messages.
+//! Advice on installing missing software on this operating system: ends of error messages.
 
 /// If there is no Vulkan loader.
 pub const VULKAN_LOADER: &str = if cfg!(windows) {

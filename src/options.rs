@@ -15,7 +15,7 @@ pub struct InvalidOption {
     /// The option's path within its options type, such as `size_m` or `lamps.intensity`.
     pub key: &'static str,
     pub value: String,
-    /// What the value must be, such as "must be 0 to 1".
+    /// The rule that the value must meet, such as "must be 0 to 1".
     pub rule: &'static str,
 }
 

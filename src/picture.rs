@@ -71,7 +71,7 @@ pub enum PictureError {
     SmoothOnDevice,
 }
 
-/// What pictures depend on besides document and view.
+/// The options that pictures depend on, besides document and view.
 #[derive(Clone, Debug)]
 pub struct PictureOptions {
     pub stereo: StereoOptions,
@@ -338,7 +338,7 @@ fn render_on_device(
         shifted.iter_mut().zip(eyes).for_each(|(shifted, eye)| *shifted = eye.sample(sample));
         let desc = FrameDesc { mode, ..desc.of_sample(&shifted, sample) };
         let mut recorder = frames.begin()?;
-        // What needs no device is cast without the limits of this one.
+        // Modes that need no device are cast without the limits of this one.
         let paints = RenderMode::needs_device;
         let slot = frames.slot();
         let report = renderer.paint_with_fallback(&mut recorder, slot, document, &desc, paints)?;

@@ -1,4 +1,4 @@
-//! What features of pictures cost: whole pictures with a feature and without it, in turn.
+//! The cost of features of pictures: whole pictures with a feature and without it, in turn.
 //!
 //! Takes the pictures of a mode; gives, for each feature that the mode has, the times of pictures with it, and how
 //! many milliseconds longer these take than those without it. Needs a Vulkan device: without one there are only

@@ -18,7 +18,7 @@ use crate::shade::normal::gradient;
 const LOOK_VX: f32 = 20.0;
 const GRID_VX: u32 = 44;
 
-/// What is measured for one shape.
+/// The measurements for one shape.
 struct Row {
     name: String,
     moment: Spread,

@@ -55,11 +55,11 @@ pub struct ModeReport {
     /// The median frame, divided by that of the exact ray caster.
     pub to_ray: Option<f64>,
     pub device: DeviceReport,
-    /// What features of the picture cost; none without a device.
+    /// The costs of features of the picture; none without a device.
     pub features: Vec<FeatureReport>,
-    /// From subtracting a ball of radius 32 to the shaded picture.
+    /// The time from subtracting a ball of radius 32 to the shaded picture.
     pub edit_32: Option<Times>,
-    /// From there to the finished picture; none if the device shades.
+    /// The time from there to the finished picture; none if the device shades.
     pub edit_32_composite: Option<Times>,
     pub edit_64: Option<Times>,
     pub edit_64_composite: Option<Times>,

@@ -152,7 +152,7 @@ mod tests {
         for report in &reports {
             assert!(report.voxels > 0, "{report:?}");
         }
-        // What a ball takes away from another one is what it takes, but for what is there no more or masked.
+        // A ball over another one counts only the voxels that it takes away, not those already gone or masked.
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
         assert!(voxels("sphere of 64 over") < voxels("sphere of 64 and") / 2);
         // Two of them do not overlap, eight a little.

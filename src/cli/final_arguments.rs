@@ -20,7 +20,7 @@ pub enum Quality {
     Final,
 }
 
-/// What traces light.
+/// The processor that traces light.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub enum Tracer {
     /// All cores: the same picture on every run

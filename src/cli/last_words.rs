@@ -1,4 +1,4 @@
-//! What the program says when a fault of its own ends it: where the work is.
+//! The program's message when a fault of its own ends it: where the work is.
 //!
 //! A hook that runs before anything else is torn down; it puts every journal on the disk.
 

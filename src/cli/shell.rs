@@ -1,4 +1,4 @@
-//! What a shell and `man` want to know of the command line: completions and manual pages.
+//! Descriptions of the command line for a shell and for `man`: completions and manual pages.
 
 use clap::Command;
 use clap_complete::Shell;

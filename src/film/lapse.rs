@@ -1,7 +1,7 @@
 //! A time lapse, of a script or of the steps of a session: which of its commands have been executed in each frame.
 //!
 //! Time is counted in *steps*, the commands that change what is seen, so that a film does not stand still while a
-//! script only moves its marker. What stands before the first step belongs to the beginning, also a new or opened
+//! script only moves its marker. Anything before the first step belongs to the beginning, also a new or opened
 //! sculpture. `save` is left out: a film writes no other file.
 
 use std::path::{Path, PathBuf};

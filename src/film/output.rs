@@ -20,7 +20,7 @@ use crate::picture;
 /// Bytes that are written at once.
 pub(super) const BUFFER_BYTES: usize = 1 << 20;
 
-/// What a film becomes.
+/// The form of a film's output.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Form {
     /// A PNG for each frame.
@@ -30,12 +30,12 @@ pub enum Form {
     Y4m,
 }
 
-/// What a film is like.
+/// The properties of a film.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Format {
     pub size: UVec2,
     pub fps: u16,
-    /// Of the whole film.
+    /// The number of frames of the whole film.
     pub frames: u32,
     /// The frames to write, counted from 0.
     pub part: Range<u32>,
@@ -59,7 +59,8 @@ enum Target {
 pub type NextPicture<'a> = dyn FnMut(u32) -> Result<Arc<RgbImage>, FilmError> + 'a;
 
 impl Form {
-    /// What a name stands for. One without an extension, with a slash at its end, or of a folder, is a folder.
+    /// Returns the form that a name stands for. A name without an extension, with a slash at its end, or of a folder,
+    /// stands for a folder.
     pub fn of(path: &Path) -> Result<Form, String> {
         let ends_with_slash = path.to_string_lossy().ends_with(std::path::is_separator);
         let ending = path.extension().filter(|_| !ends_with_slash && !path.is_dir());

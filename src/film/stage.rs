@@ -1,4 +1,4 @@
-//! What a film shows: the sculpture of each frame before the camera at rest.
+//! The scene of a film: the sculpture of each frame before the camera at rest.
 //!
 //! A script is executed twice: to its end, for the camera, and again as the frames go on. So a part of a film needs no
 //! other part. Frames are asked for in rising order.

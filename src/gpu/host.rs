@@ -1,4 +1,4 @@
-//! What differs between the hosts that a device is made for: headless, a window, and a headset,
+//! The differences between the hosts that a device is made for: headless, a window, and a headset,
 //! whose runtime makes instance and device itself (XR_KHR_vulkan_enable2) through the hooks of
 //! [`Host`].
 

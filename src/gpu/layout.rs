@@ -307,7 +307,7 @@ shared! {
         focus: f32,
         ground_albedo: [f32; 3],
         pad_0: u32,
-        /// What ground sends on which no shadow falls.
+        /// The light that ground without a shadow on it sends.
         open_ground: [f32; 3],
         pad_1: u32,
         towards_sun: [f32; 3],

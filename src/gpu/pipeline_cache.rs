@@ -1,8 +1,8 @@
 //! The driver's pipeline cache, kept from one start of the program to the next: a file in a cache
 //! folder for each device and driver.
 //!
-//! Takes a folder; returns a `VkPipelineCache`. Whatever is wrong with the file, the program starts
-//! without it: it only saves time.
+//! Takes a folder; returns a `VkPipelineCache`. The cache only saves time, so the program starts
+//! without it if anything is wrong with the file.
 
 use std::hash::Hasher;
 use std::io::{Read, Write};

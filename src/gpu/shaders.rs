@@ -10,7 +10,7 @@ mod tests {
 
     use naga::{AddressSpace, Block, Expression, Function, Handle, Module, Statement};
 
-    /// What a value depends on, in rising order.
+    /// The dependence of a value, in rising order.
     #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
     enum Made {
         Constant,

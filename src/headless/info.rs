@@ -1,4 +1,4 @@
-//! What a file contains, as text or as JSON for programs.
+//! The contents of a file, as text or as JSON for programs.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub fn info(
     Ok(())
 }
 
-/// The same facts as in the text. What the file does not have is null.
+/// The same facts as in the text. A fact that the file does not state is null.
 fn value_of(info: &Info) -> Value {
     let Info { kind, file_bytes, dims, voxel_size, samples, texts, densities, signature, .. } =
         info;

@@ -101,7 +101,7 @@ fn answer_lines(
             file: session.path(),
             modified: session.modified(),
         };
-        // What is answered is kept.
+        // A change is in the journal before the answer reports it.
         session.wait_for_journal();
         // Paths that are no Unicode are the only values that JSON cannot hold.
         let said = serde_json::to_string(&said)

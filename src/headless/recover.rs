@@ -39,7 +39,7 @@ pub fn recover(job: &RecoverJob, context: &Context) -> Result<(), JobError> {
         None => None,
     };
     if let (Some(difference), Some(out)) = (difference, &job.out) {
-        // What differs may not be what was made: the journal stays.
+        // A replay that differs may not be the work that was made: the journal stays.
         return Err(JobError::ReplayDiffers { out: out.clone(), number, difference });
     }
     if job.discard {

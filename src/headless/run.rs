@@ -112,7 +112,7 @@ impl RunJob {
         }
         session.set_file_access(match self.read_only {
             true => FileAccess::ReadOnly,
-            // Whoever drives it may take as long as a person.
+            // A program that drives the session may take as long as a person.
             false if pipe::reads_input(self) => FileAccess::Locked,
             false => FileAccess::Brief,
         });

@@ -295,7 +295,7 @@ impl Action {
     }
 }
 
-/// What a tool that draws is for.
+/// Describes the use of a tool that draws.
 const fn drawn(kind: DrawKind) -> &'static str {
     match kind {
         DrawKind::Lasso => {

@@ -1,8 +1,8 @@
 //! The tools that draw a solid over the picture, by what a drag of the pointer draws.
 //!
-//! Only their names: `editor::draw` makes solids of the drags.
+//! Holds their names only: `editor::draw` makes solids of the drags.
 
-/// What a drag of the pointer draws.
+/// The shape that a drag of the pointer draws.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum DrawKind {
     /// An outline by hand: what lies behind it, or a slab.

@@ -15,7 +15,7 @@ pub enum Heard {
     Cancelled,
 }
 
-/// What is held during a capture.
+/// The buttons and modifiers that are held during a capture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Listener {
     held: Buttons,

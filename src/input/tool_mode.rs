@@ -1,6 +1,6 @@
-//! What a tool does to the voxels that it covers.
+//! The effect of a tool on the voxels that it covers.
 
-/// What the tool does to the voxels it covers.
+/// The effect of the tool on the voxels it covers.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum ToolMode {
     Add,

@@ -13,7 +13,7 @@ use super::pad::PadButton;
 
 const SHIFT_TAP: &str = "shift-tap";
 
-/// What triggers an action.
+/// An input that triggers an action.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Trigger {
     Key {

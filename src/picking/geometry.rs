@@ -270,7 +270,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the pose, the three axes are different ones, and none points the wrong way.
+        /// The three axes are different ones in every pose, and none points the wrong way.
         #[test]
         fn screen_axes_are_a_frame(x in -3.0f32..3.0, y in -3.0f32..3.0, z in -3.0f32..3.0) {
             let rotation = Quat::from_euler(glam::EulerRot::XYZ, x, y, z);

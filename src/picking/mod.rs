@@ -15,7 +15,7 @@ use crate::shade::normal;
 use crate::surface::IndexMap;
 pub use geometry::{ScreenAxes, Sight, SurfacePoint};
 
-/// What is seen of one grid from one eye.
+/// The view of one grid from one eye.
 #[derive(Clone)]
 pub struct Picker {
     sight: Sight,

@@ -21,7 +21,7 @@ use crate::trace::{self, Film, PixelSum, TraceError, TraceOptions, TraceShot};
 /// The extension of pictures of linear light.
 pub const LINEAR_ENDING: &str = "exr";
 
-/// What traces light.
+/// The processor that traces light.
 #[derive(Clone, Debug, Default)]
 pub enum TraceOn {
     /// All cores: the same picture on every run.

@@ -46,8 +46,8 @@ impl VideoError {
 /// Turns a panic of `work` into an error. Libraries for cameras and codecs have assertions on what
 /// drivers and files contain, which must not cost more than the frame or the source.
 ///
-/// What `work` modifies must be harmless when half done: frames not yet shown, readers not used
-/// again.
+/// State that `work` modifies must be harmless when half done: frames not yet shown, readers not
+/// used again.
 pub(super) fn guarded<T>(
     subject: &str,
     work: impl FnOnce() -> Result<T, VideoError>,

@@ -4,7 +4,7 @@
 use glam::{UVec2, Vec2};
 use serde::Deserialize;
 
-/// What to do if frame and screen differ in shape.
+/// The treatment of a frame whose shape differs from that of the screen.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fit {

@@ -12,7 +12,7 @@ use super::reader::{Decoded, Fetched, Reader, Stop};
 use super::slot::State;
 use super::source::VideoSource;
 
-/// What a reader does at one call of fetch (and the decode after it).
+/// The act of a reader at one call of fetch (and the decode after it).
 #[derive(Clone, Debug)]
 enum Act {
     Give(u64),

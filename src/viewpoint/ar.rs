@@ -47,7 +47,7 @@ struct Searched {
     found: Vec<MarkerPose>,
 }
 
-/// What the thread of the finder shares with [`Ar`].
+/// The state that the thread of the finder shares with [`Ar`].
 #[derive(Default)]
 struct Desk {
     next: Option<(Arc<Frame>, Intrinsics)>,
@@ -114,10 +114,10 @@ impl Drop for Finder {
     }
 }
 
-/// What the interface reads of the printed marker.
+/// The state of the printed marker, as the interface reads it.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ArStatus {
-    /// The sculpture stands on it.
+    /// The sculpture stands on the marker.
     pub on: bool,
     /// Frames come from a camera.
     pub video: bool,
@@ -266,7 +266,7 @@ impl Ar {
         }
     }
 
-    /// What the camera sees of a grid, in a picture of `size` pixels. None without frames.
+    /// Returns the camera's eye on a grid, in a picture of `size` pixels. None without frames.
     pub fn eye(&self, world_from_grid: &Affine3A, dims: Vec3, size: UVec2) -> Option<Eye> {
         let (frame, lens) = self.shown.as_ref().filter(|_| self.is_on())?;
         let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);

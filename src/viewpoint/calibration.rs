@@ -30,7 +30,7 @@ pub enum CalibrationFileError {
     Write(PathBuf, std::io::Error),
 }
 
-/// What the file holds.
+/// The contents of the file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Kept {

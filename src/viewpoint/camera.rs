@@ -30,7 +30,7 @@ pub enum VideoState {
     Failed(String),
 }
 
-/// What the interface reads of the video.
+/// The state of the video, as the interface reads it.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct VideoStatus {
     pub state: VideoState,
@@ -39,11 +39,11 @@ pub struct VideoStatus {
     pub stats: Stats,
 }
 
-/// What is opened, if anything is.
+/// The video that is opened, if one is.
 #[derive(Default)]
 pub struct Camera {
     source: Option<VideoSource>,
-    /// What was asked for when it was opened: another wish opens it anew.
+    /// The options asked for when it was opened: other options open it anew.
     opened: VideoOptions,
     lens: Option<Intrinsics>,
     frame: Option<Arc<Frame>>,

@@ -178,7 +178,7 @@ impl Head {
         for event in &events {
             match event {
                 Event::Lost { .. } => *losses += 1,
-                // Whoever touches the screen has no hand for the keyboard.
+                // A person who touches the screen has no hand for the keyboard.
                 Event::Button { pressed: true, .. } => self.calibration.touch(),
                 _ => {}
             }
@@ -187,7 +187,7 @@ impl Head {
         asked
     }
 
-    /// What analogs have done since the last update: wheels turned at the pixel `at`.
+    /// Returns the effect of the analogs since the last update: wheels turned at the pixel `at`.
     pub fn wheels(&self, at: Vec2) -> Vec<ActionEvent> {
         self.controls.wheels(at, self.time.elapsed_s)
     }

@@ -1,11 +1,11 @@
-//! What the interface reads of head tracking, and the steps of its calibration.
+//! The state of head tracking, as the interface reads it, and the steps of its calibration.
 
 use tracking::Presence;
 
-/// What the interface reads of the head.
+/// The state of head tracking, as the interface reads it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct HeadStatus {
-    /// The view follows it.
+    /// The view follows the head.
     pub on: bool,
     pub source: String,
     /// Why no poses can come, if none can.
@@ -34,7 +34,7 @@ pub struct CalibrationStatus {
     pub problem: Option<String>,
 }
 
-/// What the window of the calibration asks for.
+/// A request from the window of the calibration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CalibrationStep {
     /// The corner at hand is being touched.

@@ -135,7 +135,7 @@ impl Viewpoint {
         self.pace.step(tracked, now_s)
     }
 
-    /// What can be picked in the picture as it was last shown.
+    /// Returns the picker for the picture as it was last shown.
     pub fn picker(&self, document: &Document, stereo: &StereoOptions) -> Picker {
         let sight = Sight::new(&self.eye(document, stereo), &document.world_from_grid());
         Picker::new(sight, self.pick_map.clone())

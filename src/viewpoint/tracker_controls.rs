@@ -15,10 +15,10 @@ const NOTCHES_PER_S: f64 = 10.0;
 /// Of analogs around their middle.
 const DEAD_ZONE: f64 = 0.15;
 
-/// What buttons and analogs do, and which analogs are moved.
+/// The actions of buttons and analogs, and which analogs are moved.
 pub struct TrackerControls {
     map: ControlMap<Action>,
-    /// What analogs do for as long as they are moved.
+    /// The actions of analogs, for as long as these are moved.
     axes: Vec<(Action, f64)>,
 }
 
@@ -43,7 +43,7 @@ impl TrackerControls {
         TrackerControls { map, axes: Vec::new() }
     }
 
-    /// What an event asks for, in order.
+    /// Adds the actions that an event asks for to `asked`, in order.
     pub fn hear(&mut self, event: &Event, asked: &mut Vec<ActionEvent>) {
         let mut controls = Vec::new();
         self.map.take(event, &mut controls);
@@ -66,7 +66,8 @@ impl TrackerControls {
         }
     }
 
-    /// What analogs have done within `elapsed_s` seconds: wheels turned at the pixel `at`.
+    /// Returns the effect of the analogs within `elapsed_s` seconds: wheels turned at the pixel
+    /// `at`.
     pub fn wheels(&self, at: Vec2, elapsed_s: f64) -> Vec<ActionEvent> {
         let turned = self.axes.iter().filter(|(_, value)| *value != 0.0);
         let notches = |value: f64| (value * elapsed_s * NOTCHES_PER_S) as f32;

@@ -219,7 +219,8 @@ fn facing(side: Side, up: Vec3) -> Quat {
     Quat::from_mat3(&side_frame(side, up).transpose()).normalize()
 }
 
-/// What is right, up and towards the viewer who looks from `side`, `up` of the grid upwards, as axes of the grid.
+/// Returns the directions to the right, up and towards the viewer who looks from `side`, with `up` of the grid upwards,
+/// as axes of the grid.
 pub fn side_frame(side: Side, up: Vec3) -> Mat3 {
     // A right-handed frame of the grid with `up` upwards; `front` is what the front looks along.
     let front = if up.z.abs() > 0.5 { Vec3::NEG_Y * up.z.signum() } else { Vec3::Z };

@@ -4,7 +4,7 @@
 
 use crate::event::Event;
 
-/// What an analog channel is for.
+/// The use of an analog channel.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum AnalogUse {
     /// -1 to 1. Values within `dead_zone` of 0 are 0; the rest is rescaled to start at 0.

@@ -16,8 +16,8 @@ pub enum Severity {
     Error,
 }
 
-/// What a source reports. `source` is the device's name as in [`HeadPose::source`]; times are
-/// seconds on the host's clock.
+/// A report of a source. `source` is the device's name as in [`HeadPose::source`]; times are seconds on the host's
+/// clock.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Event {
     Pose(HeadPose),

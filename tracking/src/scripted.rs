@@ -27,7 +27,7 @@ pub const MAX_ENTRIES: usize = 1_000_000;
 /// Most poses of one poll: after a pause the older ones are left out.
 const MAX_AT_ONCE: usize = 1024;
 
-/// What is wrong with a script, and in which line (counted from 1).
+/// The error in a script, and its line (counted from 1).
 #[derive(Clone, PartialEq, Eq, Debug, Error)]
 #[error("line {line}: {what}")]
 pub struct ScriptError {

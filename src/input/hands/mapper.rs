@@ -74,7 +74,7 @@ pub enum HandEvent {
     Scroll(Vec2),
 }
 
-/// What a press of the main trigger acts on until it is released.
+/// The target of a press of the main trigger until its release.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum PressTarget {
     Tool,
@@ -133,7 +133,7 @@ pub struct HandMapper {
     grips: [Switch; 2],
     menu: [Hold; 2],
     main_trigger: Switch,
-    /// What was last said of it.
+    /// The pressure of the main trigger as it was last reported.
     pressure: f32,
     off_trigger: Hold,
     press_target: Option<PressTarget>,

@@ -33,7 +33,7 @@ pub struct PadState {
     pub held: PadButtons,
 }
 
-/// What sticks and shoulder buttons move.
+/// The target that sticks and shoulder buttons move.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
 pub enum PadMode {
     /// The pointer.

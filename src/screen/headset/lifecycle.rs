@@ -5,7 +5,7 @@
 
 use openxr::SessionState;
 
-/// What the program must do about a new state.
+/// The step that the program must take on a new state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Transition {
     None,

@@ -81,7 +81,7 @@ pub(super) enum Request {
     Vibrate(HandSide, f32),
 }
 
-/// What a frame is rendered for and copied to: the views of the eyes, and the indices of the acquired
+/// The targets that a frame is rendered for and copied to: the views of the eyes, and the indices of the acquired
 /// images in their swapchains.
 #[derive(Clone, Debug)]
 pub struct FrameTargets {
@@ -99,7 +99,7 @@ pub(super) struct EndFrame {
     pub board_written: bool,
 }
 
-/// What the thread owns. Fields are dropped in this order.
+/// The resources that the thread owns. Fields are dropped in this order.
 pub(super) struct SessionThread {
     pub stream: xr::FrameStream<xr::Vulkan>,
     pub waiter: xr::FrameWaiter,

@@ -95,12 +95,12 @@ enum Place {
     Over,
 }
 
-/// What the next bytes are.
+/// The kind of the next bytes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Span {
     /// This many bytes belong to the body. [`Body::took`] must be told how many of them were used.
     Body(usize),
-    /// This many are framing, and are done with.
+    /// This many bytes are framing, and are done with.
     Frame(usize),
     /// The body has ended.
     End,

@@ -48,8 +48,8 @@ impl Writer {
         self.frame(out, stamp, device as i32, id, &message.encode());
     }
 
-    /// What a server sends after the cookies: its UDP address and port, if it has one, the names of its devices,
-    /// the supported types, and the states of the buttons.
+    /// Writes the server's message after the cookies: its UDP address and port, if it has one, the names of its
+    /// devices, the supported types, and the states of the buttons.
     pub fn greeting(
         &mut self,
         out: &mut Vec<u8>,

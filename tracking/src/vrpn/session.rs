@@ -62,8 +62,8 @@ impl Session {
         }
     }
 
-    /// What to send after the cookies: the local UDP address and port, if any, the names of the devices, and the
-    /// supported types.
+    /// Returns the message to send after the cookies: the local UDP address and port, if any, the names of the devices,
+    /// and the supported types.
     pub fn greeting(&mut self, udp: Option<(&str, u16)>, now_s: f64) -> Vec<u8> {
         self.heard_s = now_s;
         self.sequence = 0;

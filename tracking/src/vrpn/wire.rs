@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use thiserror::Error;
 
-/// What each peer sends first: version and log mode, five NULs.
+/// The message that each peer sends first: version and log mode, five NULs.
 pub const COOKIE: [u8; 24] = *b"vrpn: ver. 07.38  0\0\0\0\0\0";
 const COOKIE_FAMILY: &[u8] = b"vrpn: ver. 07.";
 
