@@ -29,7 +29,7 @@ pub struct Face {
     pub path: PathBuf,
     /// Which one of a collection.
     pub index: u32,
-    /// Those of the letters asked for that it has.
+    /// Those of the letters asked for that the font has.
     pub letters: BTreeSet<char>,
 }
 
@@ -109,7 +109,7 @@ fn gather(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// Orders files: upright fonts of usual weight without serifs first, and what draws any letter as a box last.
+/// Orders files: upright fonts of usual weight without serifs first, and fonts that draw any letter as a box last.
 fn unlikeliness(path: &Path) -> usize {
     const WORDS: [(&str, usize); 14] = [
         ("lastresort", 100),
@@ -159,7 +159,7 @@ fn face_starts(file: &mut File) -> Result<Vec<u32>> {
     }
 }
 
-/// Those of the letters that the face which begins there can draw.
+/// Returns those of the letters that the face which begins there can draw.
 fn letters_of(file: &mut File, start: u32, letters: &BTreeSet<char>) -> Result<BTreeSet<char>> {
     let head: [u8; 6] = read_at(file, start)?;
     let tables = u16::from_be_bytes([head[4], head[5]]).min(MOST_TABLES);

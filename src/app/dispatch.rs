@@ -1,6 +1,5 @@
-//! The dispatcher: whatever is asked for, by action, action event, request of a panel, gamepad or
-//! hand, goes from here to the editor, the viewpoint, the controls or the interface, and what an edit
-//! leads to comes back here.
+//! The dispatcher: every request (an action, an action event, or a request of a panel, gamepad or hand) goes from here
+//! to the editor, the viewpoint, the controls or the interface. The outcomes of an edit come back here.
 //!
 //! The parts do not know one another: each returns values, and only this file applies them.
 

@@ -1,6 +1,6 @@
 //! The final picture of the view, made on a thread while the window stays alive and shows it, and saved as a file.
 //!
-//! Takes the view as it is at the start; what changes later does not matter to it. Knows no window.
+//! Takes the view as it is at the start; later changes do not matter to it. Knows no window.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};

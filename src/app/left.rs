@@ -40,7 +40,7 @@ impl Workspace {
         self.read_left("There is no unsaved work of earlier sessions");
     }
 
-    /// `none`: what to say if nothing is found.
+    /// `none`: the message if nothing is found.
     fn read_left(&mut self, none: &'static str) {
         let Some(shelf) = self.journals.as_ref().map(|journals| journals.shelf.clone()) else {
             return;
@@ -140,7 +140,7 @@ fn all_left(shelf: &Shelf, limits: &Limits, report: &Report) -> Result<Vec<LeftS
     Ok(found)
 }
 
-/// Whether there is nothing to lose: no step, and what it is can be made or read again.
+/// Whether there is nothing to lose: there is no step, and the sculpture can be made or read again.
 fn is_untouched(session: &Session) -> bool {
     let history = session.document().history();
     !session.modified() && history.undo_count() + history.redo_count() == 0

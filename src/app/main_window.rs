@@ -129,7 +129,7 @@ impl MainWindow {
         let corner = (workspace.picture().min.to_vec2() * self.pane.pixels_per_point()).round();
         self.corner = UVec2::new(corner.x.max(0.0) as u32, corner.y.max(0.0) as u32);
         if let Some(pictures) = self.painter.pictures()
-            // Those of two eyes are composited together with the interface.
+            // The pictures of two eyes are composited together with the interface.
             && pictures.colour.eyes() == 1
         {
             let picture = &pictures.colour;

@@ -1,4 +1,4 @@
-//! Pens over the windows: what they do goes to the window that they are over, as samples, and as a pointer where the
+//! Pens over the windows: their events go to the window that they are over, as samples, and as a pointer where the
 //! window system makes none of a pen.
 
 use winit::event_loop::{EventLoopProxy, OwnedDisplayHandle};

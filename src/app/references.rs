@@ -47,7 +47,7 @@ impl Workspace {
         }
     }
 
-    /// Those of the window's next picture.
+    /// Returns the reference pictures of the window's next picture.
     pub(super) fn reference_pictures(&self) -> Vec<ReferencePicture> {
         let grid = self.editor.document().grid();
         let axes = self.picker().sight().axes_in_picture();

@@ -1,8 +1,8 @@
 //! The program without its windows: the owner of editor, viewpoint, controls and interface.
 //!
-//! Takes egui passes, device events and reports of the renderer; gives what the next picture shows.
-//! It only holds the parts and runs the passes; what follows from input is decided in `dispatch`.
-//! Knows no window and no Vulkan, so that all of it can be tested without either.
+//! Takes egui passes, device events and reports of the renderer; gives what the next picture shows. It only holds the
+//! parts and runs the passes; `dispatch` decides what follows from input. Knows no window and no Vulkan, so that all of
+//! it can be tested without either.
 
 mod key_focus;
 mod pens;
@@ -267,8 +267,7 @@ impl Workspace {
         touched
     }
 
-    /// A panel's window was closed: the panel is back in its place, and what was held in its
-    /// window is let go.
+    /// A panel's window was closed: the panel is back in its place, and input held in its window is released.
     pub fn put_back(&mut self, panel: Panel) {
         self.ui.layout.detached.remove(&panel);
         self.key_focus.remove(&Some(panel));

@@ -22,7 +22,7 @@ use crate::shade::{Ground, Lighting, Shadow};
 /// scenes cover less than a pixel.
 const MAGNIFICATION: f32 = 4.0;
 
-/// Of the sun, in degrees.
+/// The shadow of a sun whose disc takes this angle, in degrees.
 const SHADOW: Shadow = Shadow { sun_deg: 0.5, sample: 0 };
 
 /// The light on it is known after the first picture: the eye is displaced, and the lamp does not turn.

@@ -19,7 +19,7 @@ use crate::view::Eye;
 pub struct FinalReport {
     /// Rays of each pixel.
     pub samples: u32,
-    /// Of the smooth surface, or of voxels, as the program chooses.
+    /// The picture is of the smooth surface, or of voxels, as the program chooses.
     pub smooth: bool,
     /// Normals and smooth surface.
     pub prepare_s: f64,

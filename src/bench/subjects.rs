@@ -91,7 +91,7 @@ pub fn eye_of(document: &Document, size: UVec2) -> Eye {
     Camera { eye, near: 0.01 * edge, ..Camera::default() }.eye(size)
 }
 
-/// That eye, or with `count` 2 the left and the right one around it, as in `stereo`.
+/// Returns that eye, or with `count` 2 the left and the right one around it, as in `stereo`.
 pub fn eyes_of(document: &Document, size: UVec2, count: u32, stereo: &StereoOptions) -> Vec<Eye> {
     let mono = eye_of(document, size);
     if count < 2 {

@@ -10,8 +10,8 @@ use crate::terminal;
 /// How long a disk may take.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// From now on a panic of the main thread syncs the journals and says where they are. Those of other threads do not end
-/// the program: what they worked on has failed, and is told there.
+/// From now on a panic of the main thread syncs the journals and says where they are. Panics of other threads do not
+/// end the program: their work has failed, and the failure is reported there.
 pub fn speak_in_panics() {
     let main = std::thread::current().id();
     let before = std::panic::take_hook();

@@ -88,7 +88,7 @@ impl Controls {
         for event in events {
             mapper.feed(event, bindings, &mut actions);
         }
-        // Of several moves without a button only the last one matters.
+        // Only the last of several moves without a button matters.
         actions.dedup_by(|later, earlier| {
             let is_hover = |event: &ActionEvent| matches!(event, ActionEvent::Hover(_));
             let overtaken = is_hover(later) && is_hover(earlier);

@@ -49,7 +49,7 @@ impl Editor {
         }
     }
 
-    /// Carries out a command that is no part of a stroke; what takes long on another thread.
+    /// Carries out a command that is no part of a stroke; long work runs on another thread.
     pub fn run(&mut self, command: Command) {
         self.run_then(command, Then::Stay);
     }

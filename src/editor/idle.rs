@@ -214,7 +214,7 @@ impl Editor {
         }
     }
 
-    /// A stroke begins: whatever it adds at the walls is noticed at its end.
+    /// A stroke begins: voxels that it adds at the walls are noticed at its end.
     pub(super) fn note_walls(&mut self) {
         let adds = match self.tool.kind {
             ToolKind::Brush(brush) => brush.spec().adds,

@@ -306,7 +306,7 @@ impl Editor {
         }
     }
 
-    /// Replaces the session, whose journal goes: what it holds is saved or not wanted.
+    /// Replaces the session and discards its journal: the contents are saved or not wanted.
     fn go_on_with(&mut self, mut session: Session) {
         self.drop_stroke_in_question();
         self.session.discard_journal();

@@ -34,8 +34,8 @@ impl Path {
         }
     }
 
-    /// Goes straight to `to` and gives the samples on the way; to what is too far for any
-    /// movement it jumps, and what is no point it does not hear.
+    /// Goes straight to `to` and gives the samples on the way. Jumps to a place that is too far for any movement, and
+    /// ignores a place that is not finite.
     pub fn line_to(&mut self, to: Vec3, mut sample: impl FnMut(Vec3)) {
         let length = self.distance(to);
         if !to.is_finite() || length == 0.0 {

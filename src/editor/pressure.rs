@@ -15,7 +15,7 @@ use crate::tools::brush::BrushId;
 use crate::tools::brush::keys::RADIUS;
 use crate::tools::brush::options::BrushOptions;
 
-/// Smallest share of the size that pressure leads to: what is used at all has a size.
+/// Smallest share of the size that pressure leads to: a tool that is used at all has a size.
 const LEAST_SIZE: f32 = 0.05;
 /// A pen that leans so far makes a brush twice as large, in degrees from upright.
 const DOUBLES_DEG: f32 = 45.0;

@@ -130,7 +130,7 @@ mod tests {
         tool.set_size_unit(SizeUnit::Sculpture);
         assert_eq!(tool.brushes.radius(BrushId::Clay), 20.0);
         assert_eq!((pixels(&tool), tool.ball_radius(BrushId::Draw)), (40.0, 30.0));
-        // Twice as near: what is given in voxels is twice as large in the picture.
+        // Twice as near: a size in voxels is twice as large in the picture.
         tool.set_gauge(0.25);
         assert_eq!((pixels(&tool), tool.ball_radius(BrushId::Draw)), (80.0, 30.0));
         tool.set_size_unit(SizeUnit::Screen);

@@ -50,7 +50,7 @@ pub(super) enum Guide {
 pub(super) struct SurfaceGuide {
     seen: Option<Arc<IndexMap>>,
     pub at: Vec2,
-    /// Of the last point, for where the pointer is beside the sculpture.
+    /// The depth of the last point, for where the pointer is beside the sculpture.
     depth: f32,
     /// From the surface to the centre of a tool that stands on it.
     lift: Vec3,
@@ -341,7 +341,7 @@ impl Editor {
         }
     }
 
-    /// Opens a stroke where the tool is and uses the tool there. `unpaints`: what it paints is the bare colour.
+    /// Opens a stroke where the tool is and uses the tool there. `unpaints`: the stroke paints the bare colour.
     pub(super) fn begin_stroke(&mut self, mode: ToolMode, unpaints: bool, guide: Guide) {
         if self.stroke.is_some() {
             return;

@@ -63,8 +63,8 @@ impl Sweep {
         Sweep { used: at, rotation, at, heading: None, edges }
     }
 
-    /// Leads `tool` straight to where it is now and gives the legs that are due. To what is too far for any movement it
-    /// jumps, and what is no point it does not hear.
+    /// Leads `tool` straight to where it is now and gives the legs that are due. Jumps to a place that is too far for
+    /// any movement, and ignores a place that is not finite.
     pub fn lead(&mut self, tool: &Primitive, mut leg: impl FnMut(Leg)) {
         let to = tool.centre_vx;
         if !to.is_finite() {

@@ -1,7 +1,8 @@
 //! Placing the symmetry: a mirror plane where a press meets the surface, an axis of rotation that stands on it, or either
 //! where a hand holds it.
 //!
-//! Each change is a command; what is placed along an axis of the grid, or nearly so, lies exactly along it.
+//! Each change is a command. A plane or axis that is placed along an axis of the grid, or nearly so, lies exactly along
+//! it.
 
 use glam::{Quat, Vec2, Vec3};
 

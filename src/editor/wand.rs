@@ -1,4 +1,4 @@
-//! The wand: what hangs together with a voxel of the surface is protected, or released.
+//! The wand: the voxels that hang together with a voxel of the surface are protected, or released.
 
 use glam::UVec3;
 

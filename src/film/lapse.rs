@@ -12,9 +12,9 @@ use crate::headless::{self, JobError};
 /// The commands and where steps end.
 #[derive(Debug)]
 pub struct Lapse {
-    /// Of the script, for messages.
+    /// The path of the script, for messages.
     pub path: PathBuf,
-    /// With their lines.
+    /// The commands with their lines.
     pub commands: Vec<(usize, Command)>,
     /// The number of commands at the beginning, and after each step.
     ends: Vec<usize>,

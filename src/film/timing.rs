@@ -8,7 +8,7 @@ use std::str::FromStr;
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Timing {
     pub frames: u32,
-    /// Of the first frame.
+    /// The turn of the first frame.
     pub turn_deg: f32,
     /// From the first frame to the one that would follow the last: a whole turn repeats without a jump.
     pub spin_deg: f32,

@@ -191,7 +191,7 @@ shared! {
 shared! {
     /// Push constants of the pass that smooths edges.
     EdgesView {
-        /// Of the picture in pixels.
+        /// The size of the picture in pixels.
         size: [u32; 2],
         /// Times the square of the nearness of a surface: the least change of it to another one.
         leap: f32,
@@ -288,7 +288,7 @@ shared! {
         world_from_normal: [[f32; 4]; 3],
         /// Up in the world.
         up: [f32; 3],
-        /// Of the ball about the sculpture, in the world.
+        /// The radius of the ball about the sculpture, in the world.
         radius: f32,
         /// The box around all voxels.
         low: [f32; 3],
@@ -299,11 +299,11 @@ shared! {
         sun_sine: f32,
         /// The middle of the box.
         middle: [f32; 3],
-        /// In the world.
+        /// The area of the lamp, in the world.
         lamp_area: f32,
         /// Gives the height of points of the grid over the ground.
         ground_height: [f32; 3],
-        /// Distance of what is sharp, in lengths of the rays' directions.
+        /// Distance at which the picture is sharp, in lengths of the rays' directions.
         focus: f32,
         ground_albedo: [f32; 3],
         pad_0: u32,
@@ -361,7 +361,7 @@ shared! {
         index: u32,
         /// Direction through the picture's upper left corner.
         corner: [f32; 3],
-        /// Of the picture, in pixels.
+        /// The width of the picture, in pixels.
         width: u32,
         /// Change of direction per pixel to the right.
         step_x: [f32; 3],

@@ -26,10 +26,10 @@
 //!
 //! Rules:
 //! - Owners ([`Buffer`], [`Image`], [`Pipeline`], ...) keep the device alive and may be dropped
-//!   at any time: what the device may still use waits in the retire queue. Anything else can
-//!   be put there with [`Device::retire_with`].
-//! - What the CPU writes each frame has one copy a frame slot ([`Frames::slot`]): [`Staging`] for
-//!   data, [`DescriptorSets`] with [`FRAMES_IN_FLIGHT`] sets.
+//!   at any time: resources that the device may still use wait in the retire queue. Anything else
+//!   can be put there with [`Device::retire_with`].
+//! - Resources that the CPU writes each frame have one copy for each frame slot ([`Frames::slot`]):
+//!   [`Staging`] for data, [`DescriptorSets`] with [`FRAMES_IN_FLIGHT`] sets.
 //! - Depth is reversed: clear to 0, nearer is greater ([`Depth::NEARER`]).
 //! - Every failure is a [`GpuError`]; [`GpuError::DeviceLost`] asks for a new device.
 //! - Tests ask for [`Validation::IfAvailable`] and assert that

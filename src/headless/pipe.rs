@@ -25,7 +25,7 @@ const LONGEST_LINE: u64 = 64 << 20;
 /// The answer to a line.
 #[derive(Debug, Serialize)]
 struct Answer<'a> {
-    /// Of standard input, counted from 1.
+    /// The line of standard input, counted from 1.
     line: usize,
     ok: bool,
     /// Why the command was refused.
@@ -50,8 +50,8 @@ pub fn reads_input(job: &RunJob) -> bool {
     job.script == Path::new(STANDARD_INPUT)
 }
 
-/// Executes the lines of standard input until it ends. Returns how many were refused; after an error, what was executed
-/// before stays done.
+/// Executes the lines of standard input until it ends. Returns how many were refused. After an error, the lines that
+/// were executed before stay done.
 pub fn converse(session: &mut Session, progress: &dyn Progress) -> Result<usize, JobError> {
     answer_lines(session, std::io::stdin().lock(), progress, &mut |answer| {
         terminal::print_result(answer)

@@ -1,4 +1,4 @@
-//! `recover`: what sessions have left behind that did not end as they should have, without a window.
+//! `recover`: the work left by sessions that did not end as they should have, without a window.
 //!
 //! Takes a shelf of journals; lists them, as text or as JSON for programs, writes the sculpture of one to a new
 //! file, or removes one. Journals of sessions that are still running are not shown.

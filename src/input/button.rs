@@ -6,7 +6,7 @@ use egui::PointerButton;
 /// A button that triggers an action over the picture.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Button {
-    /// Of a mouse, or the tip of a pen.
+    /// The left button of a mouse, or the tip of a pen.
     Left,
     Right,
     Middle,

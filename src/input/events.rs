@@ -119,7 +119,7 @@ impl Viewport {
     }
 }
 
-/// The events of this frame for the viewport. `pens`: what pens have done, for the pointer that they lead.
+/// Returns the events of this frame for the viewport. `pens`: the events of pens, for the pointer that they lead.
 pub fn device_events(
     input: &egui::InputState,
     viewport: &Viewport,

@@ -9,7 +9,7 @@ pub enum ToolMode {
     Recolour,
     /// Adds them to the mask.
     Protect,
-    /// Takes them out of the mask: what the modifier that inverts the tool makes of `Protect`.
+    /// Takes them out of the mask. The modifier that inverts the tool turns `Protect` into this.
     Release,
 }
 

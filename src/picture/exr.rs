@@ -118,7 +118,7 @@ impl Samples {
     }
 }
 
-/// The nearest half float, even at ties; what is too large becomes the largest finite one.
+/// The nearest half float, even at ties; a value that is too large becomes the largest finite one.
 fn half(value: f32) -> u16 {
     let sign = (value.to_bits() >> 16) as u16 & 0x8000;
     if value.is_nan() {

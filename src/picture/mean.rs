@@ -16,7 +16,7 @@ pub(super) struct Mean {
 }
 
 impl Mean {
-    /// Of no picture yet.
+    /// Makes the mean of no picture yet.
     pub fn new(size: UVec2) -> Mean {
         Mean { size, sums: vec![[0; 3]; size.x as usize * size.y as usize], count: 0 }
     }

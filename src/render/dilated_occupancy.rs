@@ -29,7 +29,7 @@ pub struct DilatedOccupancy {
 }
 
 impl DilatedOccupancy {
-    /// Of `grid`.
+    /// Makes the dilated occupancy of `grid`.
     pub fn new(grid: &Grid) -> DilatedOccupancy {
         let dims = grid.occupancy_dims() + 2;
         let slab = (dims.x * dims.y) as usize;

@@ -67,7 +67,7 @@ impl MatcapFile {
 }
 
 impl From<PathBuf> for MatcapFile {
-    /// Of a file that is still to be read: whoever reads settings replaces it by [`MatcapFile::new`].
+    /// Makes the matcap of a file that is still to be read: a reader of settings replaces it by [`MatcapFile::new`].
     fn from(path: PathBuf) -> MatcapFile {
         MatcapFile { path, image: Matcap::built_in() }
     }

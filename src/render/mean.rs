@@ -39,7 +39,7 @@ pub(super) struct Mean {
 }
 
 impl Mean {
-    /// Of pictures of `format`.
+    /// Makes the mean of pictures of `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Mean> {
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let name = "mean of pictures";

@@ -95,7 +95,7 @@ impl NormalStage {
         let precision =
             if self.patience.is_some() { Precision::Estimated } else { Precision::Refined };
         self.field.update_seen(grid, views, precision, &mut self.reshaded);
-        // Of very many bricks none is put off.
+        // If there are very many bricks, none is put off.
         if self.field.has_estimates() {
             let patience = self.patience;
             self.field.update(grid, &mut self.reshaded, || {

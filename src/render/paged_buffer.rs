@@ -1,9 +1,9 @@
-//! A buffer on the device with a table, an entry for each brick, and units of some bytes that entries lead to: what the
-//! normals ([`super::Normals`]) and the levels of the smooth surface ([`super::Levels`]) are kept in.
+//! A buffer on the device with a table, an entry for each brick, and units of some bytes that entries lead to. It holds
+//! the normals ([`super::Normals`]) and the levels of the smooth surface ([`super::Levels`]).
 //!
 //! It is uploaded as a whole at first, and afterwards by the units and entries that were written. It has room for some
-//! more units than at first; whoever has more makes a new one. Where it exceeds a limit of the device, that fails with
-//! the name of the limit. Knows nothing of what the units mean.
+//! more units than at first; an owner that has more makes a new one. Where it exceeds a limit of the device, that fails
+//! with the name of the limit. Knows nothing of what the units mean.
 
 use std::sync::Arc;
 

@@ -24,7 +24,7 @@ pub const MAX_REFERENCES: usize = 8;
 /// A picture and its place in the scene.
 #[derive(Clone, Debug)]
 pub struct ReferencePicture {
-    /// Of at most 4096 pixels a side. The same ones are uploaded once.
+    /// The picture, at most 4096 pixels a side. The same ones are uploaded once.
     pub pixels: Arc<Pixels>,
     /// To grid coordinates, from the picture's upper left corner at (0, 0) and its lower right one at (1, 1).
     pub grid_from_picture: Affine3A,

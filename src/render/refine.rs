@@ -1,9 +1,9 @@
 //! Refining a resting picture: while a renderer's pictures stay the same, each frame adds a sample, a picture
 //! through eyes that are shifted by a fraction of a pixel, and shows the mean of all so far.
 //!
-//! The samples have buffers of their own (index maps, shaded pixels, pictures), so that picking and partial redraws
-//! go on with the unshifted picture as if there had been no samples, and whatever moves is shown at once. When a
-//! picture counts as resting is decided here; that it is the same is known from the redraw plan.
+//! The samples have buffers of their own (index maps, shaded pixels, pictures). Picking and partial redraws therefore
+//! go on with the unshifted picture as if there had been no samples, and any movement is shown at once. This file
+//! decides when a picture counts as resting; the redraw plan says that it is the same.
 
 use std::sync::Arc;
 
@@ -225,7 +225,7 @@ impl Renderer {
         let (width, height) = (eye.size.x.max(1), eye.size.y);
         let all = height * desc.eyes.len() as u32;
         let from = self.refinement.rows;
-        // Of one eye at a time.
+        // The rows are of one eye at a time.
         let to = (from + (SMOOTH_PIXELS / width).max(1))
             .min((from / height.max(1) + 1) * height)
             .min(all);

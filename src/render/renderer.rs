@@ -1,10 +1,9 @@
 //! From a sculpture to its pictures: sample, shade, compose with background and overlay. One
 //! renderer serves a window, a file or a headset; they differ in how they use the images.
 //!
-//! Takes a document and a [`FrameDesc`]; draws the pictures, one layer per eye, to images of its
-//! own, and repeats only what the desc changes. So an interface that changes over a resting
-//! sculpture costs a copy only. Knows no window, no camera and no tools: what to draw comes in as
-//! values.
+//! Takes a document and a [`FrameDesc`]; draws the pictures, one layer per eye, to images of its own, and repeats only
+//! what the desc changes. So an interface that changes over a resting sculpture costs a copy only. Knows no window, no
+//! camera and no tools: the contents to draw come in as values.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -198,7 +197,7 @@ impl Renderer {
         &self.maps
     }
 
-    /// Those of the device are of the last picture that it is known to have finished.
+    /// Returns the times. Those of the device are of the last picture that it is known to have finished.
     pub fn times(&self) -> RenderTimes {
         self.times
     }

@@ -66,7 +66,7 @@ pub(super) struct Uniforms {
     align: u64,
     /// Bound where there are no colours.
     nothing: Buffer,
-    /// Those in use since the start: few, as [`Matcap`] says.
+    /// The matcaps in use since the start: few, as [`Matcap`] says.
     matcaps: Vec<(Matcap, Buffer)>,
     device: Arc<Device>,
 }

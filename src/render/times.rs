@@ -11,8 +11,8 @@ use crate::gpu::{Device, Recorder, Result, Timer};
 pub struct RenderTimes {
     /// Sampling, with upload and readback.
     pub sample_ms: f32,
-    /// Of these, reading back the maps once they were complete; none if they stay on the device or
-    /// are made in memory.
+    /// The part of it for reading back the maps once they were complete; none if they stay on the
+    /// device or are made in memory.
     pub read_back_ms: Option<f32>,
     /// The software shader.
     pub shade_ms: f32,

@@ -64,10 +64,9 @@ impl Volume {
         Ok(volume)
     }
 
-    /// Updates the copy with `changed` bricks (as from [`crate::document::Document::drain_changes`];
-    /// `None` means all, perhaps of another size). The copies are recorded in `recorder`, for frame
-    /// `slot`; what exceeds the capacity of a frame is uploaded at once. After an error the copy is
-    /// out of date.
+    /// Updates the copy with `changed` bricks (as from [`crate::document::Document::drain_changes`]; `None` means all,
+    /// perhaps of another size). The copies are recorded in `recorder`, for frame `slot`; data beyond the capacity of
+    /// a frame are uploaded at once. After an error the copy is out of date.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,

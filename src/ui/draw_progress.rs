@@ -7,13 +7,14 @@ use crate::editor::draw::Progress;
 use crate::input::Action;
 use crate::input::trigger::Trigger;
 
-/// Of the line along the bottom: the height of a box, or the points of a curve, and what can be done.
+/// Returns the text for the line along the bottom: the height of a box, or the points of a curve, and the possible
+/// acts.
 pub fn line(drawn: Progress, context: &UiContext) -> String {
     let acts = acts(drawn, |action| keys(action, context)).join(" \u{b7} ");
     format!("{} \u{b7} {acts}", amount(drawn))
 }
 
-/// Of the options of the tool: what can be done.
+/// Returns the text for the options of the tool: the possible acts.
 pub fn advice(drawn: Progress, context: &UiContext) -> String {
     let acts = acts(drawn, |action| keys(action, context)).join("; ");
     match drawn {

@@ -15,7 +15,7 @@ use crate::format::options::{ExportOptions, ImportOptions};
 
 /// The ending of the program's own files.
 const ENDING: &str = "vsc";
-/// The formats to export to with their endings, what is wanted most first: the first is proposed the first time.
+/// The formats to export to with their endings, the most wanted first: the first is proposed the first time.
 const EXPORTS: [(&str, &str); 9] = [
     ("Print (STL)", "stl"),
     ("Mesh (glTF)", "glb"),

@@ -79,7 +79,7 @@ pub struct FilmRequest {
     pub spin_deg: f32,
     /// Pixels.
     pub size: UVec2,
-    /// Of each pixel, for smooth edges.
+    /// The samples of each pixel, for smooth edges.
     pub samples: u32,
     pub form: FilmForm,
 }

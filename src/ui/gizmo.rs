@@ -12,7 +12,7 @@ use crate::viewpoint::turntable::side_facing;
 
 /// From the middle to the ends of the axes, in points.
 const RADIUS: f32 = 32.0;
-/// Of the discs at the ends.
+/// The radius of the discs at the ends.
 const KNOB_RADIUS: f32 = 8.0;
 /// Half of the side of what is clicked around them.
 const HIT_RADIUS: f32 = theme::LEAST_TARGET / 2.0;
@@ -78,7 +78,7 @@ fn knobs(axes_in_picture: &[Vec3; 3]) -> Vec<Knob> {
         .collect()
 }
 
-/// Asks for the rotation of a drag over the gizmo: what is under the pointer follows it, as on a ball.
+/// Asks for the rotation of a drag over the gizmo: the point under the pointer follows it, as on a ball.
 fn turn(response: &Response, requests: &mut Vec<UiRequest>) {
     let by = response.drag_delta() / RADIUS;
     if response.dragged() && by != egui::Vec2::ZERO {
@@ -110,7 +110,7 @@ impl Knob {
         }
     }
 
-    /// Positive ends have a line and a letter; what points away from the viewer is fainter.
+    /// Positive ends have a line and a letter; an end that points away from the viewer is fainter.
     fn paint(&self, ui: &Ui, middle: Pos2, at: Pos2, theme: Theme, hovered: bool) {
         let colour = colour(self.axis, theme);
         let strength = 0.7 + 0.3 * self.seen.z;

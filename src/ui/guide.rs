@@ -1,7 +1,7 @@
 //! The guide for the first minutes: the learning task of the evaluation of 2005, step by step,
 //! each ticked off when the sculpture and its history show that it has been done.
 //!
-//! Looks at the document only; what a step does for the person goes out as commands.
+//! Looks at the document only; the acts of a step for the person go out as commands.
 
 use egui::{Align, Frame, Layout, Margin, Panel, RichText, TextStyle, TextWrapMode, Ui};
 use egui::{WidgetText, Window, pos2};

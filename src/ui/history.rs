@@ -1,5 +1,5 @@
-//! The list of steps: what was done, with the present in between what can be undone and what can
-//! be redone. A click travels there.
+//! The list of steps, with the present between the steps that can be undone and those that can be
+//! redone. A click travels there.
 
 use egui::{Button, RichText, ScrollArea, Ui};
 

@@ -1,4 +1,4 @@
-//! The wait for the trigger that an action is to have: what is pressed next is heard before any
+//! The wait for the trigger that an action is to have: the next key or button is heard before any
 //! widget hears it, then refused, asked about, or given to the action.
 
 use egui::{Id, Modal, Ui};

@@ -1,7 +1,7 @@
 //! The window of keys and mouse: every action with what triggers it in the preset in use, to be
 //! changed on the spot.
 //!
-//! Gives changes as requests; what waits for a key is [`super::key_catch`].
+//! Gives changes as requests; [`super::key_catch`] waits for a key.
 
 use egui::{Button, ComboBox, Grid, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, WidgetType};
 use egui::{Response, Window};

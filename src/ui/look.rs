@@ -18,7 +18,7 @@ use crate::shade::{Lighting, Look};
 const PICTURE: f32 = 32.0;
 const PICTURE_PX: u32 = 64;
 const COLUMNS: usize = 2;
-/// Of the longest name, so that the columns are even.
+/// The width of the longest name, so that the columns are even.
 const BUTTON_WIDTH: f32 = 127.0;
 
 /// Buttons for all looks, and for the picture of the matcap while that is the look.

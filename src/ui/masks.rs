@@ -1,4 +1,5 @@
-//! The window of masks: what is protected from all tools, by area, colour, shape and wand; and how its outline changes.
+//! The window of masks: which voxels are protected from all tools, by area, colour, shape and wand; and how the mask's
+//! outline changes.
 //!
 //! Gives [`UiRequest`]s, most of them commands; changes no sculpture itself.
 

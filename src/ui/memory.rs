@@ -318,7 +318,7 @@ fn recall_tool(kept: &KeptTool, tool: &mut ToolState) {
 }
 
 const SOLID: &str = "solid";
-/// Of earlier versions.
+/// A name from earlier versions.
 const DEFORM: &str = "deform";
 const MARKER: &str = "marker";
 
@@ -335,7 +335,7 @@ fn is_side(size: &[u32; 2]) -> bool {
     size.iter().all(|side| SIDES.contains(side))
 }
 
-/// A remembered number, or what is usual if there is none in the range: what is no number is in no range.
+/// Returns a remembered number, or the usual one if there is none in the range: NaN is in no range.
 pub(super) fn within(value: Option<f64>, range: std::ops::RangeInclusive<f32>, usual: f32) -> f32 {
     value.map(|value| value as f32).filter(|value| range.contains(value)).unwrap_or(usual)
 }

@@ -108,7 +108,7 @@ fn what_is_damaged_is_left_out_and_the_rest_is_used() {
     assert_eq!(*clay, BrushOptions::first(BrushId::Clay).with(REACH, 5.0));
 }
 
-/// A file of November 2026 with no value as it is at first: what is written again was read.
+/// A file of November 2026 with no value as it is at first: a value that is written again was read.
 #[test]
 fn what_earlier_versions_remembered_is_still_read() {
     let text = include_str!("../../tests/fixtures/state-2026-11.toml");

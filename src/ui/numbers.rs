@@ -1,7 +1,7 @@
 //! Numbers as people write them: in fields for numbers a decimal comma counts like a point, and thousands may be apart.
 //!
-//! Takes the events of a pass before any widget hears them, and what a field has when it is left. Fields for words say that
-//! they are such ([`words`]) and keep their commas. Must not know what a number means.
+//! Takes the events of a pass before any widget hears them, and the text of a field when the field is left. Fields for
+//! words say that they are such ([`words`]) and keep their commas. Must not know what a number means.
 
 use std::ops::Range;
 
@@ -18,14 +18,14 @@ pub fn words(field: &Response) {
     field.ctx.data_mut(|data| data.insert_temp(field.id, Words));
 }
 
-/// In egui's memory: what is written in the field that has the focus.
+/// The text in the field that has the focus, in egui's memory.
 #[derive(Clone)]
 struct Written {
     field: Id,
     text: String,
 }
 
-/// In egui's memory: what was typed into a field for a number, and what the field shows of it.
+/// The text typed into a field for a number, and the text that the field shows of it, in egui's memory.
 #[derive(Clone, PartialEq, Debug)]
 struct Typed {
     field: Id,

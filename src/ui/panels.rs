@@ -1,8 +1,8 @@
 //! Owns how a panel is detached off: the button in its head, and how it fills a window of its own; and
 //! the way back while all panels are hidden.
 //!
-//! Knows no window: whoever owns windows makes one for each panel in [`UiState::detached`] and has it
-//! filled by [`show`].
+//! Knows no window: the owner of the windows makes one for each panel in [`UiState::detached`] and has it filled by
+//! [`show`].
 
 use egui::{Area, CentralPanel, Frame, Id, Margin, Order, Rect, Response, ScrollArea};
 use egui::{Sense, Ui, pos2, vec2};

@@ -10,7 +10,7 @@ use crate::input::pen::{EXPONENTS, FULL, PenCurve, PenTouch};
 
 /// Leaves room for a name before and a number behind.
 const SLIDER_WIDTH: f32 = 80.0;
-/// Of the picture of the curve, in points.
+/// The size of the picture of the curve, in points.
 const CURVE_SIZE: egui::Vec2 = vec2(120.0, 72.0);
 /// Points of the curve that are joined.
 const CURVE_STEPS: u32 = 40;

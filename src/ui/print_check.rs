@@ -1,4 +1,4 @@
-//! The window of the print check: what is asked of a print, what was found, and buttons that mend it.
+//! The window of the print check: the demands on a print, the findings, and buttons that mend the print.
 //!
 //! Asks with [`UiRequest::PrintCheck`]; the result comes from a thread through [`PrintCheck::news`]. Gives the lines
 //! that show the findings in the view. Changes no sculpture.
@@ -19,7 +19,7 @@ use crate::sculpture::region::VoxelBox;
 use crate::tools::repair::Mend;
 
 const WIDTH: f32 = 310.0;
-/// Of the findings, at most.
+/// The height of the list of findings, at most.
 const HEIGHT: f32 = 300.0;
 /// Places of a kind that the window lists.
 const LISTED: usize = 50;

@@ -180,7 +180,7 @@ mod tests {
         recent.note(&"save e\"/a/x \\\" y.raw\"".parse().unwrap());
         let lines: Vec<String> = recent.lines().collect();
         assert_eq!(lines, [raw.to_string()]);
-        // Opened at a start with other arguments: what was chosen stays.
+        // Opened at a start with other arguments: the earlier choice stays.
         recent.note_open(Path::new("/a/x \" y.raw"), Some(Up::X));
         assert_eq!(recent.lines().collect::<Vec<_>>(), lines);
         let again = Recent::from_lines(lines.iter().map(String::as_str));

@@ -32,7 +32,7 @@ pub struct LeftSession {
 /// The sculpture that a session has left.
 #[derive(Clone, Debug)]
 pub struct LeftWork {
-    /// That of its file, or another.
+    /// The name of its file, or another.
     pub name: String,
     pub path: Option<PathBuf>,
     /// Steps that can be undone.
@@ -73,7 +73,7 @@ impl RecoveryDialog {
         !self.rows.is_empty()
     }
 
-    /// Closes it; what it shows is found again at the next start. False if it was closed.
+    /// Closes the dialog; its rows are found again at the next start. False if it was closed already.
     pub fn close(&mut self) -> bool {
         let was_open = self.is_open();
         self.rows.clear();

@@ -1,6 +1,6 @@
 //! The window of reference pictures: images in the scene to sculpt from, each on a side of the sculpture.
 //!
-//! Shows and changes where they are; who reads the files and places the pictures is `app`.
+//! Shows and changes where they are; `app` reads the files and places the pictures.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,11 +18,11 @@ use crate::shade::Pixels;
 use crate::viewpoint::turntable::side_frame;
 
 const WIDTH: f32 = 270.0;
-/// Of the list, at most.
+/// The height of the list, at most.
 const HEIGHT: f32 = 420.0;
 /// Cosine of the angle between the view and a side up to which one looks along it: 5 degrees.
 const ALONG: f32 = 0.9962;
-/// Of pictures behind and in front, from the grid, in voxels.
+/// The gap from the grid to pictures behind and in front, in voxels.
 const GAP_VX: f32 = 2.0;
 /// Valid heights of pictures, and offsets to either side, in voxels.
 pub const HEIGHT_RANGE_VX: std::ops::RangeInclusive<f32> = 1.0..=16384.0;
@@ -64,7 +64,7 @@ pub struct Reference {
     /// 0 to 1.
     pub opacity: f32,
     pub height_vx: f32,
-    /// Of its middle from that of the grid, to the right and up.
+    /// The offset of its middle from that of the grid, to the right and up.
     pub offset_vx: Vec2,
 }
 

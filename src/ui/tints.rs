@@ -36,7 +36,7 @@ pub struct Tints {
     hue_deg: f32,
     saturation: f32,
     value: f32,
-    /// Of the gradient, at its lower end first.
+    /// The colours of the gradient, at its lower end first.
     colours: [Rgb; 2],
     /// The axis along which the gradient goes.
     axis: usize,
@@ -161,7 +161,7 @@ fn flood(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     });
 }
 
-/// Which voxels, and what happens to them.
+/// Shows the choices of voxels, and of the change to them.
 fn choices(ui: &mut Ui, window: &mut Tints, context: &UiContext) {
     ui.horizontal(|ui| {
         for (area, name, help) in [

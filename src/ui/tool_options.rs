@@ -18,7 +18,7 @@ use crate::sculpture::{ColourDepth, Rgb};
 use crate::tools::brush::BrushId;
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
-/// Of a solid's centre from the corner of the grid, in voxels.
+/// The greatest distance of a solid's centre from the corner of the grid, in voxels.
 const FARTHEST_VX: f32 = 8192.0;
 /// Radius of the corners of a colour's button, in points.
 const SWATCH_CORNER: f32 = 3.0;

@@ -9,7 +9,7 @@ use crate::editor::questions::Unkept;
 
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let Some(Unkept { command, why }) = &state.dialogs.unkept else { return };
-    // Of a stroke the end is refused; what it did is there to be seen.
+    // The end of a stroke is refused; its result is there to be seen.
     let [question, go_on, stop] = match command {
         Command::End => ["Keep a stroke that cannot be undone?", "Keep it", "Take it back"],
         Command::Undo { .. } => ["Undo what cannot be redone?", "Undo", "Cancel"],

@@ -48,7 +48,7 @@ pub struct Intrinsics {
 const MAX_STEPS: usize = 30;
 /// How often one of them is halved.
 const MAX_HALVINGS: usize = 20;
-/// Of the derivative of the distortion: below, the picture is taken to fold.
+/// The least determinant of the derivative of the distortion: below it, the picture is taken to fold.
 const LEAST_DETERMINANT: f64 = 1e-3;
 /// Tolerance of an inverted position, in pixels.
 const TOLERANCE_PX: f64 = 1e-6;

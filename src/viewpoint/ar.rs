@@ -231,7 +231,7 @@ impl Ar {
         }
     }
 
-    /// Of two readings that are as good the one nearer to what was seen last.
+    /// Of two equally good readings, returns the one nearer to the reading last seen.
     fn likely(&self, found: &[MarkerPose]) -> Option<MarkerPose> {
         let sound =
             |pose: &&MarkerPose| pose.translation_m.is_finite() && pose.rotation.is_finite();

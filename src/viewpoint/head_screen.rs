@@ -10,7 +10,7 @@ use super::Viewport;
 use crate::head_tracking::ScreenOptions;
 use crate::view::off_axis::ScreenPlane;
 
-/// Of a screen whose size nobody told: 24 inches across, in metres.
+/// The diagonal of a screen whose size nobody told: 24 inches across, in metres.
 const GUESSED_DIAGONAL_M: f32 = 0.61;
 
 /// Where on the screen the program's window is, in pixels of the screen.

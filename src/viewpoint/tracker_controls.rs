@@ -12,7 +12,7 @@ use crate::input::{Action, ActionEvent};
 
 /// Notches of the wheel a second with an analog at its end.
 const NOTCHES_PER_S: f64 = 10.0;
-/// Of analogs around their middle.
+/// The dead zone of analogs around their middle.
 const DEAD_ZONE: f64 = 0.15;
 
 /// The actions of buttons and analogs, and which analogs are moved.

@@ -14,7 +14,7 @@ use crate::view::{Camera, Eye};
 const TURN_PER_HEIGHT_RAD: f32 = 1.25 * std::f32::consts::PI;
 /// Factor on the distance for one notch of the wheel.
 const ZOOM_PER_NOTCH: f32 = 0.88;
-/// Of the camera from the sculpture's centre, in radii of the sculpture.
+/// The least and the greatest distance of the camera from the sculpture's centre, in radii of the sculpture.
 const NEAREST: f32 = 0.02;
 const FARTHEST: f32 = 50.0;
 /// Space around the sculpture when all of it is shown.
@@ -23,9 +23,9 @@ const MARGIN: f32 = 1.02;
 /// The camera before the sculpture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Turntable {
-    /// From the camera to the origin, in world units.
+    /// The distance from the camera to the origin, in world units.
     distance: f32,
-    /// Of the ball around the grid, in world units.
+    /// The radius of the ball around the grid, in world units.
     radius: f32,
     /// The same, in voxels.
     radius_vx: f32,
@@ -165,9 +165,9 @@ impl Turntable {
         self.radius * NEAREST
     }
 
-    /// Comes nearer by notches; what is under the pointer stays there. `surface`: how far the surface under the pointer
-    /// is before the camera; it is approached and never reached. Where there is none, the camera approaches the depth of
-    /// the sculpture's centre.
+    /// Comes nearer by notches; the point under the pointer stays there. `surface`: how far the surface under the
+    /// pointer is before the camera; it is approached and never reached. Where there is none, the camera approaches the
+    /// depth of the sculpture's centre.
     pub fn zoomed(
         &mut self,
         placement: &Placement,

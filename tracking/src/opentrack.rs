@@ -224,7 +224,7 @@ mod tests {
         let bytes = datagram([10.0, -20.0, 50.0, 90.0, 0.0, 0.0]);
         let placement = decode(&bytes, Signs::default()).unwrap();
         assert!(placement.position_m.distance(DVec3::new(0.1, -0.2, 0.5)) < 1e-12);
-        // Yaw 90: what looked ahead (-z) looks left (-x).
+        // Yaw 90: a gaze ahead (-z) turns to the left (-x).
         assert!((placement.orientation * DVec3::NEG_Z).distance(DVec3::NEG_X) < 1e-12);
         let mut signs = Signs::default();
         signs.inverted[0] = true;

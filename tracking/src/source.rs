@@ -25,17 +25,17 @@ pub enum SourceState {
 pub struct Counters {
     /// Messages or datagrams understood and used.
     pub accepted: u64,
-    /// Broken: wrong lengths, absurd indices, bad text.
+    /// Broken messages: wrong lengths, absurd indices, bad text.
     pub malformed: u64,
-    /// Longer than the protocol allows.
+    /// Messages longer than the protocol allows.
     pub oversized: u64,
-    /// With a number that is not finite or absurdly large.
+    /// Messages with a number that is not finite or absurdly large.
     pub not_finite: u64,
-    /// Of a type or sender that has not been described yet.
+    /// Messages of a type or sender that has not been described yet.
     pub undescribed: u64,
-    /// Valid but irrelevant: another device, an unknown type.
+    /// Valid but irrelevant messages: of another device, of an unknown type.
     pub ignored: u64,
-    /// From an unexpected address.
+    /// Messages from an unexpected address.
     pub strangers: u64,
     /// Events dropped because they were not fetched in time.
     pub unread: u64,

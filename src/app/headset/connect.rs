@@ -57,7 +57,7 @@ impl ConnectAttempts {
         ConnectAttempts { connection: 0, settings, options, sink, thread: None }
     }
 
-    /// Of the last attempt.
+    /// Returns the connection of the last attempt.
     pub fn connection(&self) -> Connection {
         self.connection
     }

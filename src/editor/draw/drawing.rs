@@ -57,7 +57,7 @@ pub struct Drawing {
     way: Vec<Vec2>,
     /// Where a line or a curve leads, in voxels.
     places: Vec<Vec3>,
-    /// Of the last of them from the eye plane, for where there is no surface.
+    /// The distance of the last of them from the eye plane, for where there is no surface.
     depth: f32,
 }
 
@@ -176,7 +176,8 @@ impl Drawing {
         Base::new(&self.view, &from, at)
     }
 
-    /// Of a box on its base: of a height that is set or, where the pointer leads it later, as low as it can be.
+    /// Returns the corners of a box on its base. Its height is set or, where the pointer leads it later, as low as it
+    /// can be.
     fn corners(&self, options: &DrawOptions) -> Option<[Vec3; 2]> {
         let height = if options.height_by_pointer { 0.0 } else { options.height };
         let base = self.base()?;

@@ -113,7 +113,7 @@ impl Editor {
         self.drawing = Some(drawing);
     }
 
-    /// The drag is over: what was drawn is made, unless more presses follow.
+    /// Ends the drag: the drawn form is made, unless more presses follow.
     pub(super) fn end_drawing(&mut self) {
         let drawing = self.drawing.take().and_then(|drawing| self.leave_unfinished(drawing));
         let Some(drawing) = drawing else { return };

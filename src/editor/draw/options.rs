@@ -19,14 +19,14 @@ pub struct DrawOptions {
     pub height_by_pointer: bool,
     /// The height of a box over its base.
     pub height: f32,
-    /// Of a tube at its beginning and its end.
+    /// The radii of a tube at its beginning and its end.
     pub radii: [f32; 2],
     /// Lines and curves follow the surface; else they stay in the plane of the view in which they begin.
     pub on_surface: bool,
     /// The axis of a turned solid is the axis of the grid that points up; else the vertical of the picture.
     pub upright: bool,
     pub text: String,
-    /// Of capital letters.
+    /// The height of capital letters.
     pub text_height: f32,
     /// How far letters come out of the surface, or go into it.
     pub text_depth: f32,

@@ -28,7 +28,7 @@ pub enum Pressed {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Points {
     first: Vec3,
-    /// Those after it.
+    /// The points after it.
     others: Vec<Vec3>,
     /// Where the pointer would put the next one.
     next: Option<Vec3>,

@@ -25,7 +25,7 @@ pub const GROUND: f32 = 4.0;
 pub struct Stand {
     /// In voxels.
     at_vx: Vec3,
-    /// Of length 1, at right angles, in units of the smallest edge of a voxel.
+    /// The axes, of length 1 and at right angles, in units of the smallest edge of a voxel.
     axes: Mat3,
 }
 

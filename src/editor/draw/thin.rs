@@ -43,7 +43,7 @@ pub fn thinned_flat(points: &[Vec2], tolerance: f32, most: usize) -> Vec<Vec2> {
     thinned_to(&points, tolerance, most).into_iter().map(Vec3::truncate).collect()
 }
 
-/// Of the point `p` from the line between two others.
+/// Returns the distance of the point `p` from the line between two others.
 fn distance(p: Vec3, a: Vec3, b: Vec3) -> f32 {
     let (way, offset) = (b - a, p - a);
     let length_squared = way.length_squared();

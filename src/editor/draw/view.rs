@@ -1,6 +1,6 @@
 //! The view in which something is drawn: pixels to places of the grid, and to the space in which voxels have their shape.
 //!
-//! A value, so that what the drawing changes, and what the camera does meanwhile, do not lead it astray.
+//! A value, so that neither the changes of the drawing nor the movements of the camera meanwhile lead it astray.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ pub struct View {
     pub sight: Sight,
     /// The voxels that were seen, where surfaces lead the drag.
     seen: Option<Arc<IndexMap>>,
-    /// Of the grid, in voxels.
+    /// The dimensions of the grid, in voxels.
     pub dims: UVec3,
     /// Edges of a voxel in units of the smallest.
     pub edges: Vec3,

@@ -141,7 +141,7 @@ impl PadMapper {
         self.leader.get_or_insert(id);
     }
 
-    /// A pad was disconnected; what it held is released. Returns its name.
+    /// A pad was disconnected; the buttons that it held are released. Returns its name.
     pub fn went(&mut self, id: PadId) -> Option<String> {
         let at = self.pads.iter().position(|pad| pad.id == id)?;
         if self.leader == Some(id) {

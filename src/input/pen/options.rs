@@ -1,4 +1,4 @@
-//! Options of pens: what a hand's pressure counts for.
+//! Options of pens: the effect of a hand's pressure.
 
 use serde::Deserialize;
 

@@ -12,7 +12,7 @@ const HELD: [(Button, PointerButton); 7] = [
     (Button::PenLower, PointerButton::Secondary),
     (Button::PenUpper, PointerButton::Middle),
     (Button::PenThird, PointerButton::Extra1),
-    // Of the mice that belong to some tablets.
+    // Buttons of the mice that belong to some tablets.
     (Button::Right, PointerButton::Secondary),
     (Button::Middle, PointerButton::Middle),
 ];

@@ -353,7 +353,7 @@ impl ResponseTimer {
         *self = ResponseTimer::new();
     }
 
-    /// The program has finished its work on an event: what it took is not the runtime's delay.
+    /// The program has finished its work on an event: the time for it is not the runtime's delay.
     fn note_end_of_work(&mut self) {
         if !self.timed_out {
             self.last = Instant::now();

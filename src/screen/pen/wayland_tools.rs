@@ -38,7 +38,7 @@ const BUTTONS: [(u32, Button); 6] = [
     (0x14b, Button::PenLower),
     (0x14c, Button::PenUpper),
     (0x149, Button::PenThird),
-    // Of the mice that belong to some tablets.
+    // Buttons of the mice that belong to some tablets.
     (0x110, Button::Left),
     (0x111, Button::Right),
     (0x112, Button::Middle),

@@ -30,7 +30,7 @@ use crate::format::{
 };
 use crate::sculpture::Limits;
 
-/// The widest dialog, in points, and what stays free beside it in a small window.
+/// The widest dialog, in points, and the space that stays free beside it in a small window.
 const MOST_WIDTH: f32 = 960.0;
 const BESIDE: f32 = 48.0;
 /// Width of the column of options.
@@ -44,7 +44,7 @@ type News = Arc<Mutex<Option<Result<Study, String>>>>;
 #[derive(Debug)]
 enum Stage {
     Closed,
-    /// Asks how a raw file is laid out; with what was typed, and what is wrong with it.
+    /// Asks how a raw file is laid out; with the typed text, and the error in it.
     Layout {
         text: String,
         error: Option<String>,
@@ -112,8 +112,8 @@ impl ImportDialog {
         &self.options
     }
 
-    /// Asks about a file, or asks to open it where nothing is to be asked. `import`: what is known of it already;
-    /// `at_once`: with that, or as the last time.
+    /// Asks about a file, or asks to open it where nothing is to be asked. `import`: the facts known of it already;
+    /// `at_once`: opens it with these, or as the last time.
     pub fn open(
         &mut self,
         path: PathBuf,

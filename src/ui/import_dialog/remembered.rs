@@ -31,7 +31,8 @@ impl Remembered {
         self.by_family.insert(family, kept);
     }
 
-    /// `import`, or where nothing is chosen in it but what is up and how a raw file is laid out, what was chosen last.
+    /// Returns `import`, or the last choices where `import` chooses no more than the axis that points up and the layout
+    /// of a raw file.
     pub fn applied(&self, family: Family, import: ImportOptions) -> ImportOptions {
         let ImportOptions { upright, raw, .. } = import;
         let is_open = import == ImportOptions { upright, raw, ..ImportOptions::default() };

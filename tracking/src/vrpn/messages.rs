@@ -349,7 +349,7 @@ impl Reader<'_> {
         Ok(DQuat::from_xyzw(self.f64()?, self.f64()?, self.f64()?, self.f64()?))
     }
 
-    /// A C string in the remaining bytes; what follows its NUL is ignored.
+    /// A C string in the remaining bytes; bytes after its NUL are ignored.
     fn text(&mut self) -> Result<String, MessageError> {
         let bytes = std::mem::take(&mut self.rest);
         let end = bytes.iter().position(|byte| *byte == 0).ok_or(self.bad_length())?;
