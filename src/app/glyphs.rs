@@ -152,7 +152,7 @@ fn read(face: Face, room: &mut usize) -> Option<Found> {
     Some(Found { name: format!("{} {index}", path.display()), bytes, index })
 }
 
-/// Whether a letter is more than a space or a sign to whoever lays out a text.
+/// Whether a letter is more than a space or a sign for text layout.
 fn is_drawn(letter: char) -> bool {
     let is_joiner = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}');
     let is_variation =

@@ -285,7 +285,7 @@ impl Workspace {
         self.autosave(root);
     }
 
-    /// The messages alone, for who wears a headset and has the board closed.
+    /// The messages alone, for a person who wears a headset and has the board closed.
     pub fn show_messages(&mut self, root: &mut Ui) {
         ui::theme::apply(root.ctx(), self.ui.appearance.theme, self.ui.appearance.scale);
         let within = root.max_rect();

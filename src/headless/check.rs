@@ -1,4 +1,5 @@
-//! The job `check`: what keeps a file from being printed in 3D, as text or as JSON for programs.
+//! The job `check`: the faults that keep a file from being printed in 3D, as text or as JSON for
+//! programs.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! The frame cache: what the current pictures were made of, and the redraw plan of a new frame
+//! The frame cache: the values that the current pictures were made from, and the redraw plan of a new frame
 //! description.
 //!
 //! Pure values: knows no device and no pass.

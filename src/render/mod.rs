@@ -1,5 +1,5 @@
 //! Rendering: from a document and a frame description to pictures. The passes of a frame have a
-//! file each; they have no policy: what to draw comes in as values.
+//! file each; they have no policy: the contents to draw come in as values.
 
 pub mod backdrop;
 pub mod background;

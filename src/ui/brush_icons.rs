@@ -1,5 +1,5 @@
-//! The small pictures on the buttons of the brushes: what a brush makes of a surface, as lines, so that they are sharp at any
-//! scale and take the theme's colours. One row a brush.
+//! The small pictures on the buttons of the brushes. They show what a brush makes of a surface, as lines, so that they
+//! are sharp at any scale and take the theme's colours. One row a brush.
 
 use std::f32::consts::{PI, TAU};
 

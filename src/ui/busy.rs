@@ -1,5 +1,5 @@
-//! The sign over everything while long work is under way: what is done, how far it is, the picture that is
-//! being made, and the button that stops it.
+//! The sign over everything while long work is under way: its name, its progress, the picture that is being made, and
+//! the button that stops it.
 
 use egui::{Color32, Id, Key, Modal, ProgressBar, Ui};
 

@@ -81,7 +81,7 @@ pub fn listen(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mu
     }
 }
 
-/// Shows what is awaited, or the question whom a trigger shall belong to.
+/// Shows what is awaited, or the question to which action a trigger shall belong.
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let Some(catch) = &state.dialogs.keys.catch else { return };
     let mut over = false;

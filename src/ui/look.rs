@@ -1,4 +1,4 @@
-//! The choice of a look: what the surface is made of, each with a small picture of a ball in the present light, and
+//! The choice of a look: the materials of the surface, each with a small picture of a ball in the present light, and
 //! the file of the matcap.
 //!
 //! Changes the look in the [`UiState`]; reads the file of a matcap that was chosen.

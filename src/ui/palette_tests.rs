@@ -1,4 +1,4 @@
-//! Tests of the palette: what is listed for what is typed, and what is chosen.
+//! Tests of the palette: the entries listed for a typed text, and the entry that is chosen.
 
 use super::*;
 use crate::input::{Axis, DrawKind, Panel, Side, ToolMode};

@@ -58,7 +58,7 @@ pub struct Reference {
     pub shown: bool,
     /// The side from which it is seen.
     pub side: Side,
-    /// Only shown to who looks along that side.
+    /// Only shown when the view looks along that side.
     pub locked: bool,
     pub layer: Layer,
     /// 0 to 1.

@@ -1,6 +1,6 @@
 //! The options of symmetry: mirror planes across the axes of the grid, one anywhere, and rotation around an axis.
 //!
-//! Gives a command when something is changed, and what the next press is to place.
+//! Gives a command when something is changed, and the part that the next press is to place.
 
 use egui::{DragValue, Ui};
 use glam::Vec3;

@@ -4,8 +4,8 @@
 //! keys do.
 //!
 //! A field takes all keys, a button that has the focus only Enter and Space, a slider its arrows too, an open list
-//! Escape. After a dialog or a field the hand may press once too often: what confirms or closes there is heard again
-//! only when the pointer has been used over the picture.
+//! Escape. After a dialog or a field the hand may press once too often: keys that confirm or close there are heard
+//! again only when the pointer has been used over the picture.
 
 use egui::{Context, Event, EventFilter, Id, Key, Popup, Pos2};
 

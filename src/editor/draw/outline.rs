@@ -75,8 +75,8 @@ pub fn prism(view: &View, outline: &[Vec2], target_vx: Vec3, depth: Option<f32>)
     })
 }
 
-/// Everything that is seen on one side of a line through two pixels: to the right for who goes from the first to the
-/// second, or with `other` to the left.
+/// Returns everything that is seen on one side of a line through two pixels: to the right when going from the first to
+/// the second, or with `other` to the left.
 pub fn half_space(view: &View, from: Vec2, to: Vec2, other: bool) -> Option<Form> {
     if from.distance(to) < LEAST_LINE_PX {
         return None;

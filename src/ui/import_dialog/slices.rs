@@ -2,7 +2,7 @@
 //! that are dragged.
 //!
 //! Takes a volume and the options; changes which slices are shown. The pictures are textures of the interface that
-//! shows them, made anew when what they show has changed.
+//! shows them. They are made anew when their contents have changed.
 
 use std::sync::Arc;
 
