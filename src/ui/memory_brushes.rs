@@ -1,4 +1,4 @@
-//! What is remembered of the options of brushes, made from their descriptions; reads what earlier versions wrote, too.
+//! The memory of the options of brushes, made from their descriptions. Reads tables that earlier versions wrote, too.
 
 use super::memory::neat;
 use crate::editor::brushes::Brushes;

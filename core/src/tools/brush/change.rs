@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use glam::UVec3;
-
 use super::BrushUse;
 use super::kernel::grab::Pulled;
 use super::mix::Mix;
@@ -82,16 +80,5 @@ impl Change {
     /// A change that paints.
     pub(super) fn painted(voxels: ListedBricks, paint: Paint) -> Change {
         Change { paint: vec![(voxels, paint)], ..Change::default() }
-    }
-}
-
-impl Paint {
-    /// The new colour of a voxel from its present one.
-    pub fn colour(&self, v: UVec3, now: Rgb) -> Rgb {
-        match self {
-            Paint::Mix(mix) => mix.colour(v, now),
-            Paint::Stencil(stencil) => stencil.colour(v, now),
-            Paint::Carried(pulled) => pulled.colour(v).unwrap_or(now),
-        }
     }
 }

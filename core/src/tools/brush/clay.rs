@@ -3,7 +3,6 @@
 use super::change::{Change, NewClay, Site};
 use super::footprint::Outline;
 use super::kernel::rays;
-use super::kernel::stamp::Stamp;
 use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH};
 use super::spec::{BrushSpec, Inverse, Script};
 use super::{BrushError, BrushId, BrushUse};
@@ -36,12 +35,7 @@ pub const SPEC: BrushSpec = BrushSpec {
 
 /// A paraboloid over the footprint, so that strokes blend into what is there.
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
-    let reach_vx = used.get(REACH);
-    let height = |offset: f32| reach_vx * (1.0 - offset * offset);
-    let stamp = rays::under(used, site, |footprint| Stamp {
-        add: rays::around(footprint, site, reach_vx, height, Outline::Round),
-        ..Stamp::default()
-    });
+    let add = rays::around(used, site, |offset| 1.0 - offset * offset, Outline::Round);
     let new_clay = NewClay::Colour(used.get(COLOUR));
-    Ok(Change { add: stamp.add, new_clay, ..Change::default() })
+    Ok(Change { add, new_clay, ..Change::default() })
 }

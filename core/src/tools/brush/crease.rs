@@ -20,7 +20,7 @@ pub const SPEC: BrushSpec = BrushSpec {
         STEADY.param,
         FALLOFF.first(Falloff::Sharp).param,
     ],
-    stroke: BrushStroke::Surface { normal: SurfaceNormal::OfEachUse, adds_up: false },
+    stroke: BrushStroke::Surface { normal: SurfaceNormal::OfEachUse },
     // Its narrow bottom would show each use.
     spacing: 0.08,
     inverse: Inverse::Sense,

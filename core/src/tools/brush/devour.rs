@@ -2,7 +2,6 @@
 
 use super::change::{Change, Site};
 use super::kernel::rays;
-use super::kernel::stamp::Stamp;
 use super::keys::{BITE, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH};
 use super::spec::{BrushSpec, Inverse, Script, Tint};
 use super::{BrushError, BrushId, BrushUse};
@@ -30,10 +29,6 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
-    let (reach_vx, bite) = (used.get(REACH), used.get(BITE));
-    let stamp = rays::under(used, site, |footprint| Stamp {
-        remove: rays::around(footprint, site, reach_vx, |_| reach_vx, bite),
-        ..Stamp::default()
-    });
-    Ok(Change { remove: stamp.remove, ..Change::default() })
+    let remove = rays::around(used, site, |_| 1.0, used.get(BITE));
+    Ok(Change { remove, ..Change::default() })
 }

@@ -22,7 +22,7 @@ pub const SPEC: BrushSpec = BrushSpec {
         STEADY.param,
         FALLOFF.param,
     ],
-    stroke: BrushStroke::Surface { normal: SurfaceNormal::OfEachUse, adds_up: false },
+    stroke: BrushStroke::Surface { normal: SurfaceNormal::OfEachUse },
     inverse: Inverse::Sense,
     dab: |dab| Some(dab.along_normal().with(HEIGHT, dab.height())),
     script: Script::in_ball(ContactKind::BallWithNormal, &[HEIGHT.param, FALLOFF.param], apply),

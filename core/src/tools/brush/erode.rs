@@ -2,7 +2,7 @@
 
 use super::change::{Change, Site};
 use super::kernel::filter;
-use super::kernel::rays::{self, Filtered};
+use super::kernel::rays;
 use super::keys::{ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
 use super::spec::{BrushSpec, Inverse, Script, Tint};
 use super::{BrushError, BrushId, BrushUse};
@@ -31,12 +31,8 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
-    let (reach_vx, threshold) = (used.get(REACH), used.get(THRESHOLD));
-    let stamp = rays::under(used, site, |footprint| {
-        rays::filtered(footprint, site, reach_vx, 1, |near| Filtered {
-            remove: Some(filter::erosion(&near.solid, &near.may, threshold)),
-            ..Filtered::default()
-        })
+    let remove = rays::by_threshold(used, site, |near, threshold| {
+        filter::erosion(&near.solid, &near.may, threshold)
     });
-    Ok(Change { remove: stamp.remove, ..Change::default() })
+    Ok(Change { remove, ..Change::default() })
 }

@@ -2,7 +2,7 @@
 
 use super::change::{Change, NewClay, Site};
 use super::kernel::filter;
-use super::kernel::rays::{self, Filtered};
+use super::kernel::rays;
 use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
 use super::spec::{BrushSpec, Inverse, Script};
 use super::{BrushError, BrushId, BrushUse};
@@ -35,13 +35,9 @@ pub const SPEC: BrushSpec = BrushSpec {
 const ROUNDS: u32 = 64;
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
-    let (reach_vx, threshold) = (used.get(REACH), used.get(THRESHOLD));
-    let stamp = rays::under(used, site, |footprint| {
-        rays::filtered(footprint, site, reach_vx, 1, |near| Filtered {
-            add: Some(filter::growth(&near.solid, &near.may, threshold, ROUNDS)),
-            ..Filtered::default()
-        })
+    let add = rays::by_threshold(used, site, |near, threshold| {
+        filter::growth(&near.solid, &near.may, threshold, ROUNDS)
     });
     let new_clay = used.find(COLOUR).map_or(NewClay::Inherited, NewClay::Colour);
-    Ok(Change { add: stamp.add, new_clay, ..Change::default() })
+    Ok(Change { add, new_clay, ..Change::default() })
 }

@@ -3,7 +3,6 @@
 use super::change::{Change, Site};
 use super::footprint::Outline;
 use super::kernel::rays;
-use super::kernel::stamp::Stamp;
 use super::keys::{OUTLINE, RADIUS, REACH};
 use super::spec::{BrushGroup, BrushSpec, Inverse, Script, Tint};
 use super::{BrushError, BrushId, BrushUse};
@@ -33,10 +32,6 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
-    let reach_vx = used.get(REACH);
-    let stamp = rays::under(used, site, |footprint| Stamp {
-        add: rays::around(footprint, site, reach_vx, |_| reach_vx, Outline::Round),
-        ..Stamp::default()
-    });
-    Ok(Change { add: stamp.add, ..Change::default() })
+    let add = rays::around(used, site, |_| 1.0, Outline::Round);
+    Ok(Change { add, ..Change::default() })
 }

@@ -20,7 +20,7 @@ pub const SPEC: BrushSpec = BrushSpec {
         STEADY.param,
         FALLOFF.param,
     ],
-    stroke: BrushStroke::Surface { normal: SurfaceNormal::OfEachUse, adds_up: true },
+    stroke: BrushStroke::Surface { normal: SurfaceNormal::OfEachUse },
     inverse: Inverse::Sense,
     dab,
     script: Script::of_clay(

@@ -20,10 +20,7 @@ pub const SPEC: BrushSpec = BrushSpec {
         STEADY.param,
         FALLOFF.first(Falloff::Flat).param,
     ],
-    stroke: BrushStroke::Surface {
-        normal: SurfaceNormal::OfPress { on_plane: true },
-        adds_up: false,
-    },
+    stroke: BrushStroke::Surface { normal: SurfaceNormal::OfPress { on_plane: true } },
     inverse: Inverse::Brush(BrushId::Fill),
     script: Script::in_ball(ContactKind::BallWithNormal, &[STRENGTH.param, FALLOFF.param], apply),
     ..BrushSpec::DEFORM

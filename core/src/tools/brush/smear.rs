@@ -20,10 +20,7 @@ pub const SPEC: BrushSpec = BrushSpec {
         STEADY.param,
         FALLOFF.param,
     ],
-    stroke: BrushStroke::Surface {
-        normal: SurfaceNormal::OfPress { on_plane: false },
-        adds_up: true,
-    },
+    stroke: BrushStroke::Surface { normal: SurfaceNormal::OfPress { on_plane: false } },
     dab,
     ..BrushSpec::DEFORM
 };

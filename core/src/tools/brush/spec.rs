@@ -43,7 +43,7 @@ pub struct BrushSpec {
     pub idle: &'static str,
     /// The use that a hand makes; none where it would change nothing.
     pub dab: fn(&Dab) -> Option<BrushUse>,
-    /// What a command does; none if the commands of a hand are those of another brush.
+    /// Its command; none if the commands of a hand are those of another brush.
     pub script: Option<Script>,
 }
 
@@ -132,8 +132,6 @@ pub enum BrushStroke {
     Surface {
         /// The normal of the surface.
         normal: SurfaceNormal,
-        /// It moves what uses before it left, instead of the surface as it was when the stroke began.
-        adds_up: bool,
     },
     /// In a ball of clay that is held and follows the drag.
     Held {
@@ -204,10 +202,7 @@ impl BrushSpec {
     /// A brush that deforms clay.
     pub(super) const DEFORM: BrushSpec = BrushSpec {
         group: BrushGroup::Deform,
-        stroke: BrushStroke::Surface {
-            normal: SurfaceNormal::OfPress { on_plane: false },
-            adds_up: false,
-        },
+        stroke: BrushStroke::Surface { normal: SurfaceNormal::OfPress { on_plane: false } },
         spacing: 0.2,
         pressure: Some(super::keys::STRENGTH),
         tint: Tint::Neutral,

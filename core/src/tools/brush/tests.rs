@@ -155,9 +155,8 @@ fn cover_is_the_share_of_the_colour_that_a_pass_mixes_in() {
             let change = change(&used, &grid, &grid, depth);
             let seen = painted(&change);
             assert_eq!(seen.len(), 41 * 41);
-            let (_, paint) = &change.paint[0];
-            assert!(matches!(paint, Paint::Mix(_)));
-            let kept = |v: &IVec3| depth.quantise(paint.colour(v.as_uvec3(), now));
+            let [(_, Paint::Mix(mix))] = &change.paint[..] else { panic!("no mixture") };
+            let kept = |v: &IVec3| depth.quantise(mix.colour(v.as_uvec3(), now));
             seen.iter().map(kept).collect::<Vec<Rgb>>()
         };
         let mixed = mix(0.3, 0.0);

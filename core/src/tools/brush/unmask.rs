@@ -3,7 +3,6 @@
 use super::change::{Change, Site};
 use super::footprint::Outline;
 use super::kernel::rays;
-use super::kernel::stamp::Stamp;
 use super::keys::{OUTLINE, RADIUS, REACH};
 use super::spec::{BrushGroup, BrushSpec, Inverse, Script, Tint};
 use super::{BrushError, BrushId, BrushUse};
@@ -34,10 +33,6 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
-    let reach_vx = used.get(REACH);
-    let stamp = rays::under(used, site, |footprint| Stamp {
-        remove: rays::around(footprint, site, reach_vx, |_| reach_vx, Outline::Round),
-        ..Stamp::default()
-    });
-    Ok(Change { remove: stamp.remove, ..Change::default() })
+    let remove = rays::around(used, site, |_| 1.0, Outline::Round);
+    Ok(Change { remove, ..Change::default() })
 }

@@ -217,7 +217,7 @@ impl Grab {
                 step: self.motion.step(steps, image),
             })
             .collect();
-        // What a pull moves stays within its reach, and so does where it comes from.
+        // Moved clay stays within the reach of a pull, and so does the place from which it comes.
         let reach = |pull: &Pull| {
             let (start, half) = (pull.centre + origin, radius / stretch);
             let end = start + pull.way() * steps as f64;
@@ -250,7 +250,7 @@ impl Grab {
 /// The colours that voxels of a brick come with, where its mask in the list has them.
 pub(super) type Colours = (UVec3, Box<[Rgb; BRICK_VOXELS as usize]>);
 
-/// What a pull changes.
+/// The change that a pull makes.
 #[derive(Default)]
 pub struct Pulled {
     /// Voxels to remove, to add and to recolour, among them those added.

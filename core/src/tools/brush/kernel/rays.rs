@@ -12,6 +12,7 @@ use crate::sculpture::region::ListedBricks;
 use crate::tools::brush::BrushUse;
 use crate::tools::brush::change::Site;
 use crate::tools::brush::footprint::{Footprint, Outline, Touch};
+use crate::tools::brush::keys::{REACH, THRESHOLD};
 
 /// Largest reach of a brush around a voxel of the surface, in voxels.
 pub const MAX_REACH_VX: f32 = 64.0;
@@ -23,7 +24,7 @@ struct Touched {
     max: IVec3,
 }
 
-/// What filters read and may change: existing voxels near the surface, and those that may change.
+/// The voxels that filters read: existing ones near the surface, and those that may change.
 pub struct Near {
     /// Existing voxels.
     pub solid: BitBlock,
@@ -32,7 +33,6 @@ pub struct Near {
 }
 
 /// The voxels that a filter adds, and those that it removes.
-#[derive(Default)]
 pub struct Filtered {
     /// To add.
     pub add: Option<BitBlock>,
@@ -56,26 +56,29 @@ pub fn seen(footprint: &Footprint, site: &Site) -> ListedBricks {
     ListedBricks::new(seen.bricks(site.contents.grid.brick_dims()))
 }
 
-/// The voxels around those of the surface under a footprint, up to the `reach_vx` for their distances from its centre (0)
-/// to its rim (1). `most_vx`: the largest reach.
+/// The voxels around those of the surface under a use and its mirror images. `share`: of the reach, from the distance from
+/// the centre of the footprint (0) to its rim (1).
 pub fn around(
-    footprint: &Footprint,
+    used: &BrushUse,
     site: &Site,
-    most_vx: f32,
-    reach_vx: impl Fn(f32) -> f32,
+    share: impl Fn(f32) -> f32,
     outline: Outline,
 ) -> ListedBricks {
-    let margin = most_vx.ceil() as i32 + 1;
-    match Touched::under(footprint, site.surface, margin) {
-        Some(touched) => {
-            let around = touched.around(reach_vx, outline);
-            ListedBricks::new(around.bricks(site.contents.grid.brick_dims()))
-        }
-        None => ListedBricks::default(),
-    }
+    let reach_vx = used.get(REACH);
+    let margin = reach_vx.ceil() as i32 + 1;
+    let dims = site.contents.grid.brick_dims();
+    let stamp = under(used, site, |footprint| {
+        let touched = Touched::under(footprint, site.surface, margin);
+        let around = touched.map(|touched| {
+            let around = touched.around(|offset| reach_vx * share(offset), outline);
+            ListedBricks::new(around.bricks(dims))
+        });
+        Stamp { add: around.unwrap_or_default(), ..Stamp::default() }
+    });
+    stamp.add
 }
 
-/// A filter on the voxels near the surface under a footprint. `margin`: how far around voxels that may change it reads.
+/// A filter on the voxels near the surface under one footprint. `margin`: how far around voxels that may change it reads.
 pub fn filtered(
     footprint: &Footprint,
     site: &Site,
@@ -95,6 +98,22 @@ pub fn filtered(
         block.map(|block| ListedBricks::new(block.bricks(dims))).unwrap_or_default()
     };
     Stamp { add: listed(add), remove: listed(remove), ..Stamp::default() }
+}
+
+/// A filter that counts neighbours against the threshold of a use, under it and its mirror images.
+pub fn by_threshold(
+    used: &BrushUse,
+    site: &Site,
+    filter: impl Fn(&Near, u32) -> BitBlock,
+) -> ListedBricks {
+    let (reach_vx, threshold) = (used.get(REACH), used.get(THRESHOLD));
+    let stamp = under(used, site, |footprint| {
+        filtered(footprint, site, reach_vx, 1, |near| Filtered {
+            add: Some(filter(near, threshold)),
+            remove: None,
+        })
+    });
+    stamp.add
 }
 
 impl Touched {
