@@ -2,7 +2,7 @@
 
 use super::change::{Change, Site};
 use super::kernel::grab::Falloff;
-use super::kernel::offset::{self, Profile, Target};
+use super::kernel::offset::{self, Profile};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
 use super::{BrushError, BrushUse};
@@ -30,10 +30,5 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
-    let height = used.get(HEIGHT);
-    Ok(offset::change(used, site, |normal| Target::Drawn {
-        normal,
-        height,
-        profile: Profile::Squared,
-    }))
+    Ok(offset::along_normal(used, site, Profile::Squared))
 }

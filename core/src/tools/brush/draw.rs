@@ -1,7 +1,7 @@
 //! Draw: raises the surface along its normal; inverted, it lowers it.
 
 use super::change::{Change, Site};
-use super::kernel::offset::{self, Profile, Target};
+use super::kernel::offset::{self, Profile};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
 use super::{BrushError, BrushUse};
@@ -30,10 +30,5 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
-    let height = used.get(HEIGHT);
-    Ok(offset::change(used, site, |normal| Target::Drawn {
-        normal,
-        height,
-        profile: Profile::Falloff,
-    }))
+    Ok(offset::along_normal(used, site, Profile::Falloff))
 }

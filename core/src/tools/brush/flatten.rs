@@ -2,7 +2,7 @@
 
 use super::change::{Change, Site};
 use super::kernel::grab::Falloff;
-use super::kernel::offset::{self, Target};
+use super::kernel::offset;
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Script, SurfaceNormal};
 use super::{BrushError, BrushUse};
@@ -26,11 +26,5 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
-    let strength = used.get(STRENGTH);
-    Ok(offset::change(used, site, |normal| Target::Plane {
-        normal,
-        strength,
-        lowers: true,
-        raises: true,
-    }))
+    Ok(offset::to_plane(used, site, true, true))
 }

@@ -61,6 +61,12 @@ pub const REACH: Key<f32> = Key::new(Param {
     ..BASE
 });
 
+/// How far from the surface voxels are masked.
+pub const MASK_DEPTH: Key<f32> = REACH
+    .first(4.0)
+    .label("Depth")
+    .help("How far from the surface voxels are protected, outwards, too");
+
 /// The shape that is cut around a point under the brush.
 pub const BITE: Key<Outline> = Key::new(Param {
     key: "bite",

@@ -3,7 +3,7 @@
 use super::change::{Change, Site};
 use super::footprint::Outline;
 use super::kernel::rays;
-use super::keys::{OUTLINE, RADIUS, REACH};
+use super::keys::{MASK_DEPTH, OUTLINE, RADIUS, REACH};
 use super::spec::{BrushGroup, BrushSpec, Inverse, Script, Tint};
 use super::{BrushError, BrushId, BrushUse};
 
@@ -15,15 +15,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     help: "Mask: protects the surface under it, so that nothing changes it",
     synonyms: "protect freeze lock",
     group: BrushGroup::Mask,
-    options: &[
-        RADIUS.param,
-        OUTLINE.param,
-        REACH
-            .first(4.0)
-            .label("Depth")
-            .help("How far from the surface voxels are protected, outwards, too")
-            .param,
-    ],
+    options: &[RADIUS.param, OUTLINE.param, MASK_DEPTH.param],
     inverse: Inverse::Brush(BrushId::Unmask),
     tint: Tint::Mask,
     idle: "Nothing changed: it is masked already",

@@ -2,7 +2,7 @@
 
 use super::change::{Change, Site};
 use super::kernel::grab::Falloff;
-use super::kernel::offset::{self, Target};
+use super::kernel::offset;
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
 use super::{BrushError, BrushId, BrushUse};
@@ -27,11 +27,5 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
-    let strength = used.get(STRENGTH);
-    Ok(offset::change(used, site, |normal| Target::Plane {
-        normal,
-        strength,
-        lowers: true,
-        raises: false,
-    }))
+    Ok(offset::to_plane(used, site, true, false))
 }

@@ -3,7 +3,7 @@
 use super::change::{Change, Site};
 use super::footprint::Outline;
 use super::kernel::rays;
-use super::keys::{OUTLINE, RADIUS, REACH};
+use super::keys::{MASK_DEPTH, OUTLINE, RADIUS, REACH};
 use super::spec::{BrushGroup, BrushSpec, Inverse, Script, Tint};
 use super::{BrushError, BrushId, BrushUse};
 
@@ -15,15 +15,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     help: "Unmask: takes protection from the surface under it",
     synonyms: "unprotect release erase thaw",
     group: BrushGroup::Mask,
-    options: &[
-        RADIUS.param,
-        OUTLINE.param,
-        REACH
-            .first(4.0)
-            .label("Depth")
-            .help("How far from the surface voxels are protected, outwards, too")
-            .param,
-    ],
+    options: &[RADIUS.param, OUTLINE.param, MASK_DEPTH.param],
     inverse: Inverse::Brush(BrushId::Mask),
     options_of: Some(BrushId::Mask),
     tint: Tint::Mask,

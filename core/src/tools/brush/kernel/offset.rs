@@ -17,7 +17,7 @@ use crate::tools::brush::BrushUse;
 use crate::tools::brush::brush_use::Frame;
 use crate::tools::brush::change::{Change, NewClay, Site};
 use crate::tools::brush::kernel::stamp::Stamp;
-use crate::tools::brush::keys::FALLOFF;
+use crate::tools::brush::keys::{FALLOFF, HEIGHT, STRENGTH};
 use crate::tools::symmetry::{Symmetry, origin_of};
 
 /// Furthest that a surface is raised or lowered, in units of the smallest edge of a voxel.
@@ -157,6 +157,18 @@ pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> 
     let offset = Offset { centre_vx: ball.centre_vx, radius: ball.radius, falloff, target };
     let Stamp { add, remove, .. } = offset.stamp(site.surface, site.symmetry);
     Change { add, remove, new_clay: NewClay::Inherited, ..Change::default() }
+}
+
+/// The change of a use that moves the surface to the plane through the middle of the ball, by its strength.
+pub fn to_plane(used: &BrushUse, site: &Site, lowers: bool, raises: bool) -> Change {
+    let strength = used.get(STRENGTH);
+    change(used, site, |normal| Target::Plane { normal, strength, lowers, raises })
+}
+
+/// The change of a use that moves the surface along the normal, by its height.
+pub fn along_normal(used: &BrushUse, site: &Site, profile: Profile) -> Change {
+    let height = used.get(HEIGHT);
+    change(used, site, |normal| Target::Drawn { normal, height, profile })
 }
 
 impl Offset {
