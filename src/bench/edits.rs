@@ -18,8 +18,6 @@ use crate::scenes::Random;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
-use crate::tools::brush::keys::{ANGLE, HEIGHT, STRENGTH};
-use crate::tools::brush::{Ball, BrushId, BrushUse, Frame};
 use crate::tools::drawn::{Bead, Form, Pose};
 use crate::tools::solid::{Primitive, Solid};
 
@@ -58,12 +56,7 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         primitive: Primitive { solid, centre_vx: centre, half: even, rotation: turn },
         to_vx: Some(centre + SWEEP_VX),
     };
-    let top = Vec3::new(256.0, 512.0, 256.0);
     let normal = Vec3::new(0.2, 1.0, 0.1);
-    let used =
-        |brush, frame| BrushUse::in_ball(brush, Ball { centre_vx: top, radius: 48.0, frame });
-    let along = |brush| used(brush, Frame::Normal(normal));
-    let brush = |used: BrushUse| Command::Brush(used);
     let form = |form| Command::Form { op: EditOp::Subtract, form };
     let pose = Pose { at_vx: centre, rotation: turn };
     let commands = [
@@ -87,20 +80,6 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
             "turned extrusion of 33 points",
             form(Form::Extrusion { pose, outlines: Arc::new([vase(33)]), depth: 64.0 }),
         ),
-        (
-            "pull at a ball of radius 48",
-            brush(used(BrushId::Grab, Frame::Displacement(Vec3::new(3.0, -8.0, 2.0)))),
-        ),
-        (
-            "sinking in a ball of radius 48",
-            brush(used(BrushId::Inflate, Frame::None).with(HEIGHT, -8.0)),
-        ),
-        ("flattening in a ball of radius 48", brush(along(BrushId::Flatten).with(STRENGTH, 1.0))),
-        ("twisting a ball of radius 48", brush(along(BrushId::Twist).with(ANGLE, 20.0))),
-        // The most of a use in a stroke.
-        ("pinching a ball of radius 48", brush(along(BrushId::Pinch).with(STRENGTH, 0.1))),
-        ("lowering in a ball of radius 48", brush(along(BrushId::Draw).with(HEIGHT, -8.0))),
-        ("creasing in a ball of radius 48", brush(along(BrushId::Crease).with(HEIGHT, -8.0))),
     ];
     let mut reports = Vec::new();
     for (name, command) in commands {
@@ -347,7 +326,7 @@ mod tests {
     #[test]
     fn every_edit_is_reported_and_taken_back() {
         let reports = edits(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 29);
+        assert_eq!(reports.len(), 22);
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
         let ball = 4.0 / 3.0 * std::f64::consts::PI * 64f64.powi(3);
         assert!((voxels("sphere") as f64 / ball - 1.0).abs() < 1e-3);
@@ -369,9 +348,6 @@ mod tests {
         assert!(voxels("tube") > 200_000);
         assert!(voxels("turned lathe") > 1_000_000);
         assert!(voxels("turned extrusion") > 10_000);
-        assert!(voxels("pull") > 10_000);
-        assert!(voxels("sinking") > 10_000);
-        assert!(voxels("flattening") > 1000);
         assert!(voxels("2000 spheres") > 1 << 24);
         assert!(reports.iter().all(|r| r.voxels_per_s > 0.0));
     }

@@ -1,5 +1,5 @@
-//! Benchmarks of single uses of brushes, masks and symmetry, as a person makes them: on the face of a coloured block of
-//! 512³ voxels, seen from half a block before it.
+//! Benchmarks of single uses of all brushes, of masks and of symmetry, as a person makes them: on the face of a coloured
+//! block of 512³ voxels with a hollow, seen from half a block before it.
 
 use std::path::Path;
 
@@ -9,29 +9,45 @@ use super::edits::{EditReport, block, subtract, take_back, timed};
 use crate::command::{Command, MaskArea, MaskChange, PatchRule};
 use crate::document::CommandError;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
+use crate::tools::brush::dab::{Dab, DabPlace};
 use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
-use crate::tools::brush::keys::{AROUND, COLOUR, COVER, REACH, STRENGTH, THRESHOLD};
-use crate::tools::brush::{BrushId, BrushUse};
+use crate::tools::brush::keys::{AROUND, COLOUR, RADIUS, REACH};
+use crate::tools::brush::options::BrushOptions;
+use crate::tools::brush::spec::{BrushGroup, BrushStroke};
+use crate::tools::brush::{BrushId, BrushSurface, BrushUse};
 use crate::tools::solid::{Primitive, Solid};
 use crate::tools::symmetry::{MirrorPlane, Radial, Symmetry};
 use crate::tools::texture::Texture;
 
 /// The middle of the face.
 const TOP_VX: Vec3 = Vec3::new(256.0, 512.0, 256.0);
+/// The radius of the hollow there, which gives filters and masks something to do.
+const HOLLOW_VX: f32 = 64.0;
 /// A name for the stencil.
 const PICTURE: &str = "stripes";
 const PAINT: Rgb = Rgb::new(190, 30, 60);
 
-/// The measured uses. A face with a hollow gives filters and masks something to do.
+/// The measured uses.
 pub fn uses(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError> {
     let mut document = block(ColourDepth::Bits24, limits)?;
     if let Some(stripes) = stripes() {
         document.learn_picture(Path::new(PICTURE), stripes);
     }
-    document.apply(&cut(TOP_VX, 64.0))?;
+    document.apply(&cut(TOP_VX, HOLLOW_VX))?;
     let mut reports = Vec::new();
-    for (name, command) in brushes() {
-        reports.extend(timed(&mut document, &format!("{name}, radius 48"), &command, runs)?);
+    let brushes = BrushId::ALL.iter().map(|brush| (brush.spec().name, used(*brush)));
+    let further = further_brushes().map(|(name, used)| (name, Some(used)));
+    for (name, used) in brushes.chain(further) {
+        let Some(used) = used else { continue };
+        let on_mask = used.brush().spec().group == BrushGroup::Mask;
+        if on_mask {
+            document.apply(&mask_ball(HOLLOW_VX))?;
+        }
+        let name = format!("{name}, radius {RADIUS_VX}");
+        reports.extend(timed(&mut document, &name, &Command::Brush(used), runs)?);
+        if on_mask {
+            take_back(&mut document)?;
+        }
     }
     for (name, what) in areas() {
         let command = Command::Mask(MaskChange::Put { adds: true, what });
@@ -62,48 +78,67 @@ pub fn uses(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError
     Ok(reports)
 }
 
-/// Brushes of 48 rays around the middle, a voxel apart.
-fn brushes() -> Vec<(&'static str, Command)> {
-    let footprint = Footprint {
+/// The radius of the brushes, in voxels.
+const RADIUS_VX: f32 = 48.0;
+
+/// A brush with its first options, as a hand uses it: under an outline over the hollow, or in a ball at its rim.
+fn used(brush: BrushId) -> Option<BrushUse> {
+    let spec = brush.spec();
+    let options = BrushOptions::first(brush).with(RADIUS, RADIUS_VX);
+    let rim = TOP_VX + Vec3::X * HOLLOW_VX;
+    let (normal, edges) = (Vec3::new(0.2, 1.0, 0.1).normalize(), Vec3::ONE);
+    let place = match spec.stroke {
+        BrushStroke::Picture { .. } => {
+            DabPlace::Picture { footprint: from_above(), colour: PAINT, uses: 0 }
+        }
+        BrushStroke::Surface { .. } => {
+            let from_vx = rim - Vec3::X * spec.spacing * RADIUS_VX;
+            DabPlace::Surface { at_vx: rim, from_vx, normal, edges, sense: 1.0 }
+        }
+        BrushStroke::Held { .. } => {
+            let by_vx = Vec3::new(8.0, -8.0, 2.0);
+            DabPlace::Held { start_vx: rim, by_vx, normal, right: Vec3::X, edges }
+        }
+    };
+    // Without an open stroke, the surface of its beginning is the one that is there.
+    (spec.dab)(&Dab { options: &options, place }).map(|used| used.on(BrushSurface::Now))
+}
+
+/// A voxel a ray.
+fn from_above() -> Footprint {
+    Footprint {
         eye_vx: TOP_VX + Vec3::Y * 256.0,
         aim: Vec3::NEG_Y * 256.0,
         across: Vec3::X,
         down: Vec3::Z,
-        radius: 48.0,
+        radius: RADIUS_VX,
         outline: Outline::Round,
         coverage: Coverage::Visible,
-    };
-    let under = |footprint, brush| BrushUse::under(brush, footprint);
-    let used = |brush, reach_vx: f32| under(footprint, brush).with(REACH, reach_vx);
-    let painted = |footprint| {
-        let used = under(footprint, BrushId::Paint).with(REACH, 0.0);
-        Command::Brush(used.with(COLOUR, PAINT).with(COVER, 0.5))
-    };
+    }
+}
+
+/// Brushes in other places, with an image, and as the first versions smoothed.
+fn further_brushes() -> [(&'static str, BrushUse); 4] {
+    let footprint = from_above();
+    let painted = |footprint| BrushUse::under(BrushId::Paint, footprint).with(COLOUR, PAINT);
     // As at 1024^3 in whole view, and from ten degrees above the surface.
     let wide = Footprint { across: Vec3::X * 2.0, down: Vec3::Z * 2.0, ..footprint };
-    let way = Vec3::new(0.985, -0.174, 0.0);
+    let direction = Vec3::new(0.985, -0.174, 0.0);
     let aslant = Footprint {
-        eye_vx: TOP_VX - way * 1024.0,
-        aim: way * 1024.0,
+        eye_vx: TOP_VX - direction * 1024.0,
+        aim: direction * 1024.0,
         across: Vec3::Z,
-        down: way.cross(Vec3::Z),
+        down: direction.cross(Vec3::Z),
         ..footprint
     };
-    let mut stencil = under(footprint, BrushId::Paint);
+    let mut stencil = BrushUse::under(BrushId::Paint, footprint);
     stencil.picture = Some(PICTURE.into());
-    vec![
-        ("brush", painted(footprint)),
-        ("brush, two voxels a pixel", painted(wide)),
-        ("brush, seen aslant", painted(aslant)),
-        ("stencil", Command::Brush(stencil)),
-        ("devourer of depth 4", Command::Brush(used(BrushId::Devour, 4.0))),
-        ("clay of height 4", Command::Brush(used(BrushId::Clay, 4.0).with(COLOUR, PAINT))),
-        ("erosion", Command::Brush(used(BrushId::Erode, 1.0).with(THRESHOLD, 14))),
-        ("dilation", Command::Brush(used(BrushId::Dilate, 1.0).with(THRESHOLD, 12))),
-        ("growth", Command::Brush(used(BrushId::Grow, 1.0).with(THRESHOLD, 14))),
-        ("smooth by the majority", Command::Brush(used(BrushId::Smooth, 2.0).with(AROUND, 2))),
-        ("smooth", Command::Brush(used(BrushId::Smooth, 0.0).with(STRENGTH, 0.5))),
-        ("mask brush of depth 4", Command::Brush(used(BrushId::Mask, 4.0))),
+    let majority = BrushUse::under(BrushId::Smooth, footprint).with(REACH, 2.0).with(AROUND, 2);
+    [
+        ("paint, two voxels a pixel", painted(wide)),
+        ("paint, seen aslant", painted(aslant)),
+        ("stencil", stencil),
+        ("smooth by the majority", majority),
     ]
 }
 
@@ -148,7 +183,7 @@ mod tests {
     #[test]
     fn every_use_does_something() {
         let reports = uses(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 24);
+        assert_eq!(reports.len(), BrushId::ALL.len() + 16);
         for report in &reports {
             assert!(report.voxels > 0, "{report:?}");
         }

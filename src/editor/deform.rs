@@ -11,31 +11,26 @@ use super::dabs::normal_around;
 use super::stroke::{Stroke, Work};
 use crate::command::Command;
 use crate::picking::Picker;
-use crate::tools::brush::kernel::grab::{MAX_PULL_VX, MAX_TWIST_DEG};
-use crate::tools::brush::keys::{ANGLE, FALLOFF, RADIUS, STRENGTH};
+use crate::tools::brush::BrushId;
+use crate::tools::brush::dab::{Dab, DabPlace};
+use crate::tools::brush::keys::RADIUS;
 use crate::tools::brush::options::BrushOptions;
 use crate::tools::brush::spec::BrushStroke;
-use crate::tools::brush::{Ball, BrushId, BrushSurface, BrushUse, Frame};
-
-/// How clay turns that is held: like a knob, clockwise when it is led to the right, by the radius for a radian.
-#[derive(Clone, Copy, PartialEq, Debug)]
-struct Turn {
-    /// Out of the clay.
-    normal: Vec3,
-    /// To the right, as it is seen, of length 1 in units of the smallest edge.
-    right: Vec3,
-    /// Voxel edges in units of the smallest.
-    edges: Vec3,
-}
 
 /// Clay that is held, and how far it is pulled.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct HeldClay {
     options: BrushOptions,
-    /// How it turns with the pointer; none if it goes along.
-    turn: Option<Turn>,
+    /// It turns instead of going along.
+    turns: bool,
     /// Where the tool took hold, in voxels.
     start: Vec3,
+    /// Out of the clay there, of length 1.
+    normal: Vec3,
+    /// To the right, as it is seen, of length 1 in units of the smallest edge.
+    right: Vec3,
+    /// Voxel edges in units of the smallest.
+    edges: Vec3,
     /// From there to what the pointer pointed at, in voxels; none while a key or a hand holds it away from the pointer.
     aside: Option<Vec3>,
     /// How far the tool has been led, in voxels.
@@ -55,25 +50,11 @@ impl HeldClay {
         self.by == Vec3::ZERO
     }
 
-    fn command(&self) -> Command {
-        let radius = self.options.get(RADIUS);
-        let by = self.by * self.options.get(STRENGTH);
-        let (frame, angle_deg) = match self.turn {
-            Some(Turn { normal, right, edges }) => {
-                let angle = -(by * edges).dot(right) / radius;
-                (Frame::Normal(normal), angle.to_degrees().clamp(-MAX_TWIST_DEG, MAX_TWIST_DEG))
-            }
-            None => {
-                let furthest = by.abs().max_element();
-                let share = if furthest > MAX_PULL_VX { MAX_PULL_VX / furthest } else { 1.0 };
-                (Frame::Displacement(by * share), 0.0)
-            }
-        };
-        let ball = Ball { centre_vx: self.start, radius, frame };
-        let used = BrushUse::in_ball(self.options.brush(), ball)
-            .with(ANGLE, angle_deg)
-            .with(FALLOFF, self.options.get(FALLOFF));
-        Command::Brush(used.on(BrushSurface::Stroke))
+    /// None where it changes nothing.
+    fn command(&self) -> Option<Command> {
+        let HeldClay { options, start: start_vx, by: by_vx, normal, right, edges, .. } = *self;
+        let place = DabPlace::Held { start_vx, by_vx, normal, right, edges };
+        (options.brush().spec().dab)(&Dab { options: &options, place }).map(Command::Brush)
     }
 }
 
@@ -116,23 +97,22 @@ impl Editor {
         }
         let start = self.tool.centre_vx;
         let options = self.ball_options(brush);
-        let turn = turns.then(|| {
-            let grid = self.session.document().grid();
-            let edges = grid.voxel_size() / grid.voxel_size().min_element();
-            let normal = normal_around(grid, start, options.get(RADIUS))
-                .or_else(|| at.map(|at| picker.normal(grid, at, true)))
-                .and_then(Vec3::try_normalize)
-                .unwrap_or(Vec3::Y);
-            let beside =
-                |at| in_plane_of(start, at + Vec2::X, picker) - in_plane_of(start, at, picker);
-            let right = picker.sight().pixel_of(start).map(beside);
-            let right = right.and_then(|right| (right * edges).try_normalize()).unwrap_or(Vec3::X);
-            Turn { normal, right, edges }
-        });
+        let grid = self.session.document().grid();
+        let edges = grid.voxel_size() / grid.voxel_size().min_element();
+        let normal = normal_around(grid, start, options.get(RADIUS))
+            .or_else(|| at.map(|at| picker.normal(grid, at, true)))
+            .and_then(Vec3::try_normalize)
+            .unwrap_or(Vec3::Y);
+        let beside = |at| in_plane_of(start, at + Vec2::X, picker) - in_plane_of(start, at, picker);
+        let right = picker.sight().pixel_of(start).map(beside);
+        let right = right.and_then(|right| (right * edges).try_normalize()).unwrap_or(Vec3::X);
         let held = HeldClay {
             options,
-            turn,
+            turns,
             start,
+            normal,
+            right,
+            edges,
             aside: at.map(|at| in_plane_of(start, at, picker) - start),
             by: Vec3::ZERO,
             done: Vec3::ZERO,
@@ -148,7 +128,7 @@ impl Editor {
             let by = in_plane_of(held.start, to, picker) - held.start - aside;
             if by.is_finite() {
                 held.by = by;
-                if held.turn.is_none() {
+                if !held.turns {
                     self.tool.centre_vx = held.start + by;
                 }
                 self.leave_ground();
@@ -173,8 +153,7 @@ impl Editor {
             return;
         }
         held.done = held.by;
-        let command = held.command();
-        if !self.execute(&command) {
+        if held.command().is_some_and(|command| !self.execute(&command)) {
             self.cancel_stroke();
         }
     }

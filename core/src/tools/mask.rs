@@ -66,7 +66,7 @@ pub fn evened(mask: &Grid, radius_vx: u32) -> (ListedBricks, ListedBricks) {
     bits.extend_border(inside.min, inside.max);
     let mut may = filled(&bits);
     may.keep_box(inside.min, inside.max);
-    let (added, removed) = filter::majority(&bits, &may, radius_vx);
+    let (added, removed) = filter::majority(&bits, &may, radius_vx, 1.0);
     let bricks = |block: BitBlock| ListedBricks::new(block.bricks(mask.brick_dims()));
     (bricks(added), bricks(removed))
 }

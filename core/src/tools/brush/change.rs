@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::BrushUse;
 use super::kernel::grab::Pulled;
+use super::kernel::stamp::Stamp;
 use super::mix::Mix;
 use super::stencil::Stencil;
 use crate::sculpture::history::Contents;
@@ -75,6 +76,12 @@ impl Change {
             Some(script) => (script.apply)(used, site),
             None => Ok(Change::default()),
         }
+    }
+
+    /// A change that adds and removes clay; new clay has the colour of that around it.
+    pub(super) fn of_clay(stamp: Stamp) -> Change {
+        let Stamp { add, remove, .. } = stamp;
+        Change { add, remove, new_clay: NewClay::Inherited, ..Change::default() }
     }
 
     /// A change that paints.

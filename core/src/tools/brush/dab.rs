@@ -46,6 +46,19 @@ pub enum DabPlace {
         /// 1, or -1 if the brush works in the other sense.
         sense: f32,
     },
+    /// In a ball of clay that is held.
+    Held {
+        /// Where it was taken hold of, in voxels.
+        start_vx: Vec3,
+        /// How far it has been led from there, in voxels.
+        by_vx: Vec3,
+        /// Out of the clay, of length 1.
+        normal: Vec3,
+        /// To the right, as it is seen, of length 1 in units of the smallest edge.
+        right: Vec3,
+        /// Voxel edges in units of the smallest.
+        edges: Vec3,
+    },
 }
 
 impl Dab<'_> {
@@ -62,7 +75,8 @@ impl Dab<'_> {
                 let colour = brush.spec().gives_colour.then_some(colour);
                 (Contact::Footprint(footprint), surface, colour)
             }
-            DabPlace::Surface { at_vx: centre_vx, .. } => {
+            DabPlace::Surface { at_vx: centre_vx, .. }
+            | DabPlace::Held { start_vx: centre_vx, .. } => {
                 (Contact::Ball(Ball { centre_vx, radius, frame }), BrushSurface::Stroke, None)
             }
         };
@@ -82,7 +96,7 @@ impl Dab<'_> {
     /// Out of the clay, of length 1.
     pub(super) fn normal(&self) -> Vec3 {
         match self.place {
-            DabPlace::Surface { normal, .. } => normal,
+            DabPlace::Surface { normal, .. } | DabPlace::Held { normal, .. } => normal,
             DabPlace::Picture { footprint, .. } => -footprint.aim.normalize_or(Vec3::NEG_Y),
         }
     }
@@ -98,7 +112,7 @@ impl Dab<'_> {
     pub(super) fn sense(&self) -> f32 {
         match self.place {
             DabPlace::Surface { sense, .. } => sense,
-            DabPlace::Picture { .. } => 1.0,
+            DabPlace::Picture { .. } | DabPlace::Held { .. } => 1.0,
         }
     }
 }

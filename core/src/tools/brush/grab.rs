@@ -1,10 +1,11 @@
 //! Grab: pulls the surface along with the pointer.
 
 use super::change::{Change, Site};
-use super::kernel::grab::{self, Motion};
+use super::dab::{Dab, DabPlace};
+use super::kernel::grab::{self, MAX_PULL_VX, Motion};
 use super::keys::{FALLOFF, RADIUS, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Script};
-use super::{BrushError, BrushUse};
+use super::{BrushError, BrushUse, Frame};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -19,9 +20,18 @@ pub const SPEC: BrushSpec = BrushSpec {
         FALLOFF.param,
     ],
     stroke: BrushStroke::Held { turns: false },
+    dab,
     script: Script::of_clay(ContactKind::BallWithDisplacement, &[FALLOFF.param], apply),
     ..BrushSpec::DEFORM
 };
+
+fn dab(dab: &Dab) -> Option<BrushUse> {
+    let DabPlace::Held { by_vx, .. } = dab.place else { return None };
+    let by_vx = by_vx * dab.options.get(STRENGTH);
+    let furthest = by_vx.abs().max_element();
+    let share = if furthest > MAX_PULL_VX { MAX_PULL_VX / furthest } else { 1.0 };
+    Some(dab.used(Frame::Displacement(by_vx * share)))
+}
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
     grab::change(used, site, |by_vx| Motion::Pull { by_vx })

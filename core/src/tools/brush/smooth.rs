@@ -56,7 +56,7 @@ fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
         None => {
             let around_vx = used.get(AROUND);
             rays::filtered(footprint, site, used.get(REACH), around_vx, |near| {
-                let (add, remove) = filter::majority(&near.solid, &near.may, around_vx);
+                let (add, remove) = filter::majority(&near.solid, &near.may, around_vx, 1.0);
                 Filtered { add: Some(add), remove: Some(remove) }
             })
         }

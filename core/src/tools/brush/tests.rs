@@ -11,7 +11,7 @@ use super::keys::{
     ANGLE, AROUND, BITE, COLOUR as PAINT, COVER, HEIGHT, REACH, STRENGTH, THRESHOLD,
 };
 use super::options::BrushOptions;
-use super::spec::BrushSpec;
+use super::spec::{BrushSpec, BrushStroke};
 use super::{Ball, BrushId, BrushUse, Frame};
 use crate::sculpture::Material;
 use crate::sculpture::brick::local_coords;
@@ -98,16 +98,19 @@ fn a_hand_can_use_every_brush_with_its_first_options() {
         let options = BrushOptions::first(brush);
         for (uses, sense) in [(0, 1.0), (1, -1.0), (7, 1.0), (1000, 1.0)] {
             let footprint = from_above(20.0, Outline::Round);
-            let place = match brush.spec().is_in_picture() {
-                true => DabPlace::Picture { footprint, colour: COLOUR, uses },
-                false => {
-                    let (normal, edges) = (Vec3::Y, Vec3::ONE);
+            let (normal, edges) = (Vec3::Y, Vec3::ONE);
+            let place = match brush.spec().stroke {
+                BrushStroke::Picture { .. } => {
+                    DabPlace::Picture { footprint, colour: COLOUR, uses }
+                }
+                BrushStroke::Surface { .. } => {
                     DabPlace::Surface { at_vx, from_vx, normal, edges, sense }
                 }
+                BrushStroke::Held { .. } => {
+                    let by_vx = Vec3::X * sense * uses as f32;
+                    DabPlace::Held { start_vx: at_vx, by_vx, normal, right: Vec3::X, edges }
+                }
             };
-            if brush.spec().is_held() {
-                continue;
-            }
             let used = (brush.spec().dab)(&Dab { options: &options, place }).unwrap();
             assert_eq!(used.check(), Ok(()), "{brush:?}");
             assert!(used.brush() == brush || brush.spec().script.is_none(), "{brush:?}");

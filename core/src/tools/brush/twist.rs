@@ -1,7 +1,8 @@
 //! Twist: turns the clay like a knob; drag to the right or left.
 
 use super::change::{Change, Site};
-use super::kernel::grab::{self, Motion};
+use super::dab::{Dab, DabPlace};
+use super::kernel::grab::{self, MAX_TWIST_DEG, Motion};
 use super::keys::{ANGLE, FALLOFF, RADIUS, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Script};
 use super::{BrushError, BrushUse};
@@ -19,9 +20,18 @@ pub const SPEC: BrushSpec = BrushSpec {
         FALLOFF.param,
     ],
     stroke: BrushStroke::Held { turns: true },
+    dab,
     script: Script::of_clay(ContactKind::BallWithNormal, &[ANGLE.param, FALLOFF.param], apply),
     ..BrushSpec::DEFORM
 };
+
+/// Clockwise when it is led to the right, by the radius for a radian.
+fn dab(dab: &Dab) -> Option<BrushUse> {
+    let DabPlace::Held { by_vx, right, edges, .. } = dab.place else { return None };
+    let led = (by_vx * dab.options.get(STRENGTH) * edges).dot(right);
+    let angle_deg = (-led / dab.options.get(RADIUS)).to_degrees();
+    Some(dab.along_normal().with(ANGLE, angle_deg.clamp(-MAX_TWIST_DEG, MAX_TWIST_DEG)))
+}
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
     let angle_deg = used.get(ANGLE);

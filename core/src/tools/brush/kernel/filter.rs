@@ -168,11 +168,19 @@ pub fn growth(solid: &BitBlock, may: &BitBlock, threshold: u32, rounds: u32) -> 
     grown.zip(solid, |g, s| g & !s)
 }
 
-/// The changes of a majority filter: `(added, removed)`. A voxel takes the value that most voxels of the cube reaching
-/// `radius_vx` (1 to 8) around it have, itself included; so planes stay as they are.
-pub fn majority(solid: &BitBlock, may: &BitBlock, radius_vx: u32) -> (BitBlock, BitBlock) {
+/// The changes of a majority filter: `(added, removed)`. With the full `strength` (1) a voxel takes the value that most
+/// voxels of the cube reaching `radius_vx` (1 to 8) around it have, itself included; so planes stay as they are. With less,
+/// that share of half of the cube is enough for a voxel to stay as it is.
+pub fn majority(
+    solid: &BitBlock,
+    may: &BitBlock,
+    radius_vx: u32,
+    strength: f32,
+) -> (BitBlock, BitBlock) {
     let reach = radius_vx as i32;
     let volume = (2 * radius_vx + 1).pow(3);
+    let minority = ((volume / 2) as f32 * strength.clamp(0.0, 1.0)) as u32;
+    let (stays_from, added_from) = (minority + 1, volume - minority);
     let planes = (volume.ilog2() + 1) as usize;
     // Along x first, once for every word: the counts of rows are summed many times.
     let size = solid.size();
@@ -197,7 +205,11 @@ pub fn majority(solid: &BitBlock, may: &BitBlock, radius_vx: u32) -> (BitBlock, 
                 count.add_counts(&along_x[place(y, z) + word], planes);
             }
         }
-        count.at_least(volume / 2 + 1)
+        let added = count.at_least(added_from);
+        if stays_from == added_from {
+            return added;
+        }
+        added | count.at_least(stays_from) & word_of(solid, y, z, word)
     });
     let added = most.zip(solid, |m, s| m & !s);
     let removed = solid.zip(&most, |s, m| s & !m).zip(may, |r, m| r & m);
@@ -342,15 +354,19 @@ mod tests {
         }
 
         #[test]
-        fn majority_equals_a_naive_majority(seed: u64, per_mille in 300u64..700, radius in prop::sample::select(vec![1u32, 2, 3, 5, 8])) {
+        fn majority_equals_a_naive_majority(seed: u64, per_mille in 300u64..700, radius in prop::sample::select(vec![1u32, 2, 3, 5, 8]), strength in prop::sample::select(vec![0.0f32, 0.25, 0.5, 0.9, 1.0])) {
             let block = random(seed, per_mille);
-            let (added, removed) = majority(&block, &all(), radius);
+            let (added, removed) = majority(&block, &all(), radius, strength);
             let volume = (2 * radius + 1).pow(3);
             let sums = Sums::of(&block);
             for v in voxels() {
-                let most = sums.around(v, radius as i32) * 2 > volume;
-                prop_assert_eq!(added.get(v), most && !block.get(v));
-                prop_assert_eq!(removed.get(v), !most && block.get(v));
+                let exists = block.get(v);
+                let clay = sums.around(v, radius as i32);
+                let alike = if exists { clay } else { volume - clay };
+                // The voxel itself does not count towards the half of the cube that it needs.
+                let changes = (alike as f32) <= strength * ((volume - 1) / 2) as f32;
+                prop_assert_eq!(added.get(v), changes && !exists);
+                prop_assert_eq!(removed.get(v), changes && exists);
             }
         }
 
@@ -403,7 +419,7 @@ mod tests {
             assert_eq!(growth(&half, &inner(1), threshold, 100).count(), 0);
         }
         for radius in 1..4 {
-            let (added, removed) = majority(&half, &inner(radius as i32), radius);
+            let (added, removed) = majority(&half, &inner(radius as i32), radius, 1.0);
             assert_eq!((added.count(), removed.count()), (0, 0));
         }
     }

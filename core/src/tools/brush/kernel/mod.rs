@@ -1,6 +1,7 @@
 //! Computations that several brushes share: the voxels seen under an outline, filters on blocks of bits, distances, and
 //! the motion of surfaces and clay. Changes nothing; knows no brush's options.
 
+mod ball_filter;
 pub mod distance;
 pub mod filter;
 pub mod grab;

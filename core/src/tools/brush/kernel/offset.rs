@@ -15,10 +15,12 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::tools::brush::BrushUse;
 use crate::tools::brush::brush_use::Frame;
-use crate::tools::brush::change::{Change, NewClay, Site};
+use crate::tools::brush::change::{Change, Site};
+use crate::tools::brush::kernel::ball_filter;
+use crate::tools::brush::kernel::rays::{Filtered, Near};
 use crate::tools::brush::kernel::stamp::Stamp;
 use crate::tools::brush::keys::{FALLOFF, HEIGHT, STRENGTH};
-use crate::tools::symmetry::{Symmetry, origin_of};
+use crate::tools::symmetry::{Image, Symmetry, origin_of};
 
 /// Furthest that a surface is raised or lowered, in units of the smallest edge of a voxel.
 pub const MAX_HEIGHT: f32 = 16.0;
@@ -79,8 +81,8 @@ pub struct Offset {
     pub target: Target,
 }
 
-/// The ball of a brush, relative to the mirror planes: mirrored positions differ in signs only and are rounded alike.
-struct Ball {
+/// The ball of a brush or a mirror image of it, relative to the mirror planes: mirrored positions differ in signs only and are rounded alike.
+pub(super) struct Ball {
     origin: DVec3,
     centre: DVec3,
     /// Voxel edges in units of the smallest.
@@ -93,15 +95,26 @@ struct Ball {
 impl Ball {
     /// From the ball's middle to that of a voxel, in units of the smallest edge.
     #[inline(always)]
-    fn relative(&self, v: IVec3) -> Vec3 {
+    pub(super) fn relative(&self, v: IVec3) -> Vec3 {
         ((v.as_dvec3() + 0.5 - self.origin - self.centre) * self.edges).as_vec3()
     }
 
     /// The brush's share of the displacement at a place relative to the middle.
     #[inline(always)]
-    fn share(&self, p: Vec3) -> f32 {
+    pub(super) fn share(&self, p: Vec3) -> f32 {
         let p = p / self.radius;
         self.falloff.at(p.x * p.x + p.y * p.y + p.z * p.z)
+    }
+
+    /// A box of the voxels of `grid` in it.
+    pub(super) fn bounds(&self, grid: &Grid) -> VoxelBox {
+        let half = DVec3::splat(f64::from(self.radius)) / self.edges;
+        let middle = self.centre + self.origin;
+        let reached = VoxelBox {
+            min: (middle - half).floor().as_ivec3(),
+            max: (middle + half).ceil().as_ivec3(),
+        };
+        reached.intersect(VoxelBox::of_grid(grid))
     }
 
     /// Height of a place over the plane through the middle.
@@ -148,21 +161,30 @@ impl Ball {
 
 /// The change of a use in a ball. `target`: where the surface goes, from the direction out of the clay.
 pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> Change {
-    let Some(ball) = used.ball() else { return Change::default() };
-    let target = match ball.frame {
-        Frame::Normal(normal) => target(normal.normalize_or(Vec3::Y)),
-        _ => target(Vec3::Y),
-    };
-    let falloff = used.get(FALLOFF);
-    let offset = Offset { centre_vx: ball.centre_vx, radius: ball.radius, falloff, target };
-    let Stamp { add, remove, .. } = offset.stamp(site.surface, site.symmetry);
-    Change { add, remove, new_clay: NewClay::Inherited, ..Change::default() }
+    let Some(offset) = Offset::of(used, target) else { return Change::default() };
+    Change::of_clay(offset.stamp(site.surface, site.symmetry))
 }
 
 /// The change of a use that moves the surface to the plane through the middle of the ball, by its strength.
 pub fn to_plane(used: &BrushUse, site: &Site, lowers: bool, raises: bool) -> Change {
     let strength = used.get(STRENGTH);
     change(used, site, |normal| Target::Plane { normal, strength, lowers, raises })
+}
+
+/// The same from both sides, and then a filter on the voxels where the brush does at least half of what it does in its
+/// middle. `margin_vx`: how far around a voxel the filter reads.
+pub fn to_plane_then(
+    used: &BrushUse,
+    site: &Site,
+    margin_vx: u32,
+    filter: impl Fn(&Near) -> Filtered,
+) -> Change {
+    let strength = used.get(STRENGTH);
+    let plane = |normal| Target::Plane { normal, strength, lowers: true, raises: true };
+    let Some(offset) = Offset::of(used, plane) else { return Change::default() };
+    let levelled = offset.stamp(site.surface, site.symmetry);
+    let balls = offset.balls(site.surface, site.symmetry);
+    Change::of_clay(ball_filter::after(&levelled, &balls, site.surface, margin_vx, filter))
 }
 
 /// The change of a use that moves the surface along the normal, by its height.
@@ -172,8 +194,24 @@ pub fn along_normal(used: &BrushUse, site: &Site, profile: Profile) -> Change {
 }
 
 impl Offset {
+    /// The brush of a use in a ball. `target`: where the surface goes, from the direction out of the clay.
+    fn of(used: &BrushUse, target: impl Fn(Vec3) -> Target) -> Option<Offset> {
+        let ball = used.ball()?;
+        let target = match ball.frame {
+            Frame::Normal(normal) => target(normal.normalize_or(Vec3::Y)),
+            _ => target(Vec3::Y),
+        };
+        let falloff = used.get(FALLOFF);
+        Some(Offset { centre_vx: ball.centre_vx, radius: ball.radius, falloff, target })
+    }
+
     /// The changes that this and its mirror images make in `grid`.
     pub fn stamp(&self, grid: &Grid, symmetry: &Symmetry) -> Stamp {
+        Stamp::union(self.balls(grid, symmetry).iter().map(|ball| self.one(grid, ball)))
+    }
+
+    /// Its ball and the mirror images of that.
+    fn balls(&self, grid: &Grid, symmetry: &Symmetry) -> Vec<Ball> {
         let dims = grid.dims();
         let size = grid.voxel_size().as_dvec3();
         let edges = size / size.min_element();
@@ -183,19 +221,15 @@ impl Offset {
             Target::Plane { normal, .. } | Target::Drawn { normal, .. } => normal,
             Target::Along(_) => Vec3::Y,
         };
-        Stamp::union(images.iter().map(|image| {
-            self.one(
-                grid,
-                &Ball {
-                    origin,
-                    centre: image.relative(self.centre_vx.as_dvec3(), origin),
-                    edges,
-                    radius: self.radius,
-                    falloff: self.falloff,
-                    normal: image.normal(normal.as_dvec3()).as_vec3(),
-                },
-            )
-        }))
+        let ball = |image: &Image| Ball {
+            origin,
+            centre: image.relative(self.centre_vx.as_dvec3(), origin),
+            edges,
+            radius: self.radius,
+            falloff: self.falloff,
+            normal: image.normal(normal.as_dvec3()).as_vec3(),
+        };
+        images.iter().map(ball).collect()
     }
 
     fn one(&self, grid: &Grid, ball: &Ball) -> Stamp {
@@ -233,13 +267,7 @@ impl Offset {
 
     /// The voxels that may change: those of the ball near a surface. None if there are none.
     fn bounds(&self, grid: &Grid, ball: &Ball, around: IVec3) -> Option<VoxelBox> {
-        let half = DVec3::splat(f64::from(self.radius)) / ball.edges;
-        let middle = ball.centre + ball.origin;
-        let reached = VoxelBox {
-            min: (middle - half).floor().as_ivec3(),
-            max: (middle + half).ceil().as_ivec3(),
-        };
-        let reached = reached.intersect(VoxelBox::of_grid(grid));
+        let reached = ball.bounds(grid);
         if reached.is_empty() {
             return None;
         }
