@@ -13,6 +13,7 @@ use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use crate::app::AppError;
 use crate::bench::{self, BenchJob, Kernel, Only, Suite};
 use crate::config::{Config, Profile};
 use crate::doctor;
@@ -22,6 +23,7 @@ use crate::format;
 use crate::format::options::ExportForm;
 use crate::headless::{self, Context, DemoScene, RecoverJob, RunJob};
 use crate::journal::{JournalOptions, Shelf};
+use crate::manual;
 use crate::picture;
 use crate::progress_bar::Bar;
 use crate::render::RenderMode;
@@ -250,7 +252,11 @@ pub enum Job {
         import: ImportArgs,
     },
     /// List the commands that scripts can use
-    Commands,
+    Commands {
+        /// Print the reference of the brushes instead, as a page in Markdown
+        #[arg(long)]
+        markdown: bool,
+    },
     /// Show what was found on this machine: Vulkan devices, gamepads, cameras, OpenXR, settings
     Doctor,
     /// Print a script that completes commands and options in a shell
@@ -346,7 +352,7 @@ fn journal_options(config: &Config) -> JournalOptions {
 fn dispatch(cli: Cli) -> Result<(), ProgramError> {
     // The program's texts about itself do not depend on settings, which may be wrong.
     let is_help =
-        matches!(cli.job, Some(Job::Commands | Job::Completions { .. } | Job::Man { .. }));
+        matches!(cli.job, Some(Job::Commands { .. } | Job::Completions { .. } | Job::Man { .. }));
     let config = match is_help {
         true => Config::default(),
         false => Config::load_over(cli.profile, cli.config.as_deref())?,
@@ -443,7 +449,11 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
                 BenchJob { json, plot, suite, modes, only, repeat, size, eyes, scenes, import };
             Ok(bench::run(&job, &config, &device, &progress)?)
         }
-        Some(Job::Commands) => Ok(headless::commands()?),
+        Some(Job::Commands { markdown: false }) => Ok(headless::commands()?),
+        Some(Job::Commands { markdown: true }) => {
+            let page = manual::brushes().map_err(AppError::from)?;
+            Ok(terminal::print_result(page.trim_end())?)
+        }
         Some(Job::Doctor) => Ok(terminal::print_result(doctor::report())?),
         Some(Job::Completions { shell }) => Ok(shell::completions(shell, Cli::command())?),
         Some(Job::Man { of }) => match shell::manual(Cli::command(), of.as_deref())? {

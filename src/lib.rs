@@ -20,6 +20,7 @@ pub mod head_tracking;
 pub mod headless;
 pub mod input;
 pub mod install_hint;
+pub mod manual;
 pub mod notice;
 pub mod options;
 pub mod picking;

@@ -33,6 +33,7 @@ pub mod text;
 pub use area::{Area, SelectOp};
 pub use help::{COMMANDS, CommandHelp};
 pub use mask::{MaskArea, MaskChange, PatchRule};
+pub use text::usage_of_brush;
 
 /// Parameters of a new sculpture.
 #[derive(Clone, Copy, PartialEq, Debug)]

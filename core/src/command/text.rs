@@ -30,6 +30,7 @@ mod mend;
 mod selection;
 mod tint;
 
+pub use brush::usage_of as usage_of_brush;
 pub(super) use brush::{usage as usage_of_brushes, verb as verb_of_brush};
 
 /// The base colour of new sculptures by default.

@@ -25,8 +25,23 @@ pub fn verb(used: &BrushUse) -> &'static str {
     }
 }
 
+/// The command of a brush, for the manual; none if a hand's commands are those of another brush.
+pub fn usage_of(brush: BrushId) -> Option<String> {
+    let script = brush.spec().script?;
+    let verb = match script.contact {
+        ContactKind::Footprint => SPRAY,
+        ContactKind::BallWithDisplacement => GRAB,
+        ContactKind::Ball | ContactKind::BallWithNormal => DEFORM,
+    };
+    Some(format!("{verb} {}", usage_with(verb, &[brush])))
+}
+
 /// The arguments of a verb of brushes, for help.
 pub fn usage(verb: &str) -> String {
+    usage_with(verb, &brushes_of(verb))
+}
+
+fn usage_with(verb: &str, brushes: &[BrushId]) -> String {
     let rays = "eye=X,Y,Z aim=X,Y,Z across=X,Y,Z down=X,Y,Z radius=RAYS";
     let ball = "at=X,Y,Z radius=VOXELS";
     let params = |brushes: &[BrushId]| params_of(brushes).join(" ");
@@ -34,7 +49,14 @@ pub fn usage(verb: &str) -> String {
         let names: Vec<&str> = brushes.iter().map(|brush| brush.spec().name).collect();
         names.join("|")
     };
-    let brushes = brushes_of(verb);
+    let is_normal = |brush: &BrushId| {
+        brush.spec().script.is_some_and(|script| script.contact == ContactKind::BallWithNormal)
+    };
+    let normal = match brushes.iter().filter(|brush| is_normal(brush)).count() {
+        0 => "",
+        some if some == brushes.len() => " normal=X,Y,Z",
+        _ => " [normal=X,Y,Z]",
+    };
     match verb {
         STENCIL => {
             format!("\"PICTURE\" {rays} [takes=rays|visible] [colour=#rrggbb] [cover=0..1]")
@@ -44,14 +66,10 @@ pub fn usage(verb: &str) -> String {
         }
         SPRAY => format!(
             "{} {rays} [outline=round|square] [takes=rays|visible] {} [surface=now|stroke]",
-            names(&brushes),
-            params(&brushes)
+            names(brushes),
+            params(brushes)
         ),
-        _ => format!(
-            "{} {ball} [normal=X,Y,Z] {} [surface=now|stroke]",
-            names(&brushes),
-            params(&brushes)
-        ),
+        _ => format!("{} {ball}{normal} {} [surface=now|stroke]", names(brushes), params(brushes)),
     }
 }
 

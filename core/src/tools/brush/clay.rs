@@ -4,7 +4,7 @@ use super::change::{Change, NewClay, Site};
 use super::footprint::Outline;
 use super::kernel::rays;
 use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH};
-use super::spec::{BrushSpec, Inverse, Script};
+use super::spec::{BrushSpec, Inverse, Keeps, Script};
 use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "clay",
     label: "Clay",
     help: "Clay: builds up a soft mound on the surface",
+    effect: "Builds up a mound, highest under its middle.",
+    keeps: Keeps::of("grows", "new clay: the colour in hand", "not kept"),
     synonyms: "build add draw",
     options: &[
         RADIUS.param,

@@ -4,7 +4,7 @@ use super::change::{Change, Site};
 use super::kernel::grab::Falloff;
 use super::kernel::offset::{self, Profile};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};
 use super::{BrushError, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "crease",
     label: "Crease",
     help: "Crease: cuts a sharp furrow; inverted, it raises a ridge",
+    effect: "Cuts a narrow furrow, half as deep as the radius at full strength. Inverted, it raises a ridge.",
+    keeps: Keeps::of("changes by the height", Keeps::AROUND, "not kept"),
     synonyms: "line groove ridge fold wrinkle deform",
     options: &[
         RADIUS.first(30.0).param,

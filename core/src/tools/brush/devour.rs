@@ -3,7 +3,7 @@
 use super::change::{Change, Site};
 use super::kernel::rays;
 use super::keys::{BITE, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH};
-use super::spec::{BrushSpec, Inverse, Script, Tint};
+use super::spec::{BrushSpec, Inverse, Keeps, Script, Tint};
 use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
@@ -12,6 +12,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "devourer",
     label: "Devourer",
     help: "Devourer (carve): bites into the surface under it",
+    effect: "Cuts a ball or a cube out of the clay around every point under it.",
+    keeps: Keeps::of("shrinks", "cuts show the colour inside", "not kept"),
     synonyms: "dig gouge eat remove erase",
     options: &[
         RADIUS.param,

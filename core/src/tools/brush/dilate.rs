@@ -4,7 +4,7 @@ use super::change::{Change, NewClay, Site};
 use super::kernel::filter;
 use super::kernel::rays;
 use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
-use super::spec::{BrushSpec, Inverse, Script};
+use super::spec::{BrushSpec, Inverse, Keeps, Script};
 use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "dilation",
     label: "Dilation",
     help: "Dilation: thickens edges and corners",
+    effect: "Adds voxels where there are many neighbours: edges and corners get thicker.",
+    keeps: Keeps::of("grows", "new clay: the colours around it", "kept from the threshold 10 on"),
     synonyms: "dilate inflate expand thicken",
     options: &[
         RADIUS.param,

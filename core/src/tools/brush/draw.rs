@@ -3,7 +3,7 @@
 use super::change::{Change, Site};
 use super::kernel::offset::{self, Profile};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};
 use super::{BrushError, BrushUse};
 
 /// See [`BrushSpec`].
@@ -12,6 +12,12 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "draw",
     label: "Draw",
     help: "Draw: raises the surface along its normal; inverted, it lowers it",
+    effect: "Raises the surface in a ball along its mean normal there, by half the radius at full strength, so that its shape is kept. Inverted, it lowers the surface.",
+    keeps: Keeps::of(
+        "changes by the height",
+        Keeps::AROUND,
+        "stay flat in the middle with the falloff flat",
+    ),
     synonyms: "raise build layer standard pull normal deform",
     options: &[
         RADIUS.first(40.0).param,

@@ -4,7 +4,7 @@ use super::change::{Change, Site};
 use super::kernel::filter;
 use super::kernel::rays;
 use super::keys::{ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
-use super::spec::{BrushSpec, Inverse, Script, Tint};
+use super::spec::{BrushSpec, Inverse, Keeps, Script, Tint};
 use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,12 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "erosion",
     label: "Erosion",
     help: "Erosion: wears down edges and leaves flat faces alone",
+    effect: "Removes voxels that have few neighbours: edges and corners wear down.",
+    keeps: Keeps::of(
+        "shrinks",
+        "cuts show the colour inside",
+        "kept up to the threshold 17, but for their edges",
+    ),
     synonyms: "erode weather round",
     options: &[
         RADIUS.param,

@@ -4,7 +4,7 @@ use super::change::{Change, Site};
 use super::kernel::grab::Falloff;
 use super::kernel::offset;
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};
 use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "fill-up",
     label: "Fill up",
     help: "Fill up: fills pits up to the plane where the stroke began",
+    effect: "Fills pits up to the plane that the surface has around the press. Inverted, it takes bumps off.",
+    keeps: Keeps::of("grows", "new clay: the colours around it", "made"),
     synonyms: "level pit dent plane deform",
     options: &[
         RADIUS.first(40.0).param,

@@ -4,7 +4,7 @@ use super::change::{Change, Site};
 use super::kernel::grab::Falloff;
 use super::kernel::offset;
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, ContactKind, Script, SurfaceNormal};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Keeps, Script, SurfaceNormal};
 use super::{BrushError, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,12 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "flatten",
     label: "Flatten",
     help: "Flatten: levels bumps and pits to the plane where the stroke began",
+    effect: "Moves the surface in a ball to the plane that it has around the press: bumps go, and pits fill.",
+    keeps: Keeps::of(
+        "bumps go, pits fill, whatever their volumes",
+        Keeps::AROUND,
+        "made, to the voxel, at full strength",
+    ),
     synonyms: "level plane even deform",
     options: &[
         RADIUS.first(40.0).param,

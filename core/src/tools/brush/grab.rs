@@ -4,7 +4,7 @@ use super::change::{Change, Site};
 use super::dab::{Dab, DabPlace};
 use super::kernel::grab::{self, MAX_PULL_VX, Motion};
 use super::keys::{FALLOFF, RADIUS, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, ContactKind, Script};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Keeps, Script};
 use super::{BrushError, BrushUse, Frame};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,12 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "grab",
     label: "Grab",
     help: "Grab: pulls the surface along with the pointer",
+    effect: "Takes the clay in a ball along with the pointer, in the plane of the view. The middle goes all the way, the rim stays. While it is dragged, the clay is always taken from where it was at the press, so that going back leaves nothing behind.",
+    keeps: Keeps::of(
+        "kept where clay lies in the ball as a whole, or is led along a face; pulled out of a face it grows, pushed in it shrinks",
+        "goes along",
+        "not kept",
+    ),
     synonyms: "move pull push drag tweak deform hand",
     options: &[
         RADIUS.first(60.0).param,

@@ -4,7 +4,7 @@ use super::change::{Change, NewClay, Site};
 use super::kernel::filter;
 use super::kernel::rays;
 use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
-use super::spec::{BrushSpec, Inverse, Script};
+use super::spec::{BrushSpec, Inverse, Keeps, Script};
 use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "growth",
     label: "Growth",
     help: "Growth: fills concave corners and small holes",
+    effect: "Adds voxels where there are many neighbours, until the surface is closed: concave corners and small holes fill up.",
+    keeps: Keeps::of("grows", "new clay: the colours around it", "kept from the threshold 10 on"),
     synonyms: "grow close fill",
     options: &[
         RADIUS.param,

@@ -3,7 +3,7 @@
 use super::change::{Change, Site};
 use super::kernel::offset::{self, Target};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, ContactKind, Inverse, Script};
+use super::spec::{BrushSpec, ContactKind, Inverse, Keeps, Script};
 use super::{BrushError, BrushUse, Frame};
 
 /// See [`BrushSpec`].
@@ -12,6 +12,12 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "inflate",
     label: "Inflate",
     help: "Inflate: swells the surface under it; inverted, it shrinks it",
+    effect: "Swells the surface in a ball along its normals, by half the radius at full strength. Inverted, it shrinks the surface.",
+    keeps: Keeps::of(
+        "changes by the height",
+        Keeps::AROUND,
+        "stay flat in the middle with the falloff flat",
+    ),
     synonyms: "swell blow expand deform puff shrink deflate",
     options: &[
         RADIUS.first(40.0).param,

@@ -4,7 +4,7 @@ use super::change::{Change, Site};
 use super::footprint::Outline;
 use super::kernel::rays;
 use super::keys::{MASK_DEPTH, OUTLINE, RADIUS, REACH};
-use super::spec::{BrushGroup, BrushSpec, Inverse, Script, Tint};
+use super::spec::{BrushGroup, BrushSpec, Inverse, Keeps, Script, Tint};
 use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "mask",
     label: "Mask",
     help: "Mask: protects the surface under it, so that nothing changes it",
+    effect: "Protects the surface from all tools, commands and pastes. The mask is shown darker and hatched.",
+    keeps: Keeps::of("kept", "kept", "kept"),
     synonyms: "protect freeze lock",
     group: BrushGroup::Mask,
     options: &[RADIUS.param, OUTLINE.param, MASK_DEPTH.param],

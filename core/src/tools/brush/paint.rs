@@ -5,7 +5,7 @@ use super::kernel::rays;
 use super::kernel::stamp::Stamp;
 use super::keys::{COLOUR, COVER, OUTLINE, RADIUS, REACH, STRENGTH};
 use super::mix::Mix;
-use super::spec::{BrushSpec, ContactKind, Inverse, Script};
+use super::spec::{BrushSpec, ContactKind, Inverse, Keeps, Script};
 use super::stencil::Stencil;
 use super::{BrushError, BrushUse, Frame};
 
@@ -15,6 +15,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "paintbrush",
     label: "Brush",
     help: "Brush: paints the visible surface under it",
+    effect: "Paints the visible surface. With a PNG or JPEG image it is a stencil, whose longer side is as long as the brush is wide: it prints the image, or the colour in hand through the bright parts of it. Inverted, or with the eraser of a pen, it brings the bare colour back.",
+    keeps: Keeps::of("kept", "changed", "kept"),
     synonyms: "paint airbrush colour",
     options: &[
         RADIUS.param,

@@ -4,7 +4,7 @@ use super::change::{Change, Site};
 use super::dab::Dab;
 use super::kernel::grab::{self, Motion};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};
 use super::{BrushError, BrushSurface, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "pinch",
     label: "Pinch",
     help: "Pinch: brings the clay together under it; inverted, it spreads it",
+    effect: "Brings the clay in a ball together at the normal of the surface and lets it rise along it, so that ridges become narrower and higher. Inverted, it spreads the clay. Uses add up.",
+    keeps: Keeps::of("kept within 1 %", "goes along", "not kept"),
     synonyms: "gather narrow sharpen tighten deform",
     options: &[
         RADIUS.first(40.0).param,

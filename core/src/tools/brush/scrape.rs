@@ -4,7 +4,7 @@ use super::change::{Change, Site};
 use super::kernel::grab::Falloff;
 use super::kernel::offset;
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Script, SurfaceNormal};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};
 use super::{BrushError, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "scrape",
     label: "Scrape",
     help: "Scrape: takes off what stands out of the plane where the stroke began",
+    effect: "Takes bumps off down to the plane that the surface has around the press. Inverted, it fills pits.",
+    keeps: Keeps::of("shrinks", "cuts show the colour inside", "made"),
     synonyms: "plane shave level deform cut",
     options: &[
         RADIUS.first(40.0).param,

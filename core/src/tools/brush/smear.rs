@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::dab::{Dab, DabPlace};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, SurfaceNormal};
+use super::spec::{BrushSpec, BrushStroke, Keeps, SurfaceNormal};
 use super::{Ball, BrushId, BrushUse, Frame};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,12 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "smear",
     label: "Smear",
     help: "Smear: takes clay along with the brush",
+    effect: "Takes the clay in a ball along with the brush. Uses add up.",
+    keeps: Keeps::of(
+        "kept where it is led along a face",
+        "goes along",
+        "kept where it is led along them",
+    ),
     synonyms: "nudge smudge drag rub thumb deform",
     options: &[
         RADIUS.first(40.0).param,

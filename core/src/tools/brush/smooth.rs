@@ -7,7 +7,7 @@ use super::kernel::level::Level;
 use super::kernel::rays::{self, Filtered};
 use super::kernel::stamp::Stamp;
 use super::keys::{AROUND, OUTLINE, RADIUS, REACH, ROUNDING, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, Script, Tint};
+use super::spec::{BrushSpec, BrushStroke, Keeps, Script, Tint};
 use super::{BrushError, BrushUse, Frame};
 
 /// See [`BrushSpec`].
@@ -16,6 +16,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "smooth",
     label: "Smooth",
     help: "Smooth: evens out bumps and pits",
+    effect: "Takes away bumps and pits that are smaller than the brush, by the share that the strength says, and goes on while the button is held. Large forms, flat faces and thin walls stay.",
+    keeps: Keeps::of("of forms five times as large as the brush kept within 1 %; smaller ones go", Keeps::AROUND, "kept, but for their edges"),
     synonyms: "soften relax blur polish",
     options: &[
         RADIUS.param,

@@ -17,6 +17,10 @@ pub struct BrushSpec {
     pub label: &'static str,
     /// Explains the brush in one sentence, after its title and a colon.
     pub help: &'static str,
+    /// Explains in the manual what it does to the clay, in sentences without markup.
+    pub effect: &'static str,
+    /// What it keeps, for the manual.
+    pub keeps: Keeps,
     /// Words of other programs that find it, besides those of `help`, separated by spaces.
     pub synonyms: &'static str,
     /// The family with which interfaces show it.
@@ -45,6 +49,31 @@ pub struct BrushSpec {
     pub dab: fn(&Dab) -> Option<BrushUse>,
     /// Its command; none if the commands of a hand are those of another brush.
     pub script: Option<Script>,
+}
+
+/// What a brush keeps and changes, in a few words each.
+#[derive(Clone, Copy, Debug)]
+pub struct Keeps {
+    /// Of the volume.
+    pub volume: &'static str,
+    /// Of the colours.
+    pub colour: &'static str,
+    /// Of flat faces.
+    pub flat_faces: &'static str,
+}
+
+impl Keeps {
+    /// New clay has the colours around it; the inside of the clay shows where some is removed.
+    pub(super) const AROUND: &'static str =
+        "new clay: the colours around it; cuts show the colour inside";
+
+    pub(super) const fn of(
+        volume: &'static str,
+        colour: &'static str,
+        flat_faces: &'static str,
+    ) -> Keeps {
+        Keeps { volume, colour, flat_faces }
+    }
 }
 
 /// The command of a brush.
@@ -183,6 +212,8 @@ impl BrushSpec {
         action: "",
         label: "",
         help: "",
+        effect: "",
+        keeps: Keeps::of("", "", ""),
         synonyms: "",
         group: BrushGroup::Surface,
         options: &[],

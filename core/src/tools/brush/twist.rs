@@ -4,7 +4,7 @@ use super::change::{Change, Site};
 use super::dab::{Dab, DabPlace};
 use super::kernel::grab::{self, MAX_TWIST_DEG, Motion};
 use super::keys::{ANGLE, FALLOFF, RADIUS, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, ContactKind, Script};
+use super::spec::{BrushSpec, BrushStroke, ContactKind, Keeps, Script};
 use super::{BrushError, BrushUse};
 
 /// See [`BrushSpec`].
@@ -13,6 +13,8 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "twist",
     label: "Twist",
     help: "Twist: turns the clay like a knob; drag to the right or left",
+    effect: "Turns the clay in a ball about the normal of the surface, like a knob: drag to the right for clockwise, by the radius for 57°. As with grab, the clay is always taken from where it was at the press.",
+    keeps: Keeps::of("kept within 1 %", "goes along", "not kept"),
     synonyms: "rotate turn swirl screw deform",
     options: &[
         RADIUS.first(60.0).param,
