@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Checks the house rules that need no test run: formatting, lints, the length of files, where `unsafe` may
-# stand, and the licences, sources, duplicates and advisories of the dependencies.
-# Usage: check.sh [--no-lints]   (--no-lints leaves out clippy, which compiles the workspace)
+# stand, the generated reference of the brushes, and the licences, sources, duplicates and advisories of the dependencies.
+# Usage: check.sh [--no-lints]   (--no-lints leaves out clippy and the reference, which compile the workspace)
 set -euo pipefail
 cd "$(dirname "$0")"
 PATH="$PATH:$HOME/.cargo/bin"
@@ -24,6 +24,13 @@ long=$(git ls-files '*.rs' '*.wgsl' | xargs wc -l |
 stray=$(git ls-files 'src/*.rs' 'core/src/*.rs' 'tracking/src/*.rs' | grep -vE '^src/(gpu|screen)/' |
     xargs grep -nE '\bunsafe (\{|fn|impl|extern|trait)' || true)
 [ -z "$stray" ] || { printf 'check: unsafe outside src/gpu and src/screen:\n%s\n' "$stray" >&2; failed+=(unsafe); }
+
+if [ -n "$lints" ]; then
+    cargo run --quiet --locked --bin virtual-sculpture -- commands --markdown | cmp --quiet - docs/tools.md || {
+        echo "check: docs/tools.md is stale; make it anew: virtual-sculpture commands --markdown > docs/tools.md" >&2
+        failed+=(reference)
+    }
+fi
 
 if cargo deny --version >/dev/null 2>&1; then
     cargo deny --locked check licenses bans sources || failed+=(dependencies)

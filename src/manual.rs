@@ -8,7 +8,7 @@ use crate::command::usage_of_brush;
 use crate::input::bindings::BindingsError;
 use crate::input::{Action, Bindings};
 use crate::tools::brush::BrushId;
-use crate::tools::brush::param::{Domain, Param, Unit, Value};
+use crate::tools::brush::param::{Domain, Param, Value};
 use crate::tools::brush::spec::{BrushSpec, Inverse};
 
 const INTRODUCTION: &str = "# Brushes
@@ -56,7 +56,7 @@ impl Display for BrushReference<'_> {
         table(f, &["brush", "option", "values", "at first", "meaning"], |f| {
             all().try_for_each(|(_, spec)| options(f, spec))
         })?;
-        f.write_str("\n## What they keep\n\n")?;
+        f.write_str("\n## Effect on volume, colours and flat faces\n\n")?;
         table(f, &["brush", "volume", "colours", "flat faces"], |f| {
             all().try_for_each(|(_, spec)| {
                 let keeps = &spec.keeps;
@@ -98,10 +98,10 @@ fn values(param: &Param) -> String {
     match param.domain {
         Domain::Radius => "px or vx".to_string(),
         Domain::Number([least, most]) => {
-            let (least, most) = (in_unit(param, least), in_unit(param, most));
-            format!("{least} to {most}{}", suffix(param))
+            let factor = param.unit.factor();
+            format!("{} to {}{}", least * factor, most * factor, param.unit.suffix())
         }
-        Domain::Whole([least, most]) => format!("{least} to {most}{}", suffix(param)),
+        Domain::Whole([least, most]) => format!("{least} to {most}{}", param.unit.suffix()),
         Domain::Switch => "on, off".to_string(),
         Domain::Choice(choices) => {
             let names: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
@@ -114,8 +114,10 @@ fn values(param: &Param) -> String {
 fn shown(param: &Param, value: Value) -> String {
     match value {
         Value::Number(number) if param.domain == Domain::Radius => format!("{number} px"),
-        Value::Number(number) => format!("{}{}", in_unit(param, number), suffix(param)),
-        Value::Whole(count) => format!("{count}{}", suffix(param)),
+        Value::Number(number) => {
+            format!("{}{}", number * param.unit.factor(), param.unit.suffix())
+        }
+        Value::Whole(count) => format!("{count}{}", param.unit.suffix()),
         Value::On(on) => if on { "on" } else { "off" }.to_string(),
         Value::Choice(place) => match param.domain {
             Domain::Choice(choices) => choices.get(usize::from(place)).map_or("", |c| c.name),
@@ -124,22 +126,6 @@ fn shown(param: &Param, value: Value) -> String {
         .to_string(),
         Value::Colour(colour) => colour.to_string(),
         Value::Absent => String::new(),
-    }
-}
-
-fn in_unit(param: &Param, number: f32) -> f32 {
-    match param.unit {
-        Unit::Share => (number * 100.0).round(),
-        Unit::Plain | Unit::Pixels | Unit::Voxels => number,
-    }
-}
-
-fn suffix(param: &Param) -> &'static str {
-    match param.unit {
-        Unit::Plain => "",
-        Unit::Pixels => " px",
-        Unit::Voxels => " vx",
-        Unit::Share => " %",
     }
 }
 

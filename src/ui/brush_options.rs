@@ -80,14 +80,14 @@ fn row(ui: &mut Ui, param: &Param, value: Value, in_unit: SizeUnit) -> Value {
                     (in_unit.radii(), "Radius of the brush in the sculpture, in voxels")
                 }
             };
-            let (decimals, factor, suffix) = match (domain, in_unit, param.unit) {
-                (Domain::Radius, SizeUnit::Screen, _) => (0, 1.0, in_unit.suffix()),
-                (Domain::Radius, SizeUnit::Sculpture, _) => (1, 1.0, in_unit.suffix()),
-                (_, _, Unit::Share) => (0, 100.0, " %"),
-                (_, _, Unit::Pixels) => (0, 1.0, " px"),
-                (_, _, Unit::Voxels) => (1, 1.0, " vx"),
-                (_, _, Unit::Plain) => (2, 1.0, ""),
+            let (decimals, suffix) = match (domain, in_unit, param.unit) {
+                (Domain::Radius, SizeUnit::Screen, _) => (0, in_unit.suffix()),
+                (Domain::Radius, SizeUnit::Sculpture, _) => (1, in_unit.suffix()),
+                (_, _, unit @ (Unit::Share | Unit::Pixels)) => (0, unit.suffix()),
+                (_, _, unit @ Unit::Voxels) => (1, unit.suffix()),
+                (_, _, unit @ Unit::Plain) => (2, unit.suffix()),
             };
+            let factor = param.unit.factor();
             let mut shown = number * factor;
             let slider = Slider::new(&mut shown, range.start() * factor..=range.end() * factor)
                 .logarithmic(param.logarithmic)

@@ -17,22 +17,24 @@ const GRAB: &str = "grab";
 
 /// The verb of a use.
 pub fn verb(used: &BrushUse) -> &'static str {
-    match (used.brush(), &used.contact) {
-        _ if used.picture.is_some() => STENCIL,
-        (_, Contact::Footprint(_)) => SPRAY,
-        (BrushId::Grab, _) => GRAB,
-        (_, Contact::Ball(_)) => DEFORM,
+    match used.picture {
+        Some(_) => STENCIL,
+        None => verb_at(used.contact.kind()),
+    }
+}
+
+/// The verb of brushes that are used at such a place.
+const fn verb_at(contact: ContactKind) -> &'static str {
+    match contact {
+        ContactKind::Footprint => SPRAY,
+        ContactKind::BallWithDisplacement => GRAB,
+        ContactKind::Ball | ContactKind::BallWithNormal => DEFORM,
     }
 }
 
 /// The command of a brush, for the manual; none if a hand's commands are those of another brush.
 pub fn usage_of(brush: BrushId) -> Option<String> {
-    let script = brush.spec().script?;
-    let verb = match script.contact {
-        ContactKind::Footprint => SPRAY,
-        ContactKind::BallWithDisplacement => GRAB,
-        ContactKind::Ball | ContactKind::BallWithNormal => DEFORM,
-    };
+    let verb = verb_at(brush.spec().script?.contact);
     Some(format!("{verb} {}", usage_with(verb, &[brush])))
 }
 
@@ -62,7 +64,7 @@ fn usage_with(verb: &str, brushes: &[BrushId]) -> String {
             format!("\"PICTURE\" {rays} [takes=rays|visible] [colour=#rrggbb] [cover=0..1]")
         }
         GRAB => {
-            format!("{ball} by=DX,DY,DZ {} [surface=now|stroke]", params(&[BrushId::Grab]))
+            format!("{ball} by=DX,DY,DZ {} [surface=now|stroke]", params(brushes))
         }
         SPRAY => format!(
             "{} {rays} [outline=round|square] [takes=rays|visible] {} [surface=now|stroke]",
@@ -194,11 +196,8 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<BrushUse, ParseError> {
 
 /// The brushes that a verb names.
 fn brushes_of(verb: &str) -> Vec<BrushId> {
-    let is_of_verb = |brush: &BrushId| match brush.spec().script.map(|script| script.contact) {
-        Some(ContactKind::Footprint) => verb == SPRAY,
-        Some(_) => verb == DEFORM && *brush != BrushId::Grab,
-        None => false,
-    };
+    let is_of_verb =
+        |brush: &BrushId| brush.spec().script.is_some_and(|script| verb_at(script.contact) == verb);
     BrushId::ALL.iter().copied().filter(is_of_verb).collect()
 }
 

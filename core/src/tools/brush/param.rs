@@ -77,6 +77,26 @@ pub enum Unit {
     Share,
 }
 
+impl Unit {
+    /// The factor by which a number is shown.
+    pub fn factor(self) -> f32 {
+        match self {
+            Unit::Share => 100.0,
+            Unit::Plain | Unit::Pixels | Unit::Voxels => 1.0,
+        }
+    }
+
+    /// The sign after the number, with the space before it.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Unit::Plain => "",
+            Unit::Pixels => " px",
+            Unit::Voxels => " vx",
+            Unit::Share => " %",
+        }
+    }
+}
+
 /// The description of an option.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Param {

@@ -1,11 +1,10 @@
 //! Smooth: evens out bumps and pits.
 
-use super::change::{Change, NewClay, Site};
+use super::change::{Change, Site};
 use super::dab::{Dab, DabPlace};
 use super::kernel::filter;
 use super::kernel::level::Level;
 use super::kernel::rays::{self, Filtered};
-use super::kernel::stamp::Stamp;
 use super::keys::{AROUND, OUTLINE, RADIUS, REACH, ROUNDING, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, Keeps, Script, Tint};
 use super::{BrushError, BrushUse, Frame};
@@ -63,6 +62,5 @@ fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
             })
         }
     });
-    let Stamp { add, remove, .. } = stamp;
-    Ok(Change { add, remove, new_clay: NewClay::Inherited, ..Change::default() })
+    Ok(Change::of_clay(stamp))
 }

@@ -19,7 +19,7 @@ pub struct BrushSpec {
     pub help: &'static str,
     /// Explains in the manual what it does to the clay, in sentences without markup.
     pub effect: &'static str,
-    /// What it keeps, for the manual.
+    /// Its effect on volume, colours and flat faces, for the manual.
     pub keeps: Keeps,
     /// Words of other programs that find it, besides those of `help`, separated by spaces.
     pub synonyms: &'static str,
@@ -51,14 +51,14 @@ pub struct BrushSpec {
     pub script: Option<Script>,
 }
 
-/// What a brush keeps and changes, in a few words each.
+/// The effect of a brush on properties of the sculpture, in a few words each.
 #[derive(Clone, Copy, Debug)]
 pub struct Keeps {
-    /// Of the volume.
+    /// On the volume.
     pub volume: &'static str,
-    /// Of the colours.
+    /// On the colours.
     pub colour: &'static str,
-    /// Of flat faces.
+    /// On flat faces.
     pub flat_faces: &'static str,
 }
 
