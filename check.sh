@@ -26,7 +26,10 @@ stray=$(git ls-files 'src/*.rs' 'core/src/*.rs' 'tracking/src/*.rs' | grep -vE '
 [ -z "$stray" ] || { printf 'check: unsafe outside src/gpu and src/screen:\n%s\n' "$stray" >&2; failed+=(unsafe); }
 
 if [ -n "$lints" ]; then
-    cargo run --quiet --locked --bin virtual-sculpture -- commands --markdown | cmp --quiet - docs/tools.md || {
+    # With the features of the whole workspace, as the tests build it.
+    cargo build --quiet --workspace --locked --bin virtual-sculpture &&
+        "${CARGO_TARGET_DIR:-target}/debug/virtual-sculpture" commands --markdown |
+        cmp --quiet - docs/tools.md || {
         echo "check: docs/tools.md is stale; make it anew: virtual-sculpture commands --markdown > docs/tools.md" >&2
         failed+=(reference)
     }
