@@ -134,6 +134,13 @@ fn lines(brush: BrushId) -> Vec<Line> {
             thin(&[(0.16, 0.4), (0.3, 0.84), (0.7, 0.84), (0.84, 0.4)]),
             thin(&[(0.3, 0.62), (0.7, 0.62)]),
         ],
+        // A face without its grains, and a gleam on it.
+        BrushId::Polish => vec![
+            ground(0.7, []),
+            thin(&[(0.06, 0.7), (0.14, 0.56), (0.22, 0.7), (0.32, 0.56), (0.42, 0.7)]),
+            bold(&[(0.7, 0.06), (0.7, 0.5)]),
+            bold(&[(0.48, 0.28), (0.92, 0.28)]),
+        ],
         BrushId::Draw => vec![
             thin(&[(0.02, 0.8), (0.98, 0.8)]),
             // The face goes up as a whole.

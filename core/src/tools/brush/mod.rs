@@ -26,6 +26,7 @@ pub mod options;
 mod paint;
 pub mod param;
 mod pinch;
+mod polish;
 mod scrape;
 mod smear;
 mod smooth;
@@ -81,6 +82,7 @@ brushes! {
     Flatten = flatten,
     Scrape = scrape,
     Fill = fill,
+    Polish = polish,
     Pinch = pinch,
     Smear = smear,
     Twist = twist,
