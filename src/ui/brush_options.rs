@@ -110,8 +110,10 @@ fn size_unit(ui: &mut Ui, in_unit: SizeUnit, requests: &mut Vec<UiRequest>) {
     ui.horizontal(|ui| {
         for unit in SizeUnit::ALL {
             let hint = match unit {
-                SizeUnit::Screen => "All brushes keep their sizes on the screen, in pixels, however near the sculpture is",
-                SizeUnit::Sculpture => "All brushes keep their sizes on the sculpture, in voxels, however near it is",
+                SizeUnit::Screen => "Brush sizes are fixed on the screen, in pixels, at any zoom",
+                SizeUnit::Sculpture => {
+                    "Brush sizes are fixed on the sculpture, in voxels, at any zoom"
+                }
             };
             let response = ui.selectable_label(unit == in_unit, capital(unit.name()));
             if response.on_hover_text(hint).clicked() && unit != in_unit {

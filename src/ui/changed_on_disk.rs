@@ -15,7 +15,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let mut save_as = false;
     let response = Modal::new(Id::new("changed on disk")).show(root.ctx(), |ui| {
         ui.set_width(380.0);
-        ui.heading("The file has changed on the disk");
+        ui.heading("The file has changed on disk");
         ui.add_space(4.0);
         ui.label(format!(
             "Another program has changed {name} since it was opened or saved here. Nothing has been overwritten."
@@ -24,16 +24,16 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             let button = ui.add(theme::primary(ui.visuals(), "Save as …"));
-            if button.on_hover_text("Keep both: yours under another name").clicked() {
+            if button.on_hover_text("Keep both: save yours under another name").clicked() {
                 (is_answered, save_as) = (true, true);
             }
             let button = ui.button("Overwrite");
-            if button.on_hover_text("Yours takes the place of the file, whose changes are lost").clicked() {
+            if button.on_hover_text("Replace the file with yours; its changes are lost").clicked() {
                 requests.push(UiRequest::Overwrite(file.clone()));
                 is_answered = true;
             }
             let button = ui.button("Reload");
-            if button.on_hover_text("Open the file as it is now; undo leads back to your work").clicked() {
+            if button.on_hover_text("Open the file as it is now; undo restores your work").clicked() {
                 let import = ImportOptions::default();
                 let open = Command::Open { path: path.clone(), import };
                 requests.push(UiRequest::Go(Next::Run(open)));

@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec
     let mut options = before.clone();
     ui.spacing_mut().slider_width = SLIDER_WIDTH;
     if kind == DrawKind::Text {
-        let hint = "What the letters say";
+        let hint = "The text to write";
         let field = ui.add(
             TextEdit::singleline(&mut options.text)
                 .hint_text("Text")
@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec
     }
     if kind == DrawKind::Box {
         ui.checkbox(&mut options.height_by_pointer, "Height by the pointer").on_hover_text(
-            "Once the base is dragged, the pointer raises or sinks the box, and a click ends it. Off: the height is a number",
+            "After the base is dragged, the pointer raises or lowers the box, and a click finishes it. Off: the height is a number",
         );
     }
     let has_numbers = match kind {
@@ -49,12 +49,12 @@ pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec
     match kind {
         DrawKind::Line | DrawKind::Curve if !context.in_headset => {
             ui.checkbox(&mut options.on_surface, "Follow the surface").on_hover_text(
-                "Off: the tube stays in the plane of the view in which it begins, whatever lies under the pointer",
+                "Off: the tube stays in the view plane through its start, whatever lies under the pointer",
             );
         }
         DrawKind::Lathe => {
             ui.checkbox(&mut options.upright, "Along the grid").on_hover_text(
-                "The axis is that of the grid which points up in the view. Off: the vertical of the picture",
+                "Uses the grid axis that points up in the view. Off: the vertical of the picture",
             );
         }
         DrawKind::Text => {
@@ -95,8 +95,8 @@ fn numbers(ui: &mut Ui, kind: DrawKind, mode: ToolMode, options: &mut DrawOption
         }
         DrawKind::Box => {
             let hint = match mode {
-                ToolMode::Add => "Height of the box over the face",
-                _ => "Depth of the box under the face",
+                ToolMode::Add => "Height of the box above the face",
+                _ => "Depth of the box below the face",
             };
             number("Height", &mut options.height, LENGTHS, hint);
         }
@@ -108,7 +108,7 @@ fn numbers(ui: &mut Ui, kind: DrawKind, mode: ToolMode, options: &mut DrawOption
         DrawKind::Text => {
             let hint = "Height of capital letters";
             number("Height", &mut options.text_height, LENGTHS, hint);
-            let hint = "How far the letters come out of the surface, or go into it";
+            let hint = "How far the letters rise above the surface, or cut into it";
             number("Depth", &mut options.text_depth, LENGTHS, hint);
         }
         DrawKind::Plane | DrawKind::Lathe => {}
@@ -122,23 +122,25 @@ fn advice(kind: DrawKind, mode: ToolMode, options: &DrawOptions) -> &'static str
             "Drag an outline over the picture: a slab of this shape is added where the drag begins."
         }
         (DrawKind::Lasso | DrawKind::Rectangle, _) => {
-            "Drag an outline over the picture: it goes through everything behind it."
+            "Drag an outline over the picture: it affects everything behind it."
         }
         (DrawKind::Plane, _) => {
-            "Drag a line over the picture: the hatched side is meant, with Ctrl the other. Escape gives up."
+            "Drag a line over the picture: it affects the hatched side, with Ctrl the other. Escape cancels."
         }
         (DrawKind::Box, _) if options.height_by_pointer => {
-            "Drag over a face from corner to corner of the base, let go, lead the height, click."
+            "Drag the base on a face from corner to corner, let go, set the height, click."
         }
-        (DrawKind::Box, _) => "Drag over a face from corner to corner of the base.",
+        (DrawKind::Box, _) => "Drag the base on a face from corner to corner.",
         (DrawKind::Line, _) => "Drag from end to end. A click makes a ball.",
         (DrawKind::Curve, _) => {
-            "Draw the path of the tube, or click from point to point. Beside the sculpture it keeps its distance."
+            "Draw the path of the tube, or click from point to point. Beside the sculpture it keeps its depth."
         }
         (DrawKind::Lathe, _) => {
-            "Press on the axis and draw half of the outline; straight lines close it to the axis."
+            "Press on the axis and draw half of the outline; straight lines connect it to the axis."
         }
-        (DrawKind::Text, _) => "Press on the surface; with the button pressed the letters follow.",
+        (DrawKind::Text, _) => {
+            "Press on the surface; the letters follow while you hold the button."
+        }
     }
 }
 

@@ -18,8 +18,8 @@ pub fn line(drawn: Progress, context: &UiContext) -> String {
 pub fn advice(drawn: Progress, context: &UiContext) -> String {
     let acts = acts(drawn, |action| keys(action, context)).join("; ");
     match drawn {
-        Progress::Raised(_) => format!("Move the pointer to raise or sink the box. {acts}."),
-        Progress::Points(_) => format!("Click where the curve goes on. {acts}."),
+        Progress::Raised(_) => format!("Move the pointer to raise or lower the box. {acts}."),
+        Progress::Points(_) => format!("Click to add points to the curve. {acts}."),
     }
 }
 
@@ -49,7 +49,7 @@ fn acts(drawn: Progress, keys: impl Fn(Action) -> Vec<String>) -> Vec<String> {
     };
     let done = [press.to_string()].into_iter().chain(keys(Action::Apply)).collect();
     let back = if goes_back { keys(Action::DropBox) } else { Vec::new() };
-    [(done, "done"), (back, "one point back"), (keys(Action::Cancel), "give up")]
+    [(done, "done"), (back, "undo point"), (keys(Action::Cancel), "cancel")]
         .into_iter()
         .filter_map(|(presses, what)| Some(format!("{}: {what}", either(&presses)?)))
         .collect()
@@ -83,7 +83,7 @@ mod tests {
         };
         assert_eq!(
             acts(Progress::Points(2), named),
-            ["Double-click, Space or Enter: done", "drop-box: one point back", "cancel: give up"]
+            ["Double-click, Space or Enter: done", "drop-box: undo point", "cancel: cancel"]
         );
         assert_eq!(acts(Progress::Raised(1), |_| Vec::new()), ["Click: done"]);
     }

@@ -39,8 +39,9 @@ pub fn show(root: &Ui, state: &mut UiState, within: Rect, requests: &mut Vec<UiR
     }
     if let Some(gone) = dropped.iter().find(|path| !path.try_exists().unwrap_or(true)) {
         let (name, folder) = (name_of(gone), gone.parent().unwrap_or(gone).display());
-        let text =
-            format!("{name} is not in {folder}: it has been moved or removed, or its disk is gone");
+        let text = format!(
+            "{name} is not in {folder}: it was moved or deleted, or its disk is not connected"
+        );
         return state.toasts.error(text);
     }
     match use_of(&dropped, is_modal) {
@@ -84,7 +85,7 @@ fn use_of(paths: &[PathBuf], is_modal: bool) -> Use {
         [path] => {
             let name = name_of(path);
             Use::Refused(format!(
-                "{name}: nothing that can be opened; drop a file that ends in .{}, a folder of DICOM files, or an image",
+                "{name} cannot be opened; drop a file that ends in .{}, a folder of DICOM files, or an image",
                 READ_ENDINGS.join(", .")
             ))
         }

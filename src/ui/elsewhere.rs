@@ -51,7 +51,7 @@ const fn action(names: &'static str, text: &'static str, action: Action) -> Else
 
 /// Everything that is somewhere else.
 pub static ELSEWHERE: &[Elsewhere] = &[
-    option("array, pattern", "Array: the last operation again, with an offset", Spot::Array),
+    option("array, pattern", "Array: repeat the last operation with an offset", Spot::Array),
     option(
         "alpha, stencil, stamp image, texture brush",
         "Stencil: the brush paints an image, or a colour through it",
@@ -59,12 +59,12 @@ pub static ELSEWHERE: &[Elsewhere] = &[
     ),
     option(
         "pressure, pen pressure, tablet, stylus, wacom, pen tilt",
-        "Pressure and tilt of a pen: what they lead of the brush",
+        "Pen pressure and tilt: how they affect the brush",
         Spot::Pressure,
     ),
     option(
         "steady, lazy mouse, lazy brush, stabiliser, stroke stabiliser, smooth stroke",
-        "Steady strokes: the pointer leads the brush on a rope",
+        "Steady strokes: the pointer pulls the brush on a rope",
         Spot::Steady,
     ),
     option(
@@ -74,22 +74,22 @@ pub static ELSEWHERE: &[Elsewhere] = &[
     ),
     option(
         "ao, ambient occlusion, cavity shading",
-        "Ambient occlusion: crevices are darker",
+        "Ambient occlusion: darkens crevices",
         Spot::Occlusion,
     ),
     option(
         "solid view, viewport shading, shaded view, voxel view",
-        "Ways of rendering, in the bar along the top",
+        "Render modes, in the bar along the top",
         Spot::RenderMode,
     ),
     option(
         "symmetry options, symmetry centre, symmetry plane",
-        "Symmetry: planes, their places, and rotation about an axis",
+        "Symmetry: mirror planes, their positions, and rotation about an axis",
         Spot::Symmetry,
     ),
     action(
         "boolean, union, difference, subtract solid",
-        "Boolean: solids add and cut; this one cuts",
+        "Boolean: solids add or cut; this sets them to cut",
         Action::Mode(ToolMode::Subtract),
     ),
     action(
@@ -109,7 +109,7 @@ pub static ELSEWHERE: &[Elsewhere] = &[
     ),
     action(
         "measure, ruler, distance, dimensions",
-        "Measure: the marker says how large its box is",
+        "Measure: the marker shows the size of its box",
         Action::Marker,
     ),
     action(
@@ -124,12 +124,12 @@ pub static ELSEWHERE: &[Elsewhere] = &[
     ),
     action(
         "remesh, remesher, dyntopo, dynamic topology, topology",
-        "No remeshing: voxels have no topology; Smooth evens the surface",
+        "No remeshing: voxels have no topology; Smooth evens out the surface",
         Action::Brush(BrushId::Smooth),
     ),
     action(
         "resample, resolution, subdivide, subdivision, multires, multiresolution",
-        "One resolution: the size in voxels is chosen in a new sculpture",
+        "One resolution: choose the size in voxels for a new sculpture",
         Action::New,
     ),
     action(
@@ -146,12 +146,12 @@ pub static ELSEWHERE: &[Elsewhere] = &[
     ),
     action(
         "wireframe, polyframe, wire",
-        "No wireframe: voxels have no edges to show; the outline of the grid",
+        "No wireframe: voxels have no edges to show; see the grid outline",
         Action::ToggleBounds,
     ),
     action(
         "xray, x-ray, see through, transparency, section view",
-        "Nothing is transparent: cut it open by a plane, and undo",
+        "Nothing is transparent: cut it open with a plane, then undo",
         Action::Draw(DrawKind::Plane),
     ),
     action(
@@ -174,7 +174,7 @@ pub static ELSEWHERE: &[Elsewhere] = &[
         "No HDRI: sun and sky light final pictures",
         Action::FinalPicture,
     ),
-    action("scale, size", "Scale: the tool one step larger", Action::Grow),
+    action("scale, size", "Scale: enlarge the tool by one step", Action::Grow),
     action(
         "standard brush, draw brush",
         "Draw raises the surface along its normal",

@@ -183,17 +183,23 @@ fn mesh_options(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, context: &U
             .on_hover_text(help(*chosen));
         ui.end_row();
 
-        ui.checkbox(&mut dialog.simplify, "Simplify to")
-            .on_hover_text("Collapses edges where the surface changes least; stays closed");
+        ui.checkbox(&mut dialog.simplify, "Simplify to").on_hover_text(
+            "Collapses edges where the surface changes least; the mesh stays closed",
+        );
         let triangles = DragValue::new(&mut dialog.triangles).range(12..=MOST_TRIANGLES);
         ui.add_enabled(dialog.simplify, triangles.speed(1000.0).suffix(" triangles"))
-            .on_hover_text("Most triangles of the mesh");
+            .on_hover_text("Largest number of triangles in the mesh");
         ui.end_row();
 
         let label = ui.label("Voxel");
         let mut edge_mm = dialog.voxel_mm.unwrap_or(own_mm.x);
         let field = DragValue::new(&mut edge_mm).range(VOXEL_MM).speed(0.01).suffix(" mm");
-        if ui.add(field).labelled_by(label.id).on_hover_text("Edge of a voxel along x").changed() {
+        if ui
+            .add(field)
+            .labelled_by(label.id)
+            .on_hover_text("Edge length of a voxel along x")
+            .changed()
+        {
             dialog.voxel_mm = (edge_mm != own_mm.x).then_some(edge_mm);
         }
         ui.end_row();
@@ -226,7 +232,7 @@ fn mesh_options(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, context: &U
         if ends_in(path, "ply") {
             ui.label("");
             ui.add(Checkbox::new(&mut dialog.points_only, "Points only")).on_hover_text(
-                "The vertices without triangles, for programs that take point clouds",
+                "The vertices without triangles, for programs that read point clouds",
             );
             ui.end_row();
         }
@@ -236,7 +242,7 @@ fn mesh_options(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, context: &U
 fn help(kind: MeshKind) -> &'static str {
     match kind {
         MeshKind::Faces => "The exposed faces of the voxels, two triangles each",
-        MeshKind::Greedy => "The same faces, merged to rectangles: far fewer triangles",
+        MeshKind::Greedy => "The same faces, merged into rectangles: far fewer triangles",
         MeshKind::Smooth => "The smooth surface that pictures show, for printing and modelling",
     }
 }

@@ -157,25 +157,25 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
                 ui.label("Sculptures, scans, voxel models and meshes.");
                 ui.add_space(8.0);
                 ui.checkbox(ask, "Ask how to import").on_hover_text(
-                    "Shows scans and meshes first, and asks for thresholds, size and the like. \
-                     Otherwise, and with Shift held, they open with what was chosen last",
+                    "Previews scans and meshes, and asks for thresholds, size and so on. Otherwise, or with Shift \
+                     held, they open with the last choices",
                 );
             }
             FileTask::SaveAs(_) => {
                 ui.label("Keeps everything: all colours, the base colour, the texts of the file.");
                 ui.add_space(8.0);
-                ui.weak("Other programs read what Export writes.");
+                ui.weak("Use Export to write files for other programs.");
             }
             FileTask::Export => {
-                ui.label("Volumes, voxel models and meshes, by the ending of the name.");
+                ui.label("Volumes, voxel models and meshes, chosen by the file extension.");
                 ui.add_space(8.0);
-                ui.weak("What the format leaves open is asked next.");
+                ui.weak("The options of the format come next.");
             }
             FileTask::Picture => {
                 ui.label("The image is wrapped around the tool in Paint mode.");
             }
             FileTask::Reference => {
-                ui.label("The image stands in the scene, on the side that you look along.");
+                ui.label("The image stands in the scene, on the side that you are looking from.");
             }
             FileTask::Matcap => {
                 ui.label("A square image of a lit ball that touches all four edges.");

@@ -60,10 +60,10 @@ impl FilmForm {
 
     const fn help(self) -> &'static str {
         match self {
-            FilmForm::AnimatedPng => "Without loss; browsers show it",
-            FilmForm::Gif => "256 colours a frame; shown everywhere",
+            FilmForm::AnimatedPng => "Lossless; browsers show it",
+            FilmForm::Gif => "256 colours per frame; works everywhere",
             FilmForm::Y4m => "Raw video for ffmpeg, mpv and VLC; large",
-            FilmForm::Folder => "A picture for each frame, for other programs",
+            FilmForm::Folder => "One picture per frame, for other programs",
         }
     }
 }
@@ -142,7 +142,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
     let response = Modal::new(Id::new("film")).show(root.ctx(), |ui| {
         ui.set_width(WIDTH);
         ui.heading("Film");
-        ui.weak("All of the sculpture, seen from where the view stands.");
+        ui.weak("The whole sculpture, seen from the direction of the view.");
         ui.add_space(4.0);
         let dialog = &mut state.dialogs.film;
         let undos = context.document.history().undo_count();
@@ -162,9 +162,8 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             let make = ui.add(theme::primary(ui.visuals(), "Make film"));
-            let make = make.on_hover_text(
-                "Saved beside the sculpture, under a name of its own; can be cancelled",
-            );
+            let make = make
+                .on_hover_text("Saved next to the sculpture under a new name; can be cancelled");
             if make.clicked() || enter {
                 requests.push(UiRequest::Film(dialog.wanted(context.picture_px)));
                 dialog.open = false;
@@ -181,17 +180,17 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
 
 fn what(ui: &mut Ui, dialog: &mut FilmDialog, can_lapse: bool, is_recording: bool) {
     let lapse = match is_recording {
-        true => "How the sculpture came to be, as it was recorded since the start",
-        false => "How the sculpture came to be, as far as undo leads back, a step at a time",
+        true => "How the sculpture was made, as recorded since the start",
+        false => "How the sculpture was made, step by step, as far back as undo goes",
     };
     ui.label("Kind");
     ui.horizontal(|ui| {
         ui.radio_value(&mut dialog.kind, FilmKind::Turntable, "Turntable")
-            .on_hover_text("The sculpture turns; a whole turn repeats without a jump");
+            .on_hover_text("The sculpture turns; a full turn loops without a jump");
         ui.add_enabled_ui(can_lapse, |ui| {
             ui.radio_value(&mut dialog.kind, FilmKind::Lapse, "Time lapse")
                 .on_hover_text(lapse)
-                .on_disabled_hover_text("Nothing has been done yet that a time lapse could show");
+                .on_disabled_hover_text("There is nothing yet for a time lapse to show");
         });
     });
     ui.end_row();
@@ -201,14 +200,14 @@ fn length(ui: &mut Ui, dialog: &mut FilmDialog) {
     let label = ui.label("Frames");
     ui.add(DragValue::new(&mut dialog.frames).range(1..=MOST_FRAMES).speed(1.0))
         .labelled_by(label.id)
-        .on_hover_text("Pictures of the whole film");
+        .on_hover_text("Number of pictures in the whole film");
     ui.end_row();
     let (most_fps, has_rate) = (dialog.most_fps(), dialog.form != FilmForm::Folder);
     let label = ui.label("Frames per second");
     ui.add_enabled(has_rate, DragValue::new(&mut dialog.fps).range(1..=most_fps).speed(0.2))
         .labelled_by(label.id)
-        .on_hover_text("How fast it is shown")
-        .on_disabled_hover_text("A folder of pictures has no speed");
+        .on_hover_text("Playback speed")
+        .on_disabled_hover_text("A folder of pictures has no playback speed");
     ui.end_row();
     let label = ui.label("Turn");
     let spin = DragValue::new(dialog.spin_deg()).range(-3600.0..=3600.0).suffix("°").speed(1.0);
@@ -219,7 +218,9 @@ fn length(ui: &mut Ui, dialog: &mut FilmDialog) {
     let label = ui.label("Samples");
     ui.add(Slider::new(&mut dialog.samples, 1..=MAX_SAMPLES).logarithmic(true))
         .labelled_by(label.id)
-        .on_hover_text("Of each pixel: more make edges smoother, and take as many times as long");
+        .on_hover_text(
+            "Per pixel: more samples make edges smoother and take proportionally longer",
+        );
     ui.end_row();
 }
 

@@ -56,7 +56,7 @@ impl FinalFile {
 
     pub(super) const fn help(self) -> &'static str {
         match self {
-            FinalFile::Png => "For screens, without loss",
+            FinalFile::Png => "For screens, lossless",
             FinalFile::Jpeg => "For screens, small",
             FinalFile::Exr => "Linear light with distance, colour and normals, for compositing",
         }
@@ -193,9 +193,8 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             let make = ui.add(theme::primary(ui.visuals(), "Make picture"));
-            let make = make.on_hover_text(
-                "Saved beside the sculpture, under a name of its own; can be cancelled",
-            );
+            let make = make
+                .on_hover_text("Saved next to the sculpture under a new name; can be cancelled");
             if make.clicked() || enter {
                 let wanted = dialog.wanted(context.picture_px);
                 requests.push(UiRequest::FinalPicture(Box::new(wanted)));
@@ -204,7 +203,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
             if ui.button("Cancel").clicked() {
                 dialog.open = false;
             }
-            if ui.button("Defaults").on_hover_text("Back to a clear day at 64 samples").clicked() {
+            if ui.button("Defaults").on_hover_text("Reset to a clear day at 64 samples").clicked() {
                 *dialog = FinalDialog { open: true, ..FinalDialog::default() };
             }
         });

@@ -12,22 +12,22 @@ pub fn quality(ui: &mut Ui, dialog: &mut FinalDialog) {
     let samples = Slider::new(&mut dialog.trace.samples, 1..=MAX_FINAL_SAMPLES).logarithmic(true);
     ui.add(samples)
         .labelled_by(label.id)
-        .on_hover_text("Rays of each pixel: four times as many halve the noise");
+        .on_hover_text("Rays per pixel: four times as many halve the noise");
     ui.end_row();
     ui.label("");
     ui.checkbox(&mut dialog.denoise, "Remove noise")
-        .on_hover_text("Filters what noise remains, without blurring edges");
+        .on_hover_text("Filters the remaining noise without blurring edges");
     ui.end_row();
     let label = ui.label("Bounces");
     ui.add(Slider::new(&mut dialog.trace.bounces, 0..=MAX_BOUNCES).logarithmic(true))
         .labelled_by(label.id)
-        .on_hover_text("How often light is reflected on its way at most: 0 has no light from surface to surface");
+        .on_hover_text("Maximum number of reflections: 0 means no light from surface to surface");
     ui.end_row();
     let label = ui.label("Exposure");
     let exposure = Slider::new(&mut dialog.exposure_ev, -10.0..=10.0).suffix(" EV").max_decimals(1);
     ui.add(exposure)
         .labelled_by(label.id)
-        .on_hover_text("Doubles the light of PNG and JPEG with each unit");
+        .on_hover_text("Each unit doubles the light in PNG and JPEG");
     ui.end_row();
 }
 
@@ -40,7 +40,7 @@ pub fn light(ui: &mut Ui, light: &mut LightOptions) {
             azimuth_deg,
             -180.0..=180.0,
             "°",
-            "Where the sun stands: 0 is behind the viewer, more is to the right",
+            "Direction of the sun: 0 is behind the viewer, larger values are to the right",
         ),
         (
             "Sun elevation",
@@ -51,7 +51,7 @@ pub fn light(ui: &mut Ui, light: &mut LightOptions) {
         ),
         ("Sun size", size_deg, 0.2..=60.0, "°", "The larger, the softer the shadows"),
         ("Sun strength", strength, 0.0..=10.0, "", "1 is a clear day"),
-        ("Sky", sky, 0.0..=10.0, "", "Strength of the light of the sky; 1 is a clear day"),
+        ("Sky", sky, 0.0..=10.0, "", "Strength of the sky light; 1 is a clear day"),
     ] {
         number(ui, name, value, range, suffix, help);
     }
@@ -74,7 +74,7 @@ pub fn lamp(ui: &mut Ui, dialog: &mut FinalDialog) {
                 azimuth_deg,
                 -180.0..=180.0,
                 "°",
-                "Where the lamp hangs: 0 is behind the viewer, more is to the right",
+                "Direction of the lamp: 0 is behind the viewer, larger values are to the right",
             ),
             ("Lamp elevation", elevation_deg, -90.0..=90.0, "°", "Its height above the horizon"),
             (
@@ -82,7 +82,7 @@ pub fn lamp(ui: &mut Ui, dialog: &mut FinalDialog) {
                 size,
                 0.01..=5.0,
                 "",
-                "Its edge in radii of the sculpture: the larger, the softer the shadows",
+                "Edge length in radii of the sculpture: the larger, the softer the shadows",
             ),
             ("Lamp strength", strength, 0.0..=10.0, "", "1 is about that of the sun"),
         ] {
@@ -111,7 +111,7 @@ pub fn ground(ui: &mut Ui, dialog: &mut FinalDialog) {
     ui.horizontal(|ui| {
         let mut has_ground = dialog.trace.ground.is_some();
         ui.checkbox(&mut has_ground, "Ground")
-            .on_hover_text("An even ground that the sculpture stands on and throws its shadow on");
+            .on_hover_text("A flat ground that the sculpture stands on and casts its shadow on");
         ui.add_enabled_ui(has_ground, |ui| {
             ui.color_edit_button_srgb(&mut dialog.ground.0).on_hover_text("Colour of the ground");
         });
@@ -126,7 +126,7 @@ pub fn lens(ui: &mut Ui, dialog: &mut FinalDialog) {
     let mut percent = lens.aperture * 100.0;
     let slider = Slider::new(&mut percent, 0.0..=50.0).suffix(" %").max_decimals(1);
     let slider = ui.add(slider).labelled_by(label.id).on_hover_text(
-        "Diameter of the lens over the distance of what is sharp; at 0 all is sharp, 4 shows it",
+        "Diameter of the lens as a share of the focus distance; 0 keeps everything sharp, 4 blurs visibly",
     );
     if slider.changed() {
         lens.aperture = percent / 100.0;
@@ -136,8 +136,8 @@ pub fn lens(ui: &mut Ui, dialog: &mut FinalDialog) {
     let has_focus = lens.aperture > 0.0;
     ui.horizontal(|ui| {
         for (share, prefix, help) in [
-            (&mut lens.focus.x, "X ", "What is sharp: a place in the picture, from the left"),
-            (&mut lens.focus.y, "Y ", "What is sharp: a place in the picture, from the top"),
+            (&mut lens.focus.x, "X ", "Focus point in the picture, from the left"),
+            (&mut lens.focus.y, "Y ", "Focus point in the picture, from the top"),
         ] {
             let mut shown = *share * 100.0;
             let value = DragValue::new(&mut shown)
@@ -170,8 +170,7 @@ pub fn file(ui: &mut Ui, dialog: &mut FinalDialog) {
         .on_hover_text(dialog.file.help());
     ui.end_row();
     ui.label("");
-    ui.add(Checkbox::new(&mut dialog.on_gpu, "Trace on the graphics device")).on_hover_text(
-        "Much faster on a GPU, but shows the voxels' cubes instead of the smooth surface",
-    );
+    ui.add(Checkbox::new(&mut dialog.on_gpu, "Trace on the graphics device"))
+        .on_hover_text("Much faster on a GPU, but shows voxel cubes instead of the smooth surface");
     ui.end_row();
 }

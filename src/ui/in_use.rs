@@ -23,7 +23,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             let button = ui.add(theme::primary(ui.visuals(), "Open a copy"));
-            if button.on_hover_text("Go on without a name; saving asks for one").clicked() {
+            if button.on_hover_text("Continue without a name; saving asks for one").clicked() {
                 answer = Some(UiRequest::BecomeCopy);
             }
             let button = ui.button("Read only");

@@ -59,7 +59,7 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
     let software = state.view.mode.shading() == crate::render::Shading::Software;
     Grid::new("light").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         percent(ui, "Ambient", &mut light.ambient, 1.0)
-            .on_hover_text("Light from everywhere: the sky's from above, the ground's from below");
+            .on_hover_text("Light from everywhere: from the sky above and the ground below");
         ui.label("Sky, ground");
         ui.horizontal(|ui| {
             let sky = ui.color_edit_button_srgb(&mut light.sky.0);
@@ -88,16 +88,16 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
         .on_hover_text("Darkens corners and crevices, which get less ambient light");
     spot::mark(&occlusion, Spot::Occlusion);
     ui.checkbox(&mut light.shadow, "Shadows").on_hover_text(
-        "The first distant light throws shadows: sharp while something moves, soft in the refined picture",
+        "The first distant light casts shadows: sharp while something moves, soft in the refined picture",
     );
     if light.shadow || on_ground {
         ui.horizontal(|ui| {
             let label = ui.label("Size of the sun");
             let slider =
                 Slider::new(&mut light.sun_deg, 0.0..=MAX_SUN_DEG).max_decimals(1).suffix("°");
-            ui.add(slider)
-                .labelled_by(label.id)
-                .on_hover_text("The larger, the softer the shadows, also that on the ground");
+            ui.add(slider).labelled_by(label.id).on_hover_text(
+                "The larger, the softer the shadows, including the one on the ground",
+            );
         });
     }
     ui.add_space(4.0);
@@ -149,24 +149,25 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
     let (mut removed, mut reset) = (None, false);
     ui.horizontal(|ui| {
         let add = ui.add_enabled(lamps.len() < MAX_LIGHTS, Button::new("Add light"));
-        let add = add.on_hover_text("One more lamp, behind the others' backs");
+        let add = add.on_hover_text("Add a lamp that lights another side");
         if add.on_disabled_hover_text("There can be at most four lights").clicked() {
             let place = PLACES[lamps.len()];
             *chosen = lamps.len();
             lamps.push(Lamp { place, intensity: 0.5, ..Lamp::default() });
         }
         let all = ui.button("Reset lights");
-        reset = all.on_hover_text("Lamps, look and everything below as the settings say").clicked();
+        reset =
+            all.on_hover_text("Reset lamps, look and everything below to the settings").clicked();
     });
     for (i, lamp) in lamps.iter_mut().enumerate() {
         ui.push_id(i, |ui| {
             ui.horizontal(|ui| {
                 ui.checkbox(&mut lamp.on, RichText::new(format!("Light {}", i + 1)).strong())
-                    .on_hover_text("This lamp on or off");
+                    .on_hover_text("Turn this lamp on or off");
                 ui.color_edit_button_srgb(&mut lamp.colour.0).on_hover_text("Colour of its light");
                 ui.selectable_value(chosen, i, "Edit")
-                    .on_hover_text("Shows below where it stands and how bright it is");
-                if ui.button("Remove").on_hover_text("Takes this lamp away").clicked() {
+                    .on_hover_text("Show its position and brightness below");
+                if ui.button("Remove").on_hover_text("Remove this lamp").clicked() {
                     removed = Some(i);
                 }
             });
@@ -192,9 +193,9 @@ fn one(ui: &mut Ui, lamp: &mut Lamp) {
     ui.horizontal(|ui| {
         let before = lamp.kind;
         ui.radio_value(&mut lamp.kind, LampKind::Direction, "Distant")
-            .on_hover_text("As far as the sun: its light comes from one direction");
+            .on_hover_text("As far away as the sun: its light comes from one direction");
         ui.radio_value(&mut lamp.kind, LampKind::Position, "Point")
-            .on_hover_text("Near the sculpture: its light comes from one place");
+            .on_hover_text("Near the sculpture: its light comes from one point");
         if lamp.kind != before {
             // Where it can be seen to be: about as far as the sculpture is large, or back.
             let towards = Vec3::from(lamp.place).normalize_or(Vec3::Z);
@@ -205,7 +206,7 @@ fn one(ui: &mut Ui, lamp: &mut Lamp) {
     ui.horizontal(|ui| {
         ui.label("Fixed to");
         ui.radio_value(&mut lamp.frame, LampFrame::Eye, "viewer")
-            .on_hover_text("The lamp goes with the eye, as a headlamp");
+            .on_hover_text("The lamp moves with the eye, like a headlamp");
         ui.radio_value(&mut lamp.frame, LampFrame::World, "world")
             .on_hover_text("The lamp stays where it is when the eye moves");
     });
@@ -218,7 +219,7 @@ fn one(ui: &mut Ui, lamp: &mut Lamp) {
                     for (value, axis) in lamp.place.iter_mut().zip(["x ", "y ", "z "]) {
                         let range = -1e5..=1e5;
                         ui.add(DragValue::new(value).prefix(axis).range(range).speed(1.0))
-                            .on_hover_text("In voxel edges from the middle of the world");
+                            .on_hover_text("In voxel edges from the centre of the world");
                     }
                 });
                 ui.end_row();

@@ -82,7 +82,7 @@ fn words(look: Look) -> (&'static str, &'static str) {
         Look::Colours => ("True colours", "The colours of the voxels, in the light of the lamps"),
         Look::Clay => ("Clay", "Matt clay, whatever colours the voxels have"),
         Look::Stone => ("Stone", "Pale stone, whatever colours the voxels have"),
-        Look::Matcap => ("Matcap", "The light of an image of a ball, instead of all lamps"),
+        Look::Matcap => ("Matcap", "Lighting from an image of a ball, instead of all lamps"),
     }
 }
 

@@ -97,11 +97,11 @@ fn outline(ui: &mut Ui, window: &mut Masks, context: &UiContext, ask: &mut impl 
         if of_mask(ui, context, "Shrink", "Move its outline inwards") {
             ask(MaskChange::Shrink(by));
         }
-        if of_mask(ui, context, "Even out", "Even its outline: notches fill, tips go") {
+        if of_mask(ui, context, "Even out", "Even out its outline: fill notches and remove tips") {
             ask(MaskChange::Smooth(by.min(8)));
         }
         ui.add(DragValue::new(&mut window.by_vx).range(1..=MAX_GROWTH_VX).speed(0.1).suffix(" vx"))
-            .on_hover_text("By how much; evening out looks at most 8 voxels around");
+            .on_hover_text("Distance; evening out uses at most 8 voxels");
     });
 }
 
@@ -134,8 +134,12 @@ fn areas(ui: &mut Ui, window: &mut Masks, context: &UiContext, ask: &mut impl Fn
         let has_colours = context.document.material().depth() != ColourDepth::None;
         let button = ui.add_enabled(has_colours, Button::new("Tool's colour"));
         let tool = context.tool;
-        let help = "All voxels of the tool's colour, to within the tolerance below";
-        if button.on_hover_text(help).on_disabled_hover_text("It has only one colour").clicked() {
+        let help = "All voxels of the tool's colour, within the tolerance below";
+        if button
+            .on_hover_text(help)
+            .on_disabled_hover_text("This sculpture has only one colour")
+            .clicked()
+        {
             put(MaskArea::Colour { colour: tool.colour, tolerance: tool.flood_tolerance });
         }
         let help = "Furrows, corners and holes of the surface";
@@ -144,7 +148,7 @@ fn areas(ui: &mut Ui, window: &mut Masks, context: &UiContext, ask: &mut impl Fn
             put(MaskArea::Cavities { reach_vx: window.cavity_vx, depth_vx });
         }
         let reach = DragValue::new(&mut window.cavity_vx).range(1..=MAX_REACH_VX).speed(0.05);
-        ui.add(reach.suffix(" vx")).on_hover_text("How far around a voxel they are looked for");
+        ui.add(reach.suffix(" vx")).on_hover_text("Search distance around a voxel");
     });
 }
 
@@ -155,8 +159,7 @@ fn wand(ui: &mut Ui, adds: bool, context: &UiContext, requests: &mut Vec<UiReque
     let mut wand = Wand { adds, ..before };
     ui.horizontal(|ui| {
         let chosen = tool.next_press == Some(NextPress::Wand);
-        let help =
-            "The next press on the surface protects, or releases, what hangs together with it";
+        let help = "The next press on the surface protects or releases everything connected to it";
         if ui.selectable_label(chosen, "✨ Wand").on_hover_text(help).clicked() {
             let next = (!chosen).then_some(NextPress::Wand);
             requests.push(UiRequest::Tool(ToolEdit::NextPress(next)));
@@ -164,24 +167,24 @@ fn wand(ui: &mut Ui, adds: bool, context: &UiContext, requests: &mut Vec<UiReque
         for (rule, name, help) in [
             (WandRule::Flat, "Flat", "Voxels of the surface that face nearly the same way"),
             (WandRule::Colour, "Colour", "Voxels of the surface of nearly the same colour"),
-            (WandRule::Piece, "Piece", "All voxels that are joined to the one that is met"),
+            (WandRule::Piece, "Piece", "All voxels connected to the one that is pressed"),
         ] {
             ui.radio_value(&mut wand.rule, rule, name).on_hover_text(help);
         }
     });
     Grid::new("wand").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         let angle = Slider::new(&mut wand.angle_deg, 0.0..=90.0).suffix("°").max_decimals(0);
-        let help = "How far the surface may turn away within a flat patch";
+        let help = "Largest difference in direction within a flat patch";
         row(ui, "Angle", angle, help);
         let mut tolerance = tool.flood_tolerance;
         let shown = |value: f64, _| format!("{:.0} %", value * 100.0);
         let slider = Slider::new(&mut tolerance, 0.0..=1.0).custom_formatter(shown);
-        if row(ui, "Tolerance", slider, "How far colours may differ that are taken for one") {
+        if row(ui, "Tolerance", slider, "Largest difference between colours that count as the same")
+        {
             requests.push(UiRequest::Tool(ToolEdit::FloodTolerance(tolerance)));
         }
         let depth = Slider::new(&mut wand.depth_vx, 0..=MAX_REACH_VX).suffix(" vx");
-        let help =
-            "How far from the surface voxels are protected with a patch or cavity, outwards, too";
+        let help = "Depth to which a patch or cavity is protected, inwards and outwards";
         row(ui, "Depth", depth, help);
     });
     if wand != before {

@@ -182,7 +182,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
     match toml::to_string(&kept) {
         Ok(text) => format!("{HEAD}{text}"),
         Err(error) => {
-            tracing::warn!("what is to be remembered has no text: {error}");
+            tracing::warn!("the state cannot be written as text: {error}");
             HEAD.to_string()
         }
     }
@@ -193,7 +193,7 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     let kept: Kept = match toml::from_str(text) {
         Ok(kept) => kept,
         Err(error) => {
-            tracing::warn!("what was remembered cannot be read: {error}");
+            tracing::warn!("the remembered state cannot be read: {error}");
             return;
         }
     };

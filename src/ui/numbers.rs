@@ -114,8 +114,8 @@ pub fn see(ctx: &Context) -> Option<String> {
     let is_number = shown.trim().is_empty() || plain(&shown).is_some();
     (!is_given_up && !is_number).then(|| {
         format!(
-            "\"{shown}\" is no number: the field keeps the last that it could read. Write one decimal sign, comma or point; \
-             thousands without signs, or in threes by the other sign"
+            "\"{shown}\" is not a number: the field keeps its last valid value. Use a comma or a point as the \
+             decimal sign; group thousands with the other sign, or not at all"
         )
     })
 }

@@ -163,8 +163,8 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
     ui.checkbox(&mut state.view.tool, "Tool");
     ui.checkbox(&mut state.view.line, "Line from centre to tool");
     let edges = ui.checkbox(&mut state.view.smooth_edges, "Smooth edges in motion").on_hover_text(
-        "Smooths outlines while something moves, and in the headset, by one pass over the picture; colours of the \
-         surface stay sharp",
+        "Smooths outlines in one pass over the picture while something moves and in the headset; surface colours \
+         stay sharp",
     );
     state.view.smooth_edges_is_automatic &= !edges.changed();
     if !context.in_headset {
@@ -175,7 +175,7 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
             explain(gizmo, context, Action::ToggleGizmo);
         });
         ui.checkbox(&mut state.view.refine, "Smooth edges at rest").on_hover_text(
-            "While nothing moves, the picture is refined to 16 samples a pixel, so that its edges are smooth",
+            "While nothing moves, the picture is refined to 16 samples per pixel for smooth edges",
         );
     }
     smooth_surface(ui, state, context, requests);
@@ -191,9 +191,9 @@ fn smooth_surface(
     let own = context.document.contents().surface;
     let mut smooth = state.view.smooth_surface && own == SurfaceKind::Smooth;
     let row = ui.checkbox(&mut smooth, "Smooth surface").on_hover_text(
-        "Where a voxel covers more than a pixel, the surface between the voxels is shown instead of their cubes: always in \
-         modes in which a GPU does everything, in others but points in the picture that is refined at rest. Kept with the \
-         sculpture; models of cubes (.vox, .qb, .gox) begin without it. Exports propose what is shown",
+        "Shows a smooth surface instead of cubes where a voxel covers more than a pixel: always in modes that run \
+         entirely on a GPU, and in other modes except points once the picture is refined at rest. Saved with the \
+         sculpture; off at first for models of cubes (.vox, .qb, .gox). Export suggests the same surface",
     );
     if !row.changed() {
         return;

@@ -46,23 +46,22 @@ pub fn leads(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let before = context.tool.pens.of(brush);
     let mut chosen: PenUse = before;
     let (name, what) = match context.in_headset {
-        true => ("Trigger", "the less the trigger is pulled"),
-        false => ("Pressure", "the less a pen is pressed"),
+        true => ("Trigger", "Trigger travel"),
+        false => ("Pressure", "Pen pressure"),
     };
     let row = ui.horizontal(|ui| {
         ui.label(name);
         if brush.has_strength() {
             ui.checkbox(&mut chosen.strength, "strength")
-                .on_hover_text(format!("The brush is the weaker {what}"));
+                .on_hover_text(format!("{what} controls strength"));
         }
-        ui.checkbox(&mut chosen.size, "size")
-            .on_hover_text(format!("The brush is the smaller {what}"));
+        ui.checkbox(&mut chosen.size, "size").on_hover_text(format!("{what} controls size"));
     });
     if !context.in_headset {
         ui.horizontal(|ui| {
             ui.label("Tilt");
             ui.checkbox(&mut chosen.tilt, "widens").on_hover_text(
-                "The brush is the larger the more a pen leans: at 45 degrees it is twice as large",
+                "Tilting the pen widens the brush: at 45 degrees it is twice as large",
             );
         });
     }
@@ -83,14 +82,14 @@ pub fn section(ui: &mut Ui, state: &mut UiState) {
         let label = ui.label("Curve");
         let slider = Slider::new(&mut pen.curve.exponent, EXPONENTS).logarithmic(true);
         ui.add(slider.max_decimals(2)).labelled_by(label.id).on_hover_text(
-            "1 is a straight line; less, and a light hand does more; more, and it does less",
+            "1 is linear; lower values strengthen a light touch, higher values weaken it",
         );
         ui.end_row();
         let label = ui.label("Full at");
         let mut percent = pen.curve.full_at * 100.0;
         let range = FULL.start() * 100.0..=FULL.end() * 100.0;
         let slider = Slider::new(&mut percent, range).fixed_decimals(0).suffix(" %");
-        let hint = "The pressure that counts as full, as a share of what the tablet can feel";
+        let hint = "The pressure that counts as full, as a share of the tablet's range";
         if ui.add(slider).labelled_by(label.id).on_hover_text(hint).changed() {
             pen.curve.full_at = percent / 100.0;
         }
@@ -108,7 +107,7 @@ pub fn section(ui: &mut Ui, state: &mut UiState) {
                 touch.map(|touch| format!("{:.0}°", touch.lean_deg())),
             ]
             .map(|value| value.unwrap_or_else(|| "–".to_string()));
-            let hint = "Of the pen that touches now: press it to see what it does";
+            let hint = "For the pen that is touching now: press it to see its effect";
             for line in [
                 format!("Pressure {pressure}"),
                 format!("counts as {counted}"),
@@ -127,7 +126,7 @@ pub fn section(ui: &mut Ui, state: &mut UiState) {
 fn picture(ui: &mut Ui, pen: &PenState) {
     let (rect, response) = ui.allocate_exact_size(CURVE_SIZE, Sense::hover());
     response.on_hover_text(
-        "To the right the pressure, upwards what it counts as; the dot is the pen that touches now",
+        "Horizontally the pressure, vertically the value it counts as; the dot is the pen that is touching now",
     );
     let visuals = ui.visuals();
     let painter = ui.painter();

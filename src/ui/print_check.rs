@@ -193,7 +193,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
                     requests.push(UiRequest::PrintCheck(window.options));
                 }
                 ui.checkbox(&mut window.shown, "Show in the view")
-                    .on_hover_text("Mark what was found with lines and boxes");
+                    .on_hover_text("Mark the findings with lines and boxes");
             });
             findings(ui, window, context, requests);
         });
@@ -212,11 +212,11 @@ fn options(ui: &mut Ui, options: &mut CheckOptions, context: &UiContext) {
         ui,
         "Walls",
         &mut options.wall_mm,
-        "Walls must be at least so thick: for a nozzle of 0.4 mm some 1.2 mm",
+        "Minimum wall thickness; about 1.2 mm for a 0.4 mm nozzle",
     );
     let mut voxel_mm = options.voxel_mm_of(context.document.grid()).x;
     let before = voxel_mm;
-    length(ui, "Voxel", &mut voxel_mm, "Length of a voxel in the print");
+    length(ui, "Voxel", &mut voxel_mm, "Edge length of a voxel in the print");
     if voxel_mm != before {
         options.voxel_mm = Some(voxel_mm);
     }
@@ -236,7 +236,7 @@ fn options(ui: &mut Ui, options: &mut CheckOptions, context: &UiContext) {
         for (value, help) in [
             (&mut bed.x, "Width of the bed in mm"),
             (&mut bed.z, "Depth of the bed in mm"),
-            (&mut bed.y, "Height of the room above the bed in mm"),
+            (&mut bed.y, "Height available above the bed in mm"),
         ] {
             ui.add(DragValue::new(value).range(1.0..=10_000.0).speed(1.0)).on_hover_text(help);
         }
@@ -260,7 +260,7 @@ fn findings(
     let checked = &found.checked;
     let size = sizes(checked.size_mm);
     ui.label(match (checked.size_mm == Vec3::ZERO, checked.fits) {
-        (true, _) => RichText::new("Nothing to print: no voxel exists"),
+        (true, _) => RichText::new("Nothing to print: there are no voxels"),
         (_, true) => RichText::new(format!("{size}: fits the bed")),
         (_, false) => {
             let text = RichText::new(format!("{size}: does not fit the bed"));
@@ -338,9 +338,9 @@ fn of_kind(
 /// Describes a kind of finding, for tooltips.
 const fn meaning(kind: Kind) -> &'static str {
     match kind {
-        Kind::Islands => "Pieces that hang in the air, connected with nothing",
-        Kind::Cavities => "Empty places that do not reach the outside",
-        Kind::ThinWalls => "Walls thinner than wanted",
+        Kind::Islands => "Floating pieces, connected to nothing",
+        Kind::Cavities => "Enclosed empty spaces",
+        Kind::ThinWalls => "Walls below the minimum thickness",
         Kind::Overhangs => "Surfaces that need support",
     }
 }

@@ -104,7 +104,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let response = Modal::new(Id::new("recovery")).show(root.ctx(), |ui| {
         ui.set_width(WIDTH);
         ui.heading("Unsaved work was found");
-        ui.weak("These sessions did not end as they should have. Nothing of them is lost: choose what to go on with.");
+        ui.weak("These sessions did not end properly. Nothing is lost: choose one to continue.");
         ui.add_space(6.0);
         let room = (ui.ctx().content_rect().height() - BESIDE).max(110.0);
         ScrollArea::vertical().max_height(room).show(ui, |ui| {
@@ -117,7 +117,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         ui.add_space(4.0);
         later = ui
             .button("Later")
-            .on_hover_text("Keeps all of it, and asks again at the next start; “Unsaved work” in the menu lists it before")
+            .on_hover_text("Keeps everything and asks again at the next start; “Unsaved work” in the menu lists it until then")
             .clicked();
     });
     if later || response.should_close() {
@@ -169,13 +169,17 @@ fn show_row(
                 if left.work.is_ok() {
                     let recover = ui.add(theme::primary(ui.visuals(), "Recover"));
                     let recover = recover.on_hover_text(
-                        "Goes on with it as it was, with undo and redo; no file is overwritten",
+                        "Continues it as it was, with undo and redo; no file is overwritten",
                     );
                     if recover.clicked() {
                         requests.push(UiRequest::Recover(number));
                     }
                 }
-                if ui.button("Discard …").on_hover_text("Removes what was left").clicked() {
+                if ui
+                    .button("Discard …")
+                    .on_hover_text("Deletes the journal of this session")
+                    .clicked()
+                {
                     *discards = Some(number);
                 }
             });
@@ -194,7 +198,7 @@ fn facts(ui: &mut Ui, work: &LeftWork, time: &str) {
     let [x, y, z] = work.dims;
     ui.label(format!("{} step{plural}{saved}, {x} × {y} × {z} voxels", work.steps));
     if let Some(differs) = &work.differs {
-        ui.colored_label(ui.visuals().warn_fg_color, "Differs from what was done")
+        ui.colored_label(ui.visuals().warn_fg_color, "Differs from the original work")
             .on_hover_text(differs);
     }
 }

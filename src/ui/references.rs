@@ -228,7 +228,7 @@ fn place(ui: &mut Ui, reference: &mut Reference) {
                 }
             });
         ui.checkbox(&mut reference.locked, "Lock to view")
-            .on_hover_text("Show it only to who looks along that side");
+            .on_hover_text("Show it only in views along that side");
     });
     ui.horizontal(|ui| {
         let label = ui.label("Opacity");
@@ -244,7 +244,7 @@ fn place(ui: &mut Ui, reference: &mut Reference) {
         for (value, prefix) in [(0, "X "), (1, "Y ")] {
             let value = DragValue::new(&mut reference.offset_vx[value]).range(OFFSET_RANGE_VX);
             ui.add(value.prefix(prefix).speed(0.5)).on_hover_text(
-                "Of its middle from that of the grid, to the right (X) and up (Y), in voxels",
+                "Of its centre from the grid's centre, to the right (X) and up (Y), in voxels",
             );
         }
     });

@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
             &mut stereo.eye_distance_mm,
             EYE_DISTANCE_MM,
             " mm",
-            "More separation gives more depth; people have 55 to 75 mm",
+            "More separation gives more depth; people's eyes are 55 to 75 mm apart",
         );
         row(
             "Convergence",

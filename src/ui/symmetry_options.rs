@@ -53,7 +53,7 @@ fn plane(ui: &mut Ui, context: &UiContext, symmetry: &mut Symmetry, requests: &m
             symmetry.plane = on.then_some(MirrorPlane { at_vx, normal: Vec3::X });
         }
         let help = match context.in_headset {
-            true => "Pull the trigger: the plane goes across your hand until you let go",
+            true => "Pull the trigger: the plane lies across your hand until you let go",
             false => "The next press on the surface puts the plane there, along the line of sight and upright in the picture",
         };
         place(ui, context, "Place plane", Placed::Plane, help, requests);
@@ -82,17 +82,19 @@ fn radial(
         }
         if let Some(radial) = &mut symmetry.radial {
             let count = DragValue::new(&mut radial.count).range(2..=most).speed(0.05).suffix(" ×");
-            ui.add(count).on_hover_text("How often the tool is there, all around");
+            ui.add(count).on_hover_text("Number of copies of the tool around the axis");
         }
         let help = match context.in_headset {
-            true => "Pull the trigger: the axis stands in your hand until you let go",
-            false => "The next press on the surface puts the axis there, out of the surface",
+            true => "Pull the trigger: the axis follows your hand until you let go",
+            false => {
+                "The next press on the surface puts the axis there, pointing out of the surface"
+            }
         };
         place(ui, context, "Place axis", Placed::Axis, help, requests);
     });
     if let Some(Radial { at_vx, axis, .. }) = &mut symmetry.radial {
         point(ui, "Through", at_vx, "A point of the axis, in voxels");
-        direction(ui, "Axis", axis, "Where the axis points");
+        direction(ui, "Axis", axis, "Direction of the axis");
     }
 }
 

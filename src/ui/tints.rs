@@ -124,7 +124,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         .show(root.ctx(), |ui| {
             ui.set_width(WIDTH);
             if context.document.material().depth() == ColourDepth::None {
-                ui.weak("It has only one colour; a new sculpture may have more");
+                ui.weak("This sculpture has only one colour; a new one can have more");
                 return;
             }
             let window = &mut state.dialogs.tints;
@@ -137,7 +137,10 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
             }
             ui.add_space(4.0);
             let apply = ui.add(Button::new("Apply").min_size([90.0, 24.0].into()));
-            if apply.on_hover_text("Recolour all voxels of the area, inside as well").clicked() {
+            if apply
+                .on_hover_text("Recolour all voxels of the area, including those inside")
+                .clicked()
+            {
                 let (area, tint) = (window.area, window.tint(context));
                 requests.push(UiRequest::Run(Command::Tint { area, tint }));
             }
@@ -153,7 +156,7 @@ fn flood(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         let mut tolerance = context.tool.flood_tolerance;
         let label = ui.label("Flood tolerance");
         let value = ui.add(percent(&mut tolerance, 1.0)).labelled_by(label.id);
-        let help = "How far the colours of a patch may differ that a flood recolours";
+        let help = "Largest colour difference within a flooded patch";
         if value.on_hover_text(help).changed() {
             requests.push(UiRequest::Tool(ToolEdit::FloodTolerance(tolerance)));
         }
@@ -212,16 +215,21 @@ fn percent(value: &mut f32, most: f32) -> Slider<'_> {
 fn adjustment(ui: &mut Ui, window: &mut Tints) {
     Grid::new("adjust").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         let hue = Slider::new(&mut window.hue_deg, -180.0..=180.0).suffix("°").max_decimals(0);
-        slider(ui, "Hue", hue, "Turns the colour: by 120° red becomes green, green blue, blue red");
+        slider(
+            ui,
+            "Hue",
+            hue,
+            "Rotates the hue: at 120° red becomes green, green blue, and blue red",
+        );
         slider(
             ui,
             "Saturation",
             percent(&mut window.saturation, MOST_FACTOR),
-            "0 % makes all grey, more than 100 % more colourful",
+            "0 % makes everything grey; over 100 % is more colourful",
         );
-        slider(ui, "Value", percent(&mut window.value, MOST_FACTOR), "Darker, or brighter");
+        slider(ui, "Value", percent(&mut window.value, MOST_FACTOR), "Darker or brighter");
     });
-    if ui.button("Reset").on_hover_text("Back to what changes nothing").clicked() {
+    if ui.button("Reset").on_hover_text("Reset to no change").clicked() {
         (window.hue_deg, window.saturation, window.value) = (0.0, 1.0, 1.0);
     }
 }
@@ -245,8 +253,8 @@ fn gradient(ui: &mut Ui, window: &mut Tints) {
         ui.label("From, to");
         ui.horizontal(|ui| {
             let [from, to] = &mut window.colours;
-            ui.color_edit_button_srgb(&mut from.0).on_hover_text("Colour where the axis begins");
-            ui.color_edit_button_srgb(&mut to.0).on_hover_text("Colour where it ends");
+            ui.color_edit_button_srgb(&mut from.0).on_hover_text("Colour at the start of the axis");
+            ui.color_edit_button_srgb(&mut to.0).on_hover_text("Colour at the end of the axis");
             if ui.button("Swap").on_hover_text("Exchange the two colours").clicked() {
                 std::mem::swap(from, to);
             }
@@ -256,7 +264,7 @@ fn gradient(ui: &mut Ui, window: &mut Tints) {
             ui,
             "Strength",
             percent(&mut window.strength, 1.0),
-            "Share of the gradient; the rest stays as it is",
+            "Share of the gradient that is mixed in",
         );
     });
 }
@@ -269,12 +277,12 @@ fn noise(ui: &mut Ui, window: &mut Tints, context: &UiContext) {
             ui,
             "Amount",
             percent(&mut window.amount, 1.0),
-            "Largest share of the colour; the rest stays as it is",
+            "Largest share of the colour that is mixed in",
         );
         let label = ui.label("Pattern");
         ui.add(DragValue::new(&mut window.seed).speed(0.1))
             .labelled_by(label.id)
-            .on_hover_text("Another number, another pattern");
+            .on_hover_text("Each number gives a different pattern");
         ui.end_row();
     });
     ui.weak(format!("Blends in the tool's colour, {}", context.tool.colour));

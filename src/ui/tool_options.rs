@@ -220,7 +220,7 @@ fn size(ui: &mut Ui, tool: &ToolState, requests: &mut Vec<UiRequest>) {
         let even = sides.max_element() - sides.min_element() < 1e-3;
         if ui
             .add_enabled(!even, egui::Button::new("Equal"))
-            .on_hover_text("Make all sides equally long")
+            .on_hover_text("Make all sides equal")
             .clicked()
         {
             requests.push(UiRequest::Tool(ToolEdit::EvenOut));
@@ -273,7 +273,7 @@ fn colour(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
             format!("The next press picks the colour of the surface{}", keys(Action::PickColour));
         next_press(ui, tool, NextPress::Pick, "🖊 Pick", &pick, requests);
         let flood = format!(
-            "The next press recolours the patch of one colour that it meets{}",
+            "The next press recolours the patch of one colour that it hits{}",
             keys(Action::Flood)
         );
         next_press(ui, tool, NextPress::Flood, "💧 Flood", &flood, requests);

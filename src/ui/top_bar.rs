@@ -85,9 +85,8 @@ fn menu(
         }
         recent::menu(ui, state, requests);
         let unsaved = ui.button("Unsaved work …");
-        let unsaved = unsaved.on_hover_text(
-            "Lists what earlier sessions have left that did not end as they should have",
-        );
+        let unsaved =
+            unsaved.on_hover_text("Lists the work of earlier sessions that did not end properly");
         if unsaved.clicked() {
             requests.push(UiRequest::ListLeft);
         }
@@ -165,7 +164,7 @@ fn save_automatically(ui: &mut Ui, minutes: &mut u32) {
         }
     });
     response.response.on_hover_text(
-        "Saves the file of a sculpture that has one. Without a name nothing is saved; the journal keeps it anyway",
+        "Saves the sculpture to its file. A sculpture without a name is not saved, but the journal keeps it",
     );
 }
 

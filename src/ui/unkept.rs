@@ -12,9 +12,9 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     // The end of a stroke is refused; its result is there to be seen.
     let [question, go_on, stop] = match command {
         Command::End => ["Keep a stroke that cannot be undone?", "Keep it", "Take it back"],
-        Command::Undo { .. } => ["Undo what cannot be redone?", "Undo", "Cancel"],
-        Command::Redo { .. } => ["Redo what cannot be undone?", "Redo", "Cancel"],
-        _ => ["Do what cannot be undone?", "Do it", "Cancel"],
+        Command::Undo { .. } => ["Undo a step that cannot be redone?", "Undo", "Cancel"],
+        Command::Redo { .. } => ["Redo a step that cannot be undone?", "Redo", "Cancel"],
+        _ => ["Do something that cannot be undone?", "Do it", "Cancel"],
     };
     let mut answer = None;
     let response = Modal::new(Id::new("unkept")).show(root.ctx(), |ui| {
@@ -22,7 +22,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         ui.heading(question);
         ui.add_space(4.0);
         ui.label(why);
-        ui.label("Earlier steps will be forgotten, too.");
+        ui.label("Earlier steps will be forgotten too.");
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             if ui.button(go_on).clicked() {

@@ -9,7 +9,7 @@ use virtual_sculpture::session::Session;
 use super::bench::{Bench, bench, click_once, config, has, key, run, undo_count, voxels};
 use super::board::board;
 
-const HEADING: &str = "The file has changed on the disk";
+const HEADING: &str = "The file has changed on disk";
 
 /// Lets work on a thread end, and the window show what came of it.
 fn settle(harness: &mut Bench) {

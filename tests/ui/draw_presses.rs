@@ -86,7 +86,7 @@ fn a_box_is_as_high_as_the_pointer_goes_after_its_base() {
         assert_eq!(shown(&harness), corners.map(Vec3::from));
     }
     rest(&mut harness);
-    assert!(bench::has(&harness, "Height 7 vx · Click, Space or Enter: done · Escape: give up"));
+    assert!(bench::has(&harness, "Height 7 vx · Click, Space or Enter: done · Escape: cancel"));
     let top = at(&harness, [29.5, 39.0, 24.5]);
     click(&mut harness, top);
     let made = &recorded(&script)[lines..];
@@ -221,7 +221,8 @@ fn clicks_and_enter_draw_a_curve_through_points() {
         assert_eq!(progress(&harness), Some(Progress::Points(i + 1)));
     }
     rest(&mut harness);
-    let said = "3 points · Double-click, Space or Enter: done · Backspace: one point back · Escape: give up";
+    let said =
+        "3 points · Double-click, Space or Enter: done · Backspace: undo point · Escape: cancel";
     assert!(bench::has(&harness, said));
     // The preview goes on to the pointer, the curve does not.
     let before = shown(&harness)[1].x;

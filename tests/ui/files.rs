@@ -113,9 +113,9 @@ fn what_cannot_be_undone_is_asked_about_and_done_or_not() {
         let mut harness = forgetful();
         let before = harness.state().session().document().contents().clone();
         ask_for(&mut harness, line);
-        harness.get_by_label("Do what cannot be undone?").rect();
+        harness.get_by_label("Do something that cannot be undone?").rect();
         answer(&mut harness, "Cancel");
-        assert!(harness.query_by_label("Do what cannot be undone?").is_none());
+        assert!(harness.query_by_label("Do something that cannot be undone?").is_none());
         assert_eq!(*harness.state().session().document().contents(), before);
         ask_for(&mut harness, line);
         answer(&mut harness, "Do it");
@@ -124,7 +124,7 @@ fn what_cannot_be_undone_is_asked_about_and_done_or_not() {
         // It holds for that once.
         let other = if line == "clear" { "add" } else { "subtract" };
         ask_for(&mut harness, &format!("{other} cuboid at=4,4,4 half=2"));
-        harness.get_by_label("Do what cannot be undone?").rect();
+        harness.get_by_label("Do something that cannot be undone?").rect();
     }
 }
 

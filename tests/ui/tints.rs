@@ -86,7 +86,7 @@ fn the_window_of_colours_adjusts_blends_and_speckles() {
     key(&mut harness, Modifiers::ALT, Key::C);
     rest(&mut harness);
     assert!(
-        has(&harness, "It has only one colour; a new sculpture may have more")
+        has(&harness, "This sculpture has only one colour; a new one can have more")
             && !has(&harness, "Apply")
     );
 }

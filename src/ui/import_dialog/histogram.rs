@@ -60,7 +60,7 @@ fn fields(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
         let mut auto = options.existence == Existence::Auto;
         let automatic = ui
             .checkbox(&mut auto, "Automatic")
-            .on_hover_text("The thresholds that suit the histogram; of labels, all but 0");
+            .on_hover_text("Thresholds that suit the histogram; for labels, all but 0");
         if automatic.changed() {
             let all = Existence::Threshold(existing.least.max(min));
             options.existence = if auto { Existence::Auto } else { all };
@@ -74,8 +74,8 @@ fn fields(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
             let range = if i == 0 { min..=ends[1] } else { ends[0]..=max };
             let field = DragValue::new(&mut value).range(range).speed((max - min) / 300.0);
             let field = ui.add(field).labelled_by(label.id).on_hover_text(match handle {
-                Handle::Lower => "The least density that exists",
-                Handle::Upper => "The greatest density that exists",
+                Handle::Lower => "The lowest density that becomes a voxel",
+                Handle::Upper => "The highest density that becomes a voxel",
             });
             if field.changed() {
                 options.existence = dragged(existing, handle, value, histogram);

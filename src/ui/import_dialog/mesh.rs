@@ -72,8 +72,9 @@ fn questions(ui: &mut Ui, study: &MeshStudy, options: &mut ImportOptions) {
         if study.has_colours {
             ui.label("Colours");
             let mut coloured = options.colouring != Colouring::None;
-            ui.checkbox(&mut coloured, "Of the mesh")
-                .on_hover_text("Colours of corners and textures; else the sculpture has none");
+            ui.checkbox(&mut coloured, "Of the mesh").on_hover_text(
+                "Colours of vertices and textures; otherwise the sculpture has none",
+            );
             options.colouring = if coloured { Colouring::Auto } else { Colouring::None };
             ui.end_row();
         }
@@ -94,7 +95,7 @@ fn size(ui: &mut Ui, study: &MeshStudy, options: &mut ImportOptions) {
         let mut voxels = longest;
         let field = DragValue::new(&mut voxels).range(1..=MAX_AXIS_VX).suffix(" voxels");
         let field = ui.add_enabled(by_voxels, field).labelled_by(label.id);
-        if field.on_hover_text("Voxels of the longest side of the mesh").changed() {
+        if field.on_hover_text("Number of voxels along the longest side of the mesh").changed() {
             options.mesh_size = MeshSize::LongestVx(voxels);
         }
     });
@@ -107,7 +108,7 @@ fn size(ui: &mut Ui, study: &MeshStudy, options: &mut ImportOptions) {
         let mut edge_mm = edge;
         let field = DragValue::new(&mut edge_mm).range(EDGE_MM).speed(0.01).suffix(" mm");
         let field = ui.add_enabled(!by_voxels, field).labelled_by(label.id);
-        if field.on_hover_text("Edge of a voxel; lengths of the mesh are kept").changed() {
+        if field.on_hover_text("Edge length of a voxel; the mesh keeps its dimensions").changed() {
             options.mesh_size = MeshSize::VoxelMm(edge_mm);
         }
     });
@@ -116,9 +117,9 @@ fn size(ui: &mut Ui, study: &MeshStudy, options: &mut ImportOptions) {
 
 fn inside(ui: &mut Ui, options: &mut ImportOptions) {
     let help = |fill: MeshFill| match fill {
-        MeshFill::Auto => "Solid; of a mesh with large holes the surface alone",
+        MeshFill::Auto => "Solid; only the surface if the mesh has large holes",
         MeshFill::Solid => "Solid, even if there are large holes",
-        MeshFill::Shell => "The surface alone, two voxels thick",
+        MeshFill::Shell => "Only the surface, two voxels thick",
     };
     let label = ui.label("Inside");
     ComboBox::from_id_salt("fill")

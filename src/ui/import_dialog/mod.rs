@@ -302,7 +302,7 @@ fn foot(ui: &mut Ui, dialog: &mut ImportDialog, context: &UiContext, enter: bool
         }
         if !matches!(dialog.stage, Stage::Layout { .. }) {
             ui.checkbox(&mut dialog.ask, "Ask each time").on_hover_text(
-                "Otherwise files open with what was chosen last; so they do with Shift held",
+                "Otherwise files open with the last choices, as they do with Shift held",
             );
         }
         given
@@ -329,7 +329,7 @@ fn become_of(ui: &mut Ui, outlook: &Outlook, limits: &Limits) {
         mib(outlook.read_bytes),
         mib(budget)
     ))
-    .on_hover_text("memory.grid_mib and memory.colour_mib in the settings say what is allowed");
+    .on_hover_text("memory.grid_mib and memory.colour_mib in the settings set the limits");
 }
 
 fn answer_with(answer: Answer, state: &mut UiState, requests: &mut Vec<UiRequest>) {

@@ -179,7 +179,7 @@ fn scale(ui: &mut Ui, options: &mut ImportOptions) {
     };
     let field = DragValue::new(&mut edge_mm).range(EDGE_MM).speed(0.01).suffix(" mm");
     let field = ui.add(field).labelled_by(label.id);
-    if field.on_hover_text("Edge of a voxel, which the file does not say").changed() {
+    if field.on_hover_text("Edge length of a voxel, which the file does not specify").changed() {
         options.mesh_size = MeshSize::VoxelMm(edge_mm);
     }
     ui.end_row();

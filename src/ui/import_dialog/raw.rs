@@ -15,10 +15,10 @@ const HELP: &str = "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
 /// Asks how a raw file is laid out; true if Enter was pressed in the field.
 pub fn layout(ui: &mut Ui, path: &Path, text: &mut String, error: Option<&String>) -> bool {
     match path.extension().is_some_and(|own| own.eq_ignore_ascii_case("raw")) {
-        true => ui.label("A raw file does not say what it holds."),
+        true => ui.label("A raw file does not describe its contents."),
         false => ui.label(format!(
-            "Neither its name nor its content says what this file holds. If it is voxels alone, say how they lie; files of \
-             other kinds that are read: .{}",
+            "Neither name nor contents identify this file. If it holds only voxels, describe their layout; other \
+             readable formats: .{}",
             READ_ENDINGS.join(", .")
         )),
     };

@@ -98,7 +98,7 @@ pub fn show(
                     }
                 }
                 draw(ui, &pane, &texture, region, *at);
-                response.on_hover_text(format!("{help}. Drag to move the other two slices, or with the right button to frame the part to read"));
+                response.on_hover_text(format!("{help}. Drag to move the other two slices, or drag with the right button to frame the part to read"));
                 ui.horizontal(|ui| {
                     let label = ui.label(name).on_hover_text(help);
                     ui.spacing_mut().slider_width = (side - label.rect.width() - 54.0).max(24.0);

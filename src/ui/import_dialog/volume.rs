@@ -135,10 +135,10 @@ fn questions(
     region(ui, study, options);
     ui.add_space(4.0);
     ui.checkbox(&mut options.largest_piece, "Largest piece only").on_hover_text(
-        "Leaves out noise and whatever does not touch the largest set of voxels. Not shown in the slices",
+        "Leaves out noise and everything not connected to the largest piece. Not shown in the slices",
     );
     ui.checkbox(&mut options.fill_holes, "Fill holes")
-        .on_hover_text("What is enclosed by voxels becomes solid. Not shown in the slices");
+        .on_hover_text("Fills empty spaces enclosed by voxels. Not shown in the slices");
     is_chosen
 }
 
@@ -148,8 +148,8 @@ fn one_of(ui: &mut Ui, name: &str, taken: Taken, chosen: &mut Option<Ordinal>) -
         return false;
     }
     let help = match name {
-        "Channel" => "Which channel of the file is read",
-        _ => "Which time of the file is read: or phase, echo, volume along a fourth axis",
+        "Channel" => "Channel of the file to read",
+        _ => "Time point of the file to read; or phase, echo, or volume along a fourth axis",
     };
     let label = ui.label(name);
     let field = ui.horizontal(|ui| {
@@ -197,11 +197,11 @@ fn colours(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
 
 fn colouring_help(colouring: Colouring) -> &'static str {
     match colouring {
-        Colouring::Auto => "Colours of the file; densities in the base colour, to be painted",
+        Colouring::Auto => "Colours of the file; densities get the base colour and can be painted",
         Colouring::None => "No colours: the sculpture cannot be painted, and takes less memory",
         Colouring::Grey => "Densities as grey: the brighter, the denser",
         Colouring::Tissue => "Densities as skin, flesh and bone",
-        Colouring::Labels => "Whole numbers that name parts: a colour each, and 0 is empty",
+        Colouring::Labels => "Whole numbers that label parts: one colour each; 0 is empty",
         Colouring::Packed => "Packed colours of a sculpture, 0 is empty; thresholds do not apply",
     }
 }
@@ -236,9 +236,9 @@ fn cubic(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
         _ => finest.clamp(*EDGE_MM.start(), *EDGE_MM.end()),
     };
     let choices = [
-        (Cubic::No, "As in the file", "They keep their edges, which may differ"),
+        (Cubic::No, "As in the file", "Voxels keep their edge lengths, which may differ"),
         (Cubic::Finest, "Cubes, finest", "Resampled to the shortest edge of the file"),
-        (Cubic::EdgeMm(edge), "Cubes of", "Resampled to an edge in millimetres"),
+        (Cubic::EdgeMm(edge), "Cubes of", "Resampled to an edge length in millimetres"),
     ];
     let same = |a: Cubic, b: Cubic| std::mem::discriminant(&a) == std::mem::discriminant(&b);
     let name = choices.iter().find(|(cubic, ..)| same(*cubic, options.cubic));
@@ -256,7 +256,7 @@ fn cubic(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
             })
             .response
             .labelled_by(label.id)
-            .on_hover_text("Whether the voxels are resampled to cubes");
+            .on_hover_text("Resampling of the voxels to cubes");
         if let Cubic::EdgeMm(edge) = &mut options.cubic {
             ui.add(DragValue::new(edge).range(EDGE_MM).speed(0.01).suffix(" mm"));
         }
@@ -275,7 +275,7 @@ fn region(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
             "Voxels from the first to the last, as the slices show them: x to the right, y up, z to the front",
         );
         let part = ui.add_enabled(options.region.is_some(), egui::Button::new("All"));
-        if part.on_hover_text("Read all of the file").clicked() {
+        if part.on_hover_text("Read the whole file").clicked() {
             region = Region { low: UVec3::ZERO, high: dims - 1 };
         }
     });
