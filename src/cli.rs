@@ -69,10 +69,10 @@ pub struct Cli {
     /// Record every command as a script, to replay with `run`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// Do not save to the file that is opened; another program may have it open meanwhile
+    /// Do not save to the opened file; another program may have it open too
     #[arg(long)]
     pub read_only: bool,
-    /// Keep no journal of this session: a crash loses what is not saved
+    /// Keep no journal of this session: a crash loses unsaved work
     #[arg(long)]
     pub no_journal: bool,
     /// Where there is no display, write the demo scene to the folder `out` instead
@@ -87,7 +87,7 @@ pub struct Cli {
     /// Print only errors and results
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Print to standard error what the program does, for reports of faults
+    /// Print the program's activity to standard error, for bug reports
     #[arg(long, short, global = true, conflicts_with = "quiet")]
     pub verbose: bool,
     #[command(flatten)]
@@ -101,7 +101,7 @@ pub enum Job {
     /// Render a file to a picture, without a display
     Render {
         file: PathBuf,
-        /// The picture to write (.png, .jpg; of final quality also .exr)
+        /// The picture to write (.png, .jpg; in final quality also .exr)
         #[arg(long, value_parser = named(&picture::FINAL_ENDINGS))]
         out: PathBuf,
         #[command(flatten)]
@@ -111,7 +111,7 @@ pub enum Job {
         #[command(flatten)]
         last: FinalArgs,
     },
-    /// Make a film: a sculpture that turns once around, or the time lapse of a script
+    /// Make a film: a turntable of a sculpture, or a time lapse of a script
     Film(FilmArgs),
     /// Run a script of commands, without a display
     Run {
@@ -130,14 +130,14 @@ pub enum Job {
         /// Print a hash of the scene, and one of its picture as the CPU shades it
         #[arg(long)]
         hash: bool,
-        /// Keep the undo history of the files that it saves, and go on with that of those that it opens, as the window
-        /// does
+        /// Keep the undo history of the files that it saves, and continue that of the files that it opens, as the
+        /// window does
         #[arg(long)]
         history: bool,
         /// Do not save to the files that are opened
         #[arg(long)]
         read_only: bool,
-        /// Keep a journal, as the window does, so that not even a kill loses what was done
+        /// Keep a journal, as the window does, so that work survives even if the program is killed
         #[arg(long)]
         journal: bool,
         #[command(flatten)]
@@ -145,14 +145,14 @@ pub enum Job {
         #[command(flatten)]
         import: ImportArgs,
     },
-    /// List what sessions have left that did not end as they should, or bring one back
+    /// List the sessions that did not end properly, or recover one
     Recover {
-        /// Which one, by its number in the list
+        /// Number of the session in the list
         number: Option<u64>,
-        /// Write its sculpture to this file, which must not be there yet
+        /// Write its sculpture to this file, which must not exist yet
         #[arg(long, value_name = "FILE", requires = "number", value_parser = named(&format::WRITE_ENDINGS))]
         out: Option<PathBuf>,
-        /// Remove it, after the file is written if one was named
+        /// Remove it, after writing the file if one is given
         #[arg(long, requires = "number")]
         discard: bool,
         /// List them as one line of JSON, for programs
@@ -233,10 +233,10 @@ pub enum Job {
         /// Run only this kernel, for profilers
         #[arg(long, value_enum)]
         kernel: Option<Kernel>,
-        /// Only measure how exact normals are, over analytic shapes
+        /// Only measure the accuracy of normals on analytic shapes
         #[arg(long, conflicts_with_all = ["kernel", "modes", "scenes", "json", "plot"])]
         normals: bool,
-        /// How often to run the kernel
+        /// Number of times to run the kernel
         #[arg(long, default_value_t = 1, value_name = "N", requires = "kernel")]
         repeat: usize,
         /// Picture size in pixels
@@ -266,7 +266,7 @@ pub enum Job {
     },
     /// Print the manual page, for `man -l -`
     Man {
-        /// The command whose page is printed instead of that of the program
+        /// Command whose page is printed instead of the program's
         #[arg(value_name = "COMMAND")]
         of: Option<String>,
     },

@@ -194,21 +194,21 @@ pub enum JobError {
     #[error("{0} of the commands from the standard input failed; their answers say why")]
     Refused(usize),
     #[error(
-        "nobody reads the answers any more: of the standard input, only the lines up to {0} were executed (`--out` saves what they made)"
+        "nobody reads the answers any more: only the lines of the standard input up to {0} were executed (`--out` saves their result)"
     )]
     Unheard(usize),
     #[error("there is no journal {0}; `virtual-sculpture recover` lists what was left")]
     NoJournal(u64),
     #[error("journal {0} belongs to a session that is still running")]
     JournalInUse(u64),
-    #[error("{0} is there already, and recovery overwrites nothing; choose another name")]
+    #[error("{0} already exists, and recovery overwrites nothing; choose another name")]
     OutExists(PathBuf),
     #[error("cannot use the journal {path}: {error}")]
     Journal { path: PathBuf, error: std::io::Error },
     #[error("nothing can be recovered from {path}: {error}")]
     Unrecoverable { path: PathBuf, error: JournalError },
     #[error(
-        "{out} was written, but it may not be what was made: {difference}; journal {number} stays"
+        "{out} was written, but it may differ from the original: {difference}; journal {number} is kept"
     )]
     ReplayDiffers { out: PathBuf, number: u64, difference: String },
     #[error("cannot create the folder {path}: {error}")]

@@ -217,7 +217,9 @@ impl Workspace {
         } else if let Some(to) = self.viewpoint.dragged(action, &placement, by, self.ui.view.up) {
             self.editor.place(to);
             if self.viewpoint.is_inside(self.editor.document()) {
-                self.ui.toasts.note("The view is inside the sculpture: the wheel leads out of it");
+                self.ui
+                    .toasts
+                    .note("The view is inside the sculpture: use the wheel to move out of it");
             }
         } else {
             let picker = self.picker();

@@ -22,7 +22,7 @@ pub enum AppError {
     Bindings(#[from] BindingsError),
     #[error("{error}; the sculpture was saved to {path}")]
     Recovered { error: GpuError, path: PathBuf },
-    #[error("{error}; what was done until then is in the journal {path}: the next start offers it")]
+    #[error("{error}; the work until then is in the journal {path}: the next start offers it")]
     Kept { error: GpuError, path: PathBuf },
     #[error("the validation layers reported {0} messages")]
     Validation(usize),

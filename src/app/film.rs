@@ -32,10 +32,7 @@ impl Workspace {
                         Subject::Steps { now: Box::new(now), store }
                     }
                     _ => {
-                        return self
-                            .ui
-                            .toasts
-                            .error("There is no step yet to make a time lapse of");
+                        return self.ui.toasts.error("There are no steps yet for a time lapse");
                     }
                 },
             },

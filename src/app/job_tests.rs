@@ -333,7 +333,7 @@ fn what_undo_leads_back_to_becomes_a_time_lapse_without_any_recording() {
     let wanted = FilmRequest { frames: 4, spin_deg: 0.0, ..wanted };
     workspace.answer_requests(vec![UiRequest::Film(wanted)]);
     let (tone, text) = workspace.ui.toasts.texts().last().unwrap();
-    assert!(tone == Tone::Error && text.contains("no step yet"), "{text}");
+    assert!(tone == Tone::Error && text.contains("no steps yet"), "{text}");
 
     let sculpture = folder.path().join("a.vsc");
     for line in [

@@ -93,7 +93,7 @@ fn failure(shelf: &Shelf, number: u64, error: &dyn std::fmt::Display) -> String 
 fn source_of(shelf: &Shelf, number: u64) -> Result<Source, String> {
     match shelf.open(number) {
         Left::Journal(source) => Ok(source),
-        Left::InUse => Err(failure(shelf, number, &"another session uses it by now")),
+        Left::InUse => Err(failure(shelf, number, &"another session is using it")),
         Left::Unreadable(error) => Err(failure(shelf, number, &error)),
     }
 }
@@ -197,13 +197,14 @@ fn bring_back(
     let path = journals.shelf.path(number);
     if let Some(difference) = report.difference {
         let text = format!(
-            "What came back differs from what was done ({difference}). Its journal stays: {}",
+            "The recovered work differs from the original ({difference}). Its journal is kept: {}",
             path.display()
         );
         return Ok((session, Notice::error(text)));
     }
     if !keeps {
-        let text = format!("Recovered. The journal stays until you discard it: {}", path.display());
+        let text =
+            format!("Recovered. The journal is kept until you discard it: {}", path.display());
         return Ok((session, Notice::note(text)));
     }
     let begun = session.keep_journal(journals.clone());
@@ -211,7 +212,7 @@ fn bring_back(
     session.sync_journal();
     if session.journal_path().is_none() {
         let text = format!(
-            "Recovered, but no new journal can be written. The old one stays: {}",
+            "Recovered, but no new journal can be written. The old one is kept: {}",
             path.display()
         );
         return Ok((session, Notice::error(text)));

@@ -103,7 +103,7 @@ fn read(path: &Path) -> std::io::Result<Option<String>> {
         metadata => metadata?,
     };
     if !metadata.is_file() || metadata.len() > LONGEST_BYTES {
-        return Err(Error::new(ErrorKind::InvalidData, "it is no file of this program"));
+        return Err(Error::new(ErrorKind::InvalidData, "it is not a file of this program"));
     }
     let mut bytes = Vec::new();
     std::fs::File::open(path)?.take(LONGEST_BYTES).read_to_end(&mut bytes)?;

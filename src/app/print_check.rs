@@ -37,7 +37,7 @@ impl Workspace {
                 let note = match checked.findings.len() {
                     0 if checked.is_printable() => "Print check: no faults found",
                     _ if checked.is_printable() => "Print check: printable with support",
-                    _ => "Print check: there is something to mend",
+                    _ => "Print check: there are faults to mend",
                 };
                 let found = Found::new(checked, revision);
                 *news.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);

@@ -18,7 +18,7 @@ pub fn event_loop<T: 'static>() -> Result<EventLoop<T>, winit::error::EventLoopE
     if linux::is_wayland_dead() && std::env::var_os("DISPLAY").is_some_and(|name| !name.is_empty())
     {
         use winit::platform::x11::EventLoopBuilderExtX11;
-        tracing::warn!("WAYLAND_DISPLAY names no running server; taking that of DISPLAY");
+        tracing::warn!("WAYLAND_DISPLAY names no running server; using DISPLAY instead");
         builder.with_x11();
     }
     builder.build()

@@ -32,17 +32,17 @@ pub struct ImportArgs {
     /// Colour bits per voxel: 0, 8, 16 or 24 (default: as in the file)
     #[arg(long, alias = "color-bits", value_name = "BITS", value_parser = parse_colour_bits)]
     pub colour_bits: Option<ColourDepth>,
-    /// Axis that points up in a file that does not say so: y, z, -z, -y, x or -x (default: z in .stl and .ply, else y)
+    /// Axis that points up in a file that does not specify it: y, z, -z, -y, x or -x (default: z in .stl and .ply, else y)
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     pub upright: Option<Up>,
     /// Layout of a raw file: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
     #[arg(long, value_name = "LAYOUT")]
     pub raw: Option<RawLayout>,
-    /// Channel to read of a TIFF file with several, counted from 1 (default: the first)
+    /// Channel to read from a TIFF file with several, counted from 1 (default: the first)
     #[arg(long, value_name = "N")]
     pub channel: Option<Ordinal>,
-    /// Time to read of a scan with several, or phase, echo, volume along a fourth axis, counted from 1 (default: the first, or
-    /// that of the DICOM file that is named)
+    /// Time point to read from a scan with several, or phase, echo, or volume along a fourth axis, counted from 1 (default: the
+    /// first, or that of the named DICOM file)
     #[arg(long, value_name = "N")]
     pub time: Option<Ordinal>,
     /// Part of a volume to read: its lowest and highest voxel in the file, such as 0,0,10..127,127,60
@@ -51,16 +51,16 @@ pub struct ImportArgs {
     /// Resample a volume to cubic voxels: no, finest (its shortest edge), or an edge such as 0.5mm
     #[arg(long, default_value_t, value_name = "EDGE")]
     pub cubic: Cubic,
-    /// Of a volume, take only the largest set of voxels that hang together by faces
+    /// Take only the largest set of voxels of a volume that are connected by their faces
     #[arg(long)]
     pub largest_piece: bool,
-    /// Make the empty places inside of a volume solid that do not reach its border
+    /// Fill the empty spaces inside a volume that do not reach its border
     #[arg(long)]
     pub fill_holes: bool,
     /// Size of a mesh: voxels of its longest side, or the edge of a voxel such as 0.5mm
     #[arg(long, default_value_t, value_name = "SIZE")]
     pub mesh_size: MeshSize,
-    /// Inside of a mesh: auto (solid, but of an open mesh the surface alone), solid or shell
+    /// Inside of a mesh: auto (solid, but only the surface of an open mesh), solid or shell
     #[arg(long, default_value_t, value_name = "HOW")]
     pub mesh_fill: MeshFill,
 }
@@ -126,14 +126,14 @@ pub struct PictureArgs {
     /// Zoom factor; 1 fits the whole sculpture
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = parse_zoom)]
     pub zoom: f32,
-    /// Draw parallel lines parallel, without perspective
+    /// Keep parallel lines parallel, without perspective
     #[arg(long)]
     pub orthographic: bool,
     /// Stereo layout (default: stereo.layout in the settings); `layers` writes two pictures
     #[arg(long, value_enum)]
     pub stereo: Option<StereoLayout>,
-    /// A ground below the sculpture, which catches its shadow: its colour #rrggbb, `on` for #c8c6c2, or none (default:
-    /// none; in final pictures on). Lines are a round number of voxels apart, which is said; final pictures have none
+    /// Ground below the sculpture, which catches its shadow: a colour #rrggbb, `on` for #c8c6c2, or none (default: none;
+    /// in final pictures on). Its lines are a round number of voxels apart, which is printed; final pictures have no lines
     #[arg(long, value_name = "COLOUR", value_parser = parse_ground)]
     pub ground: Option<GroundChoice>,
     /// Antialiasing: average this many pictures, each shifted by a fraction of a pixel, 1 to 64 (default: 1)

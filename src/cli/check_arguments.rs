@@ -17,7 +17,7 @@ pub struct CheckArgs {
     /// Length of gaps that are bridged without support, in millimetres
     #[arg(long, default_value_t = CheckOptions::default().bridge_mm, value_name = "MM", value_parser = parse_gap)]
     pub bridge_mm: f32,
-    /// Room of the printer in millimetres: width x depth x height
+    /// Build volume of the printer in millimetres: width x depth x height
     #[arg(long, default_value = "220x220x250", value_name = "WxDxH", value_parser = parse_bed)]
     pub bed: Vec3,
     /// Length of a voxel in millimetres (default: the sculpture's voxel size)

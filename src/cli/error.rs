@@ -55,7 +55,7 @@ pub enum ProgramError {
     Film(#[from] FilmError),
     #[error(transparent)]
     Output(#[from] OutputError),
-    #[error("cannot begin a journal: {0}; `--no-journal` works without one")]
+    #[error("cannot start a journal: {0}; `--no-journal` works without one")]
     Journal(std::io::Error),
     #[error("there is no command '{0}'; `virtual-sculpture --help` lists them")]
     NoJob(String),

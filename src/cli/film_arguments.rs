@@ -23,7 +23,7 @@ pub struct FilmArgs {
     #[arg(long, default_value_t = 120, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: u32,
-    /// Make only these frames, counted from 1: A..B, A.., ..B or one; the same whoever makes them
+    /// Make only these frames, counted from 1: A..B, A.., ..B or one; they are the same as in the whole film
     #[arg(long, value_name = "A..B")]
     pub range: Option<FrameRange>,
     /// Frames per second

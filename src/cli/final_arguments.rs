@@ -25,7 +25,7 @@ pub enum Quality {
 pub enum Tracer {
     /// All cores: the same picture on every run
     Cpu,
-    /// The Vulkan device of the settings, with --voxels: the same picture but for rounding
+    /// The Vulkan device of the settings, with --voxels: the same picture except for rounding
     Gpu,
 }
 
@@ -33,10 +33,11 @@ pub enum Tracer {
 #[derive(Args, Debug, Clone, Default)]
 #[command(next_help_heading = "Final picture")]
 pub struct FinalArgs {
-    /// How the picture is made; `--samples` are the rays of each pixel then, 1 to 4096 (default: 64)
+    /// How the picture is made; in final quality, `--samples` is the number of rays per pixel, 1 to 4096
+    /// (default: 64)
     #[arg(long, value_enum, default_value_t)]
     pub quality: Quality,
-    /// Where the sun stands: degrees from behind the viewer to the right, degrees above the horizon
+    /// Direction of the sun: degrees from behind the viewer to the right, degrees above the horizon
     /// (default: -50,42)
     #[arg(long, value_name = "AZIMUTH,ELEVATION", allow_hyphen_values = true, value_parser = parse_sun)]
     pub sun: Option<[f32; 2]>,
@@ -49,29 +50,29 @@ pub struct FinalArgs {
     /// Strength of the sky, 0 to 10 (default: 1)
     #[arg(long, value_name = "FACTOR", value_parser = |text: &str| parse_number(text, 0.0, 10.0))]
     pub sky: Option<f32>,
-    /// A square lamp: azimuth and elevation as of the sun, edge in radii of the sculpture, and strength, where 1
+    /// A square lamp: azimuth and elevation as for the sun, edge in radii of the sculpture, and strength, where 1
     /// is about that of the sun
     #[arg(long, value_name = "AZIMUTH,ELEVATION,SIZE,STRENGTH", allow_hyphen_values = true,
           value_parser = parse_area_light)]
     pub area_light: Option<AreaLight>,
-    /// Depth of field: diameter of the lens in percent of the distance of what is sharp, 0 to 50 (default: 0)
+    /// Depth of field: diameter of the lens in percent of the focus distance, 0 to 50 (default: 0)
     #[arg(long, value_name = "PERCENT", value_parser = |text: &str| parse_number(text, 0.0, 50.0))]
     pub aperture: Option<f32>,
-    /// What is sharp: a place in the picture, as shares of its width and height from the upper left
+    /// Focus point in the picture, as shares of its width and height from the upper left
     /// (default: 0.5,0.5)
     #[arg(long, value_name = "X,Y", value_parser = parse_focus)]
     pub focus: Option<Vec2>,
-    /// How often light is reflected on its way at most, 0 to 64 (default: 8)
+    /// Maximum number of reflections of light, 0 to 64 (default: 8)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_BOUNCES)))]
     pub bounces: Option<u32>,
-    /// Doubles the light of .png and .jpg with each unit, -10 to 10 (default: 0)
+    /// Exposure of .png and .jpg: each unit doubles the light, -10 to 10 (default: 0)
     #[arg(long, value_name = "EV", allow_hyphen_values = true,
           value_parser = |text: &str| parse_number(text, -10.0, 10.0))]
     pub exposure: Option<f32>,
-    /// What traces light (default: cpu); a GPU traces voxels only: add --voxels
+    /// Processor that traces light (default: cpu); a GPU traces voxels only: add --voxels
     #[arg(long, value_enum)]
     pub trace_on: Option<Tracer>,
-    /// Keep the noise that remains
+    /// Do not filter the remaining noise
     #[arg(long)]
     pub no_denoise: bool,
 }

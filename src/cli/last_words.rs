@@ -23,7 +23,7 @@ pub fn speak_in_panics() {
         before(panic);
         for path in kept {
             terminal::print_notice(format_args!(
-                "This is a fault of the program. What was done until then is in the journal {}: the next start offers it, \
+                "This is a fault of the program. The work until then is in the journal {}: the next start offers it, \
                  and `virtual-sculpture recover` lists it",
                 path.display()
             ));

@@ -15,10 +15,10 @@ pub struct MeshArgs {
     /// Surface of a mesh (default: smooth, or greedy for models of cubes)
     #[arg(long, value_enum, value_name = "SURFACE")]
     pub mesh: Option<MeshKind>,
-    /// Simplify a mesh to so many triangles
+    /// Simplify a mesh to this many triangles
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(4..))]
     pub triangles: Option<u64>,
-    /// Write the vertices of a mesh alone (.ply)
+    /// Write only the vertices of a mesh (.ply)
     #[arg(long)]
     pub points: bool,
     /// Axis that points up in a mesh (default: z in .stl, .ply and .3mf, y in .obj and .glb)

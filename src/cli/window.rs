@@ -42,7 +42,7 @@ pub fn window_or_demo(
         match journal_options(&config).shelf.count_left() {
             0 => {}
             left => terminal::print_notice(format_args!(
-                "{left} of your earlier sessions did not end as they should; `virtual-sculpture recover` lists what is left"
+                "{left} of your earlier sessions did not end properly; `virtual-sculpture recover` lists what is left"
             )),
         }
         session.keep_history_in(&folders::journal_folder()).map_err(ProgramError::Journal)?;

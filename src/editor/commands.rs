@@ -158,8 +158,7 @@ impl Editor {
         }) = error
         {
             let why = format!(
-                "Undo would need {needed_mib} MiB for it, but memory.history_mib allows \
-                 {budget_mib} MiB."
+                "Undoing it would need {needed_mib} MiB, but memory.history_mib allows {budget_mib} MiB."
             );
             self.stroke_in_question = *command == Command::End;
             let unkept = Unkept { command: command.clone(), why };
@@ -173,7 +172,7 @@ impl Editor {
     /// Says once that the recording has ended, or that the journal or the history cannot be written; the work goes on.
     pub(super) fn tell_journal_error(&mut self) {
         if let Some(error) = self.session.take_journal_error() {
-            self.error(format!("{error}; the recording ends here, your work goes on"));
+            self.error(format!("{error}; the recording ends here, but your work goes on"));
         }
         self.session.attend_journal();
         let messages = [self.session.take_journal_message(), self.session.take_history_message()];

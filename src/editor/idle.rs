@@ -42,7 +42,7 @@ impl Editor {
                 self.outcomes.push(Outcome::Limited);
             } else {
                 self.note(
-                    "Nothing changed: what is masked stays as it is (Ctrl+Shift+J clears the mask)",
+                    "Nothing changed: the voxels there are masked (Ctrl+Shift+J clears the mask)",
                 );
             }
             return;
@@ -93,7 +93,7 @@ impl Editor {
                 }
             }
             Command::Texture { primitive, .. } => match self.meets(&[cut(primitive)]) {
-                true => "Nothing was painted: it shows this image already".to_string(),
+                true => "Nothing was painted: the surface shows this image already".to_string(),
                 false => format!("Nothing was painted: {rest}"),
             },
             Command::Brush(used) => self.why_brush_is_idle(used),
@@ -113,7 +113,7 @@ impl Editor {
                     !clip.bounds(*at, *orientation).intersect(all).is_empty()
                 });
                 match inside {
-                    true => "Nothing changed: what was pasted is there already",
+                    true => "Nothing changed: the same voxels are there already",
                     false => "Nothing was pasted: the place is outside the grid",
                 }
                 .to_string()
@@ -134,7 +134,7 @@ impl Editor {
                     (true, true, _) => "Nothing changed: it is masked already",
                     (true, false, _) => "Nothing changed: it is not masked",
                     (false, _, MaskArea::Colour { .. }) => {
-                        "Nothing changed: no voxel has this colour, to within the tolerance"
+                        "Nothing changed: no voxel has this colour within the tolerance"
                     }
                     (false, _, MaskArea::Cavities { .. }) => {
                         "Nothing changed: there are no cavities within this distance"
@@ -144,7 +144,7 @@ impl Editor {
             }
             MaskChange::Grow(_) => "Nothing changed: the mask fills the grid already",
             MaskChange::Shrink(_) => "Nothing changed: the mask has no outline within the grid",
-            MaskChange::Smooth(_) => "Nothing changed: the outline of the mask is even",
+            MaskChange::Smooth(_) => "Nothing changed: the outline of the mask is even already",
             MaskChange::Clear => "Nothing changed: nothing is masked",
             MaskChange::Invert => "Nothing changed",
         }
@@ -155,7 +155,7 @@ impl Editor {
         match &used.contact {
             Contact::Footprint(footprint) if !self.meets(&[bite(footprint)]) => NO_SURFACE,
             Contact::Footprint(_) if used.picture.is_some() => {
-                "Nothing was painted: it shows this image already, or the image is dark here"
+                "Nothing was painted: the surface shows this image already, or the image is dark here"
             }
             Contact::Footprint(_) => idle,
             Contact::Ball(ball) => self.why_ball_is_idle(ball, idle),
@@ -178,7 +178,7 @@ impl Editor {
         }
         match self.goes_beyond(&with_op(&cut(&ball), EditOp::Add(None))) {
             true => {
-                "Nothing changed: the grid ends here, or the clay is already as the brush makes it"
+                "Nothing changed: the grid ends here, or the clay already has the shape that the brush makes"
             }
             false => idle,
         }
@@ -230,7 +230,7 @@ impl Editor {
         let met = before.is_some_and(|before| self.document().grid().voxels_at_walls() > before);
         let cut_off = beyond || met;
         if cut_off && !self.walls.said {
-            self.note("The grid ends there: what would lie outside it was left out");
+            self.note("The grid ends there: everything outside it was left out");
         }
         self.walls.said = cut_off;
     }

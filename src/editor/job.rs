@@ -255,7 +255,7 @@ impl Editor {
                 false
             }
             Ok(Err(Failure::ChangedOnDisk(path, found))) => {
-                tracing::warn!("{}: changed on the disk, not overwritten", path.display());
+                tracing::warn!("{}: changed on disk, not overwritten", path.display());
                 let next = if let Then::Go(next) = &job.then { Some(next.clone()) } else { None };
                 self.outcomes.push(Outcome::ChangedOnDisk(ChangedOnDisk { path, found, next }));
                 false

@@ -45,7 +45,7 @@ impl Editor {
 
     pub(super) fn begin_leading(&mut self, what: Led) {
         if self.tool.kind == ToolKind::Marker {
-            self.note("The marker's size is led by its faces: Ctrl and the left button");
+            self.note("Resize the marker by its faces: Ctrl and the left button");
             return;
         }
         if what == Led::Strength && self.with_strength().is_none() {

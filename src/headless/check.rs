@@ -37,7 +37,7 @@ pub fn check(
 fn text_of(checked: &Checked, options: &CheckOptions) -> String {
     let Checked { voxel_mm, size_mm, fits, contact_mm2, findings } = checked;
     if *size_mm == Vec3::ZERO {
-        return "size: nothing to print: no voxel exists".to_string();
+        return "size: nothing to print: there are no voxels".to_string();
     }
     let verdict = if *fits { "fits" } else { "does not fit" };
     let bed = options.bed_mm;

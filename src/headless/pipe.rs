@@ -79,7 +79,7 @@ fn answer_lines(
             bytes = Vec::new();
             input.skip_until(b'\n').map_err(JobError::Input)?;
             Err(format!(
-                "the line is longer than the {} MiB that a command may have; divide it",
+                "the line is longer than the {} MiB that a command may have; split it",
                 LONGEST_LINE >> 20
             ))
         } else {

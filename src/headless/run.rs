@@ -149,7 +149,7 @@ fn tell_of_journal(session: &Session) {
     }
     if let Some(number) = session.journal_number().filter(|_| session.modified()) {
         terminal::print_notice(format_args!(
-            "what is not saved is kept in journal {number}; `virtual-sculpture recover {number} --out FILE` writes it"
+            "unsaved work is kept in journal {number}; `virtual-sculpture recover {number} --out FILE` writes it"
         ));
     }
 }

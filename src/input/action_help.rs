@@ -30,9 +30,11 @@ impl Action {
             Action::PickColour => ("pick-colour", Drag, "Pick the colour of the surface"),
             Action::PickHere => ("pick-here", Tap, "Pick the colour under the pointer"),
             Action::Wand => {
-                ("wand", Tap, "Mask what hangs together with the voxel under the pointer")
+                ("wand", Tap, "Mask everything connected to the voxel under the pointer")
             }
-            Action::Masks => ("masks", Tap, "Window of masks: what is protected from tools"),
+            Action::Masks => {
+                ("masks", Tap, "Window of masks: voxels that are protected from tools")
+            }
             Action::InvertMask => {
                 ("invert-mask", Tap, "Protect what is not masked, and nothing else")
             }
@@ -105,7 +107,7 @@ impl Action {
             Action::Mirror(Axis::X) => ("mirror-x", Tap, "Mirror symmetry in x (left and right)"),
             Action::Mirror(Axis::Y) => ("mirror-y", Tap, "Mirror symmetry in y (up and down)"),
             Action::MirrorPlane => {
-                ("mirror-plane", Tap, "Mirror symmetry at a plane that is placed anywhere")
+                ("mirror-plane", Tap, "Mirror symmetry about a plane placed anywhere")
             }
             Action::Radial => ("radial", Tap, "Radial symmetry: repeat tools around an axis"),
             Action::Mirror(Axis::Z) => ("mirror-z", Tap, "Mirror symmetry in z (front and back)"),
@@ -159,12 +161,12 @@ impl Action {
                 ("toggle-follow", Tap, "Let the tool follow the pointer, or stay where it is")
             }
             Action::LeadSize => {
-                ("lead-size", Tap, "Size by the pointer: right is larger; click to keep it")
+                ("lead-size", Tap, "Size by the pointer: further right is larger; click to keep it")
             }
             Action::LeadStrength => (
                 "lead-strength",
                 Tap,
-                "Strength by the pointer: right is stronger; click to keep it",
+                "Strength by the pointer: further right is stronger; click to keep it",
             ),
             Action::ResetTool => {
                 ("reset-tool", Tap, "Reset the tool's position, rotation and size")
@@ -227,7 +229,7 @@ impl Action {
             Action::ToggleGround => (
                 "toggle-ground",
                 Tap,
-                "Ground below the sculpture, dark where this takes the light, on or off",
+                "Ground below the sculpture, dark where the sculpture blocks the light, on or off",
             ),
             Action::ToggleFloor => ("toggle-floor", Tap, "Floor grid on or off"),
             Action::ToggleBounds => ("toggle-bounds", Tap, "Grid outline on or off"),
@@ -299,15 +301,15 @@ impl Action {
 const fn drawn(kind: DrawKind) -> &'static str {
     match kind {
         DrawKind::Lasso => {
-            "Lasso: draw an outline; what lies behind it is cut or painted, or a slab is added"
+            "Lasso: draw an outline; everything behind it is cut or painted, or a slab is added"
         }
         DrawKind::Rectangle => {
-            "Rectangle: drag from corner to corner; what lies behind it is cut or painted, or a slab is added"
+            "Rectangle: drag from corner to corner; everything behind it is cut or painted, or a slab is added"
         }
         DrawKind::Plane => {
-            "Plane cut: drag a line across the sculpture; what lies on the hatched side goes, inverted the other"
+            "Plane cut: drag a line across the sculpture; the hatched side goes, or the other if inverted"
         }
-        DrawKind::Box => "Box: drag its base on a face, let go, lead its height and click",
+        DrawKind::Box => "Box: drag its base on a face, let go, choose its height and click",
         DrawKind::Line => "Line: drag from end to end; a straight tube, or a cone, with round ends",
         DrawKind::Curve => {
             "Curve: draw a path by hand, or click from point to point; a tube along it, which may taper"
@@ -315,6 +317,6 @@ const fn drawn(kind: DrawKind) -> &'static str {
         DrawKind::Lathe => {
             "Lathe: press on the axis and draw half a profile; it is turned about the vertical"
         }
-        DrawKind::Text => "Text: press where the letters are to stand on the surface",
+        DrawKind::Text => "Text: press on the surface where the letters should stand",
     }
 }

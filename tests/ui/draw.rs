@@ -274,7 +274,7 @@ fn letters_stand_on_the_face_and_are_one_step() {
     // Nothing to write, and what no font has.
     harness.state_mut().editor.tool.draws.text = "  ".to_string();
     draw(&mut harness, &[at]);
-    assert!(told(&harness, "Write something"));
+    assert!(told(&harness, "Enter some text"));
     harness.state_mut().editor.tool.draws.text = "字".to_string();
     draw(&mut harness, &[at]);
     assert!(told(&harness, "字"));

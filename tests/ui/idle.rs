@@ -110,7 +110,7 @@ fn what_has_the_colour_already_is_said_to_have_it() {
     // Where they are to blame it is they.
     harness.state_mut().editor.tool.colour = Rgb::new(1, 2, 3);
     run(&mut harness, "mask add grid");
-    says(&mut harness, "what is masked stays as it is", press);
+    says(&mut harness, "the voxels there are masked", press);
     run(&mut harness, "mask clear");
     run(&mut harness, "limit off");
     run(&mut harness, "mark at=0,0,0 size=2,2,2");
@@ -128,7 +128,7 @@ fn brushes_on_the_wall_and_on_what_is_done_say_why() {
     harness.state_mut().act(Action::Brush(BrushId::Draw));
     says(&mut harness, "the grid ends here", press);
     harness.state_mut().act(Action::Brush(BrushId::Flatten));
-    says(&mut harness, "the clay is already as the brush makes it", press);
+    says(&mut harness, "the clay already has the shape that the brush makes", press);
     harness.state_mut().editor.tool.brushes.of_mut(BrushId::Flatten).set(STRENGTH, 0.0);
     says(&mut harness, "strength of the brush is 0", press);
     run(&mut harness, "mask add grid");

@@ -85,7 +85,7 @@ fn a_dead_wayland_server_is_left_for_the_x_server_which_knows_the_program() {
         reply.unwrap().reply().unwrap().value
     };
     assert!(children.into_iter().any(|w| class(w) == b"virtual-sculpture\0virtual-sculpture\0"));
-    assert_eq!(program.count("taking that of DISPLAY"), 1, "{}", program.output());
+    assert_eq!(program.count("using DISPLAY instead"), 1, "{}", program.output());
     program.close();
     assert!(program.wait().0.success());
 }

@@ -48,7 +48,7 @@ pub fn run(
         match recovery::secure(workspace.session_mut(), &state_folder()) {
             Ok(Kept::Journal(path)) => {
                 tracing::warn!(
-                    "what was done is in the journal {}: the next start offers it",
+                    "the work is in the journal {}: the next start offers it",
                     path.display()
                 )
             }

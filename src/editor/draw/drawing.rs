@@ -249,13 +249,13 @@ impl Drawing {
     /// Returns advice on how to draw so that a form results.
     fn advice(&self) -> &'static str {
         match self.kind {
-            DrawKind::Lasso => "Drag around what is meant, with the button pressed",
+            DrawKind::Lasso => "Drag around the area with the button held down",
             DrawKind::Rectangle => "Drag from one corner of a rectangle to the other",
             DrawKind::Plane => "Drag a line across the sculpture to cut along it",
-            DrawKind::Box => "Drag over a face that can be seen",
-            DrawKind::Line | DrawKind::Curve => "Drag from where it begins to where it ends",
+            DrawKind::Box => "Drag over a visible face",
+            DrawKind::Line | DrawKind::Curve => "Drag from one end to the other",
             DrawKind::Lathe => "Press on the axis and draw half of the outline beside it",
-            DrawKind::Text => "Write something in the options of the tool first",
+            DrawKind::Text => "Enter some text in the options of the tool first",
         }
     }
 

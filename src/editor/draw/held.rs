@@ -20,7 +20,7 @@ impl Editor {
         match kind {
             DrawKind::Line | DrawKind::Curve => self.held_way = vec![at_vx],
             _ => {
-                self.note("This tool draws over a picture: in a headset take the line or the curve")
+                self.note("This tool draws over a picture: in a headset, use the line or the curve")
             }
         }
     }

@@ -126,7 +126,7 @@ impl Actions {
             .create_action("stick", "Resize the tool, undo and redo, scroll", &hands)
             .doing(DOING)?;
         let menu = set.create_action("menu", "Open the panel", &hands).doing(DOING)?;
-        let pick = set.create_action("pick", "Take a colour", &hands).doing(DOING)?;
+        let pick = set.create_action("pick", "Pick a colour", &hands).doing(DOING)?;
         let haptic = set.create_action("haptic", "Haptic feedback", &hands).doing(DOING)?;
 
         for profile in PROFILES.iter().filter(|p| has_hand_interaction || !p.bare_hands) {

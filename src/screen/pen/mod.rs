@@ -93,7 +93,7 @@ impl Pens {
             Ok(RawDisplayHandle::Xlib(_) | RawDisplayHandle::Xcb(_)) => {
                 x11::X11Pens::connect(wake).map(Backend::X11).map_err(|error| error.to_string())
             }
-            _ => Err("this window system is not one that pens are known of".to_string()),
+            _ => Err("pens are not supported on this window system".to_string()),
         };
         let backend =
             backend.inspect_err(|error| tracing::debug!("pens act as mice: {error}")).ok();
@@ -184,5 +184,5 @@ pub fn survey() -> String {
 /// The offer of the session for pens, in a line.
 #[cfg(not(target_os = "linux"))]
 pub fn survey() -> String {
-    "their pressure, as far as the system reports pens as touches".to_string()
+    "pressure, where the system reports pens as touches".to_string()
 }
