@@ -75,7 +75,7 @@ pub struct Cli {
     /// Keep no journal of this session: a crash loses unsaved work
     #[arg(long)]
     pub no_journal: bool,
-    /// Where there is no display, write the demo scene to the folder `out` instead
+    /// If there is no display, write the demo scene to the folder `out` instead
     #[arg(long)]
     pub or_demo: bool,
     /// Work in a headset, with or without a window

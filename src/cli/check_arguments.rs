@@ -11,7 +11,7 @@ pub struct CheckArgs {
     /// Thickness that all walls must have, in millimetres
     #[arg(long, default_value_t = CheckOptions::default().wall_mm, value_name = "MM", value_parser = parse_length)]
     pub wall_mm: f32,
-    /// How far surfaces may lean out without support, in degrees from the vertical: 0 to 90
+    /// Largest angle at which surfaces need no support, in degrees from the vertical: 0 to 90
     #[arg(long, default_value_t = CheckOptions::default().overhang_deg, value_name = "DEG", value_parser = parse_angle)]
     pub overhang_deg: f32,
     /// Length of gaps that are bridged without support, in millimetres

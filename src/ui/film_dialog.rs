@@ -211,9 +211,9 @@ fn length(ui: &mut Ui, dialog: &mut FilmDialog) {
     ui.end_row();
     let label = ui.label("Turn");
     let spin = DragValue::new(dialog.spin_deg()).range(-3600.0..=3600.0).suffix("°").speed(1.0);
-    ui.add(spin)
-        .labelled_by(label.id)
-        .on_hover_text("How far the sculpture turns in the film; negative for the other way");
+    ui.add(spin).labelled_by(label.id).on_hover_text(
+        "Angle by which the sculpture turns in the film; negative turns it the other way",
+    );
     ui.end_row();
     let label = ui.label("Samples");
     ui.add(Slider::new(&mut dialog.samples, 1..=MAX_SAMPLES).logarithmic(true))

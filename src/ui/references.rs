@@ -244,7 +244,7 @@ fn place(ui: &mut Ui, reference: &mut Reference) {
         for (value, prefix) in [(0, "X "), (1, "Y ")] {
             let value = DragValue::new(&mut reference.offset_vx[value]).range(OFFSET_RANGE_VX);
             ui.add(value.prefix(prefix).speed(0.5)).on_hover_text(
-                "Of its centre from the grid's centre, to the right (X) and up (Y), in voxels",
+                "Distance of its centre from the grid's centre, to the right (X) and up (Y), in voxels",
             );
         }
     });

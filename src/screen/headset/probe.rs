@@ -35,7 +35,7 @@ pub fn probe() -> Result<Runtime, String> {
         .map_err(|error| format!("the OpenXR runtime does not answer ({error})"))?;
     let properties = instance
         .properties()
-        .map_err(|error| format!("the OpenXR runtime does not name itself ({error})"))?;
+        .map_err(|error| format!("the OpenXR runtime does not report its name ({error})"))?;
     Ok(Runtime {
         name: properties.runtime_name,
         version: properties.runtime_version.to_string(),

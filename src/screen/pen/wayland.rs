@@ -158,7 +158,7 @@ fn run(mut queue: EventQueue<State>, mut state: State, stopped: &PipeReader, wak
             Err(error) => break DispatchError::Backend(error.into()),
         }
     };
-    tracing::debug!("pens are no longer heard: {error}");
+    tracing::debug!("pen input has ended: {error}");
 }
 
 fn would_block(error: &WaylandError) -> bool {

@@ -87,7 +87,7 @@ impl X11Pens {
         if !reader.devices.is_empty()
             && let Err(error) = reader.catch_up()
         {
-            tracing::debug!("pens are no longer heard: {error}");
+            tracing::debug!("pen input has ended: {error}");
         }
         self.inbox.take()
     }
@@ -123,7 +123,7 @@ fn run(connection: &RustConnection, reader: &Mutex<Reader>, stopped: &PipeReader
             Err(error) => break error.into(),
         }
     };
-    tracing::debug!("pens are no longer heard: {error}");
+    tracing::debug!("pen input has ended: {error}");
 }
 
 /// The offer of the session's server, in a line.

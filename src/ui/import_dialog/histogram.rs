@@ -47,7 +47,7 @@ pub fn show(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions, width
     draw(ui, rect, &scale, histogram, study.existing(options));
     response
         .on_hover_cursor(CursorIcon::ResizeHorizontal)
-        .on_hover_text("How often each density occurs (logarithmic). Drag the two thresholds");
+        .on_hover_text("Frequency of each density (logarithmic). Drag the two thresholds");
     fields(ui, study, options);
 }
 
