@@ -408,13 +408,13 @@ impl Workspace {
     }
 
     /// Lets the tool follow at once what was chosen about it.
-    pub(super) fn keep_footing(&mut self) {
+    pub(super) fn keep_anchor(&mut self) {
         let pointer_use = PointerUse {
             leads_tool: self.controls.tool_follows_pointer(),
             dragging: self.controls.is_dragging(),
         };
         let picker = self.picker();
-        self.editor.keep_footing(pointer_use, &picker);
+        self.editor.keep_anchor(pointer_use, &picker);
         self.settle();
     }
 

@@ -224,7 +224,7 @@ impl Workspace {
             root.set_cursor_icon(self.cursor(root));
         }
         self.finish_pass(root, requests);
-        self.keep_footing();
+        self.keep_anchor();
         self.dwell(root);
         self.autosave(root);
         if self.editor.is_busy() {
@@ -263,7 +263,7 @@ impl Workspace {
             ui::panels::show(root, panel, ui, context, &mut requests);
         });
         self.finish_pass(root, requests);
-        self.keep_footing();
+        self.keep_anchor();
         touched
     }
 

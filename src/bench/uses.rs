@@ -89,7 +89,7 @@ fn used(brush: BrushId) -> Option<BrushUse> {
     let (normal, edges) = (Vec3::new(0.2, 1.0, 0.1).normalize(), Vec3::ONE);
     let place = match spec.stroke {
         BrushStroke::Picture { .. } => {
-            DabPlace::Picture { footprint: from_above(), colour: PAINT, uses: 0 }
+            DabPlace::Picture { footprint: from_above(), colour: PAINT, image: None, uses: 0 }
         }
         BrushStroke::Surface { .. } => {
             let from_vx = rim - Vec3::X * spec.spacing * RADIUS_VX;

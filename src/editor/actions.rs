@@ -7,7 +7,7 @@ use glam::{Quat, UVec3, Vec2, Vec3};
 
 use super::Editor;
 use super::lead::Led;
-use super::stroke::{Guide, SurfaceGuide};
+use super::stroke::{Guide, PointerGuide, PointerLead, Scene};
 use super::tool::{NextPress, ToolKind};
 use crate::command::{Area, Command, MaskChange};
 use crate::input::{Action, ToolMode};
@@ -181,7 +181,8 @@ impl Editor {
                     options.set(OUTLINE, in_hand.get(OUTLINE));
                 }
             }
-            let unpaints = action == Action::SculptInverse && brush == BrushId::Paint;
+            let inverse = brush.spec().inverse == Inverse::Sense;
+            let unpaints = action == Action::SculptInverse && inverse;
             self.begin_picture_brush(options, unpaints, at, picker);
             return;
         }
@@ -198,11 +199,10 @@ impl Editor {
         let mode = if inverse && !unpaints { tool.mode.inverted() } else { tool.mode };
         if tool.follow {
             self.lead_tool_to(at, point, picker);
-            let grid = self.document().grid();
-            let guide = SurfaceGuide::new(at, point, &self.tool, grid, picker);
-            self.begin_stroke(mode, unpaints, Guide::Surface(guide));
+            let guide = |scene: &Scene| Guide::Surface(PointerGuide::new(at, point, scene, picker));
+            self.begin_solid(mode, unpaints, guide);
         } else {
-            self.begin_stroke(mode, unpaints, Guide::Tool { hovering: None });
+            self.begin_solid(mode, unpaints, |_| Guide::Tool { hovering: None });
         }
     }
 
@@ -210,11 +210,10 @@ impl Editor {
     fn apply_tool(&mut self, picker: &Picker) {
         match self.tool.kind {
             ToolKind::Solid => {
-                let hovering = self.pointer.zip(self.ground()).map(|(at, point)| {
-                    let grid = self.session.document().grid();
-                    SurfaceGuide::new(at, point, &self.tool, grid, picker)
+                let over = self.pointer.zip(self.ground());
+                self.begin_solid(self.tool.mode, false, |scene| Guide::Tool {
+                    hovering: over.map(|(at, point)| PointerGuide::new(at, point, scene, picker)),
                 });
-                self.begin_stroke(self.tool.mode, false, Guide::Tool { hovering });
             }
             ToolKind::Marker => self.act(Action::SelectMarker, picker),
             ToolKind::Brush(brush) if brush.spec().is_in_picture() => {
@@ -243,9 +242,9 @@ impl Editor {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
                 _ if self.unfinished.is_some() => self.lead_unfinished(at, picker),
                 _ if self.marker.drag.is_some() => self.drag_marker(at, picker),
-                Some(stroke) if stroke.is_picture_brush() => self.lead_picture_brush(at, picker),
-                Some(stroke) if stroke.is_clay() => self.lead_clay(at, picker),
-                Some(stroke) if stroke.follows_surface() => self.lead_stroke(at, picker),
+                Some(stroke) if stroke.pointer() != PointerLead::None => {
+                    self.lead_stroke(at, picker);
+                }
                 _ => self.drag_tool(by, false, picker),
             },
             Action::PickColour => self.pick_colour(picker),
@@ -253,7 +252,9 @@ impl Editor {
                 self.lead_unfinished(at, picker);
             }
             Action::MoveTool | Action::MoveToolDeep if self.tool.picture_brush().is_some() => {
-                self.lead_picture_brush(at, picker);
+                if self.stroke.as_ref().is_some_and(|s| s.pointer() == PointerLead::Always) {
+                    self.lead_stroke(at, picker);
+                }
             }
             Action::MoveTool => self.drag_tool(by, false, picker),
             Action::MoveToolDeep => self.drag_tool(by, true, picker),
@@ -266,9 +267,9 @@ impl Editor {
     ///
     /// The pointer itself has no speed limit: a mouse may cross the picture between two events, and
     /// its path over the surface, dragged or hovering with a key held, is lifted at edges (`stroke`)
-    /// and bounded (`path`).
+    /// and bounded (`stroke::path`).
     pub fn lift(&mut self) {
-        let stroke = self.stroke.as_ref().is_some_and(|stroke| stroke.is_led_over_picture());
+        let stroke = self.stroke.as_ref().is_some_and(|stroke| stroke.depends_on_picture());
         let drag = self.marker.drag.take().is_some() | self.drawing.take().is_some();
         // A drawing made with several presses goes on in the new view.
         self.release_unfinished();

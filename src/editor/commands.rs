@@ -193,7 +193,7 @@ impl Editor {
         (self.drawing, self.unfinished) = (None, None);
         self.held_way.clear();
         self.tool.reset_pose(self.session.document().grid().dims());
-        self.forget_footing();
+        self.forget_anchor();
         self.outcomes.push(Outcome::Replaced);
     }
 }

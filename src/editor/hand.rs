@@ -124,12 +124,12 @@ impl Editor {
                 if self.hand.stroke
                     && let Some(footprint) = self.cone(room)
                 {
-                    self.lead_cone(footprint);
+                    self.aim_stroke(footprint);
                 }
             }
             ToolKind::Brush(_) => {
                 self.tool.centre_vx = own.position;
-                self.clay_moved();
+                self.tool_moved(picker);
                 self.catch_up();
             }
             ToolKind::Draw(_) => {
@@ -164,7 +164,7 @@ impl Editor {
         }
         match self.tool.kind {
             ToolKind::Solid => {
-                self.begin_stroke(self.tool.mode, false, Guide::Tool { hovering: None });
+                self.begin_solid(self.tool.mode, false, |_| Guide::Tool { hovering: None });
             }
             ToolKind::Brush(brush) if brush.spec().is_in_picture() => {
                 if let Some(footprint) = self.cone(room) {

@@ -9,22 +9,19 @@ mod actions;
 mod autosave;
 pub mod brushes;
 pub mod commands;
-mod dabs;
-pub mod deform;
 pub mod draw;
-mod footing;
 pub mod hand;
 mod idle;
 pub mod job;
 mod lead;
 mod marker;
-mod path;
 pub mod pressure;
 pub mod questions;
 pub mod recovery;
 pub mod sizes;
-mod stroke;
-pub mod sweep;
+pub mod stroke;
+mod surface_anchor;
+mod surface_guide;
 pub mod symmetry;
 pub mod tool;
 pub mod tool_change;
@@ -39,7 +36,6 @@ use crate::session::Session;
 
 use autosave::Autosave;
 use draw::{Drawing, Unfinished};
-use footing::Footing;
 use hand::HandTool;
 use idle::Walls;
 use job::{Busy, Jobs};
@@ -47,9 +43,10 @@ use marker::MarkerTool;
 use pressure::Grip;
 use questions::{ChangedOnDisk, Next, Unkept};
 use stroke::Stroke;
+use surface_anchor::SurfaceAnchor;
 use tool::ToolState;
 
-pub use footing::PointerUse;
+pub use surface_anchor::PointerUse;
 
 /// An effect of an edit, besides the change of the document.
 #[derive(Clone, PartialEq, Debug)]
@@ -87,7 +84,7 @@ pub struct Editor {
     /// A stroke that is over, but cannot be undone: the person is asked whether to keep it.
     stroke_in_question: bool,
     /// Where the tool stands on the surface.
-    footing: Footing,
+    anchor: SurfaceAnchor,
     marker: MarkerTool,
     /// The solid that is being drawn.
     drawing: Option<Drawing>,
@@ -122,7 +119,7 @@ impl Editor {
             stroke: None,
             walls: Walls::default(),
             stroke_in_question: false,
-            footing: Footing::default(),
+            anchor: SurfaceAnchor::default(),
             marker: MarkerTool::default(),
             drawing: None,
             unfinished: None,

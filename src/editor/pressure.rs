@@ -7,7 +7,6 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use super::Editor;
-use super::stroke::Stroke;
 use super::tool::{ToolKind, ToolState};
 use crate::input::pen::PenTouch;
 use crate::sculpture::Rgb;
@@ -120,6 +119,25 @@ impl ToolState {
             ToolKind::Draw(_) | ToolKind::Marker => None,
         }
     }
+
+    /// The tool as it is used when it is touched so: a solid is as large as the pen says. `bare`: the colour that it gives in
+    /// place of its own, since it takes paint away.
+    pub(super) fn in_use(&self, touch: PenTouch, bare: Option<Rgb>) -> Cow<'_, ToolState> {
+        let size = match self.kind {
+            ToolKind::Solid => self.pens.of(PenTool::Solid).size(touch),
+            _ => 1.0,
+        };
+        if bare.is_none() && size == 1.0 {
+            return Cow::Borrowed(self);
+        }
+        let mut tool = self.clone();
+        tool.scale_by(size);
+        if let Some(bare) = bare {
+            tool.colour = bare;
+            (tool.picture, tool.stencil) = (None, None);
+        }
+        Cow::Owned(tool)
+    }
 }
 
 /// The options with which a brush is used that is touched so.
@@ -179,31 +197,6 @@ impl Editor {
     /// Takes how hard the trigger of a hand is pressed, 0 to 1.
     pub fn set_pressure(&mut self, pressure: f32) {
         self.set_touch(Some(PenTouch::of_pressure(pressure)));
-    }
-
-    /// The colour that nothing has been painted over.
-    pub(super) fn bare_colour(&self) -> Rgb {
-        self.document().contents().material.base()
-    }
-
-    /// The tool as the stroke under way uses it: in size as the pen says, and in the bare colour where it takes paint
-    /// away.
-    pub(super) fn tool_in_use(&self) -> Cow<'_, ToolState> {
-        let unpaints = self.stroke.as_ref().is_some_and(|stroke: &Stroke| stroke.unpaints);
-        let size = match self.tool.kind {
-            ToolKind::Solid => self.tool.pens.of(PenTool::Solid).size(self.grip.now),
-            _ => 1.0,
-        };
-        if !unpaints && size == 1.0 {
-            return Cow::Borrowed(&self.tool);
-        }
-        let mut tool = self.tool.clone();
-        tool.scale_by(size);
-        if unpaints {
-            tool.colour = self.bare_colour();
-            (tool.picture, tool.stencil) = (None, None);
-        }
-        Cow::Owned(tool)
     }
 }
 

@@ -2,15 +2,20 @@
 //! the picture however near the sculpture is, or the sculpture's own voxels, so that it stays as large there.
 //!
 //! Turns radii in that unit into what commands take: pixels for brushes that work on what is seen, voxels for those that
-//! deform. How large a pixel is depends on where the brush works, which others say. Must not know pictures.
+//! deform. How large a pixel is depends on where the brush works, which is asked of the view of the last picture.
 
 use std::ops::RangeInclusive;
 
+use glam::{Vec2, Vec3};
+
 use super::tool::ToolState;
+use crate::picking::Picker;
+use crate::sculpture::Grid;
 use crate::tools::brush::BrushId;
 use crate::tools::brush::footprint::MAX_FOOTPRINT;
 use crate::tools::brush::kernel::grab::{MAX_RADIUS, MIN_RADIUS};
 use crate::tools::brush::keys::RADIUS;
+use crate::tools::brush::options::BrushOptions;
 
 /// The unit of the sizes of brushes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -53,7 +58,20 @@ impl SizeUnit {
 /// How large a pixel is before anything tells, in units of the smallest edge.
 pub(super) const FIRST_GAUGE: f32 = 0.25;
 
+/// How large a pixel is at a place, in units of the smallest edge.
+pub(super) fn gauge_at(grid: &Grid, point: Vec3, picker: &Picker) -> f32 {
+    let (sight, size) = (picker.sight(), grid.voxel_size());
+    let depth = sight.depth(point);
+    let across = sight.at_depth(Vec2::X, depth) - sight.at_depth(Vec2::ZERO, depth);
+    (across * size / size.min_element()).length()
+}
+
 impl ToolState {
+    /// The options of a brush that deforms, where the tool is: the radius in units of the smallest edge.
+    pub(super) fn ball_options(&self, brush: BrushId) -> BrushOptions {
+        self.brushes.of(brush).with(RADIUS, self.ball_radius(brush))
+    }
+
     /// Takes how large a pixel is where the tool works, in units of the smallest edge.
     pub fn set_gauge(&mut self, gauge: f32) {
         if gauge.is_finite() && gauge > 0.0 {

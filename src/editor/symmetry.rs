@@ -7,7 +7,7 @@
 use glam::{Quat, Vec2, Vec3};
 
 use super::Editor;
-use super::dabs::normal_around;
+use super::surface_guide::normal_around;
 use crate::command::Command;
 use crate::picking::Picker;
 use crate::tools::symmetry::{MirrorPlane, Radial};

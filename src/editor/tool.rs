@@ -19,11 +19,10 @@ use crate::input::{DrawKind, ToolMode};
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
-use crate::tools::brush::dab::{Dab, DabPlace};
-use crate::tools::brush::footprint::{Footprint, Outline};
-use crate::tools::brush::keys::{COLOUR, COVER, STRENGTH};
+use crate::tools::brush::BrushId;
+use crate::tools::brush::dab::{BrushImage, Dab, DabPlace};
+use crate::tools::brush::footprint::Footprint;
 use crate::tools::brush::options::BrushOptions;
-use crate::tools::brush::{BrushId, BrushUse};
 use crate::tools::solid::{Primitive, Solid};
 
 /// Smallest and largest half extent that the interface offers.
@@ -392,8 +391,9 @@ impl ToolState {
     /// The image that the tool in hand paints with.
     pub fn picture_in_use(&self) -> Option<&PathBuf> {
         match self.kind {
-            ToolKind::Brush(BrushId::Paint) => self.stencil.as_ref(),
-            ToolKind::Brush(_) => None,
+            ToolKind::Brush(brush) => {
+                self.stencil.as_ref().filter(|_| brush.spec().image_spacing.is_some())
+            }
             _ => self.picture.as_ref(),
         }
     }
@@ -405,18 +405,12 @@ impl ToolState {
         footprint: Footprint,
         uses: u32,
     ) -> Option<Command> {
-        let place = DabPlace::Picture { footprint, colour: self.colour, uses };
-        let mut used = (options.brush().spec().dab)(&Dab { options, place })?;
-        if let Some(picture) = self.stencil.as_ref().filter(|_| options.brush() == BrushId::Paint) {
-            // An image has its own outline and, unless the colour goes through it, its own colours.
-            let footprint = Footprint { outline: Outline::Square, ..footprint };
-            used = BrushUse::under(BrushId::Paint, footprint).with(COVER, options.get(STRENGTH));
-            used.picture = Some(picture.clone());
-            if self.through_stencil {
-                used = used.with(COLOUR, self.colour);
-            }
-        }
-        Some(Command::Brush(used))
+        let spec = options.brush().spec();
+        let image = self.stencil.as_deref().filter(|_| spec.image_spacing.is_some());
+        let image =
+            image.map(|path| BrushImage { path, lets_colour_through: self.through_stencil });
+        let place = DabPlace::Picture { footprint, colour: self.colour, image, uses };
+        (spec.dab)(&Dab { options, place }).map(Command::Brush)
     }
 
     /// The ball of a brush that deforms clay, where the tool is.

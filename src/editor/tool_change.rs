@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::sweep::Leg;
+use super::stroke::sweep::Leg;
 use super::tool::ToolState;
 use crate::command::{Command, MaskArea, MaskChange};
 use crate::input::ToolMode;

@@ -184,7 +184,7 @@ fn wand(ui: &mut Ui, adds: bool, context: &UiContext, requests: &mut Vec<UiReque
             requests.push(UiRequest::Tool(ToolEdit::FloodTolerance(tolerance)));
         }
         let depth = Slider::new(&mut wand.depth_vx, 0..=MAX_REACH_VX).suffix(" vx");
-        let help = "Depth to which a patch or cavity is protected, inwards and outwards";
+        let help = "Depth of the mask: how far it reaches below the surface of a patch, or around a cavity";
         row(ui, "Depth", depth, help);
     });
     if wand != before {

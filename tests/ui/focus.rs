@@ -147,7 +147,7 @@ fn a_decimal_comma_counts_like_a_point_in_fields_for_numbers_alone() {
         }
         key(&mut harness, Modifiers::NONE, last);
         rest(&mut harness);
-        let told = format!("\"{text}\" is no number");
+        let told = format!("\"{text}\" is not a number");
         let toasts = &harness.state().ui.toasts;
         let is_told = toasts.texts().any(|(_, toast)| toast.contains(&told));
         (harness.state().editor.tool.centre_vx.x, is_told)

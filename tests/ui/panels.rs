@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable;
 use glam::UVec3;
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::command::Command;
-use virtual_sculpture::editor::sweep::Leg;
+use virtual_sculpture::editor::stroke::sweep::Leg;
 use virtual_sculpture::input::{Bindings, Panel, ToolMode};
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::session::Session;

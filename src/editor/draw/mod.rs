@@ -21,7 +21,7 @@ mod view;
 use glam::{Vec2, Vec3};
 
 use super::Editor;
-use super::dabs::normal_around;
+use super::surface_guide::normal_around;
 use super::tool::ToolKind;
 use crate::command::Command;
 use crate::input::{DrawKind, ToolMode};

@@ -10,7 +10,7 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::glyphs::Letter;
 use super::view::View;
-use crate::editor::dabs::normal_around;
+use crate::editor::surface_guide::normal_around;
 use crate::sculpture::Grid;
 use crate::surface::raycast;
 use crate::tools::drawn::{Form, Pose};

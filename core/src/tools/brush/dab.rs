@@ -1,5 +1,7 @@
 //! A use of a brush by a hand, from its options and the place on the surface. The brush's file makes a [`BrushUse`] of it.
 
+use std::path::Path;
+
 use glam::Vec3;
 
 use super::footprint::Footprint;
@@ -18,18 +20,29 @@ pub struct Dab<'a> {
     /// The options; of a brush in a ball with the radius in units of the smallest edge of a voxel.
     pub options: &'a BrushOptions,
     /// Where it is used.
-    pub place: DabPlace,
+    pub place: DabPlace<'a>,
+}
+
+/// An image in place of the colour of a brush.
+#[derive(Clone, Copy, Debug)]
+pub struct BrushImage<'a> {
+    /// Its file.
+    pub path: &'a Path,
+    /// The colour goes through it where it is bright.
+    pub lets_colour_through: bool,
 }
 
 /// The place where a hand uses a brush.
 #[derive(Clone, Copy, Debug)]
-pub enum DabPlace {
+pub enum DabPlace<'a> {
     /// Under an outline in a picture.
     Picture {
         /// The outline.
         footprint: Footprint,
         /// The colour in hand.
         colour: Rgb,
+        /// The image in hand, for brushes that take one.
+        image: Option<BrushImage<'a>>,
         /// Uses of the stroke before it.
         uses: u32,
     },

@@ -1,13 +1,15 @@
 //! Brush: paints the visible surface under it.
 
 use super::change::{Change, Paint, Site};
+use super::dab::{Dab, DabPlace};
+use super::footprint::{Footprint, Outline};
 use super::kernel::rays;
 use super::kernel::stamp::Stamp;
 use super::keys::{COLOUR, COVER, OUTLINE, RADIUS, REACH, STRENGTH};
 use super::mix::Mix;
 use super::spec::{BrushSpec, ContactKind, Inverse, Keeps, Script};
 use super::stencil::Stencil;
-use super::{BrushError, BrushUse, Frame};
+use super::{BrushError, BrushId, BrushUse, Frame};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -27,7 +29,9 @@ pub const SPEC: BrushSpec = BrushSpec {
     pressure: Some(STRENGTH),
     gives_colour: true,
     idle: "Nothing was painted: it has this colour already",
-    dab: |dab| Some(dab.used(Frame::None).with(COVER, dab.options.get(STRENGTH))),
+    // Beside each other, since one over another would blur the image.
+    image_spacing: Some(2.0),
+    dab: |dab| Some(used(dab)),
     script: Some(Script {
         contact: ContactKind::Footprint,
         params: &[REACH.param, COLOUR.param, COVER.param],
@@ -37,6 +41,18 @@ pub const SPEC: BrushSpec = BrushSpec {
     }),
     ..BrushSpec::SURFACE
 };
+
+/// An image has its own outline and, unless the colour goes through it, its own colours.
+fn used(dab: &Dab) -> BrushUse {
+    let cover = dab.options.get(STRENGTH);
+    let DabPlace::Picture { footprint, colour, image: Some(image), .. } = dab.place else {
+        return dab.used(Frame::None).with(COVER, cover);
+    };
+    let footprint = Footprint { outline: Outline::Square, ..footprint };
+    let mut used = BrushUse::under(BrushId::Paint, footprint).with(COVER, cover);
+    used.picture = Some(image.path.to_path_buf());
+    if image.lets_colour_through { used.with(COLOUR, colour) } else { used }
+}
 
 /// With an image each mirror image of the brush has its own; a colour is dithered as under the brush itself.
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {

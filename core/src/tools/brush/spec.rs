@@ -31,6 +31,8 @@ pub struct BrushSpec {
     pub stroke: BrushStroke,
     /// Distance of two uses, as a share of the radius.
     pub spacing: f32,
+    /// The same with an image in place of the colour; none for a brush that takes no image.
+    pub image_spacing: Option<f32>,
     /// The modifier that inverts the tool.
     pub inverse: Inverse,
     /// Options that it has in common with another brush are those of that one, but for radius and outline.
@@ -219,6 +221,7 @@ impl BrushSpec {
         options: &[],
         stroke: BrushStroke::Picture { repeats: false },
         spacing: 0.35,
+        image_spacing: None,
         inverse: Inverse::Same,
         options_of: None,
         pressure: None,

@@ -101,7 +101,7 @@ fn a_hand_can_use_every_brush_with_its_first_options() {
             let (normal, edges) = (Vec3::Y, Vec3::ONE);
             let place = match brush.spec().stroke {
                 BrushStroke::Picture { .. } => {
-                    DabPlace::Picture { footprint, colour: COLOUR, uses }
+                    DabPlace::Picture { footprint, colour: COLOUR, image: None, uses }
                 }
                 BrushStroke::Surface { .. } => {
                     DabPlace::Surface { at_vx, from_vx, normal, edges, sense }

@@ -4,14 +4,16 @@
 use glam::{Vec2, Vec3};
 
 use super::Editor;
-use super::stroke::Stroke;
+use super::sizes::gauge_at;
+use super::stroke::PointerLead;
 use super::tool::{ToolEdit, ToolKind, ToolState};
 use crate::picking::{Picker, SurfacePoint};
+use crate::sculpture::Grid;
 use crate::tools::solid::Solid;
 
 /// Where the tool was put on the surface, and with which choices.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub(super) struct Footing {
+pub(super) struct SurfaceAnchor {
     /// None once something else than the pointer has moved the tool.
     ground: Option<SurfacePoint>,
     choices: Option<Choices>,
@@ -45,6 +47,33 @@ impl Choices {
     }
 }
 
+impl SurfaceAnchor {
+    /// The point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the plane of the
+    /// view in which the tool was used last.
+    pub fn target(&self, grid: &Grid, at: Vec2, picker: &Picker) -> Option<Vec3> {
+        let middle = grid.dims().as_vec3() * 0.5;
+        picker.target(grid, at, self.worked_at.unwrap_or(middle))
+    }
+
+    /// A stroke has led the tool over the surface to `point`.
+    pub fn follow(&mut self, point: Vec3) {
+        if let Some(ground) = &mut self.ground {
+            ground.point = point;
+        }
+    }
+
+    /// The tool is where it is meant to be, wherever the pointer is.
+    pub fn leave(&mut self, tool: &ToolState) {
+        (self.ground, self.choices) = (None, Some(Choices::of(tool)));
+        self.note_worked(tool);
+    }
+
+    /// The tool has been used, or put somewhere, where it is.
+    pub fn note_worked(&mut self, tool: &ToolState) {
+        self.worked_at = Some(tool.centre_vx).filter(|at| at.is_finite());
+    }
+}
+
 /// How the pointer of a window is used at the moment.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PointerUse {
@@ -58,15 +87,15 @@ impl Editor {
     /// The pointer moves with nothing held.
     pub fn hover(&mut self, at: Vec2, leads_tool: bool, picker: &Picker) {
         self.gauge(picker);
-        if self.tool.picture_brush().is_some() {
+        let is_led = self.stroke.as_ref().is_some_and(|s| s.pointer() == PointerLead::Always);
+        if is_led {
             // A brush that a key holds down goes with the pointer.
-            self.lead_picture_brush(at, picker);
+            self.lead_stroke(at, picker);
         }
         // So does what is drawn with a key held, or by several presses.
         self.lead_drawing(at, picker);
         self.lead_unfinished(at, picker);
-        if self.stroke.as_ref().is_some_and(Stroke::is_clay) {
-            self.lead_clay(at, picker);
+        if is_led && self.tool.picture_brush().is_none() {
             return;
         }
         // The tool in a hand at work is not the pointer's.
@@ -74,7 +103,7 @@ impl Editor {
             return;
         }
         let solid = self.tool.kind == ToolKind::Solid;
-        if solid && self.is_hover_led(picker) {
+        if solid && self.stroke.as_ref().is_some_and(|stroke| stroke.is_led_over(picker)) {
             self.lead_stroke(at, picker);
         } else if let Some(point) = self.target(at, picker) {
             self.lead_tool_to(at, point, picker);
@@ -87,9 +116,7 @@ impl Editor {
     /// The point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the plane of the
     /// view in which the tool was used last.
     pub fn target(&self, at: Vec2, picker: &Picker) -> Option<Vec3> {
-        let grid = self.document().grid();
-        let middle = grid.dims().as_vec3() * 0.5;
-        picker.target(grid, at, self.footing.worked_at.unwrap_or(middle))
+        self.anchor.target(self.document().grid(), at, picker)
     }
 
     /// Notes how large a pixel is where the tool works: under the pointer, or else where the tool is.
@@ -98,21 +125,14 @@ impl Editor {
             return;
         }
         let point = self.pointer.and_then(|at| self.target(at, picker));
-        let gauge = self.gauge_at(point.unwrap_or(self.tool.centre_vx), picker);
+        let point = point.unwrap_or(self.tool.centre_vx);
+        let gauge = gauge_at(self.document().grid(), point, picker);
         self.tool.set_gauge(gauge);
-    }
-
-    /// How large a pixel is at a place, in units of the smallest edge.
-    pub(super) fn gauge_at(&self, point: Vec3, picker: &Picker) -> f32 {
-        let (sight, size) = (picker.sight(), self.document().grid().voxel_size());
-        let depth = sight.depth(point);
-        let across = sight.at_depth(Vec2::X, depth) - sight.at_depth(Vec2::ZERO, depth);
-        (across * size / size.min_element()).length()
     }
 
     /// The tool has been used, or put somewhere, where it is.
     pub(super) fn note_worked(&mut self) {
-        self.footing.worked_at = Some(self.tool.centre_vx).filter(|at| at.is_finite());
+        self.anchor.note_worked(&self.tool);
     }
 
     /// Makes a change of the tool that a panel asks for.
@@ -125,15 +145,15 @@ impl Editor {
     }
 
     /// Another sculpture is there.
-    pub(super) fn forget_footing(&mut self) {
+    pub(super) fn forget_anchor(&mut self) {
         self.leave_ground();
-        self.footing.worked_at = None;
+        self.anchor.worked_at = None;
     }
 
     /// The point of the surface that the pointer has put the tool on; none once something else has
     /// moved it.
     pub(super) fn ground(&self) -> Option<Vec3> {
-        self.footing.ground.map(|ground| ground.point)
+        self.anchor.ground.map(|ground| ground.point)
     }
 
     /// Puts the tool at a point of the surface, which is seen at `at`.
@@ -142,19 +162,12 @@ impl Editor {
         self.stand_on(SurfacePoint { point, face });
     }
 
-    /// A stroke has led the tool over the surface to `point`.
-    pub(super) fn led_over(&mut self, point: Vec3) {
-        if let Some(ground) = &mut self.footing.ground {
-            ground.point = point;
-        }
-    }
-
     fn stand_on(&mut self, ground: SurfacePoint) {
-        self.footing.ground = Some(ground);
+        self.anchor.ground = Some(ground);
         if self.tool.kind == ToolKind::Solid {
             let voxel_size = self.document().grid().voxel_size();
             self.tool.place_on(ground.point, ground.face, voxel_size);
-            self.footing.choices = Some(Choices::of(&self.tool));
+            self.anchor.choices = Some(Choices::of(&self.tool));
         } else if self.tool.ball_brush().is_some() {
             self.tool.centre_vx = ground.point;
         }
@@ -162,16 +175,14 @@ impl Editor {
 
     /// The tool is where it is meant to be, wherever the pointer is.
     pub fn leave_ground(&mut self) {
-        let choices = Some(Choices::of(&self.tool));
-        self.footing = Footing { ground: None, choices, worked_at: self.footing.worked_at };
-        self.note_worked();
+        self.anchor.leave(&self.tool);
     }
 
     /// Lets the tool follow at once what was chosen about it.
-    pub fn keep_footing(&mut self, pointer_use: PointerUse, picker: &Picker) {
+    pub fn keep_anchor(&mut self, pointer_use: PointerUse, picker: &Picker) {
         self.gauge(picker);
         let choices = Choices::of(&self.tool);
-        let Some(before) = self.footing.choices.replace(choices) else { return };
+        let Some(before) = self.anchor.choices.replace(choices) else { return };
         let led = self.stroke.is_some() || self.hand.is_leading();
         let led = led || !choices.follow || !pointer_use.leads_tool;
         let placed = choices.kind == ToolKind::Solid || self.tool.ball_brush().is_some();
@@ -179,7 +190,7 @@ impl Editor {
             return;
         }
         let taken = choices.is_taken_anew(&before);
-        match (self.pointer.filter(|_| !pointer_use.dragging), self.footing.ground) {
+        match (self.pointer.filter(|_| !pointer_use.dragging), self.anchor.ground) {
             (Some(at), ground) if taken || ground.is_some() => {
                 self.hover(at, pointer_use.leads_tool, picker);
             }

@@ -1,0 +1,81 @@
+//! Strokes of brushes under an outline that a hand holds: the brush is used in a cone, at a spacing along its path.
+
+use glam::{Vec2, Vec3};
+
+use super::lead::{Lead, PointerLead, Scene};
+use super::path::Path;
+use crate::command::Command;
+use crate::editor::pressure::touched;
+use crate::picking::Picker;
+use crate::tools::brush::footprint::{Footprint, MAX_FOOTPRINT};
+use crate::tools::brush::options::BrushOptions;
+use crate::tools::brush::spec::BrushStroke;
+
+/// A stroke of a brush in a hand.
+pub struct ConeStroke {
+    options: BrushOptions,
+    /// Of the middle of the cone, in voxels.
+    path: Path,
+    /// As it is now.
+    cone: Footprint,
+    is_due: bool,
+    uses: u32,
+}
+
+impl ConeStroke {
+    /// A stroke from where the cone is. `spacing_vx`: how far that goes along the surface before the brush is used again.
+    pub fn new(options: BrushOptions, cone: Footprint, spacing_vx: f32) -> ConeStroke {
+        let path = Path::new(cone.eye_vx + cone.aim, spacing_vx, Vec3::ONE);
+        ConeStroke { options, path, cone, is_due: true, uses: 0 }
+    }
+}
+
+impl Lead for ConeStroke {
+    /// The hand leads it, not the pointer.
+    fn point_at(&mut self, _: Vec2, _: &mut Scene, _: &Picker) {}
+
+    fn tool_moved(&mut self, _: &mut Scene, _: &Picker) {}
+
+    fn aim(&mut self, cone: Footprint) {
+        self.cone = cone;
+        let at = cone.eye_vx + cone.aim;
+        let mut ahead = self.path;
+        ahead.line_to(at, |_| self.is_due = true);
+        if self.is_due {
+            self.path.jump_to(at, |_| ());
+        }
+    }
+
+    fn repeats(&self, in_hand: bool) -> bool {
+        let stroke = self.options.brush().spec().stroke;
+        in_hand && stroke == BrushStroke::Picture { repeats: true }
+    }
+
+    fn repeat(&mut self, _: &mut Scene) {
+        self.is_due = true;
+    }
+
+    fn next(&mut self, scene: &mut Scene, _: Option<&Picker>) -> Option<Command> {
+        if !std::mem::take(&mut self.is_due) {
+            return None;
+        }
+        let pen = scene.tool.pens.of_brush(self.options.brush());
+        let options = touched(&self.options, pen, scene.grip.now);
+        let radius = self.cone.radius * pen.size(scene.grip.now);
+        let cone = Footprint { radius: radius.min(MAX_FOOTPRINT), ..self.cone };
+        self.uses += 1;
+        scene.tool.brush_under(&options, cone, self.uses - 1)
+    }
+
+    fn uses(&self) -> u32 {
+        self.uses
+    }
+
+    fn pointer(&self) -> PointerLead {
+        PointerLead::None
+    }
+
+    fn depends_on_picture(&self) -> bool {
+        false
+    }
+}

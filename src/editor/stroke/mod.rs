@@ -1,0 +1,253 @@
+//! The stroke under way: from the press to the release the tool is used along a path, and all of it is one step of the
+//! history. A [`Lead`] leads it, one for each kind of tool.
+
+mod cone;
+mod held;
+mod lead;
+mod path;
+mod picture;
+mod solid;
+mod surface;
+pub mod sweep;
+
+use glam::{Vec2, Vec3};
+
+use super::Editor;
+use crate::command::Command;
+use crate::input::ToolMode;
+use crate::picking::Picker;
+use crate::tools::brush::BrushId;
+use crate::tools::brush::footprint::Footprint;
+use crate::tools::brush::options::BrushOptions;
+use crate::tools::brush::spec::BrushStroke;
+
+use cone::ConeStroke;
+use held::HeldStroke;
+use lead::Lead;
+use picture::PictureStroke;
+use solid::SolidStroke;
+use surface::SurfaceStroke;
+use sweep::Leg;
+
+pub(super) use lead::{PointerLead, Scene};
+pub(super) use solid::{Guide, PointerGuide};
+
+/// After how long a brush that goes on while it is held is used again, in seconds.
+const AGAIN_S: f64 = 0.1;
+
+/// A stroke that is not finished.
+pub(super) struct Stroke {
+    lead: Box<dyn Lead>,
+    /// Voxels that it has changed so far.
+    pub changed: u64,
+    /// The first commands, as long as they have changed nothing.
+    pub tried: Vec<Command>,
+    /// It has added, and would have gone on beyond the walls of the grid.
+    pub beyond: bool,
+    /// Since when it has not been used, on the clock of [`Editor::dwell`], and how often it had been.
+    idle: Option<(f64, u32)>,
+}
+
+impl Stroke {
+    fn new(lead: Box<dyn Lead>) -> Stroke {
+        Stroke { lead, changed: 0, tried: Vec::new(), beyond: false, idle: None }
+    }
+
+    /// The manner in which the pointer leads it.
+    pub fn pointer(&self) -> PointerLead {
+        self.lead.pointer()
+    }
+
+    /// Whether the pointer, as the picture is now, leads a solid over the surface.
+    pub fn is_led_over(&self, picker: &Picker) -> bool {
+        self.lead.is_led_over(picker)
+    }
+
+    /// Whether where it goes depends on what the picture shows under the pointer.
+    pub fn depends_on_picture(&self) -> bool {
+        self.lead.depends_on_picture()
+    }
+}
+
+impl Editor {
+    /// Opens a stroke of a brush at a point of the picture and uses it there. `unpaints`: it paints the bare colour.
+    pub(super) fn begin_picture_brush(
+        &mut self,
+        options: BrushOptions,
+        unpaints: bool,
+        at: Vec2,
+        picker: &Picker,
+    ) {
+        self.begin_brush(options.brush(), Some(picker), |scene| {
+            Box::new(PictureStroke::new(options, unpaints, at, scene, picker))
+        });
+    }
+
+    /// Opens a stroke of a brush in a hand, and uses it. `cone`: where it works; `spacing_vx`: how far that goes along the
+    /// surface before it is used again.
+    pub(super) fn begin_cone(&mut self, options: BrushOptions, cone: Footprint, spacing_vx: f32) {
+        self.begin_brush(options.brush(), None, |_| {
+            Box::new(ConeStroke::new(options, cone, spacing_vx))
+        });
+    }
+
+    /// Begins to use a brush that deforms where the tool is. `at`: the pointer that leads it (pixels).
+    pub(super) fn begin_clay(
+        &mut self,
+        brush: BrushId,
+        inverse: bool,
+        at: Option<Vec2>,
+        picker: &Picker,
+    ) {
+        self.begin_brush(brush, Some(picker), |scene| {
+            let options = scene.tool.ball_options(brush);
+            match brush.spec().stroke {
+                BrushStroke::Held { turns } => {
+                    Box::new(HeldStroke::new(options, turns, at, scene, picker))
+                }
+                _ => Box::new(SurfaceStroke::new(options, inverse, at, scene, picker)),
+            }
+        });
+    }
+
+    /// Opens a stroke of the solid in hand where the tool is and uses it there. `unpaints`: it paints the bare colour;
+    /// `guide`: the input that leads it.
+    pub(super) fn begin_solid(
+        &mut self,
+        mode: ToolMode,
+        unpaints: bool,
+        guide: impl FnOnce(&Scene) -> Guide,
+    ) {
+        let label = self.tool.command(mode, &Leg::place(&self.tool.primitive())).label();
+        let paints = mode == ToolMode::Recolour && self.tool.picture.is_none() && !unpaints;
+        let gives_colour = mode == ToolMode::Add || paints;
+        self.begin_stroke(label, gives_colour, None, |scene| {
+            Box::new(SolidStroke::new(mode, unpaints, guide(scene), scene))
+        });
+    }
+
+    fn begin_brush(
+        &mut self,
+        brush: BrushId,
+        picker: Option<&Picker>,
+        lead: impl FnOnce(&mut Scene) -> Box<dyn Lead>,
+    ) {
+        let spec = brush.spec();
+        self.begin_stroke(spec.name.into(), spec.gives_colour, picker, lead);
+    }
+
+    /// Opens a stroke, unless another is under way, and carries out what is due at once.
+    fn begin_stroke(
+        &mut self,
+        label: String,
+        gives_colour: bool,
+        picker: Option<&Picker>,
+        lead: impl FnOnce(&mut Scene) -> Box<dyn Lead>,
+    ) {
+        if self.stroke.is_some() || !self.execute(&Command::Begin { label }) {
+            return;
+        }
+        if gives_colour {
+            self.tool.used_colour();
+        }
+        self.grip.begin();
+        let Editor { session, tool, anchor, grip, .. } = self;
+        let lead = lead(&mut Scene { document: session.document(), tool, anchor, grip });
+        self.stroke = Some(Stroke::new(lead));
+        self.carry_out_due(picker);
+    }
+
+    fn with_lead<T>(&mut self, act: impl FnOnce(&mut dyn Lead, &mut Scene) -> T) -> Option<T> {
+        let Editor { session, tool, anchor, grip, stroke, .. } = self;
+        let lead = &mut *stroke.as_mut()?.lead;
+        Some(act(lead, &mut Scene { document: session.document(), tool, anchor, grip }))
+    }
+
+    fn carry_out_due(&mut self, picker: Option<&Picker>) {
+        while let Some(command) = self.with_lead(|lead, scene| lead.next(scene, picker)).flatten() {
+            if !self.execute(&command) {
+                self.cancel_stroke();
+            }
+        }
+    }
+
+    /// Leads the stroke to a point of the picture.
+    pub(super) fn lead_stroke(&mut self, to: Vec2, picker: &Picker) {
+        self.with_lead(|lead, scene| lead.point_at(to, scene, picker));
+        self.carry_out_due(Some(picker));
+    }
+
+    /// Leads the stroke of a brush in a hand.
+    pub(super) fn aim_stroke(&mut self, cone: Footprint) {
+        self.with_lead(|lead, _| lead.aim(cone));
+        self.carry_out_due(None);
+    }
+
+    /// The pointer has put the tool on `point`, which is seen at `at`: a solid that is held down follows it from here on.
+    pub(super) fn hover_stroke(&mut self, at: Vec2, point: Vec3, picker: &Picker) {
+        self.with_lead(|lead, scene| lead.tool_put(at, point, scene, picker));
+        self.carry_out_due(Some(picker));
+    }
+
+    /// The tool was moved by something else; a stroke that it leads follows.
+    pub(super) fn tool_moved(&mut self, picker: &Picker) {
+        self.with_lead(|lead, scene| lead.tool_moved(scene, picker));
+        self.carry_out_due(Some(picker));
+        if self.tool.picture_brush().is_some() {
+            // The brush works where the tool would be seen.
+            self.pointer = picker.sight().pixel_of(self.tool.centre_vx);
+        }
+    }
+
+    /// Does what would be too slow for every event, since a device may speak often. To be called once for each picture.
+    pub fn catch_up(&mut self) {
+        self.with_lead(|lead, _| lead.catch_up());
+        self.carry_out_due(None);
+    }
+
+    /// Uses a brush that goes on for as long as it is held once more where it is, if it has not been used for a while.
+    /// Returns after how long to ask again, in seconds. `now_s`: on any clock; `by_hand`: in a headset.
+    pub fn dwell(&mut self, now_s: f64, by_hand: bool, picker: &Picker) -> Option<f64> {
+        let Stroke { lead, idle, .. } = self.stroke.as_mut()?;
+        if !lead.repeats(by_hand) {
+            return None;
+        }
+        let uses = lead.uses();
+        // It has been used since, or has not been asked about.
+        if idle.is_none_or(|(_, before)| before != uses) {
+            *idle = Some((now_s, uses));
+        }
+        let since_s = idle.map_or(now_s, |(since_s, _)| since_s);
+        let left_s = since_s + AGAIN_S - now_s;
+        if left_s > 0.0 {
+            return Some(left_s);
+        }
+        self.with_lead(|lead, scene| lead.repeat(scene));
+        self.carry_out_due(Some(picker));
+        if let Some(stroke) = &mut self.stroke {
+            stroke.idle = Some((now_s, stroke.lead.uses()));
+        }
+        Some(AGAIN_S)
+    }
+
+    pub(super) fn end_stroke(&mut self) {
+        self.with_lead(|lead, scene| lead.finish(scene));
+        self.carry_out_due(None);
+        self.set_touch(None);
+        let Some(stroke) = self.stroke.take() else { return };
+        self.note_worked();
+        if !self.execute(&Command::End) || stroke.lead.is_still() {
+            return;
+        }
+        match stroke.changed {
+            0 => self.explain_idle(&stroke.tried),
+            _ => self.note_cut_off(stroke.beyond),
+        }
+    }
+
+    pub fn cancel_stroke(&mut self) {
+        if self.stroke.take().is_some() {
+            self.execute(&Command::Cancel);
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Strokes of solids: the tool sweeps along a path in the grid.
+
+use std::collections::VecDeque;
+
+use glam::{Vec2, Vec3};
+
+use super::lead::{Lead, PointerLead, Scene};
+use super::sweep::{Leg, Sweep};
+use crate::command::Command;
+use crate::editor::surface_guide::{LEAP, SurfaceGuide};
+use crate::editor::tool::ToolState;
+use crate::input::ToolMode;
+use crate::picking::Picker;
+use crate::tools::solid::Primitive;
+
+/// The input that leads a solid.
+pub enum Guide {
+    /// A drag of the pointer over the surface.
+    Surface(PointerGuide),
+    /// Any input that moves the tool while a key, a button or a hand holds it down. `hovering`: the pointer, if it was
+    /// the last to move the tool.
+    Tool { hovering: Option<PointerGuide> },
+}
+
+/// The pointer on the surface, with the tool on it.
+pub struct PointerGuide {
+    surface: SurfaceGuide,
+    /// From the surface to the centre of a tool that stands on it.
+    lift: Vec3,
+}
+
+impl PointerGuide {
+    /// The pointer at `at` (pixels) has put the tool on `point` of the surface.
+    pub fn new(at: Vec2, point: Vec3, scene: &Scene, picker: &Picker) -> PointerGuide {
+        let surface = SurfaceGuide::new(at, point, scene.grid(), picker);
+        let lift = if scene.tool.stand { scene.tool.centre_vx - point } else { Vec3::ZERO };
+        PointerGuide { surface, lift }
+    }
+}
+
+/// A stroke of a solid.
+pub struct SolidStroke {
+    mode: ToolMode,
+    unpaints: bool,
+    guide: Guide,
+    sweep: Sweep,
+    due: VecDeque<Leg>,
+    uses: u32,
+}
+
+impl SolidStroke {
+    /// A stroke from where the tool is. `unpaints`: it paints the bare colour.
+    pub fn new(mode: ToolMode, unpaints: bool, guide: Guide, scene: &Scene) -> SolidStroke {
+        let tool = scene.tool.primitive();
+        let sweep = Sweep::new(&tool, scene.edges());
+        SolidStroke {
+            mode,
+            unpaints,
+            guide,
+            sweep,
+            due: VecDeque::from([Leg::place(&tool)]),
+            uses: 0,
+        }
+    }
+
+    fn pointer_guide(&self) -> Option<&PointerGuide> {
+        match &self.guide {
+            Guide::Surface(guide) => Some(guide),
+            Guide::Tool { hovering } => hovering.as_ref(),
+        }
+    }
+}
+
+impl Lead for SolidStroke {
+    fn point_at(&mut self, to: Vec2, scene: &mut Scene, picker: &Picker) {
+        let SolidStroke { guide, sweep, due, .. } = self;
+        let (Guide::Surface(guide) | Guide::Tool { hovering: Some(guide) }) = guide else { return };
+        let (tool, grid) = (&mut *scene.tool, scene.document.grid());
+        let lift = guide.lift;
+        let mut end = None;
+        guide.surface.go_to(to, 0.0, grid, picker, |point| {
+            go_over_surface(sweep, tool, point + lift, due);
+            end = Some(point);
+        });
+        if let Some(point) = end {
+            tool.move_to(point + lift);
+            scene.anchor.follow(point);
+        }
+    }
+
+    fn tool_moved(&mut self, scene: &mut Scene, _: &Picker) {
+        if let Guide::Tool { hovering } = &mut self.guide {
+            *hovering = None;
+            let due = &mut self.due;
+            self.sweep.lead(&at(scene.tool, scene.tool.centre_vx), |leg| due.push_back(leg));
+        }
+    }
+
+    fn tool_put(&mut self, at: Vec2, point: Vec3, scene: &mut Scene, picker: &Picker) {
+        if let Guide::Tool { hovering } = &mut self.guide {
+            *hovering = Some(PointerGuide::new(at, point, scene, picker));
+            go_over_surface(&mut self.sweep, scene.tool, scene.tool.centre_vx, &mut self.due);
+        }
+    }
+
+    fn finish(&mut self, scene: &mut Scene) {
+        let due = &mut self.due;
+        self.sweep.finish(&scene.tool.primitive(), |leg| due.push_back(leg));
+    }
+
+    fn next(&mut self, scene: &mut Scene, _: Option<&Picker>) -> Option<Command> {
+        let leg = self.due.pop_front()?;
+        self.uses += 1;
+        let bare = self.unpaints.then(|| scene.bare_colour());
+        Some(scene.tool.in_use(scene.grip.now, bare).command(self.mode, &leg))
+    }
+
+    fn uses(&self) -> u32 {
+        self.uses
+    }
+
+    fn pointer(&self) -> PointerLead {
+        match self.guide {
+            Guide::Surface(_) => PointerLead::Drag,
+            Guide::Tool { .. } => PointerLead::None,
+        }
+    }
+
+    fn is_led_over(&self, picker: &Picker) -> bool {
+        self.pointer_guide().is_some_and(|guide| guide.surface.is_of(picker))
+    }
+
+    fn depends_on_picture(&self) -> bool {
+        self.pointer_guide().is_some()
+    }
+}
+
+/// The solid in hand with its centre at a place, or in the middle of the voxel there.
+fn at(tool: &ToolState, centre_vx: Vec3) -> Primitive {
+    Primitive { centre_vx: tool.snapped(centre_vx), ..tool.primitive() }
+}
+
+/// Leads `sweep` over the surface to `centre_vx`: straight, or where the surface leaps with the tool lifted.
+fn go_over_surface(sweep: &mut Sweep, tool: &ToolState, centre_vx: Vec3, due: &mut VecDeque<Leg>) {
+    if sweep.distance(centre_vx) > LEAP * 2.0 * tool.half().max_element() {
+        sweep.finish(&tool.primitive(), |leg| due.push_back(leg));
+        sweep.jump(&at(tool, centre_vx), |leg| due.push_back(leg));
+    } else {
+        sweep.lead(&at(tool, centre_vx), |leg| due.push_back(leg));
+    }
+}
