@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::data_set::{self, DataSet, Part};
 use super::pixels::Layout;
-use super::series::Plane;
+use super::plane::Plane;
 use super::tags;
 use super::{Reading, frames};
 use crate::format::{FormatError, Texts, go_on, store};

@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 use super::super::Reading;
-use super::series::{Plane, SAME_PLACE_MM};
+use super::plane::{Plane, SAME_PLACE_MM};
 use crate::format::{FormatError, Volumes};
 
 /// A plane with its place along the normal.

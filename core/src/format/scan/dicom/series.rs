@@ -3,98 +3,18 @@
 //! Takes the first bytes of files; gives slices in the order of their places along the normal, on a regular grid, with
 //! notes on what is missing, doubled or of unequal distances. Knows no pixels.
 
-use glam::DVec3;
-
 use super::super::Reading;
-use super::data_set::DataSet;
 use super::phases;
-use super::tags::{self, Tag};
+use super::plane::{Plane, SAME_PLACE_MM};
 use crate::format::{FormatError, Volumes};
 use crate::sculpture::grid::MAX_AXIS_VX;
 
-/// Directions of rows and columns that differ by less, in each number, are the same.
-const SAME_DIRECTION: f64 = 1e-2;
 /// Distances that differ by less than this share are equal.
 const SAME_DISTANCE: f64 = 0.02;
-/// Slices closer than this lie at the same place.
-pub const SAME_PLACE_MM: f64 = 1e-3;
 /// Layers per slice beyond which distances are no volume's.
 const MOST_LAYERS: usize = 4;
 /// Slices that move sideways by more than this share of their distance were taken with a tilted gantry.
 const TILT: f64 = 0.02;
-
-/// Where a frame of a file lies.
-#[derive(Clone, Debug)]
-pub struct Plane {
-    /// Index of the file, and of the frame in it.
-    pub file: usize,
-    pub frame: usize,
-    /// Of the series, to sort where places are not known.
-    pub number: f64,
-    /// The middle of the first pixel, in mm: left, back, head.
-    pub position: Option<DVec3>,
-    /// Directions of rows and columns.
-    pub axes: Option<[DVec3; 2]>,
-    /// The file's values for each of [`tags::PHASES`].
-    pub phases: Vec<String>,
-}
-
-/// The frame of a multi-frame file whose groups say something, then what frames have in common, then the file.
-pub struct FrameData<'a> {
-    pub data: &'a DataSet<'a>,
-    pub frame: usize,
-}
-
-impl FrameData<'_> {
-    pub fn decimals<const N: usize>(&self, group: Tag, tag: Tag) -> Option<[f64; N]> {
-        let of = |item: Option<&DataSet>| item?.items(group).first()?.decimals(tag);
-        of(self.data.items(tags::FRAME_GROUPS).get(self.frame))
-            .or_else(|| of(self.data.items(tags::SHARED_GROUPS).first()))
-            .or_else(|| self.data.decimals(tag))
-    }
-}
-
-impl Plane {
-    /// Of a frame of a file's data set.
-    pub fn of(data: &DataSet, file: usize, frame: usize) -> Plane {
-        let of = FrameData { data, frame };
-        let detector = || data.items(tags::DETECTORS).first()?.decimals::<6>(tags::ORIENTATION);
-        let axes = of.decimals::<6>(tags::ORIENTATION_GROUP, tags::ORIENTATION).or_else(detector);
-        let axes = axes.map(|v| [DVec3::from_slice(&v[..3]), DVec3::from_slice(&v[3..])]);
-        let is_direction = |axes: &[DVec3; 2]| axes[0].cross(axes[1]).length() > 0.5;
-        let axes = axes.filter(is_direction).map(|axes| axes.map(DVec3::normalize));
-        let mut position = of.decimals(tags::POSITION_GROUP, tags::POSITION).map(DVec3::from_array);
-        let offsets = data.all_decimals(tags::FRAME_OFFSETS).unwrap_or_default();
-        if let (Some(offset), Some([row, column])) = (offsets.get(frame), axes) {
-            // From the first frame, or along z from the patient's origin.
-            let first = offsets.first().copied().unwrap_or(0.0);
-            position = position.map(|p| p + row.cross(column) * (offset - first));
-        } else if frame > 0 && data.items(tags::FRAME_GROUPS).is_empty() {
-            // The place of the file is that of its first frame.
-            position = None;
-        }
-        let number = data.decimals::<1>(tags::INSTANCE_NUMBER).map_or(0.0, |[number]| number);
-        let content = data.items(tags::FRAME_GROUPS).get(frame);
-        let content = content.and_then(|groups| groups.items(tags::CONTENT_GROUP).first());
-        let phase = |tag: &Tag| {
-            let bits = |data: &DataSet| data.u16(*tag).map(|number| format!("#{number:05}"));
-            // Frames number their times in binary.
-            content.and_then(bits).or_else(|| data.text(*tag)).unwrap_or_default()
-        };
-        let phases = tags::PHASES.iter().map(phase).collect();
-        Plane { file, frame, number, position, axes, phases }
-    }
-
-    /// Whether both can lie in one volume.
-    pub fn is_parallel(&self, other: &Plane) -> bool {
-        let close = |(a, b): (&DVec3, &DVec3)| (a - b).abs().max_element() < SAME_DIRECTION;
-        match (&self.axes, &other.axes) {
-            (Some(a), Some(b)) => a.iter().zip(b).all(close),
-            (None, None) => true,
-            _ => false,
-        }
-    }
-}
 
 /// Slices as the layers of a volume.
 #[derive(Debug)]
