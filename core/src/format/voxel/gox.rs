@@ -13,13 +13,10 @@ use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;
 use crate::sculpture::orientation::Up;
 
-/// Voxels along the edge of a block, and pixels along that of its picture.
-pub const EDGE_VX: i64 = 16;
+/// Pixels along the edge of a block's picture.
 const PICTURE_EDGE: u32 = 64;
 /// The newest version that is known.
 const VERSION: u32 = 2;
-/// Voxels of this opacity or more exist, as Goxel draws them.
-pub const OPAQUE: u8 = 128;
 
 /// A file.
 #[derive(Debug)]

@@ -6,11 +6,14 @@
 use glam::{DMat4, DVec3, I64Vec3};
 
 use super::Sink;
-use super::gox::{EDGE_VX, OPAQUE};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::sculpture::Rgb;
 
+/// Voxels along the edge of a block.
+const EDGE_VX: i64 = 16;
+/// Voxels of this opacity or more exist, as Goxel draws them.
+const OPAQUE: u8 = 128;
 /// Copies of copies that are followed.
 const MOST_COPIES: usize = 64;
 /// Places of a turned block or a shape that are looked at, for each layer.
