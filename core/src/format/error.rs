@@ -94,7 +94,7 @@ pub enum FormatError {
     #[error("the header ends before its {0} line; the file is truncated: copy it again")]
     HeaderCut(&'static str),
     /// The PVM header is longer than any valid one.
-    #[error("the header is longer than {} KiB; the file is damaged: copy it again", super::pvm::HEADER_LIMIT >> 10)]
+    #[error("the header is longer than {} KiB; the file is damaged: copy it again", super::limits::HEADER_LIMIT >> 10)]
     HeaderTooLong,
     /// A line of the PVM header is not valid.
     #[error("the header's {what} line is `{line}`, but must be {rule}; export it again")]
@@ -133,7 +133,7 @@ pub enum FormatError {
     #[error("the four texts after the voxels are incomplete; the file is truncated: copy it again")]
     TextsCut,
     /// The texts after the voxels are longer than allowed.
-    #[error("the texts after the voxels are longer than {} MiB; remove or shorten them", super::pvm::TEXTS_LIMIT >> 20)]
+    #[error("the texts after the voxels are longer than {} MiB; remove or shorten them", super::limits::TEXTS_LIMIT >> 20)]
     TextsTooLong,
 
     /// The file does not start as a .vsc file does.

@@ -9,6 +9,7 @@
 //! editors), `mesh_in` and `mesh_out` (meshes of and for other programs). Errors say what is wrong and what to do;
 //! callers add the name of the file.
 
+mod budget;
 mod bytes;
 mod content;
 mod dds;
@@ -19,6 +20,7 @@ pub mod history;
 mod import;
 mod info;
 mod labels;
+mod limits;
 mod mesh_in;
 mod mesh_out;
 pub mod options;
@@ -48,9 +50,10 @@ pub use self::error::FormatError;
 pub use self::histogram::Histogram;
 pub use self::info::{Densities, Info, info, info_with};
 pub use self::mesh_out::{
-    MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh, save_mesh_again, usual_surface, usual_up,
+    MeshSummary, is_mesh, save_mesh, save_mesh_again, usual_surface, usual_up,
 };
 use self::options::{Colouring, Existence, ExportForm, ExportOptions, ImportOptions};
+pub use self::options::{MeshOptions, MeshUp};
 pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};
 pub use self::scan::base64;
 pub use self::signature::Signature;

@@ -11,7 +11,6 @@ mod scan;
 
 pub use scan::{Cubic, Existence, Ordinal, Region};
 
-use super::mesh_out::{MeshOptions, MeshUp};
 use super::volume::Samples;
 use crate::mesh::MeshKind;
 use crate::sculpture::ColourDepth;
@@ -112,6 +111,35 @@ pub enum ExportForm {
     /// The packed colours as they are stored, 1 to 3 bytes a voxel, 0 where it is empty. An
     /// existing voxel whose packed colour is 0 (black) gets the next nearest colour.
     Packed,
+}
+
+/// The axis that points up in a file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
+pub enum MeshUp {
+    /// As in the sculpture, in .glb and mostly in .obj.
+    Y,
+    /// As on a printer's bed: the default in .stl, .ply and .3mf.
+    Z,
+}
+
+impl MeshUp {
+    /// All values with their names in the text form.
+    pub const NAMED: [(MeshUp, &'static str); 2] = [(MeshUp::Y, "y"), (MeshUp::Z, "z")];
+}
+
+/// How a sculpture becomes a mesh in a file.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct MeshOptions {
+    /// Which surface.
+    pub kind: MeshKind,
+    /// Only the vertices, for .ply.
+    pub points_only: bool,
+    /// The axis that points up; none for that which is usual in the format.
+    pub up: Option<MeshUp>,
+    /// Length of a voxel along x in millimetres; none for the sculpture's voxel size.
+    pub voxel_mm: Option<f32>,
+    /// Most triangles, as far as the surface's topology allows; none for all.
+    pub triangles: Option<u64>,
 }
 
 /// How a sculpture is written. Each format has use for some of it, and refuses what it cannot do.

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
+use super::budget::check_budget;
 use super::options::{Colouring, Cubic, ImportOptions};
-use super::pvm::check_budget;
 use super::volume::{Samples, Volume};
 use super::{FormatError, go_on};
 use crate::progress::Progress;

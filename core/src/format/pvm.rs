@@ -6,16 +6,14 @@
 
 use glam::{UVec3, Vec3};
 
+use super::budget::check_budget;
 use super::dds::{self, Stream};
 use super::error::excerpt;
+use super::limits::{HEADER_LIMIT, TEXTS_LIMIT};
 use super::volume::{Samples, Texts, Volume};
 use super::{FormatError, go_on};
 use crate::progress::Progress;
 
-/// Longest header that is read, comments included.
-pub const HEADER_LIMIT: usize = 64 << 10;
-/// Most bytes of texts that are read. The format itself sets no limit.
-pub const TEXTS_LIMIT: u64 = 16 << 20;
 /// Decoded size up to which a stream of several planes is decoded before its header is looked at:
 /// the header lies scattered over the planes, so looking first costs nearly as much as decoding.
 const EAGER_BYTES: u64 = 64 << 20;
@@ -209,14 +207,6 @@ pub fn read(
     drop(file);
     let header = check(&plain, total).map_err(inside)?;
     Ok((split_plain(plain, &header)?, Origin { header, packing }))
-}
-
-/// An error if more memory would be needed than allowed.
-pub(super) fn check_budget(needed: u64, budget: u64) -> Result<(), FormatError> {
-    if needed <= budget {
-        return Ok(());
-    }
-    Err(FormatError::Memory { needed_mib: needed.div_ceil(1 << 20), budget_mib: budget >> 20 })
 }
 
 /// Takes apart a plain volume whose length has been checked.

@@ -10,7 +10,7 @@ use std::time::{Duration, SystemTime};
 
 use tempfile::NamedTempFile;
 
-use super::pvm::check_budget;
+use super::budget::check_budget;
 use super::{FormatError, go_on};
 use crate::progress::Progress;
 

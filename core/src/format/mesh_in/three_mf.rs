@@ -15,8 +15,8 @@ use super::Imported;
 use super::glb_json::fault;
 use super::three_mf_parts::{PLACES, Parts};
 use crate::format::FormatError;
+use crate::format::budget::check_budget;
 use crate::format::error::{excerpt, printable};
-use crate::format::pvm::check_budget;
 use crate::sculpture::Rgb;
 
 /// Where the model is, unless the relations of the archive name another place.

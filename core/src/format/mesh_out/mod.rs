@@ -17,6 +17,7 @@ use std::path::Path;
 
 use glam::{Mat3, Vec3};
 
+use super::options::{MeshOptions, MeshUp};
 use super::store::AtomicFile;
 use super::{FormatError, go_on};
 use crate::mesh::{
@@ -30,35 +31,6 @@ use crate::sculpture::history::{Contents, SurfaceKind};
 const PORTION: usize = 1 << 16;
 /// Bytes that are collected before they are written.
 const BUFFER_BYTES: usize = 1 << 20;
-
-/// The axis that points up in a file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
-pub enum MeshUp {
-    /// As in the sculpture, in .glb and mostly in .obj.
-    Y,
-    /// As on a printer's bed: the default in .stl, .ply and .3mf.
-    Z,
-}
-
-impl MeshUp {
-    /// All values with their names in the text form.
-    pub const NAMED: [(MeshUp, &'static str); 2] = [(MeshUp::Y, "y"), (MeshUp::Z, "z")];
-}
-
-/// How a sculpture becomes a mesh in a file.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct MeshOptions {
-    /// Which surface.
-    pub kind: MeshKind,
-    /// Only the vertices, for .ply.
-    pub points_only: bool,
-    /// The axis that points up; none for that which is usual in the format.
-    pub up: Option<MeshUp>,
-    /// Length of a voxel along x in millimetres; none for the sculpture's voxel size.
-    pub voxel_mm: Option<f32>,
-    /// Most triangles, as far as the surface's topology allows; none for all.
-    pub triangles: Option<u64>,
-}
 
 /// Summary of a mesh that was written.
 #[derive(Clone, Copy, PartialEq, Debug)]

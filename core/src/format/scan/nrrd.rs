@@ -30,7 +30,7 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         header.axes.iter().try_fold(header.number.bytes(), |n, axis| n.checked_mul(axis.size));
     let total = total.filter(|n| *n < u64::MAX / 8).unwrap_or(u64::MAX / 8);
     let file_bytes = file.len() as u64;
-    crate::format::pvm::check_budget(total, reading.rest_bytes(file_bytes))?;
+    crate::format::budget::check_budget(total, reading.rest_bytes(file_bytes))?;
     header.number.check(layout.dims, reading.rest_bytes(file_bytes + total))?;
 
     let data = match header.data_files.as_slice() {
@@ -54,7 +54,7 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
             let coloured = header.number.check(layout.dims, u64::MAX)? / header.number.bytes();
             let layers = coloured.saturating_mul(4 * (of_layers + 2));
             let rest_bytes = reading.rest_bytes(file_bytes + total);
-            crate::format::pvm::check_budget(layers, rest_bytes)?;
+            crate::format::budget::check_budget(layers, rest_bytes)?;
             let layers = layout.layers(&data, of_layers, number, header.is_big);
             (Samples::Rgba8, segments.colours(&layers))
         }

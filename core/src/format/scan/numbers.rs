@@ -3,7 +3,7 @@
 
 use glam::UVec3;
 
-use crate::format::pvm::check_budget;
+use crate::format::budget::check_budget;
 use crate::format::volume::Samples;
 use crate::format::{FormatError, Volume};
 

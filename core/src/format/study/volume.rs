@@ -3,11 +3,11 @@
 use glam::{UVec2, UVec3, Vec3};
 
 use super::Outlook;
+use crate::format::budget::check_budget;
 use crate::format::histogram::Histogram;
 use crate::format::import::{OPAQUE, RAMP_QUANTILE, U8};
 use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, Region};
 use crate::format::prepare::prepared;
-use crate::format::pvm::check_budget;
 use crate::format::ramp::Ramp;
 use crate::format::scan::Frame;
 use crate::format::volume::{Samples, Volume};

@@ -34,7 +34,7 @@ use rayon::prelude::*;
 
 use self::chunk::Entry;
 use super::error::excerpt;
-use super::pvm::TEXTS_LIMIT;
+use super::limits::TEXTS_LIMIT;
 use super::volume::Texts;
 use super::{FormatError, go_on};
 use crate::progress::Progress;

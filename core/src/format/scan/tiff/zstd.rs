@@ -11,7 +11,7 @@ use tiff::tags::Tag;
 use super::super::unpack::{cut, malformed};
 use super::{Pages, damaged};
 use crate::format::FormatError;
-use crate::format::pvm::check_budget;
+use crate::format::budget::check_budget;
 
 /// The value of [`Tag::Compression`].
 const PACKED: u32 = 50000;

@@ -1,0 +1,13 @@
+//! Checks memory against a budget before it is allocated, for the readers of all formats.
+//!
+//! Takes bytes needed and allowed; gives an error that says both in MiB. Knows no format and no file.
+
+use super::FormatError;
+
+/// An error if more memory would be needed than allowed.
+pub(super) fn check_budget(needed: u64, budget: u64) -> Result<(), FormatError> {
+    if needed <= budget {
+        return Ok(());
+    }
+    Err(FormatError::Memory { needed_mib: needed.div_ceil(1 << 20), budget_mib: budget >> 20 })
+}
