@@ -11,6 +11,7 @@ pub mod clip;
 pub mod colour;
 pub mod digest;
 pub mod edit;
+mod edit_stats;
 pub mod grid;
 pub mod history;
 pub mod inherit;

@@ -6,7 +6,7 @@
 
 use super::brick::Brick;
 use super::brick_set::{BrickMask, BrickSet};
-use super::edit::EditStats;
+use super::edit_stats::EditStats;
 use super::grid::Grid;
 use super::record::BrickRecord;
 
