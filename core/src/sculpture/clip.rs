@@ -7,8 +7,8 @@ use glam::{IVec3, UVec3};
 
 use super::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use super::colour::Rgb;
+use super::contents::Contents;
 use super::grid::{Grid, GridError};
-use super::history::Contents;
 use super::material::Material;
 use super::orientation::Orientation;
 use super::region::{ListedBricks, VoxelBox};

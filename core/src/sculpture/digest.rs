@@ -10,7 +10,7 @@ use std::io::{ErrorKind, Read};
 
 use rayon::prelude::*;
 
-use super::history::{Contents, SurfaceKind};
+use super::contents::{Contents, SurfaceKind};
 
 /// Bricks of a run.
 const RUN_BRICKS: usize = 4096;

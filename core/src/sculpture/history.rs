@@ -11,10 +11,11 @@ use std::sync::Arc;
 mod step;
 mod store;
 
+pub use super::contents::{Contents, SurfaceKind};
 use super::memory::NoMemory;
 use step::STUB_BYTES;
-pub use step::{Change, Contents, HistorySnapshot, State, Step, SurfaceKind};
-pub use store::{StepStore, Stored, StoredStep};
+pub use step::{Change, HistorySnapshot, State, Step, Stored, StoredStep};
+pub use store::StepStore;
 
 /// Steps up to this size stay in memory: their placeholders would take as much.
 const SMALL_BYTES: usize = 3 * STUB_BYTES;

@@ -10,7 +10,7 @@ use glam::{IVec3, UVec3};
 
 use super::brick::{BRICK_EDGE_VX, local_coords};
 use super::colour::Rgb;
-use super::history::Contents;
+use super::contents::Contents;
 use super::region::ListedBricks;
 
 /// How far a voxel without neighbours looks for voxels that exist: as far as the widest majority.

@@ -9,6 +9,7 @@ pub mod brick;
 pub mod brick_set;
 pub mod clip;
 pub mod colour;
+mod contents;
 pub mod digest;
 pub mod edit;
 mod edit_stats;

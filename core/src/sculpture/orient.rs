@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, BrickKind, local_coords, local_index};
-use super::history::Contents;
+use super::contents::Contents;
 use super::material::Page;
 use super::orientation::Orientation;
 use super::{Grid, GridError, Limits, Material};

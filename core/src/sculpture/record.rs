@@ -7,8 +7,8 @@ use std::collections::TryReserveError;
 
 use super::brick::{BRICK_VOXELS, Brick};
 use super::brick_set::{BrickMask, BrickSet};
+use super::contents::Contents;
 use super::grid::{Grid, WordKinds};
-use super::history::Contents;
 use super::material::{Page, copied_page};
 use super::memory;
 use super::vectors::vectorised;

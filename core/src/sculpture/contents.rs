@@ -1,0 +1,99 @@
+//! The contents of a sculpture: all that undo restores.
+//!
+//! Knows no history and no record of changes.
+
+use glam::{IVec3, UVec3};
+
+use super::brick::{BRICK_EDGE_VX, local_index};
+use super::colour::{ColourDepth, Rgb};
+use super::grid::Grid;
+use super::material::Material;
+use super::memory::NoMemory;
+
+/// The form in which near voxels are shown, and proposed for their mesh.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum SurfaceKind {
+    /// The smooth surface between them: clay and scans.
+    #[default]
+    Smooth,
+    /// Their cubes: models of voxel editors.
+    Cubes,
+}
+
+impl SurfaceKind {
+    /// All kinds with their names in the text form.
+    pub const NAMED: [(SurfaceKind, &'static str); 2] =
+        [(SurfaceKind::Smooth, "smooth"), (SurfaceKind::Cubes, "cubes")];
+
+    /// Its name in the text form.
+    pub fn name(self) -> &'static str {
+        match self {
+            SurfaceKind::Smooth => "smooth",
+            SurfaceKind::Cubes => "cubes",
+        }
+    }
+}
+
+/// All that undo restores: existence bits, colours, the mask and the kind of surface.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Contents {
+    /// Which voxels exist.
+    pub grid: Grid,
+    /// Their colours.
+    pub material: Material,
+    /// Which voxels, existing or not, are protected from all tools: a grid of the same size. None if there are none.
+    pub mask: Option<Box<Grid>>,
+    /// The form in which near voxels are shown.
+    pub surface: SurfaceKind,
+}
+
+impl Contents {
+    /// Bits and colours with nothing protected.
+    pub fn new(grid: Grid, material: Material) -> Contents {
+        Contents { grid, material, mask: None, surface: SurfaceKind::default() }
+    }
+
+    /// A grid as contents without colours or a mask of its own.
+    pub(crate) fn of_bits(grid: Grid) -> Contents {
+        let material = Material::for_grid(&grid, ColourDepth::None, Rgb::default());
+        Contents::new(grid, material)
+    }
+
+    /// Whether the voxel at `v` is protected.
+    pub fn is_masked(&self, v: IVec3) -> bool {
+        self.mask.as_ref().is_some_and(|mask| mask.get(v))
+    }
+
+    /// Drops a mask that protects nothing.
+    pub(crate) fn drop_empty_mask(&mut self) {
+        self.mask.take_if(|mask| mask.opaque_count() == 0);
+    }
+
+    /// Colour of the voxel at `v`, which must lie inside the grid, whether it exists or not.
+    pub fn rgb(&self, v: UVec3) -> Rgb {
+        let [x, y, z] = (v % BRICK_EDGE_VX).to_array();
+        self.material.rgb(self.grid.brick_index(v / BRICK_EDGE_VX), local_index(x, y, z))
+    }
+
+    /// Colour of the voxel at `v`; none where none exists.
+    pub fn colour(&self, v: IVec3) -> Option<Rgb> {
+        self.grid.get(v).then(|| self.rgb(v.as_uvec3()))
+    }
+
+    /// A copy, unless the system lacks the memory for it.
+    pub fn copied(&self) -> Result<Contents, NoMemory> {
+        let no_memory = NoMemory { bytes: self.kept_bytes() as u64 };
+        let grid = self.grid.copied().map_err(|_| no_memory)?;
+        let material = self.material.copied().map_err(|_| no_memory)?;
+        let mask = self.mask.as_ref().map(|mask| mask.copied().map(Box::new)).transpose();
+        let mask = mask.map_err(|_| no_memory)?;
+        Ok(Contents { grid, material, mask, surface: self.surface })
+    }
+
+    /// Bytes of a step that keeps all of it.
+    pub fn kept_bytes(&self) -> usize {
+        let mask = self.mask.as_ref().map_or(0, |mask| mask.heap_bytes());
+        size_of::<Contents>()
+            + (self.grid.heap_bytes() + self.material.heap_bytes() + mask) as usize
+    }
+}
