@@ -7,7 +7,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use super::thin::{BricksAround, moved};
+use super::thin::{BricksAround, Plane, moved};
 use super::{FAR, LEAST, PageLevels, place};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind};
@@ -18,10 +18,8 @@ use crate::shade::normal_field::{NO_PAGE, PackedDepth};
 const EDGE: usize = 10;
 /// The bits of a row, a row for each y and z.
 type Rows = [[u16; EDGE]; EDGE];
-/// A plane for each voxel: its normal and, in units of a level, the depth of the voxel's middle below it. One without a
-/// normal lies at its depth to all sides.
+/// A plane for each voxel.
 type Planes = [[[Plane; EDGE]; EDGE]; EDGE];
-pub(super) type Plane = (Vec3, f32);
 
 /// A brick with the surface in it and around it.
 pub(super) struct Band {

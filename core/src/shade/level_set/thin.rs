@@ -12,11 +12,14 @@
 use glam::{IVec3, Vec3};
 
 use super::LEAST;
-use super::band::Plane;
 use crate::shade::normal_field::PackedDepth;
 
 /// The bits of the 27 bricks at and around one: number `x + 3 y + 9 z`, a word for each z, bit `x + 8 y`.
 pub(super) type BricksAround = [[u64; 8]; 27];
+
+/// The plane of a surface voxel: its normal and, in units of a level, the depth of the voxel's middle below it. One without
+/// a normal lies at its depth to all sides.
+pub(super) type Plane = (Vec3, f32);
 
 /// The longest run that is thin.
 const MOST_VX: i32 = 5;
