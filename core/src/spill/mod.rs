@@ -3,10 +3,11 @@
 //! A thread of its own packs the steps (`format::history`) and writes them to one file; until then they stay in
 //! memory, and their size is bounded. Packing and unpacking go in parts, each with a CRC-32. Where the disk is
 //! full or fails, a message says so, steps are refused, and every further step tries again.
-//! `file` is the file, `parts` are the parts of steps in it, `space` tracks which parts of the file are in use, and
+//! `file` is the file, `parts` are the parts of steps in it, `part_writer` writes them, `space` tracks which parts of the file are in use, and
 //! `record` stands for a step. Knows no document.
 
 mod file;
+mod part_writer;
 mod parts;
 mod record;
 mod space;
@@ -20,7 +21,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::JoinHandle;
 
 use file::{Folder, Place, SpillFile};
-use parts::{Part, PartWriter, Stop};
+use part_writer::{PartWriter, Stop};
+use parts::Part;
 use record::Record;
 use space::Space;
 

@@ -1,0 +1,98 @@
+//! Writes a packed step to the file, part by part, as long as somebody wants it written.
+//!
+//! Takes the bytes that a step is packed to; gives its parts, or why not all of it was written. Knows no packing.
+
+use std::io::{Error, Result, Write};
+
+use super::Shared;
+use super::parts::Part;
+use super::record::Record;
+
+/// Why not all of a step was written.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Stop {
+    /// The session has ended, or nobody wants it written any more.
+    NotNeeded,
+    /// There is no room within the bound.
+    Full,
+    /// The system's reason.
+    Failed(String),
+}
+
+/// Writes what a step is packed to. Its parts are free again when it is dropped before [`PartWriter::finish`].
+#[derive(Debug)]
+pub struct PartWriter<'a> {
+    shared: &'a Shared,
+    record: &'a Record,
+    /// Bytes that are not in a part yet.
+    buffer: Vec<u8>,
+    parts: Vec<Part>,
+    stop: Option<Stop>,
+}
+
+impl<'a> PartWriter<'a> {
+    pub fn new(shared: &'a Shared, record: &'a Record) -> PartWriter<'a> {
+        PartWriter { shared, record, buffer: Vec::new(), parts: Vec::new(), stop: None }
+    }
+
+    /// Writes the last part. Why it has failed, if it has, now or before.
+    pub fn finish(mut self) -> std::result::Result<Vec<Part>, Stop> {
+        // Whether it fails is in `stop`.
+        let _ = self.write_part();
+        match self.stop.take() {
+            None => Ok(std::mem::take(&mut self.parts)),
+            Some(stop) => Err(stop),
+        }
+    }
+
+    /// Notes that packing has failed, unless that was for want of a place to write to.
+    pub fn fail(&mut self, why: &dyn std::fmt::Display) {
+        self.stop.get_or_insert_with(|| Stop::Failed(why.to_string()));
+    }
+
+    fn stop(&mut self, stop: Stop) -> Error {
+        self.stop.get_or_insert(stop);
+        Error::other("nothing more is written")
+    }
+
+    fn write_part(&mut self) -> Result<()> {
+        if self.stop.is_some() || self.buffer.is_empty() {
+            return Ok(());
+        }
+        let (shared, bytes) = (self.shared, self.buffer.len());
+        let Some(at) = shared.state().space.take(bytes as u64, shared.max_bytes) else {
+            return Err(self.stop(Stop::Full));
+        };
+        self.parts.push(Part { at, bytes, checksum: crc32fast::hash(&self.buffer) });
+        if let Err(error) = shared.write_at(at, &self.buffer) {
+            return Err(self.stop(Stop::Failed(error.to_string())));
+        }
+        self.buffer.clear();
+        Ok(())
+    }
+}
+
+impl Write for PartWriter<'_> {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+        if self.shared.state().has_ended || !self.record.is_waiting() {
+            return Err(self.stop(Stop::NotNeeded));
+        }
+        let room = self.shared.part_bytes - self.buffer.len();
+        let count = room.min(bytes.len());
+        self.buffer.extend_from_slice(&bytes[..count]);
+        if self.buffer.len() == self.shared.part_bytes {
+            self.write_part()?;
+        }
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        Ok(())
+    }
+}
+
+impl Drop for PartWriter<'_> {
+    fn drop(&mut self) {
+        self.shared.give_back(&self.parts);
+    }
+}
