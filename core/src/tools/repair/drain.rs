@@ -7,12 +7,34 @@ use std::collections::BTreeMap;
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
-use super::mend::Toward;
 use crate::progress::Progress;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{Brick, Grid};
 use crate::tools::pieces::Pieces;
+
+/// Where holes lead to.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Toward {
+    /// Down, out of the print's underside or its lowest opening.
+    #[default]
+    Down,
+    /// Along the axis on which they are shortest.
+    Nearest,
+}
+
+impl Toward {
+    /// All, in the order in which interfaces offer them.
+    pub const ALL: [Toward; 2] = [Toward::Down, Toward::Nearest];
+
+    /// Its name in the text form.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Toward::Down => "down",
+            Toward::Nearest => "nearest",
+        }
+    }
+}
 
 /// A way along an axis, from a voxel of a cavity to the first one outside.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -8,7 +8,7 @@ use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::drain;
+use super::drain::{self, Toward};
 use super::thickness::Thickness;
 use crate::progress::Progress;
 use crate::sculpture::Grid;
@@ -23,16 +23,6 @@ pub enum Keep {
     Standing,
     /// The largest alone.
     Largest,
-}
-
-/// Where holes lead to.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum Toward {
-    /// Down, out of the print's underside or its lowest opening.
-    #[default]
-    Down,
-    /// Along the axis on which they are shortest.
-    Nearest,
 }
 
 /// A change that makes a sculpture fit for printing.
@@ -73,19 +63,6 @@ impl Keep {
         match self {
             Keep::Standing => "standing",
             Keep::Largest => "largest",
-        }
-    }
-}
-
-impl Toward {
-    /// All, in the order in which interfaces offer them.
-    pub const ALL: [Toward; 2] = [Toward::Down, Toward::Nearest];
-
-    /// Its name in the text form.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Toward::Down => "down",
-            Toward::Nearest => "nearest",
         }
     }
 }

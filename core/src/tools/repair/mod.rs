@@ -7,6 +7,5 @@ pub mod drain;
 mod mend;
 pub mod thickness;
 
-pub use mend::{
-    Keep, Mend, MendError, MendPlan, Toward, check_memory, standing, thickness, voxels_of,
-};
+pub use drain::Toward;
+pub use mend::{Keep, Mend, MendError, MendPlan, check_memory, standing, thickness, voxels_of};
