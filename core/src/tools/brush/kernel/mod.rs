@@ -11,6 +11,7 @@ pub mod offset;
 mod offset_tests;
 pub mod rays;
 pub mod stamp;
+mod touched;
 pub mod visible;
 #[cfg(test)]
 mod visible_tests;
