@@ -7,11 +7,10 @@ use thiserror::Error;
 
 use super::BrushId;
 use super::footprint::{Footprint, MAX_FOOTPRINT};
-use super::kernel::grab::{MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
 use super::keys::COLOUR;
+use super::limits::{MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
 use super::options::Values;
 use super::param::{Key, Omitted, Param, ParamValue, Value};
-use super::spec::ContactKind;
 
 /// A brush used once.
 #[derive(Clone, PartialEq, Debug)]
@@ -44,6 +43,19 @@ pub enum Contact {
     Footprint(Footprint),
     /// In a ball.
     Ball(Ball),
+}
+
+/// The kinds of places where brushes are used.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum ContactKind {
+    /// Under an outline in a picture.
+    Footprint,
+    /// In a ball, along the normals of the surface.
+    Ball,
+    /// In a ball with a direction out of the clay.
+    BallWithNormal,
+    /// In a ball that goes somewhere.
+    BallWithDisplacement,
 }
 
 /// A ball in which a brush works.

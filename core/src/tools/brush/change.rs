@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::BrushUse;
-use super::kernel::grab::Pulled;
+use super::kernel::pulled::Pulled;
 use super::kernel::stamp::Stamp;
 use super::mix::Mix;
 use super::stencil::Stencil;

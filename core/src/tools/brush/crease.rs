@@ -1,7 +1,7 @@
 //! Crease: cuts a sharp furrow; inverted, it raises a ridge.
 
 use super::change::{Change, Site};
-use super::kernel::grab::Falloff;
+use super::falloff::Falloff;
 use super::kernel::offset::{self, Profile};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};

@@ -5,8 +5,8 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::footprint::Footprint;
-use super::kernel::offset::MAX_HEIGHT;
 use super::keys::{COLOUR, ONCE_PER_STROKE, RADIUS, STRENGTH};
+use super::limits::MAX_HEIGHT;
 use super::options::BrushOptions;
 use super::{Ball, BrushSurface, BrushUse, Contact, Frame};
 use crate::sculpture::Rgb;

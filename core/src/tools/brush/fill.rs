@@ -1,7 +1,7 @@
 //! Fill up: fills pits up to the plane where the stroke began.
 
 use super::change::{Change, Site};
-use super::kernel::grab::Falloff;
+use super::falloff::Falloff;
 use super::kernel::offset;
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};

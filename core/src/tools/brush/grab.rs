@@ -2,8 +2,9 @@
 
 use super::change::{Change, Site};
 use super::dab::{Dab, DabPlace};
-use super::kernel::grab::{self, MAX_PULL_VX, Motion};
+use super::kernel::grab::{self, Motion};
 use super::keys::{FALLOFF, RADIUS, STRENGTH};
+use super::limits::MAX_PULL_VX;
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Keeps, Script};
 use super::{BrushError, BrushUse, Frame};
 

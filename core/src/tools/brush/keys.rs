@@ -1,11 +1,9 @@
 //! The options that several brushes share. A brush lists those that it has, each with the label, the help and the first
 //! value that it needs. Knows no brush.
 
+use super::falloff::Falloff;
 use super::footprint::Outline;
-use super::kernel::grab::Falloff;
-use super::kernel::grab::MAX_TWIST_DEG;
-use super::kernel::offset::MAX_HEIGHT;
-use super::kernel::rays::MAX_REACH_VX;
+use super::limits::{MAX_HEIGHT, MAX_REACH_VX, MAX_TWIST_DEG};
 use super::param::{Choice, Domain, Key, Omitted, Param, ParamValue, Unit, Value};
 use crate::sculpture::Rgb;
 

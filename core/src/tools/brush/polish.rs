@@ -1,7 +1,7 @@
 //! Polish: flattens and smooths the surface in one.
 
 use super::change::{Change, Site};
-use super::kernel::grab::Falloff;
+use super::falloff::Falloff;
 use super::kernel::rays::Filtered;
 use super::kernel::{filter, offset};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};

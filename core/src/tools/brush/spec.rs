@@ -1,6 +1,7 @@
 //! Describes a brush: its texts, its options, the manner in which a hand uses it and what a command of it does, each written
 //! once in the file of the brush.
 
+pub use super::brush_use::ContactKind;
 use super::change::{Change, Site};
 use super::dab::Dab;
 use super::param::{Key, Param};
@@ -91,19 +92,6 @@ pub struct Script {
     pub needs_colours: bool,
     /// The change that a use makes, which has been checked.
     pub apply: fn(&BrushUse, &Site) -> Result<Change, BrushError>,
-}
-
-/// The kinds of places where brushes are used.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum ContactKind {
-    /// Under an outline in a picture.
-    Footprint,
-    /// In a ball, along the normals of the surface.
-    Ball,
-    /// In a ball with a direction out of the clay.
-    BallWithNormal,
-    /// In a ball that goes somewhere.
-    BallWithDisplacement,
 }
 
 impl Script {

@@ -5,11 +5,10 @@ use std::collections::HashSet;
 use super::change::{Change, NewClay, Paint, Site};
 use super::dab::{Dab, DabPlace};
 use super::footprint::{Coverage, Footprint, Outline};
-use super::kernel::grab::{MAX_PULL_VX, MAX_RADIUS};
-use super::kernel::offset::MAX_HEIGHT;
 use super::keys::{
     ANGLE, AROUND, BITE, COLOUR as PAINT, COVER, HEIGHT, REACH, STRENGTH, THRESHOLD,
 };
+use super::limits::{MAX_HEIGHT, MAX_PULL_VX, MAX_RADIUS};
 use super::options::BrushOptions;
 use super::spec::{BrushSpec, BrushStroke};
 use super::{Ball, BrushId, BrushUse, Frame};

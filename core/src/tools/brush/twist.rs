@@ -2,8 +2,9 @@
 
 use super::change::{Change, Site};
 use super::dab::{Dab, DabPlace};
-use super::kernel::grab::{self, MAX_TWIST_DEG, Motion};
+use super::kernel::grab::{self, Motion};
 use super::keys::{ANGLE, FALLOFF, RADIUS, STRENGTH};
+use super::limits::MAX_TWIST_DEG;
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Keeps, Script};
 use super::{BrushError, BrushUse};
 

@@ -4,7 +4,7 @@
 
 use glam::IVec3;
 
-use super::offset::Ball;
+use super::ball::Ball;
 use super::rays::{Filtered, Near};
 use super::stamp::Stamp;
 use crate::sculpture::Grid;
@@ -96,8 +96,8 @@ mod tests {
     use crate::sculpture::history::{Contents, SurfaceKind};
     use crate::sculpture::{ColourDepth, Material, Rgb};
     use crate::tools::brush::change::{Change, Site};
+    use crate::tools::brush::falloff::Falloff;
     use crate::tools::brush::kernel::filter::majority;
-    use crate::tools::brush::kernel::grab::Falloff;
     use crate::tools::brush::kernel::offset;
     use crate::tools::brush::keys::{FALLOFF, STRENGTH};
     use crate::tools::brush::{Ball as BallOfUse, BrushId, BrushUse, Frame};

@@ -1,6 +1,7 @@
 //! Computations that several brushes share: the voxels seen under an outline, filters on blocks of bits, distances, and
 //! the motion of surfaces and clay. Changes nothing; knows no brush's options.
 
+mod ball;
 mod ball_filter;
 pub mod distance;
 pub mod filter;
@@ -9,6 +10,7 @@ pub mod level;
 pub mod offset;
 #[cfg(test)]
 mod offset_tests;
+pub mod pulled;
 pub mod rays;
 pub mod stamp;
 mod touched;

@@ -5,10 +5,10 @@
 //! Draw and crease move the surface along one direction, in which it is looked for. Distances are those between voxels
 //! less half of one, where the surface is. Changes nothing itself.
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::{IVec3, Vec3};
 
+use super::ball::Ball;
 use super::distance::Distances;
-use super::grab::Falloff;
 use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
@@ -16,14 +16,13 @@ use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::tools::brush::BrushUse;
 use crate::tools::brush::brush_use::Frame;
 use crate::tools::brush::change::{Change, Site};
+use crate::tools::brush::falloff::Falloff;
 use crate::tools::brush::kernel::ball_filter;
 use crate::tools::brush::kernel::rays::{Filtered, Near};
 use crate::tools::brush::kernel::stamp::Stamp;
 use crate::tools::brush::keys::{FALLOFF, HEIGHT, STRENGTH};
 use crate::tools::symmetry::{Image, Symmetry, origin_of};
 
-/// Furthest that a surface is raised or lowered, in units of the smallest edge of a voxel.
-pub const MAX_HEIGHT: f32 = 16.0;
 /// How far from the surface clay is added or removed to reach a plane, in the same units.
 const PLANE_REACH: f32 = 12.0;
 
@@ -81,48 +80,7 @@ pub struct Offset {
     pub target: Target,
 }
 
-/// The ball of a brush or a mirror image of it, relative to the mirror planes: mirrored positions differ in signs only and are rounded alike.
-pub(super) struct Ball {
-    origin: DVec3,
-    centre: DVec3,
-    /// Voxel edges in units of the smallest.
-    edges: DVec3,
-    radius: f32,
-    falloff: Falloff,
-    normal: Vec3,
-}
-
 impl Ball {
-    /// From the ball's middle to that of a voxel, in units of the smallest edge.
-    #[inline(always)]
-    pub(super) fn relative(&self, v: IVec3) -> Vec3 {
-        ((v.as_dvec3() + 0.5 - self.origin - self.centre) * self.edges).as_vec3()
-    }
-
-    /// The brush's share of the displacement at a place relative to the middle.
-    #[inline(always)]
-    pub(super) fn share(&self, p: Vec3) -> f32 {
-        let p = p / self.radius;
-        self.falloff.at(p.x * p.x + p.y * p.y + p.z * p.z)
-    }
-
-    /// A box of the voxels of `grid` in it.
-    pub(super) fn bounds(&self, grid: &Grid) -> VoxelBox {
-        let half = DVec3::splat(f64::from(self.radius)) / self.edges;
-        let middle = self.centre + self.origin;
-        let reached = VoxelBox {
-            min: (middle - half).floor().as_ivec3(),
-            max: (middle + half).ceil().as_ivec3(),
-        };
-        reached.intersect(VoxelBox::of_grid(grid))
-    }
-
-    /// Height of a place over the plane through the middle.
-    #[inline(always)]
-    fn height(&self, p: Vec3) -> f32 {
-        p.x * self.normal.x + p.y * self.normal.y + p.z * self.normal.z
-    }
-
     /// Whether the brush draws the first place towards `way` (of length 1) from which `distances` are counted to `v` or
     /// beyond, if the middle moves by `height`. That place is `away` or farther from `v`.
     fn is_drawn_from(

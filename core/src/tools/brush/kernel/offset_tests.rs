@@ -3,10 +3,10 @@
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
-use super::grab::Falloff;
 use super::offset::{Offset, Profile, Target};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::local_coords;
+use crate::tools::brush::falloff::Falloff;
 use crate::tools::symmetry::{Parity, Symmetry};
 
 fn grid(dims: UVec3, voxel_size: Vec3, exists: impl Fn(IVec3) -> bool) -> Grid {

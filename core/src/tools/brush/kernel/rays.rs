@@ -14,9 +14,6 @@ use crate::tools::brush::change::Site;
 use crate::tools::brush::footprint::{Footprint, Outline, Touch};
 use crate::tools::brush::keys::{REACH, THRESHOLD};
 
-/// Largest reach of a brush around a voxel of the surface, in voxels.
-pub const MAX_REACH_VX: f32 = 64.0;
-
 /// The voxels of the surface under a footprint, and a box of all that may change around them.
 struct Touched {
     touches: Vec<Touch>,

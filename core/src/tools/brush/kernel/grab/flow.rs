@@ -15,7 +15,8 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind, local_inde
 use crate::sculpture::history::Contents;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Brick, Rgb};
-use crate::tools::brush::kernel::grab::{Falloff, Pulled};
+use crate::tools::brush::falloff::Falloff;
+use crate::tools::brush::kernel::pulled::Pulled;
 use crate::tools::brush::kernel::stamp::Stamp;
 use crate::tools::symmetry::MAX_IMAGES;
 

@@ -7,7 +7,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::tools::brush::kernel::grab::Falloff;
+use crate::tools::brush::falloff::Falloff;
 use crate::tools::symmetry::Image;
 
 /// Eight voxels of a row of a brick: something along each axis.
@@ -19,7 +19,7 @@ pub const EDGE: usize = BRICK_EDGE_VX as usize;
 pub enum Motion {
     /// Goes along.
     Pull {
-        /// How far the middle goes, in voxels; at most [`crate::tools::brush::kernel::grab::MAX_PULL_VX`] along each axis.
+        /// How far the middle goes, in voxels; at most [`crate::tools::brush::limits::MAX_PULL_VX`] along each axis.
         by_vx: Vec3,
     },
     /// Turns about an axis through the middle.
@@ -27,7 +27,7 @@ pub enum Motion {
         /// The axis, of any length; lengths are in units of the smallest edge of a voxel.
         normal: Vec3,
         /// By how much the middle turns, in degrees, counter-clockwise seen from where the axis points; at most
-        /// [`crate::tools::brush::kernel::grab::MAX_TWIST_DEG`] either way.
+        /// [`crate::tools::brush::limits::MAX_TWIST_DEG`] either way.
         angle_deg: f32,
     },
     /// Comes together at an axis through the middle, and gives way along it.

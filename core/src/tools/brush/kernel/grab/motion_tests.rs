@@ -4,7 +4,8 @@ use glam::{IVec3, UVec3, Vec3};
 
 use super::tests::{ball, contents, differing, pulled};
 use crate::sculpture::history::Contents;
-use crate::tools::brush::kernel::grab::{Falloff, Grab, Motion};
+use crate::tools::brush::falloff::Falloff;
+use crate::tools::brush::kernel::grab::{Grab, Motion};
 use crate::tools::symmetry::Symmetry;
 
 fn moved(before: &Contents, radius: f32, motion: Motion, falloff: Falloff) -> Contents {

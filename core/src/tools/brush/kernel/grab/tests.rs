@@ -5,7 +5,9 @@ use proptest::prelude::*;
 
 use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
-use crate::tools::brush::kernel::grab::{Falloff, Grab, MAX_PULL_VX, MIN_RADIUS, Motion};
+use crate::tools::brush::falloff::Falloff;
+use crate::tools::brush::kernel::grab::{Grab, Motion};
+use crate::tools::brush::limits::{MAX_PULL_VX, MIN_RADIUS};
 use crate::tools::symmetry::{Parity, Symmetry};
 
 const RED: Rgb = Rgb::new(200, 20, 10);
