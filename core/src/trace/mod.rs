@@ -15,6 +15,7 @@ mod environment;
 mod environment_tests;
 mod film;
 mod lens;
+mod linear;
 mod path;
 mod prepared;
 mod sampling;

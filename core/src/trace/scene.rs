@@ -15,8 +15,8 @@
 use glam::{Affine3A, IVec3, Mat3, UVec3, Vec3};
 
 use super::Ground;
+use super::linear::linear_colour;
 use super::prepared::PreparedGround;
-use super::tone::linear_colour;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::shade::level_set::{BEYOND_VOXELS_VX, CellCache};
 use crate::shade::{LevelSet, ShadeSource};

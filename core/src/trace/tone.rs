@@ -1,4 +1,4 @@
-//! From linear light to the values of a screen, and from colours to linear light.
+//! From linear light to the values of a screen.
 //!
 //! Khronos PBR Neutral tone mapping (Khronos Group, 2024) without its correction for reflections, since surfaces are
 //! matt: light up to 0.8 stays as it is, brighter light is compressed below white and slowly loses its hue. So the
@@ -11,7 +11,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::film::Film;
-use crate::sculpture::Rgb;
 use crate::shade::Pixels;
 
 /// The light from which on it is compressed.
@@ -73,27 +72,12 @@ fn srgb_level(linear: f32) -> f32 {
     v.clamp(0.0, 1.0) * 255.0
 }
 
-/// sRGB to linear.
-pub(super) fn linear_colour(Rgb(channels): Rgb) -> Vec3 {
-    Vec3::from(channels.map(|value| LINEAR[usize::from(value)]))
-}
-
-/// The linear values of sRGB values, by the curve of IEC 61966-2-1.
-static LINEAR: std::sync::LazyLock<[f32; 256]> = std::sync::LazyLock::new(|| {
-    std::array::from_fn(|value| {
-        let value = value as f64 / 255.0;
-        let linear = match value <= 0.040_45 {
-            true => value / 12.92,
-            false => ((value + 0.055) / 1.055).powf(2.4),
-        };
-        linear as f32
-    })
-});
-
 #[cfg(test)]
 mod tests {
     use super::super::film::PixelSum;
+    use super::super::linear::linear_colour;
     use super::*;
+    use crate::sculpture::Rgb;
     use glam::UVec2;
 
     #[test]
