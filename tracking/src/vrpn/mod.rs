@@ -6,12 +6,14 @@
 
 mod address;
 pub mod client;
+mod link;
 pub mod messages;
 pub mod peer;
 mod reports;
 mod sender_clock;
 pub mod server;
 mod server_link;
+mod server_state;
 pub mod session;
 pub mod wire;
 

@@ -7,7 +7,7 @@
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, TcpListener, UdpSocket};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -16,7 +16,8 @@ use thiserror::Error;
 use crate::vrpn::address::DEFAULT_PORT;
 use crate::vrpn::messages::{MAX_BUTTONS, Message};
 use crate::vrpn::peer::{DeviceState, MAX_KNOWN_SENSORS};
-use crate::vrpn::server_link::{Link, accept_streams, answer_requests};
+use crate::vrpn::server_link::{accept_streams, answer_requests};
+use crate::vrpn::server_state::{Shared, State, Tally};
 use crate::vrpn::wire::{MAX_NAME_BYTES, Stamp};
 
 /// Address and limits.
@@ -73,39 +74,6 @@ pub struct ServerCounters {
     pub rejected: u64,
     /// Reports that a slow client missed.
     pub missed: u64,
-}
-
-#[derive(Default, Debug)]
-pub(crate) struct Tally {
-    pub(crate) accepted: AtomicU64,
-    pub(crate) refused: AtomicU64,
-    pub(crate) rejected: AtomicU64,
-    pub(crate) missed: AtomicU64,
-}
-
-/// State shared by all threads of a server.
-pub(crate) struct Shared {
-    pub(crate) stop: AtomicBool,
-    pub(crate) max_clients: usize,
-    pub(crate) tally: Tally,
-    pub(crate) state: Mutex<State>,
-}
-
-pub(crate) struct State {
-    pub(crate) devices: Vec<DeviceState>,
-    pub(crate) links: Vec<Arc<Link>>,
-    pub(crate) threads: Vec<JoinHandle<()>>,
-}
-
-impl Shared {
-    pub(crate) fn stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
-
-    pub(crate) fn state(&self) -> MutexGuard<'_, State> {
-        // The data is consistent at all times, so a poisoned lock is usable.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 /// A running server. Dropping it ends all conversations and frees the port.
@@ -218,7 +186,7 @@ impl Server {
             remember(known, report);
         }
         for link in links.iter().filter(|link| !link.is_closed()) {
-            link.send(index, reports, stamp, &self.shared.tally);
+            link.send(index, reports, stamp, &self.shared.tally.missed);
         }
         Ok(())
     }

@@ -2,159 +2,25 @@
 //! writes. Does not know what is reported.
 
 use std::io::{self, ErrorKind, Read, Write};
-use std::net::{IpAddr, Shutdown, SocketAddr, TcpListener, TcpStream, UdpSocket};
+use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use crate::source::ANY_DATAGRAM_BYTES;
-use crate::vrpn::messages::Message;
-use crate::vrpn::peer::{Peer, Writer};
-use crate::vrpn::server::{Shared, Tally};
+use crate::vrpn::link::{Link, Outbox};
+use crate::vrpn::peer::Peer;
+use crate::vrpn::server_state::Shared;
 use crate::vrpn::wire::{
     COOKIE, Frame, MAX_DATAGRAM_BYTES, Stamp, StreamReader, WireError, check_cookie,
     datagram_frames,
 };
 
-/// With more bytes than this queued for a client, reports that later ones supersede are dropped.
-const LATE_BYTES: usize = 64 * 1024;
-/// With more bytes than this queued, the client is disconnected.
-const LOST_BYTES: usize = 1024 * 1024;
-
 const TICK: Duration = Duration::from_millis(50);
 const ACCEPT_EVERY: Duration = Duration::from_millis(20);
 const GREETING_TIMEOUT: Duration = Duration::from_secs(3);
 const CONNECT_BACK_TIMEOUT: Duration = Duration::from_secs(1);
-
-/// One client.
-pub(crate) struct Link {
-    tcp: TcpStream,
-    /// The address at which the client waited for the connection, if it asked for one.
-    asked_from: Option<SocketAddr>,
-    peer_ip: IpAddr,
-    udp: Option<UdpSocket>,
-    /// 0 until the client announces its UDP port.
-    udp_port: AtomicU16,
-    udp_writer: Mutex<Writer>,
-    outbox: Mutex<Outbox>,
-    wake: Condvar,
-    closed: AtomicBool,
-}
-
-#[derive(Default)]
-struct Outbox {
-    bytes: Vec<u8>,
-    writer: Writer,
-}
-
-impl Link {
-    pub(crate) fn is_closed(&self) -> bool {
-        self.closed.load(Ordering::Relaxed)
-    }
-
-    pub(crate) fn close(&self) {
-        self.closed.store(true, Ordering::Relaxed);
-        // Fails only if the stream is down already.
-        let _ = self.tcp.shutdown(Shutdown::Both);
-        let _outbox = self.outbox();
-        self.wake.notify_all();
-    }
-
-    fn outbox(&self) -> MutexGuard<'_, Outbox> {
-        self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Sends low-latency messages by UDP, if the client has announced a port, and the rest by TCP.
-    pub(crate) fn send(&self, device: usize, reports: &[Message], stamp: Stamp, tally: &Tally) {
-        let udp = self.udp.as_ref().zip(match self.udp_port.load(Ordering::Relaxed) {
-            0 => None,
-            port => Some(SocketAddr::new(self.peer_ip, port)),
-        });
-        let mut datagram = Vec::new();
-        for report in reports {
-            let fast = report.kind().is_low_latency();
-            match udp {
-                Some(way) if fast => {
-                    self.add_to_datagram(&mut datagram, way, device, report, stamp)
-                }
-                _ => self.add_to_stream(device, report, stamp, fast, tally),
-            }
-        }
-        if let Some(way) = udp {
-            send_datagram(&mut datagram, way);
-        }
-    }
-
-    fn add_to_datagram(
-        &self,
-        datagram: &mut Vec<u8>,
-        way: (&UdpSocket, SocketAddr),
-        device: usize,
-        report: &Message,
-        stamp: Stamp,
-    ) {
-        let mut writer = self.udp_writer.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut frame = Vec::new();
-        writer.message(&mut frame, stamp, device, report);
-        if datagram.len() + frame.len() > MAX_DATAGRAM_BYTES {
-            send_datagram(datagram, way);
-        }
-        datagram.append(&mut frame);
-    }
-
-    fn add_to_stream(
-        &self,
-        device: usize,
-        report: &Message,
-        stamp: Stamp,
-        fast: bool,
-        tally: &Tally,
-    ) {
-        let mut outbox = self.outbox();
-        let Outbox { bytes, writer } = &mut *outbox;
-        if fast && bytes.len() > LATE_BYTES {
-            tally.missed.fetch_add(1, Ordering::Relaxed);
-            return;
-        }
-        let is_lost = bytes.len() > LOST_BYTES;
-        if !is_lost {
-            writer.message(bytes, stamp, device, report);
-        }
-        drop(outbox);
-        if is_lost {
-            self.close();
-        } else {
-            self.wake.notify_one();
-        }
-    }
-
-    /// Writes the contents of the outbox until the link is closed.
-    fn write_out(&self) {
-        loop {
-            let mut outbox = self.outbox();
-            while outbox.bytes.is_empty() && !self.is_closed() {
-                outbox = self.wake.wait(outbox).unwrap_or_else(PoisonError::into_inner);
-            }
-            if self.is_closed() {
-                return;
-            }
-            let bytes = std::mem::take(&mut outbox.bytes);
-            drop(outbox);
-            if (&self.tcp).write_all(&bytes).is_err() {
-                self.close();
-            }
-        }
-    }
-}
-
-/// Sends and clears. A datagram that cannot be sent counts as lost by the network.
-fn send_datagram(datagram: &mut Vec<u8>, (socket, to): (&UdpSocket, SocketAddr)) {
-    if !datagram.is_empty() {
-        let _ = socket.send_to(datagram, to);
-        datagram.clear();
-    }
-}
 
 /// Accepts clients that connect by TCP.
 pub(crate) fn accept_streams(shared: &Arc<Shared>, listener: &TcpListener) {
@@ -369,7 +235,7 @@ fn answer(shared: &Shared, link: &Link, peer: &mut Peer, frame: &Frame<'_>) {
     // Held until the answers are queued, so that changes cannot overtake button states.
     let state = shared.state();
     for (device, message) in peer.receive(frame, &state.devices) {
-        link.add_to_stream(device, &message, wall_clock(), false, &shared.tally);
+        link.add_to_stream(device, &message, wall_clock(), false, &shared.tally.missed);
     }
     shared.tally.rejected.fetch_add(peer.rejected - before, Ordering::Relaxed);
 }

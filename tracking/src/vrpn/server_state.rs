@@ -1,0 +1,44 @@
+//! The state that all threads of a server share: its devices, its clients, and what it counts.
+//!
+//! Knows no sockets and no conversation.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use crate::vrpn::link::Link;
+use crate::vrpn::peer::DeviceState;
+
+/// Counts of events since the start.
+#[derive(Default, Debug)]
+pub(crate) struct Tally {
+    pub(crate) accepted: AtomicU64,
+    pub(crate) refused: AtomicU64,
+    pub(crate) rejected: AtomicU64,
+    pub(crate) missed: AtomicU64,
+}
+
+/// State shared by all threads of a server.
+pub(crate) struct Shared {
+    pub(crate) stop: AtomicBool,
+    pub(crate) max_clients: usize,
+    pub(crate) tally: Tally,
+    pub(crate) state: Mutex<State>,
+}
+
+pub(crate) struct State {
+    pub(crate) devices: Vec<DeviceState>,
+    pub(crate) links: Vec<Arc<Link>>,
+    pub(crate) threads: Vec<JoinHandle<()>>,
+}
+
+impl Shared {
+    pub(crate) fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn state(&self) -> MutexGuard<'_, State> {
+        // The data is consistent at all times, so a poisoned lock is usable.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
