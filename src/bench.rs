@@ -11,6 +11,7 @@ mod final_pictures;
 mod kernel;
 mod kernel_pictures;
 mod machine;
+mod measured;
 mod normals;
 mod pictures;
 mod plot;
@@ -40,7 +41,8 @@ use crate::terminal::{self, OutputError};
 use crate::trace::TraceError;
 pub use kernel::Kernel;
 use machine::Machine;
-use pictures::{Pictures, Scene};
+use measured::Scene;
+use pictures::Pictures;
 use report::{DeviceReport, ModeReport, Report, SceneReport};
 use statistics::{Times, measure};
 use subjects::{Subject, eyes_of};
@@ -343,7 +345,7 @@ fn measure_mode(
     {
         frames.push(pictures.whole(document)?);
     }
-    let of = |stage: fn(&pictures::StageTimes) -> Option<Duration>| {
+    let of = |stage: fn(&measured::StageTimes) -> Option<Duration>| {
         Times::of(&frames.iter().filter_map(stage).collect::<Vec<_>>())
     };
     let (Some(sample), Some(shade), Some(frame)) =

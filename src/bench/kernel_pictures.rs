@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use glam::Affine3A;
 
-use super::pictures::{AfterEdit, Scene, StageTimes};
+use super::measured::{AfterEdit, Scene, StageTimes};
 use crate::document::Document;
 use crate::render::RenderMode;
 use crate::sculpture::Grid;

@@ -10,44 +10,14 @@ use std::time::{Duration, Instant};
 use glam::{Affine3A, Mat4, Vec3};
 
 use super::kernel_pictures::KernelPictures;
+use super::measured::{AfterEdit, Scene, StageTimes};
 use crate::document::Document;
 use crate::gpu::{Device, Frames, Result};
 use crate::picture::BACKGROUND;
-use crate::render::renderer::DeviceTimes;
 use crate::render::{Background, FrameDesc, RenderMode, Renderer, Shading, SmoothSurface};
 use crate::screen::offscreen::FORMAT;
 use crate::shade::{Ground, Lighting};
 use crate::view::{Eye, PixelRays};
-
-/// The times of the stages of a picture.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct StageTimes {
-    /// Sampling, with upload and readback if the device samples.
-    pub sample: Duration,
-    /// The readback of the map, as a part of sampling.
-    pub read_back: Option<Duration>,
-    pub shade: Duration,
-    /// Composition on the device.
-    pub composite: Option<Duration>,
-    /// By the device's time stamps.
-    pub device: DeviceTimes,
-}
-
-impl StageTimes {
-    pub fn whole(&self) -> Duration {
-        self.sample + self.shade + self.composite.unwrap_or_default()
-    }
-}
-
-/// The latency of a picture after an edit.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct AfterEdit {
-    /// Until it was shaded.
-    pub shaded: Duration,
-    /// From there to the finished picture; none if the device shades as it draws, or there is no
-    /// device.
-    pub composite: Option<Duration>,
-}
 
 /// Renders one document in one mode.
 pub struct Pictures {
@@ -58,15 +28,6 @@ pub struct Pictures {
 enum Maker {
     Renderer(Box<Rendered>),
     Kernels(Box<KernelPictures>),
-}
-
-/// The view to render.
-#[derive(Clone, Copy)]
-pub struct Scene<'a> {
-    pub mode: RenderMode,
-    /// One or two.
-    pub eyes: &'a [Eye],
-    pub lighting: Lighting,
 }
 
 /// How the sculpture is lit and seen, for comparisons.
