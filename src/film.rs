@@ -4,6 +4,7 @@
 //! made anywhere. One frame is in memory at a time. Takes a [`FilmJob`]; writes a folder of pictures, an animated PNG
 //! or GIF, or raw video. Must not know windows.
 
+mod frames;
 mod framing;
 mod gif;
 mod lapse;
@@ -26,9 +27,10 @@ use crate::sculpture::Placement;
 use crate::sculpture::history::{Contents, StepStore};
 use crate::terminal;
 use crate::view::StereoLayout;
+use frames::Format;
 use lapse::Lapse;
 pub use output::Form;
-use output::{Format, Output};
+use output::Output;
 use stage::Stage;
 pub use timing::FrameRange;
 use timing::Timing;

@@ -8,7 +8,7 @@ use std::path::Path;
 use gif::{Encoder, EncodingError, Frame, Repeat};
 
 use super::FilmError;
-use super::output::{BUFFER_BYTES, Format, NextPicture, cannot_write, finish};
+use super::frames::{BUFFER_BYTES, Format, NextPicture, cannot_write, finish};
 use crate::format::store::AtomicFile;
 
 /// Viewers show frames that are to last for less than two hundredths of a second much longer.

@@ -5,20 +5,14 @@
 
 use std::fs;
 use std::io::{BufWriter, Error, Write};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use glam::UVec2;
-use image::RgbImage;
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 
+use super::frames::{BUFFER_BYTES, Format, NextPicture, cannot_write, finish};
 use super::{FilmError, gif, y4m};
 use crate::format::store::{self, AtomicFile};
 use crate::picture;
-
-/// Bytes that are written at once.
-pub(super) const BUFFER_BYTES: usize = 1 << 20;
 
 /// The form of a film's output.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -28,17 +22,6 @@ pub enum Form {
     AnimatedPng,
     Gif,
     Y4m,
-}
-
-/// The properties of a film.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Format {
-    pub size: UVec2,
-    pub fps: u16,
-    /// The number of frames of the whole film.
-    pub frames: u32,
-    /// The frames to write, counted from 0.
-    pub part: Range<u32>,
 }
 
 /// A film to be written.
@@ -54,9 +37,6 @@ enum Target {
     Gif(AtomicFile),
     Y4m(AtomicFile),
 }
-
-/// Gives the picture of a frame, counted from 0.
-pub type NextPicture<'a> = dyn FnMut(u32) -> Result<Arc<RgbImage>, FilmError> + 'a;
 
 impl Form {
     /// Returns the form that a name stands for. A name without an extension, with a slash at its end, or of a folder,
@@ -83,14 +63,6 @@ impl Form {
             Form::Folder => format.part.clone().map(|f| format.frame_path(path, f)).collect(),
             Form::AnimatedPng | Form::Gif | Form::Y4m => vec![path.to_path_buf()],
         }
-    }
-}
-
-impl Format {
-    /// The file of a frame: counted from 1, with digits enough for the whole film, at least four.
-    fn frame_path(&self, folder: &Path, frame: u32) -> PathBuf {
-        let digits = self.frames.to_string().len().max(4);
-        folder.join(format!("frame-{:0digits$}.png", frame + 1))
     }
 }
 
@@ -182,21 +154,14 @@ fn write_y4m(
     finish(buffer, path)
 }
 
-pub(super) fn finish(buffer: BufWriter<AtomicFile>, path: &Path) -> Result<(), FilmError> {
-    let file = buffer.into_inner().map_err(|error| error.into_error());
-    file.and_then(AtomicFile::finish).map_err(|error| cannot_write(path, error))
-}
-
-pub(super) fn cannot_write(path: &Path, error: Error) -> FilmError {
-    FilmError::Write { path: path.to_path_buf(), error }
-}
-
 #[cfg(test)]
 mod tests {
     use std::io::Cursor;
+    use std::sync::Arc;
 
+    use glam::UVec2;
     use image::codecs::png::PngDecoder;
-    use image::{AnimationDecoder, Rgb};
+    use image::{AnimationDecoder, Rgb, RgbImage};
 
     use super::*;
 
