@@ -6,8 +6,7 @@ use std::ffi::CStr;
 use ash::{khr, vk};
 
 use super::error::{During, GpuError, Result};
-use super::host::Host;
-use super::instance::{Instance, version_text};
+use super::instance::{Host, Instance, version_text};
 
 /// Which device to take.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]

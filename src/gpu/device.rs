@@ -16,8 +16,8 @@ use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
 use super::choice::{Candidate, DeviceChoice, candidates, first_that_works};
 use super::error::{During, GpuError, Result};
-use super::host::{Host, Surface};
-use super::instance::{Instance, Validation};
+use super::host::Surface;
+use super::instance::{Host, Instance, Validation};
 use super::pipeline_cache::PipelineCache;
 use super::retire::{RetireQueue, Retired};
 use super::validation::ValidationLog;

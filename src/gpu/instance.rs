@@ -1,4 +1,5 @@
-//! The Vulkan loader, the instance, and the messenger of the validation layers.
+//! The Vulkan loader, the instance, and the messenger of the validation layers; and the hooks of the host for which
+//! instance and device are made.
 //!
 //! Surfaces and the device keep an `Arc` of it, so it is destroyed last.
 
@@ -8,7 +9,6 @@ use std::sync::Arc;
 use ash::{ext, khr, vk};
 
 use super::error::{During, GpuError, Result};
-use super::host::Host;
 use super::validation::{LAYER, ValidationLog, messenger_info};
 
 /// Whether the validation layers check our calls.
@@ -20,6 +20,60 @@ pub enum Validation {
     IfAvailable,
     /// On, or an error that says how to install the layer.
     Required,
+}
+
+/// The hooks that [`crate::gpu::Device::new`] calls on its host, in this order.
+pub trait Host {
+    /// For messages: "a window".
+    fn name(&self) -> &'static str;
+
+    fn instance_extensions(&self) -> Result<Vec<CString>> {
+        Ok(Vec::new())
+    }
+
+    /// Makes the instance. The runtime of a headset does this itself.
+    fn create_instance(
+        &mut self,
+        entry: &ash::Entry,
+        info: &vk::InstanceCreateInfo<'_>,
+    ) -> Result<ash::Instance> {
+        // SAFETY: `info` and all that it points to are alive.
+        match unsafe { entry.create_instance(info, None) } {
+            // The result of loaders without any installed driver.
+            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => Err(GpuError::NoDevice),
+            result => result.during("create the instance"),
+        }
+    }
+
+    /// Called once the instance exists; a window makes its surface.
+    fn attach(&mut self, _instance: &Arc<Instance>) -> Result<()> {
+        Ok(())
+    }
+
+    /// The device that the host prescribes, if it does.
+    fn prescribed_device(&mut self, _instance: &Instance) -> Result<Option<vk::PhysicalDevice>> {
+        Ok(None)
+    }
+
+    /// Whether the host can present images of this queue family.
+    fn can_show(&self, _device: vk::PhysicalDevice, _queue_family: u32) -> Result<bool> {
+        Ok(true)
+    }
+
+    fn device_extensions(&self) -> Vec<&'static CStr> {
+        Vec::new()
+    }
+
+    /// Makes the device. The runtime of a headset does this itself.
+    fn create_device(
+        &mut self,
+        instance: &Instance,
+        physical: vk::PhysicalDevice,
+        info: &vk::DeviceCreateInfo<'_>,
+    ) -> Result<ash::Device> {
+        // SAFETY: `info` and all that it points to are alive, `physical` is of this instance.
+        unsafe { instance.raw().create_device(physical, info, None) }.during("create the device")
+    }
 }
 
 /// The loader and the instance.

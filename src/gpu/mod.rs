@@ -61,8 +61,8 @@ pub use descriptors::{Binding, DescriptorSets, Sampler, SetLayout};
 pub use device::{Device, DeviceOptions, MAX_SEMAPHORES, Serial};
 pub use error::{During, GpuError, Result};
 pub use eye_image::{CornerAndSize, EyeImage};
-pub use host::{Headless, Host, Surface, WindowHost};
-pub use instance::{Instance, Validation};
+pub use host::{Headless, Surface, WindowHost};
+pub use instance::{Host, Instance, Validation};
 pub use memory::{Buffer, Image, ImageInfo, ImagePart, MemoryLocation};
 pub use options::GpuOptions;
 pub use pipeline::{
