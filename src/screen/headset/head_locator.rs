@@ -9,7 +9,7 @@ use tracking::pose::Velocity;
 use tracking::{HeadPose, HostClock, Placement};
 
 use super::error::{Doing, Result};
-use super::session::{RoomOrigin, create_room_space};
+use super::room_space::{RoomOrigin, create_room_space};
 
 /// Confidence of a pose that the runtime only estimates.
 const ESTIMATED_CONFIDENCE: f64 = 0.5;

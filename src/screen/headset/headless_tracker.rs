@@ -16,9 +16,9 @@ use tracking::{Counters, Event, HeadPose, HostClock, Inbox, Source, SourceState}
 use super::error::{Doing, HeadsetError, Result};
 use super::head_locator::{HeadLocation, HeadLocator, LocatorOptions, enable_time_conversion};
 use super::lifecycle::{Lifecycle, Transition};
+use super::room_space::RoomOrigin;
 use super::runtime::{VIEWS, create_instance, load_entry};
 use super::runtime_thread::RuntimeThread;
-use super::session::RoomOrigin;
 
 /// Interval of pose queries: shorter than the frame time of any screen.
 const POLL_INTERVAL: Duration = Duration::from_millis(4);

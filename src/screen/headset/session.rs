@@ -15,6 +15,7 @@ use openxr as xr;
 use super::actions::Actions;
 use super::error::{Doing, HeadsetError, Result};
 use super::lifecycle::Lifecycle;
+use super::room_space::{RoomOrigin, create_room_space};
 use super::runtime::{Blend, Connector};
 use super::runtime_thread::RuntimeThread;
 use super::session_head::{HeadShare, SessionHead};
@@ -26,17 +27,6 @@ use crate::input::hands::HandSide;
 
 /// Longest wait for the runtime within a frame: a working runtime answers at once.
 const RESPONSE_TIMEOUT: Duration = Duration::from_millis(250);
-
-/// The origin of the room's space.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum RoomOrigin {
-    /// On the floor, in the centre of the play area, if the runtime knows it.
-    #[default]
-    Stage,
-    /// The head's position when the session began.
-    Local,
-}
 
 /// The options of a session.
 #[derive(Clone, PartialEq, Debug)]
@@ -359,19 +349,4 @@ impl ResponseTimer {
             self.last = Instant::now();
         }
     }
-}
-
-/// The space of the room: the requested one, or the one that every runtime has.
-pub(super) fn create_room_space<G: xr::Graphics>(
-    session: &xr::Session<G>,
-    origin: RoomOrigin,
-) -> Result<xr::Space> {
-    const DOING: &str = "create the space of the room";
-    let offered = session.enumerate_reference_spaces().doing(DOING)?;
-    let stage = xr::ReferenceSpaceType::STAGE;
-    let kind = match origin {
-        RoomOrigin::Stage if offered.contains(&stage) => stage,
-        _ => xr::ReferenceSpaceType::LOCAL,
-    };
-    session.create_reference_space(kind, xr::Posef::IDENTITY).doing(DOING)
 }

@@ -15,8 +15,8 @@ use tracking::{Counters, Event, HeadPose, HostClock, Source, SourceState};
 
 use super::error::{HeadsetError, Result};
 use super::head_locator::{HeadLocation, HeadLocator, LocatorOptions};
+use super::room_space::RoomOrigin;
 use super::runtime_thread::RuntimeThread;
-use super::session::RoomOrigin;
 
 /// Longest wait for an answer.
 const RESPONSE_TIMEOUT: Duration = Duration::from_millis(100);
