@@ -9,7 +9,7 @@ use std::time::Instant;
 use ash::vk;
 use glam::{UVec2, Vec3};
 
-use super::composite::is_srgb;
+use super::composite_eye::is_srgb;
 use crate::gpu::layout::BackdropView;
 use crate::gpu::{
     Depth, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,

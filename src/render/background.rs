@@ -7,20 +7,10 @@
 use std::sync::Arc;
 
 use ash::vk;
-use glam::Vec3;
 
-use super::composite::{CompositeEye, constants, is_srgb};
+use super::composite_eye::{Background, CompositeEye, constants, is_srgb};
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{Depth, Device, Graphics, Pipeline, PipelineLayout, Recorder, Result, shaders};
-
-/// The background of the sculpture. Colours are sRGB, 0 to 1.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Background {
-    /// The contents of the target.
-    Keep,
-    /// A gradient from the upper to the lower edge.
-    Gradient { top: Vec3, bottom: Vec3 },
-}
 
 /// Draws backgrounds.
 pub(super) struct BackgroundPass {

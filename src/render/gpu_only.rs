@@ -11,7 +11,7 @@ use ash::vk;
 
 use super::Volume;
 use super::beam::Beams;
-use super::composite::{CompositeEye, constants};
+use super::composite_eye::{CompositeEye, constants};
 use super::pixel_pass::PixelStage;
 use super::screen_pass::{Input, ScreenPass};
 use super::shading::{

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::Vec3;
 
-use super::composite::is_srgb;
+use super::composite_eye::is_srgb;
 use super::{FrameDesc, Renderer};
 use crate::document::Document;
 use crate::gpu::layout::GroundView;

@@ -14,7 +14,7 @@ use egui::{ClippedPrimitive, TextureId, TexturesDelta};
 use egui_ash_renderer::allocator::GpuAllocator;
 use egui_ash_renderer::{DynamicRendering, Options, RenderMode, Renderer, RendererError};
 
-use super::composite::is_srgb;
+use super::composite_eye::is_srgb;
 use crate::gpu::{
     DescriptorSets, Device, FRAMES_IN_FLIGHT, GpuError, Image, ImageInfo, Recorder, Result,
     Sampler, SetLayout, Staging, Use,

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::MAX_EYES;
-use super::composite::is_srgb;
+use super::composite_eye::is_srgb;
 use crate::gpu::layout::MeanView;
 use crate::gpu::{
     Attachment, Blend, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Load,

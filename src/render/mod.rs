@@ -2,12 +2,13 @@
 //! file each; they have no policy: the contents to draw come in as values.
 
 pub mod backdrop;
-pub mod background;
+mod background;
 pub mod beam;
 mod brick_boxes;
 pub mod colours;
 mod compose_pictures;
 pub mod composite;
+mod composite_eye;
 mod dilated_occupancy;
 pub mod dilated_occupancy_image;
 mod fallback;
@@ -56,10 +57,10 @@ pub mod volume;
 mod warm_up;
 
 pub use backdrop::{Backdrop, Video, VideoView};
-pub use background::Background;
 pub use beam::Beams;
 pub use colours::Colours;
-pub use composite::{Composite, CompositeEye};
+pub use composite::Composite;
+pub use composite_eye::{Background, CompositeEye};
 pub use fallback::{Fallback, FrameReport};
 use frame_desc::MaskShown;
 pub use frame_desc::SmoothSurface;

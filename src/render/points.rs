@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::composite::{CompositeEye, constants};
+use super::composite_eye::{CompositeEye, constants};
 use super::screen_pass::ScreenPass;
 use super::shading::{KIND_CONSTANTS, MATCAP, Surface, UNIFORMS, Uniforms};
 use super::slicing::{clip_rows, corner_margin_px};

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{Affine3A, Mat4};
 
-use super::composite::is_srgb;
+use super::composite_eye::is_srgb;
 use super::overlay::Scene;
 use super::pictures::DEPTH_FORMAT;
 use super::renderer::Renderer;

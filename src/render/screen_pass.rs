@@ -10,7 +10,7 @@ use ash::vk;
 use bytemuck::Pod;
 
 use super::background::BackgroundPass;
-use super::composite::{CompositeEye, is_srgb};
+use super::composite_eye::{CompositeEye, is_srgb};
 use crate::gpu::{
     Binding, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Image, Pipeline,
     PipelineLayout, Recorder, Result, SetLayout,

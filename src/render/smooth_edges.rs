@@ -10,7 +10,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{Affine3A, Mat3, Mat4};
 
-use super::composite::is_srgb;
+use super::composite_eye::is_srgb;
 use super::pictures::Pictures;
 use super::{Background, MAX_EYES};
 use crate::gpu::layout::EdgesView;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::composite::is_srgb;
+use super::composite_eye::is_srgb;
 use super::pictures::Pictures;
 use crate::gpu::{Device, Recorder, Result, Staging, Use};
 use crate::shade::composed::Composition;
