@@ -4,7 +4,7 @@
 use glam::UVec2;
 
 use super::frame_cache::{FrameCache, pixels_to_compose};
-use super::overlay::Scene;
+use super::overlay_scene::Scene;
 use super::pictures::pictures;
 use super::smooth_edges::{REACH_PX, SmoothEdges};
 use super::software_composite::{SoftwareComposite, layout_of};

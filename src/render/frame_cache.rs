@@ -7,10 +7,10 @@ use std::time::Instant;
 
 use glam::Affine3A;
 
+use super::frame_desc::FrameDesc;
 use super::normal_stage::NormalsChange;
-use super::overlay::{Line, ToolPreview};
 use super::overlay_pixels::PictureOfGrid;
-use super::renderer::FrameDesc;
+use super::overlay_scene::{Line, ToolPreview};
 use super::{Background, MAX_EYES, MaskShown, VideoView};
 use super::{RenderMode, Shading};
 use crate::document::Document;

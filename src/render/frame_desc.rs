@@ -2,7 +2,7 @@
 
 use glam::Affine3A;
 
-use super::overlay::{Line, ToolPreview};
+use super::overlay_scene::{Line, ToolPreview};
 use super::{Background, RenderMode, Surface, Video};
 use crate::document::Document;
 use crate::sculpture::Rgb;

@@ -8,8 +8,10 @@
 use std::sync::Arc;
 
 use ash::vk;
-use glam::{Affine3A, DAffine3, Mat3, Mat4, Quat, Vec2, Vec3};
+use glam::{DAffine3, Mat3, Mat4, Vec2, Vec3};
 
+use super::overlay_scene::grid_from_tool;
+pub use super::overlay_scene::{Line, Scene, ToolPreview};
 use super::reference::References;
 use super::slicing::corner_margin_px;
 use super::solid_mesh::{Vertex, sagitta, triangles};
@@ -18,81 +20,17 @@ use crate::gpu::{
     Recorder, Result, Staging, Vertices, shaders,
 };
 use crate::sculpture::Rgb;
-use crate::tools::solid::{Primitive, Solid};
+use crate::tools::solid::Solid;
 
 /// Factor on the depth of lines, so that they lie before a surface that they coincide with.
 const LINE_DEPTH: f32 = 1.002;
 /// The same for the faces of tools, below their lines: more than depths of the surface and of the
 /// rasterizer differ by rounding.
 const FACE_DEPTH: f32 = 1.0004;
-/// Half heights of pictures at distance 1 below which these factors shrink in proportion: a narrow view is one from
-/// afar, in which the same part of the depth is a longer way.
-const NARROW: f32 = 0.2;
 /// Pixels, in units of the rasterizer's sub-pixel precision, by which a face may be displaced on the
 /// screen: a vertex is rounded by up to one unit in x and in y. Seen at a flat angle, a fraction of
 /// a pixel makes more difference in depth than [`FACE_DEPTH`].
 const FACE_SHIFT: f32 = 2.0;
-
-/// How far the surface of voxels may lie from the solid that they were made from, in voxels along the normal. A voxel is
-/// made where its middle is inside, so that none of its corners is farther outside than half its diagonal, 0.87.
-const STEPS_VX: f32 = 1.0;
-/// Faces of boxes this near to planes between voxels are the surface of voxels.
-const ON_PLANE_VX: f32 = 1e-3;
-
-/// A line in grid coordinates.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Line {
-    pub from: Vec3,
-    pub to: Vec3,
-    pub colour: Rgb,
-    pub width_px: f32,
-    /// Opacity before the sculpture and behind it.
-    pub opacity: [f32; 2],
-}
-
-/// The tool as it is shown.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct ToolPreview {
-    pub primitive: Primitive,
-    /// Edge lengths of the grid's voxels.
-    pub voxel_size: Vec3,
-    pub colour: Rgb,
-    /// Opacity before the sculpture and behind it.
-    pub opacity: [f32; 2],
-}
-
-impl ToolPreview {
-    /// How far the surface of the voxels that it makes may lie from it.
-    fn steps_vx(&self) -> f32 {
-        let Primitive { solid, centre_vx, half, rotation } = self.primitive;
-        let half_vx = half * self.voxel_size.min_element() / self.voxel_size;
-        let on_planes = |at: Vec3| (at - at.round()).abs().max_element() < ON_PLANE_VX;
-        let has_steps = solid != Solid::Cuboid
-            || !rotation.abs_diff_eq(Quat::IDENTITY, 1e-6)
-            || ![centre_vx - half_vx, centre_vx + half_vx].into_iter().all(on_planes);
-        if has_steps { STEPS_VX } else { 0.0 }
-    }
-}
-
-/// One picture's overlay.
-#[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
-    pub eye_from_grid: Affine3A,
-    pub projection: Mat4,
-    /// Pixels.
-    pub size: [u32; 2],
-    /// The tools.
-    pub previews: &'a [ToolPreview],
-    pub lines: &'a [Line],
-}
-
-impl Scene<'_> {
-    /// The factor on depths that is `usual` for views of usual angles.
-    fn nearer(&self, usual: f32) -> f32 {
-        let half_height = self.projection.y_axis.y.abs().recip();
-        1.0 + (usual - 1.0) * (half_height / NARROW).min(1.0)
-    }
-}
 
 /// Push constants of the `overlay_solid` stages.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -343,16 +281,6 @@ impl Overlay {
     }
 }
 
-/// Maps tool space, where a solid fills [-1, 1], to voxel coordinates: the inverse of what the
-/// tool itself computes.
-pub(super) fn grid_from_tool(primitive: &Primitive, voxel_size: Vec3) -> Affine3A {
-    let shrink = voxel_size.min_element() / voxel_size;
-    let linear = Mat3::from_diagonal(shrink)
-        * Mat3::from_quat(primitive.rotation)
-        * Mat3::from_diagonal(primitive.half);
-    Affine3A::from_mat3_translation(linear, primitive.centre_vx)
-}
-
 fn with_opacity(Rgb(colour): Rgb, opacity: f32) -> [f32; 4] {
     let [r, g, b] = colour.map(|c| f32::from(c) / 255.0);
     [r, g, b, opacity]
@@ -388,39 +316,4 @@ fn make_mesh(device: &Arc<Device>) -> Result<(Buffer, [(u64, u32); Solid::ALL.le
     )?;
     mesh.write(0, &vertices)?;
     Ok((mesh, ranges))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_ghost_stands_where_the_tool_works() {
-        let primitive = Primitive {
-            solid: Solid::Cuboid,
-            centre_vx: Vec3::new(20.0, 30.0, 10.0),
-            half: Vec3::new(3.0, 5.0, 8.0),
-            rotation: Quat::from_euler(glam::EulerRot::XYZ, 0.4, 1.0, -0.3),
-        };
-        let voxel_size = Vec3::new(1.0, 2.0, 0.5);
-        let placed = primitive.in_grid(voxel_size);
-        let grid_from_tool = grid_from_tool(&primitive, voxel_size);
-        // Points at a random place of tool space: the voxel around one is inside the tool as the
-        // point is inside the solid, but for points too near to the surface to tell.
-        let mut told = 0;
-        for i in 0..1000u32 {
-            let unit =
-                |salt: u32| (i.wrapping_mul(salt) >> 8 & 0xffff) as f32 / 65535.0 * 3.0 - 1.5;
-            let p = Vec3::new(unit(2654435761), unit(2246822519), unit(3266489917));
-            let voxel = grid_from_tool.transform_point3(p).floor().as_ivec3();
-            let depth = p.abs().max_element();
-            if (depth - 1.0).abs() > 0.4 {
-                told += 1;
-                assert_eq!(placed.contains_voxel(voxel), depth < 1.0, "{p}");
-            }
-        }
-        assert!(told > 100, "{told}");
-        let middle = grid_from_tool.transform_point3(Vec3::ZERO);
-        assert!(middle.abs_diff_eq(primitive.centre_vx, 1e-5));
-    }
 }

@@ -7,7 +7,7 @@ use std::iter;
 
 use glam::{Mat4, UVec2, Vec2, Vec3, Vec4};
 
-use super::overlay::{Line, ToolPreview, grid_from_tool};
+use super::overlay_scene::{Line, ToolPreview, grid_from_tool};
 use crate::surface::{PixelRect, PixelRects};
 
 /// Margin around the bounding box of a shape's corners, for rounding.

@@ -9,9 +9,8 @@ use ash::vk;
 use glam::{Affine3A, Mat4};
 
 use super::composite_eye::is_srgb;
-use super::overlay::Scene;
+use super::overlay_scene::Scene;
 use super::pictures::DEPTH_FORMAT;
-use super::renderer::Renderer;
 use crate::gpu::{
     Blend, Depth, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Pipeline,
     PipelineLayout, Recorder, Result, SetLayout, Staging, shaders,
@@ -56,7 +55,7 @@ pub(super) struct References {
     sets: DescriptorSets,
     /// The image that each set names.
     named: [u64; MAX_REFERENCES * FRAMES_IN_FLIGHT],
-    shown: Vec<ReferencePicture>,
+    pub shown: Vec<ReferencePicture>,
     images: Vec<(Arc<Pixels>, EyeImage)>,
     staging: Staging,
     slot: usize,
@@ -67,7 +66,7 @@ pub(super) struct References {
 
 impl References {
     /// For targets of `format` with a depth buffer.
-    fn new(device: &Arc<Device>, format: vk::Format) -> Result<References> {
+    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<References> {
         let name = "reference pictures";
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let set_layout =
@@ -96,7 +95,7 @@ impl References {
     }
 
     /// Uploads what is new of `pictures`, and forgets what is not among them. Before rendering begins.
-    fn bring(
+    pub fn bring(
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
@@ -167,34 +166,5 @@ impl References {
             recorder.push(self.pipeline.layout(), &constants);
             recorder.draw(6, 1);
         }
-    }
-}
-
-impl Renderer {
-    /// Takes the reference pictures of the next pictures, at most [`MAX_REFERENCES`]. Before [`Renderer::paint`], in
-    /// the same frame. If this fails, there are none.
-    pub fn set_references(
-        &mut self,
-        recorder: &mut Recorder,
-        slot: usize,
-        pictures: &[ReferencePicture],
-    ) -> Result<()> {
-        let pictures = &pictures[..pictures.len().min(MAX_REFERENCES)];
-        let shown = self.overlay.references.as_ref().map_or(&[][..], |known| &known.shown);
-        if shown == pictures {
-            return Ok(());
-        }
-        // All is drawn again: they may be anywhere.
-        self.cache = None;
-        let references = match self.overlay.references.take() {
-            Some(references) => references,
-            None => References::new(&self.device, self.format)?,
-        };
-        let references = self.overlay.references.insert(references);
-        let result = references.bring(recorder, slot, pictures);
-        if result.is_err() {
-            self.overlay.references = None;
-        }
-        result
     }
 }

@@ -7,17 +7,14 @@
 
 use std::sync::Arc;
 
-use super::composite::ShadedPictures;
 use super::frame_cache::Redraw;
+use super::frame_desc::FrameDesc;
 use super::mean::Mean;
-use super::pictures::Pictures;
-use super::renderer::{FrameDesc, Renderer};
-use super::sampler::DeviceMaps;
+use super::refinement::Buffers;
+use super::renderer::Renderer;
 use super::{Background, MAX_EYES, SmoothSurface};
 use crate::document::Document;
 use crate::gpu::{GpuError, Recorder, Result, Use};
-use crate::shade::Pixels;
-use crate::shade::points::PointCloud;
 use crate::surface::IndexMap;
 use crate::view::PixelRays;
 
@@ -27,72 +24,6 @@ const REST_FRAMES: u32 = 6;
 
 /// Pixels of the smooth surface that are sampled in a frame: some 15 ms on two cores.
 const SMOOTH_PIXELS: u32 = 1 << 16;
-
-/// The buffers in which a picture is made.
-#[derive(Default)]
-pub(super) struct Buffers {
-    pub maps: Vec<Arc<IndexMap>>,
-    pub pixels: Vec<Pixels>,
-    pub clouds: [PointCloud; MAX_EYES],
-    pub pictures: Option<Pictures>,
-    pub device_maps: DeviceMaps,
-    pub shaded: ShadedPictures,
-}
-
-/// The refinement of a renderer's pictures.
-#[derive(Default)]
-pub(super) struct Refinement {
-    /// The samples of a refined picture; 0 and 1: pictures are not refined.
-    samples: u32,
-    /// Whether a picture need not rest before it is refined.
-    at_once: bool,
-    /// How many frames in a row had the same pictures.
-    rested: u32,
-    /// The samples in the mean.
-    taken: u32,
-    /// Rows of pixels of the next sample, of all eyes, in which the smooth surface has been found.
-    rows: u32,
-    /// The present pictures can be refined.
-    possible: bool,
-    /// There was no memory for it.
-    given_up: bool,
-    buffers: Buffers,
-    mean: Option<Mean>,
-}
-
-impl Refinement {
-    fn restart(&mut self) {
-        (self.rested, self.taken, self.rows) = (0, 0, 0);
-    }
-
-    /// Frees what samples are made in, and their mean; keeps its pipelines.
-    pub fn forget(&mut self) {
-        let Refinement { samples, at_once, .. } = *self;
-        let mut mean = self.mean.take();
-        mean.iter_mut().for_each(Mean::forget);
-        *self = Refinement { samples, at_once, mean, ..Refinement::default() };
-    }
-
-    /// How many samples are wanted, and whether at once.
-    pub fn policy(&self) -> (u32, bool) {
-        (self.samples, self.at_once)
-    }
-
-    /// The mean of the samples so far, once it is better than the unshifted picture.
-    pub fn pictures(&self) -> Option<&Pictures> {
-        self.buffers.pictures.as_ref().filter(|_| self.taken > 1)
-    }
-
-    /// [`Refinement::pictures`], mutable.
-    pub fn pictures_mut(&mut self) -> Option<&mut Pictures> {
-        self.buffers.pictures.as_mut().filter(|_| self.taken > 1)
-    }
-
-    /// Whether the next frame of the same pictures has nothing to add.
-    pub fn is_complete(&self) -> bool {
-        !self.possible || self.taken >= self.samples
-    }
-}
 
 impl Renderer {
     /// Refines pictures that rest to the mean of this many samples, one more each frame, until the report of a frame

@@ -17,7 +17,7 @@ use super::normal_stage::NormalStage;
 use super::overlay::Overlay;
 use super::pictures::pictures;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
-use super::refine::Refinement;
+use super::refinement::Refinement;
 use super::sampler::Sampler;
 use super::smooth_edges::SmoothEdges;
 use super::software_composite::SoftwareComposite;

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use glam::{Quat, UVec2, UVec3, Vec3};
 
 use super::SmoothSurface;
-use super::overlay::{Line, ToolPreview};
+use super::overlay_scene::{Line, ToolPreview};
 use super::{Background, FrameDesc, RenderMode, Renderer};
 use crate::document::{Document, Limits};
 use crate::gpu::{Frames, GpuError, Result};
