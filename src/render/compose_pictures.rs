@@ -10,8 +10,8 @@ use super::smooth_edges::{REACH_PX, SmoothEdges};
 use super::software_composite::{SoftwareComposite, layout_of};
 use super::times::PictureTimer;
 use super::{
-    Backdrop, Background, Colours, Composite, CompositeEye, FrameDesc, GpuOnly, IndexTarget,
-    MAX_EYES, Points, Renderer, Shading, Surface, Volume,
+    Backdrop, Background, Colours, Composite, CompositeEye, FrameDesc, GpuOnly, GroundPass,
+    IndexTarget, MAX_EYES, Points, Renderer, Shading, Surface, Volume,
 };
 use crate::document::Document;
 use crate::gpu::{Recorder, Result};
@@ -195,6 +195,24 @@ impl Renderer {
         }
         self.timer.stop(recorder, PictureTimer::COMPOSE);
         Ok(())
+    }
+
+    /// Makes the ground of `desc` ready to be drawn, if it has one. Before rendering begins.
+    fn prepare_ground(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &Document,
+        desc: &FrameDesc,
+    ) -> Result<()> {
+        if desc.ground.is_none() {
+            return Ok(());
+        }
+        let pass = match &mut self.ground {
+            Some(pass) => pass,
+            none => none.insert(GroundPass::new(&self.device, self.format)?),
+        };
+        pass.update(recorder, slot, document, desc)
     }
 }
 

@@ -9,8 +9,8 @@ use std::sync::Arc;
 use ash::vk;
 use glam::Vec3;
 
+use super::FrameDesc;
 use super::composite_eye::is_srgb;
-use super::{FrameDesc, Renderer};
 use crate::document::Document;
 use crate::gpu::layout::GroundView;
 use crate::gpu::{
@@ -142,24 +142,4 @@ impl GroundPass {
 
 fn light(ground: &Ground, plane: &GroundPlane, desc: &FrameDesc, eye: &Eye) -> GroundLight {
     GroundLight::new(ground, plane, &desc.lighting, &eye.eye_from_world, &desc.world_from_grid)
-}
-
-impl Renderer {
-    /// Makes the ground of `desc` ready to be drawn, if it has one. Before rendering begins.
-    pub(super) fn prepare_ground(
-        &mut self,
-        recorder: &mut Recorder,
-        slot: usize,
-        document: &Document,
-        desc: &FrameDesc,
-    ) -> Result<()> {
-        if desc.ground.is_none() {
-            return Ok(());
-        }
-        let pass = match &mut self.ground {
-            Some(pass) => pass,
-            none => none.insert(GroundPass::new(&self.device, self.format)?),
-        };
-        pass.update(recorder, slot, document, desc)
-    }
 }

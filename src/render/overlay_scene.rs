@@ -7,7 +7,7 @@ use glam::{Affine3A, Mat3, Mat4, Quat, Vec3};
 use crate::sculpture::Rgb;
 use crate::tools::solid::{Primitive, Solid};
 
-/// Half heights of pictures at distance 1 below which these factors shrink in proportion: a narrow view is one from
+/// Half heights of pictures at distance 1 below which factors on depths shrink in proportion: a narrow view is one from
 /// afar, in which the same part of the depth is a longer way.
 const NARROW: f32 = 0.2;
 /// How far the surface of voxels may lie from the solid that they were made from, in voxels along the normal. A voxel is

@@ -1,8 +1,9 @@
 //! File formats: bytes <-> volumes <-> the contents of a sculpture. Contains no policy: callers pass
 //! options for what to read and write, and limits for memory.
 //!
-//! The entry points are [`load`], [`save`] and [`info()`]. Below them: `store` (disk), `vsc` (sculptures
-//! without loss), `history` (undo steps), `pvm` and `dds`, `raw`, `scan` (volumes), `prepare` (region and cubic voxels),
+//! The entry points are [`load`], [`save`] and [`info()`]. Below them: `store` (disk), `budget` and `limits` (memory and
+//! lengths that files may ask for), `vsc` (sculptures without loss), `history` (undo steps), `pvm` and `dds`, `raw`,
+//! `scan` (volumes), `prepare` (region and cubic voxels),
 //! `import` and `export` (volume <-> sculpture), `study` (a file before it is imported),
 //! `content` (which format a file is of), `threshold`, `ramp`, `labels` and
 //! `signature` (the meaning of voxels), `voxel` (models of other voxel
