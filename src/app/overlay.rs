@@ -5,8 +5,8 @@ use std::f32::consts::TAU;
 
 use glam::{Quat, UVec3, Vec2, Vec3};
 
-use super::symmetry_lines;
-use super::tool_outline::outline_of;
+use super::symmetry_lines::{self, MIRROR};
+use super::tool_outline::{SEGMENTS, box_edges, outline_of};
 use crate::document::Document;
 use crate::editor::draw::Sketch;
 use crate::editor::tool::{ToolKind, ToolState};
@@ -30,10 +30,7 @@ const PASTE: Rgb = Rgb::new(0xf4, 0xc8, 0x40);
 const MOST_IMAGES: usize = 15;
 /// The colour of the mask.
 const MASK: Rgb = Rgb::new(0x5f, 0x8d, 0xd3);
-pub(super) const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 const RED: Rgb = Rgb::new(0xf0, 0x30, 0x28);
-/// Segments of a circle.
-pub(super) const SEGMENTS: usize = 40;
 
 /// The values that the overlay is drawn from.
 pub struct OverlayScene<'a> {
@@ -214,7 +211,7 @@ fn tint(tint: Tint, own: Rgb) -> Rgb {
 /// The rim of a brush's footprint, laid into the picture at the depth of what it points at.
 fn footprint_edges(scene: &OverlayScene, options: &BrushOptions) -> Vec<(Vec3, Vec3)> {
     let (Some(map), Some(at)) = (scene.seen, scene.pointer) else { return Vec::new() };
-    let radius_px = scene.tool.radius_px(options.get(RADIUS), None);
+    let radius_px = scene.tool.brushes.radius_px(options.get(RADIUS), None);
     let point = |offset: Vec2| {
         let at = at + offset * radius_px;
         map.rays.origin + map.rays.direction_at(at.x, at.y) * scene.depth
@@ -229,22 +226,6 @@ fn footprint_edges(scene: &OverlayScene, options: &BrushOptions) -> Vec<(Vec3, V
     };
     let next = corners.iter().cycle().skip(1);
     corners.iter().copied().zip(next.copied()).collect()
-}
-
-/// The rim of a mirror plane and a cross in it.
-pub(super) fn plane_edges(axis: usize, plane: f32, dims: UVec3) -> Vec<(Vec3, Vec3)> {
-    let dims = dims.as_vec3();
-    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-    let at = |a: f32, b: f32| {
-        let mut p = Vec3::ZERO;
-        p[axis] = plane;
-        p[u] = a * dims[u];
-        p[v] = b * dims[v];
-        p
-    };
-    let rim = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
-    let cross = [(at(0.5, 0.0), at(0.5, 1.0)), (at(0.0, 0.5), at(1.0, 0.5))];
-    (0..4).map(|i| (rim[i], rim[(i + 1) % 4])).chain(cross).collect()
 }
 
 fn centre_vx(dims: UVec3) -> Vec3 {
@@ -263,20 +244,6 @@ fn colour_in(tool: &ToolState, mode: ToolMode) -> Rgb {
     }
 }
 
-/// The twelve edges of a box.
-pub(super) fn box_edges(min: Vec3, max: Vec3) -> impl Iterator<Item = (Vec3, Vec3)> {
-    (0..3).flat_map(move |axis| {
-        (0..4).map(move |corner| {
-            let mut from = min;
-            from[(axis + 1) % 3] = if corner & 1 == 0 { min } else { max }[(axis + 1) % 3];
-            from[(axis + 2) % 3] = if corner & 2 == 0 { min } else { max }[(axis + 2) % 3];
-            let mut to = from;
-            to[axis] = max[axis];
-            (from, to)
-        })
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -289,17 +256,6 @@ mod tests {
     use crate::tools::brush::BrushId;
     use crate::tools::symmetry::{Parity, Symmetry};
     use crate::ui::UiState;
-
-    #[test]
-    fn a_box_has_twelve_different_edges() {
-        let edges: Vec<_> = box_edges(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0)).collect();
-        assert_eq!(edges.len(), 12);
-        let total: f32 = edges.iter().map(|(a, b)| a.distance(*b)).sum();
-        assert_eq!(total, 24.0);
-        for (i, a) in edges.iter().enumerate() {
-            assert!(edges[..i].iter().all(|b| a != b));
-        }
-    }
 
     #[test]
     fn what_the_sculpture_hides_of_grid_and_line_is_not_drawn() {

@@ -5,15 +5,18 @@
 
 use glam::{Quat, UVec3, Vec3};
 
-use super::overlay::{MIRROR, plane_edges};
 use crate::document::Document;
 use crate::render::overlay::Line;
+use crate::sculpture::Rgb;
 use crate::tools::symmetry::{MirrorPlane, Radial};
 
 /// Half the edge of the frame of a plane, and half the length of an axis, as a share of the grid's diagonal.
 const REACH: f32 = 0.4;
 /// Length of a spoke and of a plane's normal, likewise.
 const SPOKE: f32 = 0.12;
+
+/// The colour of all that symmetry makes.
+pub const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 
 /// All lines.
 pub fn lines(document: &Document) -> Vec<Line> {
@@ -28,6 +31,22 @@ pub fn lines(document: &Document) -> Vec<Line> {
     pairs.extend(symmetry.radial.iter().flat_map(|radial| of_axis(radial, dims, stretch)));
     let line = |(from, to)| Line { from, to, colour: MIRROR, width_px: 1.2, opacity: [0.8, 0.3] };
     pairs.into_iter().map(line).collect()
+}
+
+/// The rim of a mirror plane and a cross in it.
+fn plane_edges(axis: usize, plane: f32, dims: UVec3) -> Vec<(Vec3, Vec3)> {
+    let dims = dims.as_vec3();
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let at = |a: f32, b: f32| {
+        let mut p = Vec3::ZERO;
+        p[axis] = plane;
+        p[u] = a * dims[u];
+        p[v] = b * dims[v];
+        p
+    };
+    let rim = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
+    let cross = [(at(0.5, 0.0), at(0.5, 1.0)), (at(0.0, 0.5), at(1.0, 0.5))];
+    (0..4).map(|i| (rim[i], rim[(i + 1) % 4])).chain(cross).collect()
 }
 
 /// The frame of a plane about the point that is nearest to the grid's centre, its cross and its normal.

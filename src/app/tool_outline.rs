@@ -6,9 +6,11 @@ use std::f32::consts::TAU;
 
 use glam::{Mat3, Vec2, Vec3};
 
-use super::overlay::{SEGMENTS, box_edges};
 use crate::sculpture::grid::Grid;
 use crate::tools::solid::{Primitive, Solid};
+
+/// Segments of a circle.
+pub const SEGMENTS: usize = 40;
 
 /// A point by its parts, as [`Shape`](crate::tools::solid::Shape) adds them: of the core, and of the ellipsoid that
 /// rounds it.
@@ -97,12 +99,37 @@ fn circle(at: impl Fn(Vec2) -> Point) -> impl Iterator<Item = (Point, Point)> {
     (0..SEGMENTS).map(move |i| (point(i), point(i + 1)))
 }
 
+/// The twelve edges of a box.
+pub fn box_edges(min: Vec3, max: Vec3) -> impl Iterator<Item = (Vec3, Vec3)> {
+    (0..3).flat_map(move |axis| {
+        (0..4).map(move |corner| {
+            let mut from = min;
+            from[(axis + 1) % 3] = if corner & 1 == 0 { min } else { max }[(axis + 1) % 3];
+            from[(axis + 2) % 3] = if corner & 2 == 0 { min } else { max }[(axis + 2) % 3];
+            let mut to = from;
+            to[axis] = max[axis];
+            (from, to)
+        })
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use glam::Quat;
 
     use super::*;
     use crate::sculpture::grid::Grid;
+
+    #[test]
+    fn a_box_has_twelve_different_edges() {
+        let edges: Vec<_> = box_edges(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0)).collect();
+        assert_eq!(edges.len(), 12);
+        let total: f32 = edges.iter().map(|(a, b)| a.distance(*b)).sum();
+        assert_eq!(total, 24.0);
+        for (i, a) in edges.iter().enumerate() {
+            assert!(edges[..i].iter().all(|b| a != b));
+        }
+    }
 
     #[test]
     fn outlines_lie_on_the_solids() {

@@ -343,7 +343,7 @@ impl Editor {
         let factor = factor.powf(notches.clamp(-20.0, 20.0));
         match self.tool.kind {
             ToolKind::Solid => self.tool.scale_by(factor),
-            ToolKind::Brush(brush) => self.tool.scale_brush(brush, factor),
+            ToolKind::Brush(brush) => self.tool.brushes.scale(brush, factor),
             ToolKind::Draw(kind) => self.tool.draws.scale(kind, factor),
             ToolKind::Marker => self.scale_marker(notches),
         }

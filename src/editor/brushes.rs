@@ -1,26 +1,39 @@
-//! The options of all brushes.
+//! The options of all brushes, and the unit of their sizes.
+//!
+//! Turns radii in that unit into those that commands take: pixels for brushes that work in the picture, units of the
+//! smallest edge for those that deform. Is told how large a pixel is; knows no pictures.
 
+use super::sizes::{FIRST_GAUGE, SizeUnit};
 use crate::tools::brush::BrushId;
+use crate::tools::brush::footprint::MAX_FOOTPRINT;
+use crate::tools::brush::kernel::grab::{MAX_RADIUS, MIN_RADIUS};
 use crate::tools::brush::keys::RADIUS;
 use crate::tools::brush::options::BrushOptions;
 
-/// The options of all brushes, each its own.
+/// The options of all brushes, each its own, and the unit of their sizes.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Brushes([BrushOptions; BrushId::ALL.len()]);
+pub struct Brushes {
+    options: [BrushOptions; BrushId::ALL.len()],
+    /// In which the sizes of all brushes are given.
+    pub unit: SizeUnit,
+    /// How large a pixel is where they work, in units of the smallest edge.
+    gauge: f32,
+}
 
 impl Default for Brushes {
     fn default() -> Self {
-        Brushes(std::array::from_fn(|i| BrushOptions::first(BrushId::ALL[i])))
+        let options = std::array::from_fn(|i| BrushOptions::first(BrushId::ALL[i]));
+        Brushes { options, unit: SizeUnit::default(), gauge: FIRST_GAUGE }
     }
 }
 
 impl Brushes {
     pub fn of(&self, brush: BrushId) -> &BrushOptions {
-        &self.0[brush as usize]
+        &self.options[brush as usize]
     }
 
     pub fn of_mut(&mut self, brush: BrushId) -> &mut BrushOptions {
-        &mut self.0[brush as usize]
+        &mut self.options[brush as usize]
     }
 
     pub fn radius(&self, brush: BrushId) -> f32 {
@@ -28,8 +41,73 @@ impl Brushes {
     }
 
     /// Changes the radii of all brushes.
-    pub fn change_radii(&mut self, change: impl Fn(f32) -> f32) {
-        self.0.iter_mut().for_each(|options| options.set(RADIUS, change(options.get(RADIUS))));
+    fn change_radii(&mut self, change: impl Fn(f32) -> f32) {
+        self.options
+            .iter_mut()
+            .for_each(|options| options.set(RADIUS, change(options.get(RADIUS))));
+    }
+
+    /// The options of a brush that deforms, where they work: the radius in units of the smallest edge.
+    pub fn ball_options(&self, brush: BrushId) -> BrushOptions {
+        self.of(brush).with(RADIUS, self.ball_radius(brush))
+    }
+
+    /// Takes how large a pixel is where the tool works, in units of the smallest edge.
+    pub fn set_gauge(&mut self, gauge: f32) {
+        if gauge.is_finite() && gauge > 0.0 {
+            self.gauge = gauge;
+        }
+    }
+
+    /// A radius in pixels, where a pixel is as large as `gauge`, or as where they work.
+    pub fn radius_px(&self, radius: f32, gauge: Option<f32>) -> f32 {
+        let pixels = match self.unit {
+            SizeUnit::Screen => radius,
+            SizeUnit::Sculpture => radius / gauge.unwrap_or(self.gauge),
+        };
+        pixels.clamp(1.0, MAX_FOOTPRINT)
+    }
+
+    /// The radius of the ball of a brush that deforms clay, in units of the smallest edge.
+    pub fn ball_radius(&self, brush: BrushId) -> f32 {
+        let radius = self.radius(brush);
+        let units = match self.unit {
+            SizeUnit::Screen => radius * self.gauge,
+            SizeUnit::Sculpture => radius,
+        };
+        units.clamp(MIN_RADIUS, MAX_RADIUS)
+    }
+
+    /// A usual radius, which is one on the screen, in the unit in use.
+    pub fn usual_radius(&self, radius_px: f32) -> f32 {
+        let (least, most) = self.unit.radii().into_inner();
+        match self.unit {
+            SizeUnit::Screen => radius_px,
+            SizeUnit::Sculpture => (radius_px * self.gauge).clamp(least, most),
+        }
+    }
+
+    /// Gives the sizes of all brushes in another unit: they stay as large as they are where they work.
+    pub fn set_unit(&mut self, unit: SizeUnit) {
+        if unit == self.unit {
+            return;
+        }
+        let factor = match unit {
+            SizeUnit::Screen => self.gauge.recip(),
+            SizeUnit::Sculpture => self.gauge,
+        };
+        let (least, most) = unit.radii().into_inner();
+        self.change_radii(|radius| (radius * factor).clamp(least, most));
+        self.unit = unit;
+    }
+
+    /// Makes a brush larger or smaller.
+    pub fn scale(&mut self, brush: BrushId, factor: f32) {
+        let (least, most) = self.unit.radii().into_inner();
+        if factor.is_finite() && factor > 0.0 {
+            let options = self.of_mut(brush);
+            options.set(RADIUS, (options.get(RADIUS) * factor).clamp(least, most));
+        }
     }
 }
 
@@ -45,5 +123,44 @@ mod tests {
         assert_eq!((brushes.radius(BrushId::Clay), brushes.radius(BrushId::Smooth)), (33.0, 20.0));
         brushes.change_radii(|radius| 2.0 * radius);
         assert_eq!((brushes.radius(BrushId::Clay), brushes.radius(BrushId::Grab)), (66.0, 120.0));
+    }
+
+    #[test]
+    fn brushes_keep_their_sizes_when_the_unit_changes_and_stay_so_in_that_unit() {
+        let mut brushes = Brushes::default();
+        brushes.set_gauge(0.5);
+        brushes.of_mut(BrushId::Clay).set(RADIUS, 40.0);
+        brushes.of_mut(BrushId::Draw).set(RADIUS, 60.0);
+        let pixels = |brushes: &Brushes| brushes.radius_px(brushes.radius(BrushId::Clay), None);
+        assert_eq!((pixels(&brushes), brushes.ball_radius(BrushId::Draw)), (40.0, 30.0));
+        brushes.set_unit(SizeUnit::Sculpture);
+        assert_eq!(brushes.radius(BrushId::Clay), 20.0);
+        assert_eq!((pixels(&brushes), brushes.ball_radius(BrushId::Draw)), (40.0, 30.0));
+        // Twice as near: a size in voxels is twice as large in the picture.
+        brushes.set_gauge(0.25);
+        assert_eq!((pixels(&brushes), brushes.ball_radius(BrushId::Draw)), (80.0, 30.0));
+        brushes.set_unit(SizeUnit::Screen);
+        assert_eq!((pixels(&brushes), brushes.ball_radius(BrushId::Draw)), (80.0, 30.0));
+        brushes.set_gauge(0.5);
+        assert_eq!((pixels(&brushes), brushes.ball_radius(BrushId::Draw)), (80.0, 60.0));
+        for nonsense in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            brushes.set_gauge(nonsense);
+            assert_eq!(brushes.ball_radius(BrushId::Draw), 60.0);
+        }
+    }
+
+    #[test]
+    fn sizes_stay_in_their_ranges() {
+        let mut brushes = Brushes::default();
+        let clay = |brushes: &Brushes| brushes.radius(BrushId::Clay);
+        for unit in SizeUnit::ALL {
+            brushes.set_unit(unit);
+            let (least, most) = unit.radii().into_inner();
+            for (factor, expected) in [(1e9, most), (1e-9, least), (f32::NAN, least)] {
+                brushes.scale(BrushId::Clay, factor);
+                assert_eq!(clay(&brushes), expected, "{unit:?} {factor}");
+            }
+        }
+        assert!(brushes.radius(BrushId::Smooth) > 1.0, "each has its own");
     }
 }

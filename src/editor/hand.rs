@@ -107,7 +107,7 @@ impl Editor {
         let turn = own.rotation * self.tool.rotation().inverse();
         self.hand.pose = Some(*pose);
         let gauge = self.hand_gauge(pose, room);
-        self.tool.set_gauge(gauge);
+        self.tool.brushes.set_gauge(gauge);
         if let Some(what) = self.hand.symmetry {
             self.hold_symmetry(what, own.position, own.rotation);
             return;
@@ -216,7 +216,7 @@ impl Editor {
             aim: way(Vec3::NEG_Z),
             across: way(Vec3::X) * SPRAY_STEP,
             down: way(Vec3::NEG_Y) * SPRAY_STEP,
-            radius: self.tool.radius_px(options.get(RADIUS), Some(gauge)),
+            radius: self.tool.brushes.radius_px(options.get(RADIUS), Some(gauge)),
             outline: options.get(OUTLINE),
             coverage: Coverage::Visible,
         })

@@ -11,11 +11,13 @@ pub mod brushes;
 pub mod commands;
 pub mod draw;
 pub mod hand;
+mod hover;
 mod idle;
 pub mod job;
 mod lead;
 mod marker;
-pub mod pressure;
+pub mod pen_use;
+mod pressure;
 pub mod questions;
 pub mod recovery;
 pub mod sizes;
@@ -46,7 +48,7 @@ use stroke::Stroke;
 use surface_anchor::SurfaceAnchor;
 use tool::ToolState;
 
-pub use surface_anchor::PointerUse;
+pub use hover::PointerUse;
 
 /// An effect of an edit, besides the change of the document.
 #[derive(Clone, PartialEq, Debug)]

@@ -8,16 +8,14 @@ use std::path::PathBuf;
 use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
 use super::brushes::Brushes;
-use super::draw::DrawOptions;
-use super::pressure::{PenUse, PenUses};
-use super::sizes::{FIRST_GAUGE, SizeUnit};
+use super::draw::options::DrawOptions;
+use super::pen_use::{PenTool, PenUse, PenUses};
+use super::sizes::SizeUnit;
 use super::symmetry::Placed;
-use super::tool_change::ToolChange;
 use super::wand::Wand;
 use crate::command::Command;
 use crate::input::{DrawKind, ToolMode};
 use crate::sculpture::Rgb;
-use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
 use crate::tools::brush::BrushId;
 use crate::tools::brush::dab::{BrushImage, Dab, DabPlace};
@@ -51,10 +49,6 @@ pub struct ToolState {
     pub kind: ToolKind,
     pub solid: Solid,
     pub brushes: Brushes,
-    /// In which the sizes of all brushes are given.
-    pub size_unit: SizeUnit,
-    /// How large a pixel is where the tool works, in units of the smallest edge.
-    pub(super) gauge: f32,
     pub draws: DrawOptions,
     /// The lead of a pen over each brush.
     pub pens: PenUses,
@@ -160,8 +154,6 @@ impl ToolState {
             kind: ToolKind::Solid,
             solid: Solid::Ellipsoid,
             brushes: Brushes::default(),
-            size_unit: SizeUnit::default(),
-            gauge: FIRST_GAUGE,
             draws: DrawOptions::default(),
             pens: PenUses::default(),
             mode: ToolMode::default(),
@@ -215,7 +207,7 @@ impl ToolState {
             ToolEdit::Follow(follow) => self.follow = follow,
             ToolEdit::Stand(stand) => self.stand = stand,
             ToolEdit::Lean(lean) => self.lean = lean,
-            ToolEdit::SizeUnit(unit) => self.set_size_unit(unit),
+            ToolEdit::SizeUnit(unit) => self.brushes.set_unit(unit),
             ToolEdit::Brush(options) => *self.brushes.of_mut(options.brush()) = options,
             ToolEdit::Draw(options) => self.draws = options,
             ToolEdit::Pen(chosen) => {
@@ -413,24 +405,22 @@ impl ToolState {
         (spec.dab)(&Dab { options, place }).map(Command::Brush)
     }
 
+    /// The tool in hand, if a pen can lead something of it.
+    pub fn pen_tool(&self) -> Option<PenTool> {
+        match self.kind {
+            ToolKind::Solid => Some(PenTool::Solid),
+            ToolKind::Brush(brush) => (!brush.spec().is_held()).then_some(PenTool::Brush(brush)),
+            ToolKind::Draw(_) | ToolKind::Marker => None,
+        }
+    }
+
     /// The ball of a brush that deforms clay, where the tool is.
     pub fn ball(&self, brush: BrushId) -> Primitive {
         Primitive {
             solid: Solid::Ellipsoid,
             centre_vx: self.centre_vx,
-            half: Vec3::splat(self.ball_radius(brush)),
+            half: Vec3::splat(self.brushes.ball_radius(brush)),
             rotation: Quat::IDENTITY,
-        }
-    }
-
-    /// Returns the change that a mode makes to voxels.
-    pub fn change(&self, mode: ToolMode) -> ToolChange {
-        match mode {
-            ToolMode::Add => ToolChange::Voxels(EditOp::Add(Some(self.colour))),
-            ToolMode::Subtract => ToolChange::Voxels(EditOp::Subtract),
-            ToolMode::Recolour => ToolChange::Voxels(EditOp::Recolour(self.colour)),
-            ToolMode::Protect => ToolChange::Mask { adds: true },
-            ToolMode::Release => ToolChange::Mask { adds: false },
         }
     }
 }

@@ -55,6 +55,17 @@ impl ToolState {
         self.mode = mode;
     }
 
+    /// Returns the change that a mode makes to voxels.
+    pub fn change(&self, mode: ToolMode) -> ToolChange {
+        match mode {
+            ToolMode::Add => ToolChange::Voxels(EditOp::Add(Some(self.colour))),
+            ToolMode::Subtract => ToolChange::Voxels(EditOp::Subtract),
+            ToolMode::Recolour => ToolChange::Voxels(EditOp::Recolour(self.colour)),
+            ToolMode::Protect => ToolChange::Mask { adds: true },
+            ToolMode::Release => ToolChange::Mask { adds: false },
+        }
+    }
+
     /// Returns the command of a solid on one leg of its way. An image is put down where the leg ends.
     pub fn command(&self, mode: ToolMode, leg: &Leg) -> Command {
         let at = |centre_vx| Primitive { centre_vx, rotation: leg.rotation, ..self.primitive() };

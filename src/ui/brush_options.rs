@@ -27,11 +27,11 @@ pub fn show(ui: &mut Ui, brush: BrushId, context: &UiContext, requests: &mut Vec
     let is_switch = |param: &Param| param.domain == Domain::Switch;
     egui::Grid::new("brush").num_columns(2).show(ui, |ui| {
         for (param, value) in shown().filter(|(param, _)| !is_switch(param)) {
-            let changed = row(ui, param, value, tool.size_unit);
+            let changed = row(ui, param, value, tool.brushes.unit);
             options.set_value(param.key, changed);
             ui.end_row();
             if param.domain == Domain::Radius {
-                size_unit(ui, tool.size_unit, requests);
+                size_unit(ui, tool.brushes.unit, requests);
             }
         }
     });
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, brush: BrushId, context: &UiContext, requests: &mut Vec
     }
     if ui.button("Reset options").clicked() {
         let first = BrushOptions::first(brush);
-        options = first.with(RADIUS, tool.usual_radius(first.get(RADIUS)));
+        options = first.with(RADIUS, tool.brushes.usual_radius(first.get(RADIUS)));
     }
     if options != before {
         requests.push(UiRequest::Tool(ToolEdit::Brush(options)));

@@ -245,7 +245,7 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     state.layout.sections.extend(kept.sections.into_iter().flatten().take(64));
     recall_tool(kept.tool.as_ref().unwrap_or(&KeptTool::default()), tool);
     let unit = kept.tool.as_ref().and_then(KeptTool::size_unit);
-    tool.size_unit = unit.unwrap_or(tool.size_unit);
+    tool.brushes.unit = unit.unwrap_or(tool.brushes.unit);
     if let Some(sprays) = &kept.sprays {
         memory_brushes::recall_sprays(sprays, unit, &mut tool.brushes);
     }
@@ -253,7 +253,7 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
         memory_brushes::recall_deforms(deforms, unit, &mut tool.brushes);
     }
     if let Some(brushes) = &kept.brushes {
-        memory_brushes::recall(brushes, tool.size_unit, &mut tool.brushes);
+        memory_brushes::recall(brushes, tool.brushes.unit, &mut tool.brushes);
     }
     if let Some(draws) = &kept.draws {
         draws.recall(&mut tool.draws);
@@ -279,7 +279,7 @@ fn kept_tool(tool: &ToolState) -> KeptTool {
     KeptTool {
         kind: Some(kind.to_string()),
         deform: None,
-        sizes: Some(tool.size_unit.name().to_string()),
+        sizes: Some(tool.brushes.unit.name().to_string()),
         solid: Some(tool.solid.name().to_string()),
         mode: Some(mode_name(tool.mode).to_string()),
         follow: Some(tool.follow),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::memory::{neat, within};
 use super::pen_options::PenState;
-use crate::editor::pressure::{PenTool, PenUse, PenUses};
+use crate::editor::pen_use::{PenTool, PenUse, PenUses};
 use crate::input::pen::{EXPONENTS, FULL, PenCurve};
 
 /// The choices made; a curve counts while the settings are what they were then.

@@ -35,7 +35,7 @@ fn changed() -> (UiState, ToolState) {
     tool.follow = false;
     tool.colour = Rgb::new(1, 2, 3);
     tool.used_colour();
-    tool.size_unit = SizeUnit::Sculpture;
+    tool.brushes.unit = SizeUnit::Sculpture;
     let clay = tool.brushes.of_mut(BrushId::Clay);
     *clay = clay.with(RADIUS, 33.3).with(OUTLINE, Outline::Square).with(REACH, 7.5);
     (state, tool)
@@ -185,7 +185,7 @@ proptest! {
         prop_assert!(after.layout.windows.main.is_none_or(|size| is_side(&size)));
         for &brush in BrushId::ALL {
             for (param, value) in tool.brushes.of(brush).iter() {
-                prop_assert!(param.allows(value, tool.size_unit.radii()), "{brush:?} {param:?}");
+                prop_assert!(param.allows(value, tool.brushes.unit.radii()), "{brush:?} {param:?}");
             }
         }
     }

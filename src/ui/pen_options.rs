@@ -4,7 +4,7 @@ use egui::{Color32, Sense, Slider, Stroke, Ui, pos2, vec2};
 
 use super::spot::{self, Spot};
 use super::{UiContext, UiRequest, UiState};
-use crate::editor::pressure::PenUse;
+use crate::editor::pen_use::PenUse;
 use crate::editor::tool::ToolEdit;
 use crate::input::pen::{EXPONENTS, FULL, PenCurve, PenTouch};
 

@@ -3,7 +3,7 @@
 use egui::{Event, Modifiers, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec2;
-use virtual_sculpture::editor::pressure::{PenTool, PenUse};
+use virtual_sculpture::editor::pen_use::{PenTool, PenUse};
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::pen::{PenEnd, PenPointer, PenSample};
 use virtual_sculpture::input::{Action, Button, Buttons, ToolMode};

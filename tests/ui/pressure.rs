@@ -1,7 +1,7 @@
 //! A brush follows how hard a pen or a finger presses, where the system tells.
 
 use egui::{Event, Modifiers, PointerButton, TouchDeviceId, TouchId, TouchPhase, vec2};
-use virtual_sculpture::editor::pressure::{PenTool, PenUse};
+use virtual_sculpture::editor::pen_use::{PenTool, PenUse};
 use virtual_sculpture::editor::sizes::SizeUnit;
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::tools::brush::BrushId;
@@ -15,7 +15,7 @@ fn creasing() -> Bench {
     let mut harness = bench();
     let tool = &mut harness.state_mut().editor.tool;
     tool.kind = ToolKind::Brush(BrushId::Crease);
-    tool.size_unit = SizeUnit::Sculpture;
+    tool.brushes.unit = SizeUnit::Sculpture;
     tool.brushes.of_mut(BrushId::Crease).set(RADIUS, 8.0);
     harness
 }

@@ -131,12 +131,12 @@ fn all_brushes_have_their_sizes_in_one_unit_that_is_chosen_once() {
     rest(&mut harness);
     let sizes = |harness: &Bench| {
         let tool = &harness.state().editor.tool;
-        (tool.brushes.radius(BrushId::Clay), tool.ball_radius(BrushId::Draw))
+        (tool.brushes.radius(BrushId::Clay), tool.brushes.ball_radius(BrushId::Draw))
     };
     let (clay, ball) = sizes(&harness);
     harness.get_by_label("Sculpture").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().editor.tool.size_unit, SizeUnit::Sculpture);
+    assert_eq!(harness.state().editor.tool.brushes.unit, SizeUnit::Sculpture);
     let (clay_vx, ball_vx) = sizes(&harness);
     assert!(clay_vx < clay && (ball - ball_vx).abs() < 0.1, "they stay as large: {ball} {ball_vx}");
     // Nearer it is the same in the sculpture.

@@ -10,7 +10,7 @@ use proptest::test_runner::TestRunner;
 
 use crate::app::Workspace;
 use crate::config::Config;
-use crate::editor::pressure::{PenTool, PenUse};
+use crate::editor::pen_use::{PenTool, PenUse};
 use crate::editor::sizes::SizeUnit;
 use crate::editor::symmetry::Placed;
 use crate::editor::tool::{NextPress, ToolKind};
@@ -181,7 +181,7 @@ fn a_brush_is_weaker_while_the_trigger_is_pulled_less() {
         let leads = PenUse { strength: by_pressure, ..PenUse::default() };
         let tool = &mut person.workspace.editor.tool;
         tool.pens.set(PenTool::Brush(BrushId::Crease), leads);
-        tool.set_size_unit(SizeUnit::Sculpture);
+        tool.brushes.set_unit(SizeUnit::Sculpture);
         tool.brushes.of_mut(BrushId::Crease).set(RADIUS, 8.0);
         let front = MIDDLE + Vec3::Z * 0.25;
         person.hold(front, 0.0, 5);

@@ -100,7 +100,7 @@ impl Editor {
         picker: &Picker,
     ) {
         self.begin_brush(brush, Some(picker), |scene| {
-            let options = scene.tool.ball_options(brush);
+            let options = scene.tool.brushes.ball_options(brush);
             match brush.spec().stroke {
                 BrushStroke::Held { turns } => {
                     Box::new(HeldStroke::new(options, turns, at, scene, picker))

@@ -119,5 +119,5 @@ impl Lead for PictureStroke {
 fn radius_px(options: &BrushOptions, at: Vec2, scene: &Scene, picker: &Picker) -> f32 {
     let point = scene.anchor.target(scene.grid(), at, picker);
     let gauge = point.map(|point| gauge_at(scene.grid(), point, picker));
-    scene.tool.radius_px(options.get(RADIUS), gauge)
+    scene.tool.brushes.radius_px(options.get(RADIUS), gauge)
 }
