@@ -33,6 +33,7 @@ use crate::track::{self, TrackArgs};
 
 mod arguments;
 mod check_arguments;
+mod choices;
 mod error;
 mod film_arguments;
 mod final_arguments;

@@ -18,6 +18,7 @@ use crate::shade::ground::GROUND_COLOUR;
 use crate::trace::MAX_FINAL_SAMPLES;
 use crate::view::{MAX_SAMPLES, StereoLayout};
 
+use super::choices;
 use super::error::ArgumentError;
 
 /// How a file becomes a sculpture.
@@ -130,7 +131,7 @@ pub struct PictureArgs {
     #[arg(long)]
     pub orthographic: bool,
     /// Stereo layout (default: stereo.layout in the settings); `layers` writes two pictures
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choices::layouts())]
     pub stereo: Option<StereoLayout>,
     /// Ground below the sculpture, which catches its shadow: a colour #rrggbb, `on` for #c8c6c2, or none (default: none;
     /// in final pictures on). Its lines are a round number of voxels apart, which is printed; final pictures have no lines

@@ -9,11 +9,13 @@ use crate::format::{MeshOptions, MeshUp, is_mesh};
 use crate::headless::MeshRequest;
 use crate::mesh::MeshKind;
 
+use super::choices;
+
 /// How a mesh is made.
 #[derive(Args, Debug, Clone)]
 pub struct MeshArgs {
     /// Surface of a mesh (default: smooth, or greedy for models of cubes)
-    #[arg(long, value_enum, value_name = "SURFACE")]
+    #[arg(long, value_parser = choices::surfaces(), value_name = "SURFACE")]
     pub mesh: Option<MeshKind>,
     /// Simplify a mesh to this many triangles
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(4..))]
@@ -22,7 +24,7 @@ pub struct MeshArgs {
     #[arg(long)]
     pub points: bool,
     /// Axis that points up in a mesh (default: z in .stl, .ply and .3mf, y in .obj and .glb)
-    #[arg(long, value_enum, value_name = "AXIS")]
+    #[arg(long, value_parser = choices::up_axes(), value_name = "AXIS")]
     pub up: Option<MeshUp>,
     /// Length of a voxel in a mesh in millimetres (default: the sculpture's voxel size)
     #[arg(long, alias = "millimeters", value_name = "MM", allow_negative_numbers = true)]

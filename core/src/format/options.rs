@@ -114,7 +114,7 @@ pub enum ExportForm {
 }
 
 /// The axis that points up in a file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum MeshUp {
     /// As in the sculpture, in .glb and mostly in .obj.
     Y,

@@ -45,7 +45,7 @@ pub use self::simplify::simplified;
 const PART_LAYERS: u32 = 16;
 
 /// Which surface a mesh follows.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, clap::ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum MeshKind {
     /// Each exposed face of a voxel.
     Faces,

@@ -4,11 +4,13 @@
 //! Every layout shows both pictures entirely; each has the size of the screen. Knows no Vulkan and no
 //! cameras.
 
+use std::str::FromStr;
+
 use glam::{UVec2, Vec2};
 use serde::Deserialize;
 
 /// How two pictures are shown on one screen.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StereoLayout {
     /// One picture for both eyes
@@ -50,6 +52,19 @@ impl StereoLayout {
             StereoLayout::Rows => "Rows",
             StereoLayout::Columns => "Columns",
             StereoLayout::Anaglyph => "Anaglyph",
+        }
+    }
+
+    /// Its name in text, as it is stored.
+    pub const fn name(self) -> &'static str {
+        match self {
+            StereoLayout::Mono => "mono",
+            StereoLayout::Layers => "layers",
+            StereoLayout::SideBySide => "side-by-side",
+            StereoLayout::TopBottom => "top-bottom",
+            StereoLayout::Rows => "rows",
+            StereoLayout::Columns => "columns",
+            StereoLayout::Anaglyph => "anaglyph",
         }
     }
 
@@ -115,6 +130,17 @@ impl StereoLayout {
     }
 }
 
+impl FromStr for StereoLayout {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<StereoLayout, String> {
+        StereoLayout::ALL.into_iter().find(|layout| layout.name() == text).ok_or_else(|| {
+            let names = StereoLayout::ALL.map(StereoLayout::name).join(", ");
+            format!("`{text}` is not a stereo layout; use one of {names}")
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,6 +154,17 @@ mod tests {
 
     fn pixel(layout: StereoLayout, x: u32, y: u32) -> [u8; 3] {
         layout.pixel(UVec2::new(x, y), SIZE, 1, tell)
+    }
+
+    #[test]
+    fn the_name_of_a_layout_is_that_of_its_stored_form() {
+        for layout in StereoLayout::ALL {
+            let stored = format!("\"{}\"", layout.name());
+            assert_eq!(serde_json::from_str::<StereoLayout>(&stored).unwrap(), layout);
+            assert_eq!(layout.name().parse(), Ok(layout));
+        }
+        let error = "3d".parse::<StereoLayout>().unwrap_err();
+        assert!(error.contains("`3d`") && error.contains("side-by-side"), "{error}");
     }
 
     #[test]
