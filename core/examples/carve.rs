@@ -3,17 +3,12 @@
 
 use std::error::Error;
 
-use glam::{UVec2, UVec3, Vec3};
 use image::{Rgba, RgbaImage, imageops};
-use sculpture_core::command::NewSculpture;
-use sculpture_core::command::text::parse_script;
-use sculpture_core::document::{Document, Limits};
-use sculpture_core::sculpture::{ColourDepth, Rgb};
-use sculpture_core::shade::{
-    Lighting, NormalField, Pixels, ShadePose, ShadeSource, Smoothing, SoftwareShader,
+use sculpture_core::glam::{UVec2, UVec3, Vec3};
+use sculpture_core::{
+    Camera, ColourDepth, Document, IndexMap, Lighting, Limits, NewSculpture, NormalField, Pixels,
+    Rgb, ShadePose, ShadeSource, Smoothing, SoftwareShader, parse_script, raycast,
 };
-use sculpture_core::surface::{IndexMap, raycast};
-use sculpture_core::view::Camera;
 
 const SCRIPT: &str = "
 add cuboid at=128,128,128 half=112

@@ -8,14 +8,82 @@ pub mod journal;
 pub mod mesh;
 pub mod print_check;
 pub mod progress;
+#[doc(hidden)]
 pub mod saved_history;
+#[doc(hidden)]
 pub mod scenes;
 pub mod sculpture;
 pub mod session;
 pub mod shade;
+#[doc(hidden)]
 pub mod spill;
 pub mod surface;
 pub mod tools;
 pub mod trace;
 pub mod view;
 pub mod voxelise;
+
+// Vectors and matrices of the interface: a caller needs this version of them.
+pub use glam;
+
+// A sculpture, and what it is made of.
+#[doc(inline)]
+pub use document::{Applied, CommandError, Document};
+#[doc(inline)]
+pub use sculpture::edit::EditOp;
+#[doc(inline)]
+pub use sculpture::history::{Contents, SurfaceKind};
+#[doc(inline)]
+pub use sculpture::orientation::{Orientation, Up};
+#[doc(inline)]
+pub use sculpture::region::VoxelBox;
+#[doc(inline)]
+pub use sculpture::{ColourDepth, Digest, Grid, GridError, Limits, Material, Placement, Rgb};
+
+// Changes as values and as text.
+#[doc(inline)]
+pub use command::text::{ParseError, ScriptError, parse_script};
+#[doc(inline)]
+pub use command::{Area, COMMANDS, Command, CommandHelp, NewSculpture, SelectOp};
+#[doc(inline)]
+pub use tools::brush::{BrushId, BrushUse};
+#[doc(inline)]
+pub use tools::repair::Mend;
+#[doc(inline)]
+pub use tools::solid::{Primitive, Solid};
+#[doc(inline)]
+pub use tools::symmetry::Symmetry;
+
+// A sculpture with its files, and long work.
+#[doc(inline)]
+pub use progress::{Progress, Report, Stage};
+#[doc(inline)]
+pub use session::{Session, SessionError};
+
+// Files.
+#[doc(inline)]
+pub use format::options::{
+    Colouring, Existence, ExportForm, ExportOptions, ImportOptions, MeshFill, MeshSize, RawLayout,
+    Region,
+};
+#[doc(inline)]
+pub use format::{
+    Densities, FormatError, Histogram, Info, Loaded, MeshOptions, MeshUp, READ_ENDINGS, Samples,
+    Texts, Volume, WRITE_ENDINGS, info, info_with, load, load_volume, save, save_with,
+};
+
+// The surface as triangles, and whether it can be printed.
+#[doc(inline)]
+pub use mesh::{Mesh, MeshError, MeshKind, VertexColours};
+#[doc(inline)]
+pub use print_check::{CheckError, CheckOptions, Checked, check as check_print};
+
+// Pictures.
+#[doc(inline)]
+pub use shade::{
+    Lighting, NormalField, Pixels, ShadePose, ShadeSource, Smoothing, SoftwareShader, portrait,
+};
+#[doc(inline)]
+pub use surface::{IndexMap, raycast};
+#[doc(inline)]
+pub use view::{Camera, Eye, PixelRays};
