@@ -1,7 +1,7 @@
 //! The text form of commands, one per line, and scripts of them.
 //!
 //! A line is a verb, then words, quoted strings and `key=value` pairs in any order. A line that is
-//! empty or begins with `#` is ignored. Quotes and escapes: [`arguments`]. Numbers are written such that
+//! empty or begins with `#` is ignored. Quotes and escapes: `arguments`. Numbers are written such that
 //! they read back to the same bits. Works on text; reads no file.
 
 use std::fmt;

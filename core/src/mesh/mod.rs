@@ -1,11 +1,11 @@
 //! Meshes of a sculpture: closed surfaces around its voxels, of triangles.
 //!
 //! Every mesh is watertight and 2-manifold: each edge has two triangles of opposite directions, and the triangles
-//! around a vertex form one fan. Voxels that touch in an edge or a corner only are parted ([`contact`]): there the
+//! around a vertex form one fan. Voxels that touch in an edge or a corner only are parted (`contact`): there the
 //! surfaces have vertices of their own. Meshes at the voxels' faces move these apart by [`GAP_VX`], so that this holds
 //! also for files that store no more than positions; except for that their volume is the number of voxels.
 //!
-//! Slabs of the lattice of voxel corners are meshed independently ([`slab`]), so a mesh consists of parts and is the
+//! Slabs of the lattice of voxel corners are meshed independently (`slab`), so a mesh consists of parts and is the
 //! same for any number of threads. Takes contents, gives a [`Mesh`] in grid coordinates; knows no files, no units.
 
 mod budget;

@@ -1,4 +1,5 @@
-//! The print check: what keeps a sculpture from being printed in 3D, where it is, and which command mends it.
+//! The print check: finds the faults that keep a sculpture from being printed in 3D, their places, and the commands
+//! that mend them.
 //!
 //! Islands, cavities, thin walls, overhangs, and the size on the bed: what slicers (PrusaSlicer) and programs that
 //! repair models (Meshmixer) check. From a grid and [`CheckOptions`] to a [`Checked`]; changes nothing and knows no

@@ -1,4 +1,4 @@
-//! The description of lights and materials. [`super::illumination`] has the formula.
+//! The description of lights and materials. `illumination` has the formula.
 
 use glam::Vec3;
 
@@ -80,7 +80,7 @@ pub struct Lighting {
     pub occlusion: bool,
     /// Whether the first distant light throws shadows ([`super::shadow`]).
     pub shadow: Option<Shadow>,
-    /// How far normals are averaged over neighbours, by the software shader ([`super::smooth`]).
+    /// How far normals are averaged over neighbours, by the software shader (`smooth`).
     pub smooth_normals: Smoothing,
     /// How far colours are averaged over neighbours, likewise.
     pub smooth_colours: Smoothing,

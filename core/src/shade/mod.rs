@@ -1,11 +1,13 @@
 //! Shading: from an index map to a picture. Pure CPU code.
 //!
 //! A pixel is shaded in two independent steps: what surface is there (its normal from the
-//! [`normal_field`], its colour from the material, [`mask_tint`]ed where it is protected, its share of ambient light by [`occlusion`]), and what light it
-//! sends to the eye ([`illumination`]), as a picture shows it ([`tone`]). Filters of normals and colours
-//! ([`smooth`]) come between the two, and cost time only where they are switched on ([`refined`]).
+//! [`normal_field`], its colour from the material, [`mod@mask_tint`]ed where it is protected, its share of ambient light by [`occlusion`]), and what light it
+//! sends to the eye (`illumination`), as a picture shows it ([`tone`]). Filters of normals and colours
+//! (`smooth`) come between the two, and cost time only where they are switched on ([`refined`]).
 
+#[doc(hidden)]
 pub mod ball;
+#[doc(hidden)]
 pub mod composed;
 pub mod ground;
 mod illumination;
@@ -20,6 +22,7 @@ pub mod occlusion;
 #[cfg(test)]
 mod partial_tests;
 pub mod pixels;
+#[doc(hidden)]
 pub mod points;
 mod portrait;
 pub mod refined;

@@ -7,7 +7,7 @@
 //! `sqrt(6)` voxels away. Other neighbourhoods, by their mean error against the radial direction
 //! on balls of radius 8 to 200: six voxels two away 20 degrees, 3^3 7.6, 5^3 4.8, these 81 3.1;
 //! a ball of radius 3.3 comes to 2.4 but touches 27 words instead of 8. Weights within the 5^3
-//! gain nothing. How the moment is counted: [`super::moments`].
+//! gain nothing. How the moment is counted: `moments`.
 
 use glam::{UVec3, Vec3};
 

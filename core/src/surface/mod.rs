@@ -1,10 +1,14 @@
 //! Sampling the surface: which voxel is seen through each pixel. Pure CPU code.
 
 pub mod index_map;
+#[doc(hidden)]
 pub mod partial;
+#[doc(hidden)]
 pub mod pixel_rects;
+#[doc(hidden)]
 pub mod quickstep;
 pub mod raycast;
+#[doc(hidden)]
 pub mod slices;
 mod tiles;
 

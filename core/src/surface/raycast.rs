@@ -1,11 +1,11 @@
 //! The exact ray caster: the first existing voxel along a ray, and the index map of a view.
 //!
-//! Input are a grid and rays in grid coordinates. [`ray`] defines what exact means: a ray visits voxels
+//! Input are a grid and rays in grid coordinates. `ray` defines what exact means: a ray visits voxels
 //! in the order of its crossings of voxel boundaries, and the caster returns the first existing one,
 //! the same that a traversal voxel by voxel from the eye finds.
 //!
-//! There are two implementations. [`walk`] traces one ray and skips empty space: blocks of 4^3 bricks,
-//! bricks, words of 4^3 voxels. [`sweep`] samples a tile of a picture the other way round: it visits
+//! There are two implementations. `walk` traces one ray and skips empty space: blocks of 4^3 bricks,
+//! bricks, words of 4^3 voxels. `sweep` samples a tile of a picture the other way round: it visits
 //! the cubes of the grid front to back, each once for all pixels of the tile that may see it, and
 //! traces sixteen rays at once through a brick ([`packet`]). At usual distances a brick covers some
 //! thirty pixels, so that nearly all decisions are shared.

@@ -1,10 +1,10 @@
 //! The final picture: path tracing of the sculpture with sun, sky, a square lamp and a lens.
 //!
-//! From a sculpture, a shot and options to a [`Film`] of linear light: [`scene`] says what rays meet, [`path`] what
-//! light comes along them, [`environment`] where it comes from, [`sampling`] which of many directions is tried. A
+//! From a sculpture, a shot and options to a [`Film`] of linear light: `scene` says what rays meet, `path` what
+//! light comes along them, `environment` where it comes from, `sampling` which of many directions is tried. A
 //! picture is the mean of passes, each with one ray a pixel. All rays of a pass are shifted by the same part of a
-//! pixel, so that without a lens the sampler of whole pictures finds what the eye sees. [`mod@denoise`] removes the
-//! noise that remains, and [`tone`] makes values for a screen.
+//! pixel, so that without a lens the sampler of whole pictures finds what the eye sees. `denoise` removes the
+//! noise that remains, and `tone` makes values for a screen.
 //!
 //! The same to the bit for any number of threads: every pixel has its own random numbers, and its passes are added in
 //! order. Knows no files and no documents.

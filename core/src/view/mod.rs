@@ -2,10 +2,13 @@
 
 pub mod camera;
 pub mod eye;
+#[doc(hidden)]
 pub mod off_axis;
 pub mod room;
+#[doc(hidden)]
 pub mod samples;
 pub mod stereo;
+#[doc(hidden)]
 pub mod stereo_layout;
 
 pub use camera::{Camera, FRAME_MARGIN};

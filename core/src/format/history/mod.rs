@@ -5,7 +5,7 @@
 //! A step is, little-endian: its state (two u64), a byte for the kind of its change (0 bricks, 1 whole,
 //! 2 oriented, 3 oriented with the sculpture before, 4 surface), the label (u32 and so many bytes of UTF-8), an
 //! orientation of kinds 2 and 3 or a kind of surface of kind 4 (u32 and so many bytes of its text form), then the
-//! record of kind 0, packed by [`blocks`], or a .vsc file of kinds 1 and 3.
+//! record of kind 0, packed by `blocks`, or a .vsc file of kinds 1 and 3.
 //!
 //! Reading checks a step against the [`Shape`] of the contents that it will be swapped with, so that no
 //! damaged step can break a sculpture.

@@ -2,14 +2,14 @@
 //!
 //! Every voxel near the surface has a level: the distance of its middle from the surface, negative inside, in units
 //! of [`PackedDepth::PER_VX`] of a voxel. Between the middles of eight voxels the field is trilinear, and the surface
-//! is where it is 0. A surface voxel's level is its depth in the [`NormalField`]; [`band`] gives the voxels beside it
+//! is where it is 0. A surface voxel's level is its depth in the [`NormalField`]; `band` gives the voxels beside it
 //! the distance from the planes of surface voxels next to them. An existing voxel is always inside and an empty one
 //! outside (constrained smoothing: Gibson, "Constrained elastic surface nets", 1998), so nothing vanishes, and a
 //! mesh of the zero has the voxels' topology.
 //!
 //! A *cell* is the cube between the middles of eight voxels. Cell `c` has the voxels `c - 1` to `c`; cells with any
-//! existing voxel are kept as a grid of their own, one voxel larger than the sculpture, in which [`ray`] finds the
-//! first cells of a ray. [`sample`] makes index maps.
+//! existing voxel are kept as a grid of their own, one voxel larger than the sculpture, in which `ray` finds the
+//! first cells of a ray. `sample` makes index maps.
 //!
 //! Takes a grid and its normals, and follows their changes; knows no document. Levels do not depend on the order in
 //! which bricks are computed, nor on threads.

@@ -2,8 +2,8 @@
 //! voxel below the surface, from which [`super::level_set`] makes the smooth surface; and the openness of each
 //! ([`super::occlusion`]), which comes of the same bits.
 //!
-//! A normal depends on the voxels within two bricks of its own: [`window`] estimates it from the smoothed bits,
-//! [`cells`] refines it by what lies around on the same surface. After an edit only the bricks around it are
+//! A normal depends on the voxels within two bricks of its own: `window` estimates it from the smoothed bits,
+//! `cells` refines it by what lies around on the same surface. After an edit only the bricks around it are
 //! computed again, on all cores; those that a picture does not show can be put off. After opening a sculpture all are
 //! computed, in portions, so that no picture waits. Until then, and for voxels that are no surface, shaders use
 //! [`super::normal`].

@@ -1,7 +1,7 @@
 //! Traces sixteen rays at once through one brick.
 //!
 //! From the pixels of the rays and a non-empty brick to the first existing voxel on each ray. Orders
-//! crossings as [`super::ray`] defines, by the same arithmetic.
+//! crossings as `ray` defines, by the same arithmetic.
 
 use fearless_simd::{Level, Simd, f32x16, mask32x16, prelude::*, u8x16, u8x64, u32x16};
 use glam::{IVec3, Vec3};

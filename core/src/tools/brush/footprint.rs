@@ -1,6 +1,6 @@
 //! Footprints: where a brush is in the picture, as rays around an aim, and the rule by which it takes voxels of the surface.
 //!
-//! Knows no brush and no grid; [`super::kernel::touched`] takes the voxels.
+//! Knows no brush and no grid; `kernel::touched` takes the voxels.
 
 use glam::{IVec3, UVec2, Vec3};
 

@@ -1,7 +1,7 @@
 //! Smoothing by a level as large as the brush: forms smaller than the brush go, larger ones stay.
 //!
 //! From a grid, a footprint and a strength to the voxels that appear and vanish. The smoothed surface is where half of the
-//! neighbourhood exists ([`self::field`]). The surface goes the share of the way to it that the strength says, less
+//! neighbourhood exists (`field`). The surface goes the share of the way to it that the strength says, less
 //! towards the rim of the footprint, and at most half a radius. Room hidden close behind the surface counts as existing,
 //! so that walls keep their thickness; clay that is added must have real clay around it, too. At the ends of walls and posts
 //! half of what exists farther in is enough, so that they are rounded and stay.
