@@ -34,6 +34,7 @@ use crate::format::options::ImportOptions;
 use crate::format::{FormatError, store};
 use crate::gpu::{Device, DeviceOptions, GpuError, Headless};
 use crate::progress::Progress;
+use crate::remedy::told;
 use crate::render::renderer::DeviceTimes;
 use crate::render::{RenderMode, Volume};
 use crate::sculpture::GridError;
@@ -146,15 +147,15 @@ pub struct BenchJob {
 /// Why a benchmark failed.
 #[derive(Debug, Error)]
 pub enum BenchError {
-    #[error("cannot use {subject}: {error}")]
+    #[error("cannot use {subject}: {}", told(error))]
     Subject { subject: String, error: FormatError },
-    #[error("cannot measure files: {0}")]
+    #[error("cannot measure files: {}", told(.0))]
     Files(FormatError),
-    #[error(transparent)]
+    #[error("{}", told(.0))]
     Command(#[from] CommandError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    #[error(transparent)]
+    #[error("{}", told(.0))]
     Grid(#[from] GridError),
     #[error(transparent)]
     Trace(#[from] TraceError),

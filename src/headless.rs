@@ -27,6 +27,7 @@ use crate::mesh::MeshKind;
 use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::print_check::CheckError;
 use crate::progress::Progress;
+use crate::remedy::told;
 use crate::render::RenderMode;
 use crate::sculpture::Rgb;
 use crate::session::{Session, SessionError};
@@ -179,15 +180,15 @@ impl Default for PictureRequest {
 /// Why a job failed.
 #[derive(Debug, Error)]
 pub enum JobError {
-    #[error(transparent)]
+    #[error("{}", told(.0))]
     Session(#[from] SessionError),
-    #[error("cannot read {path}: {error}")]
+    #[error("cannot read {path}: {}", told(error))]
     Info { path: PathBuf, error: FormatError },
     #[error("cannot read the script {path}: {error}")]
     ReadScript { path: PathBuf, error: std::io::Error },
     #[error("script {path}, {error}")]
     Script { path: PathBuf, error: ScriptError },
-    #[error("script {path}, line {line} (`{command}`): {error}")]
+    #[error("script {path}, line {line} (`{command}`): {}", told(error))]
     Command { path: PathBuf, line: usize, command: String, error: Box<SessionError> },
     #[error("cannot read commands from the standard input: {0}")]
     Input(std::io::Error),
@@ -205,7 +206,7 @@ pub enum JobError {
     OutExists(PathBuf),
     #[error("cannot use the journal {path}: {error}")]
     Journal { path: PathBuf, error: std::io::Error },
-    #[error("nothing can be recovered from {path}: {error}")]
+    #[error("nothing can be recovered from {path}: {}", told(error))]
     Unrecoverable { path: PathBuf, error: JournalError },
     #[error(
         "{out} was written, but it may differ from the original: {difference}; journal {number} is kept"
@@ -213,7 +214,7 @@ pub enum JobError {
     ReplayDiffers { out: PathBuf, number: u64, difference: String },
     #[error("cannot create the folder {path}: {error}")]
     Folder { path: PathBuf, error: std::io::Error },
-    #[error(transparent)]
+    #[error("{}", told(.0))]
     Check(#[from] CheckError),
     #[error("it cannot be printed as it is; the findings say why")]
     NotPrintable,

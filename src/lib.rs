@@ -26,6 +26,7 @@ pub mod options;
 pub mod picking;
 pub mod picture;
 pub mod progress_bar;
+pub mod remedy;
 pub mod render;
 pub mod screen;
 mod system_fonts;
@@ -38,5 +39,5 @@ pub mod viewpoint;
 
 pub use sculpture_core::{
     command, document, format, journal, mesh, print_check, progress, saved_history, scenes,
-    sculpture, session, shade, surface, tools, trace, view,
+    sculpture, session, shade, surface, tools, trace, view, voxelise,
 };

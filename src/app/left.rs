@@ -16,6 +16,7 @@ use crate::journal::files::Source;
 use crate::journal::{JournalError, JournalOptions, Left, Shelf};
 use crate::notice::Notice;
 use crate::progress::{Progress, Report};
+use crate::remedy::told;
 use crate::sculpture::Digest;
 use crate::session::{self, Recovered, Session};
 use crate::shade::portrait;
@@ -122,7 +123,7 @@ fn all_left(shelf: &Shelf, limits: &Limits, report: &Report) -> Result<Vec<LeftS
             Err(JournalError::Checkpoint(FormatError::Cancelled)) => {
                 return Err(Failure::Cancelled);
             }
-            Err(error) => Err(failure(shelf, number, &error)),
+            Err(error) => Err(failure(shelf, number, &told(&error))),
             Ok(recovered)
                 if is_untouched(&recovered.session)
                     || is_in_its_file(&recovered, limits, report) =>
@@ -192,7 +193,7 @@ fn bring_back(
     let recovered = session::recover(source, limits, Some(journals.shelf.folder()), report);
     let Recovered { mut session, report } = recovered.map_err(|error| match error {
         JournalError::Checkpoint(FormatError::Cancelled) => Failure::Cancelled,
-        error => Failure::Error(failure(&journals.shelf, number, &error)),
+        error => Failure::Error(failure(&journals.shelf, number, &told(&error))),
     })?;
     let path = journals.shelf.path(number);
     if let Some(difference) = report.difference {

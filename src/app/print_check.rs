@@ -8,6 +8,7 @@ use super::workspace::Workspace;
 use crate::editor::job::Failure;
 use crate::print_check::{self, CheckError, CheckOptions};
 use crate::progress::Report;
+use crate::remedy::told;
 use crate::ui::print_check::Found;
 
 impl Workspace {
@@ -44,7 +45,7 @@ impl Workspace {
                 Ok(note.to_string())
             }
             Err(CheckError::Cancelled) => Err(Failure::Cancelled),
-            Err(error) => Err(Failure::Error(format!("Print check: {error}"))),
+            Err(error) => Err(Failure::Error(format!("Print check: {}", told(&error)))),
         };
         self.editor.start_side_work(work, "Print check");
     }

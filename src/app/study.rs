@@ -11,6 +11,7 @@ use crate::editor::job::Failure;
 use crate::format::options::ImportOptions;
 use crate::format::{self, FormatError};
 use crate::progress::Report;
+use crate::remedy::told;
 
 impl Workspace {
     /// Starts to read a file that is to be imported; the dialog closes where there is other work.
@@ -20,7 +21,7 @@ impl Workspace {
         let work = move |report: &Report| {
             let found = match format::study(&path, &import, &limits, report) {
                 Err(FormatError::Cancelled) => return Err(Failure::Cancelled),
-                found => found.map_err(|error| error.to_string()),
+                found => found.map_err(|error| told(&error)),
             };
             *news.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
             Ok(String::new())

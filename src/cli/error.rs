@@ -10,6 +10,7 @@ use crate::head_tracking::SourceError;
 use crate::headless::JobError;
 use crate::picture::{LINEAR_ENDING, PictureError};
 use crate::print_check::CheckError;
+use crate::remedy::told;
 use crate::session::SessionError;
 use crate::terminal::OutputError;
 use crate::track::TrackError;
@@ -41,7 +42,7 @@ pub enum ProgramError {
     Arguments(#[from] ArgumentError),
     #[error(transparent)]
     Config(#[from] ConfigError),
-    #[error(transparent)]
+    #[error("{}", told(.0))]
     Session(#[from] SessionError),
     #[error(transparent)]
     Job(#[from] JobError),

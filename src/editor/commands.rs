@@ -8,6 +8,7 @@ use crate::command::Command;
 use crate::document::{Applied, CommandError};
 use crate::format;
 use crate::format::options::ExportOptions;
+use crate::remedy::told;
 use crate::session::SessionError;
 
 impl Editor {
@@ -165,8 +166,9 @@ impl Editor {
             self.outcomes.push(Outcome::Unkept(unkept));
             return;
         }
-        tracing::warn!("{command}: {error}");
-        self.error(error.to_string());
+        let why = told(&error);
+        tracing::warn!("{command}: {why}");
+        self.error(why);
     }
 
     /// Says once that the recording has ended, or that the journal or the history cannot be written; the work goes on.

@@ -17,6 +17,7 @@ use crate::command::Command;
 use crate::document::Applied;
 use crate::notice::Notice;
 use crate::progress::{Report, Stage};
+use crate::remedy::told;
 use crate::sculpture::edit::EditStats;
 use crate::session::{Done, FileIdentity, Session, SessionError, Work};
 use crate::tools::repair::Mend;
@@ -87,8 +88,8 @@ impl From<SessionError> for Failure {
         match error {
             error if error.is_cancelled() => Failure::Cancelled,
             SessionError::ChangedOnDisk { path, found } => Failure::ChangedOnDisk(path, found),
-            SessionError::InUse { ref path, .. } => Failure::InUse(path.clone(), error.to_string()),
-            error => Failure::Error(error.to_string()),
+            SessionError::InUse { ref path, .. } => Failure::InUse(path.clone(), told(&error)),
+            error => Failure::Error(told(&error)),
         }
     }
 }

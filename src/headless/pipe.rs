@@ -13,6 +13,7 @@ use serde::Serialize;
 use super::{JobError, RunJob};
 use crate::command::Command;
 use crate::progress::Progress;
+use crate::remedy::told;
 use crate::session::Session;
 use crate::terminal::{self, OutputError};
 
@@ -127,7 +128,7 @@ fn execute(
         return Ok(None);
     }
     let command: Command = text.parse().map_err(|error| format!("{error}"))?;
-    let applied = session.execute(&command, progress).map_err(|error| error.to_string())?;
+    let applied = session.execute(&command, progress).map_err(|error| told(&error))?;
     let travels = matches!(command, Command::Undo { .. } | Command::Redo { .. });
     Ok(travels.then_some(applied.steps))
 }

@@ -12,6 +12,7 @@ use crate::command::Command;
 use crate::format::options::ExportOptions;
 use crate::journal::frame::Ending;
 use crate::journal::{Left, Shelf};
+use crate::remedy::told;
 use crate::session::{self, Recovered, Summary};
 use crate::terminal;
 use crate::time_text::utc_text;
@@ -103,7 +104,7 @@ fn list(shelf: &Shelf, as_json: bool, context: &Context) -> Result<(), JobError>
         };
         let (bytes, changed) = (source.bytes, source.changed_unix_s);
         let value = match session::summary(source, &context.config.limits()) {
-            Err(error) => damaged(number, &error.to_string(), as_json)?,
+            Err(error) => damaged(number, &told(&error), as_json)?,
             Ok(summary) if as_json => value_of(number, &summary, bytes, changed),
             Ok(summary) if summary.untouched => {
                 untouched += 1;

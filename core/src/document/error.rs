@@ -1,4 +1,4 @@
-//! Errors of commands. Messages are for users.
+//! Errors of commands. Messages are for users, but name no setting or flag, which only the program has.
 
 use std::path::PathBuf;
 
@@ -23,8 +23,7 @@ pub enum CommandError {
     NoColour,
     /// The colours would not fit into [`crate::sculpture::Limits::colour_bytes`].
     #[error(
-        "this may need {needed_mib} MiB for colours, more than the {budget_mib} MiB \
-         allowed; raise memory.colour_mib in the settings"
+        "this may need {needed_mib} MiB for colours, more than the {budget_mib} MiB allowed for them"
     )]
     ColourMemory {
         /// MiB needed.
@@ -35,8 +34,7 @@ pub enum CommandError {
     /// The step cannot be undone, and that was not allowed.
     #[error(
         "the history cannot keep `{step}`: it takes {needed_mib} MiB of the {budget_mib} MiB \
-         allowed; raise memory.history_mib or memory.history_disk_gib in the settings, or use \
-         `irreversible on` to do it without undo"
+         allowed for undo steps; `irreversible on` does it without undo"
     )]
     Irreversible {
         /// Label of the step.

@@ -1,4 +1,5 @@
-//! Errors of reading and writing files. Messages are for users: they say what is wrong and what to do.
+//! Errors of reading and writing files. Messages are for users: they say what is wrong and what to do, but name no
+//! setting or flag, which only the program has.
 //! Callers add the name of the file.
 
 use glam::UVec3;
@@ -31,7 +32,7 @@ pub enum FormatError {
     NoScanInFolder,
     /// No format has this file extension.
     #[error(
-        "the file extension `{0}` is unknown; read are .{list}; voxels alone, under any name, with `--raw 128x128x64:u16le`",
+        "the file extension `{0}` is unknown; read are .{list}; voxels alone, under any name, with a layout such as 128x128x64:u16le",
         list = super::READ_ENDINGS.join(", .")
     )]
     UnknownEnding(String),
@@ -55,8 +56,7 @@ pub enum FormatError {
     Packed(&'static str),
     /// Reading needs more memory than the limits allow.
     #[error(
-        "reading this file needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
-         raise memory.grid_mib or memory.colour_mib in the settings"
+        "reading this file needs {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids and colours"
     )]
     Memory {
         /// MiB needed.
@@ -171,6 +171,12 @@ pub enum FormatError {
         /// Why it cannot be read.
         why: String,
     },
+    /// The voxels of a scan without its header.
+    #[error(
+        "a file of this name holds the voxels of a scan, whose header of the same name and the ending .hdr is not beside \
+         it; put it there, or describe the voxels by a layout such as 128x128x64:u16le"
+    )]
+    NoScanHeader,
     /// A scan that is not what its name says, or of a kind that is not read.
     #[error("{0}")]
     Scan(String),
@@ -256,7 +262,7 @@ pub enum FormatError {
     Components(u32),
     /// A colouring that needs densities, of a volume that has none.
     #[error(
-        "{colouring} colours are made from densities, but this volume holds {samples}; leave `--colouring` out"
+        "{colouring} colours are made from densities, but this volume holds {samples}; leave the colouring out"
     )]
     NotDensities {
         /// The colouring asked for.
@@ -274,8 +280,8 @@ pub enum FormatError {
     ThresholdOfPacked,
     /// The colours would not fit into [`crate::sculpture::Limits::colour_bytes`].
     #[error(
-        "the colours need {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
-         read it with fewer bits of colour, or raise memory.colour_mib in the settings"
+        "the colours need {needed_mib} MiB, more than the {budget_mib} MiB allowed for them; \
+         read it with fewer bits of colour"
     )]
     ColourMemory {
         /// MiB needed.
@@ -304,7 +310,7 @@ pub enum FormatError {
     FormOfMesh(ExportForm),
     /// The y axis points up in every .glb file.
     #[error(
-        "a .glb file always has the y axis up, which programs turn as they need; leave out `--up z`"
+        "a .glb file always has the y axis up, which programs turn as they need; leave the axis out"
     )]
     UpOfGlb,
     /// Points alone, but not in a .ply file.
@@ -319,13 +325,13 @@ pub enum FormatError {
     /// More vertices or triangles than the format can count.
     #[error(
         "the mesh has {0} vertices or triangles, more than the format can count; \
-         limit it with `--triangles`, or export a smaller part of the sculpture"
+         limit its triangles, or export a smaller part of the sculpture"
     )]
     TooLargeForMesh(u64),
     /// A .glb file must stay below 4 GiB.
     #[error(
         "the mesh takes {0} bytes, but a .glb file must stay below 2^32; \
-         limit it with `--triangles`, or choose .ply"
+         limit its triangles, or choose .ply"
     )]
     TooLargeForGlb(u64),
     /// There is no mesh.

@@ -427,7 +427,7 @@ fn read_volume(
                 options.colouring == Colouring::Auto && options.existence == Existence::Auto;
             if is_open && !is_label && labels::look_like_labels(&volume) {
                 notes.push(
-                    "it holds few whole numbers, as labels are: `--colouring labels` gives each a colour of its own"
+                    "it holds few whole numbers, as labels are: the colouring `labels` gives each a colour of its own"
                         .to_string(),
                 );
             }

@@ -1,4 +1,4 @@
-//! Options for reading and writing files. Each has a text form, for the command line and for scripts.
+//! Options for reading and writing files. Each has a text form, for scripts and for command lines.
 //!
 //! Knows no file and no grid.
 

@@ -92,8 +92,8 @@ pub enum MeshError {
     TooLarge(u64),
     /// The mesh would take more memory than allowed.
     #[error(
-        "the mesh needs at least {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
-         raise memory.grid_mib or memory.colour_mib in the settings, or export a smaller part of the sculpture"
+        "the mesh needs at least {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids and colours; \
+         export a smaller part of the sculpture"
     )]
     Memory {
         /// MiB needed, as far as that is known.
@@ -103,8 +103,8 @@ pub enum MeshError {
     },
     /// Simplifying the mesh would take more memory than allowed.
     #[error(
-        "simplifying {triangles} triangles needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
-         raise memory.grid_mib or memory.colour_mib in the settings, or export without a limit of triangles"
+        "simplifying {triangles} triangles needs {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids \
+         and colours; export without a limit of triangles"
     )]
     SimplifyMemory {
         /// Triangles of the mesh.

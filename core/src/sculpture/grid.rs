@@ -72,8 +72,8 @@ pub enum GridError {
     Index(u32, u32, u32, u64),
     /// The grid needs more bytes than allowed.
     #[error(
-        "grid of {dims} voxels needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
-         choose a smaller grid (at most {cube}x{cube}x{cube}) or raise memory.grid_mib in the settings",
+        "grid of {dims} voxels needs {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids; \
+         choose a smaller grid (at most {cube}x{cube}x{cube})",
         cube = largest_within(.budget_mib)
     )]
     Memory {
@@ -416,7 +416,7 @@ mod tests {
         assert!(matches!(new([4097, 1, 1], ROOM), Err(GridError::Axis(..))));
         assert!(matches!(new([4096, 4096, 4096], u64::MAX), Err(GridError::Index(..))));
         let error = new([1024, 1024, 1024], 64 << 20).unwrap_err().to_string();
-        assert!(error.contains("64 MiB allowed") && error.contains("memory.grid_mib"), "{error}");
+        assert!(error.contains("64 MiB allowed for grids"), "{error}");
         assert!(error.contains("at most 800x800x800"), "{error}");
         assert!(new([800; 3], 64 << 20).is_ok() && new([801; 3], 64 << 20).is_err());
         let error = new([2048, 2048, 2048], u64::MAX).unwrap_err().to_string();

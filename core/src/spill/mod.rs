@@ -252,7 +252,7 @@ impl Shared {
                 if matches!(reason, Blocked::Failed) && !std::mem::replace(&mut state.told, true) {
                     state.message = Some(format!(
                         "the history cannot be written to the disk ({why}); work goes on, and the oldest steps \
-                         are dropped once memory.history_mib is full"
+                         are dropped once they exceed the memory that is allowed for them"
                     ));
                 }
                 state.blocked = Some(reason);

@@ -40,8 +40,8 @@ pub enum PiecesError {
     Cancelled,
     /// So many pieces need more memory than allowed.
     #[error(
-        "finding the pieces needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
-         remove noise with another threshold, or raise memory.grid_mib in the settings"
+        "finding the pieces needs {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids; \
+         remove noise with another threshold"
     )]
     Memory {
         /// MiB needed.

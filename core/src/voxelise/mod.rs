@@ -61,8 +61,8 @@ pub enum VoxeliseError {
     Grid(#[from] GridError),
     /// The work needs more memory than allowed.
     #[error(
-        "the mesh needs {needed_mib} MiB at this size, more than the {budget_mib} MiB allowed; \
-         choose fewer voxels, or raise memory.grid_mib or memory.colour_mib in the settings"
+        "the mesh needs {needed_mib} MiB at this size, more than the {budget_mib} MiB allowed for grids \
+         and colours; choose fewer voxels"
     )]
     Memory {
         /// MiB needed.

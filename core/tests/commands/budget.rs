@@ -118,7 +118,10 @@ fn a_step_beyond_the_budget_is_refused_unless_irreversible_steps_are_allowed() {
         let error = apply(&mut document, line).expect_err(line);
         assert!(matches!(error, CommandError::Irreversible { .. }), "{line}: {error}");
         let text = error.to_string();
-        assert!(text.contains("memory.history_mib") && text.contains("irreversible on"), "{text}");
+        assert!(
+            text.contains("allowed for undo steps") && text.contains("irreversible on"),
+            "{text}"
+        );
         assert!(all_of(&document) == before, "{line}");
         assert_eq!((document.state(), document.selection().marker()), (state, marker), "{line}");
     }

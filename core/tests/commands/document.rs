@@ -306,7 +306,7 @@ fn colours_stay_within_their_budget() {
     let too_much = ball(EditOp::Add(Some(RED)), Vec3::splat(20.0), 9.0);
     let refused = document.apply(&too_much).unwrap_err();
     assert!(matches!(refused, CommandError::ColourMemory { .. }), "{refused}");
-    assert!(refused.to_string().contains("memory.colour_mib"), "{refused}");
+    assert!(refused.to_string().contains("MiB for colours"), "{refused}");
     assert_eq!(document.contents(), &before);
     assert_eq!(document.history().undo_count(), 1);
     // What needs no new pages is always possible: again, base colour, subtract.

@@ -46,7 +46,7 @@ fn labels_with_their_own_colours_or_a_word_about_them() {
     let colours = &[([219, 130, 99], 504), ([240, 214, 145], 504), ([143, 237, 143], 504)];
     let notes = &["segments: 3 (liver, bone, tumour)"];
     check(fixture("09_slicer_segmentation.seg.nrrd"), Right { colours, notes, ..Right::default() });
-    let notes = &["`--colouring labels`"];
+    let notes = &["colouring `labels`"];
     check(fixture("09_labels_nointent.nii.gz"), Right { notes, ..Right::default() });
     let options = ImportOptions { colouring: Colouring::Labels, ..ImportOptions::default() };
     let loaded = load(&fixture("09_labels_nointent.nii.gz"), &options).unwrap();
@@ -155,7 +155,7 @@ fn pairs_of_header_and_voxels_packed_or_opened_by_either() {
     let folder = tempfile::tempdir().unwrap();
     let alone = folder.path().join("alone.img");
     std::fs::copy(fixture("nii_pair.img"), &alone).unwrap();
-    refused(alone.clone(), &["not beside it", "--raw"]);
+    refused(alone.clone(), &["not beside it", "layout"]);
     // Voxels alone, under any name.
     let layout: RawLayout = "24x20x10:i16le".parse().unwrap();
     let options =

@@ -14,6 +14,7 @@ use crate::folders::state_folder;
 use crate::gpu::DeviceOptions;
 use crate::input::Bindings;
 use crate::journal::JournalOptions;
+use crate::remedy::told;
 use crate::session::Session;
 
 /// Waits for a headset and works on `session` in it until the person exits.
@@ -53,7 +54,7 @@ pub fn run(
                 )
             }
             Ok(Kept::File(path)) => tracing::warn!("the sculpture was saved to {}", path.display()),
-            Err(error) => tracing::error!("the sculpture could not be saved: {error}"),
+            Err(error) => tracing::error!("the sculpture could not be saved: {}", told(&error)),
         }
     }
     match headset.validation_messages() {

@@ -85,13 +85,7 @@ pub fn header_of(path: &Path) -> Result<Option<PathBuf>, FormatError> {
     if !name.ends_with(".img") && !name.ends_with(".img.gz") {
         return Ok(None);
     }
-    partner(path, "img", "hdr").map(Some).ok_or_else(|| {
-        FormatError::Scan(
-            "a file of this name holds the voxels of a scan, whose header of the same name and the ending .hdr is not \
-             beside it; put it there, or describe the voxels with `--raw 128x128x64:u16le`"
-                .to_string(),
-        )
-    })
+    partner(path, "img", "hdr").map(Some).ok_or(FormatError::NoScanHeader)
 }
 
 /// The other file of a pair that is there, packed or not: with `to` instead of `from` in its ending, in capitals or not.

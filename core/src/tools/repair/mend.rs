@@ -81,8 +81,7 @@ pub enum MendError {
     Length(&'static str),
     /// Measuring walls takes too much memory.
     #[error(
-        "measuring the walls needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
-         raise memory.grid_mib in the settings"
+        "measuring the walls needs {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids"
     )]
     Memory {
         /// MiB needed.
