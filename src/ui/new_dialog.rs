@@ -6,6 +6,7 @@ use glam::{UVec3, Vec3};
 
 use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::{Command, NewSculpture};
+use crate::remedy::told;
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::{ColourDepth, Grid as VoxelGrid, Rgb};
 
@@ -60,7 +61,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         match &refusal {
             None => memory(ui, dialog),
             Some(error) => {
-                ui.colored_label(theme::error_colour(ui.visuals()), error.to_string());
+                ui.colored_label(theme::error_colour(ui.visuals()), told(error));
             }
         }
         ui.weak("You can get the current sculpture back with Undo.");

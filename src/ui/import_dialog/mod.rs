@@ -28,6 +28,7 @@ use crate::format::options::{ImportOptions, RawLayout, Region};
 use crate::format::{
     FormatError, MeshStudy, ModelStudy, Outlook, Study, VolumeStudy, family, needs_layout,
 };
+use crate::remedy::told;
 use crate::sculpture::Limits;
 
 /// The widest dialog, in points, and the space that stays free beside it in a small window.
@@ -279,7 +280,7 @@ fn foot(ui: &mut Ui, dialog: &mut ImportDialog, context: &UiContext, enter: bool
             become_of(ui, outlook, context.document.limits());
             None
         }
-        Some(Err(error)) => Some(error.to_string()),
+        Some(Err(error)) => Some(told(error)),
         None => None,
     };
     if let Some(error) = &error {
