@@ -1,4 +1,4 @@
-//! Which setting or flag of the program lifts what the core has refused.
+//! Names the setting or flag of the program that lifts what the core has refused.
 //!
 //! Takes errors of the core, which know neither; gives the end of their message. Knows no interface: whoever shows an
 //! error shows [`told`] of it.
