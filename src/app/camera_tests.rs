@@ -7,7 +7,7 @@ use super::Workspace;
 use crate::config::Config;
 use crate::input::{Action, Bindings};
 use crate::session::Session;
-use crate::ui::toasts::Tone;
+use crate::ui::widgets::toasts::Tone;
 use crate::video::{Frame, Intrinsics};
 use crate::viewpoint::camera::VideoState;
 

@@ -20,7 +20,7 @@ use crate::gpu::{Device, GpuError};
 use crate::input::Panel;
 use crate::screen::pen::WindowKey;
 use crate::ui::state::PanelPlace;
-use crate::ui::theme;
+use crate::ui::widgets::theme;
 
 /// When a window without a free image first tries again; doubled after each attempt.
 const RETRY: Duration = Duration::from_millis(8);

@@ -19,7 +19,7 @@ use crate::input::{Action, ActionEvent, Side};
 use crate::notice::Notice;
 use crate::render::RenderMode;
 use crate::sculpture::Placement;
-use crate::ui::files::FileTask;
+use crate::ui::dialogs::files::FileTask;
 use crate::ui::state::PasteAs;
 use crate::ui::{ScreenshotTo, UiRequest};
 use crate::view::{Room, StereoLayout};

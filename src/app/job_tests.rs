@@ -14,9 +14,9 @@ use crate::progress::{Progress, Report};
 use crate::session::Session;
 use crate::trace::MAX_FINAL_SAMPLES;
 use crate::ui::UiRequest;
-use crate::ui::film_dialog::{FilmForm, FilmKind, FilmRequest};
-use crate::ui::final_dialog::{FinalFile, FinalRequest};
-use crate::ui::toasts::Tone;
+use crate::ui::dialogs::film::{FilmForm, FilmKind, FilmRequest};
+use crate::ui::dialogs::final_picture::{FinalFile, FinalRequest};
+use crate::ui::widgets::toasts::Tone;
 
 fn workspace() -> Workspace {
     let mut config = Config::default();

@@ -21,7 +21,7 @@ use crate::sculpture::Digest;
 use crate::session::{self, Recovered, Session};
 use crate::shade::portrait;
 use crate::time_text::utc_text;
-use crate::ui::recovery_dialog::{LeftSession, LeftWork};
+use crate::ui::dialogs::recovery::{LeftSession, LeftWork};
 
 /// Size of the pictures in the list, in pixels.
 const PICTURE_PX: UVec2 = UVec2::new(128, 96);

@@ -222,7 +222,7 @@ mod tests {
     use crate::input::Bindings;
     use crate::render::RenderMode;
     use crate::session::Session;
-    use crate::ui::toasts::Tone;
+    use crate::ui::widgets::toasts::Tone;
 
     /// A log in memory.
     #[derive(Clone, Default)]

@@ -9,7 +9,7 @@ use crate::editor::job::Failure;
 use crate::print_check::{self, CheckError, CheckOptions};
 use crate::progress::Report;
 use crate::remedy::told;
-use crate::ui::print_check::Found;
+use crate::ui::dialogs::print_check::Found;
 
 impl Workspace {
     /// Opens the window of the check, which begins unless the sculpture has been checked, or closes it.

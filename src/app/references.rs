@@ -88,7 +88,7 @@ mod tests {
     use crate::config::Config;
     use crate::input::{Action, Bindings};
     use crate::session::Session;
-    use crate::ui::toasts::Tone;
+    use crate::ui::widgets::toasts::Tone;
 
     fn workspace() -> Workspace {
         let mut config = Config::default();

@@ -287,7 +287,7 @@ impl Workspace {
 
     /// The messages alone, for a person who wears a headset and has the board closed.
     pub fn show_messages(&mut self, root: &mut Ui) {
-        ui::theme::apply(root.ctx(), self.ui.appearance.theme, self.ui.appearance.scale);
+        ui::widgets::theme::apply(root.ctx(), self.ui.appearance.theme, self.ui.appearance.scale);
         let within = root.max_rect();
         self.ui.toasts.show(root, within);
     }
@@ -321,7 +321,7 @@ impl Workspace {
     }
 
     fn finish_pass(&mut self, root: &Ui, requests: Vec<UiRequest>) {
-        if let Some(complaint) = ui::numbers::see(root.ctx()) {
+        if let Some(complaint) = ui::widgets::numbers::see(root.ctx()) {
             self.ui.toasts.note(complaint);
         }
         if !requests.is_empty() {

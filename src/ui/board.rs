@@ -3,12 +3,13 @@
 
 use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui};
 
-use super::{
-    UiContext, UiRequest, UiState, busy, changed_on_disk, export_dialog, files, film_dialog,
-    final_dialog, guide, history, import_dialog, in_use, light, new_dialog, numbers, options,
-    palette, recovery_dialog, theme, toolbox, top_bar, unkept, unsaved, upright,
-};
 use crate::input::hands::HandSide;
+use crate::ui::dialogs::{
+    busy, changed_on_disk, export, files, film, final_picture, guide, import, in_use, light, new,
+    palette, recovery, unkept, unsaved, upright,
+};
+use crate::ui::widgets::{numbers, theme};
+use crate::ui::{UiContext, UiRequest, UiState, history, options, toolbox, top_bar};
 
 const TOOLBOX_WIDTH: f32 = 190.0;
 const HISTORY_WIDTH: f32 = 290.0;
@@ -92,12 +93,12 @@ pub fn show(
     guide::show(root, state, context, requests);
     light::show(root, state);
     palette::show(root, state, context, requests);
-    new_dialog::show(root, state, context, requests);
-    final_dialog::show(root, state, context, requests);
-    film_dialog::show(root, state, context, requests);
-    export_dialog::show(root, state, context, requests);
-    import_dialog::show(root, state, context, requests);
-    recovery_dialog::show(root, state, requests);
+    new::show(root, state, context, requests);
+    final_picture::show(root, state, context, requests);
+    film::show(root, state, context, requests);
+    export::show(root, state, context, requests);
+    import::show(root, state, context, requests);
+    recovery::show(root, state, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);
     changed_on_disk::show(root, state, requests);

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 
 use egui::{Align2, Area, Frame, Id, LayerId, Order, Rect, Stroke, StrokeKind, Ui};
 
-use super::{UiRequest, UiState, theme};
 use crate::format::options::ImportOptions;
 use crate::format::{READ_ENDINGS, can_be_read};
+use crate::ui::widgets::theme;
+use crate::ui::{UiRequest, UiState};
 
 /// Endings of images that can be reference pictures.
 const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];

@@ -5,9 +5,10 @@ use egui::{Align2, Area, Color32, FontId, Id, Order, Pos2, Rect, Response, Sense
 use egui::{WidgetInfo, WidgetType, vec2};
 use glam::{Vec2, Vec3};
 
-use super::buttons::explain;
-use super::{Theme, UiContext, UiRequest, UiState, theme};
 use crate::input::Action;
+use crate::ui::widgets::buttons::explain;
+use crate::ui::widgets::theme;
+use crate::ui::{Theme, UiContext, UiRequest, UiState};
 use crate::viewpoint::turntable::side_facing;
 
 /// From the middle to the ends of the axes, in points.

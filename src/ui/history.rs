@@ -3,9 +3,9 @@
 
 use egui::{Button, RichText, ScrollArea, Ui};
 
-use super::top_bar::capital;
-use super::{UiContext, UiRequest};
 use crate::command::Command;
+use crate::ui::top_bar::capital;
+use crate::ui::{UiContext, UiRequest};
 
 /// `height`: of the list at most, in points.
 pub fn show(ui: &mut Ui, context: &UiContext, height: f32, requests: &mut Vec<UiRequest>) {

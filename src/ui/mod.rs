@@ -3,76 +3,22 @@
 //! Reads the program through [`UiContext`], changes its own choices in [`UiState`] alone, and says
 //! what else the person wants as [`UiRequest`]s. It changes no sculpture and knows no Vulkan.
 
-pub mod ar;
 pub mod board;
-mod brush_icons;
-mod brush_options;
-pub mod busy;
-pub mod buttons;
-pub mod changed_on_disk;
 pub mod dialogs;
-mod draw_icons;
-mod draw_options;
-mod draw_progress;
 mod dropped;
-mod elsewhere;
-pub mod export_dialog;
-pub mod files;
-pub mod film_dialog;
-pub mod filter;
-pub mod final_dialog;
-mod final_rows;
-pub mod gamepad;
 pub mod gizmo;
-pub mod guide;
-pub mod head;
 pub mod history;
-pub mod icons;
-pub mod import_dialog;
-pub mod in_use;
-pub mod key_catch;
-pub mod key_table;
-pub mod keyboard;
-pub mod light;
-pub mod look;
-pub mod marker_options;
-pub mod masks;
 pub mod memory;
-mod memory_brushes;
-mod memory_check;
-mod memory_draw;
-mod memory_final;
-mod memory_pen;
-mod memory_references;
-pub mod new_dialog;
-pub mod numbers;
 pub mod options;
-pub mod palette;
 pub mod panels;
-pub mod pen_options;
-pub mod picture_size;
-pub mod print_check;
-pub mod recent;
-pub mod recovery_dialog;
 pub mod references;
-mod section;
-mod spot;
 pub mod state;
 pub mod status;
-pub mod stereo_options;
 pub mod switches;
-mod symmetry_options;
-pub mod theme;
-pub mod tints;
-pub mod toasts;
-pub mod tool_options;
 pub mod toolbox;
 pub mod top_bar;
-pub mod unkept;
-pub mod unsaved;
-pub mod upright;
-pub mod video;
 pub mod view_options;
+pub mod widgets;
 pub mod window_options;
 
 use std::path::Path;
@@ -91,8 +37,15 @@ use crate::viewpoint::ar::ArStatus;
 use crate::viewpoint::camera::VideoStatus;
 use crate::viewpoint::head::HeadStatus;
 
+use dialogs::{
+    busy, changed_on_disk, export, files, film, final_picture, guide, import, in_use, key_catch,
+    key_table, light, masks, new, palette, print_check, recovery, tints, unkept, unsaved, upright,
+};
+use options::head;
 pub use state::{ScreenshotTo, UiOptions, UiRequest, UiState, ViewState};
 pub use view_options::ViewOptions;
+use widgets::{numbers, theme};
+
 pub use window_options::{SCALE_RANGE, Theme, WindowOptions};
 
 /// How long the last picture took, in milliseconds.
@@ -208,12 +161,12 @@ pub fn show(
     key_table::show(root, state, context, requests);
     key_catch::show(root, state, requests);
     palette::show(root, state, context, requests);
-    new_dialog::show(root, state, context, requests);
-    final_dialog::show(root, state, context, requests);
-    film_dialog::show(root, state, context, requests);
-    export_dialog::show(root, state, context, requests);
-    import_dialog::show(root, state, context, requests);
-    recovery_dialog::show(root, state, requests);
+    new::show(root, state, context, requests);
+    final_picture::show(root, state, context, requests);
+    film::show(root, state, context, requests);
+    export::show(root, state, context, requests);
+    import::show(root, state, context, requests);
+    recovery::show(root, state, requests);
     head::calibration(root, context, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);

@@ -8,9 +8,10 @@ use egui::{Area, CentralPanel, Frame, Id, Margin, Order, Rect, Response, ScrollA
 use egui::{Sense, Ui, pos2, vec2};
 use egui::{WidgetInfo, WidgetType};
 
-use super::buttons::{action_button, explain};
-use super::{UiContext, UiRequest, UiState, history, icons, numbers, options, theme, toolbox};
 use crate::input::{Action, Panel};
+use crate::ui::widgets::buttons::{action_button, explain};
+use crate::ui::widgets::{icons, numbers, theme};
+use crate::ui::{UiContext, UiRequest, UiState, history, options, toolbox};
 
 const BUTTON: f32 = theme::LEAST_TARGET;
 /// Height of the strip along the top of the picture in which the pointer brings up the way back.

@@ -8,13 +8,14 @@ use std::sync::Arc;
 use egui::{ComboBox, DragValue, RichText, ScrollArea, Slider, Ui, Window, pos2};
 use glam::{Affine3A, Mat3, UVec3, Vec2, Vec3};
 
-use super::files::FileTask;
-use super::state::PasteAs;
-use super::top_bar::capital;
-use super::{UiState, theme};
 use crate::input::Side;
 use crate::render::{MAX_REFERENCES, ReferencePicture};
 use crate::shade::Pixels;
+use crate::ui::UiState;
+use crate::ui::dialogs::files::FileTask;
+use crate::ui::state::PasteAs;
+use crate::ui::top_bar::capital;
+use crate::ui::widgets::theme;
 use crate::viewpoint::turntable::side_frame;
 
 const WIDTH: f32 = 270.0;

@@ -3,10 +3,12 @@
 
 use egui::{Align, Frame, Layout, Margin, Panel, Ui};
 
-use super::buttons::explain;
-use super::{UiContext, ar, draw_progress, gamepad, head, theme};
 use crate::editor::tool::ToolKind;
 use crate::input::Action;
+use crate::ui::UiContext;
+use crate::ui::options::{ar, draw_progress, gamepad, head};
+use crate::ui::widgets::buttons::explain;
+use crate::ui::widgets::theme;
 
 pub fn show(root: &mut Ui, context: &UiContext) {
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 3));

@@ -3,9 +3,10 @@
 
 use egui::{Button, Ui};
 
-use super::buttons::{explain, menu_switch};
-use super::{UiContext, UiRequest, UiState, stereo_options};
 use crate::input::Action;
+use crate::ui::options::stereo;
+use crate::ui::widgets::buttons::{explain, menu_switch};
+use crate::ui::{UiContext, UiRequest, UiState};
 use crate::view::StereoLayout;
 
 /// The widths of the switches in the bar, in points, and of the items to the right of them.
@@ -44,7 +45,7 @@ pub fn bar(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut
     ui.separator();
     if !context.in_headset {
         ui.label("Stereo");
-        stereo_options::layouts(ui, state, context);
+        stereo::layouts(ui, state, context);
     }
     for (name, on, action) in switches(state, context) {
         let response = ui.add(Button::selectable(on, name));
@@ -58,7 +59,7 @@ pub fn menu(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
     if !context.in_headset {
         ui.menu_button("Stereo", |ui| {
             for layout in StereoLayout::ALL {
-                stereo_options::layout(ui, state, context, layout);
+                stereo::layout(ui, state, context, layout);
             }
         });
     }

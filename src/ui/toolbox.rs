@@ -2,17 +2,16 @@
 
 use egui::{Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
 
-use super::buttons::explain;
-use super::draw_options::draw_name;
-use super::top_bar::capital;
-use super::{
-    UiContext, UiRequest, UiState, brush_icons, draw_icons, icons, panels, section, theme,
-};
 use crate::editor::tool::ToolKind;
 use crate::input::{Action, DrawKind, Panel, ToolMode};
 use crate::tools::brush::BrushId;
 use crate::tools::brush::spec::BrushGroup;
 use crate::tools::solid::Solid;
+use crate::ui::options::draw::draw_name;
+use crate::ui::top_bar::capital;
+use crate::ui::widgets::buttons::explain;
+use crate::ui::widgets::{brush_icons, draw_icons, icons, section, theme};
+use crate::ui::{UiContext, UiRequest, UiState, panels};
 
 const ICON: f32 = 24.0;
 /// Least width of a button without a name.

@@ -3,13 +3,15 @@
 
 use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 
-use super::Theme;
-use super::buttons::{action_button, explain, menu_entry, menu_switch};
-use super::spot::{self, Spot};
-use super::{UiContext, UiRequest, UiState, recent, switches, upright};
 use crate::input::{Action, Axis, Panel, Side};
 use crate::render::RenderMode;
 use crate::sculpture::orientation::Up;
+use crate::ui::Theme;
+use crate::ui::dialogs::upright;
+use crate::ui::memory::recent;
+use crate::ui::widgets::buttons::{action_button, explain, menu_entry, menu_switch};
+use crate::ui::widgets::spot::{self, Spot};
+use crate::ui::{UiContext, UiRequest, UiState, switches};
 
 pub fn show(
     root: &mut Ui,

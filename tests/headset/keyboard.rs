@@ -1,7 +1,7 @@
 //! Typing a name on the board's keyboard with a ray and a trigger.
 
 use egui::{Pos2, Rect, vec2};
-use virtual_sculpture::ui::keyboard::{Cap, keys, place};
+use virtual_sculpture::ui::widgets::keyboard::{Cap, keys, place};
 
 use super::program::Program;
 use super::remote::{Remote, Side};

@@ -325,7 +325,7 @@ fn an_opened_sculpture_is_saved_to_its_file_and_an_opened_volume_is_not() {
 #[cfg(unix)]
 #[test]
 fn a_recording_that_ends_is_said_once_and_no_stroke_stays_open() {
-    use virtual_sculpture::ui::toasts::Tone;
+    use virtual_sculpture::ui::widgets::toasts::Tone;
 
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe");

@@ -6,7 +6,7 @@ use virtual_sculpture::render::{RenderMode, Shading};
 use virtual_sculpture::shade::{
     LightFrame, LightSource, Lighting, Look, Matcap, Smoothing, ToneMapping,
 };
-use virtual_sculpture::ui::look;
+use virtual_sculpture::ui::dialogs::look;
 
 use super::bench::{Bench, bench, bench_of, click, config, key, rest};
 

@@ -12,7 +12,7 @@ use virtual_sculpture::input::{Panel, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::solid::Solid;
 use virtual_sculpture::ui::Theme;
-use virtual_sculpture::ui::toasts::Tone;
+use virtual_sculpture::ui::widgets::toasts::Tone;
 
 use super::bench::{self, Bench, config, key, rest};
 

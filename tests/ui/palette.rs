@@ -4,7 +4,7 @@ use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::tools::brush::BrushId;
-use virtual_sculpture::ui::toasts::Tone;
+use virtual_sculpture::ui::widgets::toasts::Tone;
 
 use super::bench::{Bench, bench, has, key, rest, send};
 

@@ -6,7 +6,7 @@ use egui::{Event, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::Vec3;
 use virtual_sculpture::sculpture::history::SurfaceKind;
-use virtual_sculpture::ui::toasts::Tone;
+use virtual_sculpture::ui::widgets::toasts::Tone;
 use virtual_sculpture::ui::{ScreenshotTo, Theme};
 use virtual_sculpture::view::StereoLayout;
 

@@ -2,7 +2,7 @@
 
 use egui::{Event, Id, Key, Modifiers, Order, Rect, vec2};
 use egui_kittest::kittest::Queryable;
-use virtual_sculpture::ui::toasts::Tone;
+use virtual_sculpture::ui::widgets::toasts::Tone;
 
 use super::bench::{Bench, bench, bench_of, config, key_in, send};
 

@@ -13,7 +13,7 @@ use glam::{UVec2, Vec2};
 
 use crate::app::glyphs::Glyphs;
 use crate::input::hands::HandEvent;
-use crate::ui::keyboard::Keyboard;
+use crate::ui::widgets::keyboard::Keyboard;
 
 /// Longest time between two passes, in seconds: changes made in the window show on the board as well.
 const REFRESH_S: f64 = 0.25;

@@ -10,8 +10,8 @@ use crate::input::Bindings;
 use crate::input::hands::{Board, HandMapper, HandSettings, HandSide, HandsState};
 use crate::input::pad::stick::Response as StickResponse;
 use crate::session::Session;
-use crate::ui::files::FileTask;
-use crate::ui::keyboard::{Cap, keys};
+use crate::ui::dialogs::files::FileTask;
+use crate::ui::widgets::keyboard::{Cap, keys};
 use crate::view::Pose;
 
 const SIZE_PX: UVec2 = UVec2::new(1250, 800);

@@ -1,0 +1,370 @@
+//! The dialog that follows the choice of a file to open: it shows a scan, a mesh or a voxel model, asks what the file leaves open, and
+//! keeps the answers for the next file of its family. Files that leave nothing open are opened at once.
+//!
+//! Takes a path and what the file was found to hold, which others read; asks with a command to open. `volume`, `mesh`
+//! and `model` show what is asked; `histogram`, `slices`, `box_view` and `voxel_picture` draw.
+
+mod box_view;
+mod histogram;
+mod mesh;
+mod model;
+mod raw;
+mod remembered;
+mod slices;
+mod volume;
+mod voxel_picture;
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use egui::{Id, Key, Modal, RichText, Ui, vec2};
+use glam::UVec3;
+
+pub use self::remembered::Remembered;
+use crate::command::Command;
+use crate::format::options::{ImportOptions, RawLayout, Region};
+use crate::format::{
+    FormatError, MeshStudy, ModelStudy, Outlook, Study, VolumeStudy, family, needs_layout,
+};
+use crate::remedy::told;
+use crate::sculpture::Limits;
+use crate::ui::top_bar::capital;
+use crate::ui::widgets::theme;
+use crate::ui::{UiContext, UiRequest, UiState};
+
+/// The widest dialog, in points, and the space that stays free beside it in a small window.
+const MOST_WIDTH: f32 = 960.0;
+const BESIDE: f32 = 48.0;
+/// Width of the column of options.
+const OPTIONS_WIDTH: f32 = 252.0;
+const NARROW: f32 = 400.0;
+
+/// The result of reading the file.
+type News = Arc<Mutex<Option<Result<Study, String>>>>;
+
+/// The stage that the dialog has reached.
+#[derive(Debug)]
+enum Stage {
+    Closed,
+    /// Asks how a raw file is laid out; with the typed text, and the error in it.
+    Layout {
+        text: String,
+        error: Option<String>,
+    },
+    /// The file is being read.
+    Reading,
+    /// It cannot be read, for this reason.
+    Failed(String),
+    Volume(Box<VolumeStudy>),
+    Mesh(Box<MeshStudy>),
+    Model(Box<ModelStudy>),
+}
+
+/// The options chosen so far, and the file that they are for.
+pub struct ImportDialog {
+    stage: Stage,
+    path: PathBuf,
+    options: ImportOptions,
+    /// Whether the dialog is shown at all; it asks about raw files in any case.
+    pub ask: bool,
+    /// The options chosen last.
+    pub remembered: Remembered,
+    news: News,
+    /// The slices that are shown of a volume as it will stand.
+    at: UVec3,
+    /// Angles from which a mesh or a model is looked at, in radians: about the vertical, and from above.
+    view: [f32; 2],
+}
+
+impl Default for ImportDialog {
+    fn default() -> ImportDialog {
+        ImportDialog {
+            stage: Stage::Closed,
+            path: PathBuf::new(),
+            options: ImportOptions::default(),
+            ask: true,
+            remembered: Remembered::default(),
+            news: News::default(),
+            at: UVec3::ZERO,
+            view: box_view::FIRST,
+        }
+    }
+}
+
+impl ImportDialog {
+    pub fn is_open(&self) -> bool {
+        !matches!(self.stage, Stage::Closed)
+    }
+
+    /// Closes it; false if it is not open.
+    pub fn close(&mut self) -> bool {
+        let was_open = self.is_open();
+        self.stage = Stage::Closed;
+        self.news = News::default();
+        was_open
+    }
+
+    /// Where what the file holds is put, or why it cannot be read.
+    pub fn news(&self) -> News {
+        self.news.clone()
+    }
+
+    /// Returns the options chosen so far.
+    pub fn options(&self) -> &ImportOptions {
+        &self.options
+    }
+
+    /// Asks about a file, or asks to open it where nothing is to be asked. `import`: the facts known of it already;
+    /// `at_once`: opens it with these, or as the last time.
+    pub fn open(
+        &mut self,
+        path: PathBuf,
+        import: ImportOptions,
+        at_once: bool,
+        requests: &mut Vec<UiRequest>,
+    ) {
+        let Some(family) = family(&path) else {
+            return requests.push(UiRequest::Run(Command::Open { path, import }));
+        };
+        self.close();
+        self.options = self.remembered.applied(family, import);
+        let import = self.options;
+        self.path = path.clone();
+        self.at = UVec3::MAX;
+        if import.raw.is_none() && needs_layout(&path) {
+            let text = self.remembered.raw.clone();
+            self.stage = Stage::Layout { text, error: None };
+        } else if at_once || !self.ask {
+            requests.push(UiRequest::Run(Command::Open { path, import }));
+        } else {
+            self.stage = Stage::Reading;
+            requests.push(UiRequest::Study(path, import));
+        }
+    }
+
+    /// Takes the result of reading the file, once it is there. Waits while the program is busy, as nothing can be
+    /// opened then.
+    fn take_news(&mut self, is_busy: bool, requests: &mut Vec<UiRequest>) {
+        if is_busy || !matches!(self.stage, Stage::Reading) {
+            return;
+        }
+        let news = self.news.lock().unwrap_or_else(PoisonError::into_inner).take();
+        match news {
+            Some(Ok(Study::Volume(study))) => {
+                let dims = study.upright_dims(study.turn(&self.options));
+                // Another channel of the same file is shown where the last one was.
+                if self.at.cmpge(dims).any() {
+                    self.at = dims / 2;
+                }
+                // A region that does not fit was chosen for another version of the file.
+                let fits = |region: &Region| region.high.cmplt(study.volume.dims).all();
+                self.options.region = self.options.region.filter(fits);
+                volume::allow(&study, &mut self.options);
+                self.stage = Stage::Volume(study);
+            }
+            Some(Ok(Study::Mesh(study))) => {
+                self.view = box_view::FIRST;
+                self.stage = Stage::Mesh(study);
+            }
+            Some(Ok(Study::Model(study))) => {
+                self.view = box_view::FIRST;
+                self.stage = Stage::Model(study);
+            }
+            Some(Ok(Study::Settled)) => {
+                let (path, import) = (self.path.clone(), self.options);
+                requests.push(UiRequest::Run(Command::Open { path, import }));
+                self.close();
+            }
+            Some(Err(error)) => self.stage = Stage::Failed(error),
+            // It was cancelled.
+            None => {
+                self.close();
+            }
+        }
+    }
+
+    /// Returns the outlook on the result of importing the file.
+    fn outlook(&self, limits: &Limits) -> Option<Result<Outlook, FormatError>> {
+        match &self.stage {
+            Stage::Volume(study) => Some(study.outlook(&study.settled(&self.options), limits)),
+            Stage::Mesh(study) => Some(study.outlook(&self.options, limits)),
+            Stage::Model(study) => Some(study.outlook(&self.options, limits)),
+            _ => None,
+        }
+    }
+
+    /// The command that imports the file as it is shown.
+    fn command(&self) -> Command {
+        let import = match &self.stage {
+            Stage::Volume(study) => study.settled(&self.options),
+            _ => self.options,
+        };
+        Command::Open { path: self.path.clone(), import }
+    }
+
+    /// The width that it has in a window of this width, in points.
+    fn width(&self, window: f32) -> f32 {
+        let wide = (window - BESIDE).clamp(NARROW.min(window - 16.0), MOST_WIDTH);
+        match self.stage {
+            Stage::Volume(_) => wide,
+            Stage::Mesh(_) | Stage::Model(_) => wide.min(720.0),
+            _ => wide.min(NARROW),
+        }
+    }
+}
+
+pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let is_busy = state.dialogs.busy.is_some();
+    let dialog = &mut state.dialogs.import;
+    dialog.take_news(is_busy, requests);
+    // While it is read, the sign of long work is shown.
+    if !dialog.is_open() || matches!(dialog.stage, Stage::Reading) {
+        model::forget(root.ctx());
+        return slices::forget(root.ctx());
+    }
+    let window = root.ctx().content_rect().size();
+    let response = Modal::new(Id::new("import")).show(root.ctx(), |ui| {
+        ui.set_width(dialog.width(window.x));
+        let name = dialog.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        ui.heading(format!("Import {name}"));
+        // While a field or a button has the keyboard, Enter is its own.
+        let free = ui.memory(|memory| memory.focused().is_none());
+        let mut enter = free && ui.input(|input| input.key_pressed(Key::Enter));
+        let room = vec2(dialog.width(window.x), window.y - 150.0);
+        let mut another = None;
+        match &mut dialog.stage {
+            Stage::Volume(study) => {
+                if volume::show(ui, study, &mut dialog.options, &mut dialog.at, room) {
+                    another = Some(UiRequest::Study(dialog.path.clone(), dialog.options));
+                }
+            }
+            Stage::Mesh(study) => {
+                mesh::show(ui, study, &mut dialog.options, &mut dialog.view, room);
+            }
+            Stage::Model(study) => {
+                model::show(ui, study, &mut dialog.options, &mut dialog.view, room);
+            }
+            Stage::Failed(error) => {
+                ui.add_space(4.0);
+                ui.colored_label(theme::error_colour(ui.visuals()), capital(error));
+            }
+            Stage::Layout { text, error } => {
+                enter |= raw::layout(ui, &dialog.path, text, error.as_ref());
+            }
+            Stage::Closed | Stage::Reading => {}
+        }
+        let answer = foot(ui, dialog, context, enter);
+        if let (Some(study), Answer::None) = (another, answer) {
+            dialog.stage = Stage::Reading;
+            requests.push(study);
+        }
+        answer
+    });
+    let answer = if response.should_close() { Answer::Cancel } else { response.inner };
+    answer_with(answer, state, requests);
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Answer {
+    None,
+    Import,
+    /// The layout of a raw file is given.
+    Read,
+    Cancel,
+}
+
+/// Shows the outlook on the result, and the buttons.
+fn foot(ui: &mut Ui, dialog: &mut ImportDialog, context: &UiContext, enter: bool) -> Answer {
+    let outlook = dialog.outlook(context.document.limits());
+    let error = match &outlook {
+        Some(Ok(outlook)) => {
+            become_of(ui, outlook, context.document.limits());
+            None
+        }
+        Some(Err(error)) => Some(told(error)),
+        None => None,
+    };
+    if let Some(error) = &error {
+        ui.colored_label(theme::error_colour(ui.visuals()), error);
+    }
+    ui.add_space(6.0);
+    let (label, answer) = match dialog.stage {
+        Stage::Layout { .. } => ("Read", Answer::Read),
+        _ => ("Import", Answer::Import),
+    };
+    let possible = error.is_none() && !matches!(dialog.stage, Stage::Failed(_));
+    ui.horizontal(|ui| {
+        let mut given = Answer::None;
+        let button = ui.add_enabled(possible, theme::primary(ui.visuals(), label));
+        if button.clicked() || enter && possible {
+            given = answer;
+        }
+        if ui.button("Cancel").on_hover_text("Leave everything as it is").clicked() {
+            given = Answer::Cancel;
+        }
+        if !matches!(dialog.stage, Stage::Layout { .. }) {
+            ui.checkbox(&mut dialog.ask, "Ask each time").on_hover_text(
+                "Otherwise files open with the last choices, as they do with Shift held",
+            );
+        }
+        given
+    })
+    .inner
+}
+
+/// Says how large the sculpture would be.
+fn become_of(ui: &mut Ui, outlook: &Outlook, limits: &Limits) {
+    let mib = |bytes: u64| (bytes as f64 / f64::from(1 << 20)).ceil();
+    let UVec3 { x, y, z } = outlook.dims;
+    let mm = outlook.dims.as_vec3() * outlook.voxel_size;
+    let size = format!("{x} × {y} × {z} voxels, {:.1} × {:.1} × {:.1} mm", mm.x, mm.y, mm.z);
+    ui.label(RichText::new(size).strong())
+        .on_hover_text("Width, height and depth of the sculpture");
+    let colours = match outlook.colour_bytes {
+        0 => String::new(),
+        bytes => format!(", colours up to {:.0} MiB", mib(bytes)),
+    };
+    let budget = limits.grid_bytes.saturating_add(limits.colour_bytes);
+    ui.label(format!(
+        "Memory: shape {:.0} MiB{colours}; {:.0} MiB while it is read, of {:.0} MiB allowed",
+        mib(outlook.grid_bytes),
+        mib(outlook.read_bytes),
+        mib(budget)
+    ))
+    .on_hover_text("memory.grid_mib and memory.colour_mib in the settings set the limits");
+}
+
+fn answer_with(answer: Answer, state: &mut UiState, requests: &mut Vec<UiRequest>) {
+    let dialog = &mut state.dialogs.import;
+    match answer {
+        Answer::None => {}
+        Answer::Cancel => {
+            dialog.close();
+        }
+        Answer::Read => {
+            let Stage::Layout { text, error } = &mut dialog.stage else { return };
+            match text.trim().parse::<RawLayout>() {
+                Ok(raw) => {
+                    dialog.remembered.raw = raw.to_string();
+                    let import = ImportOptions { raw: Some(raw), ..dialog.options };
+                    let path = dialog.path.clone();
+                    dialog.open(path, import, false, requests);
+                }
+                Err(reason) => *error = Some(reason),
+            }
+        }
+        Answer::Import => {
+            let command = dialog.command();
+            let Command::Open { path, import } = &command else { return };
+            if let Some(family) = family(path) {
+                dialog.remembered.note(family, import);
+            }
+            if let Some(up) = import.upright {
+                state.known_files.upright.remember(path, up);
+            }
+            state.known_files.upright.answer(path);
+            requests.push(UiRequest::Run(command));
+            dialog.close();
+        }
+    }
+}

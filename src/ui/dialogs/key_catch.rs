@@ -1,0 +1,135 @@
+//! The wait for the trigger that an action is to have: the next key or button is heard before any
+//! widget hears it, then refused, asked about, or given to the action.
+
+use egui::{Id, Modal, Ui};
+
+use crate::input::action::Kind;
+use crate::input::listener::{Heard, Listener};
+use crate::input::remap::KeyChange;
+use crate::input::{Action, Bindings, Trigger};
+use crate::ui::top_bar::capital;
+use crate::ui::widgets::theme;
+use crate::ui::{UiContext, UiRequest, UiState};
+
+/// An action that waits for a trigger.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Catch {
+    action: Action,
+    step: Step,
+}
+
+#[derive(Clone, PartialEq, Debug)]
+enum Step {
+    /// With why the last trigger was refused.
+    Listen(Listener, Option<String>),
+    /// The trigger stands for the other action now.
+    Ask(Trigger, Action),
+}
+
+impl Catch {
+    pub fn new(action: Action) -> Catch {
+        Catch { action, step: Step::Listen(Listener::default(), None) }
+    }
+
+    /// Takes what was heard; gives a change if there is nothing to ask, and whether it is over.
+    fn take(&mut self, heard: Heard, bindings: &Bindings) -> (Option<KeyChange>, bool) {
+        let Heard::Trigger(trigger) = heard else { return (None, true) };
+        if let Err(unfit) = Bindings::fits(trigger, self.action) {
+            let refusal = capital(&unfit.to_string());
+            self.step = Step::Listen(Listener::default(), Some(refusal));
+            return (None, false);
+        }
+        match bindings.conflict(trigger, self.action) {
+            Some(other) => {
+                self.step = Step::Ask(trigger, other);
+                (None, false)
+            }
+            None => (Some(KeyChange::Bind(trigger, self.action)), true),
+        }
+    }
+}
+
+/// Hears what is pressed, if a trigger is awaited, and keeps it from all widgets. To be called
+/// before any of them is shown.
+pub fn listen(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let Some(bindings) = context.bindings() else { return };
+    let pressed = state.dialogs.keys.pressed.take().map(Heard::Trigger);
+    let Some(catch) = &mut state.dialogs.keys.catch else { return };
+    if !matches!(catch.step, Step::Listen(..)) {
+        return;
+    }
+    root.ctx().memory_mut(|memory| {
+        if let Some(focused) = memory.focused() {
+            memory.surrender_focus(focused);
+        }
+    });
+    let events = root.ctx().input_mut(|input| std::mem::take(&mut input.events));
+    let mut events = events.iter();
+    let mut next = pressed;
+    loop {
+        let Step::Listen(listener, _) = &mut catch.step else { return };
+        let Some(heard) = next.take().or_else(|| events.find_map(|event| listener.hear(event)))
+        else {
+            return;
+        };
+        let (change, over) = catch.take(heard, bindings);
+        requests.extend(change.map(UiRequest::Keys));
+        if over {
+            state.dialogs.keys.catch = None;
+            return;
+        }
+    }
+}
+
+/// Shows what is awaited, or the question to which action a trigger shall belong.
+pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
+    let Some(catch) = &state.dialogs.keys.catch else { return };
+    let mut over = false;
+    let response = Modal::new(Id::new("key catch")).show(root.ctx(), |ui| {
+        ui.set_width(360.0);
+        ui.heading(catch.action.help().text);
+        ui.add_space(4.0);
+        match &catch.step {
+            Step::Listen(_, refusal) => {
+                ui.label(wish(catch.action.help().kind));
+                if let Some(refusal) = refusal {
+                    ui.colored_label(theme::error_colour(ui.visuals()), format!("{refusal}."));
+                }
+                ui.weak("Press Escape to cancel.");
+            }
+            Step::Ask(trigger, other) => {
+                let text = capital(&trigger.to_string());
+                ui.label(format!("{text} is already assigned to: {}.", other.help().text));
+                ui.add_space(8.0);
+                ui.horizontal(|ui| {
+                    if ui.add(theme::primary(ui.visuals(), "Reassign")).clicked() {
+                        let change = KeyChange::Bind(*trigger, catch.action);
+                        requests.push(UiRequest::Keys(change));
+                        over = true;
+                    }
+                    over |= ui.button("Cancel").clicked();
+                });
+            }
+        }
+    });
+    let asking = matches!(catch.step, Step::Ask(..));
+    // While listening a click is an answer, wherever it is.
+    if over || asking && response.should_close() {
+        state.dialogs.keys.catch = None;
+    }
+}
+
+fn wish(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Tap => {
+            "Press a key, with Ctrl, Shift or Alt if you like, a gamepad button or a button of a pen."
+        }
+        Kind::Hold => {
+            "Press a key, a button of a pen, or several mouse buttons together, with Ctrl, Shift or Alt if you like."
+        }
+        Kind::Drag => {
+            "Click a mouse button, or one of a pen or its eraser, with Ctrl, Shift or Alt if you like."
+        }
+        Kind::Wheel => "Turn the mouse wheel, with Ctrl, Shift or Alt if you like.",
+    }
+}

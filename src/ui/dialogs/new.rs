@@ -1,0 +1,152 @@
+//! The window for a new sculpture: how large, how many colours, solid or empty, and how much
+//! memory that takes.
+
+use egui::{ComboBox, DragValue, Grid, Id, Key, Modal, Ui};
+use glam::{UVec3, Vec3};
+
+use crate::command::{Command, NewSculpture};
+use crate::remedy::told;
+use crate::sculpture::grid::MAX_AXIS_VX;
+use crate::sculpture::{ColourDepth, Grid as VoxelGrid, Rgb};
+use crate::ui::widgets::theme;
+use crate::ui::{UiContext, UiRequest, UiState};
+
+/// The values typed so far.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NewDialog {
+    pub open: bool,
+    pub dims: UVec3,
+    pub depth: ColourDepth,
+    pub base: Rgb,
+    pub solid: bool,
+}
+
+impl NewDialog {
+    pub fn new(sculpture: &NewSculpture) -> NewDialog {
+        NewDialog {
+            open: false,
+            dims: sculpture.dims,
+            depth: sculpture.colour_depth,
+            base: sculpture.base,
+            solid: true,
+        }
+    }
+
+    fn wanted(&self) -> NewSculpture {
+        NewSculpture {
+            dims: self.dims,
+            voxel_size: Vec3::ONE,
+            colour_depth: self.depth,
+            base: self.base,
+            solid: self.solid,
+        }
+    }
+}
+
+pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    if !state.dialogs.new.open {
+        return;
+    }
+    let response = Modal::new(Id::new("new dialog")).show(root.ctx(), |ui| {
+        ui.set_width(340.0);
+        ui.heading("New sculpture");
+        ui.add_space(4.0);
+        let dialog = &mut state.dialogs.new;
+        // While a field or a button has the keyboard, Enter is its own.
+        let free = ui.memory(|memory| memory.focused().is_none());
+        let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
+        fields(ui, dialog);
+        ui.add_space(4.0);
+        let limits = context.document.limits();
+        let refusal = VoxelGrid::check(dialog.dims, Vec3::ONE, limits.grid_bytes).err();
+        match &refusal {
+            None => memory(ui, dialog),
+            Some(error) => {
+                ui.colored_label(theme::error_colour(ui.visuals()), told(error));
+            }
+        }
+        ui.weak("You can get the current sculpture back with Undo.");
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            let create = theme::primary(ui.visuals(), "Create");
+            let clicked = ui.add_enabled(refusal.is_none(), create).clicked();
+            if clicked || enter && refusal.is_none() {
+                requests.push(UiRequest::Run(Command::New(dialog.wanted())));
+                dialog.open = false;
+            }
+            if ui.button("Cancel").clicked() {
+                dialog.open = false;
+            }
+        });
+    });
+    if response.should_close() {
+        state.dialogs.new.open = false;
+    }
+}
+
+fn fields(ui: &mut Ui, dialog: &mut NewDialog) {
+    Grid::new("new").num_columns(2).spacing([12.0, 8.0]).show(ui, |ui| {
+        ui.label("Preset");
+        ui.horizontal(|ui| {
+            for edge in [64, 128, 256, 512] {
+                let chosen = dialog.dims == UVec3::splat(edge);
+                if ui.selectable_label(chosen, edge.to_string()).clicked() {
+                    dialog.dims = UVec3::splat(edge);
+                }
+            }
+        });
+        ui.end_row();
+        ui.label("Size");
+        ui.horizontal(|ui| {
+            for (axis, name) in ["X ", "Y ", "Z "].into_iter().enumerate() {
+                let value = DragValue::new(&mut dialog.dims[axis])
+                    .range(1..=MAX_AXIS_VX)
+                    .speed(1.0)
+                    .prefix(name);
+                ui.add(value);
+            }
+        });
+        ui.end_row();
+        ui.label("Colours");
+        ComboBox::from_id_salt("depth")
+            .width(190.0)
+            .selected_text(depth_name(dialog.depth))
+            .show_ui(ui, |ui| {
+                for depth in ColourDepth::ALL {
+                    ui.selectable_value(&mut dialog.depth, depth, depth_name(depth));
+                }
+            });
+        ui.end_row();
+        let label = ui.label("Base colour");
+        ui.color_edit_button_srgb(&mut dialog.base.0).labelled_by(label.id);
+        ui.end_row();
+        ui.label("Start with");
+        ui.horizontal(|ui| {
+            ui.radio_value(&mut dialog.solid, true, "a solid block");
+            ui.radio_value(&mut dialog.solid, false, "an empty grid");
+        });
+        ui.end_row();
+    });
+}
+
+fn depth_name(depth: ColourDepth) -> &'static str {
+    match depth {
+        ColourDepth::None => "One for all voxels",
+        ColourDepth::Bits8 => "256 (8 bits per voxel)",
+        ColourDepth::Bits16 => "65 536 (16 bits per voxel)",
+        ColourDepth::Bits24 => "16 million (24 bits per voxel)",
+    }
+}
+
+fn memory(ui: &mut Ui, dialog: &NewDialog) {
+    let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+    let shape = VoxelGrid::bytes_for(dialog.dims);
+    let voxels = dialog.dims.as_u64vec3().element_product();
+    let colours = voxels * dialog.depth.bytes() as u64;
+    let text = if colours == 0 {
+        format!("Needs {:.1} MiB of memory", mib(shape))
+    } else {
+        format!("Needs {:.1} MiB, plus up to {:.0} MiB once painted", mib(shape), mib(colours))
+    };
+    ui.label(text);
+}

@@ -1,0 +1,303 @@
+//! The palette: a field and a list of every action, of what is called otherwise elsewhere, and of every command of
+//! scripts. Typed words choose from the list; a typed line that is a command can be run.
+//!
+//! A word alone is looked for as the name of an action first: commands come after all actions that it finds.
+
+use egui::text::{CCursor, CCursorRange};
+use egui::{Align2, Button, Id, Key, Modal, Modifiers, RichText, ScrollArea, TextEdit, Ui};
+use egui::{WidgetInfo, WidgetType, vec2};
+
+use crate::command::{COMMANDS, Command, CommandHelp};
+use crate::input::action::Kind;
+use crate::input::{Action, Bindings};
+use crate::ui::dialogs::elsewhere::{ELSEWHERE, Elsewhere, Target};
+use crate::ui::widgets::filter::Filter;
+use crate::ui::widgets::spot::Spot;
+use crate::ui::widgets::{numbers, theme};
+use crate::ui::{UiContext, UiRequest, UiState};
+
+const WIDTH: f32 = 560.0;
+const HEIGHT: f32 = 380.0;
+/// From the top of the window, in points.
+const TOP: f32 = 60.0;
+
+/// Added to the ranks of commands for a word alone: behind whatever begins with the word or has it as a name.
+const AFTER_WORDS: u32 = 5;
+
+/// The typed text, and the entry that is chosen.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Palette {
+    pub open: bool,
+    text: String,
+    chosen: usize,
+    /// The cursor must go to the end of the text, which was changed from outside the field.
+    completed: bool,
+}
+
+impl Palette {
+    /// Opens it, empty.
+    pub fn open(&mut self) {
+        *self = Palette { open: true, ..Palette::default() };
+    }
+}
+
+/// A line of the list.
+#[derive(Clone, PartialEq, Debug)]
+enum Entry {
+    /// The typed text is this command.
+    Run(Box<Command>),
+    Do(Action),
+    /// The things that are called otherwise here, or are not here.
+    See(&'static Elsewhere),
+    /// A command whose arguments are still to be typed.
+    Complete(&'static CommandHelp),
+}
+
+impl Entry {
+    /// Drags and the wheel need a hand on the mouse.
+    fn can_be_chosen(&self) -> bool {
+        !matches!(self, Entry::Do(action) if action.help().kind != Kind::Tap)
+    }
+}
+
+/// Returns the entries that can be chosen with `typed` in the field, and the error in it as a command.
+fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<String>) {
+    let typed = typed.trim();
+    let verb = typed.split_whitespace().next().unwrap_or_default();
+    let is_command = COMMANDS.iter().any(|command| command.verb == verb);
+    // A verb alone may be a word that is looked for, and is not wrong because it is not complete.
+    let alone = typed == verb;
+    let (mut run, mut error) = (None, None);
+    if is_command {
+        match typed.parse::<Command>() {
+            Ok(command) => run = Some(Entry::Run(Box::new(command))),
+            Err(_) if alone => {}
+            Err(reason) => error = Some(reason.to_string()),
+        }
+    }
+    let filter = Filter::new(typed);
+    // Nothing typed: all in their order, what needs a hand on the mouse at the end.
+    const LAST: u32 = u32::MAX;
+    let mut ranked = Vec::new();
+    // Nothing typed leads to itself.
+    let elsewhere = ELSEWHERE.iter().filter(|_| !filter.is_empty());
+    ranked.extend(elsewhere.filter_map(|it| Some((it.rank(&filter)?, Entry::See(it)))));
+    for &action in Action::ALL {
+        let help = action.help();
+        let triggers: Vec<String> =
+            bindings.into_iter().flat_map(|b| b.triggers(action)).map(|t| t.to_string()).collect();
+        let keys: Vec<&str> = triggers.iter().map(String::as_str).collect();
+        if let Some(rank) = filter.rank(help.text, &[help.name, action.synonyms()], &keys) {
+            let entry = Entry::Do(action);
+            let last = filter.is_empty() && !entry.can_be_chosen();
+            ranked.push((if last { LAST } else { rank }, entry));
+        }
+    }
+    for command in COMMANDS.iter() {
+        // Of equals the action comes first, as it needs no arguments. A text that begins with a verb and has arguments
+        // is that command.
+        let rank = filter.rank(command.verb, &[&command.usage, command.tooltip], &[]);
+        let rank = if command.verb == verb && !alone { Some(0) } else { rank };
+        let after = if alone { AFTER_WORDS } else { 1 };
+        let after = if filter.is_empty() { 0 } else { after };
+        ranked.extend(rank.map(|rank| (rank + after, Entry::Complete(command))));
+    }
+    ranked.sort_by_key(|(rank, _)| *rank);
+    if let Some(run) = run {
+        let at = ranked.iter().take_while(|(rank, _)| alone && *rank < AFTER_WORDS).count();
+        ranked.insert(at, (0, run));
+    }
+    (ranked.into_iter().map(|(_, entry)| entry).collect(), error)
+}
+
+/// The command whose verb is typed, and a space behind it, and nothing else yet.
+fn begun(typed: &str) -> Option<&'static CommandHelp> {
+    let verb = typed.strip_suffix(' ')?;
+    COMMANDS.iter().find(|command| command.verb == verb && !command.usage.is_empty())
+}
+
+fn triggers_of(action: Action, bindings: Option<&Bindings>) -> String {
+    let triggers = bindings.into_iter().flat_map(|b| b.triggers(action));
+    triggers.map(|trigger| trigger.to_string()).collect::<Vec<_>>().join(", ")
+}
+
+pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    if !state.dialogs.palette.open {
+        return;
+    }
+    let bindings = context.bindings();
+    let room = root.ctx().content_rect();
+    let area = Modal::default_area(Id::new("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
+    let palette = &mut state.dialogs.palette;
+    let mut led_to = None;
+    let response = Modal::new(Id::new("palette")).area(area).show(root.ctx(), |ui| {
+        ui.set_width(WIDTH.min(room.width() - 60.0));
+        let keys = Keys::take(ui);
+        field(ui, palette);
+        let (list, error) = entries(&palette.text, bindings);
+        if let Some(error) = error {
+            ui.colored_label(theme::error_colour(ui.visuals()), error);
+        } else if let Some(command) = begun(&palette.text) {
+            ui.weak(format!("{} {}", command.verb, command.usage));
+        }
+        let moved = palette.go(&list, keys.by);
+        let mut chosen = keys.enter.then(|| list.get(palette.chosen)).flatten();
+        let height = (room.height() - TOP - 130.0).min(HEIGHT);
+        ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            for (i, entry) in list.iter().enumerate() {
+                let response = row(ui, entry, i == palette.chosen, bindings);
+                if moved && i == palette.chosen {
+                    response.scroll_to_me(None);
+                }
+                if response.clicked() {
+                    chosen = Some(entry);
+                }
+            }
+            if list.is_empty() {
+                ui.weak("No matches.");
+            }
+        });
+        if let Some(entry) = chosen.filter(|entry| entry.can_be_chosen()) {
+            led_to = palette.choose(entry, requests);
+        }
+    });
+    if let Some(spot) = led_to {
+        spot.lead(state);
+    }
+    if response.should_close() {
+        state.dialogs.palette.open = false;
+    }
+}
+
+/// Keys that go to the list, not to the field.
+struct Keys {
+    /// Entries to go down.
+    by: isize,
+    enter: bool,
+}
+
+impl Keys {
+    fn take(ui: &Ui) -> Keys {
+        ui.input_mut(|input| {
+            let mut pressed = |key| input.count_and_consume_key(Modifiers::NONE, key) as isize;
+            Keys {
+                by: pressed(Key::ArrowDown) - pressed(Key::ArrowUp)
+                    + 8 * (pressed(Key::PageDown) - pressed(Key::PageUp)),
+                enter: pressed(Key::Enter) > 0,
+            }
+        })
+    }
+}
+
+impl Palette {
+    /// Goes on by so many entries that can be chosen; true if the choice is another.
+    fn go(&mut self, list: &[Entry], by: isize) -> bool {
+        let can: Vec<usize> = (0..list.len()).filter(|i| list[*i].can_be_chosen()).collect();
+        let before = self.chosen;
+        let now = can.iter().position(|i| *i >= before).unwrap_or(can.len().saturating_sub(1));
+        let next = now.saturating_add_signed(by).min(can.len().saturating_sub(1));
+        self.chosen = can.get(next).copied().unwrap_or(0);
+        self.chosen != before
+    }
+
+    /// Asks for what was chosen; gives the option that is to be shown.
+    fn choose(&mut self, entry: &Entry, requests: &mut Vec<UiRequest>) -> Option<Spot> {
+        let mut led_to = None;
+        match entry {
+            Entry::Run(command) => requests.push(UiRequest::Run((**command).clone())),
+            Entry::Do(action) => requests.push(UiRequest::Do(*action)),
+            Entry::See(Elsewhere { target: Target::Do(action), .. }) => {
+                requests.push(UiRequest::Do(*action));
+            }
+            Entry::See(Elsewhere { target: Target::Option(spot), .. }) => {
+                requests.extend(spot.needs().map(UiRequest::Do));
+                led_to = Some(*spot);
+            }
+            Entry::Complete(command) => {
+                // Arguments that are already typed behind the verb stay.
+                let typed = self.text.split_whitespace().collect::<Vec<_>>();
+                if typed.first() != Some(&command.verb) || typed.len() == 1 {
+                    self.text = format!("{} ", command.verb);
+                    self.completed = true;
+                    self.chosen = 0;
+                }
+                return None;
+            }
+        }
+        self.open = false;
+        led_to
+    }
+}
+
+fn field(ui: &mut Ui, palette: &mut Palette) {
+    let mut output = TextEdit::singleline(&mut palette.text)
+        .hint_text("Search actions, or type a script command")
+        .desired_width(f32::INFINITY)
+        .show(ui);
+    let response = &output.response.response;
+    numbers::words(response);
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Command"));
+    // Asking for what it has would interrupt an input method, with every picture anew.
+    if !response.has_focus() {
+        response.request_focus();
+    }
+    if response.changed() {
+        palette.chosen = 0;
+    }
+    if std::mem::take(&mut palette.completed) {
+        let end = CCursor::new(palette.text.chars().count());
+        output.state.cursor.set_char_range(Some(CCursorRange::one(end)));
+        output.state.store(ui.ctx(), response.id);
+    }
+}
+
+fn row(ui: &mut Ui, entry: &Entry, chosen: bool, bindings: Option<&Bindings>) -> egui::Response {
+    let (text, right, tip) = match entry {
+        Entry::Run(command) => (
+            RichText::new(format!("Run {command}")).strong(),
+            "Enter".to_string(),
+            "Run the command as typed".to_string(),
+        ),
+        Entry::Do(action) => {
+            let (help, triggers) = (action.help(), triggers_of(*action, bindings));
+            let how = match help.kind {
+                Kind::Tap => "",
+                Kind::Hold => " (hold)",
+                Kind::Drag => " (drag)",
+                Kind::Wheel => " (turn)",
+            };
+            let tip = match help.kind {
+                Kind::Tap => help.text.to_string(),
+                _ => format!(
+                    "{}: use the mouse or hold the key; it cannot be started from here",
+                    help.text
+                ),
+            };
+            (RichText::new(help.text), format!("{triggers}{how}"), tip)
+        }
+        Entry::See(it) => {
+            let (right, what) = match it.target {
+                Target::Do(action) => (triggers_of(action, bindings), action.help().text),
+                Target::Option(_) => ("option".to_string(), "Opens the panel and shows the option"),
+            };
+            (RichText::new(it.text), right, format!("{}\n{what}", it.text))
+        }
+        Entry::Complete(command) => (
+            RichText::new(format!("{} {}", command.verb, command.usage)).monospace(),
+            "script command".to_string(),
+            format!("{}\n{} {}", command.tooltip, command.verb, command.usage),
+        ),
+    };
+    let size = vec2(ui.available_width(), 0.0);
+    let button = Button::selectable(chosen, text)
+        .frame_when_inactive(chosen)
+        .right_text(RichText::new(right).weak())
+        .min_size(size)
+        .truncate();
+    ui.add_enabled(entry.can_be_chosen(), button).on_hover_text(&tip).on_disabled_hover_text(tip)
+}
+
+#[cfg(test)]
+#[path = "palette_tests.rs"]
+mod tests;

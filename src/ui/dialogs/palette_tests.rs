@@ -1,0 +1,313 @@
+//! Tests of the palette: the entries listed for a typed text, and the entry that is chosen.
+
+use super::*;
+use crate::input::{Axis, DrawKind, Panel, Side, ToolMode};
+use crate::sculpture::orientation::Up;
+use crate::tools::brush::BrushId;
+use crate::tools::solid::Solid;
+use crate::ui::widgets::filter::british;
+
+fn direct() -> Bindings {
+    Bindings::presets().unwrap().remove(0)
+}
+
+fn listed(typed: &str) -> Vec<Entry> {
+    entries(typed, Some(&direct())).0
+}
+
+#[test]
+fn without_words_everything_is_listed() {
+    assert_eq!(listed("").len(), Action::ALL.len() + COMMANDS.len());
+}
+
+#[test]
+fn words_choose_by_text_name_key_and_usage() {
+    assert_eq!(listed("step undo last")[0], Entry::Do(Action::Undo));
+    assert!(listed("ctrl+z").contains(&Entry::Do(Action::Undo)));
+    assert!(listed("next-render").contains(&Entry::Do(Action::NextRenderMode)));
+    assert!(matches!(listed("mirror planes centre fly")[..], []));
+    assert!(matches!(listed("off even odd")[..], [Entry::Complete(c)] if c.verb == "symmetry"));
+}
+
+/// The words that people who know other programs type, and the action that must come first.
+#[test]
+fn what_people_type_finds_the_action() {
+    let expected = [
+        ("rotate", Action::TurnSculpture),
+        ("orbit", Action::TurnSculpture),
+        ("pan", Action::PanSculpture),
+        ("zoom", Action::Zoom),
+        ("magnify", Action::ZoomIn),
+        ("zoom out", Action::Zoom),
+        ("move", Action::MoveTool),
+        ("resize", Action::ResizeTool),
+        ("radius", Action::ResizeTool),
+        ("bigger", Action::Grow),
+        ("smaller", Action::Shrink),
+        ("erase", Action::Mode(ToolMode::Subtract)),
+        ("eraser", Action::Mode(ToolMode::Subtract)),
+        ("remove", Action::Mode(ToolMode::Subtract)),
+        ("cut", Action::Mode(ToolMode::Subtract)),
+        ("add", Action::Mode(ToolMode::Add)),
+        ("build", Action::Mode(ToolMode::Add)),
+        ("paint", Action::Mode(ToolMode::Recolour)),
+        ("delete", Action::ClearMarker),
+        ("sphere", Action::Solid(Solid::Ellipsoid)),
+        ("ball", Action::Solid(Solid::Ellipsoid)),
+        ("cube", Action::Solid(Solid::Cuboid)),
+        ("cone", Action::Solid(Solid::Cone)),
+        ("donut", Action::Solid(Solid::Torus)),
+        ("brush", Action::Brush(BrushId::Paint)),
+        ("airbrush", Action::Brush(BrushId::Paint)),
+        ("carve", Action::Brush(BrushId::Devour)),
+        ("dig", Action::Brush(BrushId::Devour)),
+        ("clay", Action::Brush(BrushId::Clay)),
+        ("inflate", Action::Brush(BrushId::Inflate)),
+        ("smooth", Action::Brush(BrushId::Smooth)),
+        ("blur", Action::Brush(BrushId::Smooth)),
+        ("colour", Action::PickColour),
+        ("color", Action::PickColour),
+        ("eyedropper", Action::PickColour),
+        ("marquee", Action::Marker),
+        ("select", Action::Marker),
+        ("deselect", Action::ClearSelection),
+        ("mask", Action::Brush(BrushId::Mask)),
+        ("mirror", Action::Mirror(Axis::X)),
+        ("symmetry", Action::Mirror(Axis::X)),
+        ("flip", Action::Mirror(Axis::X)),
+        ("array", Action::Repeat),
+        ("duplicate", Action::Copy),
+        ("clone", Action::Copy),
+        ("paste", Action::Paste),
+        ("snap", Action::ToggleSnap),
+        ("undo", Action::Undo),
+        ("revert", Action::Undo),
+        ("redo", Action::Redo),
+        ("clear", Action::Clear),
+        ("clear grid", Action::Clear),
+        ("turn upright", Action::TurnUpright(Up::Z)),
+        ("scan", Action::TurnUpright(Up::Z)),
+        ("upside down", Action::TurnUpright(Up::MinusY)),
+        ("rotate 90", Action::RotateGrid(Axis::X)),
+        ("fit", Action::ResetView),
+        ("frame", Action::ResetView),
+        ("reset view", Action::ResetView),
+        ("center", Action::ResetTool),
+        ("front", Action::LookFrom(Side::Front)),
+        ("top", Action::LookFrom(Side::Top)),
+        ("corner", Action::LookFrom(Side::Corner)),
+        ("perspective", Action::ToggleOrthographic),
+        ("orthographic", Action::ToggleOrthographic),
+        ("projection", Action::ToggleOrthographic),
+        ("gizmo", Action::ToggleGizmo),
+        ("ground", Action::ToggleGround),
+        ("floor", Action::ToggleFloor),
+        ("blueprint", Action::References),
+        ("reference", Action::References),
+        ("hide panels", Action::TogglePanels),
+        ("copy picture", Action::CopyScreenshot),
+        ("grid", Action::ToggleBounds),
+        ("show mask", Action::ToggleMask),
+        ("fullscreen", Action::Fullscreen),
+        ("full screen", Action::Fullscreen),
+        ("screenshot", Action::Screenshot),
+        ("snapshot", Action::Screenshot),
+        ("picture", Action::Screenshot),
+        ("final picture", Action::FinalPicture),
+        ("path trace", Action::FinalPicture),
+        ("dark mode", Action::ToggleTheme),
+        ("theme", Action::ToggleTheme),
+        ("font", Action::ScaleUp),
+        ("panel", Action::Detach(Panel::Toolbox)),
+        ("lighting", Action::Lights),
+        ("shadow", Action::Lights),
+        ("3d", Action::NextStereo),
+        ("webcam", Action::ToggleVideo),
+        ("augmented reality", Action::ToggleAr),
+        ("quality", Action::NextRenderMode),
+        ("vibration", Action::ToggleRumble),
+        ("controller", Action::NextPadMode),
+        ("new", Action::New),
+        ("open", Action::Open),
+        ("import", Action::Open),
+        ("load", Action::Open),
+        ("save", Action::Save),
+        ("save as", Action::SaveAs),
+        ("export", Action::Export),
+        ("convert", Action::SaveAs),
+        ("search", Action::Palette),
+        ("help", Action::Help),
+        ("hotkeys", Action::Help),
+        ("shortcuts", Action::Help),
+        ("keyboard", Action::Help),
+        ("preferences", Action::Help),
+        ("settings", Action::Help),
+        ("tutorial", Action::Guide),
+        ("quit", Action::Quit),
+        ("exit", Action::Quit),
+        ("home", Action::ResetView),
+        ("ctrl+z", Action::Undo),
+    ];
+    let first = |typed: &str| {
+        listed(typed).into_iter().find_map(|entry| match entry {
+            Entry::Do(action) => Some(action),
+            _ => None,
+        })
+    };
+    let found: Vec<_> = expected.iter().map(|(typed, _)| (*typed, first(typed))).collect();
+    let wanted = expected.map(|(typed, action)| (typed, Some(action)));
+    let wrong: Vec<_> = found.iter().zip(&wanted).filter(|(a, b)| a != b).collect();
+    assert!(wrong.is_empty(), "found and wanted: {wrong:#?}");
+    // No entry for other words stands before it, unless it is meant to.
+    let led: Vec<&str> = expected
+        .iter()
+        .filter(|(typed, _)| matches!(listed(typed)[0], Entry::See(_)))
+        .map(|(typed, _)| *typed)
+        .collect();
+    assert_eq!(led, ["array", "gizmo"]);
+}
+
+#[test]
+fn synonyms_are_as_searches_are_brought_into() {
+    for &action in Action::ALL {
+        let words = action.synonyms();
+        assert_eq!(words, british(words), "{action:?}");
+        let list: Vec<&str> = words.split_whitespace().collect();
+        let twice = |(i, word): (usize, &&str)| list[..i].contains(word);
+        assert!(!list.iter().enumerate().any(twice), "{action:?}");
+    }
+}
+
+#[test]
+fn a_verb_alone_comes_after_the_actions_that_are_called_so() {
+    for (typed, first) in [("undo", Action::Undo), ("clear", Action::Clear)] {
+        assert_eq!(listed(typed)[0], Entry::Do(first));
+        let run = Entry::Run(Box::new(typed.parse().unwrap()));
+        assert!(listed(typed).contains(&run), "{typed}");
+    }
+}
+
+#[test]
+fn a_typed_command_comes_first_and_a_wrong_one_says_why() {
+    let line = "subtract cuboid at=8,8,8 half=2";
+    let (list, error) = entries(line, None);
+    assert_eq!(list[0], Entry::Run(Box::new(line.parse().unwrap())));
+    assert_eq!(error, None);
+    let (list, error) = entries("subtract sponge at=8,8,8", None);
+    assert!(matches!(list[..], [Entry::Complete(c)] if c.verb == "subtract"), "{list:?}");
+    assert!(error.unwrap().contains("sponge"));
+    assert_eq!(entries("sponge", None).1, None, "no command at all");
+}
+
+#[test]
+fn what_the_mouse_does_comes_last_and_is_passed_over() {
+    let mut palette = Palette::default();
+    let list = listed("");
+    palette.go(&list, 0);
+    assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
+    palette.go(&list, -1);
+    assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
+    palette.go(&list, 1);
+    assert_eq!(list[palette.chosen], Entry::Do(Action::Flood));
+    palette.go(&list, 1);
+    assert_eq!(list[palette.chosen], Entry::Do(Action::Cancel));
+    palette.go(&list, 1000);
+    let last = &list[palette.chosen];
+    assert!(matches!(last, Entry::Complete(c) if c.verb == "place"), "{last:?}");
+    assert!(!palette.go(&[], 1) || palette.chosen == 0);
+}
+
+/// The first entry that Enter chooses.
+fn chosen(typed: &str) -> Option<Entry> {
+    let mut palette = Palette { text: typed.to_string(), ..Palette::default() };
+    let list = listed(typed);
+    palette.go(&list, 0);
+    list.get(palette.chosen).filter(|entry| entry.can_be_chosen()).cloned()
+}
+
+#[test]
+fn the_name_of_an_action_beats_a_command() {
+    assert_eq!(chosen("symmetry"), Some(Entry::Do(Action::Mirror(Axis::X))));
+    assert_eq!(chosen("mask"), Some(Entry::Do(Action::Brush(BrushId::Mask))));
+    assert_eq!(chosen("noise"), Some(Entry::Do(Action::Tints)));
+    assert!(
+        matches!(chosen("array"), Some(Entry::See(it)) if it.target == Target::Option(Spot::Array))
+    );
+    for help in COMMANDS.iter() {
+        let (list, error) = entries(help.verb, Some(&direct()));
+        assert_eq!(error, None, "{} is not wrong because it is not complete", help.verb);
+        let is_command = |entry: &Entry| matches!(entry, Entry::Run(_) | Entry::Complete(_));
+        let first = list.iter().position(is_command).unwrap();
+        let named = |entry: &Entry| match entry {
+            Entry::Do(action) => {
+                Filter::new(help.verb).rank(action.help().text, &[], &[]) == Some(0)
+            }
+            _ => false,
+        };
+        assert!(!list[first..].iter().any(named), "{}", help.verb);
+    }
+}
+
+#[test]
+fn a_command_that_is_not_complete_is_begun() {
+    for help in COMMANDS.iter().filter(|help| !help.usage.is_empty()) {
+        let mut palette = Palette { open: true, text: help.verb.to_string(), ..Palette::default() };
+        let mut requests = Vec::new();
+        palette.choose(&Entry::Complete(help), &mut requests);
+        assert_eq!((palette.text.as_str(), requests.len()), (&*format!("{} ", help.verb), 0));
+        assert!(palette.open && palette.completed);
+        assert_eq!(begun(&palette.text), Some(help), "its arguments are shown");
+    }
+}
+
+/// The words of other programs for things that are not here under that word.
+#[test]
+fn what_is_called_otherwise_or_missing_is_said() {
+    let wanted = [
+        ("boolean", Target::Do(Action::Mode(ToolMode::Subtract))),
+        ("remesh", Target::Do(Action::Brush(BrushId::Smooth))),
+        ("resample", Target::Do(Action::New)),
+        ("subdivide", Target::Do(Action::New)),
+        ("decimate", Target::Do(Action::Export)),
+        ("layers", Target::Do(Action::Masks)),
+        ("layer", Target::Do(Action::Masks)),
+        ("wireframe", Target::Do(Action::ToggleBounds)),
+        ("pivot", Target::Do(Action::ResetView)),
+        ("matcap", Target::Option(Spot::Looks)),
+        ("alpha", Target::Option(Spot::Stencil)),
+        ("stencil", Target::Option(Spot::Stencil)),
+        ("isolate", Target::Do(Action::Masks)),
+        ("transform", Target::Do(Action::Marker)),
+        ("gizmo", Target::Do(Action::Marker)),
+        ("voxelize", Target::Do(Action::Open)),
+        ("multires", Target::Do(Action::New)),
+        ("dyntopo", Target::Do(Action::Brush(BrushId::Smooth))),
+        ("clay strips", Target::Do(Action::Brush(BrushId::Clay))),
+        ("lazy", Target::Option(Spot::Steady)),
+        ("stabilizer", Target::Option(Spot::Steady)),
+        ("steady", Target::Option(Spot::Steady)),
+        ("material", Target::Option(Spot::Looks)),
+        ("xray", Target::Do(Action::Draw(DrawKind::Plane))),
+        ("measure", Target::Do(Action::Marker)),
+        ("merge", Target::Do(Action::Copy)),
+        ("extract", Target::Do(Action::Copy)),
+        ("thickness", Target::Do(Action::PrintCheck)),
+        ("enlarge grid", Target::Do(Action::New)),
+        ("canvas", Target::Do(Action::New)),
+        ("crop", Target::Do(Action::Marker)),
+        ("scale", Target::Do(Action::Grow)),
+        ("focus", Target::Do(Action::ResetView)),
+        ("hdri", Target::Do(Action::FinalPicture)),
+        ("ao", Target::Option(Spot::Occlusion)),
+        ("solid view", Target::Option(Spot::RenderMode)),
+    ];
+    for (typed, target) in wanted {
+        let found = chosen(typed);
+        assert!(
+            matches!(&found, Some(Entry::See(it)) if it.target == target),
+            "{typed}: {found:?}"
+        );
+    }
+    assert_eq!(chosen("export stl"), Some(Entry::Do(Action::Export)));
+    assert_eq!(listed("free rotate")[0], Entry::Do(Action::TurnSculpture));
+}

@@ -1,0 +1,205 @@
+//! The question which axis of a volume points up, asked after opening a file that does not say so.
+//! One click turns the sculpture; files of that format are read that way from then on.
+//!
+//! Shows a small bar over the picture, or in a headset above the options, while the sculpture is as it
+//! was read. Takes and gives what is remembered by the ending of the file's name; reads no file.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use egui::{Align2, Area, Button, Frame, Id, Margin, Order, Panel, Rect, Ui, vec2};
+use glam::Vec3;
+
+use crate::command::Command;
+use crate::sculpture::history::State;
+use crate::sculpture::orientation::Up;
+use crate::ui::{UiContext, UiRequest, UiState};
+
+/// From the upper edge of the picture, in points.
+const MARGIN: f32 = 8.0;
+
+/// The answers about which axis points up.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Upright {
+    /// The axis by the endings of file names, in lower case.
+    by_ending: BTreeMap<String, Up>,
+    /// The state of the sculpture in which nobody wants to be asked.
+    dismissed: Option<State>,
+    /// The file about which the question was answered when it was imported.
+    answered: Option<PathBuf>,
+}
+
+impl Upright {
+    /// The axis that pointed up in the last file with such an ending, if anybody said so.
+    pub fn of(&self, path: &Path) -> Option<Up> {
+        self.by_ending.get(&ending(path)?).copied()
+    }
+
+    pub fn remember(&mut self, path: &Path, up: Up) {
+        if let Some(ending) = ending(path) {
+            self.by_ending.insert(ending, up);
+        }
+    }
+
+    /// Nobody wants to be asked about this file, having seen how it stands.
+    pub fn answer(&mut self, path: &Path) {
+        self.answered = Some(path.to_path_buf());
+    }
+
+    /// Returns the answers to be remembered: endings and the text forms of axes.
+    pub fn to_texts(&self) -> BTreeMap<String, String> {
+        self.by_ending.iter().map(|(ending, up)| (ending.clone(), up.to_string())).collect()
+    }
+
+    /// Reads such texts. An entry that names no axis is left out.
+    pub fn from_texts(texts: &BTreeMap<String, String>) -> Upright {
+        let known =
+            texts.iter().filter_map(|(ending, up)| Some((ending.clone(), up.parse().ok()?)));
+        Upright { by_ending: known.take(64).collect(), ..Upright::default() }
+    }
+}
+
+fn ending(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}
+
+/// How a person reads an axis.
+pub fn label(up: Up) -> &'static str {
+    match up {
+        Up::X => "X up",
+        Up::MinusX => "−X up",
+        Up::Y => "Y up",
+        Up::MinusY => "−Y up",
+        Up::Z => "Z up",
+        Up::MinusZ => "−Z up",
+    }
+}
+
+/// Shows the question in a bar at the upper edge of `within`, if it is to be asked.
+pub fn show(
+    root: &Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+    within: Rect,
+) {
+    let Some(asked) = Asked::now(state, context) else { return };
+    let area = Area::new(Id::new("upright"))
+        .order(Order::Middle)
+        .pivot(Align2::CENTER_TOP)
+        .fixed_pos(within.center_top() + vec2(0.0, MARGIN))
+        .constrain_to(within);
+    let answer = area.show(root.ctx(), |ui| {
+        Frame::popup(ui.style()).show(ui, |ui| ui.horizontal(|ui| asked.show(ui)).inner).inner
+    });
+    asked.take(answer.inner, state, requests);
+}
+
+/// Shows the question in a strip along the top of `root`, if it is to be asked.
+pub fn strip(
+    root: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
+    let Some(asked) = Asked::now(state, context) else { return };
+    let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 5));
+    let answer = Panel::top("upright")
+        .frame(frame)
+        .show(root, |ui| ui.horizontal(|ui| asked.show(ui)).inner)
+        .inner;
+    asked.take(answer, state, requests);
+}
+
+/// The question.
+struct Asked<'a> {
+    path: &'a Path,
+    ending: String,
+    assumed: Up,
+    /// The state of the sculpture that it is about.
+    sculpture: State,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Answer {
+    None,
+    Up(Up),
+    Dismissed,
+}
+
+impl<'a> Asked<'a> {
+    /// None where the file says it itself, the sculpture has been changed, or nobody wants to be
+    /// asked.
+    fn now(state: &UiState, context: &UiContext<'a>) -> Option<Asked<'a>> {
+        let (assumed, path) = (context.assumed_up?, context.path?);
+        let sculpture = context.document.state();
+        let upright = &state.known_files.upright;
+        let put_off =
+            upright.dismissed == Some(sculpture) || upright.answered.as_deref() == Some(path);
+        let ending = ending(path).unwrap_or_default();
+        let asked = !put_off && !state.dialogs.is_modal();
+        asked.then_some(Asked { path, ending, assumed, sculpture })
+    }
+
+    fn show(&self, ui: &mut Ui) -> Answer {
+        let mut answer = Answer::None;
+        ui.label("Which axis points up?");
+        for (up, _) in Up::NAMED {
+            let button = Button::selectable(up == self.assumed, label(up));
+            let what = match up == self.assumed {
+                true => "It stands upright as it is",
+                false => "Turn the sculpture so that this axis points up",
+            };
+            let hint = format!("{what}; .{} files open that way from now on", self.ending);
+            if ui.add(button).on_hover_text(hint).clicked() {
+                answer = Answer::Up(up);
+            }
+        }
+        let close = ui.add(Button::new("✖").frame(false));
+        if close.on_hover_text("Leave it as it is").clicked() {
+            answer = Answer::Dismissed;
+        }
+        answer
+    }
+
+    fn take(&self, answer: Answer, state: &mut UiState, requests: &mut Vec<UiRequest>) {
+        let Asked { path, ending, assumed, sculpture } = self;
+        if let Answer::Up(up) = answer {
+            state.known_files.upright.remember(path, up);
+            state.known_files.recent.set_upright(path, up);
+            state.toasts.note(format!(".{ending} files open with {} from now on", label(up)));
+            if up != *assumed {
+                // After this turn, y points up.
+                state.view.up = Vec3::Y;
+                let lying = assumed.turned_upright().inverse();
+                requests.push(UiRequest::Run(Command::Orient(lying.then(up.turned_upright()))));
+            }
+        }
+        if answer == Answer::Dismissed || answer == Answer::Up(*assumed) {
+            state.known_files.upright.dismissed = Some(*sculpture);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_are_kept_by_the_ending_of_the_name() {
+        let mut upright = Upright::default();
+        assert_eq!(upright.of(Path::new("a.pvm")), None);
+        upright.remember(Path::new("/b/head.PVM"), Up::Z);
+        upright.remember(Path::new("scan.raw"), Up::MinusZ);
+        upright.remember(Path::new("scan.raw"), Up::Y);
+        assert_eq!(upright.of(Path::new("other.pvm")), Some(Up::Z));
+        assert_eq!(upright.of(Path::new("c.raw")), Some(Up::Y));
+        for none in ["pvm", "c.vsc", ""] {
+            assert_eq!(upright.of(Path::new(none)), None, "{none}");
+        }
+        let mut texts = upright.to_texts();
+        assert_eq!(Upright::from_texts(&texts), upright);
+        texts.insert("vol".to_string(), "sideways".to_string());
+        assert_eq!(Upright::from_texts(&texts), upright);
+    }
+}

@@ -1,0 +1,15 @@
+//! The parts that panels and dialogs are put together from, and how they look: buttons, icons, numbers, messages.
+//!
+//! Takes values and gives what was done to them; knows no panel and no dialog.
+
+pub mod brush_icons;
+pub mod buttons;
+pub mod draw_icons;
+pub mod filter;
+pub mod icons;
+pub mod keyboard;
+pub mod numbers;
+pub mod section;
+pub mod spot;
+pub mod theme;
+pub mod toasts;

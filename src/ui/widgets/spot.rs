@@ -1,0 +1,109 @@
+//! Options that a person is led to: the panel with the option opens, scrolls to it, and the option blinks.
+//!
+//! Takes the option that was looked for; changes which sections are open. The panels name their options with [`mark`];
+//! must not know what these do.
+
+use egui::{Align, Context, Id, Response, Stroke, StrokeKind};
+
+use crate::input::Action;
+use crate::tools::brush::BrushId;
+use crate::ui::UiState;
+
+/// How long an option blinks, and how often it changes, in seconds.
+const BLINK_S: f64 = 2.4;
+const CHANGE_S: f64 = 0.3;
+/// While the section opens, its options move.
+const SCROLL_S: f64 = 0.6;
+
+/// An option that can be looked for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Spot {
+    Array,
+    Symmetry,
+    /// The image that a brush paints.
+    Stencil,
+    /// The checkboxes for a pen's pressure.
+    Pressure,
+    /// The rope on which the pointer leads a brush.
+    Steady,
+    /// Clay, stone, a matcap or true colours.
+    Looks,
+    Occlusion,
+    RenderMode,
+}
+
+impl Spot {
+    /// The section of the options that it is in; none in the bar along the top.
+    fn section(self) -> Option<&'static str> {
+        match self {
+            Spot::Array | Spot::Symmetry => Some("Symmetry and array"),
+            Spot::Stencil | Spot::Steady | Spot::Pressure => Some("Tool"),
+            Spot::Looks | Spot::Occlusion => Some("Light"),
+            Spot::RenderMode => None,
+        }
+    }
+
+    /// The action that selects the tool that has the option.
+    pub fn needs(self) -> Option<Action> {
+        match self {
+            Spot::Stencil => Some(Action::Brush(BrushId::Paint)),
+            Spot::Steady | Spot::Pressure => Some(Action::Brush(BrushId::Draw)),
+            _ => None,
+        }
+    }
+
+    /// Opens the section with the option, and lets it blink once it is shown.
+    pub fn lead(self, state: &mut UiState) {
+        state.layout.hidden = false;
+        if let Some(section) = self.section() {
+            state.layout.sections.insert(section.to_string(), true);
+        }
+        state.layout.led_to = Some(self);
+    }
+}
+
+/// The option that blinks in a window, and since when.
+#[derive(Clone, Copy)]
+struct Blinking {
+    spot: Spot,
+    since_s: f64,
+}
+
+fn id() -> Id {
+    Id::new("led to")
+}
+
+/// Begins to blink in this window what it is to be led to: an option of the panel, or of the bar along the top.
+pub fn begin(ctx: &Context, led_to: &mut Option<Spot>, in_panel: bool) {
+    if let Some(spot) = led_to.take_if(|spot| spot.section().is_some() == in_panel) {
+        let since_s = ctx.input(|input| input.time);
+        ctx.data_mut(|data| data.insert_temp(id(), Blinking { spot, since_s }));
+    }
+}
+
+/// The option that blinks in a window.
+pub fn blinking(ctx: &Context) -> Option<Spot> {
+    let blinking = ctx.data(|data| data.get_temp::<Blinking>(id()))?;
+    let age_s = ctx.input(|input| input.time) - blinking.since_s;
+    (age_s < BLINK_S).then_some(blinking.spot)
+}
+
+/// Says that `response` is this option.
+pub fn mark(response: &Response, spot: Spot) {
+    let ctx = &response.ctx;
+    if blinking(ctx) != Some(spot) {
+        return;
+    }
+    let Some(Blinking { since_s, .. }) = ctx.data(|data| data.get_temp(id())) else { return };
+    let age_s = ctx.input(|input| input.time) - since_s;
+    if age_s < SCROLL_S {
+        response.scroll_to_me(Some(Align::Center));
+    }
+    if ((age_s / CHANGE_S) as u64).is_multiple_of(2) {
+        let style = ctx.global_style();
+        let stroke = Stroke::new(2.0, style.visuals.selection.stroke.color);
+        let painter = ctx.layer_painter(response.layer_id);
+        painter.rect_stroke(response.rect.expand(3.0), 4.0, stroke, StrokeKind::Outside);
+    }
+    ctx.request_repaint_after_secs((CHANGE_S * 0.5) as f32);
+}
