@@ -19,7 +19,7 @@ use super::workspace::Workspace;
 use crate::gpu::{Device, GpuError};
 use crate::input::Panel;
 use crate::screen::pen::WindowKey;
-use crate::ui::state::PanelPlace;
+use crate::ui::layout::PanelPlace;
 use crate::ui::widgets::theme;
 
 /// When a window without a free image first tries again; doubled after each attempt.

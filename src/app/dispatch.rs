@@ -19,8 +19,8 @@ use crate::input::{Action, ActionEvent, Side};
 use crate::notice::Notice;
 use crate::render::RenderMode;
 use crate::sculpture::Placement;
-use crate::ui::dialogs::files::FileTask;
-use crate::ui::state::PasteAs;
+use crate::ui::dialogs::FileTask;
+use crate::ui::tasks::PasteAs;
 use crate::ui::{ScreenshotTo, UiRequest};
 use crate::view::{Room, StereoLayout};
 
@@ -111,7 +111,7 @@ impl Workspace {
             Action::Palette => self.ui.dialogs.palette.open(),
             Action::Help => self.ui.dialogs.keys.open = !self.ui.dialogs.keys.open,
             Action::Guide => self.ui.dialogs.guide.open = !self.ui.dialogs.guide.open,
-            Action::References => self.ui.dialogs.references_open ^= true,
+            Action::References => self.ui.dialogs.references.open ^= true,
             Action::Lights => self.ui.dialogs.light.open = !self.ui.dialogs.light.open,
             Action::ToggleTheme => self.ui.appearance.theme = self.ui.appearance.theme.other(),
             Action::Fullscreen => self.ui.window_tasks.switch_fullscreen = true,
@@ -433,7 +433,7 @@ impl Workspace {
         self.viewpoint.turntable.set_orthographic(self.ui.view.orthographic);
         self.ui.dialogs.busy = self.editor.busy();
         self.ui.dialogs.preview.take_if(|_| !self.editor.is_busy());
-        self.ui.dialogs.calibrating = self.viewpoint.head.is_calibrating();
+        self.ui.dialogs.calibration.open = self.viewpoint.head.is_calibrating();
     }
 
     /// Asks how to go on with the sculpture's file if another program has it open.

@@ -13,7 +13,7 @@ use crate::headless::{Context, PictureRequest};
 use crate::picture::outline_middle;
 use crate::progress::Report;
 use crate::shade::ground::GROUND_COLOUR;
-use crate::ui::dialogs::film::{FilmKind, FilmRequest};
+use crate::ui::pictures::{FilmKind, FilmRequest};
 use crate::view::StereoLayout;
 
 impl Workspace {

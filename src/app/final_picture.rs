@@ -14,7 +14,8 @@ use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::progress::Report;
 use crate::shade::Pixels;
 use crate::trace::{Film, TraceError, TraceShot, preview_pixels};
-use crate::ui::dialogs::final_picture::{FinalRequest, Preview};
+use crate::ui::dialogs::final_picture::Preview;
+use crate::ui::pictures::FinalRequest;
 use crate::view::Eye;
 
 /// Between two pictures of what is done so far.

@@ -14,8 +14,8 @@ use crate::progress::{Progress, Report};
 use crate::session::Session;
 use crate::trace::MAX_FINAL_SAMPLES;
 use crate::ui::UiRequest;
-use crate::ui::dialogs::film::{FilmForm, FilmKind, FilmRequest};
-use crate::ui::dialogs::final_picture::{FinalFile, FinalRequest};
+use crate::ui::pictures::{FilmForm, FilmKind, FilmRequest};
+use crate::ui::pictures::{FinalFile, FinalRequest};
 use crate::ui::widgets::toasts::Tone;
 
 fn workspace() -> Workspace {

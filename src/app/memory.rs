@@ -12,7 +12,7 @@ use crate::command::Command;
 use crate::folders;
 use crate::format::store::write_atomically;
 use crate::sculpture::orientation::Up;
-use crate::ui::state::folder_of;
+use crate::ui::dialogs::files::folder_of;
 use crate::ui::{WindowOptions, memory};
 
 /// A longer file is not one of this program.

@@ -13,7 +13,7 @@ use super::workspace::Workspace;
 use crate::editor::tool::ToolEdit;
 use crate::folders;
 use crate::format::store;
-use crate::ui::state::PasteAs;
+use crate::ui::tasks::PasteAs;
 
 /// Folder of the pictures, among the program's state.
 const FOLDER: &str = "pasted";

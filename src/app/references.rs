@@ -31,7 +31,7 @@ impl Workspace {
                 let side = side.unwrap_or(Side::Front);
                 let reference = Reference::new(path, Some(pixels), side, height);
                 self.ui.references.push(reference);
-                self.ui.dialogs.references_open = true;
+                self.ui.dialogs.references.open = true;
             }
             Err(text) => self.ui.toasts.error(text),
         }

@@ -377,7 +377,7 @@ impl Workspace {
 
     /// Which keys of a window are meant for the sculpture rather than for a dialog or a field.
     fn hear_keys(&mut self, panel: Option<Panel>, root: &Ui, hovered: bool) -> Heard {
-        let dialogs = &mut self.ui.dialogs;
+        let dialogs = &self.ui.dialogs;
         let around = Around {
             asking: dialogs.is_asking(),
             modal: dialogs.is_modal(),

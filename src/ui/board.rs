@@ -4,12 +4,12 @@
 use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui};
 
 use crate::input::hands::HandSide;
-use crate::ui::dialogs::{
-    busy, changed_on_disk, export, files, film, final_picture, guide, import, in_use, light, new,
-    palette, recovery, unkept, unsaved, upright,
-};
+use crate::ui::context::UiContext;
+use crate::ui::dialogs::busy;
+use crate::ui::request::UiRequest;
+use crate::ui::state::UiState;
 use crate::ui::widgets::{numbers, theme};
-use crate::ui::{UiContext, UiRequest, UiState, history, options, toolbox, top_bar};
+use crate::ui::{history, options, toolbox, top_bar, upright};
 
 const TOOLBOX_WIDTH: f32 = 190.0;
 const HISTORY_WIDTH: f32 = 290.0;
@@ -90,20 +90,8 @@ pub fn show(
                 .show(ui, |ui| options::content(ui, state, context, requests));
         });
     });
-    guide::show(root, state, context, requests);
-    light::show(root, state);
-    palette::show(root, state, context, requests);
-    new::show(root, state, context, requests);
-    final_picture::show(root, state, context, requests);
-    film::show(root, state, context, requests);
-    export::show(root, state, context, requests);
-    import::show(root, state, context, requests);
-    recovery::show(root, state, requests);
-    unsaved::show(root, state, requests);
-    unkept::show(root, state, requests);
-    changed_on_disk::show(root, state, requests);
-    in_use::show(root, state, requests);
-    files::show(root, state, requests);
+    state.show_dialogs(root, context, requests);
     state.toasts.show(root, middle.response.rect);
-    busy::show(root, state, context, requests);
+    // The texture of a preview belongs to one interface: that of the window.
+    busy::show(root, state.dialogs.busy.as_ref(), None, requests);
 }

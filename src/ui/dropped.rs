@@ -10,8 +10,9 @@ use egui::{Align2, Area, Frame, Id, LayerId, Order, Rect, Stroke, StrokeKind, Ui
 
 use crate::format::options::ImportOptions;
 use crate::format::{READ_ENDINGS, can_be_read};
+use crate::ui::request::UiRequest;
+use crate::ui::state::UiState;
 use crate::ui::widgets::theme;
-use crate::ui::{UiRequest, UiState};
 
 /// Endings of images that can be reference pictures.
 const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];

@@ -6,9 +6,12 @@ use egui::{WidgetInfo, WidgetType, vec2};
 use glam::{Vec2, Vec3};
 
 use crate::input::Action;
+use crate::ui::context::UiContext;
+use crate::ui::request::UiRequest;
+use crate::ui::state::UiState;
 use crate::ui::widgets::buttons::explain;
 use crate::ui::widgets::theme;
-use crate::ui::{Theme, UiContext, UiRequest, UiState};
+use crate::ui::window_options::Theme;
 use crate::viewpoint::turntable::side_facing;
 
 /// From the middle to the ends of the axes, in points.

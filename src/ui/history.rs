@@ -4,8 +4,9 @@
 use egui::{Button, RichText, ScrollArea, Ui};
 
 use crate::command::Command;
-use crate::ui::top_bar::capital;
-use crate::ui::{UiContext, UiRequest};
+use crate::ui::context::UiContext;
+use crate::ui::request::UiRequest;
+use crate::ui::widgets::names::capital;
 
 /// `height`: of the list at most, in points.
 pub fn show(ui: &mut Ui, context: &UiContext, height: f32, requests: &mut Vec<UiRequest>) {

@@ -1,19 +1,19 @@
-//! Owns how a panel is detached off: the button in its head, and how it fills a window of its own; and
-//! the way back while all panels are hidden.
+//! Owns how a panel fills a window of its own, and the way back while all panels are hidden.
 //!
-//! Knows no window: the owner of the windows makes one for each panel in [`UiState::detached`] and has it filled by
-//! [`show`].
+//! Knows no window: the owner of the windows makes one for each panel in [`crate::ui::layout::PanelLayout::detached`] and
+//! has it filled by [`show`].
 
-use egui::{Area, CentralPanel, Frame, Id, Margin, Order, Rect, Response, ScrollArea};
-use egui::{Sense, Ui, pos2, vec2};
-use egui::{WidgetInfo, WidgetType};
+use egui::{Area, CentralPanel, Frame, Id, Margin, Order, Rect, ScrollArea};
+use egui::{Ui, vec2};
 
 use crate::input::{Action, Panel};
-use crate::ui::widgets::buttons::{action_button, explain};
-use crate::ui::widgets::{icons, numbers, theme};
-use crate::ui::{UiContext, UiRequest, UiState, history, options, toolbox};
+use crate::ui::context::UiContext;
+use crate::ui::request::UiRequest;
+use crate::ui::state::UiState;
+use crate::ui::widgets::buttons::action_button;
+use crate::ui::widgets::{numbers, theme};
+use crate::ui::{history, options, panel_head, toolbox};
 
-const BUTTON: f32 = theme::LEAST_TARGET;
 /// Height of the strip along the top of the picture in which the pointer brings up the way back.
 const WAY_BACK_HEIGHT: f32 = 64.0;
 
@@ -52,7 +52,7 @@ pub fn show(
     let frame = Frame::central_panel(root.style()).inner_margin(Margin::same(8));
     CentralPanel::default().frame(frame).show(root, |ui| {
         ui.add_enabled_ui(enabled, |ui| {
-            head(ui, panel, state, context, requests);
+            panel_head::head(ui, panel, &state.layout, context, requests);
             let scroll = ScrollArea::vertical().auto_shrink(false);
             match panel {
                 Panel::Toolbox => {
@@ -69,50 +69,4 @@ pub fn show(
             }
         });
     });
-}
-
-/// The line at the top of a panel, with the button that tears it off or puts it back.
-pub fn head(
-    ui: &mut Ui,
-    panel: Panel,
-    state: &UiState,
-    context: &UiContext,
-    requests: &mut Vec<UiRequest>,
-) {
-    let size = vec2(ui.available_width(), BUTTON);
-    let (row, _) = ui.allocate_exact_size(size, Sense::hover());
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let colour = ui.visuals().weak_text_color();
-    let left = pos2(row.left() + 2.0, row.center().y);
-    ui.painter().text(left, egui::Align2::LEFT_CENTER, panel.title(), font, colour);
-    let place = Rect::from_min_max(pos2(row.right() - BUTTON, row.top()), row.max);
-    detach_button(ui, place, panel, state, context, requests);
-}
-
-/// The button that tears a panel off or puts it back, at `place`.
-pub fn detach_button(
-    ui: &mut Ui,
-    place: Rect,
-    panel: Panel,
-    state: &UiState,
-    context: &UiContext,
-    requests: &mut Vec<UiRequest>,
-) -> Response {
-    let detached = state.layout.detached.contains(&panel);
-    let response = ui.interact(place, ui.id().with(("tear off", panel)), Sense::click());
-    response.widget_info(|| {
-        let name = panel.title();
-        let text = if detached { format!("Dock: {name}") } else { format!("Detach: {name}") };
-        WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), text)
-    });
-    let visuals = ui.style().interact(&response);
-    if response.hovered() || response.has_focus() {
-        ui.painter().rect_filled(place, visuals.corner_radius, visuals.weak_bg_fill);
-    }
-    icons::detach(ui.painter(), place.shrink(7.0), detached, visuals.text_color());
-    let response = explain(response, context, Action::Detach(panel));
-    if response.clicked() {
-        requests.push(UiRequest::Do(Action::Detach(panel)));
-    }
-    response
 }

@@ -1,26 +1,17 @@
-//! The window of reference pictures: images in the scene to sculpt from, each on a side of the sculpture.
+//! Reference pictures: images in the scene to sculpt from, each on a side of the sculpture.
 //!
-//! Shows and changes where they are; `app` reads the files and places the pictures.
+//! Says where they are and how they are placed; `app` reads the files. Must not know the window that changes them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use egui::{ComboBox, DragValue, RichText, ScrollArea, Slider, Ui, Window, pos2};
 use glam::{Affine3A, Mat3, UVec3, Vec2, Vec3};
 
 use crate::input::Side;
-use crate::render::{MAX_REFERENCES, ReferencePicture};
+use crate::render::ReferencePicture;
 use crate::shade::Pixels;
-use crate::ui::UiState;
-use crate::ui::dialogs::files::FileTask;
-use crate::ui::state::PasteAs;
-use crate::ui::top_bar::capital;
-use crate::ui::widgets::theme;
 use crate::viewpoint::turntable::side_frame;
 
-const WIDTH: f32 = 270.0;
-/// The height of the list, at most.
-const HEIGHT: f32 = 420.0;
 /// Cosine of the angle between the view and a side up to which one looks along it: 5 degrees.
 const ALONG: f32 = 0.9962;
 /// The gap from the grid to pictures behind and in front, in voxels.
@@ -127,7 +118,8 @@ impl Reference {
         self.shown && (!self.locked || looks_along(frame, axes_in_picture))
     }
 
-    fn name(&self) -> String {
+    /// The name of its file.
+    pub fn name(&self) -> String {
         let name = self.path.file_name().map(|name| name.to_string_lossy().into_owned());
         name.unwrap_or_else(|| self.path.display().to_string())
     }
@@ -147,108 +139,6 @@ pub fn side_seen(up: Vec3, axes_in_picture: &[Vec3; 3]) -> Option<Side> {
 /// The sides that pictures can be on.
 pub fn sides() -> impl Iterator<Item = Side> {
     Side::ALL.into_iter().filter(|side| *side != Side::Corner)
-}
-
-pub fn show(root: &Ui, state: &mut UiState, path: Option<&Path>) {
-    if !state.dialogs.references_open {
-        return;
-    }
-    let mut open = true;
-    Window::new("Reference pictures")
-        .open(&mut open)
-        .resizable(false)
-        .default_width(WIDTH)
-        .default_pos(pos2(theme::TOOLBOX_WIDTH + 32.0, 60.0))
-        .show(root.ctx(), |ui| {
-            ui.set_width(WIDTH);
-            ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
-                list(ui, &mut state.references);
-            });
-            let room = state.references.len() < MAX_REFERENCES;
-            let full = format!("There are {MAX_REFERENCES} already");
-            ui.horizontal(|ui| {
-                let add = ui.add_enabled(room, egui::Button::new("Add …"));
-                let add = add.on_hover_text("Choose a PNG or JPEG image to sculpt from");
-                if add.on_disabled_hover_text(&full).clicked() {
-                    state.dialogs.files.open(FileTask::Reference, path);
-                }
-                let paste = ui.add_enabled(room, egui::Button::new("Paste"));
-                let paste = paste.on_hover_text("Add the picture on the clipboard");
-                if paste.on_disabled_hover_text(&full).clicked() {
-                    state.window_tasks.paste = Some(PasteAs::Reference);
-                }
-            });
-        });
-    state.dialogs.references_open &= open;
-}
-
-fn list(ui: &mut Ui, list: &mut Vec<Reference>) {
-    if list.is_empty() {
-        ui.label("Images in the scene to sculpt from: drawings, photographs, scans.");
-    }
-    let mut removed = None;
-    for (i, reference) in list.iter_mut().enumerate() {
-        ui.push_id(i, |ui| {
-            ui.horizontal(|ui| {
-                let name = RichText::new(reference.name()).strong();
-                ui.checkbox(&mut reference.shown, name)
-                    .on_hover_text(reference.path.display().to_string());
-                if ui.button("Remove").clicked() {
-                    removed = Some(i);
-                }
-            });
-            if reference.pixels.is_none() {
-                let text = "Not shown: its file could not be read";
-                ui.colored_label(theme::error_colour(ui.visuals()), text);
-            }
-            place(ui, reference);
-        });
-        ui.separator();
-    }
-    if let Some(i) = removed {
-        list.remove(i);
-    }
-}
-
-fn place(ui: &mut Ui, reference: &mut Reference) {
-    ui.horizontal(|ui| {
-        ComboBox::from_id_salt("side")
-            .width(70.0)
-            .selected_text(capital(reference.side.name()))
-            .show_ui(ui, |ui| {
-                for side in sides() {
-                    ui.selectable_value(&mut reference.side, side, capital(side.name()));
-                }
-            });
-        ComboBox::from_id_salt("layer")
-            .width(70.0)
-            .selected_text(capital(reference.layer.name()))
-            .show_ui(ui, |ui| {
-                for layer in Layer::ALL {
-                    ui.selectable_value(&mut reference.layer, layer, capital(layer.name()));
-                }
-            });
-        ui.checkbox(&mut reference.locked, "Lock to view")
-            .on_hover_text("Show it only in views along that side");
-    });
-    ui.horizontal(|ui| {
-        let label = ui.label("Opacity");
-        ui.add(Slider::new(&mut reference.opacity, 0.05..=1.0).fixed_decimals(2))
-            .labelled_by(label.id);
-    });
-    ui.horizontal(|ui| {
-        let label = ui.label("Height");
-        ui.add(DragValue::new(&mut reference.height_vx).range(HEIGHT_RANGE_VX).speed(1.0))
-            .labelled_by(label.id)
-            .on_hover_text("In voxels");
-        ui.label("Offset");
-        for (value, prefix) in [(0, "X "), (1, "Y ")] {
-            let value = DragValue::new(&mut reference.offset_vx[value]).range(OFFSET_RANGE_VX);
-            ui.add(value.prefix(prefix).speed(0.5)).on_hover_text(
-                "Distance of its centre from the grid's centre, to the right (X) and up (Y), in voxels",
-            );
-        }
-    });
 }
 
 #[cfg(test)]

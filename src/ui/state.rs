@@ -1,269 +1,31 @@
 //! The state of the interface: how the sculpture is shown, and which windows are open. None of it
 //! belongs to the sculpture.
 //!
-//! Panels change these values by themselves; the rest of the program reads them. For changes to values that another
-//! part owns (the document, the tool, the viewpoint, the controls) they send a [`UiRequest`].
+//! Stands above the dialogs, whose states it owns, and below the panels, which change these values by themselves; the
+//! rest of the program reads them. Must not know any panel.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
+use egui::Ui;
+use glam::Vec3;
 
-use glam::{Vec2, Vec3};
-use serde::{Deserialize, Serialize};
-
-use crate::command::{Command, NewSculpture};
-use crate::editor::questions::{ChangedOnDisk, Next};
-use crate::editor::tool::ToolEdit;
-use crate::format::options::ImportOptions;
+use super::context::UiContext;
+use super::dialogs::{Dialogs, Shared};
+use super::layout::{Appearance, PanelLayout, Scale};
+use super::memory::recent::Recent;
+use super::memory::upright::Upright;
+use super::pens::PenState;
+use super::references::Reference;
+use super::request::UiRequest;
+use super::tasks::WindowTasks;
+use super::view_options::ViewOptions;
+use super::view_state::ViewState;
+use super::widgets::toasts::Toasts;
+use super::window_options::WindowOptions;
+use crate::command::NewSculpture;
 use crate::input::hands::HandSide;
 use crate::input::pen::PenCurve;
-use crate::input::remap::KeyChange;
-use crate::input::{Action, Panel};
-use crate::print_check::CheckOptions;
-use crate::render::{Finish, LightOptions, RenderMode, RenderOptions, StereoOptions};
+use crate::render::{LightOptions, RenderOptions, StereoOptions};
 use crate::screen::headset::{Blend, HeadsetOptions};
-use crate::shade::Lighting;
-use crate::ui::dialogs::Dialogs;
-use crate::ui::dialogs::film::FilmRequest;
-use crate::ui::dialogs::final_picture::FinalRequest;
-use crate::ui::dialogs::upright::Upright;
-use crate::ui::memory::recent::Recent;
-use crate::ui::options::pen::PenState;
-use crate::ui::references::Reference;
-use crate::ui::widgets::spot::Spot;
-use crate::ui::widgets::toasts::Toasts;
-use crate::ui::{SCALE_RANGE, Theme, ViewOptions, WindowOptions};
 use crate::video::VideoOptions;
-use crate::viewpoint::head::CalibrationStep;
-
-/// A request that a person made in the interface.
-#[derive(Clone, PartialEq, Debug)]
-pub enum UiRequest {
-    /// The same as by key or mouse.
-    Do(Action),
-    /// A command whose arguments were chosen in a window.
-    Run(Command),
-    /// Add a reference picture from a file.
-    AddReference(PathBuf),
-    /// Rotate the sculpture by angles in radians: to the right, and down.
-    Turn(Vec2),
-    /// Change the tool.
-    Tool(ToolEdit),
-    /// Make a final picture of the view.
-    FinalPicture(Box<FinalRequest>),
-    /// Make a film.
-    Film(FilmRequest),
-    /// Read a file to ask how it is to be imported.
-    Study(PathBuf, ImportOptions),
-    /// Check whether the sculpture can be printed.
-    PrintCheck(CheckOptions),
-    /// Stop the long work under way, where it can be stopped.
-    StopWork,
-    /// A step of the calibration of the tracker.
-    Calibrate(CalibrationStep),
-    /// Change the table of keys in use.
-    Keys(KeyChange),
-    /// Use another table of keys, by its index.
-    UsePreset(usize),
-    /// Do what would lose unsaved work, without asking again.
-    Go(Next),
-    /// Save, under a name that is asked for if there is none, then do that.
-    SaveFirst(Next),
-    /// Carry out a command that saves, then do that.
-    SaveThen(Command, Next),
-    /// Brings back what an earlier session has left in the journal of this number.
-    Recover(u64),
-    /// Removes that journal.
-    DiscardLeft(u64),
-    /// List what earlier sessions have left, or say that there is nothing.
-    ListLeft,
-    /// Save to this file although another program has changed it, then do that.
-    Overwrite(ChangedOnDisk),
-    /// Do not save to the sculpture's file, which another program has open.
-    KeepReadOnly,
-    /// Go on with a copy of the sculpture's file, without a name.
-    BecomeCopy,
-    /// Carry out a command although it cannot be undone.
-    Irreversibly(Command),
-}
-
-/// How the sculpture is shown.
-#[derive(Clone, PartialEq, Debug)]
-pub struct ViewState {
-    pub mode: RenderMode,
-    /// The person has not chosen the mode.
-    pub mode_is_automatic: bool,
-    pub light: LightOptions,
-    pub finish: Finish,
-    /// The surface between near voxels instead of their cubes, of sculptures that are to be shown so.
-    pub smooth_surface: bool,
-    /// Smooth edges while nothing moves.
-    pub refine: bool,
-    /// Smooth edges in pictures that are not refined.
-    pub smooth_edges: bool,
-    /// The person has not chosen that.
-    pub smooth_edges_is_automatic: bool,
-    pub stereo: StereoOptions,
-    pub video: VideoOptions,
-    /// Parallel lines stay parallel; not before a tracked head or a printed marker.
-    pub orthographic: bool,
-    /// The axis gizmo.
-    pub gizmo: bool,
-    /// The floor grid.
-    pub floor: bool,
-    /// The ground with the sculpture's shadow; it has lines of its own.
-    pub ground: bool,
-    /// The axis of the grid that is up when the view is reset.
-    pub up: Vec3,
-    /// The edges of the grid.
-    pub bounds: bool,
-    /// Protected voxels are tinted.
-    pub mask: bool,
-    /// The line from the grid's centre to the tool.
-    pub line: bool,
-    /// The tool itself.
-    pub tool: bool,
-}
-
-impl ViewState {
-    /// Takes the mode that the person wants.
-    pub fn choose_mode(&mut self, mode: RenderMode) {
-        self.mode = mode;
-        self.mode_is_automatic = false;
-    }
-
-    /// Takes the mode that suits a device to draw with, unless the person has chosen one, and likewise smooth edges. A
-    /// choice that suits a GPU stays: the window may draw without one while a headset has one.
-    pub fn suit_device(&mut self, software: bool) {
-        if self.mode_is_automatic && !software {
-            self.choose_mode(RenderMode::usual(software));
-        }
-        self.smooth_edges |= self.smooth_edges_is_automatic && !software;
-    }
-
-    /// Returns the name of the feature that draws lines below the sculpture, if one does.
-    pub fn has_lines(&self) -> Option<&'static str> {
-        match (self.ground, self.floor) {
-            (true, _) => Some("Ground lines"),
-            (false, true) => Some("Floor grid"),
-            (false, false) => None,
-        }
-    }
-
-    /// Returns the lighting as the shaders take it.
-    pub fn lighting(&self) -> Lighting {
-        self.finish.of(self.light.lighting())
-    }
-}
-
-/// The size of text and buttons, on top of the display's own scale.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Scale {
-    now: f32,
-    configured: f32,
-}
-
-impl Scale {
-    pub fn new(configured: f32) -> Scale {
-        Scale { now: configured, configured }
-    }
-
-    pub fn factor(self) -> f32 {
-        self.now
-    }
-
-    /// Larger by tenths, as far as the settings allow.
-    pub fn change_by(&mut self, tenths: f32) {
-        let to = (self.now * 10.0 + tenths).round() / 10.0;
-        self.now = to.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
-    }
-
-    /// To a factor, as far as the settings allow.
-    pub fn set(&mut self, factor: f32) {
-        self.now = factor.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
-    }
-
-    pub fn reset(&mut self) {
-        self.now = self.configured;
-    }
-}
-
-/// Where the window of a panel is, in pixels of the screen.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
-pub struct PanelPlace {
-    /// Not known everywhere.
-    #[serde(default)]
-    pub corner_px: Option<[i32; 2]>,
-    pub size_px: [u32; 2],
-}
-
-/// How large the windows were last, and where those of panels.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct Windows {
-    /// Width and height of the main window in points, while it does not fill the screen; none
-    /// before it was open.
-    pub main: Option<[u32; 2]>,
-    pub maximised: bool,
-    pub panels: BTreeMap<Panel, PanelPlace>,
-}
-
-/// How the interface looks.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Appearance {
-    pub theme: Theme,
-    pub scale: Scale,
-}
-
-/// Where panels and windows are.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct PanelLayout {
-    /// The panels that are windows of their own.
-    pub detached: BTreeSet<Panel>,
-    pub windows: Windows,
-    /// Nothing but the picture is shown in the main window. Not remembered.
-    pub hidden: bool,
-    /// The sections of the options and of the toolbox that were opened or closed, by their titles.
-    pub sections: BTreeMap<String, bool>,
-    /// The option that is to be shown. Not remembered.
-    pub led_to: Option<Spot>,
-}
-
-impl PanelLayout {
-    /// Detaches a panel, or docks it again.
-    pub fn toggle_detached(&mut self, panel: Panel) {
-        if !self.detached.remove(&panel) {
-            self.detached.insert(panel);
-        }
-    }
-}
-
-/// The tasks that the main window is still to do.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct WindowTasks {
-    /// The window is to fill its screen, or no longer.
-    pub switch_fullscreen: bool,
-    /// The use of a picture of the view.
-    pub screenshot: Option<ScreenshotTo>,
-    /// The use of the picture on the clipboard of the system.
-    pub paste: Option<PasteAs>,
-}
-
-/// The use of a pasted picture.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum PasteAs {
-    /// A reference picture.
-    Reference,
-    /// The picture that solids paint with.
-    ToolPicture,
-}
-
-/// Where a picture of the view goes.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum ScreenshotTo {
-    /// A file with a name of its own.
-    File,
-    /// The clipboard of the system.
-    Clipboard,
-}
 
 /// The facts known about files that were opened or saved.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -373,29 +135,33 @@ impl UiState {
             toasts: Toasts::default(),
         }
     }
+
+    /// Shows the dialogs and windows that are open.
+    pub fn show_dialogs(&mut self, root: &Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
+        let mut shared = Shared {
+            context,
+            is_busy: self.dialogs.busy.is_some(),
+            view: &mut self.view,
+            references: &mut self.references,
+            upright: &mut self.known_files.upright,
+            toasts: &mut self.toasts,
+            requests,
+            ask_import: self.dialogs.import.ask,
+            openings: Vec::new(),
+            led_to: None,
+            paste: None,
+        };
+        self.dialogs.show(root, &mut shared);
+        let Shared { led_to, paste, .. } = shared;
+        if let Some(spot) = led_to {
+            self.layout.lead_to(spot);
+        }
+        self.window_tasks.paste = paste.or(self.window_tasks.paste);
+    }
 }
 
-/// The last folder of a file, to open dialogs there.
-pub fn folder_of(path: Option<&std::path::Path>) -> Option<PathBuf> {
-    path.and_then(|p| p.parent()).filter(|p| !p.as_os_str().is_empty()).map(PathBuf::from)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_scale_goes_by_tenths_within_its_range_and_back() {
-        let mut scale = Scale::new(1.25);
-        scale.change_by(1.0);
-        assert_eq!(scale.factor(), 1.4);
-        scale.change_by(-1.0);
-        assert_eq!(scale.factor(), 1.3);
-        (0..50).for_each(|_| scale.change_by(1.0));
-        assert_eq!(scale.factor(), 4.0);
-        (0..50).for_each(|_| scale.change_by(-1.0));
-        assert_eq!(scale.factor(), 0.5);
-        scale.reset();
-        assert_eq!(scale.factor(), 1.25);
+impl AsMut<PanelLayout> for UiState {
+    fn as_mut(&mut self) -> &mut PanelLayout {
+        &mut self.layout
     }
 }

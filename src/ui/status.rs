@@ -5,9 +5,10 @@ use egui::{Align, Frame, Layout, Margin, Panel, Ui};
 
 use crate::editor::tool::ToolKind;
 use crate::input::Action;
-use crate::ui::UiContext;
+use crate::ui::context::UiContext;
 use crate::ui::options::{ar, draw_progress, gamepad, head};
 use crate::ui::widgets::buttons::explain;
+use crate::ui::widgets::names::grouped;
 use crate::ui::widgets::theme;
 
 pub fn show(root: &mut Ui, context: &UiContext) {
@@ -96,28 +97,4 @@ fn right(ui: &mut Ui, context: &UiContext) {
         .on_hover_text(format!("Size of the grid in voxels, {bits} bits of colour per voxel"));
     ui.separator();
     ui.label(format!("{} voxels", grouped(grid.opaque_count()))).on_hover_text("Filled voxels");
-}
-
-/// Digits in groups of three, parted by narrow spaces.
-pub fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let first = digits.len() % 3;
-    let mut out = String::with_capacity(digits.len() * 4 / 3);
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && i % 3 == first {
-            out.push('\u{2009}');
-        }
-        out.push(digit);
-    }
-    out
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn numbers_are_grouped() {
-        let shown =
-            [0, 12, 999, 1000, 16_777_216].map(|n| super::grouped(n).replace('\u{2009}', " "));
-        assert_eq!(shown, ["0", "12", "999", "1 000", "16 777 216"]);
-    }
 }

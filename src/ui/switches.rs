@@ -4,9 +4,11 @@
 use egui::{Button, Ui};
 
 use crate::input::Action;
+use crate::ui::context::UiContext;
 use crate::ui::options::stereo;
+use crate::ui::request::UiRequest;
+use crate::ui::state::UiState;
 use crate::ui::widgets::buttons::{explain, menu_switch};
-use crate::ui::{UiContext, UiRequest, UiState};
 use crate::view::StereoLayout;
 
 /// The widths of the switches in the bar, in points, and of the items to the right of them.

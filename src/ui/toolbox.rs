@@ -7,11 +7,13 @@ use crate::input::{Action, DrawKind, Panel, ToolMode};
 use crate::tools::brush::BrushId;
 use crate::tools::brush::spec::BrushGroup;
 use crate::tools::solid::Solid;
-use crate::ui::options::draw::draw_name;
-use crate::ui::top_bar::capital;
+use crate::ui::context::UiContext;
+use crate::ui::panel_head;
+use crate::ui::request::UiRequest;
+use crate::ui::state::UiState;
 use crate::ui::widgets::buttons::explain;
+use crate::ui::widgets::names::{draw_name, mode_name, solid_name};
 use crate::ui::widgets::{brush_icons, draw_icons, icons, section, theme};
-use crate::ui::{UiContext, UiRequest, UiState, panels};
 
 const ICON: f32 = 24.0;
 /// Least width of a button without a name.
@@ -36,7 +38,7 @@ pub fn show(
         .resizable(false)
         .exact_size(theme::toolbox_width(root.ctx().content_rect().width()))
         .show(root, |ui| {
-            panels::head(ui, Panel::Toolbox, state, context, requests);
+            panel_head::head(ui, Panel::Toolbox, &state.layout, context, requests);
             ScrollArea::vertical()
                 .auto_shrink(false)
                 .show(ui, |ui| content(ui, state, context, requests));
@@ -148,24 +150,6 @@ fn tools(
         ui.horizontal(|ui| {
             row.iter().for_each(|entry| tool(ui, context, width, entry, look, requests));
         });
-    }
-}
-
-/// Returns the name of a solid in the interface.
-pub fn solid_name(solid: Solid) -> String {
-    match solid {
-        Solid::RoundedCuboid => "Rounded".to_string(),
-        other => capital(other.name()),
-    }
-}
-
-/// Returns the name of a mode in the interface.
-pub fn mode_name(mode: ToolMode) -> &'static str {
-    match mode {
-        ToolMode::Add => "Add",
-        ToolMode::Subtract => "Cut",
-        ToolMode::Recolour => "Paint",
-        ToolMode::Protect | ToolMode::Release => "Protect",
     }
 }
 

@@ -6,12 +6,15 @@ use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 use crate::input::{Action, Axis, Panel, Side};
 use crate::render::RenderMode;
 use crate::sculpture::orientation::Up;
-use crate::ui::Theme;
-use crate::ui::dialogs::upright;
-use crate::ui::memory::recent;
+use crate::ui::context::UiContext;
+use crate::ui::memory::upright;
+use crate::ui::request::UiRequest;
+use crate::ui::state::UiState;
 use crate::ui::widgets::buttons::{action_button, explain, menu_entry, menu_switch};
+use crate::ui::widgets::names::{capital, preset_name};
 use crate::ui::widgets::spot::{self, Spot};
-use crate::ui::{UiContext, UiRequest, UiState, switches};
+use crate::ui::window_options::Theme;
+use crate::ui::{recent_menu, switches};
 
 pub fn show(
     root: &mut Ui,
@@ -85,7 +88,7 @@ fn menu(
         if narrow {
             switches::menu(ui, state, context, requests);
         }
-        recent::menu(ui, state, requests);
+        recent_menu::menu(ui, state, requests);
         let unsaved = ui.button("Unsaved work …");
         let unsaved =
             unsaved.on_hover_text("Lists the work of earlier sessions that did not end properly");
@@ -226,18 +229,4 @@ fn at_the_desk(
             }
         }
     });
-}
-
-/// A table of keys, as the program that it follows is written.
-pub fn preset_name(name: &str) -> String {
-    match name {
-        "magicavoxel" => "MagicaVoxel".to_string(),
-        other => capital(other),
-    }
-}
-
-/// The text with its first letter in upper case.
-pub fn capital(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
 }

@@ -107,7 +107,7 @@ fn a_look_is_chosen_and_a_matcap_read_or_refused_with_its_reason() {
     image::RgbImage::from_pixel(64, 32, image::Rgb([90, 200, 30])).save(&bad).unwrap();
     for path in [&good, &bad] {
         let ui = &mut harness.state_mut().ui;
-        look::take_matcap(ui, path.clone());
+        look::take_matcap(&mut ui.view, &mut ui.toasts, path.clone());
         rest(&mut harness);
         assert_eq!(lighting(&harness).matcap.texels()[0].to_le_bytes(), [90, 200, 30, 255]);
         assert_eq!(harness.state().ui.view.light.matcap.path(), Some(good.as_path()));

@@ -8,9 +8,9 @@ use egui_kittest::kittest::Queryable;
 use glam::UVec2;
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::trace::LightOptions;
-use virtual_sculpture::ui::dialogs::film::{FilmForm, FilmKind};
-use virtual_sculpture::ui::dialogs::final_picture::FinalFile;
 use virtual_sculpture::ui::dialogs::picture_size::PictureSize;
+use virtual_sculpture::ui::pictures::FinalFile;
+use virtual_sculpture::ui::pictures::{FilmForm, FilmKind};
 
 use super::bench::{Bench, bench, bench_of, click, click_once, config, has, key, key_in, rest};
 

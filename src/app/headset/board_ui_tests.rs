@@ -10,7 +10,7 @@ use crate::input::Bindings;
 use crate::input::hands::{Board, HandMapper, HandSettings, HandSide, HandsState};
 use crate::input::pad::stick::Response as StickResponse;
 use crate::session::Session;
-use crate::ui::dialogs::files::FileTask;
+use crate::ui::dialogs::FileTask;
 use crate::ui::widgets::keyboard::{Cap, keys};
 use crate::view::Pose;
 

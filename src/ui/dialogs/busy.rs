@@ -3,16 +3,22 @@
 
 use egui::{Color32, Id, Key, Modal, ProgressBar, Ui};
 
-use crate::ui::top_bar::capital;
-use crate::ui::{UiContext, UiRequest, UiState};
+use crate::editor::job::Busy;
+use crate::ui::dialogs::final_picture::Preview;
+use crate::ui::request::UiRequest;
+use crate::ui::widgets::names::capital;
 
 const WIDTH: f32 = 320.0;
 const WIDTH_WITH_PREVIEW: f32 = 420.0;
 
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    let Some(busy) = state.dialogs.busy.as_ref().filter(|busy| busy.shown) else { return };
-    // A texture belongs to one interface: that of the window.
-    let preview = state.dialogs.preview.as_mut().filter(|_| !context.in_headset);
+/// Shows the work under way, if there is any that is to be shown. `preview`: the picture that it makes.
+pub fn show(
+    root: &Ui,
+    busy: Option<&Busy>,
+    preview: Option<&mut Preview>,
+    requests: &mut Vec<UiRequest>,
+) {
+    let Some(busy) = busy.filter(|busy| busy.shown) else { return };
     let stop = Modal::new(Id::new("busy")).show(root.ctx(), |ui| {
         ui.set_width(if preview.is_some() { WIDTH_WITH_PREVIEW } else { WIDTH });
         ui.heading(busy.what);

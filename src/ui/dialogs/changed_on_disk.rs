@@ -1,20 +1,31 @@
 //! The question before a file is overwritten that another program has changed.
+//!
+//! Takes the file; asks with requests, or leads to the choice of another name. Looks at no file.
 
 use egui::{Id, Modal, Ui};
 
 use crate::command::Command;
 use crate::editor::questions::{ChangedOnDisk, Next};
 use crate::format::options::ImportOptions;
-use crate::ui::dialogs::files::FileTask;
+use crate::ui::dialogs::shared::{Dialog, FileTask, Opening, Shared};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
-use crate::ui::{UiRequest, UiState};
 
-pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let Some(file @ ChangedOnDisk { path, .. }) = &state.dialogs.changed_on_disk else { return };
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let mut is_answered = false;
-    let mut save_as = false;
-    let response = Modal::new(Id::new("changed on disk")).show(root.ctx(), |ui| {
+impl Dialog for Option<ChangedOnDisk> {
+    fn is_open(&self) -> bool {
+        self.is_some()
+    }
+
+    fn close(&mut self) -> bool {
+        self.take().is_some()
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let Some(file @ ChangedOnDisk { path, .. }) = &*self else { return };
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let mut is_answered = false;
+        let mut save_as = false;
+        let response = Modal::new(Id::new("changed on disk")).show(root.ctx(), |ui| {
         ui.set_width(380.0);
         ui.heading("The file has changed on disk");
         ui.add_space(4.0);
@@ -30,25 +41,26 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
             }
             let button = ui.button("Overwrite");
             if button.on_hover_text("Replace the file with yours; its changes are lost").clicked() {
-                requests.push(UiRequest::Overwrite(file.clone()));
+                shared.requests.push(UiRequest::Overwrite(file.clone()));
                 is_answered = true;
             }
             let button = ui.button("Reload");
             if button.on_hover_text("Open the file as it is now; undo restores your work").clicked() {
                 let import = ImportOptions::default();
                 let open = Command::Open { path: path.clone(), import };
-                requests.push(UiRequest::Go(Next::Run(open)));
+                shared.requests.push(UiRequest::Go(Next::Run(open)));
                 is_answered = true;
             }
             is_answered |= ui.button("Cancel").clicked();
         });
     });
-    if !is_answered && !response.should_close() {
-        return;
-    }
-    if let Some(ChangedOnDisk { path, next, .. }) = state.dialogs.changed_on_disk.take()
-        && save_as
-    {
-        state.dialogs.files.open(FileTask::SaveAs(next), Some(&path));
+        if !is_answered && !response.should_close() {
+            return;
+        }
+        if let Some(ChangedOnDisk { path, next, .. }) = self.take()
+            && save_as
+        {
+            shared.openings.push(Opening::Files(FileTask::SaveAs(next), Some(path)));
+        }
     }
 }

@@ -13,9 +13,11 @@ use crate::format::options::{ExportForm, ExportOptions};
 use crate::format::{MeshOptions, MeshUp, is_mesh, usual_surface, usual_up};
 use crate::mesh::MeshKind;
 use crate::sculpture::history::SurfaceKind;
-use crate::ui::top_bar::capital;
+use crate::ui::context::UiContext;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
+use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest, UiState};
 
 const WIDTH: f32 = 360.0;
 /// Triangles that a mesh is simplified to unless another number is chosen.
@@ -66,16 +68,6 @@ impl Default for ExportDialog {
 }
 
 impl ExportDialog {
-    /// Whether it is open.
-    pub fn is_open(&self) -> bool {
-        self.path.is_some()
-    }
-
-    /// Closes it; false if it is not open.
-    pub fn close(&mut self) -> bool {
-        self.path.take().is_some()
-    }
-
     /// Asks for the options of a file, or asks to write it where its format has none.
     pub fn open(&mut self, path: PathBuf, requests: &mut Vec<UiRequest>) {
         self.size_vx = None;
@@ -116,35 +108,45 @@ impl ExportDialog {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    let dialog = &mut state.dialogs.export;
-    let Some(path) = dialog.path.clone() else { return };
-    dialog.surface = context.document.contents().surface;
-    let response = Modal::new(Id::new("export")).show(root.ctx(), |ui| {
-        ui.set_width(WIDTH);
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        ui.heading(format!("Export {name}"));
-        ui.add_space(4.0);
-        // While a field or a button has the keyboard, Enter is its own.
-        let free = ui.memory(|memory| memory.focused().is_none());
-        let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
-        match is_mesh(&path) {
-            true => mesh_options(ui, dialog, &path, context),
-            false => volume_options(ui, dialog),
-        }
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            if ui.add(theme::primary(ui.visuals(), "Export")).clicked() || enter {
-                requests.push(dialog.command(path.clone()));
-                dialog.path = None;
+impl Dialog for ExportDialog {
+    fn is_open(&self) -> bool {
+        self.path.is_some()
+    }
+
+    fn close(&mut self) -> bool {
+        self.path.take().is_some()
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let Shared { context, requests, .. } = shared;
+        let Some(path) = self.path.clone() else { return };
+        self.surface = context.document.contents().surface;
+        let response = Modal::new(Id::new("export")).show(root.ctx(), |ui| {
+            ui.set_width(WIDTH);
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            ui.heading(format!("Export {name}"));
+            ui.add_space(4.0);
+            // While a field or a button has the keyboard, Enter is its own.
+            let free = ui.memory(|memory| memory.focused().is_none());
+            let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
+            match is_mesh(&path) {
+                true => mesh_options(ui, self, &path, context),
+                false => volume_options(ui, self),
             }
-            if ui.button("Cancel").clicked() {
-                dialog.path = None;
-            }
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                if ui.add(theme::primary(ui.visuals(), "Export")).clicked() || enter {
+                    requests.push(self.command(path.clone()));
+                    self.path = None;
+                }
+                if ui.button("Cancel").clicked() {
+                    self.path = None;
+                }
+            });
         });
-    });
-    if response.should_close() {
-        dialog.path = None;
+        if response.should_close() {
+            self.path = None;
+        }
     }
 }
 

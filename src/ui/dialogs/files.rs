@@ -7,12 +7,11 @@ use egui::Ui;
 use egui_file_dialog::{DialogState, FileDialog, Filter};
 
 use crate::command::Command;
-use crate::editor::questions::Next;
 use crate::editor::tool::ToolEdit;
 use crate::format::options::{ExportOptions, ImportOptions};
 use crate::ui::dialogs::look;
-use crate::ui::state::folder_of;
-use crate::ui::{UiRequest, UiState};
+use crate::ui::dialogs::shared::{Dialog, FileTask, Opening, Shared};
+use crate::ui::request::UiRequest;
 
 /// The ending of the program's own files.
 const ENDING: &str = "vsc";
@@ -29,22 +28,6 @@ const EXPORTS: [(&str, &str); 9] = [
     ("Raw voxels", "raw"),
 ];
 const SIDE_WIDTH: f32 = 170.0;
-
-/// The task that a file dialog is open for.
-#[derive(Clone, PartialEq, Debug)]
-pub enum FileTask {
-    Open,
-    /// Save under a new name, then do what would lose unsaved work.
-    SaveAs(Option<Next>),
-    /// Write a file for other programs.
-    Export,
-    /// Choose a picture for solids to paint with.
-    Picture,
-    /// Choose a picture to sculpt from.
-    Reference,
-    /// Choose a picture of a lit ball to shade with.
-    Matcap,
-}
 
 /// The file dialog and what it is open for.
 pub struct Files {
@@ -146,12 +129,17 @@ impl Default for Files {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let ask = &mut state.dialogs.import.ask;
-    let Files { dialog, task, export, .. } = &mut state.dialogs.files;
-    // The library draws its search field black on any ground: dark text could not be read there.
-    dialog.config_mut().show_search = root.visuals().dark_mode;
-    dialog.update_with_right_panel_ui(root.ctx(), &mut |ui, _| {
+impl Dialog for Files {
+    fn is_open(&self) -> bool {
+        Files::is_open(self)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let ask = &mut shared.ask_import;
+        let Files { dialog, task, export, .. } = self;
+        // The library draws its search field black on any ground: dark text could not be read there.
+        dialog.config_mut().show_search = root.visuals().dark_mode;
+        dialog.update_with_right_panel_ui(root.ctx(), &mut |ui, _| {
         ui.add_space(4.0);
         match task {
             FileTask::Open => {
@@ -183,30 +171,33 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
             }
         }
     });
-    let Some(path) = dialog.take_picked() else { return };
-    match task {
-        FileTask::Picture => requests.push(UiRequest::Tool(ToolEdit::Picture(Some(path)))),
-        FileTask::Reference => requests.push(UiRequest::AddReference(path)),
-        FileTask::Matcap => look::take_matcap(state, path),
-        FileTask::Open => {
-            let upright = state.known_files.upright.of(&path);
-            let import = ImportOptions { upright, ..ImportOptions::default() };
-            let at_once = root.input(|input| input.modifiers.shift);
-            state.dialogs.import.open(path, import, at_once, requests);
-        }
-        FileTask::SaveAs(next) => {
-            let path = with_ending(path, ENDING);
-            let save = Command::Save { path, export: ExportOptions::default() };
-            requests.push(match next.take() {
-                Some(next) => UiRequest::SaveThen(save, next),
-                None => UiRequest::Run(save),
-            });
-        }
-        FileTask::Export => {
-            let path = with_ending(path, EXPORTS[*export].1);
-            let ending = path.extension().unwrap_or_default().to_string_lossy();
-            state.dialogs.files.set_export_ending(&ending);
-            state.dialogs.export.open(path, requests);
+        let Some(path) = dialog.take_picked() else { return };
+        match task {
+            FileTask::Picture => {
+                shared.requests.push(UiRequest::Tool(ToolEdit::Picture(Some(path))));
+            }
+            FileTask::Reference => shared.requests.push(UiRequest::AddReference(path)),
+            FileTask::Matcap => look::take_matcap(shared.view, shared.toasts, path),
+            FileTask::Open => {
+                let upright = shared.upright.of(&path);
+                let import = ImportOptions { upright, ..ImportOptions::default() };
+                let at_once = root.input(|input| input.modifiers.shift);
+                shared.openings.push(Opening::Import { path, import, at_once });
+            }
+            FileTask::SaveAs(next) => {
+                let path = with_ending(path, ENDING);
+                let save = Command::Save { path, export: ExportOptions::default() };
+                shared.requests.push(match next.take() {
+                    Some(next) => UiRequest::SaveThen(save, next),
+                    None => UiRequest::Run(save),
+                });
+            }
+            FileTask::Export => {
+                let path = with_ending(path, EXPORTS[*export].1);
+                let ending = path.extension().unwrap_or_default().to_string_lossy();
+                self.set_export_ending(&ending);
+                shared.openings.push(Opening::Export(path));
+            }
         }
     }
 }
@@ -214,4 +205,9 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
 /// The path with an ending, if it was typed without one.
 fn with_ending(path: PathBuf, ending: &str) -> PathBuf {
     if path.extension().is_none() { path.with_extension(ending) } else { path }
+}
+
+/// The last folder of a file, to open dialogs there.
+pub fn folder_of(path: Option<&Path>) -> Option<PathBuf> {
+    path.and_then(|p| p.parent()).filter(|p| !p.as_os_str().is_empty()).map(PathBuf::from)
 }

@@ -6,8 +6,10 @@ use egui::{ComboBox, DragValue, Grid, Id, Key, Modal, Slider, Ui};
 use glam::UVec2;
 
 use crate::ui::dialogs::picture_size::PictureSize;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::pictures::{FilmForm, FilmKind, FilmRequest};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest, UiState};
 use crate::view::MAX_SAMPLES;
 
 /// The longest side of a frame, in pixels.
@@ -17,73 +19,6 @@ const MOST_FRAMES: u32 = 100_000;
 const MOST_FPS: u16 = 240;
 const MOST_FPS_OF_GIF: u16 = 50;
 const WIDTH: f32 = 360.0;
-
-/// The subject of a film.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum FilmKind {
-    #[default]
-    Turntable,
-    Lapse,
-}
-
-/// The form of the film's output.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum FilmForm {
-    #[default]
-    AnimatedPng,
-    Gif,
-    Y4m,
-    Folder,
-}
-
-impl FilmForm {
-    const ALL: [FilmForm; 4] =
-        [FilmForm::AnimatedPng, FilmForm::Gif, FilmForm::Y4m, FilmForm::Folder];
-
-    /// The ending of its name; empty for a folder.
-    pub const fn ending(self) -> &'static str {
-        match self {
-            FilmForm::AnimatedPng => "apng",
-            FilmForm::Gif => "gif",
-            FilmForm::Y4m => "y4m",
-            FilmForm::Folder => "",
-        }
-    }
-
-    const fn name(self) -> &'static str {
-        match self {
-            FilmForm::AnimatedPng => "Animated PNG",
-            FilmForm::Gif => "GIF",
-            FilmForm::Y4m => "Y4M video",
-            FilmForm::Folder => "Folder of PNGs",
-        }
-    }
-
-    const fn help(self) -> &'static str {
-        match self {
-            FilmForm::AnimatedPng => "Lossless; browsers show it",
-            FilmForm::Gif => "256 colours per frame; works everywhere",
-            FilmForm::Y4m => "Raw video for ffmpeg, mpv and VLC; large",
-            FilmForm::Folder => "One picture per frame, for other programs",
-        }
-    }
-}
-
-/// A film that is asked for.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct FilmRequest {
-    pub kind: FilmKind,
-    pub frames: u32,
-    /// Frames per second.
-    pub fps: u16,
-    /// How far the sculpture turns.
-    pub spin_deg: f32,
-    /// Pixels.
-    pub size: UVec2,
-    /// The samples of each pixel, for smooth edges.
-    pub samples: u32,
-    pub form: FilmForm,
-}
 
 /// The options chosen so far.
 #[derive(Clone, PartialEq, Debug)]
@@ -136,46 +71,57 @@ impl FilmDialog {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    if !state.dialogs.film.open {
-        return;
+impl Dialog for FilmDialog {
+    fn is_open(&self) -> bool {
+        self.open
     }
-    let response = Modal::new(Id::new("film")).show(root.ctx(), |ui| {
-        ui.set_width(WIDTH);
-        ui.heading("Film");
-        ui.weak("The whole sculpture, seen from the direction of the view.");
-        ui.add_space(4.0);
-        let dialog = &mut state.dialogs.film;
-        let undos = context.document.history().undo_count();
-        let can_lapse = context.recording.is_some() || undos > 0;
-        if !can_lapse {
-            dialog.kind = FilmKind::Turntable;
+
+    fn close(&mut self) -> bool {
+        std::mem::take(&mut self.open)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let Shared { context, requests, .. } = shared;
+        if !self.open {
+            return;
         }
-        // While a field or a button has the keyboard, Enter is its own.
-        let free = ui.memory(|memory| memory.focused().is_none());
-        let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
-        Grid::new("film").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
-            what(ui, dialog, can_lapse, context.recording.is_some());
-            dialog.size.row(ui, context.picture_px, MOST_PX);
-            length(ui, dialog);
-            form(ui, dialog);
-        });
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            let make = ui.add(theme::primary(ui.visuals(), "Make film"));
-            let make = make
-                .on_hover_text("Saved next to the sculpture under a new name; can be cancelled");
-            if make.clicked() || enter {
-                requests.push(UiRequest::Film(dialog.wanted(context.picture_px)));
-                dialog.open = false;
+        let response = Modal::new(Id::new("film")).show(root.ctx(), |ui| {
+            ui.set_width(WIDTH);
+            ui.heading("Film");
+            ui.weak("The whole sculpture, seen from the direction of the view.");
+            ui.add_space(4.0);
+            let undos = context.document.history().undo_count();
+            let can_lapse = context.recording.is_some() || undos > 0;
+            if !can_lapse {
+                self.kind = FilmKind::Turntable;
             }
-            if ui.button("Cancel").clicked() {
-                dialog.open = false;
-            }
+            // While a field or a button has the keyboard, Enter is its own.
+            let free = ui.memory(|memory| memory.focused().is_none());
+            let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
+            Grid::new("film").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+                what(ui, self, can_lapse, context.recording.is_some());
+                self.size.row(ui, context.picture_px, MOST_PX);
+                length(ui, self);
+                form(ui, self);
+            });
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                let make = ui.add(theme::primary(ui.visuals(), "Make film"));
+                let make = make.on_hover_text(
+                    "Saved next to the sculpture under a new name; can be cancelled",
+                );
+                if make.clicked() || enter {
+                    requests.push(UiRequest::Film(self.wanted(context.picture_px)));
+                    self.open = false;
+                }
+                if ui.button("Cancel").clicked() {
+                    self.open = false;
+                }
+            });
         });
-    });
-    if response.should_close() {
-        state.dialogs.film.open = false;
+        if response.should_close() {
+            self.open = false;
+        }
     }
 }
 

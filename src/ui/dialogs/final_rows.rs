@@ -5,7 +5,8 @@ use std::ops::RangeInclusive;
 use egui::{Checkbox, ComboBox, DragValue, Slider, Ui};
 
 use crate::trace::{AreaLight, Ground, LightOptions, MAX_BOUNCES, MAX_FINAL_SAMPLES, Sun};
-use crate::ui::dialogs::final_picture::{FinalDialog, FinalFile};
+use crate::ui::dialogs::final_choices::FinalDialog;
+use crate::ui::pictures::FinalFile;
 
 pub fn quality(ui: &mut Ui, dialog: &mut FinalDialog) {
     let label = ui.label("Samples");

@@ -13,8 +13,10 @@ use crate::input::Action;
 use crate::sculpture::region::VoxelBox;
 use crate::tools::brush::BrushId;
 use crate::tools::solid::Solid;
+use crate::ui::context::UiContext;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest, UiState};
 
 const WIDTH: f32 = 300.0;
 const DONE: &str = "You know the tools now. Build a house, a tree, a lake and a hill!";
@@ -195,28 +197,23 @@ impl Guide {
 }
 
 /// A strip below the picture, so that it covers nothing of the sculpture that it speaks of.
-pub fn strip(
-    root: &mut Ui,
-    state: &mut UiState,
-    context: &UiContext,
-    requests: &mut Vec<UiRequest>,
-) {
-    if !state.dialogs.guide.open {
+pub fn strip(root: &mut Ui, guide: &mut Guide, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    if !guide.open {
         return;
     }
-    state.dialogs.guide.follow(context.document);
+    guide.follow(context.document);
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(10, 6));
     Panel::bottom("first steps").frame(frame).resizable(false).show(root, |ui| {
-        let step = state.dialogs.guide.step();
+        let step = guide.step();
         ui.horizontal(|ui| {
             ui.strong("First steps");
-            overview(ui, &state.dialogs.guide);
+            overview(ui, guide);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let close = ui.button("✖").on_hover_text(REOPENED);
-                state.dialogs.guide.open &= !close.clicked();
-                again(ui, &mut state.dialogs.guide);
+                guide.open &= !close.clicked();
+                again(ui, guide);
                 if let Some(at) = step {
-                    ways_on(ui, state, context, requests, at);
+                    ways_on(ui, guide, context, requests, at);
                 }
             });
         });
@@ -233,39 +230,54 @@ pub fn strip(
 }
 
 /// The same as a window.
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    if !state.dialogs.guide.open {
-        return;
+impl Dialog for Guide {
+    fn is_open(&self) -> bool {
+        self.open
     }
-    state.dialogs.guide.follow(context.document);
-    let mut open = true;
-    Window::new("First steps")
-        .open(&mut open)
-        .resizable(false)
-        .default_width(WIDTH)
-        .default_pos(pos2(theme::TOOLBOX_WIDTH + 24.0, 44.0))
-        .show(root.ctx(), |ui| {
-            ui.set_width(WIDTH);
-            overview(ui, &state.dialogs.guide);
-            match state.dialogs.guide.step() {
-                Some(at) => {
-                    say(ui, context, at);
-                    ui.horizontal(|ui| {
-                        ways_on(ui, state, context, requests, at);
-                        again(ui, &mut state.dialogs.guide);
-                    });
+
+    fn is_modal(&self) -> bool {
+        false
+    }
+
+    fn close(&mut self) -> bool {
+        std::mem::take(&mut self.open)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let Shared { context, requests, .. } = shared;
+        if !self.open {
+            return;
+        }
+        self.follow(context.document);
+        let mut open = true;
+        Window::new("First steps")
+            .open(&mut open)
+            .resizable(false)
+            .default_width(WIDTH)
+            .default_pos(pos2(theme::TOOLBOX_WIDTH + 24.0, 44.0))
+            .show(root.ctx(), |ui| {
+                ui.set_width(WIDTH);
+                overview(ui, self);
+                match self.step() {
+                    Some(at) => {
+                        say(ui, context, at);
+                        ui.horizontal(|ui| {
+                            ways_on(ui, self, context, requests, at);
+                            again(ui, self);
+                        });
+                    }
+                    None => {
+                        ui.label(DONE);
+                        ui.horizontal(|ui| {
+                            again(ui, self);
+                            let close = ui.button("Close").on_hover_text(REOPENED);
+                            self.open &= !close.clicked();
+                        });
+                    }
                 }
-                None => {
-                    ui.label(DONE);
-                    ui.horizontal(|ui| {
-                        again(ui, &mut state.dialogs.guide);
-                        let close = ui.button("Close").on_hover_text(REOPENED);
-                        state.dialogs.guide.open &= !close.clicked();
-                    });
-                }
-            }
-        });
-    state.dialogs.guide.open &= open;
+            });
+        self.open &= open;
+    }
 }
 
 /// A row with the number of each step; small, so that the sculpture is seen.
@@ -326,7 +338,7 @@ fn height(ui: &Ui, texts: &[RichText]) -> f32 {
 /// Buttons that lead on without what is asked for.
 fn ways_on(
     ui: &mut Ui,
-    state: &mut UiState,
+    guide: &mut Guide,
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
     at: usize,
@@ -337,7 +349,7 @@ fn ways_on(
         requests.extend(commands(context.document).into_iter().map(UiRequest::Run));
     }
     if ui.button("Skip").on_hover_text("Continue with the next step").clicked() {
-        state.dialogs.guide.finish(at);
+        guide.finish(at);
     }
 }
 

@@ -1,17 +1,30 @@
 //! The question how to go on with a file that another program has open.
+//!
+//! Takes the file and its holder; asks with requests. Looks at no file.
 
 use egui::{Id, Modal, Ui};
 
 use crate::editor::questions::InUse;
 use crate::time_text::utc_text;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
-use crate::ui::{UiRequest, UiState};
 
-pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let Some(InUse { path, holder }) = &state.dialogs.in_use else { return };
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let mut answer = None;
-    let response = Modal::new(Id::new("file in use")).show(root.ctx(), |ui| {
+impl Dialog for Option<InUse> {
+    fn is_open(&self) -> bool {
+        self.is_some()
+    }
+
+    fn close(&mut self) -> bool {
+        self.take().is_some()
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let requests = &mut *shared.requests;
+        let Some(InUse { path, holder }) = &*self else { return };
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let mut answer = None;
+        let response = Modal::new(Id::new("file in use")).show(root.ctx(), |ui| {
         ui.set_width(380.0);
         ui.heading("The file is open elsewhere");
         ui.add_space(4.0);
@@ -33,9 +46,10 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
             }
         });
     });
-    // Without an answer nothing is lost either: saving is refused as long as the other has the file open.
-    if answer.is_some() || response.should_close() {
-        requests.extend(answer);
-        state.dialogs.in_use = None;
+        // Without an answer nothing is lost either: saving is refused as long as the other has the file open.
+        if answer.is_some() || response.should_close() {
+            requests.extend(answer);
+            *self = None;
+        }
     }
 }

@@ -7,13 +7,15 @@ use crate::input::action::Kind;
 use crate::input::listener::{Heard, Listener};
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Bindings, Trigger};
-use crate::ui::top_bar::capital;
+use crate::ui::context::UiContext;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
+use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest, UiState};
 
 /// An action that waits for a trigger.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Catch {
+struct Catch {
     action: Action,
     step: Step,
 }
@@ -27,7 +29,7 @@ enum Step {
 }
 
 impl Catch {
-    pub fn new(action: Action) -> Catch {
+    fn new(action: Action) -> Catch {
         Catch { action, step: Step::Listen(Listener::default(), None) }
     }
 
@@ -49,12 +51,32 @@ impl Catch {
     }
 }
 
+/// The action that gets the next key or button pressed, if one waits.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct KeyCatch {
+    waiting: Option<Catch>,
+    /// The trigger that another device has pressed since the last pass.
+    pressed: Option<Trigger>,
+}
+
+impl KeyCatch {
+    /// Awaits what `action` is to have.
+    pub fn listen_for(&mut self, action: Action) {
+        self.waiting = Some(Catch::new(action));
+    }
+
+    /// Takes what a device other than keyboard and mouse has pressed, if a trigger is awaited.
+    pub fn hear(&mut self, trigger: Option<Trigger>) {
+        self.pressed = trigger.or(self.pressed);
+    }
+}
+
 /// Hears what is pressed, if a trigger is awaited, and keeps it from all widgets. To be called
 /// before any of them is shown.
-pub fn listen(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+pub fn listen(root: &Ui, keys: &mut KeyCatch, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let Some(bindings) = context.bindings() else { return };
-    let pressed = state.dialogs.keys.pressed.take().map(Heard::Trigger);
-    let Some(catch) = &mut state.dialogs.keys.catch else { return };
+    let pressed = keys.pressed.take().map(Heard::Trigger);
+    let Some(catch) = &mut keys.waiting else { return };
     if !matches!(catch.step, Step::Listen(..)) {
         return;
     }
@@ -75,47 +97,53 @@ pub fn listen(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mu
         let (change, over) = catch.take(heard, bindings);
         requests.extend(change.map(UiRequest::Keys));
         if over {
-            state.dialogs.keys.catch = None;
+            keys.waiting = None;
             return;
         }
     }
 }
 
 /// Shows what is awaited, or the question to which action a trigger shall belong.
-pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let Some(catch) = &state.dialogs.keys.catch else { return };
-    let mut over = false;
-    let response = Modal::new(Id::new("key catch")).show(root.ctx(), |ui| {
-        ui.set_width(360.0);
-        ui.heading(catch.action.help().text);
-        ui.add_space(4.0);
-        match &catch.step {
-            Step::Listen(_, refusal) => {
-                ui.label(wish(catch.action.help().kind));
-                if let Some(refusal) = refusal {
-                    ui.colored_label(theme::error_colour(ui.visuals()), format!("{refusal}."));
-                }
-                ui.weak("Press Escape to cancel.");
-            }
-            Step::Ask(trigger, other) => {
-                let text = capital(&trigger.to_string());
-                ui.label(format!("{text} is already assigned to: {}.", other.help().text));
-                ui.add_space(8.0);
-                ui.horizontal(|ui| {
-                    if ui.add(theme::primary(ui.visuals(), "Reassign")).clicked() {
-                        let change = KeyChange::Bind(*trigger, catch.action);
-                        requests.push(UiRequest::Keys(change));
-                        over = true;
+impl Dialog for KeyCatch {
+    fn is_open(&self) -> bool {
+        self.waiting.is_some()
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let Some(catch) = &self.waiting else { return };
+        let mut over = false;
+        let response = Modal::new(Id::new("key catch")).show(root.ctx(), |ui| {
+            ui.set_width(360.0);
+            ui.heading(catch.action.help().text);
+            ui.add_space(4.0);
+            match &catch.step {
+                Step::Listen(_, refusal) => {
+                    ui.label(wish(catch.action.help().kind));
+                    if let Some(refusal) = refusal {
+                        ui.colored_label(theme::error_colour(ui.visuals()), format!("{refusal}."));
                     }
-                    over |= ui.button("Cancel").clicked();
-                });
+                    ui.weak("Press Escape to cancel.");
+                }
+                Step::Ask(trigger, other) => {
+                    let text = capital(&trigger.to_string());
+                    ui.label(format!("{text} is already assigned to: {}.", other.help().text));
+                    ui.add_space(8.0);
+                    ui.horizontal(|ui| {
+                        if ui.add(theme::primary(ui.visuals(), "Reassign")).clicked() {
+                            let change = KeyChange::Bind(*trigger, catch.action);
+                            shared.requests.push(UiRequest::Keys(change));
+                            over = true;
+                        }
+                        over |= ui.button("Cancel").clicked();
+                    });
+                }
             }
+        });
+        let asking = matches!(catch.step, Step::Ask(..));
+        // While listening a click is an answer, wherever it is.
+        if over || asking && response.should_close() {
+            self.waiting = None;
         }
-    });
-    let asking = matches!(catch.step, Step::Ask(..));
-    // While listening a click is an answer, wherever it is.
-    if over || asking && response.should_close() {
-        state.dialogs.keys.catch = None;
     }
 }
 

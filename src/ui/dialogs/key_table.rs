@@ -9,11 +9,13 @@ use egui::{Response, Window};
 use crate::input::group::Group;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Bindings, Trigger};
-use crate::ui::dialogs::key_catch::Catch;
-use crate::ui::top_bar::{capital, preset_name};
+use crate::ui::context::UiContext;
+use crate::ui::dialogs::key_catch::KeyCatch;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::filter::Filter;
+use crate::ui::widgets::names::{capital, preset_name};
 use crate::ui::widgets::numbers;
-use crate::ui::{UiContext, UiRequest, UiState};
 
 const WIDTH: f32 = 580.0;
 const HEIGHT: f32 = 470.0;
@@ -27,60 +29,73 @@ const TRIGGERS_WIDTH: f32 = 256.0;
 pub struct KeyTable {
     pub open: bool,
     filter: String,
-    /// The action that gets the next key or button pressed.
-    pub(in crate::ui) catch: Option<Catch>,
-    /// The trigger that another device has pressed since the last pass.
-    pub(in crate::ui) pressed: Option<Trigger>,
+    /// Waits for the next key or button.
+    pub catch: KeyCatch,
 }
 
 impl KeyTable {
     /// Whether the next key or button is awaited, or the question about it answered.
     pub fn is_catching(&self) -> bool {
-        self.catch.is_some()
+        self.catch.is_open()
     }
 
     /// Awaits what `action` is to have.
     pub fn listen_for(&mut self, action: Action) {
-        self.catch = Some(Catch::new(action));
+        self.catch.listen_for(action);
     }
 
     /// Takes what a device other than keyboard and mouse has pressed, if a trigger is awaited.
     pub fn hear(&mut self, trigger: Option<Trigger>) {
-        self.pressed = trigger.or(self.pressed);
+        self.catch.hear(trigger);
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    let preset = context.preset;
-    let (Some(bindings), Some(pristine)) =
-        (context.presets.get(preset), context.pristine.get(preset))
-    else {
-        return;
-    };
-    let room = root.ctx().content_rect();
-    let height = (room.height() - 190.0).min(HEIGHT);
-    let mut open = state.dialogs.keys.open;
-    Window::new("Controls")
-        .open(&mut open)
-        .resizable(false)
-        .collapsible(false)
-        .default_size([WIDTH, height + HEAD])
-        .default_pos(room.center() - 0.5 * egui::vec2(WIDTH, height + HEAD))
-        .show(root.ctx(), |ui| {
-            head(ui, state, context, bindings != pristine, requests);
-            ui.weak(format!("{}.", bindings.text));
-            ui.separator();
-            ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
-                rows(ui, &mut state.dialogs.keys, bindings, pristine, requests);
+impl Dialog for KeyTable {
+    fn is_open(&self) -> bool {
+        self.open
+    }
+
+    fn is_modal(&self) -> bool {
+        false
+    }
+
+    fn close(&mut self) -> bool {
+        std::mem::take(&mut self.open)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let Shared { context, requests, .. } = shared;
+        let preset = context.preset;
+        let (Some(bindings), Some(pristine)) =
+            (context.presets.get(preset), context.pristine.get(preset))
+        else {
+            return;
+        };
+        let room = root.ctx().content_rect();
+        let height = (room.height() - 190.0).min(HEIGHT);
+        let mut open = self.open;
+        Window::new("Controls")
+            .open(&mut open)
+            .resizable(false)
+            .collapsible(false)
+            .default_size([WIDTH, height + HEAD])
+            .default_pos(room.center() - 0.5 * egui::vec2(WIDTH, height + HEAD))
+            .show(root.ctx(), |ui| {
+                head(ui, self, context, bindings != pristine, requests);
+                ui.weak(format!("{}.", bindings.text));
+                ui.separator();
+                ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
+                    rows(ui, self, bindings, pristine, requests);
+                });
             });
-        });
-    state.dialogs.keys.open = open;
+        self.open = open;
+    }
 }
 
 /// Which preset, the filter, and the way back.
 fn head(
     ui: &mut Ui,
-    state: &mut UiState,
+    table: &mut KeyTable,
     context: &UiContext,
     changed: bool,
     requests: &mut Vec<UiRequest>,
@@ -96,7 +111,7 @@ fn head(
                 }
             }
         });
-        let field = TextEdit::singleline(&mut state.dialogs.keys.filter)
+        let field = TextEdit::singleline(&mut table.filter)
             .hint_text("Filter by name or key")
             .desired_width(240.0);
         let response = ui.add(field);

@@ -1,4 +1,9 @@
 //! The window of lights: up to four lamps, the light of sky and ground, exposure, and the look of the surface.
+//!
+//! Changes the lights of the view on the spot; a panel shows a part of it, too ([`surface`]). Reads no file: it asks for
+//! the choice of one.
+
+use std::path::Path;
 
 use egui::{Button, ComboBox, DragValue, Grid, Response, RichText, Slider, Ui, Window, pos2};
 use glam::Vec3;
@@ -8,8 +13,9 @@ use crate::render::light::{
 };
 use crate::render::{Finish, LightOptions};
 use crate::shade::{MAX_LIGHTS, Smoothing, ToneMapping};
-use crate::ui::UiState;
 use crate::ui::dialogs::look;
+use crate::ui::dialogs::shared::{Dialog, FileTask, Opening, Shared};
+use crate::ui::view_state::ViewState;
 use crate::ui::widgets::spot::{self, Spot};
 use crate::ui::widgets::theme;
 
@@ -31,34 +37,53 @@ pub struct LightWindow {
     pub usual: (LightOptions, Finish),
 }
 
-pub fn show(root: &Ui, state: &mut UiState) {
-    if !state.dialogs.light.open {
-        return;
+impl Dialog for LightWindow {
+    fn is_open(&self) -> bool {
+        self.open
     }
-    let mut open = true;
-    Window::new("Lights")
-        .open(&mut open)
-        .resizable(false)
-        .default_width(WIDTH)
-        .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
-        .show(root.ctx(), |ui| {
-            ui.set_width(WIDTH);
-            lamps(ui, state);
-            ui.separator();
-            surface(ui, state);
-        });
-    state.dialogs.light.open &= open;
+
+    fn is_modal(&self) -> bool {
+        false
+    }
+
+    fn close(&mut self) -> bool {
+        std::mem::take(&mut self.open)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        if !self.open {
+            return;
+        }
+        let (mut open, mut another) = (true, false);
+        Window::new("Lights")
+            .open(&mut open)
+            .resizable(false)
+            .default_width(WIDTH)
+            .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
+            .show(root.ctx(), |ui| {
+                ui.set_width(WIDTH);
+                lamps(ui, self, shared.view);
+                ui.separator();
+                another = surface(ui, shared.view);
+            });
+        self.open &= open;
+        if another {
+            let path = shared.view.light.matcap.path().map(Path::to_path_buf);
+            shared.openings.push(Opening::Files(FileTask::Matcap, path));
+        }
+    }
 }
 
-/// The light from everywhere, how stone shines, and how fine it is shaded.
-pub fn surface(ui: &mut Ui, state: &mut UiState) {
-    let looks = ui.scope(|ui| look::show(ui, state)).response;
-    spot::mark(&looks, Spot::Looks);
+/// The light from everywhere, how stone shines, and how fine it is shaded. Gives whether the file of another matcap is to
+/// be chosen.
+pub fn surface(ui: &mut Ui, view: &mut ViewState) -> bool {
+    let looks = ui.scope(|ui| look::show(ui, view));
+    spot::mark(&looks.response, Spot::Looks);
     ui.add_space(4.0);
-    let on_ground = state.view.ground;
-    let light = &mut state.view.light;
-    let finish = &mut state.view.finish;
-    let software = state.view.mode.shading() == crate::render::Shading::Software;
+    let on_ground = view.ground;
+    let light = &mut view.light;
+    let finish = &mut view.finish;
+    let software = view.mode.shading() == crate::render::Shading::Software;
     Grid::new("light").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         percent(ui, "Ambient", &mut light.ambient, 1.0)
             .on_hover_text("Light from everywhere: from the sky above and the ground below");
@@ -136,6 +161,7 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
         });
     });
     filters.response.on_disabled_hover_text("Only available with the software shader");
+    looks.inner
 }
 
 fn name(smoothing: Smoothing) -> &'static str {
@@ -146,8 +172,8 @@ fn name(smoothing: Smoothing) -> &'static str {
     }
 }
 
-fn lamps(ui: &mut Ui, state: &mut UiState) {
-    let (lamps, chosen) = (&mut state.view.light.lamps, &mut state.dialogs.light.lamp);
+fn lamps(ui: &mut Ui, window: &mut LightWindow, view: &mut ViewState) {
+    let (lamps, chosen) = (&mut view.light.lamps, &mut window.lamp);
     let (mut removed, mut reset) = (None, false);
     ui.horizontal(|ui| {
         let add = ui.add_enabled(lamps.len() < MAX_LIGHTS, Button::new("Add light"));
@@ -184,9 +210,9 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
         *chosen -= usize::from(*chosen >= i && *chosen > 0);
     }
     if reset {
-        state.dialogs.light.lamp = 0;
-        let (light, finish) = &state.dialogs.light.usual;
-        (state.view.light, state.view.finish) = (light.clone(), *finish);
+        window.lamp = 0;
+        let (light, finish) = &window.usual;
+        (view.light, view.finish) = (light.clone(), *finish);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The choice of a look: the materials of the surface, each with a small picture of a ball in the present light, and
 //! the file of the matcap.
 //!
-//! Changes the look in the [`UiState`]; reads the file of a matcap that was chosen.
+//! Changes the look in the [`ViewState`]; reads the file of a matcap that was chosen. Must not know how it is chosen.
 
 use std::path::PathBuf;
 
@@ -11,8 +11,8 @@ use crate::format::load_matcap;
 use crate::render::light::MatcapFile;
 use crate::shade::ball::ball;
 use crate::shade::{Lighting, Look};
-use crate::ui::UiState;
-use crate::ui::dialogs::files::FileTask;
+use crate::ui::view_state::ViewState;
+use crate::ui::widgets::toasts::Toasts;
 
 /// Edge of a picture, in points and in pixels.
 const PICTURE: f32 = 32.0;
@@ -21,10 +21,11 @@ const COLUMNS: usize = 2;
 /// The width of the longest name, so that the columns are even.
 const BUTTON_WIDTH: f32 = 127.0;
 
-/// Buttons for all looks, and for the picture of the matcap while that is the look.
-pub fn show(ui: &mut Ui, state: &mut UiState) {
-    let pictures = pictures(ui, state.view.lighting());
-    let light = &mut state.view.light;
+/// Buttons for all looks, and for the picture of the matcap while that is the look. Gives whether the file of another
+/// matcap is to be chosen.
+pub fn show(ui: &mut Ui, view: &mut ViewState) -> bool {
+    let pictures = pictures(ui, view.lighting());
+    let light = &mut view.light;
     let mut another = false;
     Grid::new("looks").num_columns(COLUMNS).show(ui, |ui| {
         for (i, (look, picture)) in Look::ALL.into_iter().zip(&pictures).enumerate() {
@@ -58,21 +59,19 @@ pub fn show(ui: &mut Ui, state: &mut UiState) {
             ui.weak(name.to_string_lossy()).on_hover_text(path.to_string_lossy());
         }
     }
-    if another {
-        state.dialogs.files.open(FileTask::Matcap, light.matcap.path());
-    }
+    another
 }
 
 /// Takes the picture of a file as the matcap, or says why it cannot be.
-pub fn take_matcap(state: &mut UiState, path: PathBuf) {
+pub fn take_matcap(view: &mut ViewState, toasts: &mut Toasts, path: PathBuf) {
     match load_matcap(&path) {
         Ok(matcap) => {
-            let light = &mut state.view.light;
+            let light = &mut view.light;
             (light.look, light.matcap) = (Look::Matcap, MatcapFile::new(path, matcap));
         }
         Err(error) => {
             let name = path.display();
-            state.toasts.error(format!("{name} cannot be used as a matcap: {error}"));
+            toasts.error(format!("{name} cannot be used as a matcap: {error}"));
         }
     }
 }

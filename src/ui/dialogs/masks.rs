@@ -10,8 +10,10 @@ use crate::editor::tool::{NextPress, ToolEdit};
 use crate::editor::wand::{Wand, WandRule};
 use crate::sculpture::ColourDepth;
 use crate::tools::mask::{MAX_GROWTH_VX, MAX_REACH_VX};
+use crate::ui::context::UiContext;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest, UiState};
 
 const WIDTH: f32 = 290.0;
 /// Least width of the names before sliders.
@@ -35,29 +37,43 @@ impl Default for Masks {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    if !state.dialogs.masks.open {
-        return;
+impl Dialog for Masks {
+    fn is_open(&self) -> bool {
+        self.open
     }
-    let mut open = true;
-    Window::new("Masks")
-        .open(&mut open)
-        .resizable(false)
-        .default_width(WIDTH)
-        .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
-        .show(root.ctx(), |ui| {
-            ui.set_width(WIDTH);
-            let window = &mut state.dialogs.masks;
-            let mut ask = |change| requests.push(UiRequest::Run(Command::Mask(change)));
-            whole(ui, context, &mut ask);
-            outline(ui, window, context, &mut ask);
-            ui.separator();
-            sides(ui, &mut window.adds);
-            areas(ui, window, context, &mut ask);
-            ui.separator();
-            wand(ui, window.adds, context, requests);
-        });
-    state.dialogs.masks.open &= open;
+
+    fn is_modal(&self) -> bool {
+        false
+    }
+
+    fn close(&mut self) -> bool {
+        std::mem::take(&mut self.open)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let Shared { context, requests, .. } = shared;
+        if !self.open {
+            return;
+        }
+        let mut open = true;
+        Window::new("Masks")
+            .open(&mut open)
+            .resizable(false)
+            .default_width(WIDTH)
+            .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
+            .show(root.ctx(), |ui| {
+                ui.set_width(WIDTH);
+                let mut ask = |change| requests.push(UiRequest::Run(Command::Mask(change)));
+                whole(ui, context, &mut ask);
+                outline(ui, self, context, &mut ask);
+                ui.separator();
+                sides(ui, &mut self.adds);
+                areas(ui, self, context, &mut ask);
+                ui.separator();
+                wand(ui, self.adds, context, requests);
+            });
+        self.open &= open;
+    }
 }
 
 /// A button that can only be pressed where there is a mask.

@@ -1,14 +1,17 @@
 //! The windows, dialogs and questions over the sculpture, each with its own state, and which of
 //! them has the person's attention.
 //!
-//! Takes and gives values; shows nothing itself. The module of each dialog says who shows it.
+//! [`LIST`] names them once: by it they are shown, closed and asked. Each dialog knows only itself and
+//! [`shared`]; here one leads to another. Must not know any panel, nor who owns the state of the interface.
 
 pub mod busy;
+pub mod calibration;
 pub mod changed_on_disk;
 mod elsewhere;
 pub mod export;
 pub mod files;
 pub mod film;
+pub mod final_choices;
 pub mod final_picture;
 mod final_rows;
 pub mod guide;
@@ -24,28 +27,35 @@ pub mod palette;
 pub mod picture_size;
 pub mod print_check;
 pub mod recovery;
+pub mod references;
+pub mod shared;
 pub mod tints;
 pub mod unkept;
 pub mod unsaved;
-pub mod upright;
 
+use egui::Ui;
+
+use self::calibration::Calibration;
+use self::export::ExportDialog;
+use self::files::Files;
+use self::film::FilmDialog;
+use self::final_choices::FinalDialog;
+use self::final_picture::Preview;
+use self::guide::Guide;
+use self::import::ImportDialog;
+use self::key_table::KeyTable;
+use self::light::LightWindow;
+use self::masks::Masks;
+use self::new::NewDialog;
+use self::palette::Palette;
+use self::print_check::PrintCheck;
+use self::recovery::RecoveryDialog;
+use self::references::ReferencesWindow;
+pub use self::shared::{Dialog, FileTask, Opening, Shared};
+use self::tints::Tints;
 use crate::command::NewSculpture;
 use crate::editor::job::Busy;
 use crate::editor::questions::{ChangedOnDisk, InUse, Next, Unkept};
-use crate::ui::dialogs::export::ExportDialog;
-use crate::ui::dialogs::files::Files;
-use crate::ui::dialogs::film::FilmDialog;
-use crate::ui::dialogs::final_picture::{FinalDialog, Preview};
-use crate::ui::dialogs::guide::Guide;
-use crate::ui::dialogs::import::ImportDialog;
-use crate::ui::dialogs::key_table::KeyTable;
-use crate::ui::dialogs::light::LightWindow;
-use crate::ui::dialogs::masks::Masks;
-use crate::ui::dialogs::new::NewDialog;
-use crate::ui::dialogs::palette::Palette;
-use crate::ui::dialogs::print_check::PrintCheck;
-use crate::ui::dialogs::recovery::RecoveryDialog;
-use crate::ui::dialogs::tints::Tints;
 
 /// All dialogs, open or not.
 pub struct Dialogs {
@@ -54,7 +64,7 @@ pub struct Dialogs {
     pub keys: KeyTable,
     pub light: LightWindow,
     /// The window of reference pictures.
-    pub references_open: bool,
+    pub references: ReferencesWindow,
     pub palette: Palette,
     pub new: NewDialog,
     pub final_picture: FinalDialog,
@@ -77,8 +87,7 @@ pub struct Dialogs {
     pub changed_on_disk: Option<ChangedOnDisk>,
     /// Asks how to go on with a file that another program has open.
     pub in_use: Option<InUse>,
-    /// The tracker is being calibrated, as the viewpoint says.
-    pub calibrating: bool,
+    pub calibration: Calibration,
     /// Long work under way, as the editor says; nothing else can be asked for meanwhile.
     pub busy: Option<Busy>,
     /// The picture that this work makes.
@@ -92,7 +101,7 @@ impl Dialogs {
             guide: Guide::default(),
             keys: KeyTable::default(),
             light: LightWindow::default(),
-            references_open: false,
+            references: ReferencesWindow::default(),
             palette: Palette::default(),
             new: NewDialog::new(new),
             final_picture: FinalDialog::default(),
@@ -108,10 +117,39 @@ impl Dialogs {
             unkept: None,
             changed_on_disk: None,
             in_use: None,
-            calibrating: false,
+            calibration: Calibration::default(),
             busy: None,
             preview: None,
         }
+    }
+
+    /// Shows what is open, but for the sign of long work.
+    pub fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        for row in LIST.iter().filter(|row| row.place.is_here(shared.context.in_headset)) {
+            let asked = self.import.ask;
+            shared.ask_import = asked;
+            (row.of_mut)(self).show(root, shared);
+            if shared.ask_import != asked {
+                self.import.ask = shared.ask_import;
+            }
+            for opening in std::mem::take(&mut shared.openings) {
+                self.open(opening, shared);
+            }
+        }
+    }
+
+    fn open(&mut self, opening: Opening, shared: &mut Shared) {
+        match opening {
+            Opening::Files(task, path) => self.files.open(task, path.as_deref()),
+            Opening::Import { path, import, at_once } => {
+                self.import.open(path, import, at_once, shared.requests);
+            }
+            Opening::Export(path) => self.export.open(path, shared.requests),
+        }
+    }
+
+    fn open_ones(&self) -> impl Iterator<Item = &dyn Dialog> {
+        LIST.iter().map(|row| (row.of)(self)).filter(|dialog| dialog.is_open())
     }
 
     /// Whether a dialog or long work lies over the sculpture and has the person's attention.
@@ -121,58 +159,115 @@ impl Dialogs {
 
     /// Whether a dialog waits for an answer.
     pub fn is_asking(&self) -> bool {
-        self.unsaved.is_some()
-            || self.unkept.is_some()
-            || self.changed_on_disk.is_some()
-            || self.in_use.is_some()
-            || self.calibrating
-            || self.new.open
-            || self.final_picture.open
-            || self.film.open
-            || self.export.is_open()
-            || self.import.is_open()
-            || self.recovery.is_open()
-            || self.palette.open
-            || self.keys.is_catching()
-            || self.files.is_open()
+        self.open_ones().any(|dialog| dialog.is_modal())
     }
 
     /// Closes the uppermost open window; false if there is none.
     pub fn close_top(&mut self) -> bool {
-        if self.unkept.take().is_some()
-            || self.unsaved.take().is_some()
-            || self.changed_on_disk.take().is_some()
-            || self.in_use.take().is_some()
-        {
-            return true;
-        }
-        if self.export.close() || self.import.close() || self.recovery.close() {
-            return true;
-        }
-        let asked = [&mut self.new.open, &mut self.final_picture.open, &mut self.film.open];
-        asked.into_iter().any(close) || self.windows().into_iter().any(close)
+        let mut rows: Vec<&Row> = LIST.iter().filter(|row| row.turn.is_some()).collect();
+        rows.sort_by_key(|row| row.turn);
+        rows.into_iter().any(|row| (row.of_mut)(self).close())
     }
 
     /// Whether a window is open that waits for no answer, and that Escape closes.
-    pub fn has_window(&mut self) -> bool {
-        self.windows().into_iter().any(|open| *open)
-    }
-
-    /// The windows beside the sculpture, those first that are closed first.
-    fn windows(&mut self) -> [&mut bool; 7] {
-        [
-            &mut self.keys.open,
-            &mut self.references_open,
-            &mut self.print_check.open,
-            &mut self.tints.open,
-            &mut self.masks.open,
-            &mut self.light.open,
-            &mut self.guide.open,
-        ]
+    pub fn has_window(&self) -> bool {
+        self.open_ones().any(|dialog| !dialog.is_modal())
     }
 }
 
-/// Closes what is open; false if it is not.
-fn close(open: &mut bool) -> bool {
-    std::mem::take(open)
+/// Where a dialog is shown.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Everywhere,
+    /// In the window only: it needs keyboard, mouse or the screen.
+    Desk,
+    /// On the board in a headset only.
+    Board,
+}
+
+impl Place {
+    fn is_here(self, in_headset: bool) -> bool {
+        match self {
+            Place::Everywhere => true,
+            Place::Desk => !in_headset,
+            Place::Board => in_headset,
+        }
+    }
+}
+
+/// A dialog of the list.
+struct Row {
+    of: fn(&Dialogs) -> &dyn Dialog,
+    of_mut: fn(&mut Dialogs) -> &mut dyn Dialog,
+    place: Place,
+    /// Its turn when Escape looks for the one to close, if it does not hear Escape itself.
+    turn: Option<u8>,
+}
+
+/// The row of the dialog with this state.
+macro_rules! row {
+    ($($state:ident).+, $place:ident, $turn:expr) => {
+        Row {
+            of: |dialogs| &dialogs.$($state).+,
+            of_mut: |dialogs| &mut dialogs.$($state).+,
+            place: Place::$place,
+            turn: $turn,
+        }
+    };
+}
+
+/// All dialogs, in the order in which they are shown: later ones lie over earlier ones.
+static LIST: [Row; 21] = [
+    // In the window it is a strip below the picture.
+    row!(guide, Board, Some(17)),
+    row!(light, Everywhere, Some(16)),
+    row!(references, Desk, Some(12)),
+    row!(print_check, Desk, Some(13)),
+    row!(tints, Desk, Some(14)),
+    row!(masks, Desk, Some(15)),
+    row!(keys, Desk, Some(11)),
+    row!(keys.catch, Desk, None),
+    row!(palette, Everywhere, None),
+    row!(new, Everywhere, Some(8)),
+    row!(final_picture, Everywhere, Some(9)),
+    row!(film, Everywhere, Some(10)),
+    row!(export, Everywhere, Some(5)),
+    row!(import, Everywhere, Some(6)),
+    row!(recovery, Everywhere, Some(7)),
+    row!(calibration, Desk, None),
+    row!(unsaved, Everywhere, Some(2)),
+    row!(unkept, Everywhere, Some(1)),
+    row!(changed_on_disk, Everywhere, Some(3)),
+    row!(in_use, Everywhere, Some(4)),
+    row!(files, Everywhere, None),
+];
+
+#[cfg(test)]
+mod tests {
+    use glam::{UVec3, Vec3};
+
+    use super::*;
+    use crate::sculpture::{ColourDepth, Rgb};
+
+    #[test]
+    fn escape_closes_one_dialog_after_another_and_none_has_the_turn_of_another() {
+        let mut turns: Vec<u8> = LIST.iter().filter_map(|row| row.turn).collect();
+        turns.sort_unstable();
+        assert!(turns.windows(2).all(|pair| pair[0] < pair[1]), "{turns:?}");
+
+        let mut dialogs = Dialogs::new(&NewSculpture {
+            dims: UVec3::splat(8),
+            voxel_size: Vec3::ONE,
+            colour_depth: ColourDepth::None,
+            base: Rgb::STONE,
+            solid: true,
+        });
+        (dialogs.guide.open, dialogs.masks.open, dialogs.new.open) = (true, true, true);
+        dialogs.unsaved = Some(Next::Leave);
+        assert!(dialogs.is_asking() && dialogs.has_window());
+        assert!(dialogs.close_top() && dialogs.unsaved.is_none() && dialogs.new.open);
+        assert!(dialogs.close_top() && !dialogs.is_asking() && dialogs.masks.open);
+        assert!(dialogs.close_top() && !dialogs.masks.open && dialogs.guide.open);
+        assert!(dialogs.close_top() && !dialogs.has_window() && !dialogs.close_top());
+    }
 }

@@ -8,8 +8,9 @@ use crate::command::{Command, NewSculpture};
 use crate::remedy::told;
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::{ColourDepth, Grid as VoxelGrid, Rgb};
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest, UiState};
 
 /// The values typed so far.
 #[derive(Clone, PartialEq, Debug)]
@@ -43,44 +44,54 @@ impl NewDialog {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    if !state.dialogs.new.open {
-        return;
+impl Dialog for NewDialog {
+    fn is_open(&self) -> bool {
+        self.open
     }
-    let response = Modal::new(Id::new("new dialog")).show(root.ctx(), |ui| {
-        ui.set_width(340.0);
-        ui.heading("New sculpture");
-        ui.add_space(4.0);
-        let dialog = &mut state.dialogs.new;
-        // While a field or a button has the keyboard, Enter is its own.
-        let free = ui.memory(|memory| memory.focused().is_none());
-        let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
-        fields(ui, dialog);
-        ui.add_space(4.0);
-        let limits = context.document.limits();
-        let refusal = VoxelGrid::check(dialog.dims, Vec3::ONE, limits.grid_bytes).err();
-        match &refusal {
-            None => memory(ui, dialog),
-            Some(error) => {
-                ui.colored_label(theme::error_colour(ui.visuals()), told(error));
-            }
+
+    fn close(&mut self) -> bool {
+        std::mem::take(&mut self.open)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let Shared { context, requests, .. } = shared;
+        if !self.open {
+            return;
         }
-        ui.weak("You can get the current sculpture back with Undo.");
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            let create = theme::primary(ui.visuals(), "Create");
-            let clicked = ui.add_enabled(refusal.is_none(), create).clicked();
-            if clicked || enter && refusal.is_none() {
-                requests.push(UiRequest::Run(Command::New(dialog.wanted())));
-                dialog.open = false;
+        let response = Modal::new(Id::new("new dialog")).show(root.ctx(), |ui| {
+            ui.set_width(340.0);
+            ui.heading("New sculpture");
+            ui.add_space(4.0);
+            // While a field or a button has the keyboard, Enter is its own.
+            let free = ui.memory(|memory| memory.focused().is_none());
+            let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
+            fields(ui, self);
+            ui.add_space(4.0);
+            let limits = context.document.limits();
+            let refusal = VoxelGrid::check(self.dims, Vec3::ONE, limits.grid_bytes).err();
+            match &refusal {
+                None => memory(ui, self),
+                Some(error) => {
+                    ui.colored_label(theme::error_colour(ui.visuals()), told(error));
+                }
             }
-            if ui.button("Cancel").clicked() {
-                dialog.open = false;
-            }
+            ui.weak("You can get the current sculpture back with Undo.");
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                let create = theme::primary(ui.visuals(), "Create");
+                let clicked = ui.add_enabled(refusal.is_none(), create).clicked();
+                if clicked || enter && refusal.is_none() {
+                    requests.push(UiRequest::Run(Command::New(self.wanted())));
+                    self.open = false;
+                }
+                if ui.button("Cancel").clicked() {
+                    self.open = false;
+                }
+            });
         });
-    });
-    if response.should_close() {
-        state.dialogs.new.open = false;
+        if response.should_close() {
+            self.open = false;
+        }
     }
 }
 

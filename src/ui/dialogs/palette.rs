@@ -11,10 +11,11 @@ use crate::command::{COMMANDS, Command, CommandHelp};
 use crate::input::action::Kind;
 use crate::input::{Action, Bindings};
 use crate::ui::dialogs::elsewhere::{ELSEWHERE, Elsewhere, Target};
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::filter::Filter;
 use crate::ui::widgets::spot::Spot;
 use crate::ui::widgets::{numbers, theme};
-use crate::ui::{UiContext, UiRequest, UiState};
 
 const WIDTH: f32 = 560.0;
 const HEIGHT: f32 = 380.0;
@@ -121,52 +122,54 @@ fn triggers_of(action: Action, bindings: Option<&Bindings>) -> String {
     triggers.map(|trigger| trigger.to_string()).collect::<Vec<_>>().join(", ")
 }
 
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    if !state.dialogs.palette.open {
-        return;
+impl Dialog for Palette {
+    fn is_open(&self) -> bool {
+        self.open
     }
-    let bindings = context.bindings();
-    let room = root.ctx().content_rect();
-    let area = Modal::default_area(Id::new("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
-    let palette = &mut state.dialogs.palette;
-    let mut led_to = None;
-    let response = Modal::new(Id::new("palette")).area(area).show(root.ctx(), |ui| {
-        ui.set_width(WIDTH.min(room.width() - 60.0));
-        let keys = Keys::take(ui);
-        field(ui, palette);
-        let (list, error) = entries(&palette.text, bindings);
-        if let Some(error) = error {
-            ui.colored_label(theme::error_colour(ui.visuals()), error);
-        } else if let Some(command) = begun(&palette.text) {
-            ui.weak(format!("{} {}", command.verb, command.usage));
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        if !self.open {
+            return;
         }
-        let moved = palette.go(&list, keys.by);
-        let mut chosen = keys.enter.then(|| list.get(palette.chosen)).flatten();
-        let height = (room.height() - TOP - 130.0).min(HEIGHT);
-        ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
-            ui.spacing_mut().item_spacing.y = 1.0;
-            for (i, entry) in list.iter().enumerate() {
-                let response = row(ui, entry, i == palette.chosen, bindings);
-                if moved && i == palette.chosen {
-                    response.scroll_to_me(None);
-                }
-                if response.clicked() {
-                    chosen = Some(entry);
-                }
+        let bindings = shared.context.bindings();
+        let room = root.ctx().content_rect();
+        let area =
+            Modal::default_area(Id::new("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
+        let response = Modal::new(Id::new("palette")).area(area).show(root.ctx(), |ui| {
+            ui.set_width(WIDTH.min(room.width() - 60.0));
+            let keys = Keys::take(ui);
+            field(ui, self);
+            let (list, error) = entries(&self.text, bindings);
+            if let Some(error) = error {
+                ui.colored_label(theme::error_colour(ui.visuals()), error);
+            } else if let Some(command) = begun(&self.text) {
+                ui.weak(format!("{} {}", command.verb, command.usage));
             }
-            if list.is_empty() {
-                ui.weak("No matches.");
+            let moved = self.go(&list, keys.by);
+            let mut chosen = keys.enter.then(|| list.get(self.chosen)).flatten();
+            let height = (room.height() - TOP - 130.0).min(HEIGHT);
+            ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
+                ui.spacing_mut().item_spacing.y = 1.0;
+                for (i, entry) in list.iter().enumerate() {
+                    let response = row(ui, entry, i == self.chosen, bindings);
+                    if moved && i == self.chosen {
+                        response.scroll_to_me(None);
+                    }
+                    if response.clicked() {
+                        chosen = Some(entry);
+                    }
+                }
+                if list.is_empty() {
+                    ui.weak("No matches.");
+                }
+            });
+            if let Some(entry) = chosen.filter(|entry| entry.can_be_chosen()) {
+                shared.led_to = self.choose(entry, shared.requests);
             }
         });
-        if let Some(entry) = chosen.filter(|entry| entry.can_be_chosen()) {
-            led_to = palette.choose(entry, requests);
+        if response.should_close() {
+            self.open = false;
         }
-    });
-    if let Some(spot) = led_to {
-        spot.lead(state);
-    }
-    if response.should_close() {
-        state.dialogs.palette.open = false;
     }
 }
 

@@ -15,9 +15,11 @@ use crate::render::overlay::Line;
 use crate::sculpture::Rgb;
 use crate::sculpture::region::VoxelBox;
 use crate::tools::repair::Mend;
-use crate::ui::top_bar::capital;
+use crate::ui::context::UiContext;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
+use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest, UiState};
 
 const WIDTH: f32 = 310.0;
 /// The height of the list of findings, at most.
@@ -168,37 +170,51 @@ fn frame(lines: &mut Vec<Line>, bounds: VoxelBox, colour: Rgb, width_px: f32, op
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    state.dialogs.print_check.take_news();
-    if !state.dialogs.print_check.open {
-        return;
+impl Dialog for PrintCheck {
+    fn is_open(&self) -> bool {
+        self.open
     }
-    let mut open = true;
-    Window::new("Print check")
-        .open(&mut open)
-        .resizable(false)
-        .default_width(WIDTH)
-        .default_pos(pos2(theme::TOOLBOX_WIDTH + 32.0, 60.0))
-        .show(root.ctx(), |ui| {
-            ui.set_width(WIDTH);
-            let window = &mut state.dialogs.print_check;
-            Grid::new("print options").num_columns(2).spacing([12.0, 4.0]).show(ui, |ui| {
-                options(ui, &mut window.options, context);
+
+    fn is_modal(&self) -> bool {
+        false
+    }
+
+    fn close(&mut self) -> bool {
+        std::mem::take(&mut self.open)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let Shared { context, requests, .. } = shared;
+        self.take_news();
+        if !self.open {
+            return;
+        }
+        let mut open = true;
+        Window::new("Print check")
+            .open(&mut open)
+            .resizable(false)
+            .default_width(WIDTH)
+            .default_pos(pos2(theme::TOOLBOX_WIDTH + 32.0, 60.0))
+            .show(root.ctx(), |ui| {
+                ui.set_width(WIDTH);
+                Grid::new("print options").num_columns(2).spacing([12.0, 4.0]).show(ui, |ui| {
+                    options(ui, &mut self.options, context);
+                });
+                ui.add_space(4.0);
+                ui.horizontal(|ui| {
+                    let again = self.found.is_some();
+                    let label = if again { "Check again" } else { "Check" };
+                    let check = ui.add(theme::primary(ui.visuals(), label));
+                    if check.on_hover_text("In the background; can be cancelled").clicked() {
+                        requests.push(UiRequest::PrintCheck(self.options));
+                    }
+                    ui.checkbox(&mut self.shown, "Show in the view")
+                        .on_hover_text("Mark the findings with lines and boxes");
+                });
+                findings(ui, self, context, requests);
             });
-            ui.add_space(4.0);
-            ui.horizontal(|ui| {
-                let again = window.found.is_some();
-                let label = if again { "Check again" } else { "Check" };
-                let check = ui.add(theme::primary(ui.visuals(), label));
-                if check.on_hover_text("In the background; can be cancelled").clicked() {
-                    requests.push(UiRequest::PrintCheck(window.options));
-                }
-                ui.checkbox(&mut window.shown, "Show in the view")
-                    .on_hover_text("Mark the findings with lines and boxes");
-            });
-            findings(ui, window, context, requests);
-        });
-    state.dialogs.print_check.open &= open;
+        self.open &= open;
+    }
 }
 
 fn options(ui: &mut Ui, options: &mut CheckOptions, context: &UiContext) {

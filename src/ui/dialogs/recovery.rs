@@ -9,8 +9,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use egui::{ColorImage, Id, Image, Modal, ScrollArea, TextureHandle, TextureOptions, Ui, Vec2};
 
 use crate::shade::Pixels;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
-use crate::ui::{UiRequest, UiState};
 
 const WIDTH: f32 = 460.0;
 /// Size of a picture, in points.
@@ -70,10 +71,6 @@ impl RecoveryDialog {
         self.news.clone()
     }
 
-    pub fn is_open(&self) -> bool {
-        !self.rows.is_empty()
-    }
-
     /// Closes the dialog; its rows are found again at the next start. False if it was closed already.
     pub fn close(&mut self) -> bool {
         let was_open = self.is_open();
@@ -95,21 +92,30 @@ impl RecoveryDialog {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let dialog = &mut state.dialogs.recovery;
-    dialog.take_news();
-    if !dialog.is_open() {
-        return;
+impl Dialog for RecoveryDialog {
+    fn is_open(&self) -> bool {
+        !self.rows.is_empty()
     }
-    let mut later = false;
-    let response = Modal::new(Id::new("recovery")).show(root.ctx(), |ui| {
+
+    fn close(&mut self) -> bool {
+        RecoveryDialog::close(self)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let requests = &mut *shared.requests;
+        self.take_news();
+        if !self.is_open() {
+            return;
+        }
+        let mut later = false;
+        let response = Modal::new(Id::new("recovery")).show(root.ctx(), |ui| {
         ui.set_width(WIDTH);
         ui.heading("Unsaved work was found");
         ui.weak("These sessions did not end properly. Nothing is lost: choose one to continue.");
         ui.add_space(6.0);
         let room = (ui.ctx().content_rect().height() - BESIDE).max(110.0);
         ScrollArea::vertical().max_height(room).show(ui, |ui| {
-            let RecoveryDialog { rows, discards, .. } = dialog;
+            let RecoveryDialog { rows, discards, .. } = self;
             for row in rows {
                 ui.push_id(row.left.number, |ui| show_row(ui, row, discards, requests));
                 ui.separator();
@@ -121,8 +127,9 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
             .on_hover_text("Keeps everything and asks again at the next start; “Unsaved work” in the menu lists it until then")
             .clicked();
     });
-    if later || response.should_close() {
-        dialog.close();
+        if later || response.should_close() {
+            self.close();
+        }
     }
 }
 

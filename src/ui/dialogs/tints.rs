@@ -11,8 +11,10 @@ use crate::editor::tool::ToolEdit;
 use crate::sculpture::region::Region;
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::tools::tint::{SIZE_RANGE, Tint};
+use crate::ui::context::UiContext;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest, UiState};
 
 const WIDTH: f32 = 290.0;
 /// Least width of the names before sliders.
@@ -112,43 +114,57 @@ fn ends(document: &Document, area: Area, axis: usize) -> [Vec3; 2] {
     ends
 }
 
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    if !state.dialogs.tints.open {
-        return;
+impl Dialog for Tints {
+    fn is_open(&self) -> bool {
+        self.open
     }
-    let mut open = true;
-    Window::new("Colours")
-        .open(&mut open)
-        .resizable(false)
-        .default_width(WIDTH)
-        .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
-        .show(root.ctx(), |ui| {
-            ui.set_width(WIDTH);
-            if context.document.material().depth() == ColourDepth::None {
-                ui.weak("This sculpture has only one colour; a new one can have more");
-                return;
-            }
-            let window = &mut state.dialogs.tints;
-            choices(ui, window, context);
-            ui.separator();
-            match window.kind {
-                Kind::Adjust => adjustment(ui, window),
-                Kind::Gradient => gradient(ui, window),
-                Kind::Noise => noise(ui, window, context),
-            }
-            ui.add_space(4.0);
-            let apply = ui.add(Button::new("Apply").min_size([90.0, 24.0].into()));
-            if apply
-                .on_hover_text("Recolour all voxels of the area, including those inside")
-                .clicked()
-            {
-                let (area, tint) = (window.area, window.tint(context));
-                requests.push(UiRequest::Run(Command::Tint { area, tint }));
-            }
-            ui.separator();
-            flood(ui, context, requests);
-        });
-    state.dialogs.tints.open &= open;
+
+    fn is_modal(&self) -> bool {
+        false
+    }
+
+    fn close(&mut self) -> bool {
+        std::mem::take(&mut self.open)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let Shared { context, requests, .. } = shared;
+        if !self.open {
+            return;
+        }
+        let mut open = true;
+        Window::new("Colours")
+            .open(&mut open)
+            .resizable(false)
+            .default_width(WIDTH)
+            .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
+            .show(root.ctx(), |ui| {
+                ui.set_width(WIDTH);
+                if context.document.material().depth() == ColourDepth::None {
+                    ui.weak("This sculpture has only one colour; a new one can have more");
+                    return;
+                }
+                choices(ui, self, context);
+                ui.separator();
+                match self.kind {
+                    Kind::Adjust => adjustment(ui, self),
+                    Kind::Gradient => gradient(ui, self),
+                    Kind::Noise => noise(ui, self, context),
+                }
+                ui.add_space(4.0);
+                let apply = ui.add(Button::new("Apply").min_size([90.0, 24.0].into()));
+                if apply
+                    .on_hover_text("Recolour all voxels of the area, including those inside")
+                    .clicked()
+                {
+                    let (area, tint) = (self.area, self.tint(context));
+                    requests.push(UiRequest::Run(Command::Tint { area, tint }));
+                }
+                ui.separator();
+                flood(ui, context, requests);
+            });
+        self.open &= open;
+    }
 }
 
 /// Shows the tolerance within which floods take colours for one.

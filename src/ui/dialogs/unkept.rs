@@ -1,44 +1,58 @@
 //! The question before something is done that cannot be undone, since the history has no room for
 //! it.
+//!
+//! Takes the refused command and why; asks for it anyway, or for nothing. Knows no history.
 
 use egui::{Id, Modal, Ui};
 
 use crate::command::Command;
 use crate::editor::questions::Unkept;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
-use crate::ui::{UiRequest, UiState};
 
-pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let Some(Unkept { command, why }) = &state.dialogs.unkept else { return };
-    // The end of a stroke is refused; its result is there to be seen.
-    let [question, go_on, stop] = match command {
-        Command::End => ["Keep a stroke that cannot be undone?", "Keep it", "Take it back"],
-        Command::Undo { .. } => ["Undo a step that cannot be redone?", "Undo", "Cancel"],
-        Command::Redo { .. } => ["Redo a step that cannot be undone?", "Redo", "Cancel"],
-        _ => ["Do something that cannot be undone?", "Do it", "Cancel"],
-    };
-    let mut answer = None;
-    let response = Modal::new(Id::new("unkept")).show(root.ctx(), |ui| {
-        ui.set_width(360.0);
-        ui.heading(question);
-        ui.add_space(4.0);
-        ui.label(why);
-        ui.label("Earlier steps will be forgotten too.");
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            if ui.button(go_on).clicked() {
-                answer = Some(Some(UiRequest::Irreversibly(command.clone())));
-            }
-            if ui.add(theme::primary(ui.visuals(), stop)).clicked() {
-                answer = Some(None);
-            }
-        });
-    });
-    if response.should_close() {
-        answer = Some(None);
+impl Dialog for Option<Unkept> {
+    fn is_open(&self) -> bool {
+        self.is_some()
     }
-    if let Some(answer) = answer {
-        state.dialogs.unkept = None;
-        requests.extend(answer);
+
+    fn close(&mut self) -> bool {
+        self.take().is_some()
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        let requests = &mut *shared.requests;
+        let Some(Unkept { command, why }) = &*self else { return };
+        // The end of a stroke is refused; its result is there to be seen.
+        let [question, go_on, stop] = match command {
+            Command::End => ["Keep a stroke that cannot be undone?", "Keep it", "Take it back"],
+            Command::Undo { .. } => ["Undo a step that cannot be redone?", "Undo", "Cancel"],
+            Command::Redo { .. } => ["Redo a step that cannot be undone?", "Redo", "Cancel"],
+            _ => ["Do something that cannot be undone?", "Do it", "Cancel"],
+        };
+        let mut answer = None;
+        let response = Modal::new(Id::new("unkept")).show(root.ctx(), |ui| {
+            ui.set_width(360.0);
+            ui.heading(question);
+            ui.add_space(4.0);
+            ui.label(why);
+            ui.label("Earlier steps will be forgotten too.");
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                if ui.button(go_on).clicked() {
+                    answer = Some(Some(UiRequest::Irreversibly(command.clone())));
+                }
+                if ui.add(theme::primary(ui.visuals(), stop)).clicked() {
+                    answer = Some(None);
+                }
+            });
+        });
+        if response.should_close() {
+            answer = Some(None);
+        }
+        if let Some(answer) = answer {
+            *self = None;
+            requests.extend(answer);
+        }
     }
 }

@@ -7,7 +7,7 @@ use crate::tools::brush::keys::{
     BITE, FALLOFF, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, STEADY, STRENGTH, THRESHOLD,
 };
 use crate::tools::brush::param::{Domain, Param, Value};
-use crate::ui::memory::neat;
+use crate::ui::memory::values::neat;
 
 /// The keys of brushes under an outline until November 2026, and those of today.
 const OLD_SPRAY_KEYS: [(&str, &str); 7] = [

@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::print_check::CheckOptions;
-use crate::ui::memory::{neat, within};
+use crate::ui::memory::values::{neat, within};
 
 /// Lengths that are believed, in millimetres.
 const LENGTH_MM: std::ops::RangeInclusive<f32> = 0.001..=100_000.0;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::editor::draw::DrawOptions;
 use crate::editor::draw::glyphs::{Font, MOST_LETTERS};
 use crate::editor::draw::options::{LENGTHS, RADII};
-use crate::ui::memory::{neat, within};
+use crate::ui::memory::values::{neat, within};
 
 /// The options; those that are missing or out of range are as usual.
 #[derive(Default, Serialize, Deserialize)]

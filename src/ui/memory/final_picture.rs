@@ -6,8 +6,9 @@ use serde::{Deserialize, Serialize};
 use crate::trace::{
     AreaLight, Ground, LightOptions, MAX_BOUNCES, MAX_FINAL_SAMPLES, Sun, TraceOptions,
 };
-use crate::ui::dialogs::final_picture::{FinalDialog, FinalFile};
-use crate::ui::memory::{neat, within};
+use crate::ui::dialogs::final_choices::FinalDialog;
+use crate::ui::memory::values::{neat, within};
+use crate::ui::pictures::FinalFile;
 
 /// All choices; those that are missing or out of range are as usual.
 #[derive(Default, Serialize, Deserialize)]

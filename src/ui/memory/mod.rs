@@ -11,6 +11,8 @@ mod final_picture;
 mod pen;
 pub mod recent;
 mod references;
+pub mod upright;
+mod values;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -25,14 +27,16 @@ use crate::sculpture::Rgb;
 use crate::tools::brush::BrushId;
 use crate::tools::solid::Solid;
 use crate::ui::dialogs::import::Remembered;
-use crate::ui::dialogs::upright::Upright;
+use crate::ui::layout::PanelPlace;
 use crate::ui::memory::check::KeptCheck;
 use crate::ui::memory::draw::KeptDraw;
 use crate::ui::memory::final_picture::KeptFinal;
 use crate::ui::memory::pen::KeptPens;
 use crate::ui::memory::recent::Recent;
-use crate::ui::state::PanelPlace;
-use crate::ui::{SCALE_RANGE, Theme, UiState, WindowOptions};
+use crate::ui::memory::upright::Upright;
+use crate::ui::memory::values::neat;
+use crate::ui::state::UiState;
+use crate::ui::window_options::{SCALE_RANGE, Theme, WindowOptions};
 
 const HEAD: &str = "\
 # What Virtual Sculpture remembers from one start to the next. Settings stand in config.toml; this
@@ -339,20 +343,6 @@ const fn mode_name(mode: ToolMode) -> &'static str {
 
 fn is_side(size: &[u32; 2]) -> bool {
     size.iter().all(|side| SIDES.contains(side))
-}
-
-/// Returns a remembered number, or the usual one if there is none in the range: NaN is in no range.
-pub(in crate::ui) fn within(
-    value: Option<f64>,
-    range: std::ops::RangeInclusive<f32>,
-    usual: f32,
-) -> f32 {
-    value.map(|value| value as f32).filter(|value| range.contains(value)).unwrap_or(usual)
-}
-
-/// The number as a person would write it.
-pub(in crate::ui) fn neat(value: f32) -> f64 {
-    value.to_string().parse().unwrap_or(f64::from(value))
 }
 
 /// A value that is not what it should be is none.

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::editor::pen_use::{PenTool, PenUse, PenUses};
 use crate::input::pen::{EXPONENTS, FULL, PenCurve};
-use crate::ui::memory::{neat, within};
-use crate::ui::options::pen::PenState;
+use crate::ui::memory::values::{neat, within};
+use crate::ui::pens::PenState;
 
 /// The choices made; a curve counts while the settings are what they were then.
 #[derive(Default, Serialize, Deserialize)]

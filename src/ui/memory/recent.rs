@@ -3,12 +3,9 @@
 
 use std::path::Path;
 
-use egui::{RichText, Ui};
-
 use crate::command::Command;
 use crate::format::options::ImportOptions;
 use crate::sculpture::orientation::Up;
-use crate::ui::{UiRequest, UiState};
 
 /// Files kept.
 const MOST: usize = 10;
@@ -68,6 +65,11 @@ impl Recent {
         self.list.iter().position(|command| path_of(command) == Some(path))
     }
 
+    /// The commands that open them, the latest first.
+    pub fn commands(&self) -> &[Command] {
+        &self.list
+    }
+
     /// The paths, the latest first.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         self.list.iter().filter_map(path_of)
@@ -93,57 +95,11 @@ impl Recent {
     }
 }
 
-fn path_of(command: &Command) -> Option<&Path> {
+/// The file that a command opens.
+pub fn path_of(command: &Command) -> Option<&Path> {
     match command {
         Command::Open { path, .. } => Some(path),
         _ => None,
-    }
-}
-
-/// The entries of the menu. A file that is gone is said to be so and leaves the list.
-pub fn menu(ui: &mut Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    ui.menu_button("Open recent", |ui| {
-        if state.known_files.recent.list.is_empty() {
-            ui.weak("No recent files");
-            return;
-        }
-        let mut chosen = None;
-        for command in &state.known_files.recent.list {
-            let Some(path) = path_of(command) else { continue };
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            let folder = path.parent().unwrap_or(path).display().to_string();
-            let text = RichText::new(shortened(&name));
-            if ui.button(text).on_hover_text(folder).clicked() {
-                chosen = Some(command.clone());
-            }
-        }
-        ui.separator();
-        if ui.button("Clear this list").clicked() {
-            state.known_files.recent = Recent::default();
-        }
-        let Some(command) = chosen else { return };
-        let Some(path) = path_of(&command) else { return };
-        if path.try_exists().is_ok_and(|exists| !exists) {
-            let name = path.display();
-            state.toasts.error(format!("{name} no longer exists; removed from the recent files"));
-            state.known_files.recent.forget(path);
-        } else {
-            let Command::Open { path, import } = command else { return };
-            let at_once = ui.input(|input| input.modifiers.shift);
-            state.dialogs.import.open(path, import, at_once, requests);
-        }
-    });
-}
-
-/// A name that fits into a menu.
-fn shortened(name: &str) -> String {
-    const MOST: usize = 40;
-    match name.chars().count() {
-        ..=MOST => name.to_string(),
-        count => {
-            let (head, tail) = (MOST / 2, count - (MOST / 2 - 1));
-            name.chars().take(head).chain(['…']).chain(name.chars().skip(tail)).collect()
-        }
     }
 }
 
@@ -191,13 +147,5 @@ mod tests {
         assert!(line.contains(" upright=-z ") && line.contains(" raw="), "{line}");
         let damaged = ["", "clear", "open", "open \"/a\"", "save \"/b\"", "open \"\\xff\""];
         assert_eq!(Recent::from_lines(damaged.into_iter()).paths().count(), 2);
-    }
-
-    #[test]
-    fn long_names_are_shortened_in_their_middle() {
-        assert_eq!(shortened("head.vsc"), "head.vsc");
-        let long = format!("{}ü.vsc", "ä".repeat(300));
-        assert_eq!(shortened(&long).chars().count(), 40);
-        assert!(shortened(&long).ends_with("ü.vsc"));
     }
 }

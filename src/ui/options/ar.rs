@@ -3,8 +3,9 @@
 use egui::Ui;
 
 use crate::input::Action;
+use crate::ui::context::UiContext;
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::buttons::explain;
-use crate::ui::{UiContext, UiRequest};
 use crate::viewpoint::ar::ArStatus;
 
 fn state_text(ar: &ArStatus) -> String {

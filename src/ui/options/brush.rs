@@ -9,10 +9,11 @@ use crate::tools::brush::BrushId;
 use crate::tools::brush::keys::{RADIUS, STEADY};
 use crate::tools::brush::options::BrushOptions;
 use crate::tools::brush::param::{Choice, Domain, Param, Unit, Value};
-use crate::ui::top_bar::capital;
+use crate::ui::context::UiContext;
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::buttons::explain;
+use crate::ui::widgets::names::capital;
 use crate::ui::widgets::spot::{self, Spot};
-use crate::ui::{UiContext, UiRequest};
 
 /// Leaves room for a name before and a number with its unit behind.
 const SLIDER_WIDTH: f32 = 80.0;

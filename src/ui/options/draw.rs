@@ -9,10 +9,11 @@ use crate::editor::draw::glyphs::{Font, MOST_LETTERS};
 use crate::editor::draw::options::{LENGTHS, RADII};
 use crate::editor::tool::ToolEdit;
 use crate::input::{DrawKind, ToolMode};
+use crate::ui::context::UiContext;
 use crate::ui::options::draw_progress;
-use crate::ui::toolbox::mode_name;
+use crate::ui::request::UiRequest;
+use crate::ui::widgets::names::{draw_name, mode_name};
 use crate::ui::widgets::numbers;
-use crate::ui::{UiContext, UiRequest};
 
 /// Leaves room for a name before and a number with its unit behind.
 const SLIDER_WIDTH: f32 = 80.0;
@@ -143,19 +144,5 @@ fn advice(kind: DrawKind, mode: ToolMode, options: &DrawOptions) -> &'static str
         (DrawKind::Text, _) => {
             "Press on the surface; the letters follow while you hold the button."
         }
-    }
-}
-
-/// Returns the name of a tool that draws, in the interface.
-pub fn draw_name(kind: DrawKind) -> &'static str {
-    match kind {
-        DrawKind::Lasso => "Lasso",
-        DrawKind::Rectangle => "Rectangle",
-        DrawKind::Plane => "Plane cut",
-        DrawKind::Box => "Box",
-        DrawKind::Line => "Line",
-        DrawKind::Curve => "Curve",
-        DrawKind::Lathe => "Lathe",
-        DrawKind::Text => "Text",
     }
 }

@@ -5,7 +5,7 @@
 use crate::editor::draw::Progress;
 use crate::input::Action;
 use crate::input::trigger::Trigger;
-use crate::ui::UiContext;
+use crate::ui::context::UiContext;
 
 /// Returns the text for the line along the bottom: the height of a box, or the points of a curve, and the possible
 /// acts.

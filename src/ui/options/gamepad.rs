@@ -5,7 +5,7 @@ use egui::Ui;
 use crate::controls::pads::PadStatus;
 use crate::input::Action;
 use crate::input::pad::PadMode;
-use crate::ui::UiRequest;
+use crate::ui::request::UiRequest;
 
 pub fn show(ui: &mut Ui, pad: PadStatus, requests: &mut Vec<UiRequest>) {
     ui.label(pad.name);

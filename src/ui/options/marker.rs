@@ -7,10 +7,11 @@ use crate::command::Command;
 use crate::input::{Action, Axis};
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
-use crate::ui::status::grouped;
+use crate::ui::context::UiContext;
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::buttons::{action_button, explain};
+use crate::ui::widgets::names::grouped;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest};
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 /// Selected boxes that are seen without scrolling.

@@ -21,11 +21,15 @@ use crate::document::MAX_ARRAY;
 use crate::editor::tool::ToolEdit;
 use crate::input::{Action, Panel};
 use crate::sculpture::history::SurfaceKind;
+use crate::ui::context::UiContext;
 use crate::ui::dialogs::light;
+use crate::ui::dialogs::shared::FileTask;
+use crate::ui::request::UiRequest;
+use crate::ui::state::UiState;
 use crate::ui::widgets::buttons::{action_button, explain};
 use crate::ui::widgets::spot::{self, Spot};
 use crate::ui::widgets::{section, theme};
-use crate::ui::{UiContext, UiRequest, UiState, history, panels};
+use crate::ui::{history, panel_head};
 
 pub fn show(
     root: &mut Ui,
@@ -51,7 +55,7 @@ pub fn show(
             if docked[0] {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     ui.set_width(theme::OPTIONS_WIDTH - 24.0);
-                    panels::head(ui, Panel::Options, state, context, requests);
+                    panel_head::head(ui, Panel::Options, &state.layout, context, requests);
                     content(ui, state, context, requests);
                 });
             }
@@ -73,7 +77,7 @@ fn past(
         .resizable(false)
         .show_separator_line(shared)
         .show(ui, |ui| {
-            panels::head(ui, Panel::History, state, context, requests);
+            panel_head::head(ui, Panel::History, &state.layout, context, requests);
             history::show(ui, context, height, requests);
         });
 }
@@ -104,11 +108,13 @@ pub fn content(
         section(ui, "Gamepad", true, state, |ui, _| gamepad::show(ui, pad, requests));
     }
     if state.pen.is_there() && !context.in_headset {
-        section(ui, "Pen", true, state, pen::section);
+        section(ui, "Pen", true, state, |ui, state| pen::section(ui, &mut state.pen));
     }
     section(ui, "Light", false, state, |ui, state| {
         action_button(ui, context, "Lights …", Action::Lights, true, requests);
-        light::surface(ui, state);
+        if light::surface(ui, &mut state.view) {
+            state.dialogs.files.open(FileTask::Matcap, state.view.light.matcap.path());
+        }
     });
 }
 

@@ -4,9 +4,11 @@ use egui::{Color32, Sense, Slider, Stroke, Ui, pos2, vec2};
 
 use crate::editor::pen_use::PenUse;
 use crate::editor::tool::ToolEdit;
-use crate::input::pen::{EXPONENTS, FULL, PenCurve, PenTouch};
+use crate::input::pen::{EXPONENTS, FULL};
+use crate::ui::context::UiContext;
+use crate::ui::pens::PenState;
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::spot::{self, Spot};
-use crate::ui::{UiContext, UiRequest, UiState};
 
 /// Leaves room for a name before and a number behind.
 const SLIDER_WIDTH: f32 = 80.0;
@@ -14,31 +16,6 @@ const SLIDER_WIDTH: f32 = 80.0;
 const CURVE_SIZE: egui::Vec2 = vec2(120.0, 72.0);
 /// Points of the curve that are joined.
 const CURVE_STEPS: u32 = 40;
-
-/// Pens, as the interface shows them.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct PenState {
-    /// The tablets and pens that the window system has named.
-    pub devices: Vec<String>,
-    /// How a press counts, and what the settings say of it.
-    pub curve: PenCurve,
-    pub usual: PenCurve,
-    /// How the pen touches now.
-    pub touch: Option<PenTouch>,
-    /// A pen has been used since the start.
-    pub is_used: bool,
-}
-
-impl PenState {
-    pub fn new(usual: PenCurve) -> PenState {
-        PenState { curve: usual, usual, ..PenState::default() }
-    }
-
-    /// Whether there is a pen whose options are worth showing.
-    pub fn is_there(&self) -> bool {
-        self.is_used || !self.devices.is_empty()
-    }
-}
 
 /// Checkboxes for the lead of a pen over the brush in hand, if it can lead anything.
 pub fn leads(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
@@ -72,8 +49,7 @@ pub fn leads(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
 }
 
 /// The options of all pens.
-pub fn section(ui: &mut Ui, state: &mut UiState) {
-    let pen = &mut state.pen;
+pub fn section(ui: &mut Ui, pen: &mut PenState) {
     for name in &pen.devices {
         ui.label(name);
     }

@@ -4,8 +4,9 @@ use egui::{ComboBox, Slider, Ui};
 
 use crate::input::Action;
 use crate::render::stereo_options::{CONVERGENCE_PERCENT, EYE_DISTANCE_MM};
+use crate::ui::context::UiContext;
+use crate::ui::state::UiState;
 use crate::ui::widgets::buttons::explain;
-use crate::ui::{UiContext, UiState};
 use crate::view::StereoLayout;
 
 pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext) {

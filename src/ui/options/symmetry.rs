@@ -10,8 +10,9 @@ use crate::editor::symmetry::{FIRST_COUNT, Placed};
 use crate::editor::tool::{NextPress, ToolEdit};
 use crate::input::{Action, Axis};
 use crate::tools::symmetry::{MAX_IMAGES, MirrorPlane, Parity, Radial, Symmetry};
+use crate::ui::context::UiContext;
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::buttons::explain;
-use crate::ui::{UiContext, UiRequest};
 
 pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mut symmetry = context.document.symmetry();

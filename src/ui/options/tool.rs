@@ -8,14 +8,16 @@ use crate::editor::tool::{HALF_RANGE, NextPress, RECENT, ToolEdit, ToolKind, Too
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::tools::brush::BrushId;
-use crate::ui::dialogs::files::FileTask;
+use crate::ui::context::UiContext;
+use crate::ui::dialogs::shared::FileTask;
 use crate::ui::options::{brush, draw, marker, pen};
-use crate::ui::state::PasteAs;
-use crate::ui::toolbox::{mode_name, solid_name};
+use crate::ui::request::UiRequest;
+use crate::ui::state::UiState;
+use crate::ui::tasks::PasteAs;
 use crate::ui::widgets::buttons::{action_button, explain};
+use crate::ui::widgets::names::{mode_name, solid_name};
 use crate::ui::widgets::spot::{self, Spot};
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest, UiState};
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 /// The greatest distance of a solid's centre from the corner of the grid, in voxels.

@@ -4,9 +4,11 @@
 use egui::{ComboBox, TextEdit, Ui};
 
 use crate::input::Action;
+use crate::ui::context::UiContext;
+use crate::ui::request::UiRequest;
+use crate::ui::state::UiState;
 use crate::ui::widgets::buttons::explain;
 use crate::ui::widgets::numbers;
-use crate::ui::{UiContext, UiRequest, UiState};
 use crate::video::{Address, Fit};
 use crate::viewpoint::camera::{VideoState, VideoStatus};
 

@@ -6,8 +6,9 @@ use egui::{
 };
 
 use crate::input::Action;
+use crate::ui::context::UiContext;
+use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest};
 
 /// A button for `action`. Adds the action to `requests` when clicked.
 pub fn action_button(

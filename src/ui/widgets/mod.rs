@@ -8,6 +8,7 @@ pub mod draw_icons;
 pub mod filter;
 pub mod icons;
 pub mod keyboard;
+pub mod names;
 pub mod numbers;
 pub mod section;
 pub mod spot;

@@ -2,23 +2,23 @@
 
 use egui::{CollapsingHeader, RichText, Ui};
 
-use crate::ui::UiState;
+use crate::ui::layout::PanelLayout;
 
-/// Shows `content` under a title. `open`: whether it is so at the very first.
-pub fn show(
+/// Shows `content` under a title. `state`: the layout, which remembers what is open, with what the content needs; `open`: whether it is so at the very first.
+pub fn show<S: AsMut<PanelLayout>>(
     ui: &mut Ui,
     title: RichText,
     open: bool,
-    state: &mut UiState,
-    content: impl FnOnce(&mut Ui, &mut UiState),
+    state: &mut S,
+    content: impl FnOnce(&mut Ui, &mut S),
 ) {
     let name = title.text().to_string();
-    let before = state.layout.sections.get(&name).copied().unwrap_or(open);
+    let before = state.as_mut().sections.get(&name).copied().unwrap_or(open);
     let shown = CollapsingHeader::new(title)
         .open(Some(before))
         .show_unindented(ui, |ui| content(ui, state));
     if shown.header_response.clicked() {
-        state.layout.sections.insert(name, !before);
+        state.as_mut().sections.insert(name, !before);
         ui.ctx().request_repaint();
     }
     ui.add_space(4.0);

@@ -1,13 +1,12 @@
 //! Options that a person is led to: the panel with the option opens, scrolls to it, and the option blinks.
 //!
-//! Takes the option that was looked for; changes which sections are open. The panels name their options with [`mark`];
+//! Takes the option that was looked for, and says in which section it is. The panels name their options with [`mark`];
 //! must not know what these do.
 
 use egui::{Align, Context, Id, Response, Stroke, StrokeKind};
 
 use crate::input::Action;
 use crate::tools::brush::BrushId;
-use crate::ui::UiState;
 
 /// How long an option blinks, and how often it changes, in seconds.
 const BLINK_S: f64 = 2.4;
@@ -34,7 +33,7 @@ pub enum Spot {
 
 impl Spot {
     /// The section of the options that it is in; none in the bar along the top.
-    fn section(self) -> Option<&'static str> {
+    pub fn section(self) -> Option<&'static str> {
         match self {
             Spot::Array | Spot::Symmetry => Some("Symmetry and array"),
             Spot::Stencil | Spot::Steady | Spot::Pressure => Some("Tool"),
@@ -50,15 +49,6 @@ impl Spot {
             Spot::Steady | Spot::Pressure => Some(Action::Brush(BrushId::Draw)),
             _ => None,
         }
-    }
-
-    /// Opens the section with the option, and lets it blink once it is shown.
-    pub fn lead(self, state: &mut UiState) {
-        state.layout.hidden = false;
-        if let Some(section) = self.section() {
-            state.layout.sections.insert(section.to_string(), true);
-        }
-        state.layout.led_to = Some(self);
     }
 }
 

@@ -3,8 +3,8 @@
 
 use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, Visuals, vec2};
 
-use crate::ui::Theme;
-use crate::ui::state::Scale;
+use crate::ui::layout::Scale;
+use crate::ui::window_options::Theme;
 
 /// Width of a column of tools in points.
 const TOOLBOX_COLUMN: f32 = 50.0;

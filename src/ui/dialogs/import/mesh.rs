@@ -5,15 +5,15 @@
 
 use egui::{ComboBox, DragValue, Grid, RichText, Sense, Shape, Stroke, Ui, Vec2};
 
-use super::OPTIONS_WIDTH;
 use super::box_view::{self, BoxView};
 use super::histogram::CLAY;
+use super::widths::OPTIONS_WIDTH;
 use crate::format::MeshStudy;
 use crate::format::options::{Colouring, ImportOptions, MeshFill, MeshSize};
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::orientation::Up;
-use crate::ui::dialogs::upright;
-use crate::ui::top_bar::capital;
+use crate::ui::memory::upright;
+use crate::ui::widgets::names::capital;
 
 /// Edges of a voxel, in millimetres.
 pub const EDGE_MM: std::ops::RangeInclusive<f32> = 0.001..=1000.0;

@@ -13,6 +13,7 @@ mod remembered;
 mod slices;
 mod volume;
 mod voxel_picture;
+mod widths;
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,6 +22,7 @@ use egui::{Id, Key, Modal, RichText, Ui, vec2};
 use glam::UVec3;
 
 pub use self::remembered::Remembered;
+use self::widths::{BESIDE, MOST_WIDTH, NARROW};
 use crate::command::Command;
 use crate::format::options::{ImportOptions, RawLayout, Region};
 use crate::format::{
@@ -28,16 +30,11 @@ use crate::format::{
 };
 use crate::remedy::told;
 use crate::sculpture::Limits;
-use crate::ui::top_bar::capital;
+use crate::ui::context::UiContext;
+use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::request::UiRequest;
+use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
-use crate::ui::{UiContext, UiRequest, UiState};
-
-/// The widest dialog, in points, and the space that stays free beside it in a small window.
-const MOST_WIDTH: f32 = 960.0;
-const BESIDE: f32 = 48.0;
-/// Width of the column of options.
-const OPTIONS_WIDTH: f32 = 252.0;
-const NARROW: f32 = 400.0;
 
 /// The result of reading the file.
 type News = Arc<Mutex<Option<Result<Study, String>>>>;
@@ -202,6 +199,41 @@ impl ImportDialog {
         Command::Open { path: self.path.clone(), import }
     }
 
+    /// Does what was answered.
+    fn answer_with(&mut self, answer: Answer, shared: &mut Shared) {
+        match answer {
+            Answer::None => {}
+            Answer::Cancel => {
+                self.close();
+            }
+            Answer::Read => {
+                let Stage::Layout { text, error } = &mut self.stage else { return };
+                match text.trim().parse::<RawLayout>() {
+                    Ok(raw) => {
+                        self.remembered.raw = raw.to_string();
+                        let import = ImportOptions { raw: Some(raw), ..self.options };
+                        let path = self.path.clone();
+                        self.open(path, import, false, shared.requests);
+                    }
+                    Err(reason) => *error = Some(reason),
+                }
+            }
+            Answer::Import => {
+                let command = self.command();
+                let Command::Open { path, import } = &command else { return };
+                if let Some(family) = family(path) {
+                    self.remembered.note(family, import);
+                }
+                if let Some(up) = import.upright {
+                    shared.upright.remember(path, up);
+                }
+                shared.upright.answer(path);
+                shared.requests.push(UiRequest::Run(command));
+                self.close();
+            }
+        }
+    }
+
     /// The width that it has in a window of this width, in points.
     fn width(&self, window: f32) -> f32 {
         let wide = (window - BESIDE).clamp(NARROW.min(window - 16.0), MOST_WIDTH);
@@ -213,55 +245,63 @@ impl ImportDialog {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    let is_busy = state.dialogs.busy.is_some();
-    let dialog = &mut state.dialogs.import;
-    dialog.take_news(is_busy, requests);
-    // While it is read, the sign of long work is shown.
-    if !dialog.is_open() || matches!(dialog.stage, Stage::Reading) {
-        model::forget(root.ctx());
-        return slices::forget(root.ctx());
+impl Dialog for ImportDialog {
+    fn is_open(&self) -> bool {
+        ImportDialog::is_open(self)
     }
-    let window = root.ctx().content_rect().size();
-    let response = Modal::new(Id::new("import")).show(root.ctx(), |ui| {
-        ui.set_width(dialog.width(window.x));
-        let name = dialog.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        ui.heading(format!("Import {name}"));
-        // While a field or a button has the keyboard, Enter is its own.
-        let free = ui.memory(|memory| memory.focused().is_none());
-        let mut enter = free && ui.input(|input| input.key_pressed(Key::Enter));
-        let room = vec2(dialog.width(window.x), window.y - 150.0);
-        let mut another = None;
-        match &mut dialog.stage {
-            Stage::Volume(study) => {
-                if volume::show(ui, study, &mut dialog.options, &mut dialog.at, room) {
-                    another = Some(UiRequest::Study(dialog.path.clone(), dialog.options));
+
+    fn close(&mut self) -> bool {
+        ImportDialog::close(self)
+    }
+
+    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+        self.take_news(shared.is_busy, shared.requests);
+        // While it is read, the sign of long work is shown.
+        if !self.is_open() || matches!(self.stage, Stage::Reading) {
+            model::forget(root.ctx());
+            return slices::forget(root.ctx());
+        }
+        let window = root.ctx().content_rect().size();
+        let response = Modal::new(Id::new("import")).show(root.ctx(), |ui| {
+            ui.set_width(self.width(window.x));
+            let name = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            ui.heading(format!("Import {name}"));
+            // While a field or a button has the keyboard, Enter is its own.
+            let free = ui.memory(|memory| memory.focused().is_none());
+            let mut enter = free && ui.input(|input| input.key_pressed(Key::Enter));
+            let room = vec2(self.width(window.x), window.y - 150.0);
+            let mut another = None;
+            match &mut self.stage {
+                Stage::Volume(study) => {
+                    if volume::show(ui, study, &mut self.options, &mut self.at, room) {
+                        another = Some(UiRequest::Study(self.path.clone(), self.options));
+                    }
                 }
+                Stage::Mesh(study) => {
+                    mesh::show(ui, study, &mut self.options, &mut self.view, room);
+                }
+                Stage::Model(study) => {
+                    model::show(ui, study, &mut self.options, &mut self.view, room);
+                }
+                Stage::Failed(error) => {
+                    ui.add_space(4.0);
+                    ui.colored_label(theme::error_colour(ui.visuals()), capital(error));
+                }
+                Stage::Layout { text, error } => {
+                    enter |= raw::layout(ui, &self.path, text, error.as_ref());
+                }
+                Stage::Closed | Stage::Reading => {}
             }
-            Stage::Mesh(study) => {
-                mesh::show(ui, study, &mut dialog.options, &mut dialog.view, room);
+            let answer = foot(ui, self, shared.context, enter);
+            if let (Some(study), Answer::None) = (another, answer) {
+                self.stage = Stage::Reading;
+                shared.requests.push(study);
             }
-            Stage::Model(study) => {
-                model::show(ui, study, &mut dialog.options, &mut dialog.view, room);
-            }
-            Stage::Failed(error) => {
-                ui.add_space(4.0);
-                ui.colored_label(theme::error_colour(ui.visuals()), capital(error));
-            }
-            Stage::Layout { text, error } => {
-                enter |= raw::layout(ui, &dialog.path, text, error.as_ref());
-            }
-            Stage::Closed | Stage::Reading => {}
-        }
-        let answer = foot(ui, dialog, context, enter);
-        if let (Some(study), Answer::None) = (another, answer) {
-            dialog.stage = Stage::Reading;
-            requests.push(study);
-        }
-        answer
-    });
-    let answer = if response.should_close() { Answer::Cancel } else { response.inner };
-    answer_with(answer, state, requests);
+            answer
+        });
+        let answer = if response.should_close() { Answer::Cancel } else { response.inner };
+        self.answer_with(answer, shared);
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -332,39 +372,4 @@ fn become_of(ui: &mut Ui, outlook: &Outlook, limits: &Limits) {
         mib(budget)
     ))
     .on_hover_text("memory.grid_mib and memory.colour_mib in the settings set the limits");
-}
-
-fn answer_with(answer: Answer, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let dialog = &mut state.dialogs.import;
-    match answer {
-        Answer::None => {}
-        Answer::Cancel => {
-            dialog.close();
-        }
-        Answer::Read => {
-            let Stage::Layout { text, error } = &mut dialog.stage else { return };
-            match text.trim().parse::<RawLayout>() {
-                Ok(raw) => {
-                    dialog.remembered.raw = raw.to_string();
-                    let import = ImportOptions { raw: Some(raw), ..dialog.options };
-                    let path = dialog.path.clone();
-                    dialog.open(path, import, false, requests);
-                }
-                Err(reason) => *error = Some(reason),
-            }
-        }
-        Answer::Import => {
-            let command = dialog.command();
-            let Command::Open { path, import } = &command else { return };
-            if let Some(family) = family(path) {
-                dialog.remembered.note(family, import);
-            }
-            if let Some(up) = import.upright {
-                state.known_files.upright.remember(path, up);
-            }
-            state.known_files.upright.answer(path);
-            requests.push(UiRequest::Run(command));
-            dialog.close();
-        }
-    }
 }

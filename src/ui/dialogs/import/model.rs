@@ -9,17 +9,17 @@ use egui::{
     TextureHandle, TextureOptions, Ui, Vec2, pos2,
 };
 
-use super::OPTIONS_WIDTH;
 use super::box_view::{self, BoxView};
 use super::histogram::CLAY;
 use super::mesh::EDGE_MM;
 use super::voxel_picture;
+use super::widths::OPTIONS_WIDTH;
 use crate::format::ModelStudy;
 use crate::format::options::{Colouring, ImportOptions, MeshSize};
 use crate::sculpture::orientation::Up;
 use crate::sculpture::{ColourDepth, Rgb};
-use crate::ui::dialogs::upright;
-use crate::ui::top_bar::capital;
+use crate::ui::memory::upright;
+use crate::ui::widgets::names::capital;
 
 /// Colours of the palette that are shown, the most frequent ones, and the side of each in points.
 const MOST_SWATCHES: usize = 96;

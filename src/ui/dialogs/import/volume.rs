@@ -6,12 +6,13 @@
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, Ui, Vec2};
 use glam::UVec3;
 
-use super::{OPTIONS_WIDTH, histogram, slices};
+use super::widths::OPTIONS_WIDTH;
+use super::{histogram, slices};
 use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, Ordinal, Region};
 use crate::format::{Samples, Taken, VolumeStudy, Volumes};
 use crate::sculpture::orientation::Up;
-use crate::ui::dialogs::upright;
-use crate::ui::top_bar::capital;
+use crate::ui::memory::upright;
+use crate::ui::widgets::names::capital;
 
 /// Windows narrower than this have the options below the slices.
 const BESIDE: f32 = 600.0;

@@ -1,0 +1,84 @@
+//! The values of the program that the interface reads.
+//!
+//! The owner of the parts makes a [`UiContext`] for each pass. Knows no panel and no dialog.
+
+use std::path::Path;
+
+use crate::controls::pads::PadStatus;
+use crate::document::Document;
+use crate::editor::draw::Progress;
+use crate::editor::tool::ToolState;
+use crate::input::{Action, Bindings};
+use crate::screen::headset::Blend;
+use crate::sculpture::orientation::Up;
+use crate::viewpoint::ar::ArStatus;
+use crate::viewpoint::camera::VideoStatus;
+use crate::viewpoint::head::HeadStatus;
+
+/// How long the last picture took, in milliseconds.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct FrameTimes {
+    /// Finding the voxel of every pixel, with upload and read-back.
+    pub sample_ms: f32,
+    pub shade_ms: f32,
+    /// Everything, interface included.
+    pub total_ms: f32,
+}
+
+/// The values that the interface reads.
+pub struct UiContext<'a> {
+    pub document: &'a Document,
+    pub path: Option<&'a Path>,
+    /// The script that is recorded, if one is.
+    pub recording: Option<&'a Path>,
+    /// Size of the picture of the view, in pixels.
+    pub picture_px: glam::UVec2,
+    /// The axis that was taken for the one that points up in a file that does not say so; none once
+    /// the sculpture has been changed.
+    pub assumed_up: Option<Up>,
+    /// Something would be lost by leaving now.
+    pub modified: bool,
+    /// Why the journal does not keep what is done, while it does not.
+    pub unsafe_because: Option<String>,
+    pub tool: &'a ToolState,
+    /// How far what is drawn by several presses is, if there is any.
+    pub drawn: Option<Progress>,
+    /// The tables of bindings to choose from.
+    pub presets: &'a [Bindings],
+    /// The same as the program brings them along.
+    pub pristine: &'a [Bindings],
+    /// Index of the table in use.
+    pub preset: usize,
+    pub times: FrameTimes,
+    /// These are the panels on a hand in a headset, where nobody reaches keyboard and mouse.
+    pub in_headset: bool,
+    /// How a headset's pictures can go together with the surroundings; none without a headset.
+    pub blends: &'a [Blend],
+    /// Whether the window can have a layer an eye.
+    pub quad_buffered: bool,
+    /// Name of the Vulkan device.
+    pub device: &'a str,
+    /// Between two lines of the floor grid and of the ground.
+    pub line_spacing_vx: u32,
+    /// Where the axes of the grid point in the picture: x right, y up, z to the viewer.
+    pub axes_in_picture: [glam::Vec3; 3],
+    /// The voxel that the pointer points at.
+    pub pointed_vx: Option<glam::UVec3>,
+    /// The gamepad that leads, if there is one.
+    pub pad: Option<PadStatus<'a>>,
+    pub head: HeadStatus,
+    pub ar: ArStatus,
+    pub video: VideoStatus,
+}
+
+impl UiContext<'_> {
+    /// The bindings in use.
+    pub fn bindings(&self) -> Option<&Bindings> {
+        self.presets.get(self.preset)
+    }
+
+    /// The first key or button for an action, as a person reads it; none in a headset.
+    pub fn shortcut(&self, action: Action) -> Option<String> {
+        self.bindings().filter(|_| !self.in_headset).and_then(|b| b.shortcut(action))
+    }
+}

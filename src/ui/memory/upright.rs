@@ -1,0 +1,90 @@
+//! The answers about which axis points up in files that do not say so, by the endings of their names.
+//!
+//! Takes and gives what is remembered; shows nothing and reads no file.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::sculpture::history::State;
+use crate::sculpture::orientation::Up;
+
+/// The answers about which axis points up.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Upright {
+    /// The axis by the endings of file names, in lower case.
+    by_ending: BTreeMap<String, Up>,
+    /// The state of the sculpture in which nobody wants to be asked.
+    pub dismissed: Option<State>,
+    /// The file about which the question was answered when it was imported.
+    pub answered: Option<PathBuf>,
+}
+
+impl Upright {
+    /// The axis that pointed up in the last file with such an ending, if anybody said so.
+    pub fn of(&self, path: &Path) -> Option<Up> {
+        self.by_ending.get(&ending(path)?).copied()
+    }
+
+    pub fn remember(&mut self, path: &Path, up: Up) {
+        if let Some(ending) = ending(path) {
+            self.by_ending.insert(ending, up);
+        }
+    }
+
+    /// Nobody wants to be asked about this file, having seen how it stands.
+    pub fn answer(&mut self, path: &Path) {
+        self.answered = Some(path.to_path_buf());
+    }
+
+    /// Returns the answers to be remembered: endings and the text forms of axes.
+    pub fn to_texts(&self) -> BTreeMap<String, String> {
+        self.by_ending.iter().map(|(ending, up)| (ending.clone(), up.to_string())).collect()
+    }
+
+    /// Reads such texts. An entry that names no axis is left out.
+    pub fn from_texts(texts: &BTreeMap<String, String>) -> Upright {
+        let known =
+            texts.iter().filter_map(|(ending, up)| Some((ending.clone(), up.parse().ok()?)));
+        Upright { by_ending: known.take(64).collect(), ..Upright::default() }
+    }
+}
+
+/// The ending of the name of a file, in lower case.
+pub fn ending(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}
+
+/// How a person reads an axis.
+pub fn label(up: Up) -> &'static str {
+    match up {
+        Up::X => "X up",
+        Up::MinusX => "−X up",
+        Up::Y => "Y up",
+        Up::MinusY => "−Y up",
+        Up::Z => "Z up",
+        Up::MinusZ => "−Z up",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_are_kept_by_the_ending_of_the_name() {
+        let mut upright = Upright::default();
+        assert_eq!(upright.of(Path::new("a.pvm")), None);
+        upright.remember(Path::new("/b/head.PVM"), Up::Z);
+        upright.remember(Path::new("scan.raw"), Up::MinusZ);
+        upright.remember(Path::new("scan.raw"), Up::Y);
+        assert_eq!(upright.of(Path::new("other.pvm")), Some(Up::Z));
+        assert_eq!(upright.of(Path::new("c.raw")), Some(Up::Y));
+        for none in ["pvm", "c.vsc", ""] {
+            assert_eq!(upright.of(Path::new(none)), None, "{none}");
+        }
+        let mut texts = upright.to_texts();
+        assert_eq!(Upright::from_texts(&texts), upright);
+        texts.insert("vol".to_string(), "sideways".to_string());
+        assert_eq!(Upright::from_texts(&texts), upright);
+    }
+}
