@@ -389,7 +389,7 @@ fn what_cannot_be_masked_is_refused() {
     let limits = Limits { grid_bytes: 40 << 10, ..Limits::default() };
     let mut small = Document::new(&new, limits).unwrap();
     let refused = run(&mut small, "mask add grid").unwrap_err().to_string();
-    assert!(refused.contains("memory"), "{refused}");
+    assert!(refused.contains("MiB allowed for grids"), "{refused}");
     assert!(matches!(
         run(&mut small, "mask add colour colour=#000000"),
         Err(CommandError::NoColour)

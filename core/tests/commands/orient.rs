@@ -128,7 +128,7 @@ fn a_refusal_changes_nothing() {
     let free = painted(Limits::default());
     let (colours, history) = (free.material().heap_bytes(), free.history().bytes());
     let tight = [
-        (Limits { colour_bytes: colours, ..Limits::default() }, "colour_mib"),
+        (Limits { colour_bytes: colours, ..Limits::default() }, "for colours"),
         (Limits { history_bytes: history + 500, ..Limits::default() }, "irreversible on"),
     ];
     for (limits, what) in tight {
