@@ -310,7 +310,7 @@ pub enum FormatError {
     FormOfMesh(ExportForm),
     /// The y axis points up in every .glb file.
     #[error(
-        "a .glb file always has the y axis up, which programs turn as they need; leave the axis out"
+        "a .glb file always has the y axis up, which programs turn as they need; leave out the axis"
     )]
     UpOfGlb,
     /// Points alone, but not in a .ply file.

@@ -235,7 +235,7 @@ fn what_cannot_be_is_refused_with_a_remedy_and_leaves_nothing() {
     };
     let plain = MeshOptions::default();
     refuse("a.pvm", plain, ".stl");
-    refuse("a.glb", MeshOptions { up: Some(MeshUp::Z), ..plain }, "leave the axis out");
+    refuse("a.glb", MeshOptions { up: Some(MeshUp::Z), ..plain }, "leave out the axis");
     refuse("a.stl", MeshOptions { points_only: true, ..plain }, ".ply");
     for length in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         refuse("a.stl", MeshOptions { voxel_mm: Some(length), ..plain }, "positive");
