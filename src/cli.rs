@@ -22,7 +22,7 @@ use crate::folders;
 use crate::format;
 use crate::format::options::ExportForm;
 use crate::headless::{self, Context, DemoScene, RecoverJob, RunJob};
-use crate::journal::{JournalOptions, Shelf};
+use crate::journal::{JournalDir, JournalOptions};
 use crate::manual;
 use crate::picture;
 use crate::progress_bar::Bar;
@@ -37,8 +37,8 @@ mod choices;
 mod error;
 mod film_arguments;
 mod final_arguments;
-mod last_words;
 mod mesh_arguments;
+mod panic_hook;
 mod shell;
 mod window;
 
@@ -321,7 +321,7 @@ pub fn main() -> ExitCode {
         Err(words) => return refuse(&words),
     };
     terminal::init_log(cli.quiet, cli.verbose);
-    last_words::speak_in_panics();
+    panic_hook::install();
     match dispatch(cli) {
         Err(error) if !error.is_reader_gone() => {
             terminal::print_notice(format_args!("error: {error}"));
@@ -346,8 +346,8 @@ fn refuse(words: &clap::Error) -> ExitCode {
 
 /// How journals are kept by these settings.
 fn journal_options(config: &Config) -> JournalOptions {
-    let shelf = Shelf::new(&folders::journal_folder());
-    JournalOptions { max_bytes: config.journal.max_bytes(), ..JournalOptions::new(shelf) }
+    let journal_dir = JournalDir::new(&folders::journal_folder());
+    JournalOptions { max_bytes: config.journal.max_bytes(), ..JournalOptions::new(journal_dir) }
 }
 
 fn dispatch(cli: Cli) -> Result<(), ProgramError> {
@@ -407,11 +407,14 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             Ok(headless::run(&job, &context)?)
         }
         Some(Job::Recover { number, out, discard, json }) => {
-            let shelf = journal_options(&config).shelf;
+            let journal_dir = journal_options(&config).journal_dir;
             if number.is_some() && out.is_none() && !discard {
                 return Err(ArgumentError::NothingToDo.into());
             }
-            Ok(headless::recover(&RecoverJob { shelf, number, out, discard, json }, &context)?)
+            Ok(headless::recover(
+                &RecoverJob { journal_dir, number, out, discard, json },
+                &context,
+            )?)
         }
         Some(Job::Convert { input, output, form, mesh, import }) => {
             let mesh = mesh.options(&output, form);

@@ -108,7 +108,7 @@ pub struct View {
 
 /// Where a picture is taken from.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Shot {
+pub struct CameraPlacement {
     /// In a stereo picture the one between the two.
     pub eye: Eye,
     pub world_from_grid: Affine3A,
@@ -118,14 +118,18 @@ pub struct Shot {
 
 impl View {
     /// The shot that frames the sculpture of `document`.
-    pub fn shot(&self, document: &Document) -> Shot {
+    pub fn shot(&self, document: &Document) -> CameraPlacement {
         let world_from_grid = Affine3A::from_quat(Quat::from_axis_angle(self.up, self.turn_rad))
             * document.world_from_grid();
         let mut corners = outline(document.grid());
         corners.iter_mut().for_each(|corner| *corner = world_from_grid.transform_point3(*corner));
         let eye = self.camera(&corners, voxel_edge(&world_from_grid)).eye(self.size);
         let centre = world_from_grid.transform_point3(outline_middle(document.grid()));
-        Shot { eye, world_from_grid, distance: -eye.eye_from_world.transform_point3(centre).z }
+        CameraPlacement {
+            eye,
+            world_from_grid,
+            distance: -eye.eye_from_world.transform_point3(centre).z,
+        }
     }
 
     /// The lighting of the options, with the sky where this view has it.

@@ -13,7 +13,7 @@ use crate::print_check::CheckError;
 use crate::sculpture::GridError;
 use crate::session::SessionError;
 use crate::tools::pieces::PiecesError;
-use crate::tools::repair::MendError;
+use crate::tools::repair::RepairError;
 use crate::voxelise::VoxeliseError;
 
 /// The message of an error, with the setting or flag that lifts it.
@@ -52,11 +52,11 @@ impl Remedy for PiecesError {
     }
 }
 
-impl Remedy for MendError {
+impl Remedy for RepairError {
     fn remedy(&self) -> &'static str {
         match self {
-            MendError::Memory { .. } => "; raise memory.grid_mib in the settings",
-            MendError::Pieces(error) => error.remedy(),
+            RepairError::Memory { .. } => "; raise memory.grid_mib in the settings",
+            RepairError::Pieces(error) => error.remedy(),
             _ => "",
         }
     }
@@ -65,7 +65,7 @@ impl Remedy for MendError {
 impl Remedy for CheckError {
     fn remedy(&self) -> &'static str {
         match self {
-            CheckError::Mend(error) => error.remedy(),
+            CheckError::Repair(error) => error.remedy(),
             CheckError::Grid(error) => error.remedy(),
             _ => "",
         }
@@ -126,7 +126,7 @@ impl Remedy for CommandError {
                 ", or raise memory.history_mib or memory.history_disk_gib in the settings"
             }
             CommandError::Grid(error) => error.remedy(),
-            CommandError::Mend(error) => error.remedy(),
+            CommandError::Repair(error) => error.remedy(),
             _ => "",
         }
     }
@@ -202,7 +202,10 @@ mod tests {
             (CommandError::ColourMemory { needed_mib, budget_mib }, "memory.colour_mib"),
             (CommandError::Irreversible { step, needed_mib: 2, budget_mib: 1 }, history),
             (CommandError::Grid(grid()), "memory.grid_mib"),
-            (CommandError::Mend(MendError::Memory { needed_mib, budget_mib }), "memory.grid_mib"),
+            (
+                CommandError::Repair(RepairError::Memory { needed_mib, budget_mib }),
+                "memory.grid_mib",
+            ),
         ];
         for (error, setting) in commands {
             let error = SessionError::from(error);

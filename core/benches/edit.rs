@@ -16,7 +16,7 @@ use sculpture_core::print_check::{CheckOptions, check};
 use sculpture_core::scenes;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
-use sculpture_core::tools::repair::Mend;
+use sculpture_core::tools::repair::Repair;
 use sculpture_core::tools::solid::{Primitive, Solid};
 
 const PAINT: Rgb = Rgb::new(190, 30, 60);
@@ -297,7 +297,7 @@ fn print_checks(c: &mut Criterion) {
             });
         }
     }
-    let thicken = Mend::Thicken { to_vx: 12.0 };
+    let thicken = Repair::Thicken { to_vx: 12.0 };
     group.bench_function("gyroid, thicken to 12 voxels", |b| {
         b.iter(|| black_box(thicken.plan(&gyroid, 1 << 30, &())));
     });

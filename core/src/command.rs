@@ -19,8 +19,8 @@ use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::brush::BrushUse;
-use crate::tools::drawn::Form;
-use crate::tools::repair::Mend;
+use crate::tools::drawn::DrawnSolid;
+use crate::tools::repair::Repair;
 use crate::tools::solid::Primitive;
 use crate::tools::symmetry::Symmetry;
 use crate::tools::tint::Tint;
@@ -97,11 +97,11 @@ pub enum Command {
         to_vx: Option<Vec3>,
     },
     /// Add, subtract or recolour the voxels inside a solid that is drawn.
-    Form {
+    DrawnSolid {
         /// The operation on the voxels.
         op: EditOp,
         /// The solid.
-        form: Form,
+        form: DrawnSolid,
     },
     /// Use a brush once.
     Brush(BrushUse),
@@ -188,7 +188,7 @@ pub enum Command {
     /// Rotate or mirror the whole sculpture; its size, colours and selection follow.
     Orient(Orientation),
     /// Make the sculpture fit for printing.
-    Mend(Mend),
+    Repair(Repair),
     /// Show near voxels as cubes or as the smooth surface between them, and export them so. An undo step, though it
     /// changes no voxel.
     Surface(SurfaceKind),
@@ -225,7 +225,7 @@ impl Command {
         matches!(
             self,
             Command::Construct { .. }
-                | Command::Form { .. }
+                | Command::DrawnSolid { .. }
                 | Command::Texture { .. }
                 | Command::Brush(_)
                 | Command::Paste { .. }
@@ -261,7 +261,7 @@ impl Command {
             Command::Begin { .. } => "begin",
             Command::End => "end",
             Command::Cancel => "cancel",
-            Command::Construct { op, .. } | Command::Form { op, .. } => match op {
+            Command::Construct { op, .. } | Command::DrawnSolid { op, .. } => match op {
                 EditOp::Add(_) => "add",
                 EditOp::Subtract => "subtract",
                 EditOp::Recolour(_) => "recolour",
@@ -285,7 +285,7 @@ impl Command {
             Command::Move { .. } => "move",
             Command::Array { .. } => "array",
             Command::Orient(_) => "orient",
-            Command::Mend(mend) => mend.verb(),
+            Command::Repair(repair) => repair.verb(),
             Command::Surface(_) => "surface",
             Command::Undo { .. } => "undo",
             Command::Redo { .. } => "redo",
@@ -309,7 +309,7 @@ impl Command {
             }
             Command::Mask(change) => format!("mask {}", change.name()),
             Command::Surface(kind) => format!("{} {}", self.verb(), kind.name()),
-            Command::Form { form, .. } => format!("{} {}", self.verb(), form.name()),
+            Command::DrawnSolid { form, .. } => format!("{} {}", self.verb(), form.name()),
             Command::Brush(used) if used.picture.is_none() => used.brush().spec().name.to_string(),
             _ => self.verb().to_string(),
         }

@@ -28,9 +28,9 @@ mod brush;
 mod changes;
 mod error;
 mod mask;
-mod mend;
 mod orient;
 mod own;
+mod repair;
 mod snapshot;
 mod steps;
 mod surface;
@@ -40,8 +40,8 @@ mod trial;
 pub use changes::ChangeSubscriber;
 use changes::Changes;
 pub use error::CommandError;
-pub use mend::plan_mend;
 pub use orient::orient_contents;
+pub use repair::plan_repair;
 pub use snapshot::DocumentSnapshot;
 pub use tools::MAX_ARRAY;
 pub use trial::Heeds;
@@ -307,7 +307,7 @@ impl Document {
                 Ok(Applied::default())
             }
             Command::Construct { .. }
-            | Command::Form { .. }
+            | Command::DrawnSolid { .. }
             | Command::Texture { .. }
             | Command::Brush(_)
             | Command::Paste { .. } => self.use_tool(command),
@@ -344,7 +344,7 @@ impl Document {
                 Ok(Applied::default())
             }
             Command::Orient(orientation) => self.orient(*orientation, command),
-            Command::Mend(mend) => self.mend(mend, command),
+            Command::Repair(repair) => self.repair(repair, command),
             Command::Surface(kind) => self.show_surface(*kind, command),
             Command::Undo { steps } => {
                 self.travel(*steps, "undo", |document| document.undo_step(None))

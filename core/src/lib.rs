@@ -48,7 +48,7 @@ pub use command::{Area, COMMANDS, Command, CommandHelp, NewSculpture, SelectOp};
 #[doc(inline)]
 pub use tools::brush::{BrushId, BrushUse};
 #[doc(inline)]
-pub use tools::repair::Mend;
+pub use tools::repair::Repair;
 #[doc(inline)]
 pub use tools::solid::{Primitive, Solid};
 #[doc(inline)]

@@ -317,10 +317,10 @@ impl Session {
                 let contents = self.document.share_contents();
                 Task::Orient { orientation, contents, limits, state: self.document.state() }
             }
-            Command::Mend(mend) => {
-                mend.check(self.document.grid().voxel_size()).map_err(CommandError::from)?;
+            Command::Repair(repair) => {
+                repair.check(self.document.grid().voxel_size()).map_err(CommandError::from)?;
                 let contents = self.document.share_contents();
-                Task::Mend { mend, contents, limits, state: self.document.state() }
+                Task::Repair { repair, contents, limits, state: self.document.state() }
             }
             Command::New(new) => Task::New { new, limits },
             Command::Open { path, import } => {
@@ -371,11 +371,11 @@ impl Session {
                     applied = self.document.travel_oriented(&command, *contents)?;
                 }
             }
-            Outcome::Mended { mend, plan, state } if state == self.document.state() => {
-                applied = self.document.put_mended(&plan, &mend, &command)?;
+            Outcome::Repaired { repair, plan, state } if state == self.document.state() => {
+                applied = self.document.put_repaired(&plan, &repair, &command)?;
             }
             // It was changed meanwhile.
-            Outcome::Oriented { .. } | Outcome::Mended { .. } => {
+            Outcome::Oriented { .. } | Outcome::Repaired { .. } => {
                 applied = self.document.apply(&command)?
             }
             Outcome::Opened { path, loaded, identity, history } => {

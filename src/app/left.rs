@@ -13,7 +13,7 @@ use crate::editor::job::Failure;
 use crate::format::options::ImportOptions;
 use crate::format::{self, FormatError};
 use crate::journal::files::Source;
-use crate::journal::{JournalError, JournalOptions, Left, Shelf};
+use crate::journal::{AbandonedJournal, JournalDir, JournalError, JournalOptions};
 use crate::notice::Notice;
 use crate::progress::{Progress, Report};
 use crate::remedy::told;
@@ -29,7 +29,7 @@ const PICTURE_PX: UVec2 = UVec2::new(128, 96);
 impl Workspace {
     /// Starts to read what earlier sessions have left, if there is anything, for the dialog.
     pub fn look_for_left(&mut self, journals: JournalOptions) {
-        let is_some_left = journals.shelf.count_left() > 0;
+        let is_some_left = journals.journal_dir.count_left() > 0;
         self.journals = Some(journals);
         if is_some_left {
             self.read_left("");
@@ -43,13 +43,14 @@ impl Workspace {
 
     /// `none`: the message if nothing is found.
     fn read_left(&mut self, none: &'static str) {
-        let Some(shelf) = self.journals.as_ref().map(|journals| journals.shelf.clone()) else {
+        let Some(journal_dir) = self.journals.as_ref().map(|journals| journals.journal_dir.clone())
+        else {
             return;
         };
         let limits = *self.session().document().limits();
         let news = self.ui.dialogs.recovery.news();
         let work = move |report: &Report| {
-            let found = all_left(&shelf, &limits, report)?;
+            let found = all_left(&journal_dir, &limits, report)?;
             let text = if found.is_empty() { none } else { "" };
             *news.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
             Ok(text.to_string())
@@ -77,8 +78,11 @@ impl Workspace {
     pub(super) fn discard_left(&mut self, number: u64) {
         let Some(journals) = &self.journals else { return };
         // Opened, so that nobody's work is removed.
-        let removed = source_of(&journals.shelf, number).and_then(|_locked| {
-            journals.shelf.remove(number).map_err(|error| failure(&journals.shelf, number, &error))
+        let removed = source_of(&journals.journal_dir, number).and_then(|_locked| {
+            journals
+                .journal_dir
+                .remove(number)
+                .map_err(|error| failure(&journals.journal_dir, number, &error))
         });
         match removed {
             Ok(()) => self.ui.dialogs.recovery.remove(number),
@@ -87,49 +91,55 @@ impl Workspace {
     }
 }
 
-fn failure(shelf: &Shelf, number: u64, error: &dyn std::fmt::Display) -> String {
-    format!("{}: {error}", shelf.path(number).display())
+fn failure(journal_dir: &JournalDir, number: u64, error: &dyn std::fmt::Display) -> String {
+    format!("{}: {error}", journal_dir.path(number).display())
 }
 
-fn source_of(shelf: &Shelf, number: u64) -> Result<Source, String> {
-    match shelf.open(number) {
-        Left::Journal(source) => Ok(source),
-        Left::InUse => Err(failure(shelf, number, &"another session is using it")),
-        Left::Unreadable(error) => Err(failure(shelf, number, &error)),
+fn source_of(journal_dir: &JournalDir, number: u64) -> Result<Source, String> {
+    match journal_dir.open(number) {
+        AbandonedJournal::Journal(source) => Ok(source),
+        AbandonedJournal::InUse => {
+            Err(failure(journal_dir, number, &"another session is using it"))
+        }
+        AbandonedJournal::Unreadable(error) => Err(failure(journal_dir, number, &error)),
     }
 }
 
 /// All that was left, the latest first. Sessions that had changed nothing, or whose file holds all, are forgotten.
-fn all_left(shelf: &Shelf, limits: &Limits, report: &Report) -> Result<Vec<LeftSession>, Failure> {
-    let numbers = shelf
+fn all_left(
+    journal_dir: &JournalDir,
+    limits: &Limits,
+    report: &Report,
+) -> Result<Vec<LeftSession>, Failure> {
+    let numbers = journal_dir
         .numbers()
-        .map_err(|error| Failure::Error(format!("{}: {error}", shelf.folder().display())))?;
+        .map_err(|error| Failure::Error(format!("{}: {error}", journal_dir.folder().display())))?;
     let mut found = Vec::new();
     for number in numbers {
         if report.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let source = match shelf.open(number) {
-            Left::Journal(source) => source,
-            Left::InUse => continue,
-            Left::Unreadable(error) => {
-                let work = Err(failure(shelf, number, &error));
+        let source = match journal_dir.open(number) {
+            AbandonedJournal::Journal(source) => source,
+            AbandonedJournal::InUse => continue,
+            AbandonedJournal::Unreadable(error) => {
+                let work = Err(failure(journal_dir, number, &error));
                 found.push(LeftSession { number, changed_unix_s: 0, time: String::new(), work });
                 continue;
             }
         };
         let changed_unix_s = source.changed_unix_s.unwrap_or(0);
-        let work = match session::recover(source, limits, Some(shelf.folder()), report) {
+        let work = match session::recover(source, limits, Some(journal_dir.folder()), report) {
             Err(JournalError::Checkpoint(FormatError::Cancelled)) => {
                 return Err(Failure::Cancelled);
             }
-            Err(error) => Err(failure(shelf, number, &told(&error))),
+            Err(error) => Err(failure(journal_dir, number, &told(&error))),
             Ok(recovered)
                 if is_untouched(&recovered.session)
                     || is_in_its_file(&recovered, limits, report) =>
             {
                 // Should it stay, it is found again.
-                let _ = shelf.remove(number);
+                let _ = journal_dir.remove(number);
                 continue;
             }
             Ok(recovered) => Ok(work_of(&recovered)),
@@ -189,13 +199,13 @@ fn bring_back(
     limits: &Limits,
     report: &Report,
 ) -> Result<(Session, Notice), Failure> {
-    let source = source_of(&journals.shelf, number).map_err(Failure::Error)?;
-    let recovered = session::recover(source, limits, Some(journals.shelf.folder()), report);
+    let source = source_of(&journals.journal_dir, number).map_err(Failure::Error)?;
+    let recovered = session::recover(source, limits, Some(journals.journal_dir.folder()), report);
     let Recovered { mut session, report } = recovered.map_err(|error| match error {
         JournalError::Checkpoint(FormatError::Cancelled) => Failure::Cancelled,
-        error => Failure::Error(failure(&journals.shelf, number, &told(&error))),
+        error => Failure::Error(failure(&journals.journal_dir, number, &told(&error))),
     })?;
-    let path = journals.shelf.path(number);
+    let path = journals.journal_dir.path(number);
     if let Some(difference) = report.difference {
         let text = format!(
             "The recovered work differs from the original ({difference}). Its journal is kept: {}",
@@ -209,7 +219,7 @@ fn bring_back(
         return Ok((session, Notice::note(text)));
     }
     let begun = session.keep_journal(journals.clone());
-    begun.map_err(|error| Failure::Error(failure(&journals.shelf, number, &error)))?;
+    begun.map_err(|error| Failure::Error(failure(&journals.journal_dir, number, &error)))?;
     session.sync_journal();
     if session.journal_path().is_none() {
         let text = format!(
@@ -218,8 +228,8 @@ fn bring_back(
         );
         return Ok((session, Notice::error(text)));
     }
-    Ok(match journals.shelf.remove(number) {
+    Ok(match journals.journal_dir.remove(number) {
         Ok(()) => (session, Notice::note("Recovered, with undo and redo as they were")),
-        Err(error) => (session, Notice::error(failure(&journals.shelf, number, &error))),
+        Err(error) => (session, Notice::error(failure(&journals.journal_dir, number, &error))),
     })
 }

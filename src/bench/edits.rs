@@ -18,7 +18,7 @@ use crate::scenes::Random;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
-use crate::tools::drawn::{Bead, Form, Pose};
+use crate::tools::drawn::{ControlPoint, DrawnSolid, Pose};
 use crate::tools::solid::{Primitive, Solid};
 
 /// One edit, repeated.
@@ -57,7 +57,7 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         to_vx: Some(centre + SWEEP_VX),
     };
     let normal = Vec3::new(0.2, 1.0, 0.1);
-    let form = |form| Command::Form { op: EditOp::Subtract, form };
+    let form = |form| Command::DrawnSolid { op: EditOp::Subtract, form };
     let pose = Pose { at_vx: centre, rotation: turn };
     let commands = [
         ("sphere of radius 64", cut(Solid::Ellipsoid, even, Quat::IDENTITY)),
@@ -72,13 +72,16 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         ("sweep of a turned cuboid of half edge 64", swept(Solid::Cuboid)),
         ("sweep of a turned cylinder of half edge 64", swept(Solid::Cylinder)),
         ("sweep of a turned torus of half edge 64", swept(Solid::Torus)),
-        ("half space across", form(Form::HalfSpace { at_vx: centre, normal })),
-        ("turned ring of radius 64 and 16", form(Form::Ring { pose, radius: 64.0, tube: 16.0 })),
+        ("half space across", form(DrawnSolid::HalfSpace { at_vx: centre, normal })),
+        (
+            "turned ring of radius 64 and 16",
+            form(DrawnSolid::Ring { pose, radius: 64.0, tube: 16.0 }),
+        ),
         ("tube of radius 12 along a curve of 9 points", form(coil(centre))),
-        ("turned lathe of 33 points", form(Form::Lathe { pose, profile: vase(33) })),
+        ("turned lathe of 33 points", form(DrawnSolid::Lathe { pose, profile: vase(33) })),
         (
             "turned extrusion of 33 points",
-            form(Form::Extrusion { pose, outlines: Arc::new([vase(33)]), depth: 64.0 }),
+            form(DrawnSolid::Extrusion { pose, outlines: Arc::new([vase(33)]), depth: 64.0 }),
         ),
     ];
     let mut reports = Vec::new();
@@ -169,13 +172,13 @@ fn holes() -> Vec<Command> {
 }
 
 /// A curve that winds upwards.
-fn coil(centre: Vec3) -> Form {
+fn coil(centre: Vec3) -> DrawnSolid {
     let bead = |i: u8| {
         let turn = f32::from(i) * 1.3;
         let at = Vec3::new(64.0 * turn.cos(), f32::from(i) * 16.0 - 64.0, 64.0 * turn.sin());
-        Bead { at_vx: centre + at, radius: 12.0 }
+        ControlPoint { at_vx: centre + at, radius: 12.0 }
     };
-    Form::Tube { beads: (0..9).map(bead).collect() }
+    DrawnSolid::Tube { control_points: (0..9).map(bead).collect() }
 }
 
 /// A wavy profile about 64 voxels wide and 128 high.

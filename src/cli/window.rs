@@ -39,7 +39,7 @@ pub fn window_or_demo(
         if let Some(record) = &cli.record {
             session.record_to(record)?;
         }
-        match journal_options(&config).shelf.count_left() {
+        match journal_options(&config).journal_dir.count_left() {
             0 => {}
             left => terminal::print_notice(format_args!(
                 "{left} of your earlier sessions did not end properly; `virtual-sculpture recover` lists what is left"

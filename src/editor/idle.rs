@@ -13,7 +13,7 @@ use crate::sculpture::region::{Region, VoxelBox};
 use crate::tools::brush::footprint::Footprint;
 use crate::tools::brush::keys::{REACH, STRENGTH};
 use crate::tools::brush::{Ball, BrushId, BrushUse, Contact};
-use crate::tools::drawn::region::PlacedForm;
+use crate::tools::drawn::region::PlacedDrawnSolid;
 use crate::tools::solid::{Primitive, Solid};
 
 /// Most commands that are tried again.
@@ -73,7 +73,7 @@ impl Editor {
         };
         match command {
             Command::Construct { op: EditOp::Add(_), .. }
-            | Command::Form { op: EditOp::Add(_), .. } => {
+            | Command::DrawnSolid { op: EditOp::Add(_), .. } => {
                 // The part that is in the grid can be cut, once it is added.
                 let cut = with_op(command, EditOp::Subtract);
                 let covered = self.trial(&[cut, command.clone()], Heeds::NOTHING).voxels_added;
@@ -84,9 +84,11 @@ impl Editor {
                 .to_string()
             }
             Command::Construct { op: EditOp::Subtract, .. }
-            | Command::Form { op: EditOp::Subtract, .. } => format!("Nothing was cut: {rest}"),
+            | Command::DrawnSolid { op: EditOp::Subtract, .. } => {
+                format!("Nothing was cut: {rest}")
+            }
             Command::Construct { op: EditOp::Recolour(colour), .. }
-            | Command::Form { op: EditOp::Recolour(colour), .. } => {
+            | Command::DrawnSolid { op: EditOp::Recolour(colour), .. } => {
                 match self.meets(&[with_op(command, EditOp::Recolour(opposite(*colour)))]) {
                     true => HAS_COLOUR.to_string(),
                     false => format!("Nothing was painted: {rest}"),
@@ -203,10 +205,10 @@ impl Editor {
                     leaves(primitive.image_in_grid(*to_vx, size, image).bounds_vx(), BOUNDS_MARGIN)
                 })
             }
-            Command::Form { op: EditOp::Add(_), form } => document
+            Command::DrawnSolid { op: EditOp::Add(_), form } => document
                 .images()
                 .iter()
-                .any(|image| PlacedForm::new(form, grid, *image).leaves_grid()),
+                .any(|image| PlacedDrawnSolid::new(form, grid, *image).leaves_grid()),
             Command::Paste { at, orientation } => {
                 document.clip().is_some_and(|clip| leaves(clip.bounds(*at, *orientation), 0))
             }
@@ -293,7 +295,7 @@ fn bite(footprint: &Footprint) -> Command {
 fn with_op(command: &Command, op: EditOp) -> Command {
     match command.clone() {
         Command::Construct { primitive, to_vx, .. } => Command::Construct { op, primitive, to_vx },
-        Command::Form { form, .. } => Command::Form { op, form },
+        Command::DrawnSolid { form, .. } => Command::DrawnSolid { op, form },
         other => other,
     }
 }

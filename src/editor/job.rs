@@ -20,7 +20,7 @@ use crate::progress::{Report, Stage};
 use crate::remedy::told;
 use crate::sculpture::edit::EditStats;
 use crate::session::{Done, FileIdentity, Session, SessionError, Work};
-use crate::tools::repair::Mend;
+use crate::tools::repair::Repair;
 
 /// Work shorter than this goes without a sign, which would only flicker.
 const PATIENCE: Duration = Duration::from_millis(150);
@@ -161,10 +161,10 @@ impl Editor {
             Command::Open { .. } => "Opening",
             Command::Save { .. } => "Saving",
             Command::Orient(_) => "Rotating",
-            Command::Mend(Mend::RemoveIslands { .. }) => "Removing islands",
-            Command::Mend(Mend::FillCavities { .. }) => "Filling cavities",
-            Command::Mend(Mend::Thicken { .. }) => "Thickening walls",
-            Command::Mend(Mend::Drain { .. }) => "Drilling holes",
+            Command::Repair(Repair::RemoveIslands { .. }) => "Removing islands",
+            Command::Repair(Repair::FillCavities { .. }) => "Filling cavities",
+            Command::Repair(Repair::Thicken { .. }) => "Thickening walls",
+            Command::Repair(Repair::Drain { .. }) => "Drilling holes",
             Command::Undo { .. } => "Undoing",
             Command::Redo { .. } => "Redoing",
             _ => "Creating a new sculpture",
@@ -344,7 +344,7 @@ impl Editor {
                 return false;
             }
         };
-        if let Command::Mend(_) = command {
+        if let Command::Repair(_) = command {
             self.tell_mended(&applied);
             self.tell_journal_error();
             return true;

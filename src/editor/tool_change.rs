@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-use super::stroke::sweep::Leg;
+use super::stroke::sweep::SweepSegment;
 use super::tool::ToolState;
 use crate::command::{Command, MaskArea, MaskChange};
 use crate::input::ToolMode;
 use crate::sculpture::edit::EditOp;
-use crate::tools::drawn::Form;
+use crate::tools::drawn::DrawnSolid;
 use crate::tools::solid::Primitive;
 
 /// The effect of a mode on the voxels that a solid covers.
@@ -35,10 +35,10 @@ impl ToolChange {
     }
 
     /// As a command about the voxels of a solid that is drawn.
-    pub fn by_form(self, form: Form) -> Command {
+    pub fn by_drawn_solid(self, form: DrawnSolid) -> Command {
         match self {
-            ToolChange::Voxels(op) => Command::Form { op, form },
-            ToolChange::Mask { adds } => mask(adds, MaskArea::Form(form)),
+            ToolChange::Voxels(op) => Command::DrawnSolid { op, form },
+            ToolChange::Mask { adds } => mask(adds, MaskArea::DrawnSolid(form)),
         }
     }
 }
@@ -67,12 +67,13 @@ impl ToolState {
     }
 
     /// Returns the command of a solid on one leg of its way. An image is put down where the leg ends.
-    pub fn command(&self, mode: ToolMode, leg: &Leg) -> Command {
-        let at = |centre_vx| Primitive { centre_vx, rotation: leg.rotation, ..self.primitive() };
+    pub fn command(&self, mode: ToolMode, segment: &SweepSegment) -> Command {
+        let at =
+            |centre_vx| Primitive { centre_vx, rotation: segment.rotation, ..self.primitive() };
         if let (ToolMode::Recolour, Some(picture)) = (mode, &self.picture) {
-            return Command::Texture { primitive: at(leg.end()), picture: picture.clone() };
+            return Command::Texture { primitive: at(segment.end()), picture: picture.clone() };
         }
-        self.change(mode).by_solid(at(leg.from), leg.to)
+        self.change(mode).by_solid(at(segment.from), segment.to)
     }
 }
 

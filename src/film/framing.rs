@@ -5,7 +5,7 @@
 use glam::{Affine3A, Quat, Vec3};
 
 use crate::document::Document;
-use crate::picture::{Shot, View, outline, outline_middle, voxel_edge};
+use crate::picture::{CameraPlacement, View, outline, outline_middle, voxel_edge};
 use crate::sculpture::Placement;
 use crate::view::Eye;
 
@@ -30,7 +30,7 @@ impl Framing {
     pub fn new(view: &View, document: &Document, spins: bool) -> Framing {
         let (placement, up) = (*document.placement(), view.up);
         if !spins {
-            let Shot { eye, distance, .. } = view.shot(document);
+            let CameraPlacement { eye, distance, .. } = view.shot(document);
             return Framing { eye, distance, placement, up, pivot: Vec3::ZERO };
         }
         let world_from_grid = document.world_from_grid();
@@ -43,13 +43,13 @@ impl Framing {
     }
 
     /// The shot of a frame in which the sculpture is `document`.
-    pub fn shot(&self, document: &Document, turn_rad: f32) -> Shot {
+    pub fn shot(&self, document: &Document, turn_rad: f32) -> CameraPlacement {
         let grid = document.grid();
         let turn = Affine3A::from_translation(self.pivot)
             * Affine3A::from_quat(Quat::from_axis_angle(self.up, turn_rad))
             * Affine3A::from_translation(-self.pivot);
         let world_from_grid = turn * self.placement.world_from_grid(grid.dims(), grid.voxel_size());
-        Shot { eye: self.eye, world_from_grid, distance: self.distance }
+        CameraPlacement { eye: self.eye, world_from_grid, distance: self.distance }
     }
 }
 
@@ -133,7 +133,7 @@ mod tests {
     }
 
     /// The greatest distance of the sculpture from the centre of the picture; 1 is at the edge.
-    fn reach(shot: &Shot, document: &Document) -> f32 {
+    fn reach(shot: &CameraPlacement, document: &Document) -> f32 {
         let eye = &shot.eye;
         let points = outline(document.grid()).into_iter().map(|point| {
             let world = shot.world_from_grid.transform_point3(point);

@@ -82,7 +82,7 @@ fn is_step(command: &Command) -> bool {
         | Command::Open { .. }
         | Command::Cancel
         | Command::Construct { .. }
-        | Command::Form { .. }
+        | Command::DrawnSolid { .. }
         | Command::Brush(_)
         | Command::Texture { .. }
         | Command::Fill { .. }
@@ -95,7 +95,7 @@ fn is_step(command: &Command) -> bool {
         | Command::Move { .. }
         | Command::Array { .. }
         | Command::Orient(_)
-        | Command::Mend(_)
+        | Command::Repair(_)
         | Command::Surface(_)
         | Command::Undo { .. }
         | Command::Redo { .. } => true,

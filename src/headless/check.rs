@@ -46,7 +46,7 @@ fn text_of(checked: &Checked, options: &CheckOptions) -> String {
         format!("bed: {verdict} {} mm; {contact_mm2:.1} mm2 stand on it", of(bed)),
     ];
     for finding in findings {
-        let Finding { kind, count, voxels, places, mends, .. } = finding;
+        let Finding { kind, count, voxels, places, repairs, .. } = finding;
         lines.push(format!("{}: {count} ({voxels} voxels)", kind.name()));
         for place in places.iter().take(PRINTED) {
             let Place { voxels, bounds } = place;
@@ -57,7 +57,7 @@ fn text_of(checked: &Checked, options: &CheckOptions) -> String {
         if *count > PRINTED {
             lines.push(format!("  and {} more", count - PRINTED));
         }
-        let fixes = mends.iter().map(|mend| Command::Mend(*mend).to_string());
+        let fixes = repairs.iter().map(|repair| Command::Repair(*repair).to_string());
         lines.extend(fixes.map(|fix| format!("  fix: {fix}")));
     }
     lines.push(format!("printable: {}", if checked.is_printable() { "yes" } else { "no" }));
@@ -82,7 +82,7 @@ fn value_of(checked: &Checked, options: &CheckOptions) -> Value {
                 "size_mm": size.to_array(),
             })
         });
-        let fixes = finding.mends.iter().map(|mend| Command::Mend(*mend).to_string());
+        let fixes = finding.repairs.iter().map(|repair| Command::Repair(*repair).to_string());
         json!({
             "kind": finding.kind.key(),
             "count": finding.count,

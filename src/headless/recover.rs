@@ -11,7 +11,7 @@ use super::{Context, JobError};
 use crate::command::Command;
 use crate::format::options::ExportOptions;
 use crate::journal::frame::Ending;
-use crate::journal::{Left, Shelf};
+use crate::journal::{AbandonedJournal, JournalDir};
 use crate::remedy::told;
 use crate::session::{self, Recovered, Summary};
 use crate::terminal;
@@ -21,7 +21,7 @@ use crate::time_text::utc_text;
 #[derive(Debug)]
 pub struct RecoverJob {
     /// Where the journals lie.
-    pub shelf: Shelf,
+    pub journal_dir: JournalDir,
     /// Which of them; none: list all.
     pub number: Option<u64>,
     /// The file to write.
@@ -34,9 +34,9 @@ pub struct RecoverJob {
 
 /// Lists journals, or recovers one.
 pub fn recover(job: &RecoverJob, context: &Context) -> Result<(), JobError> {
-    let Some(number) = job.number else { return list(&job.shelf, job.json, context) };
+    let Some(number) = job.number else { return list(&job.journal_dir, job.json, context) };
     let difference = match &job.out {
-        Some(out) => write(&job.shelf, number, out, context)?,
+        Some(out) => write(&job.journal_dir, number, out, context)?,
         None => None,
     };
     if let (Some(difference), Some(out)) = (difference, &job.out) {
@@ -45,28 +45,30 @@ pub fn recover(job: &RecoverJob, context: &Context) -> Result<(), JobError> {
     }
     if job.discard {
         // Opened, so that nobody's work is removed.
-        let _locked = open(&job.shelf, number)?;
-        let failed = |error| JobError::Journal { path: job.shelf.path(number), error };
-        job.shelf.remove(number).map_err(failed)?;
+        let _locked = open(&job.journal_dir, number)?;
+        let failed = |error| JobError::Journal { path: job.journal_dir.path(number), error };
+        job.journal_dir.remove(number).map_err(failed)?;
         terminal::print_done(format_args!("removed journal {number}"));
     }
     Ok(())
 }
 
-fn open(shelf: &Shelf, number: u64) -> Result<crate::journal::files::Source, JobError> {
-    match shelf.open(number) {
-        Left::Journal(source) => Ok(source),
-        Left::InUse => Err(JobError::JournalInUse(number)),
-        Left::Unreadable(error) if error.kind() == std::io::ErrorKind::NotFound => {
+fn open(journal_dir: &JournalDir, number: u64) -> Result<crate::journal::files::Source, JobError> {
+    match journal_dir.open(number) {
+        AbandonedJournal::Journal(source) => Ok(source),
+        AbandonedJournal::InUse => Err(JobError::JournalInUse(number)),
+        AbandonedJournal::Unreadable(error) if error.kind() == std::io::ErrorKind::NotFound => {
             Err(JobError::NoJournal(number))
         }
-        Left::Unreadable(error) => Err(JobError::Journal { path: shelf.path(number), error }),
+        AbandonedJournal::Unreadable(error) => {
+            Err(JobError::Journal { path: journal_dir.path(number), error })
+        }
     }
 }
 
 /// Writes the sculpture of a journal to a file that is not there yet. Returns where the replay differed.
 fn write(
-    shelf: &Shelf,
+    journal_dir: &JournalDir,
     number: u64,
     out: &Path,
     context: &Context,
@@ -74,11 +76,11 @@ fn write(
     if out.symlink_metadata().is_ok() {
         return Err(JobError::OutExists(out.to_path_buf()));
     }
-    let source = open(shelf, number)?;
+    let source = open(journal_dir, number)?;
     let limits = context.config.limits();
-    let recovered = session::recover(source, &limits, Some(shelf.folder()), context.progress);
-    let Recovered { mut session, report } =
-        recovered.map_err(|error| JobError::Unrecoverable { path: shelf.path(number), error })?;
+    let recovered = session::recover(source, &limits, Some(journal_dir.folder()), context.progress);
+    let Recovered { mut session, report } = recovered
+        .map_err(|error| JobError::Unrecoverable { path: journal_dir.path(number), error })?;
     let save = Command::Save { path: out.to_path_buf(), export: ExportOptions::default() };
     session.execute(&save, context.progress)?;
     let stroke = if report.in_stroke { ", with a stroke that had not ended" } else { "" };
@@ -87,17 +89,19 @@ fn write(
     Ok(report.difference)
 }
 
-fn list(shelf: &Shelf, as_json: bool, context: &Context) -> Result<(), JobError> {
-    let failed = |error| JobError::Journal { path: shelf.folder().to_path_buf(), error };
+fn list(journal_dir: &JournalDir, as_json: bool, context: &Context) -> Result<(), JobError> {
+    let failed = |error| JobError::Journal { path: journal_dir.folder().to_path_buf(), error };
     let mut values = Vec::new();
     let mut untouched = 0;
-    for number in shelf.numbers().map_err(failed)? {
-        let source = match shelf.open(number) {
-            Left::Journal(source) => source,
-            Left::InUse => continue,
+    for number in journal_dir.numbers().map_err(failed)? {
+        let source = match journal_dir.open(number) {
+            AbandonedJournal::Journal(source) => source,
+            AbandonedJournal::InUse => continue,
             // Removed since, as its session has ended.
-            Left::Unreadable(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
-            Left::Unreadable(error) => {
+            AbandonedJournal::Unreadable(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                continue;
+            }
+            AbandonedJournal::Unreadable(error) => {
                 values.push(damaged(number, &error.to_string(), as_json)?);
                 continue;
             }

@@ -117,7 +117,7 @@ impl RunJob {
             false => FileAccess::Brief,
         });
         if let Some(options) = &self.journal {
-            let path = options.shelf.folder().to_path_buf();
+            let path = options.journal_dir.folder().to_path_buf();
             let begun = session.keep_journal(options.clone());
             begun.map_err(|error| JobError::Journal { path, error })?;
         }

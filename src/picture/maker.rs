@@ -8,7 +8,8 @@ use std::sync::Arc;
 use image::RgbImage;
 
 use super::{
-    PictureError, PictureOptions, Shot, View, compose_eyes, render_by_casting, render_on_device,
+    CameraPlacement, PictureError, PictureOptions, View, compose_eyes, render_by_casting,
+    render_on_device,
 };
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, DeviceOptions, Frames, Headless};
@@ -39,7 +40,7 @@ impl PictureMaker {
         &mut self,
         document: &mut Document,
         view: &View,
-        shot: &Shot,
+        shot: &CameraPlacement,
     ) -> Result<Vec<RgbImage>, PictureError> {
         let PictureMaker { options, followed, painter } = self;
         let eyes = match view.stereo {

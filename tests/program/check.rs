@@ -39,8 +39,8 @@ fn faults_are_listed_and_mended_by_the_commands_that_are_named() {
     ] {
         assert!(text.contains(line), "{line}\nis not in\n{text}");
     }
-    let mended = format!("{SCRIPT}remove-islands\nfill-cavities\nthicken to=2\n");
-    std::fs::write(path.join("m.sculpt"), mended).unwrap();
+    let repaired = format!("{SCRIPT}remove-islands\nfill-cavities\nthicken to=2\n");
+    std::fs::write(path.join("m.sculpt"), repaired).unwrap();
     succeed(path, &["run", "m.sculpt", "--out", "m.vsc"]);
     let arguments = ["check", "m.vsc", "--wall-mm", "2", "--json", "--quiet"];
     let (code, text) = output_of(path, &arguments);

@@ -292,9 +292,9 @@ fn a_script_has_the_same_hashes_whatever_the_number_of_threads() {
 fn what_is_damaged_is_said() {
     let folder = folder();
     let path = folder.path();
-    let shelf = path.join("virtual-sculpture/journals");
-    std::fs::create_dir_all(&shelf).unwrap();
-    std::fs::write(shelf.join("4.journal"), "no journal").unwrap();
+    let journal_dir = path.join("virtual-sculpture/journals");
+    std::fs::create_dir_all(&journal_dir).unwrap();
+    std::fs::write(journal_dir.join("4.journal"), "no journal").unwrap();
     let left = listed(path);
     assert!(left[0]["number"] == 4 && left[0]["error"].as_str().unwrap().contains("no journal"));
     let output = with_state(path, &["recover", "4", "--out", "a.vsc"]).output().unwrap();

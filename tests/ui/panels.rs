@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable;
 use glam::UVec3;
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::command::Command;
-use virtual_sculpture::editor::stroke::sweep::Leg;
+use virtual_sculpture::editor::stroke::sweep::SweepSegment;
 use virtual_sculpture::input::{Bindings, Panel, ToolMode};
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::session::Session;
@@ -423,7 +423,7 @@ fn scripts_say_what_the_mouse_does() {
     let at = middle(&harness);
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
     let tool = &harness.state().editor.tool;
-    let command = tool.command(tool.mode, &Leg::place(&tool.primitive()));
+    let command = tool.command(tool.mode, &SweepSegment::place(&tool.primitive()));
     let again: Command = command.to_string().parse().unwrap();
     assert_eq!(again, command);
 }

@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable;
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::input::Bindings;
-use virtual_sculpture::journal::{JournalOptions, Shelf};
+use virtual_sculpture::journal::{JournalDir, JournalOptions};
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::session::Session;
 
@@ -15,7 +15,7 @@ use super::bench::{Bench, bench_around, click, click_once, config, has, rest, un
 use super::board::board_around;
 
 fn journals(folder: &Path) -> JournalOptions {
-    JournalOptions::new(Shelf::new(&folder.join("journals")))
+    JournalOptions::new(JournalDir::new(&folder.join("journals")))
 }
 
 /// A session that ends without being asked to, after these commands; what it had.
@@ -62,7 +62,7 @@ fn workspace(folder: &Path, config: &Config) -> Workspace {
 }
 
 fn numbers(folder: &Path) -> Vec<u64> {
-    journals(folder).shelf.numbers().unwrap()
+    journals(folder).journal_dir.numbers().unwrap()
 }
 
 const CARVED: [&str; 3] = [
@@ -195,7 +195,7 @@ fn a_session_that_was_ended_from_outside_with_all_saved_has_left_nothing() {
     assert!(has(&harness, "Unsaved work was found"), "not saved");
     drop(harness);
     for number in numbers(folder.path()) {
-        journals(folder.path()).shelf.remove(number).unwrap();
+        journals(folder.path()).journal_dir.remove(number).unwrap();
     }
     kill(folder.path(), &config, &lines);
     let mut other = Session::new(&config.new_sculpture(), config.limits()).unwrap();

@@ -4,7 +4,7 @@ use glam::{UVec3, Vec3};
 
 use super::Area;
 use crate::sculpture::Rgb;
-use crate::tools::drawn::Form;
+use crate::tools::drawn::DrawnSolid;
 use crate::tools::solid::Primitive;
 
 /// A change of the mask.
@@ -43,7 +43,7 @@ pub enum MaskArea {
         to_vx: Option<Vec3>,
     },
     /// Those inside a solid that is drawn, existing or not.
-    Form(Form),
+    DrawnSolid(DrawnSolid),
     /// Existing ones of a colour.
     Colour {
         /// The colour.
@@ -104,7 +104,7 @@ impl MaskArea {
         match self {
             MaskArea::Area(area) => area.name(),
             MaskArea::Solid { primitive, .. } => primitive.solid.name(),
-            MaskArea::Form(form) => form.name(),
+            MaskArea::DrawnSolid(form) => form.name(),
             MaskArea::Colour { .. } => "colour",
             MaskArea::Cavities { .. } => "cavities",
             MaskArea::Patch { .. } => "patch",

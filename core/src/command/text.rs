@@ -18,15 +18,15 @@ use crate::format::base64;
 use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
-use crate::tools::drawn::Form;
+use crate::tools::drawn::DrawnSolid;
 use crate::tools::solid::{Primitive, Solid};
 
 mod arguments;
 mod brush;
+mod drawn_solid;
 mod export;
-mod form;
 mod mask;
-mod mend;
+mod repair;
 mod selection;
 mod tint;
 
@@ -162,8 +162,8 @@ impl fmt::Display for Command {
                 write_placed(primitive, *to_vx, f)?;
                 write_colour(op, f)
             }
-            Command::Form { op, form } => {
-                form::write(form, f)?;
+            Command::DrawnSolid { op, form } => {
+                drawn_solid::write(form, f)?;
                 write_colour(op, f)
             }
             Command::Brush(used) => brush::write(used, f),
@@ -191,7 +191,7 @@ impl fmt::Display for Command {
             | Command::Array { .. }
             | Command::Orient(_)
             | Command::Surface(_) => selection::write(self, f),
-            Command::Mend(mend) => mend::write(mend, f),
+            Command::Repair(repair) => repair::write(repair, f),
             Command::Undo { steps } | Command::Redo { steps } => match steps {
                 Some(n) => write!(f, " {n}"),
                 None => write!(f, " all"),
@@ -298,7 +298,7 @@ impl FromStr for Command {
                 selection::parse(&verb, &mut args)?
             }
             "remove-islands" | "fill-cavities" | "thicken" | "drain" => {
-                mend::parse(&verb, &mut args)?
+                repair::parse(&verb, &mut args)?
             }
             "undo" => Command::Undo { steps: parse_steps(&mut args)? },
             "redo" => Command::Redo { steps: parse_steps(&mut args)? },
@@ -371,7 +371,7 @@ fn parse_placed(name: &str, args: &mut Arguments, names: &str) -> Result<Primiti
 }
 
 fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
-    let names = format!("{}, {}", Solid::NAMES.replace(" or ", ", "), Form::NAMES);
+    let names = format!("{}, {}", Solid::NAMES.replace(" or ", ", "), DrawnSolid::NAMES);
     let name = args.word(&names)?;
     let op = |args: &mut Arguments| -> Result<EditOp, ParseError> {
         Ok(match verb {
@@ -380,8 +380,8 @@ fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseErr
             _ => EditOp::Subtract,
         })
     };
-    if let Some(form) = form::parse(&name, args)? {
-        return Ok(Command::Form { op: op(args)?, form });
+    if let Some(form) = drawn_solid::parse(&name, args)? {
+        return Ok(Command::DrawnSolid { op: op(args)?, form });
     }
     let (primitive, to_vx) = parse_swept(&name, args, &names)?;
     Ok(Command::Construct { op: op(args)?, primitive, to_vx })

@@ -9,8 +9,8 @@ use crate::command::{Area, Command};
 use crate::sculpture::Rgb;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::EditOp;
+use crate::sculpture::edit_scope::EditScope;
 use crate::sculpture::orientation::Orientation;
-use crate::sculpture::permit::Permit;
 use crate::sculpture::region::{Everywhere, Region};
 use crate::sculpture::selection::Selection;
 use crate::tools::flood;
@@ -107,14 +107,14 @@ impl Document {
     /// Copies the marker's contents to the clipboard.
     pub(super) fn copy(&mut self) -> Result<(), CommandError> {
         // Copying leaves masked voxels as they are, so the mask does not limit it.
-        let permit = Permit { mask: None, ..self.permit() };
-        self.clip = Some(Arc::new(self.marked(permit)?));
+        let scope = EditScope { mask: None, ..self.scope() };
+        self.clip = Some(Arc::new(self.marked(scope)?));
         Ok(())
     }
 
     /// Cuts the marker's contents to the clipboard.
     pub(super) fn cut(&mut self, command: &Command) -> Result<Applied, CommandError> {
-        let kept = self.clip.replace(Arc::new(self.marked(self.permit())?));
+        let kept = self.clip.replace(Arc::new(self.marked(self.scope())?));
         let stats = self.edit(&self.selection.marker(), EditOp::Subtract);
         let applied = self.applied(stats, command);
         if applied.is_err() {
@@ -130,7 +130,7 @@ impl Document {
         orientation: Orientation,
         command: &Command,
     ) -> Result<Applied, CommandError> {
-        let clip = self.marked(self.permit())?;
+        let clip = self.marked(self.scope())?;
         let from = self.selection.marker().min.max(IVec3::ZERO);
         let (size, turned) = (clip.size().as_ivec3(), orientation.size(clip.size()).as_ivec3());
         // Rounded towards zero, so that turning there and back leads back.
@@ -154,16 +154,16 @@ impl Document {
     }
 
     /// The marker's contents where they may be changed, or copied.
-    fn marked(&self, permit: Permit<'_>) -> Result<Clip, CommandError> {
+    fn marked(&self, scope: EditScope<'_>) -> Result<Clip, CommandError> {
         let clip = Clip::cut(
             &self.contents,
             self.selection.marker(),
-            |v| permit.allows(v),
+            |v| scope.allows(v),
             self.limits.grid_bytes,
         )?;
-        let why = match permit {
-            Permit { mask: Some(_), .. } => " that may be changed: the rest is masked",
-            Permit { stack: Some(_), .. } => " that are selected",
+        let why = match scope {
+            EditScope { mask: Some(_), .. } => " that may be changed: the rest is masked",
+            EditScope { stack: Some(_), .. } => " that are selected",
             _ => "",
         };
         clip.filter(|clip| clip.voxel_count() > 0).ok_or(CommandError::NothingMarked(why))

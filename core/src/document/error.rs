@@ -10,7 +10,7 @@ use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
 use crate::sculpture::selection::MAX_BOXES;
 use crate::tools::brush::BrushError;
-use crate::tools::repair::MendError;
+use crate::tools::repair::RepairError;
 
 /// Why a command was refused. The sculpture is as it was before.
 #[derive(Debug, Error)]
@@ -56,7 +56,7 @@ pub enum CommandError {
     },
     /// The sculpture cannot be mended so.
     #[error(transparent)]
-    Mend(MendError),
+    Repair(RepairError),
     /// The work was cancelled.
     #[error("cancelled")]
     Cancelled,
@@ -74,7 +74,7 @@ pub enum CommandError {
     Placement(&'static str),
     /// A solid that is drawn is not possible.
     #[error("the {name} is not valid: {reason}")]
-    Form {
+    DrawnSolid {
         /// Its name.
         name: &'static str,
         /// Why, as a sentence.
@@ -131,11 +131,11 @@ pub enum CommandError {
     Array,
 }
 
-impl From<MendError> for CommandError {
-    fn from(error: MendError) -> CommandError {
+impl From<RepairError> for CommandError {
+    fn from(error: RepairError) -> CommandError {
         match error {
-            MendError::Cancelled => CommandError::Cancelled,
-            other => CommandError::Mend(other),
+            RepairError::Cancelled => CommandError::Cancelled,
+            other => CommandError::Repair(other),
         }
     }
 }

@@ -8,10 +8,10 @@ use glam::UVec3;
 use super::{Applied, CommandError, Document};
 use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
 use crate::sculpture::edit::{EditStats, edit_mask};
-use crate::sculpture::permit::{Permit, Permitted};
+use crate::sculpture::edit_scope::{EditScope, ScopedRegion};
 use crate::sculpture::region::{Everywhere, ListedBricks, Region};
 use crate::sculpture::{Grid, Rgb};
-use crate::tools::drawn::region::PlacedForm;
+use crate::tools::drawn::region::PlacedDrawnSolid;
 use crate::tools::flood;
 use crate::tools::mask::{self, MAX_GROWTH_VX, MAX_REACH_VX};
 use crate::tools::pieces::{Part, pieces};
@@ -70,8 +70,8 @@ impl Document {
         let Some(before) = self.contents.mask.clone() else {
             return self.edit_mask(&Everywhere, true);
         };
-        let permit = Permit { stack: None, mask: Some(&before) };
-        let mut stats = self.edit_mask(&Permitted { region: &Everywhere, permit }, true)?;
+        let scope = EditScope { stack: None, mask: Some(&before) };
+        let mut stats = self.edit_mask(&ScopedRegion { region: &Everywhere, scope }, true)?;
         stats += self.edit_mask(&mask::listed(&before), false)?;
         Ok(stats)
     }
@@ -99,10 +99,11 @@ impl Document {
                         self.edit_mask(&primitive.image_in_grid(*to_vx, voxel_size, &image), adds)?;
                 }
             }
-            MaskArea::Form(form) => {
-                form.check().map_err(|reason| CommandError::Form { name: form.name(), reason })?;
+            MaskArea::DrawnSolid(form) => {
+                form.check()
+                    .map_err(|reason| CommandError::DrawnSolid { name: form.name(), reason })?;
                 for image in images {
-                    let placed = PlacedForm::new(form, self.grid(), image);
+                    let placed = PlacedDrawnSolid::new(form, self.grid(), image);
                     stats += self.edit_mask(&placed, adds)?;
                 }
             }
@@ -165,7 +166,7 @@ impl Document {
         let grid = self.grid();
         let starts = self.surface_images(at)?;
         let found = pieces(grid, Part::Solid, self.limits.grid_bytes, &())
-            .map_err(crate::tools::repair::MendError::from)?;
+            .map_err(crate::tools::repair::RepairError::from)?;
         let wanted: Vec<u32> = starts.iter().filter_map(|v| found.at(v.as_ivec3())).collect();
         let bricks = grid
             .nonempty_bricks()
@@ -214,11 +215,11 @@ impl Document {
         let contents = Arc::make_mut(&mut self.contents);
         let recorder = self.recorder.for_mask(&contents.grid);
         let Some(mut bits) = contents.mask.take().or(new) else { return Ok(EditStats::default()) };
-        let permit = Permit { stack: self.selection.limit(), mask: None };
-        let stats = match permit.is_everywhere() {
+        let scope = EditScope { stack: self.selection.limit(), mask: None };
+        let stats = match scope.is_everywhere() {
             true => edit_mask(&mut bits, region, adds, recorder, &mut self.dirty),
             false => {
-                let region = Permitted { region, permit };
+                let region = ScopedRegion { region, scope };
                 edit_mask(&mut bits, &region, adds, recorder, &mut self.dirty)
             }
         };

@@ -51,7 +51,7 @@ impl Document {
 pub(super) fn edits(command: &Command) -> bool {
     match command {
         Command::Construct { .. }
-        | Command::Form { .. }
+        | Command::DrawnSolid { .. }
         | Command::Texture { .. }
         | Command::Brush(_)
         | Command::Paste { .. }
@@ -64,7 +64,7 @@ pub(super) fn edits(command: &Command) -> bool {
         | Command::Mask(_)
         | Command::Cut
         | Command::Move { .. }
-        | Command::Mend(_)
+        | Command::Repair(_)
         | Command::Surface(_) => true,
         Command::New(_)
         | Command::Open { .. }

@@ -11,19 +11,19 @@ use super::{Applied, CommandError, Document};
 use crate::command::Command;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::{self, EditOp, EditStats};
+use crate::sculpture::edit_scope::{EditScope, ScopedRegion};
 use crate::sculpture::history::Contents;
 use crate::sculpture::inherit::Inherited;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::paint::paint_each;
-use crate::sculpture::permit::{Permit, Permitted};
 use crate::sculpture::region::{ListedBricks, Region};
 use crate::sculpture::selection::MARKER_LIMIT_VX;
 use crate::sculpture::{Brick, Rgb};
 use crate::tools::brush::BrushSurface;
-use crate::tools::drawn::Form;
-use crate::tools::drawn::region::PlacedForm;
+use crate::tools::drawn::DrawnSolid;
+use crate::tools::drawn::region::PlacedDrawnSolid;
 use crate::tools::solid::{PlacedSolid, Primitive, check_way};
-use crate::tools::symmetry::Image;
+use crate::tools::symmetry::SymmetryTransform;
 use crate::tools::texture::picture_point;
 
 /// Most copies in an array.
@@ -38,7 +38,7 @@ impl Document {
             Command::Construct { op, primitive, to_vx } => {
                 self.construct(*op, primitive, *to_vx)?
             }
-            Command::Form { op, form } => self.form(*op, form)?,
+            Command::DrawnSolid { op, form } => self.form(*op, form)?,
             Command::Texture { primitive, picture } => self.texture(primitive, picture)?,
             Command::Brush(used) => self.brush(used)?,
             Command::Paste { at, orientation } => self.paste(*at, *orientation)?,
@@ -117,7 +117,7 @@ impl Document {
     }
 
     /// The images of tools by the symmetry in use, the identity first.
-    pub fn images(&self) -> Vec<Image> {
+    pub fn images(&self) -> Vec<SymmetryTransform> {
         self.symmetry.images(self.grid().dims(), self.grid().voxel_size())
     }
 
@@ -137,14 +137,14 @@ impl Document {
         Ok(stats)
     }
 
-    fn form(&mut self, op: EditOp, form: &Form) -> Result<EditStats, CommandError> {
-        form.check().map_err(|reason| CommandError::Form { name: form.name(), reason })?;
+    fn form(&mut self, op: EditOp, form: &DrawnSolid) -> Result<EditStats, CommandError> {
+        form.check().map_err(|reason| CommandError::DrawnSolid { name: form.name(), reason })?;
         if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
             return Err(CommandError::NoColour);
         }
         let images = self.images();
         let regions: Vec<_> =
-            images.iter().map(|image| PlacedForm::new(form, self.grid(), *image)).collect();
+            images.iter().map(|image| PlacedDrawnSolid::new(form, self.grid(), *image)).collect();
         self.check_colour_memory(|document, exact| {
             regions.iter().map(|region| document.new_pages(region, op, exact)).sum()
         })?;
@@ -184,9 +184,10 @@ impl Document {
         primitive: &Primitive,
         to_vx: Option<Vec3>,
         op: EditOp,
-    ) -> Result<Vec<(Image, PlacedSolid)>, CommandError> {
+    ) -> Result<Vec<(SymmetryTransform, PlacedSolid)>, CommandError> {
         let voxel_size = self.grid().voxel_size();
-        let placed = |image: Image| (image, primitive.image_in_grid(to_vx, voxel_size, &image));
+        let placed =
+            |image: SymmetryTransform| (image, primitive.image_in_grid(to_vx, voxel_size, &image));
         let images = self.images();
         let solids: Vec<_> = images.into_iter().map(placed).collect();
         self.check_colour_memory(|document, exact| {
@@ -200,8 +201,8 @@ impl Document {
         if add.bricks().is_empty() {
             return Inherited::default();
         }
-        let permit = self.permit();
-        Inherited::colours(&self.contents, add, |v| permit.allows(v))
+        let scope = self.scope();
+        Inherited::colours(&self.contents, add, |v| scope.allows(v))
     }
 
     /// Keeps the present surface for what follows in the open stroke, unless an earlier one is kept.
@@ -263,8 +264,8 @@ impl Document {
     }
 
     /// Where tools may work.
-    pub(super) fn permit(&self) -> Permit<'_> {
-        Permit { stack: self.selection.limit(), mask: self.contents.mask.as_deref() }
+    pub(super) fn scope(&self) -> EditScope<'_> {
+        EditScope { stack: self.selection.limit(), mask: self.contents.mask.as_deref() }
     }
 
     /// One edit, where tools may work.
@@ -272,10 +273,10 @@ impl Document {
         let (contents, recorder, dirty) =
             (Arc::make_mut(&mut self.contents), &mut self.recorder, &mut self.dirty);
         let mask = contents.mask.take();
-        let permit = Permit { stack: self.selection.limit(), mask: mask.as_deref() };
-        let stats = match permit.is_everywhere() {
+        let scope = EditScope { stack: self.selection.limit(), mask: mask.as_deref() };
+        let stats = match scope.is_everywhere() {
             true => edit::edit(contents, region, op, recorder, dirty),
-            false => edit::edit(contents, &Permitted { region, permit }, op, recorder, dirty),
+            false => edit::edit(contents, &ScopedRegion { region, scope }, op, recorder, dirty),
         };
         contents.mask = mask;
         stats
@@ -290,10 +291,10 @@ impl Document {
         let (contents, recorder, dirty) =
             (Arc::make_mut(&mut self.contents), &mut self.recorder, &mut self.dirty);
         let mask = contents.mask.take();
-        let permit = Permit { stack: self.selection.limit(), mask: mask.as_deref() };
-        let stats = match permit.is_everywhere() {
+        let scope = EditScope { stack: self.selection.limit(), mask: mask.as_deref() };
+        let stats = match scope.is_everywhere() {
             true => paint_each(contents, region, colour, recorder, dirty),
-            false => paint_each(contents, &Permitted { region, permit }, colour, recorder, dirty),
+            false => paint_each(contents, &ScopedRegion { region, scope }, colour, recorder, dirty),
         };
         contents.mask = mask;
         stats
@@ -301,10 +302,10 @@ impl Document {
 
     /// The number of new colour pages of an edit: a quick upper bound, or exact.
     pub(super) fn new_pages(&self, region: &impl Region, op: EditOp, exact: bool) -> u64 {
-        let (contents, permit) = (&self.contents, self.permit());
-        match permit.is_everywhere() {
+        let (contents, scope) = (&self.contents, self.scope());
+        match scope.is_everywhere() {
             true => pages_of(contents, region, op, exact),
-            false => pages_of(contents, &Permitted { region, permit }, op, exact),
+            false => pages_of(contents, &ScopedRegion { region, scope }, op, exact),
         }
     }
 
@@ -354,7 +355,9 @@ impl Command {
                 primitive: solid(primitive),
                 to_vx: to_vx.map(|to| to + by),
             },
-            Command::Form { op, form } => Command::Form { op: *op, form: form.shifted(by) },
+            Command::DrawnSolid { op, form } => {
+                Command::DrawnSolid { op: *op, form: form.shifted(by) }
+            }
             Command::Texture { primitive, picture } => {
                 Command::Texture { primitive: solid(primitive), picture: picture.clone() }
             }

@@ -12,11 +12,11 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use super::checkpoint::Checkpoint;
+use super::dir::JournalDir;
 use super::entry::Entry;
 use super::frame;
 use super::growing::{Open, Trouble};
 use super::live::{Live, LiveKey};
-use super::shelf::Shelf;
 
 /// Entries that may wait for the disk; more are a gap that a checkpoint closes.
 const QUEUE: usize = 4096;
@@ -37,7 +37,7 @@ pub const STATES: &str = "sculpture_core::states";
 #[derive(Clone, Debug)]
 pub struct JournalOptions {
     /// Where it lies.
-    pub shelf: Shelf,
+    pub journal_dir: JournalDir,
     /// Size from which on it is begun anew, in bytes. Half of it is for undo steps in a checkpoint. While a
     /// checkpoint is written, both old and new journal take room.
     pub max_bytes: u64,
@@ -49,9 +49,9 @@ pub struct JournalOptions {
 
 impl JournalOptions {
     /// In a folder, with the usual bounds.
-    pub fn new(shelf: Shelf) -> JournalOptions {
+    pub fn new(journal_dir: JournalDir) -> JournalOptions {
         JournalOptions {
-            shelf,
+            journal_dir,
             max_bytes: 1 << 30,
             replay: Duration::from_secs(5),
             retry: Duration::from_secs(2),
@@ -139,12 +139,13 @@ impl JournalWriter {
         let thread = std::thread::Builder::new().name("journal".to_string());
         let thread = thread.spawn(move || work.run(&receiver))?;
         let ask = {
-            let (sender, shared, shelf) = (sender.clone(), shared.clone(), options.shelf.clone());
+            let (sender, shared, journal_dir) =
+                (sender.clone(), shared.clone(), options.journal_dir.clone());
             move |answer: SyncSender<()>| {
                 // A queue that is full has no room for a question either.
                 let asked = sender.try_send(Message::Synced(answer)).is_ok();
                 let number = Some(shared.number.load(Ordering::Relaxed)).filter(|n| *n > 0);
-                number.filter(|_| asked).map(|number| shelf.path(number))
+                number.filter(|_| asked).map(|number| journal_dir.path(number))
             }
         };
         let mut writer = JournalWriter {
@@ -165,7 +166,7 @@ impl JournalWriter {
         &self.options
     }
 
-    /// Its number on the shelf, once it has one.
+    /// Its number in the folder, once it has one.
     pub fn number(&self) -> Option<u64> {
         Some(self.shared.number.load(Ordering::Relaxed)).filter(|number| *number > 0)
     }
@@ -383,7 +384,7 @@ impl Work {
         self.due = None;
         tracing::debug!("journal: {trouble}");
         if !std::mem::replace(&mut self.told, true) {
-            let folder = self.options.shelf.folder().display();
+            let folder = self.options.journal_dir.folder().display();
             let remedy = trouble.remedy();
             let text = format!(
                 "the journal in {folder} cannot be written: {trouble}; work goes on, but save it yourself until it \
@@ -425,9 +426,9 @@ impl Work {
     /// Writes a journal that begins with the checkpoint, and puts it in the place of the present one.
     fn begin_anew(&mut self, checkpoint: &Checkpoint) -> Result<(), Trouble> {
         let is_there = self.file.as_ref().is_some_and(Open::is_there);
-        let shelf = &self.options.shelf;
+        let journal_dir = &self.options.journal_dir;
         // If somebody has removed the journal, another may have its number by now.
-        let (number, file) = shelf.create(self.number.filter(|_| is_there))?;
+        let (number, file) = journal_dir.create(self.number.filter(|_| is_there))?;
         let mut open = Open::new(file);
         let written = open
             .append_bytes(&frame::head())
@@ -435,12 +436,12 @@ impl Work {
             .and_then(|()| checkpoint.write(self.began_unix_s, &mut |record| open.append(record)))
             .and_then(|()| Ok(open.sync()?));
         if let Err(trouble) = written {
-            shelf.abandon(number);
+            journal_dir.abandon(number);
             return Err(trouble);
         }
-        if let Err(error) = shelf.publish(number) {
-            if shelf.is_unfinished(number) {
-                shelf.abandon(number);
+        if let Err(error) = journal_dir.publish(number) {
+            if journal_dir.is_unfinished(number) {
+                journal_dir.abandon(number);
                 return Err(error.into());
             }
             // It has its name, though perhaps not for good: it is the one to go on with.
@@ -457,7 +458,7 @@ impl Work {
         self.sync();
         let is_there = self.file.as_ref().is_some_and(Open::is_there);
         if let Some(number) = self.number.filter(|_| remove && is_there)
-            && let Err(error) = self.options.shelf.remove(number)
+            && let Err(error) = self.options.journal_dir.remove(number)
         {
             tracing::warn!("the journal {number} cannot be removed: {error}");
         }

@@ -18,7 +18,7 @@ use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Grid, GridError};
 use crate::tools::pieces::{Part, Pieces, pieces};
 use crate::tools::repair::thickness::Thickness;
-use crate::tools::repair::{self, Keep, Mend, MendError, Toward};
+use crate::tools::repair::{self, Keep, Repair, RepairError, Toward};
 
 /// Diameter of the drain holes that are proposed, in millimetres: resin and powder run out of less with difficulty.
 const DRAIN_MM: f32 = 3.0;
@@ -74,17 +74,17 @@ pub enum CheckError {
     },
     /// It takes too much memory.
     #[error(transparent)]
-    Mend(MendError),
+    Repair(RepairError),
     /// It takes too much memory.
     #[error(transparent)]
     Grid(#[from] GridError),
 }
 
-impl From<MendError> for CheckError {
-    fn from(error: MendError) -> CheckError {
+impl From<RepairError> for CheckError {
+    fn from(error: RepairError) -> CheckError {
         match error {
-            MendError::Cancelled => CheckError::Cancelled,
-            other => CheckError::Mend(other),
+            RepairError::Cancelled => CheckError::Cancelled,
+            other => CheckError::Repair(other),
         }
     }
 }
@@ -150,7 +150,7 @@ pub struct Finding {
     /// The voxels of all places.
     pub marked: ListedBricks,
     /// The remedies, the best first. Nothing but support material mends overhangs.
-    pub mends: Vec<Mend>,
+    pub repairs: Vec<Repair>,
 }
 
 /// The result of a check.
@@ -236,7 +236,7 @@ pub fn check(
     repair::check_memory(Thickness::bytes_to_measure(grid), budget_bytes)?;
     let thin = thickness.thin(grid, progress).ok_or(CheckError::Cancelled)?;
     let thin = ListedBricks::new(thin.bricks(grid.brick_dims()));
-    let thicken = vec![Mend::Thicken { to_vx: wall_vx }];
+    let thicken = vec![Repair::Thicken { to_vx: wall_vx }];
     findings.extend(places::gathered(
         grid,
         Kind::ThinWalls,
@@ -267,14 +267,14 @@ fn islands(
     grid: &Grid,
     budget_bytes: u64,
     progress: &dyn Progress,
-) -> Result<Option<Finding>, MendError> {
+) -> Result<Option<Finding>, RepairError> {
     let found = pieces(grid, Part::Solid, budget_bytes, progress)?;
     let standing = repair::standing(&found);
     let largest_stands = found.largest().is_none_or(|piece| standing[piece as usize]);
     // Where the largest piece floats, what stands on the bed is to go.
     let keep = if largest_stands { Keep::Standing } else { Keep::Largest };
-    let mends = vec![Mend::RemoveIslands { keep, smaller_vx: None }];
-    Ok(of_pieces(grid, &found, Kind::Islands, mends, &|piece| !standing[piece as usize]))
+    let repairs = vec![Repair::RemoveIslands { keep, smaller_vx: None }];
+    Ok(of_pieces(grid, &found, Kind::Islands, repairs, &|piece| !standing[piece as usize]))
 }
 
 fn cavities(
@@ -282,14 +282,14 @@ fn cavities(
     voxel_mm: f32,
     budget_bytes: u64,
     progress: &dyn Progress,
-) -> Result<Option<Finding>, MendError> {
+) -> Result<Option<Finding>, RepairError> {
     let found = pieces(grid, Part::Empty, budget_bytes, progress)?;
     let diameter_vx = (DRAIN_MM / voxel_mm).clamp(1.0, 64.0);
-    let mends = vec![
-        Mend::FillCavities { smaller_vx: None },
-        Mend::Drain { diameter_vx, toward: Toward::Down },
+    let repairs = vec![
+        Repair::FillCavities { smaller_vx: None },
+        Repair::Drain { diameter_vx, toward: Toward::Down },
     ];
-    Ok(of_pieces(grid, &found, Kind::Cavities, mends, &|piece| !found.reaches_border(piece)))
+    Ok(of_pieces(grid, &found, Kind::Cavities, repairs, &|piece| !found.reaches_border(piece)))
 }
 
 /// The finding of those pieces that are wrong.
@@ -297,7 +297,7 @@ fn of_pieces(
     grid: &Grid,
     found: &Pieces,
     kind: Kind,
-    mends: Vec<Mend>,
+    repairs: Vec<Repair>,
     is_wrong: &(dyn Fn(u32) -> bool + Sync),
 ) -> Option<Finding> {
     let wrong = (0u32..).zip(found.list()).filter(|(number, _)| is_wrong(*number));
@@ -306,5 +306,5 @@ fn of_pieces(
         let bounds = VoxelBox { min: min.as_ivec3(), max: max.as_ivec3() };
         Place { voxels: piece.voxels.into(), bounds }
     });
-    places::finding(kind, all.collect(), mends, || repair::voxels_of(grid, found, is_wrong))
+    places::finding(kind, all.collect(), repairs, || repair::voxels_of(grid, found, is_wrong))
 }

@@ -11,7 +11,7 @@ use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use crate::sculpture::region::{ListedBricks, Region, VoxelBox};
 use crate::tools::pieces::{Part, pieces};
-use crate::tools::repair::Mend;
+use crate::tools::repair::Repair;
 
 /// Overhangs of fewer voxels are the roughness of a surface.
 const LEAST_OVERHANG: u64 = 4;
@@ -20,7 +20,7 @@ const LEAST_OVERHANG: u64 = 4;
 pub fn finding(
     kind: Kind,
     mut places: Vec<Place>,
-    mends: Vec<Mend>,
+    repairs: Vec<Repair>,
     marked: impl FnOnce() -> ListedBricks,
 ) -> Option<Finding> {
     if places.is_empty() {
@@ -29,7 +29,7 @@ pub fn finding(
     let (count, voxels) = (places.len(), places.iter().map(|place| place.voxels).sum());
     places.sort_by_key(|place| std::cmp::Reverse(place.voxels));
     places.truncate(MOST_PLACES);
-    Some(Finding { kind, count, voxels, places, marked: marked(), mends })
+    Some(Finding { kind, count, voxels, places, marked: marked(), repairs })
 }
 
 /// The finding of the voxels `marked`, those within about two voxels of each other in one place.
@@ -37,7 +37,7 @@ pub fn gathered(
     grid: &Grid,
     kind: Kind,
     marked: ListedBricks,
-    mends: Vec<Mend>,
+    repairs: Vec<Repair>,
     budget_bytes: u64,
     progress: &dyn Progress,
 ) -> Result<Option<Finding>, CheckError> {
@@ -93,11 +93,11 @@ pub fn gathered(
         ListedBricks::new(kept.filter(|(_, mask)| !mask.is_empty()).collect())
     };
     debug_assert!(bounds.max.cmple((grid.brick_dims() * BRICK_EDGE_VX).as_ivec3()).all());
-    Ok(finding(kind, places, mends, kept))
+    Ok(finding(kind, places, repairs, kept))
 }
 
 fn mend_error(error: crate::tools::pieces::PiecesError) -> CheckError {
-    CheckError::from(crate::tools::repair::MendError::from(error))
+    CheckError::from(crate::tools::repair::RepairError::from(error))
 }
 
 /// The voxels of `marked`.

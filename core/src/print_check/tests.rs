@@ -91,25 +91,25 @@ fn each_fault_is_found_with_the_command_that_mends_it() {
     // Below the island; the ceiling of the cavity is not needed to be looked at here.
     let below = |place: &Place| place.voxels == 16 && place.bounds.min == IVec3::new(40, 32, 40);
     assert!(finding(Kind::Overhangs).places.iter().any(below));
-    let lines = |kind| finding(kind).mends.iter().map(|mend| mend.verb()).collect::<Vec<_>>();
+    let lines = |kind| finding(kind).repairs.iter().map(|repair| repair.verb()).collect::<Vec<_>>();
     assert_eq!(lines(Kind::Islands), ["remove-islands"]);
     assert_eq!(lines(Kind::Cavities), ["fill-cavities", "drain"]);
     assert_eq!(lines(Kind::ThinWalls), ["thicken"]);
     assert!(lines(Kind::Overhangs).is_empty());
     // All first mends together leave nothing but overhangs.
-    let mut mended = faulty;
-    for mend in found.findings.iter().filter_map(|finding| finding.mends.first()) {
-        let plan = mend.plan(&mended, ROOM, &()).unwrap();
+    let mut repaired = faulty;
+    for repair in found.findings.iter().filter_map(|finding| finding.repairs.first()) {
+        let plan = repair.plan(&repaired, ROOM, &()).unwrap();
         for (b, mask) in plan.remove.bricks() {
-            let index = mended.brick_index(*b);
-            mended.set_brick(index, mended.brick_at(index).and_not(mask));
+            let index = repaired.brick_index(*b);
+            repaired.set_brick(index, repaired.brick_at(index).and_not(mask));
         }
         for (b, mask) in plan.add.bricks() {
-            let index = mended.brick_index(*b);
-            mended.set_brick(index, mended.brick_at(index).or(mask));
+            let index = repaired.brick_index(*b);
+            repaired.set_brick(index, repaired.brick_at(index).or(mask));
         }
     }
-    let left = checked(&mended, &options);
+    let left = checked(&repaired, &options);
     assert!(left.is_printable(), "{:?}", kinds(&left));
 }
 
@@ -120,7 +120,7 @@ fn a_largest_piece_in_the_air_is_found_and_stays() {
     let island = found.finding(Kind::Islands).unwrap();
     assert_eq!((island.count, island.voxels), (1, 16 * 16 * 16));
     let keep = Keep::Largest;
-    assert_eq!(island.mends, [Mend::RemoveIslands { keep, smaller_vx: None }]);
+    assert_eq!(island.repairs, [Repair::RemoveIslands { keep, smaller_vx: None }]);
 }
 
 #[test]

@@ -3,10 +3,10 @@
 //!
 //! A history is found by the SHA-256 of the sculpture's file, and holds the hash of the contents that it was kept
 //! with: it fits those or is left out. A thread of its own packs and writes; the bytes of all histories together are
-//! bounded, those written last stay. `file` is what such a file holds, `shelf` the folder. Knows no session.
+//! bounded, those written last stay. `file` is what such a file holds, `dir` the folder. Knows no session.
 
+mod dir;
 mod file;
-mod shelf;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -14,8 +14,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
+use dir::HistoryDir;
 pub use file::SavedHistory;
-use shelf::HistoryShelf;
 
 use crate::document::DocumentSnapshot;
 use crate::format::store::explained;
@@ -121,7 +121,7 @@ impl SavedHistories {
         if let Some(former) = former.as_ref().filter(|former| former.path == history.path) {
             former.is_given_up.store(true, Ordering::Relaxed);
         }
-        let shelf = HistoryShelf::new(&self.options);
+        let dir = HistoryDir::new(&self.options);
         let is_given_up = Arc::new(AtomicBool::new(false));
         let (given_up, messages) = (is_given_up.clone(), self.messages.clone());
         let path = history.path.clone();
@@ -131,7 +131,7 @@ impl SavedHistories {
                 let _ = former.thread.join();
             }
             let name = history.path.display().to_string();
-            if let Err(error) = shelf.keep(history, &given_up) {
+            if let Err(error) = dir.keep(history, &given_up) {
                 let error = explained(error);
                 tell(&messages, format!("the undo history of {name} is not kept: {error}"));
             }
@@ -146,7 +146,7 @@ impl SavedHistories {
     /// back as far as [`Limits::history_bytes`] has room for them.
     pub fn find(&self, file_hash: Digest, contents: &Contents, limits: &Limits) -> Found {
         self.wait();
-        HistoryShelf::new(&self.options).find(file_hash, contents, limits)
+        HistoryDir::new(&self.options).find(file_hash, contents, limits)
     }
 
     /// Waits until what was given is written, or has failed.

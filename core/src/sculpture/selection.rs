@@ -1,7 +1,7 @@
 //! The selection: a marker box, and a stack of boxes added and subtracted in order, to which all tools
 //! can be limited.
 //!
-//! Boxes are in voxels and may reach beyond the grid. Changes no voxel; [`super::permit`] intersects a tool's
+//! Boxes are in voxels and may reach beyond the grid. Changes no voxel; [`super::edit_scope`] intersects a tool's
 //! region with the selection where edits are applied.
 
 use fearless_simd::Simd;

@@ -60,7 +60,7 @@ impl Session {
     /// The journal's file, once it has one.
     pub fn journal_path(&self) -> Option<PathBuf> {
         let writer = &self.journal.as_ref()?.writer;
-        Some(writer.options().shelf.path(writer.number()?))
+        Some(writer.options().journal_dir.path(writer.number()?))
     }
 
     /// Returns the message for the user on the journal, once: that it cannot be written, or can be again.

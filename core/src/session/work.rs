@@ -22,7 +22,7 @@ use crate::progress::Progress;
 use crate::saved_history::{Found, HistoryToKeep, KeptSteps, SavedHistories};
 use crate::sculpture::history::{Contents, State};
 use crate::sculpture::orientation::Orientation;
-use crate::tools::repair::{Mend, MendPlan};
+use crate::tools::repair::{Repair, RepairPlan};
 
 /// Work to run.
 #[derive(Debug)]
@@ -43,8 +43,8 @@ pub(super) enum Task {
         limits: Limits,
         state: State,
     },
-    Mend {
-        mend: Mend,
+    Repair {
+        repair: Repair,
         contents: Arc<Contents>,
         limits: Limits,
         state: State,
@@ -95,9 +95,9 @@ pub(super) enum Outcome {
         state: State,
     },
     /// `state`: of the document that it was made for.
-    Mended {
-        mend: Mend,
-        plan: MendPlan,
+    Repaired {
+        repair: Repair,
+        plan: RepairPlan,
         state: State,
     },
     Opened {
@@ -129,9 +129,9 @@ impl Work {
                     document::orient_contents(&contents, orientation, &limits, progress)?;
                 Outcome::Oriented { orientation, contents: Box::new(contents), state }
             }
-            Task::Mend { mend, contents, limits, state } => {
-                let plan = document::plan_mend(&contents, &mend, &limits, progress)?;
-                Outcome::Mended { mend, plan, state }
+            Task::Repair { repair, contents, limits, state } => {
+                let plan = document::plan_repair(&contents, &repair, &limits, progress)?;
+                Outcome::Repaired { repair, plan, state }
             }
             Task::Open { path, embedded: Some(file), limits, .. } => {
                 let read = format::read_embedded(&file, &limits, progress);

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::solid::{Primitive, Solid};
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
-use crate::sculpture::permit::{Permit, Permitted};
+use crate::sculpture::edit_scope::{EditScope, ScopedRegion};
 use crate::sculpture::region::{Region, VoxelBox};
 use crate::sculpture::selection::Selection;
 use crate::sculpture::{Brick, Grid};
@@ -82,17 +82,17 @@ proptest! {
         for v in every_voxel(dims) {
             mask.set(v, protected.iter().any(|b| b.contains(v)));
         }
-        for permit in [
-            Permit { stack: Some(stack), mask: None },
-            Permit { stack: None, mask: Some(&mask) },
-            Permit { stack: Some(stack), mask: Some(&mask) },
+        for scope in [
+            EditScope { stack: Some(stack), mask: None },
+            EditScope { stack: None, mask: Some(&mask) },
+            EditScope { stack: Some(stack), mask: Some(&mask) },
         ] {
-            let both = |v: &IVec3| permit.allows(*v) && region.contains_voxel(*v);
+            let both = |v: &IVec3| scope.allows(*v) && region.contains_voxel(*v);
             let expected: Vec<_> = every_voxel(dims).filter(both).collect();
-            prop_assert_eq!(voxels_of(&Permitted { region: &region, permit }, dims), expected);
+            prop_assert_eq!(voxels_of(&ScopedRegion { region: &region, scope }, dims), expected);
             let all = VoxelBox { min: IVec3::ZERO, max: dims.as_ivec3() };
-            let expected: Vec<_> = every_voxel(dims).filter(|v| permit.allows(*v)).collect();
-            prop_assert_eq!(voxels_of(&Permitted { region: &all, permit }, dims), expected);
+            let expected: Vec<_> = every_voxel(dims).filter(|v| scope.allows(*v)).collect();
+            prop_assert_eq!(voxels_of(&ScopedRegion { region: &all, scope }, dims), expected);
         }
     }
 }

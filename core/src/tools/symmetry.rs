@@ -146,8 +146,8 @@ impl Symmetry {
 
     /// All images in a grid of `dims` voxels with edges of `voxel_size`, starting with the identity. The symmetry must be
     /// valid.
-    pub fn images(&self, dims: UVec3, voxel_size: Vec3) -> Vec<Image> {
-        let mut images = vec![Image { planes: [None; 3], moved: None }];
+    pub fn images(&self, dims: UVec3, voxel_size: Vec3) -> Vec<SymmetryTransform> {
+        let mut images = vec![SymmetryTransform { planes: [None; 3], moved: None }];
         let mut planes: Vec<(usize, f32)> = Vec::new();
         let of_axes = self.planes(dims).into_iter().enumerate();
         planes.extend(of_axes.filter_map(|(axis, plane)| Some((axis, plane?))));
@@ -158,29 +158,30 @@ impl Symmetry {
         });
         planes.extend(along);
         for (axis, plane) in planes {
-            let mirrored = |image: &Image| {
+            let mirrored = |image: &SymmetryTransform| {
                 let mut image = *image;
                 image.planes[axis] = Some(plane);
                 image
             };
-            let more: Vec<Image> = images.iter().map(mirrored).collect();
+            let more: Vec<SymmetryTransform> = images.iter().map(mirrored).collect();
             images.extend(more);
         }
         let stretch = voxel_size.as_dvec3() / voxel_size.as_dvec3().min_element();
         if let Some(plane) = self.plane.filter(|_| along.is_none()) {
             let mirror = Move::mirror(&plane, stretch);
-            let more: Vec<Image> = images.iter().map(|image| image.then(mirror)).collect();
+            let more: Vec<SymmetryTransform> =
+                images.iter().map(|image| image.then(mirror)).collect();
             images.extend(more);
         }
         if let Some(radial) = self.radial {
             let turned = |k: u32| {
                 let turn = Move::turn(&radial, k, stretch);
                 images.iter().map(move |image| match radial.half_turn(k, image) {
-                    Some(planes) => Image { planes, moved: None },
+                    Some(planes) => SymmetryTransform { planes, moved: None },
                     None => image.then(turn),
                 })
             };
-            let more: Vec<Image> = (1..radial.count).flat_map(turned).collect();
+            let more: Vec<SymmetryTransform> = (1..radial.count).flat_map(turned).collect();
             images.extend(more);
         }
         images
@@ -190,7 +191,7 @@ impl Symmetry {
 impl Radial {
     /// Half a turn about an axis of the grid equals two mirror planes, and is as exact. Returns the planes of `image`
     /// with those two, if it is such a turn.
-    fn half_turn(&self, k: u32, image: &Image) -> Option<[Option<f32>; 3]> {
+    fn half_turn(&self, k: u32, image: &SymmetryTransform) -> Option<[Option<f32>; 3]> {
         let axis = grid_axis(self.axis).filter(|_| 2 * k == self.count && image.moved.is_none())?;
         let mut planes = image.planes;
         for other in (0..3).filter(|other| *other != axis) {
@@ -203,7 +204,7 @@ impl Radial {
 }
 
 /// The point in voxel coordinates that all mirror planes along the grid go through.
-pub(super) fn origin_of(images: &[Image]) -> DVec3 {
+pub(super) fn origin_of(images: &[SymmetryTransform]) -> DVec3 {
     let plane = |axis: usize| images.iter().find_map(|image| image.planes[axis]);
     DVec3::from([0, 1, 2].map(|axis| plane(axis).map_or(0.0, f64::from)))
 }
@@ -258,20 +259,20 @@ impl Move {
 
 /// One image: reflected at the plane of each axis that has one, then moved.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Image {
+pub struct SymmetryTransform {
     planes: [Option<f32>; 3],
     moved: Option<Move>,
 }
 
-impl Image {
+impl SymmetryTransform {
     /// Reflected at the planes (voxel coordinates) of the axes that have one.
-    pub const fn of_planes(planes: [Option<f32>; 3]) -> Image {
-        Image { planes, moved: None }
+    pub const fn of_planes(planes: [Option<f32>; 3]) -> SymmetryTransform {
+        SymmetryTransform { planes, moved: None }
     }
 
-    fn then(&self, next: Move) -> Image {
+    fn then(&self, next: Move) -> SymmetryTransform {
         let moved = self.moved.map_or(next, |first| next.after(&first));
-        Image { moved: Some(moved), ..*self }
+        SymmetryTransform { moved: Some(moved), ..*self }
     }
 
     /// Whether it is made by planes along the grid alone, and so differs in signs only.

@@ -93,9 +93,9 @@ fn small_holes_are_closed_and_open_meshes_are_shells() {
     for at in [1900, 1000, 70] {
         holed.triangles.remove(at);
     }
-    let (mended, findings) = voxelise(&holed, 60, Fill::Auto);
+    let (repaired, findings) = voxelise(&holed, 60, Fill::Auto);
     assert!(findings.open_share > 0.0 && !findings.is_shell, "{findings:?}");
-    let (a, b) = (mended.grid.opaque_count() as f64, solid.grid.opaque_count() as f64);
+    let (a, b) = (repaired.grid.opaque_count() as f64, solid.grid.opaque_count() as f64);
     assert!((a / b - 1.0).abs() < 0.002, "{a} {b}");
     // Without one side a box is a container.
     let open = soup(&cuboid(Vec3::ZERO, Vec3::splat(10.0))[2..]);

@@ -6,41 +6,50 @@ use proptest::prelude::*;
 use sculpture_core::command::Command;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
-use sculpture_core::tools::drawn::region::PlacedForm;
-use sculpture_core::tools::drawn::{Bead, Form, Pose};
-use sculpture_core::tools::symmetry::{Image, Parity, Symmetry};
+use sculpture_core::tools::drawn::region::PlacedDrawnSolid;
+use sculpture_core::tools::drawn::{ControlPoint, DrawnSolid, Pose};
+use sculpture_core::tools::symmetry::{Parity, Symmetry, SymmetryTransform};
 
 use super::strategies::{new_sculpture, op, rotation};
 
 /// Every form, with places of `place`, and lengths and other numbers of `number`.
-pub fn form<P, N>(place: impl Fn() -> P, number: impl Fn() -> N) -> impl Strategy<Value = Form>
+pub fn form<P, N>(
+    place: impl Fn() -> P,
+    number: impl Fn() -> N,
+) -> impl Strategy<Value = DrawnSolid>
 where
     P: Strategy<Value = Vec3> + 'static,
     N: Strategy<Value = f32> + 'static,
 {
     let pose = || (place(), rotation()).prop_map(|(at_vx, rotation)| Pose { at_vx, rotation });
-    let bead = (place(), number()).prop_map(|(at_vx, radius)| Bead { at_vx, radius });
+    let control_point =
+        (place(), number()).prop_map(|(at_vx, radius)| ControlPoint { at_vx, radius });
     let points = || {
         let point = (number(), number()).prop_map(|(x, y)| Vec2::new(x, y));
         prop::collection::vec(point, 1..6).prop_map(|points| points.into())
     };
     prop_oneof![
-        (place(), place()).prop_map(|(at_vx, normal)| Form::HalfSpace { at_vx, normal }),
-        (pose(), number(), number()).prop_map(|(pose, radius, tube)| Form::Ring {
+        (place(), place()).prop_map(|(at_vx, normal)| DrawnSolid::HalfSpace { at_vx, normal }),
+        (pose(), number(), number()).prop_map(|(pose, radius, tube)| DrawnSolid::Ring {
             pose,
             radius,
             tube
         }),
-        prop::collection::vec(bead, 1..5).prop_map(|beads| Form::Tube { beads: beads.into() }),
-        (pose(), points()).prop_map(|(pose, profile)| Form::Lathe { pose, profile }),
+        prop::collection::vec(control_point, 1..5)
+            .prop_map(|control_points| DrawnSolid::Tube { control_points: control_points.into() }),
+        (pose(), points()).prop_map(|(pose, profile)| DrawnSolid::Lathe { pose, profile }),
         (pose(), prop::collection::vec(points(), 1..3), number()).prop_map(
-            |(pose, outlines, depth)| Form::Extrusion { pose, outlines: outlines.into(), depth }
+            |(pose, outlines, depth)| DrawnSolid::Extrusion {
+                pose,
+                outlines: outlines.into(),
+                depth
+            }
         ),
     ]
 }
 
 /// Forms that suit a sculpture of 24 voxels; some are refused.
-pub fn small_form() -> impl Strategy<Value = Form> {
+pub fn small_form() -> impl Strategy<Value = DrawnSolid> {
     let place = || prop::array::uniform3(-6f32..30.0).prop_map(Vec3::from);
     form(place, || 0.2f32..14.0)
 }
@@ -81,7 +90,7 @@ proptest! {
         let symmetry = Symmetry::of_axes(mirrored.map(|mirrored| mirrored.then_some(parity)));
         document.apply(&Command::Symmetry(symmetry)).unwrap();
         let before = document.contents().clone();
-        let done = document.apply(&Command::Form { op, form: form.clone() });
+        let done = document.apply(&Command::DrawnSolid { op, form: form.clone() });
         if let Err(reason) = form.check() {
             prop_assert!(done.is_err_and(|error| error.to_string().contains(reason)));
             prop_assert_eq!(document.contents(), &before);
@@ -91,7 +100,7 @@ proptest! {
             prop_assert!(matches!(op, EditOp::Recolour(_)), "no colours in this sculpture");
             return Ok(());
         }
-        let placed = PlacedForm::new(&form, document.grid(), Image::of_planes([None; 3]));
+        let placed = PlacedDrawnSolid::new(&form, document.grid(), SymmetryTransform::of_planes([None; 3]));
         let planes = symmetry.planes(document.grid().dims());
         let images = document.images().len();
         for v in voxels(&document) {
@@ -160,9 +169,9 @@ proptest! {
         let rotation = Quat::from_euler(EulerRot::XYZEx, turned[0], turned[1], turned[2]);
         let up = rotation.as_dquat() * glam::DVec3::Y * 0.5;
         let (low, high) = (Vec3::from(at) - up.as_vec3() * wide, Vec3::from(at) + up.as_vec3() * wide);
-        let bead = |p: Vec3| format!("{},{},{}", p.x, p.y, p.z);
-        let tube = with(&[&format!("add tube points={};{} radius={r}", bead(low), bead(high))]);
-        let half_space = with(&["fill", &format!("subtract half-space at={} normal={}", bead(low), bead(rotation * Vec3::Y))]);
+        let control_point = |p: Vec3| format!("{},{},{}", p.x, p.y, p.z);
+        let tube = with(&[&format!("add tube points={};{} radius={r}", control_point(low), control_point(high))]);
+        let half_space = with(&["fill", &format!("subtract half-space at={} normal={}", control_point(low), control_point(rotation * Vec3::Y))]);
         for v in voxels(&tube) {
             let p = v.as_dvec3() + 0.5;
             let (a, b) = (low.as_dvec3(), high.as_dvec3());

@@ -10,13 +10,13 @@ use sculpture_core::format::{read_sculpture, write_sculpture};
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
-use sculpture_core::tools::drawn::Form;
+use sculpture_core::tools::drawn::DrawnSolid;
 
 use super::strategies::{area, colour};
 
 /// Changes of the mask, with solids, voxels, numbers and lengths of those given.
 pub fn mask(
-    form: impl Strategy<Value = Form>,
+    form: impl Strategy<Value = DrawnSolid>,
     voxel: std::ops::Range<u32>,
     number: impl Strategy<Value = f32> + Clone,
     length: std::ops::Range<u32>,
@@ -28,7 +28,7 @@ pub fn mask(
     ];
     let what = prop_oneof![
         area().prop_map(MaskArea::Area),
-        form.prop_map(MaskArea::Form),
+        form.prop_map(MaskArea::DrawnSolid),
         (colour(), number).prop_map(|(colour, tolerance)| MaskArea::Colour { colour, tolerance }),
         (length.clone(), length.clone())
             .prop_map(|(reach_vx, depth_vx)| MaskArea::Cavities { reach_vx, depth_vx }),

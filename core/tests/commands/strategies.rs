@@ -11,7 +11,7 @@ use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::brush::Contact;
-use sculpture_core::tools::repair::{Keep, Mend, Toward};
+use sculpture_core::tools::repair::{Keep, Repair, Toward};
 use sculpture_core::tools::solid::{Primitive, Solid};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 use sculpture_core::tools::tint::Tint;
@@ -181,7 +181,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
     let near = || prop::array::uniform3(-12i32..24).prop_map(IVec3::from);
     prop_oneof![
         12 => brush_command(),
-        4 => (op(), small_form()).prop_map(|(op, form)| Command::Form { op, form }),
+        4 => (op(), small_form()).prop_map(|(op, form)| Command::DrawnSolid { op, form }),
         2 => (area(), prop::option::of(colour()))
             .prop_map(|(area, colour)| Command::Fill { area, colour }),
         2 => area().prop_map(|area| Command::Clear { area }),
@@ -203,7 +203,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
             .prop_map(|(by, orientation)| Command::Move { by, orientation }),
         1 => orientation().prop_map(Command::Orient),
         3 => (0u32..4, near()).prop_map(|(count, step)| Command::Array { count, step }),
-        4 => mend(|| 0.5f32..6.0).prop_map(Command::Mend),
+        4 => repair(|| 0.5f32..6.0).prop_map(Command::Repair),
         2 => surface_kind().prop_map(Command::Surface),
     ]
 }
@@ -246,15 +246,15 @@ fn surface_kind() -> impl Strategy<Value = SurfaceKind> {
 }
 
 /// Mends with lengths in `length`.
-fn mend<S: Strategy<Value = f32>>(length: impl Fn() -> S) -> impl Strategy<Value = Mend> {
+fn repair<S: Strategy<Value = f32>>(length: impl Fn() -> S) -> impl Strategy<Value = Repair> {
     let smaller = || prop::option::of(any::<u32>());
     prop_oneof![
         (prop::sample::select(&Keep::ALL[..]), smaller())
-            .prop_map(|(keep, smaller_vx)| Mend::RemoveIslands { keep, smaller_vx }),
-        smaller().prop_map(|smaller_vx| Mend::FillCavities { smaller_vx }),
-        length().prop_map(|to_vx| Mend::Thicken { to_vx }),
+            .prop_map(|(keep, smaller_vx)| Repair::RemoveIslands { keep, smaller_vx }),
+        smaller().prop_map(|smaller_vx| Repair::FillCavities { smaller_vx }),
+        length().prop_map(|to_vx| Repair::Thicken { to_vx }),
         (length(), prop::sample::select(&Toward::ALL[..]))
-            .prop_map(|(diameter_vx, toward)| Mend::Drain { diameter_vx, toward }),
+            .prop_map(|(diameter_vx, toward)| Repair::Drain { diameter_vx, toward }),
     ]
 }
 
@@ -313,7 +313,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         Just(Command::End),
         Just(Command::Cancel),
         construct,
-        (op(), form(any_vec3, any_number)).prop_map(|(op, form)| Command::Form { op, form }),
+        (op(), form(any_vec3, any_number)).prop_map(|(op, form)| Command::DrawnSolid { op, form }),
         texture,
         (area(), prop::option::of(colour()))
             .prop_map(|(area, colour)| Command::Fill { area, colour }),
@@ -338,7 +338,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
             .prop_map(|(by, orientation)| Command::Move { by, orientation }),
         (any::<u32>(), any_ivec3()).prop_map(|(count, step)| Command::Array { count, step }),
         orientation().prop_map(Command::Orient),
-        mend(any_number).prop_map(Command::Mend),
+        repair(any_number).prop_map(Command::Repair),
         surface_kind().prop_map(Command::Surface),
         steps().prop_map(|steps| Command::Undo { steps }),
         steps().prop_map(|steps| Command::Redo { steps }),

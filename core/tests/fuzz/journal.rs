@@ -1,7 +1,7 @@
 //! Journals: bytes of the file, and payloads of records whose checksums fit.
 
 use sculpture_core::document::Limits;
-use sculpture_core::journal::Left;
+use sculpture_core::journal::AbandonedJournal;
 use sculpture_core::journal::frame::{self, RecordBuffer};
 use sculpture_core::session::{recover, summary};
 
@@ -69,8 +69,8 @@ fn damaged_journals_do_no_harm() {
         return;
     }
     fuzz("journal", 400, &[seed()], seal, |_, bytes| {
-        let source = || match options(&Memory::with_journal(bytes)).shelf.open(1) {
-            Left::Journal(source) => source,
+        let source = || match options(&Memory::with_journal(bytes)).journal_dir.open(1) {
+            AbandonedJournal::Journal(source) => source,
             _ => panic!("it cannot be opened"),
         };
         let known = summary(source(), &small());

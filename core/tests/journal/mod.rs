@@ -10,14 +10,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use sculpture_core::document::{DocumentSnapshot, Limits};
-use sculpture_core::journal::{JournalOptions, Left, Shelf};
+use sculpture_core::journal::{AbandonedJournal, JournalDir, JournalOptions};
 use sculpture_core::session::{Recovered, Session, recover};
 
 use self::memory::Memory;
 
 pub fn options(memory: &Memory) -> JournalOptions {
-    let shelf = Shelf::with_files(Path::new("/state/journals"), memory.files());
-    JournalOptions { retry: Duration::from_millis(1), ..JournalOptions::new(shelf) }
+    let journal_dir = JournalDir::with_files(Path::new("/state/journals"), memory.files());
+    JournalOptions { retry: Duration::from_millis(1), ..JournalOptions::new(journal_dir) }
 }
 
 /// A session with a new sculpture of 24x20x12 voxels and 24 bits of colour.
@@ -29,9 +29,11 @@ pub fn session(limits: Limits) -> Session {
 
 /// What is left at the only number of the shelf.
 pub fn recovered(memory: &Memory) -> Option<Recovered> {
-    let shelf = options(memory).shelf;
-    let number = *shelf.numbers().unwrap().first()?;
-    let Left::Journal(source) = shelf.open(number) else { panic!("it is in use") };
+    let journal_dir = options(memory).journal_dir;
+    let number = *journal_dir.numbers().unwrap().first()?;
+    let AbandonedJournal::Journal(source) = journal_dir.open(number) else {
+        panic!("it is in use")
+    };
     Some(recover(source, &Limits::default(), None, &()).unwrap())
 }
 

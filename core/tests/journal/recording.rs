@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 use sculpture_core::command::Command;
 use sculpture_core::document::Limits;
-use sculpture_core::journal::Left;
+use sculpture_core::journal::AbandonedJournal;
 use sculpture_core::session::{Session, recover};
 
 use super::memory::Memory;
@@ -60,7 +60,7 @@ fn file(folder: &Path, first: bool) -> PathBuf {
 fn killed(session: &mut Session, memory: &Memory) -> (Session, Memory) {
     session.wait_for_journal();
     let left = memory.left(false);
-    let Left::Journal(source) = options(&left).shelf.open(1) else { panic!() };
+    let AbandonedJournal::Journal(source) = options(&left).journal_dir.open(1) else { panic!() };
     let again = recover(source, &Limits::default(), None, &()).unwrap();
     assert_eq!(again.report.difference, None);
     let mut again = again.session;
@@ -154,7 +154,9 @@ fn an_image_from_before_a_checkpoint_is_kept_again() {
     session.keep_journal(options(&memory)).unwrap();
     session.execute(&line.parse().unwrap(), &()).unwrap();
     session.wait_for_journal();
-    let Left::Journal(source) = options(&memory.left(false)).shelf.open(1) else { panic!() };
+    let AbandonedJournal::Journal(source) = options(&memory.left(false)).journal_dir.open(1) else {
+        panic!()
+    };
     let again = recover(source, &Limits::default(), None, &()).unwrap();
     assert_eq!(again.report.difference, None);
     assert!(again.session.document().contents() == session.document().contents());

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use sculpture_core::command::Command;
 use sculpture_core::document::Limits;
 use sculpture_core::journal::frame::Ending;
-use sculpture_core::journal::{JournalOptions, Left};
+use sculpture_core::journal::{AbandonedJournal, JournalOptions};
 use sculpture_core::sculpture::Digest;
 use sculpture_core::session::{Session, recover, summary};
 
@@ -101,8 +101,11 @@ fn steps_on_disk_are_in_the_journal() {
     execute(&mut session, "undo 3");
     session.sync_journal();
     let left = memory.left(false);
-    let shelf = options(&left).shelf;
-    let Left::Journal(source) = shelf.open(shelf.numbers().unwrap()[0]) else { panic!("in use") };
+    let journal_dir = options(&left).journal_dir;
+    let AbandonedJournal::Journal(source) = journal_dir.open(journal_dir.numbers().unwrap()[0])
+    else {
+        panic!("in use")
+    };
     let again = recover(source, &limits, Some(folder.path()), &()).unwrap();
     assert_eq!(again.report.difference, None);
     for session in [&mut session, &mut { again.session }] {
@@ -152,8 +155,8 @@ fn files_and_pictures_are_kept_by_content() {
     session.wait_for_journal();
     // None of them is there any more.
     drop(folder);
-    let source = |memory: &Memory| match options(memory).shelf.open(1) {
-        Left::Journal(source) => source,
+    let source = |memory: &Memory| match options(memory).journal_dir.open(1) {
+        AbandonedJournal::Journal(source) => source,
         _ => panic!("it cannot be opened"),
     };
     let left = memory.left(false);
@@ -203,7 +206,9 @@ fn cut_or_damaged_anywhere_it_gives_back_a_state_that_was() {
     let whole = written(&session, &memory);
     let digest_of = |bytes: &[u8]| {
         let left = Memory::with_journal(bytes);
-        let Left::Journal(source) = options(&left).shelf.open(1) else { panic!() };
+        let AbandonedJournal::Journal(source) = options(&left).journal_dir.open(1) else {
+            panic!()
+        };
         recover(source, &Limits::default(), None, &()).ok().map(|again| {
             assert_eq!(again.report.difference, None);
             Digest::of(again.session.document().contents())
@@ -284,11 +289,11 @@ fn it_is_removed_where_nothing_is_lost_and_stays_where_something_is() {
     execute(&mut changed, "clear");
     changed.wait_for_journal();
     assert_eq!(changed.journal_number(), Some(2), "no two share a number");
-    assert!(matches!(options(&memory).shelf.open(2), Left::InUse));
+    assert!(matches!(options(&memory).journal_dir.open(2), AbandonedJournal::InUse));
     drop(unchanged);
     assert_eq!(memory.count(), 1);
     drop(changed);
-    assert!(matches!(options(&memory).shelf.open(2), Left::Journal(_)));
+    assert!(matches!(options(&memory).journal_dir.open(2), AbandonedJournal::Journal(_)));
     let mut discarded = session(Limits::default());
     discarded.keep_journal(options(&memory)).unwrap();
     execute(&mut discarded, "clear");
@@ -298,7 +303,7 @@ fn it_is_removed_where_nothing_is_lost_and_stays_where_something_is() {
 }
 
 fn summary_dims(memory: &Memory) -> [u32; 3] {
-    let Left::Journal(source) = options(memory).shelf.open(2) else { panic!() };
+    let AbandonedJournal::Journal(source) = options(memory).journal_dir.open(2) else { panic!() };
     summary(source, &Limits::default()).unwrap().dims
 }
 

@@ -1,7 +1,7 @@
 //! The undo history of saved files: what comes back after closing and opening, what is refused, what is removed.
 
+mod dir;
 mod faults;
-mod shelf;
 
 use std::path::{Path, PathBuf};
 

@@ -16,7 +16,7 @@ use crate::editor::tool_change::ToolChange;
 use crate::input::{DrawKind, ToolMode};
 use crate::picking::{Picker, SurfacePoint};
 use crate::sculpture::Grid;
-use crate::tools::drawn::Form;
+use crate::tools::drawn::DrawnSolid;
 
 /// Least distance from one point of a drag to the next, in pixels.
 const SPACING_PX: f32 = 2.0;
@@ -200,7 +200,7 @@ impl Drawing {
         grid: &Grid,
     ) -> Result<Vec<Command>, String> {
         let change = change.into();
-        let one = |form: Form| vec![change.by_form(form)];
+        let one = |form: DrawnSolid| vec![change.by_drawn_solid(form)];
         let (view, point) = (&self.view, self.ground.point);
         let made = match self.kind {
             DrawKind::Lasso | DrawKind::Rectangle => {

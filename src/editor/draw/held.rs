@@ -44,7 +44,7 @@ impl Editor {
         let edges = voxel_size / voxel_size.min_element();
         if let Some(form) = tube::curve(&way, self.tool.draws.radii, edges) {
             let mode = self.tool.mode;
-            let commands = vec![self.tool.change(mode).by_form(form)];
+            let commands = vec![self.tool.change(mode).by_drawn_solid(form)];
             self.carry_out_drawn(DrawKind::Curve, mode, commands);
         }
     }

@@ -1,6 +1,6 @@
 //! Turned solids: half a profile is drawn beside an axis that goes up through the press.
 //!
-//! From pixels to a [`Form::Lathe`].
+//! From pixels to a [`DrawnSolid::Lathe`].
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::thin::thinned_flat;
 use super::view::{View, circle};
-use crate::tools::drawn::{Form, Pose};
+use crate::tools::drawn::{DrawnSolid, Pose};
 
 /// Furthest that the profile may lie from what was drawn, in units of the smallest edge.
 const TOLERANCE: f32 = 0.25;
@@ -55,7 +55,7 @@ impl Axis {
     }
 
     /// The solid; none if the profile has hardly an extent.
-    pub fn turned(&self, view: &View, drawn: &[Vec2]) -> Option<Form> {
+    pub fn turned(&self, view: &View, drawn: &[Vec2]) -> Option<DrawnSolid> {
         let profile = thinned_flat(&self.profile(view, drawn), TOLERANCE, MOST_POINTS);
         let widest = profile.iter().map(|p| p.x).fold(0.0, f32::max);
         let heights = profile.iter().map(|p| p.y);
@@ -64,7 +64,7 @@ impl Axis {
             return None;
         }
         let rotation = Quat::from_mat3(&Mat3::from_cols(self.right, self.up, self.near));
-        Some(Form::Lathe {
+        Some(DrawnSolid::Lathe {
             pose: Pose { at_vx: self.at_vx, rotation: rotation.normalize() },
             profile: Arc::from(profile),
         })
@@ -117,7 +117,7 @@ mod tests {
                 .unwrap();
                 let form = axis.turned(&view, &drawn).unwrap();
                 form.check().unwrap();
-                let Form::Lathe { pose, profile } = form else { panic!() };
+                let DrawnSolid::Lathe { pose, profile } = form else { panic!() };
                 assert_eq!(profile.len(), drawn.len());
                 assert!(profile[0].x < 1e-2, "it begins on the axis");
                 for (point, pixel) in profile.iter().zip(&drawn) {
@@ -141,7 +141,9 @@ mod tests {
         let way = [[0.0, 0.0], [15.0, 0.0], [15.0, -12.0], [4.0, -20.0]].map(Vec2::from);
         let [right, left] = [1.0, -1.0].map(|side| {
             let drawn = way.map(|p| start + p * Vec2::new(side, 1.0));
-            let Some(Form::Lathe { profile, .. }) = axis.turned(view, &drawn) else { panic!() };
+            let Some(DrawnSolid::Lathe { profile, .. }) = axis.turned(view, &drawn) else {
+                panic!()
+            };
             profile
         });
         for (a, b) in right.iter().zip(&left[..]) {

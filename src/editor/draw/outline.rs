@@ -1,7 +1,7 @@
 //! Outlines and lines over the picture: what lies behind an outline, or on one side of a line.
 //!
-//! From pixels to forms, as any script may write them: an [`Form::Extrusion`] along the line of sight through the middle
-//! of the outline, or a [`Form::HalfSpace`] whose plane contains the eye.
+//! From pixels to forms, as any script may write them: an [`DrawnSolid::Extrusion`] along the line of sight through the middle
+//! of the outline, or a [`DrawnSolid::HalfSpace`] whose plane contains the eye.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::thin::thinned_flat;
 use super::view::View;
-use crate::tools::drawn::{Form, Pose};
+use crate::tools::drawn::{DrawnSolid, Pose};
 
 /// Smallest outline that is meant, in square pixels.
 const LEAST_AREA_PX: f32 = 30.0;
@@ -40,7 +40,12 @@ pub fn is_meant(outline: &[Vec2]) -> bool {
 /// Returns the prism that an outline (pixels) covers. The outline is as large as it is drawn at `target_vx`. The prism
 /// extends along the line of sight through the outline's middle, by `depth` (in units of the smallest edge of a voxel)
 /// about the target, or through the whole grid.
-pub fn prism(view: &View, outline: &[Vec2], target_vx: Vec3, depth: Option<f32>) -> Option<Form> {
+pub fn prism(
+    view: &View,
+    outline: &[Vec2],
+    target_vx: Vec3,
+    depth: Option<f32>,
+) -> Option<DrawnSolid> {
     let closed: Vec<Vec2> = outline.iter().chain(outline.first()).copied().collect();
     let mut outline = thinned_flat(&closed, TOLERANCE_PX, MOST_POINTS);
     outline.pop();
@@ -68,7 +73,7 @@ pub fn prism(view: &View, outline: &[Vec2], target_vx: Vec3, depth: Option<f32>)
         2.0 * furthest + 2.0
     };
     let rotation = Quat::from_mat3(&Mat3::from_cols(right, up, near)).normalize();
-    Some(Form::Extrusion {
+    Some(DrawnSolid::Extrusion {
         pose: Pose { at_vx: centre / view.edges, rotation },
         outlines: Arc::new([outline?]),
         depth: depth.unwrap_or_else(through),
@@ -77,7 +82,7 @@ pub fn prism(view: &View, outline: &[Vec2], target_vx: Vec3, depth: Option<f32>)
 
 /// Returns everything that is seen on one side of a line through two pixels: to the right when going from the first to
 /// the second, or with `other` to the left.
-pub fn half_space(view: &View, from: Vec2, to: Vec2, other: bool) -> Option<Form> {
+pub fn half_space(view: &View, from: Vec2, to: Vec2, other: bool) -> Option<DrawnSolid> {
     if from.distance(to) < LEAST_LINE_PX {
         return None;
     }
@@ -89,7 +94,7 @@ pub fn half_space(view: &View, from: Vec2, to: Vec2, other: bool) -> Option<Form
     // A point of the plane near the grid, where numbers are exact.
     let (eye, middle) = (view.eye(), view.middle() * view.edges);
     let at = middle - normal * (middle - eye).dot(normal);
-    Some(Form::HalfSpace { at_vx: at / view.edges, normal })
+    Some(DrawnSolid::HalfSpace { at_vx: at / view.edges, normal })
 }
 
 /// To the right of a line in the picture, or to its left; of length 1.
@@ -124,7 +129,7 @@ mod tests {
         for view in views() {
             let form = prism(&view, &outline, view.middle(), None).unwrap();
             form.check().unwrap();
-            let Form::Extrusion { pose, outlines, depth } = form else { panic!() };
+            let DrawnSolid::Extrusion { pose, outlines, depth } = form else { panic!() };
             for (point, pixel) in outlines[0].iter().zip(&outline) {
                 let place = pose.at_vx + pose.rotation * point.extend(0.0) / view.edges;
                 let seen = view.sight.pixel_of(place).unwrap();
@@ -133,7 +138,7 @@ mod tests {
             let across = (view.dims.as_vec3() * view.edges).length();
             assert!(depth > 0.5 * across && depth < 2.5 * across, "{depth}");
             let slab = prism(&view, &outline, view.middle(), Some(6.0)).unwrap();
-            assert!(matches!(slab, Form::Extrusion { depth: 6.0, .. }));
+            assert!(matches!(slab, DrawnSolid::Extrusion { depth: 6.0, .. }));
         }
     }
 
@@ -144,7 +149,7 @@ mod tests {
             for other in [false, true] {
                 let form = half_space(&view, from, to, other).unwrap();
                 form.check().unwrap();
-                let Form::HalfSpace { at_vx, normal } = form else { panic!() };
+                let DrawnSolid::HalfSpace { at_vx, normal } = form else { panic!() };
                 for i in 0..60 {
                     let at = Vec2::new((i * 37 % 200) as f32, (i * 61 % 100) as f32);
                     let place = view.sight.at_depth(at, view.sight.depth(view.middle()));
@@ -180,7 +185,8 @@ mod tests {
         let round: Vec<Vec2> = (0..5000)
             .map(|i| Vec2::new(100.0, 50.0) + Vec2::from_angle(i as f32 * 0.00125664) * 30.0)
             .collect();
-        let Some(Form::Extrusion { outlines, .. }) = prism(&view, &round, view.middle(), None)
+        let Some(DrawnSolid::Extrusion { outlines, .. }) =
+            prism(&view, &round, view.middle(), None)
         else {
             panic!()
         };

@@ -1,6 +1,6 @@
 //! Letters on a surface: where they stand, and the forms that they are.
 //!
-//! One [`Form::Extrusion`] a letter, as deep into the surface as out of it. On a flat surface all letters stand in one
+//! One [`DrawnSolid::Extrusion`] a letter, as deep into the surface as out of it. On a flat surface all letters stand in one
 //! plane; on a curved one the line bends with it, from its middle on, and each letter stands where it is. Letters that the
 //! surface does not reach are named.
 
@@ -13,7 +13,7 @@ use super::view::View;
 use crate::editor::surface_guide::normal_around;
 use crate::sculpture::Grid;
 use crate::surface::raycast;
-use crate::tools::drawn::{Form, Pose};
+use crate::tools::drawn::{DrawnSolid, Pose};
 
 /// A normal so near to an axis of the grid is meant to be that axis: the cosine of 8 degrees.
 const NEARLY: f32 = 0.99;
@@ -123,14 +123,14 @@ impl Stand {
     }
 
     /// The solids of letters that reach `depth` out of the surface, and as deep into it.
-    pub fn forms(&self, grid: &Grid, letters: &[Letter], depth: f32) -> Vec<Form> {
+    pub fn forms(&self, grid: &Grid, letters: &[Letter], depth: f32) -> Vec<DrawnSolid> {
         let placed = self.of_letters(grid, letters);
         let form = |(letter, placed): (&Letter, &Placed)| {
             let rotation = Quat::from_mat3(&placed.stand.axes).normalize();
             let outlines: Arc<[Arc<[Vec2]>]> =
                 own(letter).map(|outline| outline.collect()).collect();
             let pose = Pose { at_vx: placed.stand.at_vx, rotation };
-            Form::Extrusion { pose, outlines, depth: 2.0 * depth }
+            DrawnSolid::Extrusion { pose, outlines, depth: 2.0 * depth }
         };
         letters.iter().zip(&placed).map(form).collect()
     }
@@ -199,9 +199,9 @@ mod tests {
         Stand { at_vx, axes: Mat3::IDENTITY }
     }
 
-    fn poses(forms: &[Form]) -> Vec<Pose> {
-        let pose = |form: &Form| match form {
-            Form::Extrusion { pose, .. } => *pose,
+    fn poses(forms: &[DrawnSolid]) -> Vec<Pose> {
+        let pose = |form: &DrawnSolid| match form {
+            DrawnSolid::Extrusion { pose, .. } => *pose,
             _ => panic!("{form:?}"),
         };
         forms.iter().map(pose).collect()

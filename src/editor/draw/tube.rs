@@ -1,6 +1,6 @@
 //! Lines and curves: tubes along what the pointer or a hand has drawn, or through points.
 //!
-//! Takes places of the grid in voxels; gives a [`Form::Tube`] with few beads, so that its command is short, and the lines
+//! Takes places of the grid in voxels; gives a [`DrawnSolid::Tube`] with few beads, so that its command is short, and the lines
 //! that show it.
 
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::thin::{evened, length, thinned_to};
 use super::view::{View, chain};
 use crate::tools::drawn::curve::way_of_tube;
-use crate::tools::drawn::{Bead, Form};
+use crate::tools::drawn::{ControlPoint, DrawnSolid};
 
 /// Most beads of a curve.
 const MOST_BEADS: usize = 256;
@@ -24,16 +24,16 @@ const TOLERANCE: f32 = 0.06;
 const LEAST_STEP: f32 = 1e-2;
 
 /// A straight tube between two places; a ball if they are the same.
-pub fn line(from_vx: Vec3, to_vx: Vec3, radii: [f32; 2]) -> Form {
-    let ends =
-        [(from_vx, radii[0]), (to_vx, radii[1])].map(|(at_vx, radius)| Bead { at_vx, radius });
+pub fn line(from_vx: Vec3, to_vx: Vec3, radii: [f32; 2]) -> DrawnSolid {
+    let ends = [(from_vx, radii[0]), (to_vx, radii[1])]
+        .map(|(at_vx, radius)| ControlPoint { at_vx, radius });
     let count = if from_vx == to_vx { 1 } else { 2 };
-    Form::Tube { beads: ends.into_iter().take(count).collect() }
+    DrawnSolid::Tube { control_points: ends.into_iter().take(count).collect() }
 }
 
 /// A tube along a way (voxels), its radius changing evenly from one end to the other. `edges`: of a voxel, in units of the
 /// smallest.
-pub fn curve(way_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<Form> {
+pub fn curve(way_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<DrawnSolid> {
     let (first, last) = (*way_vx.first()?, *way_vx.last()?);
     let thick = 0.5 * (radii[0] + radii[1]);
     let way: Vec<Vec3> = way_vx.iter().map(|p| *p * edges).collect();
@@ -43,28 +43,29 @@ pub fn curve(way_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<Form> {
     let even = even(&way, thick);
     let mut thin = thinned_to(&even, (TOLERANCE * thick).max(0.2), MOST_BEADS);
     thin.dedup_by(|a, b| a.distance(*b) < LEAST_STEP);
-    Some(Form::Tube { beads: beads(&thin, radii, edges) })
+    Some(DrawnSolid::Tube { control_points: control_points(&thin, radii, edges) })
 }
 
 /// A tube along a smooth curve through places (voxels), its radius changing evenly from the first to the last; none
 /// without a place.
-pub fn through(places_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<Form> {
+pub fn through(places_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<DrawnSolid> {
     let mut places: Vec<Vec3> = places_vx.iter().map(|p| *p * edges).collect();
     places.dedup_by(|a, b| a.distance(*b) < LEAST_STEP);
-    (!places.is_empty()).then(|| Form::Tube { beads: beads(&places, radii, edges) })
+    (!places.is_empty())
+        .then(|| DrawnSolid::Tube { control_points: control_points(&places, radii, edges) })
 }
 
 /// Beads at places (units of the smallest edge), their radii by their shares of the way.
-fn beads(places: &[Vec3], radii: [f32; 2], edges: Vec3) -> Arc<[Bead]> {
+fn control_points(places: &[Vec3], radii: [f32; 2], edges: Vec3) -> Arc<[ControlPoint]> {
     let total = length(places).max(f32::MIN_POSITIVE);
     let mut gone = 0.0;
     let mut before = places.first().copied().unwrap_or_default();
-    let bead = |p: &Vec3| {
+    let control_point = |p: &Vec3| {
         gone += p.distance(std::mem::replace(&mut before, *p));
         let radius = radii[0] + (radii[1] - radii[0]) * (gone / total).min(1.0);
-        Bead { at_vx: *p / edges, radius }
+        ControlPoint { at_vx: *p / edges, radius }
     };
-    places.iter().map(bead).collect()
+    places.iter().map(control_point).collect()
 }
 
 /// A way (units of the smallest edge) for a tube of a radius without the trembling of a hand.
@@ -78,32 +79,34 @@ pub fn sketch(view: &View, way_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
     let way: Vec<Vec3> = way_vx.iter().map(|p| *p * view.edges).collect();
     let even = even(&way, 0.5 * (radii[0] + radii[1]));
     let count = even.len() as f32 - 1.0;
-    let bead = |(i, p): (usize, &Vec3)| Bead {
+    let control_point = |(i, p): (usize, &Vec3)| ControlPoint {
         at_vx: *p / view.edges,
         radius: radii[0] + (radii[1] - radii[0]) * (i as f32 / count),
     };
-    let beads: Vec<Bead> = even.iter().enumerate().map(bead).collect();
-    outline(view, &beads)
+    let control_points: Vec<ControlPoint> = even.iter().enumerate().map(control_point).collect();
+    outline(view, &control_points)
 }
 
 /// Returns the lines that show a tube through places while they are chosen.
 pub fn sketch_through(view: &View, places_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
     match through(places_vx, radii, view.edges) {
-        Some(Form::Tube { beads }) => outline(view, &way_of_tube(&beads, view.edges)),
+        Some(DrawnSolid::Tube { control_points }) => {
+            outline(view, &way_of_tube(&control_points, view.edges))
+        }
         _ => Vec::new(),
     }
 }
 
 /// The middle line of a tube, its ends, and its outline as the viewer sees it.
-fn outline(view: &View, way: &[Bead]) -> Vec<[Vec3; 2]> {
+fn outline(view: &View, way: &[ControlPoint]) -> Vec<[Vec3; 2]> {
     let (Some(first), Some(last)) = (way.first(), way.last()) else { return Vec::new() };
-    let middle: Vec<Vec3> = way.iter().map(|bead| bead.at_vx).collect();
+    let middle: Vec<Vec3> = way.iter().map(|control_point| control_point.at_vx).collect();
     let mut lines: Vec<[Vec3; 2]> = chain(&middle).collect();
     lines.extend(view.circle(first.at_vx, first.radius));
     lines.extend(view.circle(last.at_vx, last.radius));
     let eye = view.eye();
     let rim = |side: f32| -> Vec<Vec3> {
-        let at = |pair: &[Bead]| {
+        let at = |pair: &[ControlPoint]| {
             let (a, b) = (pair[0].at_vx * view.edges, pair[1].at_vx * view.edges);
             let out = (b - a).cross(a - eye).normalize_or_zero() * side;
             [(a, pair[0].radius), (b, pair[1].radius)]
@@ -127,10 +130,10 @@ mod tests {
     #[test]
     fn a_click_is_a_ball_and_a_drag_a_rod() {
         let at = Vec3::new(4.0, 5.0, 6.0);
-        let Form::Tube { beads } = line(at, at, [2.0, 3.0]) else { panic!() };
-        assert_eq!(beads[..], [Bead { at_vx: at, radius: 2.0 }]);
-        let Form::Tube { beads } = line(at, at + 1.0, [2.0, 3.0]) else { panic!() };
-        assert_eq!((beads.len(), beads[1].radius), (2, 3.0));
+        let DrawnSolid::Tube { control_points } = line(at, at, [2.0, 3.0]) else { panic!() };
+        assert_eq!(control_points[..], [ControlPoint { at_vx: at, radius: 2.0 }]);
+        let DrawnSolid::Tube { control_points } = line(at, at + 1.0, [2.0, 3.0]) else { panic!() };
+        assert_eq!((control_points.len(), control_points[1].radius), (2, 3.0));
         for way in [vec![at], vec![at; 9], vec![at, at + 0.1]] {
             curve(&way, [1.0, 2.0], Vec3::ONE).unwrap().check().unwrap();
         }
@@ -142,35 +145,60 @@ mod tests {
         // A slope of one in four, as the faces of voxels have it.
         let steps: Vec<Vec3> =
             (0..200).map(|i| Vec3::new(i as f32 * 0.5, (i / 8) as f32, 10.0)).collect();
-        let Some(Form::Tube { beads }) = curve(&steps, [4.0, 2.0], Vec3::ONE) else { panic!() };
-        assert!(beads.len() < 16, "{}", beads.len());
-        assert_eq!((beads[0].at_vx, beads[beads.len() - 1].at_vx), (steps[0], steps[199]));
-        assert_eq!((beads[0].radius, beads[beads.len() - 1].radius), (4.0, 2.0));
-        for bead in &beads[..] {
-            assert!((bead.at_vx.y - bead.at_vx.x * 0.25).abs() < 1.0, "{bead:?}");
+        let Some(DrawnSolid::Tube { control_points }) = curve(&steps, [4.0, 2.0], Vec3::ONE) else {
+            panic!()
+        };
+        assert!(control_points.len() < 16, "{}", control_points.len());
+        assert_eq!(
+            (control_points[0].at_vx, control_points[control_points.len() - 1].at_vx),
+            (steps[0], steps[199])
+        );
+        assert_eq!(
+            (control_points[0].radius, control_points[control_points.len() - 1].radius),
+            (4.0, 2.0)
+        );
+        for control_point in &control_points[..] {
+            assert!(
+                (control_point.at_vx.y - control_point.at_vx.x * 0.25).abs() < 1.0,
+                "{control_point:?}"
+            );
         }
         // A half circle stays one.
         let round: Vec<Vec3> = (0..=300)
             .map(|i| (Vec2::from_angle(i as f32 * 0.0104719) * 30.0).extend(0.0))
             .collect();
-        let Some(Form::Tube { beads }) = curve(&round, [3.0, 3.0], Vec3::ONE) else { panic!() };
-        assert!((6..40).contains(&beads.len()), "{}", beads.len());
-        assert!(beads.iter().all(|bead| (bead.at_vx.length() - 30.0).abs() < 0.4), "{beads:?}");
+        let Some(DrawnSolid::Tube { control_points }) = curve(&round, [3.0, 3.0], Vec3::ONE) else {
+            panic!()
+        };
+        assert!((6..40).contains(&control_points.len()), "{}", control_points.len());
+        assert!(
+            control_points
+                .iter()
+                .all(|control_point| (control_point.at_vx.length() - 30.0).abs() < 0.4),
+            "{control_points:?}"
+        );
     }
 
     #[test]
     fn a_tube_goes_through_the_places_that_were_chosen() {
         let places = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 30.0, 0.0]];
         let places = places.map(Vec3::from);
-        let Some(Form::Tube { beads }) = through(&places, [4.0, 2.0], Vec3::ONE) else { panic!() };
-        let at: Vec<Vec3> = beads.iter().map(|bead| bead.at_vx).collect();
-        assert_eq!(at, places[1..], "what follows in the same place counts once");
-        let radii: Vec<f32> = beads.iter().map(|bead| bead.radius).collect();
-        assert_eq!(radii, [4.0, 3.5, 2.0]);
-        let Some(Form::Tube { beads }) = through(&places[..2], [4.0, 2.0], Vec3::ONE) else {
+        let Some(DrawnSolid::Tube { control_points }) = through(&places, [4.0, 2.0], Vec3::ONE)
+        else {
             panic!()
         };
-        assert_eq!(beads[..], [Bead { at_vx: Vec3::ZERO, radius: 4.0 }]);
+        let at: Vec<Vec3> =
+            control_points.iter().map(|control_point| control_point.at_vx).collect();
+        assert_eq!(at, places[1..], "what follows in the same place counts once");
+        let radii: Vec<f32> =
+            control_points.iter().map(|control_point| control_point.radius).collect();
+        assert_eq!(radii, [4.0, 3.5, 2.0]);
+        let Some(DrawnSolid::Tube { control_points }) =
+            through(&places[..2], [4.0, 2.0], Vec3::ONE)
+        else {
+            panic!()
+        };
+        assert_eq!(control_points[..], [ControlPoint { at_vx: Vec3::ZERO, radius: 4.0 }]);
         assert_eq!(through(&[], [4.0, 2.0], Vec3::ONE), None);
     }
 

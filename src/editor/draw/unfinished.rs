@@ -163,7 +163,7 @@ impl Editor {
             }
             What::Curve(points) => {
                 let form = tube::through(&points.places(), self.tool.draws.radii, edges);
-                form.map(|form| change.by_form(form))
+                form.map(|form| change.by_drawn_solid(form))
             }
         };
         self.carry_out_drawn(drawn.kind(), mode, command.into_iter().collect());

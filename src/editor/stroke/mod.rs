@@ -27,7 +27,7 @@ use lead::Lead;
 use picture::PictureStroke;
 use solid::SolidStroke;
 use surface::SurfaceStroke;
-use sweep::Leg;
+use sweep::SweepSegment;
 
 pub(super) use lead::{PointerLead, Scene};
 pub(super) use solid::{Guide, PointerGuide};
@@ -118,7 +118,7 @@ impl Editor {
         unpaints: bool,
         guide: impl FnOnce(&Scene) -> Guide,
     ) {
-        let label = self.tool.command(mode, &Leg::place(&self.tool.primitive())).label();
+        let label = self.tool.command(mode, &SweepSegment::place(&self.tool.primitive())).label();
         let paints = mode == ToolMode::Recolour && self.tool.picture.is_none() && !unpaints;
         let gives_colour = mode == ToolMode::Add || paints;
         self.begin_stroke(label, gives_colour, None, |scene| {

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use glam::{Vec2, Vec3};
 
 use super::lead::{Lead, PointerLead, Scene};
-use super::sweep::{Leg, Sweep};
+use super::sweep::{Sweep, SweepSegment};
 use crate::command::Command;
 use crate::editor::surface_guide::{LEAP, SurfaceGuide};
 use crate::editor::tool::ToolState;
@@ -44,7 +44,7 @@ pub struct SolidStroke {
     unpaints: bool,
     guide: Guide,
     sweep: Sweep,
-    due: VecDeque<Leg>,
+    due: VecDeque<SweepSegment>,
     uses: u32,
 }
 
@@ -58,7 +58,7 @@ impl SolidStroke {
             unpaints,
             guide,
             sweep,
-            due: VecDeque::from([Leg::place(&tool)]),
+            due: VecDeque::from([SweepSegment::place(&tool)]),
             uses: 0,
         }
     }
@@ -92,7 +92,8 @@ impl Lead for SolidStroke {
         if let Guide::Tool { hovering } = &mut self.guide {
             *hovering = None;
             let due = &mut self.due;
-            self.sweep.lead(&at(scene.tool, scene.tool.centre_vx), |leg| due.push_back(leg));
+            self.sweep
+                .lead(&at(scene.tool, scene.tool.centre_vx), |segment| due.push_back(segment));
         }
     }
 
@@ -105,14 +106,14 @@ impl Lead for SolidStroke {
 
     fn finish(&mut self, scene: &mut Scene) {
         let due = &mut self.due;
-        self.sweep.finish(&scene.tool.primitive(), |leg| due.push_back(leg));
+        self.sweep.finish(&scene.tool.primitive(), |segment| due.push_back(segment));
     }
 
     fn next(&mut self, scene: &mut Scene, _: Option<&Picker>) -> Option<Command> {
-        let leg = self.due.pop_front()?;
+        let segment = self.due.pop_front()?;
         self.uses += 1;
         let bare = self.unpaints.then(|| scene.bare_colour());
-        Some(scene.tool.in_use(scene.grip.now, bare).command(self.mode, &leg))
+        Some(scene.tool.in_use(scene.grip.now, bare).command(self.mode, &segment))
     }
 
     fn uses(&self) -> u32 {
@@ -141,11 +142,16 @@ fn at(tool: &ToolState, centre_vx: Vec3) -> Primitive {
 }
 
 /// Leads `sweep` over the surface to `centre_vx`: straight, or where the surface leaps with the tool lifted.
-fn go_over_surface(sweep: &mut Sweep, tool: &ToolState, centre_vx: Vec3, due: &mut VecDeque<Leg>) {
+fn go_over_surface(
+    sweep: &mut Sweep,
+    tool: &ToolState,
+    centre_vx: Vec3,
+    due: &mut VecDeque<SweepSegment>,
+) {
     if sweep.distance(centre_vx) > LEAP * 2.0 * tool.half().max_element() {
-        sweep.finish(&tool.primitive(), |leg| due.push_back(leg));
-        sweep.jump(&at(tool, centre_vx), |leg| due.push_back(leg));
+        sweep.finish(&tool.primitive(), |segment| due.push_back(segment));
+        sweep.jump(&at(tool, centre_vx), |segment| due.push_back(segment));
     } else {
-        sweep.lead(&at(tool, centre_vx), |leg| due.push_back(leg));
+        sweep.lead(&at(tool, centre_vx), |segment| due.push_back(segment));
     }
 }

@@ -1,4 +1,4 @@
-//! The way of a solid that is led through the grid: straight pieces that it sweeps exactly ([`Leg`]), however the hand
+//! The way of a solid that is led through the grid: straight pieces that it sweeps exactly ([`SweepSegment`]), however the hand
 //! moved and however often the device spoke.
 //!
 //! From places and rotations of the tool to legs. Knows no voxels and no document.
@@ -21,7 +21,7 @@ const FURTHEST: f32 = 4096.0;
 
 /// A straight piece of the way, or a place.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Leg {
+pub struct SweepSegment {
     /// Where the tool is at first, in voxels.
     pub from: Vec3,
     /// Where it goes; none if it stays.
@@ -30,10 +30,10 @@ pub struct Leg {
     pub rotation: Quat,
 }
 
-impl Leg {
+impl SweepSegment {
     /// The place where a tool is.
-    pub fn place(tool: &Primitive) -> Leg {
-        Leg { from: tool.centre_vx, to: None, rotation: tool.rotation }
+    pub fn place(tool: &Primitive) -> SweepSegment {
+        SweepSegment { from: tool.centre_vx, to: None, rotation: tool.rotation }
     }
 
     /// Where it ends.
@@ -65,20 +65,20 @@ impl Sweep {
 
     /// Leads `tool` straight to where it is now and gives the legs that are due. Jumps to a place that is too far for
     /// any movement, and ignores a place that is not finite.
-    pub fn lead(&mut self, tool: &Primitive, mut leg: impl FnMut(Leg)) {
+    pub fn lead(&mut self, tool: &Primitive, mut segment: impl FnMut(SweepSegment)) {
         let to = tool.centre_vx;
         if !to.is_finite() {
             return;
         }
         if self.distance(to) > FURTHEST {
-            self.finish(tool, &mut leg);
-            self.jump(tool, leg);
+            self.finish(tool, &mut segment);
+            self.jump(tool, segment);
             return;
         }
         let way = (to - self.used) * self.edges;
         match self.heading {
             Some(heading) if !is_straight_on(heading, (self.at - self.used) * self.edges, way) => {
-                self.finish(tool, &mut leg);
+                self.finish(tool, &mut segment);
                 self.heading = ((to - self.at) * self.edges).try_normalize();
             }
             Some(_) => {}
@@ -87,12 +87,12 @@ impl Sweep {
         self.at = to;
         let length = ((to - self.used) * self.edges).length();
         if length >= LAG * tool.half.min_element() || self.turns(tool) >= 1.0 {
-            self.finish(tool, leg);
+            self.finish(tool, segment);
         }
     }
 
     /// Gives the legs to where the tool has been led, without waiting for more.
-    pub fn finish(&mut self, tool: &Primitive, mut leg: impl FnMut(Leg)) {
+    pub fn finish(&mut self, tool: &Primitive, mut segment: impl FnMut(SweepSegment)) {
         let (from, to) = (self.used, self.at);
         let (before, after) = (self.rotation, tool.rotation);
         let turns = self.turns(tool);
@@ -108,16 +108,16 @@ impl Sweep {
                 true => (from.lerp(to, share), before.slerp(after, share).normalize()),
                 false => (to, after),
             };
-            leg(Leg { from: last, to: (next != last).then_some(next), rotation });
+            segment(SweepSegment { from: last, to: (next != last).then_some(next), rotation });
             last = next;
         }
         (self.used, self.rotation, self.heading) = (to, after, None);
     }
 
     /// Goes on where `tool` is without the way there, and uses it there.
-    pub fn jump(&mut self, tool: &Primitive, mut leg: impl FnMut(Leg)) {
+    pub fn jump(&mut self, tool: &Primitive, mut segment: impl FnMut(SweepSegment)) {
         *self = Sweep::new(tool, self.edges);
-        leg(Leg::place(tool));
+        segment(SweepSegment::place(tool));
     }
 
     /// Distance from where the tool has been led, in edges of the smallest voxel edge.
@@ -157,41 +157,45 @@ mod tests {
     }
 
     /// The legs of a way through points, and to its end.
-    fn legs(points: &[Vec3], half: f32, edges: Vec3) -> Vec<Leg> {
+    fn segments(points: &[Vec3], half: f32, edges: Vec3) -> Vec<SweepSegment> {
         let at = |centre_vx| Primitive { centre_vx, ..tool(half) };
         let mut sweep = Sweep::new(&at(points[0]), edges);
         let mut out = Vec::new();
         for &point in &points[1..] {
-            sweep.lead(&at(point), |leg| out.push(leg));
+            sweep.lead(&at(point), |segment| out.push(segment));
         }
-        sweep.finish(&at(sweep.at), |leg| out.push(leg));
+        sweep.finish(&at(sweep.at), |segment| out.push(segment));
         out
     }
 
     #[test]
     fn a_straight_way_is_a_leg_for_each_lag() {
         let points: Vec<Vec3> = (0..=100).map(|i| Vec3::X * i as f32 * 0.5).collect();
-        let out = legs(&points, 10.0, Vec3::ONE);
+        let out = segments(&points, 10.0, Vec3::ONE);
         assert_eq!(out.len(), 25);
-        assert!(out.iter().all(|leg| leg.to == Some(leg.from + Vec3::X * 2.0)), "{out:?}");
-        let once = legs(&[Vec3::ZERO, Vec3::X * 50.0], 10.0, Vec3::ONE);
-        let whole = Leg { from: Vec3::ZERO, to: Some(Vec3::X * 50.0), rotation: Quat::IDENTITY };
+        assert!(
+            out.iter().all(|segment| segment.to == Some(segment.from + Vec3::X * 2.0)),
+            "{out:?}"
+        );
+        let once = segments(&[Vec3::ZERO, Vec3::X * 50.0], 10.0, Vec3::ONE);
+        let whole =
+            SweepSegment { from: Vec3::ZERO, to: Some(Vec3::X * 50.0), rotation: Quat::IDENTITY };
         assert_eq!(once, [whole]);
         // The end is reached, however little is left.
-        let short = legs(&[Vec3::ZERO, Vec3::X * 0.1], 10.0, Vec3::ONE);
-        assert_eq!(short.last().map(Leg::end), Some(Vec3::X * 0.1));
+        let short = segments(&[Vec3::ZERO, Vec3::X * 0.1], 10.0, Vec3::ONE);
+        assert_eq!(short.last().map(SweepSegment::end), Some(Vec3::X * 0.1));
     }
 
     #[test]
     fn what_is_too_far_is_jumped_to_and_what_is_no_point_is_not_heard() {
         for far in [1e5, 1e7, 1e30, f32::MAX] {
-            let out = legs(&[Vec3::ZERO, Vec3::X * far, Vec3::ZERO], 1.0, Vec3::ONE);
-            let ends: Vec<_> = out.iter().map(|leg| (leg.from, leg.to)).collect();
+            let out = segments(&[Vec3::ZERO, Vec3::X * far, Vec3::ZERO], 1.0, Vec3::ONE);
+            let ends: Vec<_> = out.iter().map(|segment| (segment.from, segment.to)).collect();
             assert_eq!(ends, [(Vec3::X * far, None), (Vec3::ZERO, None)], "{far}");
         }
         let points = [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, Vec3::X * 3.0];
-        let out = legs(&points, 1.0, Vec3::ONE);
-        assert_eq!(out.iter().map(Leg::end).collect::<Vec<_>>(), [Vec3::X * 3.0]);
+        let out = segments(&points, 1.0, Vec3::ONE);
+        assert_eq!(out.iter().map(SweepSegment::end).collect::<Vec<_>>(), [Vec3::X * 3.0]);
     }
 
     #[test]
@@ -203,20 +207,20 @@ mod tests {
             ..tool(20.0)
         };
         let mut out = Vec::new();
-        sweep.lead(&turned(0.5, Solid::Cuboid), |leg| out.push(leg));
+        sweep.lead(&turned(0.5, Solid::Cuboid), |segment| out.push(segment));
         assert_eq!(out, [], "that little is nothing yet");
-        sweep.lead(&turned(4.0, Solid::Cuboid), |leg| out.push(leg));
+        sweep.lead(&turned(4.0, Solid::Cuboid), |segment| out.push(segment));
         // A corner 34.6 voxels from the middle goes 2.4 voxels.
         assert_eq!(out.len(), 5);
-        assert!(out.iter().all(|leg| leg.from == Vec3::ZERO && leg.to.is_none()));
+        assert!(out.iter().all(|segment| segment.from == Vec3::ZERO && segment.to.is_none()));
         assert_eq!(out[4].rotation, turned(4.0, Solid::Cuboid).rotation);
         // A ball is what it is.
         let mut ball = Sweep::new(&turned(0.0, Solid::Ellipsoid), Vec3::ONE);
-        ball.lead(&turned(90.0, Solid::Ellipsoid), |leg| panic!("{leg:?}"));
+        ball.lead(&turned(90.0, Solid::Ellipsoid), |segment| panic!("{segment:?}"));
         // On the way turns are spread evenly.
         let moved = Primitive { centre_vx: Vec3::X * 10.0, ..turned(0.0, Solid::Cuboid) };
         out.clear();
-        sweep.lead(&moved, |leg| out.push(leg));
+        sweep.lead(&moved, |segment| out.push(segment));
         assert_eq!(out.len(), 5);
         assert!((out[0].end().x - 2.0).abs() < 1e-5 && out[4].to == Some(Vec3::X * 10.0));
     }
@@ -235,17 +239,17 @@ mod tests {
             for step in steps {
                 points.push(points[points.len() - 1] + Vec3::from(step));
             }
-            let out = legs(&points, half, edges);
+            let out = segments(&points, half, edges);
             let mut at = points[0];
-            for leg in &out {
-                prop_assert_eq!(leg.from, at);
-                at = leg.end();
+            for segment in &out {
+                prop_assert_eq!(segment.from, at);
+                at = segment.end();
             }
             prop_assert_eq!(at, points[points.len() - 1]);
             prop_assert!(out.len() <= points.len());
             for point in &points {
-                let beside = out.iter().map(|leg| {
-                    let (way, p) = ((leg.end() - leg.from) * edges, (*point - leg.from) * edges);
+                let beside = out.iter().map(|segment| {
+                    let (way, p) = ((segment.end() - segment.from) * edges, (*point - segment.from) * edges);
                     let share = (p.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
                     (p - way * share).length()
                 });
@@ -263,8 +267,8 @@ mod tests {
             let mut sweep = Sweep::new(&tool(half), Vec3::ONE);
             let mut count = 0;
             for way in ways {
-                sweep.lead(&Primitive { centre_vx: way.into(), ..tool(half) }, |leg| {
-                    assert!(leg.from.is_finite() && leg.end().is_finite(), "{leg:?}");
+                sweep.lead(&Primitive { centre_vx: way.into(), ..tool(half) }, |segment| {
+                    assert!(segment.from.is_finite() && segment.end().is_finite(), "{segment:?}");
                     count += 1;
                 });
                 prop_assert!(sweep.at.is_finite());

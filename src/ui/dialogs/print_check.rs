@@ -14,7 +14,7 @@ use crate::print_check::{CheckOptions, Checked, Finding, Kind, Place};
 use crate::render::overlay::Line;
 use crate::sculpture::Rgb;
 use crate::sculpture::region::VoxelBox;
-use crate::tools::repair::Mend;
+use crate::tools::repair::Repair;
 use crate::ui::context::UiContext;
 use crate::ui::dialogs::shared::{Dialog, Shared};
 use crate::ui::request::UiRequest;
@@ -319,16 +319,16 @@ fn of_kind(
         ));
     });
     ui.horizontal_wrapped(|ui| {
-        for mend in &finding.mends {
-            let command = Command::Mend(*mend);
-            let button = ui.add_enabled(is_current, egui::Button::new(name_of(mend)));
+        for repair in &finding.repairs {
+            let command = Command::Repair(*repair);
+            let button = ui.add_enabled(is_current, egui::Button::new(name_of(repair)));
             let button = button.on_hover_text(format!("Runs `{command}`, which can be undone"));
             let button = button.on_disabled_hover_text("The sculpture has changed: check again");
             if button.clicked() {
                 requests.push(UiRequest::Run(command));
             }
         }
-        if finding.mends.is_empty() {
+        if finding.repairs.is_empty() {
             ui.weak("The slicer adds support here");
         }
     });
@@ -362,12 +362,12 @@ const fn meaning(kind: Kind) -> &'static str {
     }
 }
 
-const fn name_of(mend: &Mend) -> &'static str {
-    match mend {
-        Mend::RemoveIslands { .. } => "Remove islands",
-        Mend::FillCavities { .. } => "Fill cavities",
-        Mend::Thicken { .. } => "Thicken walls",
-        Mend::Drain { .. } => "Drill drain holes",
+const fn name_of(repair: &Repair) -> &'static str {
+    match repair {
+        Repair::RemoveIslands { .. } => "Remove islands",
+        Repair::FillCavities { .. } => "Fill cavities",
+        Repair::Thicken { .. } => "Thicken walls",
+        Repair::Drain { .. } => "Drill drain holes",
     }
 }
 

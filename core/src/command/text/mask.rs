@@ -5,9 +5,11 @@ use std::fmt;
 use glam::UVec3;
 
 use super::arguments::Arguments;
-use super::{ParseError, form, list, number, numbers, parse_colour, parse_swept, write_placed};
+use super::{
+    ParseError, drawn_solid, list, number, numbers, parse_colour, parse_swept, write_placed,
+};
 use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
-use crate::tools::drawn::Form;
+use crate::tools::drawn::DrawnSolid;
 use crate::tools::solid::Solid;
 
 /// How far cavities are looked for if nobody says, in voxels.
@@ -25,7 +27,7 @@ pub fn write(change: &MaskChange, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         MaskChange::Put { what, .. } => match what {
             MaskArea::Area(area) => write!(f, " {}", area.name()),
             MaskArea::Solid { primitive, to_vx } => write_placed(primitive, *to_vx, f),
-            MaskArea::Form(form) => form::write(form, f),
+            MaskArea::DrawnSolid(form) => drawn_solid::write(form, f),
             MaskArea::Colour { colour, tolerance } => {
                 write!(f, " colour colour={colour} tolerance={tolerance}")
             }
@@ -65,7 +67,7 @@ fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
     let names = format!(
         "grid, selection, marker, colour, cavities, patch, piece, {}, {}",
         Solid::NAMES.replace(" or ", ", "),
-        Form::NAMES
+        DrawnSolid::NAMES
     );
     let name = args.word(&names)?;
     if let Some(area) = Area::ALL.into_iter().find(|area| area.name() == name) {
@@ -94,8 +96,8 @@ fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
             depth_vx: args.optional("depth", number)?.unwrap_or(DEPTH_VX),
         },
         "piece" => MaskArea::Piece { at: args.required("at", place)? },
-        _ => match form::parse(&name, args)? {
-            Some(form) => MaskArea::Form(form),
+        _ => match drawn_solid::parse(&name, args)? {
+            Some(form) => MaskArea::DrawnSolid(form),
             None => {
                 let (primitive, to_vx) = parse_swept(&name, args, &names)?;
                 MaskArea::Solid { primitive, to_vx }

@@ -10,7 +10,7 @@ use super::stencil::Stencil;
 use crate::sculpture::history::Contents;
 use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{ColourDepth, Grid, Rgb};
-use crate::tools::symmetry::{Image, Symmetry};
+use crate::tools::symmetry::{Symmetry, SymmetryTransform};
 use crate::tools::texture::Texture;
 
 /// The sculpture on which a brush is used.
@@ -22,7 +22,7 @@ pub struct Site<'a> {
     /// The symmetry of tools.
     pub symmetry: &'a Symmetry,
     /// Its images, the use itself among them.
-    pub images: &'a [Image],
+    pub images: &'a [SymmetryTransform],
     /// The image with which the brush paints.
     pub picture: Option<&'a Arc<Texture>>,
 }

@@ -4,7 +4,7 @@
 
 use glam::{IVec3, UVec2, Vec3};
 
-use crate::tools::symmetry::Image;
+use crate::tools::symmetry::SymmetryTransform;
 
 /// Largest radius of a footprint, in rays.
 pub const MAX_FOOTPRINT: f32 = 256.0;
@@ -124,7 +124,7 @@ impl Footprint {
     }
 
     /// The mirrored footprint.
-    pub fn image(&self, image: &Image) -> Footprint {
+    pub fn image(&self, image: &SymmetryTransform) -> Footprint {
         Footprint {
             eye_vx: image.point(self.eye_vx),
             aim: image.vector(self.aim),

@@ -5,7 +5,7 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
-use super::form::Bead;
+use super::drawn_solid::ControlPoint;
 
 /// Furthest that the pieces may be from the curve.
 const TOLERANCE: f64 = 0.02;
@@ -71,12 +71,16 @@ pub fn pieces(balls: &[DVec4]) -> Vec<Piece> {
 
 /// The path of the ball that sweeps a tube, for displaying the tube: straight lines from bead to bead that are as near
 /// to its curve as those of its voxels. `edges`: of a voxel, in units of the smallest. Neighbours must differ in place.
-pub fn way_of_tube(beads: &[Bead], edges: Vec3) -> Vec<Bead> {
-    let ball = |bead: &Bead| (bead.at_vx * edges).as_dvec3().extend(f64::from(bead.radius));
-    let balls: Vec<DVec4> = beads.iter().map(ball).collect();
-    let bead =
-        |ball: DVec4| Bead { at_vx: ball.truncate().as_vec3() / edges, radius: ball.w as f32 };
-    way(&balls).into_iter().map(bead).collect()
+pub fn way_of_tube(control_points: &[ControlPoint], edges: Vec3) -> Vec<ControlPoint> {
+    let ball = |control_point: &ControlPoint| {
+        (control_point.at_vx * edges).as_dvec3().extend(f64::from(control_point.radius))
+    };
+    let balls: Vec<DVec4> = control_points.iter().map(ball).collect();
+    let control_point = |ball: DVec4| ControlPoint {
+        at_vx: ball.truncate().as_vec3() / edges,
+        radius: ball.w as f32,
+    };
+    way(&balls).into_iter().map(control_point).collect()
 }
 
 /// The balls at the ends of the pieces, in order.
@@ -148,14 +152,23 @@ mod tests {
 
     #[test]
     fn the_way_of_a_tube_goes_through_its_beads_and_bends_between_them() {
-        let bead = |x: f32, y: f32, radius| Bead { at_vx: Vec3::new(x, y, 1.0), radius };
-        let beads = [bead(0.0, 0.0, 3.0), bead(20.0, 10.0, 2.0), bead(40.0, 0.0, 1.0)];
-        let way = way_of_tube(&beads, Vec3::new(1.0, 2.0, 1.0));
-        assert!(way.len() > 10 && beads.iter().all(|bead| way.contains(bead)), "{way:?}");
-        let straight = |p: &Bead| p.at_vx.y == 10.0 - (p.at_vx.x - 20.0).abs() * 0.5;
+        let control_point =
+            |x: f32, y: f32, radius| ControlPoint { at_vx: Vec3::new(x, y, 1.0), radius };
+        let control_points = [
+            control_point(0.0, 0.0, 3.0),
+            control_point(20.0, 10.0, 2.0),
+            control_point(40.0, 0.0, 1.0),
+        ];
+        let way = way_of_tube(&control_points, Vec3::new(1.0, 2.0, 1.0));
+        assert!(
+            way.len() > 10
+                && control_points.iter().all(|control_point| way.contains(control_point)),
+            "{way:?}"
+        );
+        let straight = |p: &ControlPoint| p.at_vx.y == 10.0 - (p.at_vx.x - 20.0).abs() * 0.5;
         assert!(!way.iter().all(straight));
-        assert_eq!(way_of_tube(&beads[..2], Vec3::ONE), beads[..2]);
-        assert_eq!(way_of_tube(&beads[..1], Vec3::ONE), beads[..1]);
+        assert_eq!(way_of_tube(&control_points[..2], Vec3::ONE), control_points[..2]);
+        assert_eq!(way_of_tube(&control_points[..1], Vec3::ONE), control_points[..1]);
         assert_eq!(way_of_tube(&[], Vec3::ONE), []);
     }
 

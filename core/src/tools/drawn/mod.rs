@@ -1,10 +1,10 @@
 //! Solids that are drawn: half space, ring, tube, lathe and extrusion.
 //!
-//! From a [`Form`] to the [`crate::sculpture::region::Region`] of its voxels. Knows no grid's contents.
+//! From a [`DrawnSolid`] to the [`crate::sculpture::region::Region`] of its voxels. Knows no grid's contents.
 
 pub mod curve;
-mod form;
+mod drawn_solid;
 mod outline;
 pub mod region;
 
-pub use form::{Bead, FURTHEST_VX, Form, MAX_POINTS, Pose, is_place};
+pub use drawn_solid::{ControlPoint, DrawnSolid, FURTHEST_VX, MAX_POINTS, Pose, is_place};

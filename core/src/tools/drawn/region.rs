@@ -1,6 +1,6 @@
-//! The voxels of a [`Form`] in a grid, as a [`Region`].
+//! The voxels of a [`DrawnSolid`] in a grid, as a [`Region`].
 //!
-//! [`PlacedForm::contains_voxel`] is the definition: the distance of a voxel's centre from the surface, below 0 inside.
+//! [`PlacedDrawnSolid::contains_voxel`] is the definition: the distance of a voxel's centre from the surface, below 0 inside.
 //! No point nearer than that is on the other side, so that bricks and their eighths far from the surface are decided as
 //! a whole. Knows no document.
 
@@ -8,21 +8,21 @@ use fearless_simd::Simd;
 use glam::{DQuat, DVec2, DVec3, DVec4, IVec3, UVec3, Vec3};
 
 use super::curve::{Piece, pieces};
-use super::form::{Form, Pose};
+use super::drawn_solid::{DrawnSolid, Pose};
 use super::outline::Outlines;
 use crate::sculpture::Brick;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::grid::Grid;
 use crate::sculpture::region::{Region, RowReach, VoxelBox};
-use crate::tools::symmetry::Image;
+use crate::tools::symmetry::SymmetryTransform;
 
 /// A form, or an image of it, in the voxel coordinates of one grid.
 #[derive(Clone, Debug)]
-pub struct PlacedForm {
+pub struct PlacedDrawnSolid {
     kind: Kind,
     /// Edges of a voxel in units of the smallest.
     stretch: DVec3,
-    image: Image,
+    image: SymmetryTransform,
     bounds: VoxelBox,
     /// It ends, and by more than a voxel outside the grid.
     leaves_grid: bool,
@@ -75,37 +75,38 @@ fn around_y(p: DVec3) -> DVec2 {
     DVec2::new(p.x.hypot(p.z), p.y)
 }
 
-impl PlacedForm {
+impl PlacedDrawnSolid {
     /// An image of `form`, which must be valid. Covers exactly the mirrored voxels where all planes lie along the grid,
     /// between voxels or through their centres.
-    pub fn new(form: &Form, grid: &Grid, image: Image) -> PlacedForm {
+    pub fn new(form: &DrawnSolid, grid: &Grid, image: SymmetryTransform) -> PlacedDrawnSolid {
         let voxel_size = grid.voxel_size().as_dvec3();
         let stretch = voxel_size / voxel_size.min_element();
         let flat =
             |points: &[glam::Vec2]| -> Vec<DVec2> { points.iter().map(|p| p.as_dvec2()).collect() };
         let everywhere = [DVec3::NEG_INFINITY, DVec3::INFINITY];
         let (kind, [low, high]) = match form {
-            Form::HalfSpace { at_vx, normal } => {
+            DrawnSolid::HalfSpace { at_vx, normal } => {
                 let at = at_vx.as_dvec3() * stretch;
                 (Kind::HalfSpace { at, normal: normal.as_dvec3().normalize() }, everywhere)
             }
-            Form::Ring { pose, radius, tube } => {
+            DrawnSolid::Ring { pose, radius, tube } => {
                 let (frame, radius, tube) =
                     (Frame::new(pose, stretch), f64::from(*radius), f64::from(*tube));
                 let out = DVec3::new(radius + tube, tube, radius + tube);
                 (Kind::Ring { frame, radius, tube }, frame.bounds(-out, out))
             }
-            Form::Tube { beads } => {
+            DrawnSolid::Tube { control_points } => {
                 let ball = |at: Vec3, radius: f32| -> DVec4 {
                     (at.as_dvec3() * stretch).extend(f64::from(radius))
                 };
-                let balls: Vec<_> = beads.iter().map(|b| ball(b.at_vx, b.radius)).collect();
+                let balls: Vec<_> =
+                    control_points.iter().map(|b| ball(b.at_vx, b.radius)).collect();
                 let pieces = pieces(&balls);
                 let bounds = pieces.iter().map(Piece::bounds);
                 let bounds = bounds.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
                 (Kind::Tube(pieces), bounds.unwrap_or(everywhere))
             }
-            Form::Lathe { pose, profile } => {
+            DrawnSolid::Lathe { pose, profile } => {
                 let (frame, points) = (Frame::new(pose, stretch), flat(profile));
                 let mut outline = Outlines::default();
                 outline.join(&points);
@@ -120,7 +121,7 @@ impl PlacedForm {
                 );
                 (Kind::Lathe { frame, profile: outline }, bounds)
             }
-            Form::Extrusion { pose, outlines, depth } => {
+            DrawnSolid::Extrusion { pose, outlines, depth } => {
                 let (frame, half_depth) = (Frame::new(pose, stretch), f64::from(*depth) * 0.5);
                 let mut all = Outlines::default();
                 outlines.iter().for_each(|outline| all.close(&flat(outline)));
@@ -129,7 +130,7 @@ impl PlacedForm {
                 (Kind::Extrusion { frame, outlines: all, half_depth }, bounds)
             }
         };
-        let mut form = PlacedForm {
+        let mut form = PlacedDrawnSolid {
             kind,
             stretch,
             image,
@@ -279,7 +280,7 @@ pub struct FormRow {
     near: Vec<u32>,
 }
 
-impl Region for PlacedForm {
+impl Region for PlacedDrawnSolid {
     type Row = FormRow;
 
     fn bounds_vx(&self) -> VoxelBox {

@@ -4,8 +4,10 @@
 
 pub mod ball;
 pub mod drain;
-mod mend;
+mod plan;
 pub mod thickness;
 
 pub use drain::Toward;
-pub use mend::{Keep, Mend, MendError, MendPlan, check_memory, standing, thickness, voxels_of};
+pub use plan::{
+    Keep, Repair, RepairError, RepairPlan, check_memory, standing, thickness, voxels_of,
+};

@@ -4,11 +4,11 @@
 
 mod bricks;
 mod ends;
-mod lanes;
 mod placed;
 mod planes;
 mod quadric;
 mod shape;
+mod simd_real;
 mod spans;
 mod sweep;
 mod swept;

@@ -20,7 +20,7 @@ use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::region::{Region, RowReach, VoxelBox};
 use crate::tools::drawn::is_place;
-use crate::tools::symmetry::Image;
+use crate::tools::symmetry::SymmetryTransform;
 
 /// A solid at a pose.
 ///
@@ -61,7 +61,7 @@ impl Primitive {
     /// The region that this solid sweeps on the straight way of its centre to `to_vx`, without turning; of the solid
     /// alone for none.
     pub fn swept_in_grid(&self, to_vx: Option<Vec3>, voxel_size: Vec3) -> PlacedSolid {
-        PlacedSolid::new(self, to_vx, voxel_size, &Image::of_planes([None; 3]))
+        PlacedSolid::new(self, to_vx, voxel_size, &SymmetryTransform::of_planes([None; 3]))
     }
 
     /// Its shape in tool space.
@@ -75,13 +75,13 @@ impl Primitive {
         &self,
         to_vx: Option<Vec3>,
         voxel_size: Vec3,
-        image: &Image,
+        image: &SymmetryTransform,
     ) -> PlacedSolid {
         PlacedSolid::new(self, to_vx, voxel_size, image)
     }
 
     /// The mirrored solid, for drawing.
-    pub fn image(&self, image: &Image) -> Primitive {
+    pub fn image(&self, image: &SymmetryTransform) -> Primitive {
         let rotation = image.rotation(self.rotation);
         Primitive { centre_vx: image.point(self.centre_vx), rotation, ..*self }
     }
@@ -131,7 +131,7 @@ impl PlacedSolid {
         primitive: &Primitive,
         to_vx: Option<Vec3>,
         voxel_size: Vec3,
-        image: &Image,
+        image: &SymmetryTransform,
     ) -> PlacedSolid {
         let Primitive { centre_vx, half, rotation, .. } = *primitive;
         let shape = primitive.shape();

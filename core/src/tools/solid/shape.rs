@@ -4,8 +4,8 @@
 
 use glam::DVec3;
 
-use super::lanes::Lanes;
 use super::planes::HalfSpace;
+use super::simd_real::SimdReal;
 
 /// The kind of a solid. In tool space it lies in [-1, 1] on every axis.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -161,7 +161,7 @@ impl Shape {
 
     /// The inside test of one point or eight, as coordinates in tool space.
     #[inline(always)]
-    pub(super) fn holds<N: Lanes>(&self, [x, y, z]: [N; 3]) -> N::Mask {
+    pub(super) fn holds<N: SimdReal>(&self, [x, y, z]: [N; 3]) -> N::Mask {
         let one = x.all(1.0);
         let around_y = x * x + z * z;
         match self.solid {
@@ -191,7 +191,7 @@ impl Shape {
 
     /// The part of a point that is beyond the core, without sign, in units of the ellipsoid that rounds it.
     #[inline(always)]
-    pub(super) fn beyond_core<N: Lanes>(&self, p: [N; 3]) -> [N; 3] {
+    pub(super) fn beyond_core<N: SimdReal>(&self, p: [N; 3]) -> [N; 3] {
         let (core, round) = (self.core, self.round);
         let [x, y, z] = p;
         let zero = x.all(0.0);

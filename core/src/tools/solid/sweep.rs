@@ -9,8 +9,8 @@
 
 use glam::DVec3;
 
-use super::lanes::Lanes;
 use super::shape::{Shape, Solid};
+use super::simd_real::SimdReal;
 
 /// The displacement of a torus is sampled in steps in which its value changes by at least this: a thousandth of the
 /// tube's radius.
@@ -45,7 +45,7 @@ impl Shape {
 
     /// The same for one point or eight, none of them NaN, as coordinates in tool space.
     #[inline(always)]
-    pub(super) fn passes_over<N: Lanes>(&self, p: [N; 3], way: DVec3, margin: f64) -> N::Mask {
+    pub(super) fn passes_over<N: SimdReal>(&self, p: [N; 3], way: DVec3, margin: f64) -> N::Mask {
         let [x, y, z] = p;
         let most = 1.0 + margin;
         // Half the base of a solid with an apex: its limit where heights have no significant digits left.
@@ -102,7 +102,7 @@ impl Shape {
     /// The time from 0 to 1 when the sum of a box and an ellipsoid is nearest to a point. The square of the distance is
     /// convex in time, and quadratic between the times when the point passes a face of the box.
     #[inline(always)]
-    fn nearest_of_sum<N: Lanes>(&self, p: [N; 3], way: DVec3) -> N {
+    fn nearest_of_sum<N: SimdReal>(&self, p: [N; 3], way: DVec3) -> N {
         let core = self.core();
         let zero = p[0].all(0.0);
         let (mut from, mut to) = (zero, p[0].all(1.0));
@@ -139,7 +139,7 @@ impl Shape {
 
     /// Half the slope of the square of the distance at a time.
     #[inline(always)]
-    fn slope_of_sum<N: Lanes>(&self, p: [N; 3], way: DVec3, t: N) -> N {
+    fn slope_of_sum<N: SimdReal>(&self, p: [N; 3], way: DVec3, t: N) -> N {
         let (core, round) = (self.core(), self.round());
         let at = behind(p, way, t);
         let mut slope = t.all(0.0);
@@ -154,7 +154,7 @@ impl Shape {
     /// Marches along the displacement while it is in the box around the solid, each step as long as the value lets the
     /// point be outside.
     #[inline(always)]
-    fn torus_passes<N: Lanes>(&self, p: [N; 3], way: DVec3, margin: f64) -> N::Mask {
+    fn torus_passes<N: SimdReal>(&self, p: [N; 3], way: DVec3, margin: f64) -> N::Mask {
         let zero = p[0].all(0.0);
         let mut times = Times::all(zero);
         let box_half = 1.0 + margin.max(0.0);
@@ -176,7 +176,7 @@ impl Shape {
     }
 
     #[inline(always)]
-    fn torus_value<N: Lanes>(&self, [x, y, z]: [N; 3], margin: f64) -> N {
+    fn torus_value<N: SimdReal>(&self, [x, y, z]: [N; 3], margin: f64) -> N {
         let out = ((x * x + z * z).sqrt() - self.core().x) / self.round().x;
         let up = y / self.round().y;
         (out * out + up * up).sqrt() - (1.0 + margin)
@@ -185,7 +185,7 @@ impl Shape {
 
 /// Where a point is, seen from a solid that has moved along `way` for a time.
 #[inline(always)]
-fn behind<N: Lanes>([x, y, z]: [N; 3], way: DVec3, t: N) -> [N; 3] {
+fn behind<N: SimdReal>([x, y, z]: [N; 3], way: DVec3, t: N) -> [N; 3] {
     [x - t * way.x, y - t * way.y, z - t * way.z]
 }
 
@@ -200,7 +200,7 @@ struct Across<N> {
     foot: N,
 }
 
-impl<N: Lanes> Across<N> {
+impl<N: SimdReal> Across<N> {
     #[inline(always)]
     fn new(x: N, z: N, way: DVec3) -> Across<N> {
         let squared_way = way.x * way.x + way.z * way.z;
@@ -237,7 +237,7 @@ struct Times<N> {
     to: N,
 }
 
-impl<N: Lanes> Times<N> {
+impl<N: SimdReal> Times<N> {
     /// All, of as many points as `like` has.
     #[inline(always)]
     fn all(like: N) -> Times<N> {

@@ -10,7 +10,7 @@ use crate::sculpture::Brick;
 use crate::sculpture::region::Region;
 use crate::surface::raycast::tests::levels;
 use crate::tools::drawn::is_place;
-use crate::tools::symmetry::Image;
+use crate::tools::symmetry::SymmetryTransform;
 
 /// Compares all rows of a grid of `dims` voxels with [`PlacedSolid::contains_voxel`], with each set
 /// of vector instructions.
@@ -211,7 +211,7 @@ proptest! {
         // Images by symmetry may be further away than their originals.
         prop_assert_eq!(primitive.check().is_ok(), is_place(primitive.centre_vx));
         check(&primitive.in_grid(size), dims)?;
-        check(&primitive.image_in_grid(None, size, &Image::of_planes(planes)), dims)?;
+        check(&primitive.image_in_grid(None, size, &SymmetryTransform::of_planes(planes)), dims)?;
     }
 
     #[test]
@@ -224,7 +224,7 @@ proptest! {
     ) {
         let to = Some(primitive.centre_vx + way);
         check(&primitive.swept_in_grid(to, size), dims)?;
-        check(&primitive.image_in_grid(to, size, &Image::of_planes(planes)), dims)?;
+        check(&primitive.image_in_grid(to, size, &SymmetryTransform::of_planes(planes)), dims)?;
     }
 
     #[test]
@@ -390,6 +390,6 @@ fn sweeps_that_once_were_wrong_are_right() {
     };
     let to = Some(far.centre_vx + Vec3::X * 1e30);
     check(&far.swept_in_grid(to, Vec3::ONE), UVec3::ONE).unwrap();
-    let image = far.image_in_grid(to, Vec3::ONE, &Image::of_planes([None; 3]));
+    let image = far.image_in_grid(to, Vec3::ONE, &SymmetryTransform::of_planes([None; 3]));
     check(&image, UVec3::ONE).unwrap();
 }

@@ -21,7 +21,7 @@ use crate::tools::brush::kernel::ball_filter;
 use crate::tools::brush::kernel::rays::{Filtered, Near};
 use crate::tools::brush::kernel::stamp::Stamp;
 use crate::tools::brush::keys::{FALLOFF, HEIGHT, STRENGTH};
-use crate::tools::symmetry::{Image, Symmetry, origin_of};
+use crate::tools::symmetry::{Symmetry, SymmetryTransform, origin_of};
 
 /// How far from the surface clay is added or removed to reach a plane, in the same units.
 const PLANE_REACH: f32 = 12.0;
@@ -179,7 +179,7 @@ impl Offset {
             Target::Plane { normal, .. } | Target::Drawn { normal, .. } => normal,
             Target::Along(_) => Vec3::Y,
         };
-        let ball = |image: &Image| Ball {
+        let ball = |image: &SymmetryTransform| Ball {
             origin,
             centre: image.relative(self.centre_vx.as_dvec3(), origin),
             edges,

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::tools::brush::falloff::Falloff;
-use crate::tools::symmetry::Image;
+use crate::tools::symmetry::SymmetryTransform;
 
 /// Eight voxels of a row of a brick: something along each axis.
 pub type Row = [[f32; EDGE]; 3];
@@ -59,7 +59,7 @@ pub struct Pull {
 
 impl Motion {
     /// An image of this in `steps` steps.
-    pub fn step(&self, steps: usize, image: &Image) -> Step {
+    pub fn step(&self, steps: usize, image: &SymmetryTransform) -> Step {
         let share = 1.0 / steps as f64;
         let unit = |normal: Vec3| image.normal(normal.as_dvec3().normalize_or(DVec3::Y));
         match *self {

@@ -6,7 +6,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 use fearless_simd::{Simd, f64x8, mask64x8, prelude::*};
 
 /// A number, or eight of them.
-pub trait Lanes:
+pub trait SimdReal:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -37,7 +37,7 @@ pub trait Lanes:
     fn is_none(mask: Self::Mask) -> bool;
 }
 
-impl Lanes for f64 {
+impl SimdReal for f64 {
     type Mask = bool;
 
     #[inline(always)]
@@ -91,7 +91,7 @@ impl Lanes for f64 {
     }
 }
 
-impl<S: Simd> Lanes for f64x8<S> {
+impl<S: Simd> SimdReal for f64x8<S> {
     type Mask = mask64x8<S>;
 
     #[inline(always)]

@@ -5,25 +5,25 @@ use std::fmt;
 use super::arguments::Arguments;
 use super::{ParseError, number};
 use crate::command::Command;
-use crate::tools::repair::{Keep, Mend, Toward};
+use crate::tools::repair::{Keep, Repair, Toward};
 
 /// The diameter of holes by default, in voxels.
 const HOLE_VX: f32 = 3.0;
 
 /// Writes what follows the verb.
-pub fn write(mend: &Mend, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+pub fn write(repair: &Repair, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let smaller = |f: &mut fmt::Formatter<'_>, smaller_vx: &Option<u32>| match smaller_vx {
         Some(voxels) => write!(f, " smaller={voxels}"),
         None => Ok(()),
     };
-    match mend {
-        Mend::RemoveIslands { keep, smaller_vx } => {
+    match repair {
+        Repair::RemoveIslands { keep, smaller_vx } => {
             write!(f, " keep={}", keep.name())?;
             smaller(f, smaller_vx)
         }
-        Mend::FillCavities { smaller_vx } => smaller(f, smaller_vx),
-        Mend::Thicken { to_vx } => write!(f, " to={to_vx}"),
-        Mend::Drain { diameter_vx, toward } => {
+        Repair::FillCavities { smaller_vx } => smaller(f, smaller_vx),
+        Repair::Thicken { to_vx } => write!(f, " to={to_vx}"),
+        Repair::Drain { diameter_vx, toward } => {
             write!(f, " diameter={diameter_vx} toward={}", toward.name())
         }
     }
@@ -31,8 +31,8 @@ pub fn write(mend: &Mend, f: &mut fmt::Formatter<'_>) -> fmt::Result {
 
 /// Reads what follows one of the verbs.
 pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
-    Ok(Command::Mend(match verb {
-        "remove-islands" => Mend::RemoveIslands {
+    Ok(Command::Repair(match verb {
+        "remove-islands" => Repair::RemoveIslands {
             keep: args
                 .optional("keep", |text| {
                     let keep = Keep::ALL.into_iter().find(|keep| keep.name() == text);
@@ -41,9 +41,9 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
                 .unwrap_or_default(),
             smaller_vx: args.optional("smaller", number)?,
         },
-        "fill-cavities" => Mend::FillCavities { smaller_vx: args.optional("smaller", number)? },
-        "thicken" => Mend::Thicken { to_vx: args.required("to", number)? },
-        _ => Mend::Drain {
+        "fill-cavities" => Repair::FillCavities { smaller_vx: args.optional("smaller", number)? },
+        "thicken" => Repair::Thicken { to_vx: args.required("to", number)? },
+        _ => Repair::Drain {
             diameter_vx: args.optional("diameter", number)?.unwrap_or(HOLE_VX),
             toward: args
                 .optional("toward", |text| {

@@ -1,7 +1,7 @@
 //! Repairs that make a sculpture fit for a 3D printer: islands are removed, cavities filled or drained, thin walls
 //! thickened.
 //!
-//! From a [`Mend`] and a grid to the voxels to remove and to add; changes nothing. Knows no document. Up is y, and the
+//! From a [`Repair`] and a grid to the voxels to remove and to add; changes nothing. Knows no document. Up is y, and the
 //! bed lies below the lowest voxel. Lengths are in edges of a voxel along x.
 
 use glam::{UVec3, Vec3};
@@ -27,7 +27,7 @@ pub enum Keep {
 
 /// A change that makes a sculpture fit for printing.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Mend {
+pub enum Repair {
     /// Remove the pieces that hang together with nothing.
     RemoveIslands {
         /// Which pieces stay.
@@ -69,7 +69,7 @@ impl Keep {
 
 /// Why nothing can be mended.
 #[derive(Debug, Error, PartialEq, Eq)]
-pub enum MendError {
+pub enum RepairError {
     /// The work was cancelled.
     #[error("cancelled")]
     Cancelled,
@@ -91,41 +91,41 @@ pub enum MendError {
     },
 }
 
-impl From<PiecesError> for MendError {
-    fn from(error: PiecesError) -> MendError {
+impl From<PiecesError> for RepairError {
+    fn from(error: PiecesError) -> RepairError {
         match error {
-            PiecesError::Cancelled => MendError::Cancelled,
-            memory => MendError::Pieces(memory),
+            PiecesError::Cancelled => RepairError::Cancelled,
+            memory => RepairError::Pieces(memory),
         }
     }
 }
 
 /// The voxels of a mend.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct MendPlan {
+pub struct RepairPlan {
     /// Those that go.
     pub remove: ListedBricks,
     /// Those that come.
     pub add: ListedBricks,
 }
 
-impl Mend {
+impl Repair {
     /// The verb of its command.
     pub fn verb(&self) -> &'static str {
         match self {
-            Mend::RemoveIslands { .. } => "remove-islands",
-            Mend::FillCavities { .. } => "fill-cavities",
-            Mend::Thicken { .. } => "thicken",
-            Mend::Drain { .. } => "drain",
+            Repair::RemoveIslands { .. } => "remove-islands",
+            Repair::FillCavities { .. } => "fill-cavities",
+            Repair::Thicken { .. } => "thicken",
+            Repair::Drain { .. } => "drain",
         }
     }
 
     /// Checks the numbers.
-    pub fn check(&self, voxel: Vec3) -> Result<(), MendError> {
+    pub fn check(&self, voxel: Vec3) -> Result<(), RepairError> {
         match *self {
-            Mend::Thicken { to_vx } => thickness(to_vx, voxel).map(drop),
-            Mend::Drain { diameter_vx, .. } if !(diameter_vx > 0.0 && diameter_vx <= 64.0) => {
-                Err(MendError::Length("the diameter of a hole"))
+            Repair::Thicken { to_vx } => thickness(to_vx, voxel).map(drop),
+            Repair::Drain { diameter_vx, .. } if !(diameter_vx > 0.0 && diameter_vx <= 64.0) => {
+                Err(RepairError::Length("the diameter of a hole"))
             }
             _ => Ok(()),
         }
@@ -137,11 +137,11 @@ impl Mend {
         grid: &Grid,
         budget_bytes: u64,
         progress: &dyn Progress,
-    ) -> Result<MendPlan, MendError> {
+    ) -> Result<RepairPlan, RepairError> {
         self.check(grid.voxel_size())?;
         let (mut remove, mut add) = (ListedBricks::default(), ListedBricks::default());
         match *self {
-            Mend::RemoveIslands { keep, smaller_vx } => {
+            Repair::RemoveIslands { keep, smaller_vx } => {
                 let found = pieces(grid, Part::Solid, budget_bytes, progress)?;
                 let stays = stays(&found, keep);
                 let list = found.list();
@@ -150,7 +150,7 @@ impl Mend {
                 remove =
                     voxels_of(grid, &found, &|piece| !stays[piece as usize] && is_small(piece));
             }
-            Mend::FillCavities { smaller_vx } => {
+            Repair::FillCavities { smaller_vx } => {
                 let found = pieces(grid, Part::Empty, budget_bytes, progress)?;
                 let list = found.list();
                 let is_small =
@@ -159,33 +159,33 @@ impl Mend {
                     !found.reaches_border(piece) && is_small(piece)
                 });
             }
-            Mend::Thicken { to_vx } => {
+            Repair::Thicken { to_vx } => {
                 let thickness = thickness(to_vx, grid.voxel_size())?;
                 check_memory(thickness.bytes_to_thicken(grid), budget_bytes)?;
-                let added = thickness.thicken(grid, progress).ok_or(MendError::Cancelled)?;
+                let added = thickness.thicken(grid, progress).ok_or(RepairError::Cancelled)?;
                 add = ListedBricks::new(added.bricks(grid.brick_dims()));
             }
-            Mend::Drain { diameter_vx, toward } => {
+            Repair::Drain { diameter_vx, toward } => {
                 let found = pieces(grid, Part::Empty, budget_bytes, progress)?;
                 let holes = drain::holes(grid, &found, diameter_vx, toward, progress);
-                remove = holes.ok_or(MendError::Cancelled)?;
+                remove = holes.ok_or(RepairError::Cancelled)?;
             }
         }
-        Ok(MendPlan { remove, add })
+        Ok(RepairPlan { remove, add })
     }
 }
 
 /// An error if walls, which take `needed` bytes, cannot be measured within `budget_bytes`.
-pub fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), MendError> {
+pub fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), RepairError> {
     let (needed_mib, budget_mib) = (needed.div_ceil(1 << 20), budget_bytes >> 20);
-    let memory = MendError::Memory { needed_mib, budget_mib };
+    let memory = RepairError::Memory { needed_mib, budget_mib };
     if needed > budget_bytes { Err(memory) } else { Ok(()) }
 }
 
 /// A thickness in edges of a voxel along x.
-pub fn thickness(to_vx: f32, voxel: Vec3) -> Result<Thickness, MendError> {
+pub fn thickness(to_vx: f32, voxel: Vec3) -> Result<Thickness, RepairError> {
     let thickness = Thickness::new(to_vx * voxel.x, voxel);
-    thickness.ok_or(MendError::Length("the thickness of a wall"))
+    thickness.ok_or(RepairError::Length("the thickness of a wall"))
 }
 
 /// Whether each piece of a solid stands on the bed, on which the lowest voxel lies.
@@ -220,5 +220,5 @@ pub fn voxels_of(
 }
 
 #[cfg(test)]
-#[path = "mend_tests.rs"]
+#[path = "plan_tests.rs"]
 mod tests;

@@ -20,7 +20,7 @@ pub fn is_place(p: Vec3) -> bool {
 
 /// A point of a tube's curve.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Bead {
+pub struct ControlPoint {
     /// Its place in voxel coordinates.
     pub at_vx: Vec3,
     /// The tube's radius there, in units of the smallest edge of a voxel.
@@ -38,7 +38,7 @@ pub struct Pose {
 
 /// A solid that is drawn.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Form {
+pub enum DrawnSolid {
     /// All on the side of a plane that its normal points to.
     HalfSpace {
         /// A point of the plane, in voxel coordinates.
@@ -60,7 +60,7 @@ pub enum Form {
     /// Curves, 2011). Two points make a line, one a ball.
     Tube {
         /// The points.
-        beads: Arc<[Bead]>,
+        control_points: Arc<[ControlPoint]>,
     },
     /// A profile turned about its y axis: points of distance from the axis and height. From the first and the last
     /// point, a straight line leads to the axis.
@@ -82,18 +82,18 @@ pub enum Form {
     },
 }
 
-impl Form {
+impl DrawnSolid {
     /// The names of all forms, for messages.
     pub const NAMES: &str = "half-space, ring, tube, lathe or extrusion";
 
     /// Its name in the text form.
     pub const fn name(&self) -> &'static str {
         match self {
-            Form::HalfSpace { .. } => "half-space",
-            Form::Ring { .. } => "ring",
-            Form::Tube { .. } => "tube",
-            Form::Lathe { .. } => "lathe",
-            Form::Extrusion { .. } => "extrusion",
+            DrawnSolid::HalfSpace { .. } => "half-space",
+            DrawnSolid::Ring { .. } => "ring",
+            DrawnSolid::Tube { .. } => "tube",
+            DrawnSolid::Lathe { .. } => "lathe",
+            DrawnSolid::Extrusion { .. } => "extrusion",
         }
     }
 
@@ -112,35 +112,35 @@ impl Form {
             _ => Err("a point must be within a million voxels"),
         };
         match self {
-            Form::HalfSpace { at_vx, .. } if !place(*at_vx) => {
+            DrawnSolid::HalfSpace { at_vx, .. } if !place(*at_vx) => {
                 Err("the place must be within a million voxels")
             }
-            Form::HalfSpace { normal, .. } => match normal.as_dvec3().length() {
+            DrawnSolid::HalfSpace { normal, .. } => match normal.as_dvec3().length() {
                 length if length > 1e-12 && length.is_finite() => Ok(()),
                 _ => Err("the normal must have a direction"),
             },
-            Form::Ring { pose: at, radius, tube } => {
+            DrawnSolid::Ring { pose: at, radius, tube } => {
                 pose(at)?;
                 match length(*radius) && length(*tube) {
                     true => Ok(()),
                     false => Err("both radii must be above zero and at most a million voxels"),
                 }
             }
-            Form::Tube { beads } => match beads.len() {
+            DrawnSolid::Tube { control_points } => match control_points.len() {
                 0 => Err("at least one point is needed"),
                 n if n > MAX_POINTS => Err("more than 1024 points; use several tubes"),
-                _ if !beads.iter().all(|bead| place(bead.at_vx)) => {
+                _ if !control_points.iter().all(|control_point| place(control_point.at_vx)) => {
                     Err("a point must be within a million voxels")
                 }
-                _ if !beads.iter().all(|bead| length(bead.radius)) => {
+                _ if !control_points.iter().all(|control_point| length(control_point.radius)) => {
                     Err("a radius must be above zero and at most a million voxels")
                 }
-                _ if beads.windows(2).any(|pair| pair[0].at_vx == pair[1].at_vx) => {
+                _ if control_points.windows(2).any(|pair| pair[0].at_vx == pair[1].at_vx) => {
                     Err("two points that follow each other lie in the same place")
                 }
                 _ => Ok(()),
             },
-            Form::Lathe { pose: at, profile } => {
+            DrawnSolid::Lathe { pose: at, profile } => {
                 pose(at)?;
                 points(profile)?;
                 match profile.iter().all(|p| p.x >= 0.0) {
@@ -149,7 +149,7 @@ impl Form {
                     true => Ok(()),
                 }
             }
-            Form::Extrusion { pose: at, outlines, depth } => {
+            DrawnSolid::Extrusion { pose: at, outlines, depth } => {
                 pose(at)?;
                 if outlines.is_empty() {
                     return Err("at least one outline is needed");
@@ -169,15 +169,20 @@ impl Form {
     }
 
     /// The same, moved by a number of voxels.
-    pub fn shifted(&self, by_vx: Vec3) -> Form {
+    pub fn shifted(&self, by_vx: Vec3) -> DrawnSolid {
         let mut form = self.clone();
         match &mut form {
-            Form::HalfSpace { at_vx, .. } => *at_vx += by_vx,
-            Form::Ring { pose, .. } | Form::Lathe { pose, .. } | Form::Extrusion { pose, .. } => {
+            DrawnSolid::HalfSpace { at_vx, .. } => *at_vx += by_vx,
+            DrawnSolid::Ring { pose, .. }
+            | DrawnSolid::Lathe { pose, .. }
+            | DrawnSolid::Extrusion { pose, .. } => {
                 pose.at_vx += by_vx;
             }
-            Form::Tube { beads } => {
-                *beads = beads.iter().map(|b| Bead { at_vx: b.at_vx + by_vx, ..*b }).collect();
+            DrawnSolid::Tube { control_points } => {
+                *control_points = control_points
+                    .iter()
+                    .map(|b| ControlPoint { at_vx: b.at_vx + by_vx, ..*b })
+                    .collect();
             }
         }
         form

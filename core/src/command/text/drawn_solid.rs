@@ -7,28 +7,28 @@ use glam::{Quat, Vec2, Vec3};
 
 use super::arguments::Arguments;
 use super::{ParseError, list, number, numbers, parse_rotation, parse_vec3};
-use crate::tools::drawn::{Bead, Form, Pose};
+use crate::tools::drawn::{ControlPoint, DrawnSolid, Pose};
 
 /// Writes the name and what follows it.
-pub fn write(form: &Form, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+pub fn write(form: &DrawnSolid, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     write!(f, " {}", form.name())?;
     match form {
-        Form::HalfSpace { at_vx, normal } => {
+        DrawnSolid::HalfSpace { at_vx, normal } => {
             write!(f, " at={} normal={}", list(at_vx.to_array()), list(normal.to_array()))
         }
-        Form::Ring { pose, radius, tube } => {
+        DrawnSolid::Ring { pose, radius, tube } => {
             write_pose(pose, f)?;
             write!(f, " radius={radius} tube={tube}")
         }
-        Form::Tube { beads } => {
-            let bead = |b: &Bead| list(b.at_vx.extend(b.radius).to_array());
-            write!(f, " points={}", joined(beads, ";", bead))
+        DrawnSolid::Tube { control_points } => {
+            let control_point = |b: &ControlPoint| list(b.at_vx.extend(b.radius).to_array());
+            write!(f, " points={}", joined(control_points, ";", control_point))
         }
-        Form::Lathe { pose, profile } => {
+        DrawnSolid::Lathe { pose, profile } => {
             write_pose(pose, f)?;
             write!(f, " profile={}", points(profile))
         }
-        Form::Extrusion { pose, outlines, depth } => {
+        DrawnSolid::Extrusion { pose, outlines, depth } => {
             write_pose(pose, f)?;
             write!(f, " depth={depth} outline={}", joined(outlines, "/", points))
         }
@@ -49,28 +49,29 @@ fn joined<T>(items: &[T], between: &str, text: impl Fn(&T) -> String) -> String 
 }
 
 /// Reads what follows the name; None if it is not that of a form.
-pub fn parse(name: &str, args: &mut Arguments) -> Result<Option<Form>, ParseError> {
+pub fn parse(name: &str, args: &mut Arguments) -> Result<Option<DrawnSolid>, ParseError> {
     Ok(Some(match name {
-        "half-space" => Form::HalfSpace {
+        "half-space" => DrawnSolid::HalfSpace {
             at_vx: args.required("at", parse_vec3)?,
             normal: args.required("normal", parse_vec3)?,
         },
-        "ring" => Form::Ring {
+        "ring" => DrawnSolid::Ring {
             pose: parse_pose(args)?,
             radius: args.required("radius", number)?,
             tube: args.required("tube", number)?,
         },
         "tube" => {
             let radius = args.optional("radius", number)?;
-            let bead = |text: &str| parse_bead(text, radius);
-            let beads = args.required("points", |text| text.split(';').map(bead).collect())?;
-            Form::Tube { beads }
+            let control_point = |text: &str| parse_control_point(text, radius);
+            let control_points =
+                args.required("points", |text| text.split(';').map(control_point).collect())?;
+            DrawnSolid::Tube { control_points }
         }
-        "lathe" => Form::Lathe {
+        "lathe" => DrawnSolid::Lathe {
             pose: parse_pose(args)?,
             profile: args.required("profile", parse_points)?,
         },
-        "extrusion" => Form::Extrusion {
+        "extrusion" => DrawnSolid::Extrusion {
             pose: parse_pose(args)?,
             depth: args.required("depth", number)?,
             outlines: args
@@ -92,12 +93,12 @@ fn parse_points(text: &str) -> Result<Arc<[Vec2]>, String> {
 }
 
 /// A point of four numbers, or of three with the radius of all.
-fn parse_bead(text: &str, radius: Option<f32>) -> Result<Bead, String> {
+fn parse_control_point(text: &str, radius: Option<f32>) -> Result<ControlPoint, String> {
     if let Some(radius) = radius {
-        return Ok(Bead { at_vx: parse_vec3(text)?, radius });
+        return Ok(ControlPoint { at_vx: parse_vec3(text)?, radius });
     }
     let [x, y, z, radius] = numbers::<f32, 4>(text).map_err(|error| {
         format!("{error}: place and radius; or give `radius=` and points of three numbers")
     })?;
-    Ok(Bead { at_vx: Vec3::new(x, y, z), radius })
+    Ok(ControlPoint { at_vx: Vec3::new(x, y, z), radius })
 }

@@ -12,7 +12,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 
 /// From now on a panic of the main thread syncs the journals and says where they are. Panics of other threads do not
 /// end the program: their work has failed, and the failure is reported there.
-pub fn speak_in_panics() {
+pub fn install() {
     let main = std::thread::current().id();
     let before = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {

@@ -1,4 +1,4 @@
-//! Mended sculptures: which voxels are gone, which are added, and that nothing is left to mend.
+//! Repaired sculptures: which voxels are gone, which are added, and that nothing is left to mend.
 
 use glam::{IVec3, Vec3};
 use proptest::prelude::*;
@@ -24,8 +24,8 @@ fn within(v: IVec3, low: [i32; 3], high: [i32; 3]) -> bool {
     v.cmpge(IVec3::from(low)).all() && v.cmplt(IVec3::from(high)).all()
 }
 
-fn mended(grid: &Grid, mend: Mend) -> Grid {
-    let plan = mend.plan(grid, ROOM, &()).unwrap();
+fn repaired(grid: &Grid, repair: Repair) -> Grid {
+    let plan = repair.plan(grid, ROOM, &()).unwrap();
     let mut after = grid.clone();
     for (b, mask) in plan.remove.bricks() {
         let index = after.brick_index(*b);
@@ -59,7 +59,7 @@ fn scene() -> Grid {
 fn islands_go_and_the_largest_piece_stays() {
     let removed = |keep, smaller_vx| {
         let before = scene();
-        let after = mended(&before, Mend::RemoveIslands { keep, smaller_vx });
+        let after = repaired(&before, Repair::RemoveIslands { keep, smaller_vx });
         assert!(after.get(IVec3::new(8, 8, 8)));
         before.opaque_count() - after.opaque_count()
     };
@@ -70,7 +70,7 @@ fn islands_go_and_the_largest_piece_stays() {
     assert_eq!(removed(Keep::Largest, Some(0)), 0);
     // The largest stays even where only dust lies on the bed.
     let hanging = grid(|v| within(v, [4, 8, 4], [12, 16, 12]) || v == IVec3::ZERO);
-    let keep = |keep| mended(&hanging, Mend::RemoveIslands { keep, smaller_vx: None });
+    let keep = |keep| repaired(&hanging, Repair::RemoveIslands { keep, smaller_vx: None });
     assert_eq!(keep(Keep::Standing), hanging);
     assert_eq!(keep(Keep::Largest).opaque_count(), 512);
 }
@@ -85,7 +85,7 @@ fn cavities_are_filled_by_size() {
             && !within(v, [15, 10, 15], [16, 32, 16])
     });
     assert_eq!(cavities(&hollow), 2);
-    let fill = |smaller_vx| mended(&hollow, Mend::FillCavities { smaller_vx });
+    let fill = |smaller_vx| repaired(&hollow, Repair::FillCavities { smaller_vx });
     assert_eq!(fill(None).opaque_count() - hollow.opaque_count(), 125 + 1);
     assert_eq!(fill(Some(125)).opaque_count() - hollow.opaque_count(), 1);
     assert_eq!(cavities(&fill(None)), 0);
@@ -97,7 +97,7 @@ fn a_hole_is_round_and_takes_the_way_that_is_asked_for() {
     let hollow =
         grid(|v| within(v, [2, 2, 2], [30, 30, 30]) && !within(v, [5, 7, 10], [12, 15, 20]));
     let drilled = |diameter_vx, toward| {
-        let after = mended(&hollow, Mend::Drain { diameter_vx, toward });
+        let after = repaired(&hollow, Repair::Drain { diameter_vx, toward });
         assert_eq!(cavities(&after), 0);
         (hollow.opaque_count() - after.opaque_count(), after)
     };
@@ -114,11 +114,11 @@ fn a_hole_is_round_and_takes_the_way_that_is_asked_for() {
 fn lengths_out_of_range_are_refused() {
     let solid = grid(|_| true);
     for length in [0.0, -1.0, f32::NAN, f32::INFINITY, 64.5, 1e30] {
-        let thicken = Mend::Thicken { to_vx: length };
-        let drain = Mend::Drain { diameter_vx: length, toward: Toward::Down };
-        for mend in [thicken, drain] {
-            let error = mend.plan(&solid, ROOM, &()).unwrap_err();
-            assert!(matches!(error, MendError::Length(_)), "{mend:?}");
+        let thicken = Repair::Thicken { to_vx: length };
+        let drain = Repair::Drain { diameter_vx: length, toward: Toward::Down };
+        for repair in [thicken, drain] {
+            let error = repair.plan(&solid, ROOM, &()).unwrap_err();
+            assert!(matches!(error, RepairError::Length(_)), "{repair:?}");
         }
     }
 }
@@ -128,17 +128,17 @@ fn too_little_memory_and_cancellation_are_errors() {
     let cancelled = Report::default();
     cancelled.cancel();
     let all = [
-        Mend::RemoveIslands { keep: Keep::Standing, smaller_vx: None },
-        Mend::FillCavities { smaller_vx: None },
-        Mend::Thicken { to_vx: 3.0 },
-        Mend::Drain { diameter_vx: 3.0, toward: Toward::Nearest },
+        Repair::RemoveIslands { keep: Keep::Standing, smaller_vx: None },
+        Repair::FillCavities { smaller_vx: None },
+        Repair::Thicken { to_vx: 3.0 },
+        Repair::Drain { diameter_vx: 3.0, toward: Toward::Nearest },
     ];
-    for mend in all {
-        let error = mend.plan(&scene(), 100, &()).unwrap_err();
+    for repair in all {
+        let error = repair.plan(&scene(), 100, &()).unwrap_err();
         assert!(error.to_string().contains("allowed for grids"), "{error}");
-        assert_eq!(mend.plan(&scene(), ROOM, &cancelled), Err(MendError::Cancelled));
-        assert_eq!(mend.plan(&grid(|_| false), ROOM, &()), Ok(MendPlan::default()));
-        assert_eq!(mend.plan(&grid(|_| true), ROOM, &()), Ok(MendPlan::default()));
+        assert_eq!(repair.plan(&scene(), ROOM, &cancelled), Err(RepairError::Cancelled));
+        assert_eq!(repair.plan(&grid(|_| false), ROOM, &()), Ok(RepairPlan::default()));
+        assert_eq!(repair.plan(&grid(|_| true), ROOM, &()), Ok(RepairPlan::default()));
     }
 }
 
@@ -152,9 +152,9 @@ proptest! {
     ) {
         let solid = grid(|v| balls.iter().all(|(c, r)| (v - IVec3::from(*c)).length_squared() > r * r));
         for toward in Toward::ALL {
-            prop_assert_eq!(cavities(&mended(&solid, Mend::Drain { diameter_vx, toward })), 0);
+            prop_assert_eq!(cavities(&repaired(&solid, Repair::Drain { diameter_vx, toward })), 0);
         }
-        let filled = mended(&solid, Mend::FillCavities { smaller_vx: None });
+        let filled = repaired(&solid, Repair::FillCavities { smaller_vx: None });
         prop_assert_eq!(cavities(&filled), 0);
     }
 
@@ -163,8 +163,8 @@ proptest! {
         boxes in prop::collection::vec((prop::array::uniform3(0i32..28), 1i32..8), 1..7),
     ) {
         let solid = grid(|v| boxes.iter().any(|(c, n)| within(v, *c, c.map(|c| c + n))));
-        let mend = Mend::RemoveIslands { keep: Keep::Largest, smaller_vx: None };
-        let left = mended(&solid, mend);
+        let repair = Repair::RemoveIslands { keep: Keep::Largest, smaller_vx: None };
+        let left = repaired(&solid, repair);
         prop_assert_eq!(pieces(&left, Part::Solid, ROOM, &()).unwrap().list().len(), 1);
     }
 }

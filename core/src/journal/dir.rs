@@ -14,13 +14,13 @@ const NEW: &str = "new";
 
 /// A folder of journals.
 #[derive(Clone, Debug)]
-pub struct Shelf {
+pub struct JournalDir {
     files: Arc<dyn Files>,
     folder: PathBuf,
 }
 
-/// The state of the file at a number of the shelf.
-pub enum Left {
+/// The state of the file at a number of the folder.
+pub enum AbandonedJournal {
     /// A journal that no session writes to, open and locked.
     Journal(Source),
     /// One that belongs to a session that runs.
@@ -29,15 +29,15 @@ pub enum Left {
     Unreadable(std::io::Error),
 }
 
-impl Shelf {
+impl JournalDir {
     /// The journals in a folder of the disk.
-    pub fn new(folder: &Path) -> Shelf {
-        Shelf::with_files(folder, Arc::new(Disk))
+    pub fn new(folder: &Path) -> JournalDir {
+        JournalDir::with_files(folder, Arc::new(Disk))
     }
 
     /// The journals in a folder of any files.
-    pub fn with_files(folder: &Path, files: Arc<dyn Files>) -> Shelf {
-        Shelf { files, folder: folder.to_path_buf() }
+    pub fn with_files(folder: &Path, files: Arc<dyn Files>) -> JournalDir {
+        JournalDir { files, folder: folder.to_path_buf() }
     }
 
     /// The folder.
@@ -74,15 +74,18 @@ impl Shelf {
     /// How many journals were left by sessions that do not run any more, as far as can be seen.
     pub fn count_left(&self) -> usize {
         let numbers = self.numbers().unwrap_or_default();
-        numbers.into_iter().filter(|number| matches!(self.open(*number), Left::Journal(_))).count()
+        numbers
+            .into_iter()
+            .filter(|number| matches!(self.open(*number), AbandonedJournal::Journal(_)))
+            .count()
     }
 
     /// Opens the journal of a number.
-    pub fn open(&self, number: u64) -> Left {
+    pub fn open(&self, number: u64) -> AbandonedJournal {
         match self.files.open(&self.path(number)) {
-            Ok(source) => Left::Journal(source),
-            Err(error) if error.kind() == ErrorKind::WouldBlock => Left::InUse,
-            Err(error) => Left::Unreadable(error),
+            Ok(source) => AbandonedJournal::Journal(source),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => AbandonedJournal::InUse,
+            Err(error) => AbandonedJournal::Unreadable(error),
         }
     }
 

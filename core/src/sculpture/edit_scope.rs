@@ -1,6 +1,6 @@
 //! Where tools may work: within the selection, if they are limited to it, and outside the mask.
 //!
-//! [`Permitted`] cuts a tool's region down to that; all code that edits contents passes it. Changes nothing.
+//! [`ScopedRegion`] cuts a tool's region down to that; all code that edits contents passes it. Changes nothing.
 
 use std::ops::Range;
 
@@ -14,14 +14,14 @@ use super::selection::BoxStack;
 
 /// Where tools may work.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Permit<'a> {
+pub struct EditScope<'a> {
     /// The selection, if tools are limited to it.
     pub stack: Option<&'a BoxStack>,
     /// The voxels that are protected: a grid of the same size as the sculpture's.
     pub mask: Option<&'a Grid>,
 }
 
-impl Permit<'_> {
+impl EditScope<'_> {
     /// Whether tools may work everywhere.
     pub fn is_everywhere(&self) -> bool {
         self.stack.is_none() && self.mask.is_none()
@@ -35,11 +35,11 @@ impl Permit<'_> {
 }
 
 /// The part of a tool's region where it may work.
-pub struct Permitted<'a, R> {
+pub struct ScopedRegion<'a, R> {
     /// The region that the tool covers.
     pub region: &'a R,
     /// Where it may work.
-    pub permit: Permit<'a>,
+    pub scope: EditScope<'a>,
 }
 
 /// The rows of the region and of the stack, and where they lie.
@@ -59,18 +59,18 @@ impl<R: Region> Default for PermittedRow<R> {
     }
 }
 
-impl<R: Region> Region for Permitted<'_, R> {
+impl<R: Region> Region for ScopedRegion<'_, R> {
     type Row = PermittedRow<R>;
 
     fn bounds_vx(&self) -> VoxelBox {
         let bounds = self.region.bounds_vx();
-        self.permit.stack.map_or(bounds, |stack| bounds.intersect(stack.bounds_vx()))
+        self.scope.stack.map_or(bounds, |stack| bounds.intersect(stack.bounds_vx()))
     }
 
     fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach {
         (row.y, row.z) = (y_vx / BRICK_EDGE_VX, z_vx / BRICK_EDGE_VX);
         let mut reach = RowReach { touched: 0..u32::MAX, whole: 0..u32::MAX };
-        if let Some(stack) = self.permit.stack {
+        if let Some(stack) = self.scope.stack {
             reach = stack.cut_row(simd, y_vx, z_vx, &mut row.stack);
             if reach.touched.is_empty() {
                 return RowReach::NONE;
@@ -79,18 +79,18 @@ impl<R: Region> Region for Permitted<'_, R> {
         row.reach = self.region.cut_row(simd, y_vx, z_vx, &mut row.region);
         reach.touched = both(&row.reach.touched, &reach.touched);
         reach.whole = both(&row.reach.whole, &reach.whole);
-        if let Some(mask) = self.permit.mask {
+        if let Some(mask) = self.scope.mask {
             reach.whole = longest_free_run(mask, reach.whole, row.y, row.z);
         }
         reach
     }
 
     fn mask<S: Simd>(&self, simd: S, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick {
-        let mut allowed = match self.permit.stack {
+        let mut allowed = match self.scope.stack {
             Some(stack) => stack.mask(simd, &row.stack, reach, brick_x),
             None => Brick::FULL,
         };
-        if let Some(mask) = self.permit.mask {
+        if let Some(mask) = self.scope.mask {
             let b = UVec3::new(brick_x, row.y, row.z);
             // The part beyond the border is cut off where the result is used.
             if b.cmplt(mask.brick_dims()).all() {

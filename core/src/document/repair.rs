@@ -6,38 +6,42 @@ use crate::sculpture::Limits;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::history::Contents;
 use crate::sculpture::inherit::Inherited;
-use crate::tools::repair::{Mend, MendPlan};
+use crate::tools::repair::{Repair, RepairPlan};
 
 use super::{Applied, CommandError, Document};
 
-/// The voxels that `mend` changes, found within `limits`. [`Document::put_mended`] applies them.
-pub fn plan_mend(
+/// The voxels that `repair` changes, found within `limits`. [`Document::put_repaired`] applies them.
+pub fn plan_repair(
     contents: &Contents,
-    mend: &Mend,
+    repair: &Repair,
     limits: &Limits,
     progress: &dyn Progress,
-) -> Result<MendPlan, CommandError> {
-    Ok(mend.plan(&contents.grid, limits.grid_bytes, progress)?)
+) -> Result<RepairPlan, CommandError> {
+    Ok(repair.plan(&contents.grid, limits.grid_bytes, progress)?)
 }
 
 impl Document {
-    pub(super) fn mend(&mut self, mend: &Mend, command: &Command) -> Result<Applied, CommandError> {
-        let plan = plan_mend(&self.contents, mend, &self.limits, &())?;
-        self.put_mended(&plan, mend, command)
+    pub(super) fn repair(
+        &mut self,
+        repair: &Repair,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        let plan = plan_repair(&self.contents, repair, &self.limits, &())?;
+        self.put_repaired(&plan, repair, command)
     }
 
     /// Removes and adds the voxels of a plan that was made of the present contents. Thickened walls take the colours
     /// around them, fillings of cavities the base colour.
-    pub fn put_mended(
+    pub fn put_repaired(
         &mut self,
-        plan: &MendPlan,
-        mend: &Mend,
+        plan: &RepairPlan,
+        repair: &Repair,
         command: &Command,
     ) -> Result<Applied, CommandError> {
-        let inherited = match mend {
-            Mend::Thicken { .. } => {
-                let permit = self.permit();
-                Inherited::colours(&self.contents, &plan.add, |v| permit.allows(v))
+        let inherited = match repair {
+            Repair::Thicken { .. } => {
+                let scope = self.scope();
+                Inherited::colours(&self.contents, &plan.add, |v| scope.allows(v))
             }
             _ => Inherited::default(),
         };

@@ -24,16 +24,16 @@ const MAX_HISTORIES: usize = 1000;
 
 /// A folder of histories.
 #[derive(Clone, Debug)]
-pub struct HistoryShelf {
+pub struct HistoryDir {
     files: Arc<dyn Files>,
     folder: PathBuf,
     max_bytes: u64,
 }
 
-impl HistoryShelf {
-    pub fn new(options: &SavedHistoryOptions) -> HistoryShelf {
+impl HistoryDir {
+    pub fn new(options: &SavedHistoryOptions) -> HistoryDir {
         let SavedHistoryOptions { folder, files, max_bytes } = options.clone();
-        HistoryShelf { files, folder, max_bytes }
+        HistoryDir { files, folder, max_bytes }
     }
 
     fn path(&self, hash: Digest) -> PathBuf {
