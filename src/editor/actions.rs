@@ -252,9 +252,7 @@ impl Editor {
                 self.lead_unfinished(at, picker);
             }
             Action::MoveTool | Action::MoveToolDeep if self.tool.picture_brush().is_some() => {
-                if self.stroke.as_ref().is_some_and(|s| s.pointer() == PointerLead::Always) {
-                    self.lead_stroke(at, picker);
-                }
+                self.lead_by_pointer(at, picker);
             }
             Action::MoveTool => self.drag_tool(by, false, picker),
             Action::MoveToolDeep => self.drag_tool(by, true, picker),

@@ -5,7 +5,6 @@ use glam::{Vec2, Vec3};
 
 use super::Editor;
 use super::sizes::gauge_at;
-use super::stroke::PointerLead;
 use super::tool::{ToolEdit, ToolKind};
 use crate::picking::{Picker, SurfacePoint};
 
@@ -22,11 +21,8 @@ impl Editor {
     /// The pointer moves with nothing held.
     pub fn hover(&mut self, at: Vec2, leads_tool: bool, picker: &Picker) {
         self.gauge(picker);
-        let is_led = self.stroke.as_ref().is_some_and(|s| s.pointer() == PointerLead::Always);
-        if is_led {
-            // A brush that a key holds down goes with the pointer.
-            self.lead_stroke(at, picker);
-        }
+        // A brush that a key holds down goes with the pointer.
+        let is_led = self.lead_by_pointer(at, picker);
         // So does what is drawn with a key held, or by several presses.
         self.lead_drawing(at, picker);
         self.lead_unfinished(at, picker);

@@ -177,6 +177,15 @@ impl Editor {
         self.carry_out_due(Some(picker));
     }
 
+    /// Leads the stroke to a point of the picture if the pointer leads it without a button, too. False if it does not.
+    pub(super) fn lead_by_pointer(&mut self, to: Vec2, picker: &Picker) -> bool {
+        let leads = self.stroke.as_ref().is_some_and(|s| s.pointer() == PointerLead::Always);
+        if leads {
+            self.lead_stroke(to, picker);
+        }
+        leads
+    }
+
     /// Leads the stroke of a brush in a hand.
     pub(super) fn aim_stroke(&mut self, cone: Footprint) {
         self.with_lead(|lead, _| lead.aim(cone));
