@@ -1,9 +1,12 @@
-//! Actions: everything a person can want, whatever the device. Each [`Action`] has a name for key
-//! tables and a sentence for tooltips and the controls window.
+//! Actions: everything a person can want, whatever the device.
 //!
-//! An action says what is wanted, not how it is done: `app` executes it.
+//! One table describes each [`Action`] once: its name in tables of keys, the way in which it is triggered, its heading in the
+//! controls window, its help and the words of other programs that find it. The enum, the list of all actions and their
+//! descriptions are made from that table; brushes describe themselves. An action says what is wanted, not how it is done:
+//! `app` executes it.
 
 use super::draw_kind::DrawKind;
+use super::group::Group;
 use super::panel::Panel;
 use super::tool_mode::ToolMode;
 use crate::sculpture::orientation::Up;
@@ -86,375 +89,370 @@ pub enum Kind {
     Wheel,
 }
 
-/// Everything that a person can want.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Action {
-    New,
-    Open,
-    Save,
-    SaveAs,
-    /// Export a file for other programs.
-    Export,
-    Quit,
-    Help,
-    Guide,
-    /// Opens the palette, which finds actions by words and takes commands.
-    Palette,
-    Undo,
-    Redo,
-    Fill,
-    Clear,
-    /// Cancels the running stroke, or closes what is open.
-    Cancel,
-    Solid(Solid),
-    Brush(BrushId),
-    /// Selects a tool that draws solids over the picture.
-    Draw(DrawKind),
-    /// Selects the marker as the tool.
-    Marker,
-    Mode(ToolMode),
-    Grow,
-    Shrink,
-    /// Lets the pointer lead the size of the tool, until a click.
-    LeadSize,
-    /// The same with its strength.
-    LeadStrength,
-    ResetTool,
-    /// Moves the tool by one voxel.
-    Nudge(Step),
-    /// Makes the tool one voxel longer on that side.
-    Stretch(Step),
-    /// Aligns the tool's axes with the grid's.
-    AlignTool,
-    ToggleFollow,
-    ToggleSnap,
-    /// Picks the colour of the voxel under the pointer.
-    PickHere,
-    /// Recolours the patch of one colour on the surface under the pointer.
-    Flood,
-    /// Protects what hangs together with the voxel under the pointer.
-    Wand,
-    /// Opens the window of masks.
-    Masks,
-    /// Protects what was not, and releases what was.
-    InvertMask,
-    /// Releases everything.
-    ClearMask,
-    /// Toggles the mirror plane that lies anywhere.
-    MirrorPlane,
-    /// Toggles the rotation of tools around an axis.
-    Radial,
-    /// Toggles the symmetry plane across an axis.
-    Mirror(Axis),
-    /// Repeats the last operation with an offset.
-    Repeat,
-    SelectMarker,
-    DeselectMarker,
-    DropBox,
-    ClearSelection,
-    ToggleLimit,
-    FillMarker,
-    ClearMarker,
-    DyeMarker,
-    Copy,
-    Cut,
-    Paste,
-    /// Rotates the clipboard by a quarter turn.
-    TurnClip(Axis),
-    MirrorClip(Axis),
-    /// Moves the contents of the marker by one voxel.
-    MoveContents(Step),
-    /// Rotates the whole sculpture so that an axis of its grid points up.
-    TurnUpright(Up),
-    /// Rotates the whole sculpture by a quarter about an axis of its grid.
-    RotateGrid(Axis),
-    ResetView,
-    LookFrom(Side),
-    /// Zooms by one notch, without a wheel.
-    ZoomIn,
-    ZoomOut,
-    NextRenderMode,
-    /// Toggles the window of lights.
-    Lights,
-    NextStereo,
-    SwapEyes,
-    ToggleVideo,
-    /// Toggles whether the view follows the head.
-    ToggleHead,
-    CalibrateHead,
-    /// Toggles the sculpture on the printed marker in the video.
-    ToggleAr,
-    /// Toggles between parallel rays and perspective.
-    ToggleOrthographic,
-    /// Toggles the axis gizmo.
-    ToggleGizmo,
-    /// Toggles the window of reference pictures.
-    References,
-    /// Toggles the floor grid.
-    ToggleFloor,
-    /// Toggles the ground with the sculpture's shadow.
-    ToggleGround,
-    /// Toggles the edges of the grid.
-    ToggleBounds,
-    /// Toggles whether the mask is seen.
-    ToggleMask,
-    /// Toggles between the dark and the light theme.
-    ToggleTheme,
-    /// Toggles full screen of the main window.
-    Fullscreen,
-    /// Hides the panels of the main window, or shows them again.
-    TogglePanels,
-    /// Saves a screenshot of the view to a file.
-    Screenshot,
-    /// Copies a screenshot of the view to the clipboard of the system.
-    CopyScreenshot,
-    /// Asks for a final picture of the view, made by tracing light.
-    FinalPicture,
-    /// Asks for a film of the sculpture.
-    Film,
-    /// Toggles the window of the print check.
-    PrintCheck,
-    /// Toggles the window of colours.
-    Tints,
-    /// Detaches a panel to a window of its own, or docks it.
-    Detach(Panel),
-    ScaleUp,
-    ScaleDown,
-    ScaleReset,
-    /// Uses the tool while held.
-    Apply,
-    /// Uses the tool on the sculpture, rotates the view beside it.
-    Sculpt,
-    /// As `Sculpt`, with the inverted tool.
-    SculptInverse,
-    /// Smooths, whatever tool is selected.
-    SculptSmooth,
-    /// Picks the colour of the surface under the pointer.
-    PickColour,
-    TurnSculpture,
-    PanSculpture,
-    /// Moves the tool along the grid axes that point most across the screen and up.
-    MoveTool,
-    /// Moves the tool along the grid axes that point most across the screen and into it.
-    MoveToolDeep,
-    TurnTool,
-    Zoom,
-    ResizeTool,
-    /// Cycles through add, cut and paint.
-    NextToolMode,
-    /// Cycles through what the gamepad moves: pointer, tool and sculpture.
-    NextPadMode,
-    ToggleRumble,
-}
-
-/// Name, trigger and explanation of an action.
+/// The description of an action.
 #[derive(Clone, Copy, Debug)]
-pub struct ActionHelp {
+pub struct ActionSpec {
     /// The name in key tables.
     pub name: &'static str,
     pub kind: Kind,
+    /// The heading under which the controls window lists it.
+    pub group: Group,
     /// A sentence without full stop, for tooltips and the controls window.
     pub text: &'static str,
+    /// Words of other programs that find it, besides those of `text`, separated by spaces: in lower case and British
+    /// spelling, as searches are.
+    pub synonyms: &'static str,
+    flags: &'static [Flag],
 }
+
+/// A property of an action that few have.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Flag {
+    /// It repeats while its key is held.
+    Repeats,
+    /// Interfaces do not list it.
+    Unlisted,
+}
+
+const fn is_listed(flags: &[Flag]) -> bool {
+    let mut i = 0;
+    while i < flags.len() {
+        if matches!(flags[i], Flag::Unlisted) {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
+/// Makes the enum, the list and the descriptions from the table. A row: `[value =>] "name" Kind Group "text" "synonyms"
+/// [, Flag];`. A variant without rows stands for all brushes.
+macro_rules! actions {
+    ($(
+        $(#[$doc:meta])*
+        $variant:ident $(($of:ty))? {
+            $( $($value:path =>)? $name:literal $kind:ident $group:ident $text:literal $synonyms:literal $(, $flag:ident)*; )*
+        }
+    )*) => {
+        /// Everything that a person can want.
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+        pub enum Action {
+            $( $(#[$doc])* $variant $(($of))? ),*
+        }
+
+        /// The rows of each variant, in the order of the controls window, and whether they are listed.
+        const ROWS: &[&[(Action, bool)]] = &[
+            $( &[ $( (Action::$variant $(($value))?, is_listed(&[$(Flag::$flag),*])) ),* ] ),*
+        ];
+
+        impl Action {
+            /// Its description.
+            pub fn help(self) -> ActionSpec {
+                match self {
+                    Action::Brush(brush) => of_brush(brush),
+                    $( $(
+                        Action::$variant $(($value))? => ActionSpec {
+                            name: $name,
+                            kind: Kind::$kind,
+                            group: Group::$group,
+                            text: $text,
+                            synonyms: $synonyms,
+                            flags: &[$(Flag::$flag),*],
+                        },
+                    )* )*
+                }
+            }
+        }
+    };
+}
+
+actions! {
+    /// Uses the tool on the sculpture, rotates the view beside it.
+    Sculpt { "sculpt" Drag Pointer "Use the tool; beside the sculpture, rotate it" "carve draw"; }
+    /// As `Sculpt`, with the inverted tool.
+    SculptInverse { "sculpt-inverse" Drag Pointer "Use the tool inverted: add instead of cut, or the reverse" "invert opposite"; }
+    /// Smooths, whatever tool is selected.
+    SculptSmooth { "sculpt-smooth" Drag Pointer "Use the smooth brush, whatever the current tool" "relax"; }
+    /// Picks the colour of the surface under the pointer.
+    PickColour { "pick-colour" Drag Pointer "Pick the colour of the surface" "eyedropper pipette sample picker"; }
+    /// Picks the colour of the voxel under the pointer.
+    PickHere { "pick-here" Tap Pointer "Pick the colour under the pointer" "eyedropper pipette sample picker"; }
+    /// Recolours the patch of one colour on the surface under the pointer.
+    Flood { "flood" Tap Pointer "Recolour the patch of one colour under the pointer" "bucket fill flood paint colour"; }
+    /// Uses the tool while held.
+    Apply { "apply" Hold Pointer "Use the tool where it is" "stamp"; }
+    /// Cancels the running stroke, or closes what is open.
+    Cancel { "cancel" Tap Pointer "Cancel the stroke, or close a window" "abort stop escape"; }
+    TurnSculpture { "turn-sculpture" Drag Pointer "Rotate the sculpture" "turn orbit spin tumble free trackball view"; }
+    PanSculpture { "pan-sculpture" Drag Pointer "Pan the sculpture" "move shift translate view"; }
+    Zoom { "zoom" Wheel Pointer "Zoom in and out" "dolly closer nearer farther"; }
+    /// Moves the tool along the grid axes that point most across the screen and up.
+    MoveTool { "move-tool" Drag Pointer "Move the tool sideways and up or down" "drag translate"; }
+    /// Moves the tool along the grid axes that point most across the screen and into it.
+    MoveToolDeep { "move-tool-deep" Drag Pointer "Move the tool sideways and in depth" "drag translate"; }
+    TurnTool { "turn-tool" Drag Pointer "Rotate the tool" "turn"; }
+    ResizeTool { "resize-tool" Wheel Pointer "Resize the tool" "size radius scale brush"; }
+    Solid(Solid) {
+        Solid::Ellipsoid => "ellipsoid" Tap Tools "Ellipsoid tool" "sphere ball round";
+        Solid::Cuboid => "cuboid" Tap Tools "Cuboid tool" "cube box block brick square";
+        Solid::Pyramid => "pyramid" Tap Tools "Pyramid tool" "roof triangle";
+        Solid::Cylinder => "cylinder" Tap Tools "Cylinder tool" "tube rod column pillar disc can wheel";
+        Solid::Cone => "cone" Tap Tools "Cone tool" "spike tip hat spire";
+        Solid::Torus => "torus" Tap Tools "Torus tool: a ring as thick as it is high" "ring donut doughnut handle tyre";
+        Solid::Capsule => "capsule" Tap Tools "Capsule tool: a rod with round ends" "pill sausage rod limb finger";
+        Solid::RoundedCuboid => "rounded-cuboid" Tap Tools "Rounded cuboid tool: a box with soft edges" "rounded box soft cushion pillow";
+    }
+    /// Selects a tool that draws solids over the picture.
+    Draw(DrawKind) {
+        DrawKind::Lasso => "lasso" Tap Tools "Lasso: draw an outline; everything behind it is cut or painted, or a slab is added" "trim slice polygon freehand extrude";
+        DrawKind::Rectangle => "rectangle" Tap Tools "Rectangle: drag from corner to corner; everything behind it is cut or painted, or a slab is added" "trim square crop extrude";
+        DrawKind::Plane => "plane-cut" Tap Tools "Plane cut: drag a line across the sculpture; the hatched side goes, or the other if inverted" "slice split halve half space section trim knife";
+        DrawKind::Box => "box" Tap Tools "Box: drag its base on a face, let go, choose its height and click" "block cuboid brick wall rectangle";
+        DrawKind::Line => "line" Tap Tools "Line: drag from end to end; a straight tube, or a cone, with round ends" "rod stick pipe capsule strut edge";
+        DrawKind::Curve => "curve" Tap Tools "Curve: draw a path by hand, or click from point to point; a tube along it, which may taper" "spline pipe worm handle rope freehand sweep snake";
+        DrawKind::Lathe => "lathe" Tap Tools "Lathe: press on the axis and draw half a profile; it is turned about the vertical" "revolve pottery vase bowl wheel turned spin";
+        DrawKind::Text => "text" Tap Tools "Text: press on the surface where the letters should stand" "type write lettering engrave emboss inscription word";
+    }
+    Mode(ToolMode) {
+        ToolMode::Add => "add" Tap Tools "Add: the tool adds voxels" "attach build union extrude draw";
+        ToolMode::Subtract => "cut" Tap Tools "Cut: the tool removes voxels" "erase eraser remove delete subtract difference";
+        ToolMode::Recolour => "paint" Tap Tools "Paint: the tool colours voxels" "recolour colour dye tint";
+        ToolMode::Protect => "protect" Tap Tools "Protect: the tool masks voxels, so that nothing changes them" "mask freeze lock";
+        ToolMode::Release => "protect" Tap Tools "Protect: the tool masks voxels, so that nothing changes them" "mask freeze lock", Unlisted;
+    }
+    /// Takes a brush in hand, whose description has the rest.
+    Brush(BrushId) {}
+    /// Protects what hangs together with the voxel under the pointer.
+    Wand { "wand" Tap Tools "Mask everything connected to the voxel under the pointer" "magic select connected piece flat"; }
+    /// Selects the marker as the tool.
+    Marker { "marker" Tap Tools "Marker: a box to select, copy and move voxels" "selection marquee rectangle region area"; }
+    /// Cycles through add, cut and paint.
+    NextToolMode { "next-tool-mode" Tap Tools "Next tool mode: cut, add, paint or protect" "switch toggle cycle"; }
+    Grow { "grow" Tap Pose "Enlarge the tool" "larger bigger increase resize size radius scale", Repeats; }
+    Shrink { "shrink" Tap Pose "Shrink the tool" "smaller decrease reduce resize size radius scale", Repeats; }
+    /// Lets the pointer lead the size of the tool, until a click.
+    LeadSize { "lead-size" Tap Pose "Size by the pointer: further right is larger; click to keep it" "radius brush scale interactive"; }
+    /// The same with its strength.
+    LeadStrength { "lead-strength" Tap Pose "Strength by the pointer: further right is stronger; click to keep it" "intensity opacity brush interactive"; }
+    /// Moves the tool by one voxel.
+    Nudge(Step) {
+        Step::Left => "nudge-left" Tap Pose "Move the tool one voxel left" "shift nudge", Repeats;
+        Step::Right => "nudge-right" Tap Pose "Move the tool one voxel right" "shift nudge", Repeats;
+        Step::Up => "nudge-up" Tap Pose "Move the tool one voxel up" "shift nudge", Repeats;
+        Step::Down => "nudge-down" Tap Pose "Move the tool one voxel down" "shift nudge", Repeats;
+        Step::Nearer => "nudge-nearer" Tap Pose "Move the tool one voxel towards you" "shift nudge", Repeats;
+        Step::Farther => "nudge-farther" Tap Pose "Move the tool one voxel away from you" "shift nudge", Repeats;
+    }
+    /// Makes the tool one voxel longer on that side.
+    Stretch(Step) {
+        Step::Left => "stretch-left" Tap Pose "Extend the tool by one voxel on the left" "stretch lengthen longer resize", Repeats;
+        Step::Right => "stretch-right" Tap Pose "Extend the tool by one voxel on the right" "stretch lengthen longer resize", Repeats;
+        Step::Up => "stretch-up" Tap Pose "Extend the tool by one voxel upwards" "stretch lengthen longer resize", Repeats;
+        Step::Down => "stretch-down" Tap Pose "Extend the tool by one voxel downwards" "stretch lengthen longer resize", Repeats;
+        Step::Nearer => "stretch-nearer" Tap Pose "Extend the tool by one voxel towards you" "stretch lengthen longer resize", Repeats;
+        Step::Farther => "stretch-farther" Tap Pose "Extend the tool by one voxel away from you" "stretch lengthen longer resize", Repeats;
+    }
+    /// Aligns the tool's axes with the grid's.
+    AlignTool { "align-tool" Tap Pose "Reset the tool's rotation" "upright straighten align"; }
+    ToggleFollow { "toggle-follow" Tap Pose "Let the tool follow the pointer, or stay where it is" "lock pin fixed"; }
+    ToggleSnap { "toggle-snap" Tap Pose "Snap the tool to whole voxels, or not" "snapping magnet align"; }
+    ResetTool { "reset-tool" Tap Pose "Reset the tool's position, rotation and size" "default restore centre"; }
+    /// Toggles the symmetry plane across an axis.
+    Mirror(Axis) {
+        Axis::X => "mirror-x" Tap Repetition "Mirror symmetry in x (left and right)" "symmetric reflect flip";
+        Axis::Y => "mirror-y" Tap Repetition "Mirror symmetry in y (up and down)" "symmetric reflect flip";
+        Axis::Z => "mirror-z" Tap Repetition "Mirror symmetry in z (front and back)" "symmetric reflect flip";
+    }
+    /// Toggles the mirror plane that lies anywhere.
+    MirrorPlane { "mirror-plane" Tap Repetition "Mirror symmetry about a plane placed anywhere" "symmetric reflect oblique free"; }
+    /// Toggles the rotation of tools around an axis.
+    Radial { "radial" Tap Repetition "Radial symmetry: repeat tools around an axis" "rotational kaleidoscope turn around circular polar"; }
+    /// Repeats the last operation with an offset.
+    Repeat { "repeat" Tap Repetition "Repeat the last operation with an offset" "array again pattern copies"; }
+    SelectMarker { "select" Tap Areas "Add the marker's box to the selection" "union extend"; }
+    DeselectMarker { "deselect" Tap Areas "Subtract the marker's box from the selection" "deselect unselect"; }
+    DropBox { "drop-box" Tap Areas "Take the last box off the selection, or the last point off the curve that is drawn" "drop remove"; }
+    ClearSelection { "clear-selection" Tap Areas "Deselect all" "deselect unselect none"; }
+    ToggleLimit { "toggle-limit" Tap Areas "Limit all tools to the selection, or not" "mask restrict protect clip"; }
+    FillMarker { "fill-marker" Tap Areas "Fill the marker's box with the current colour" "solid add"; }
+    ClearMarker { "clear-marker" Tap Areas "Delete the voxels in the marker" "erase remove empty clear"; }
+    DyeMarker { "dye-marker" Tap Areas "Recolour the voxels in the marker" "colour paint dye tint"; }
+    /// Rotates the whole sculpture by a quarter about an axis of its grid.
+    RotateGrid(Axis) {
+        Axis::X => "rotate-grid-x" Tap History "Rotate the whole sculpture 90° about X" "turn orient orientation grid volume axes upright";
+        Axis::Y => "rotate-grid-y" Tap History "Rotate the whole sculpture 90° about Y" "turn orient orientation grid volume axes upright";
+        Axis::Z => "rotate-grid-z" Tap History "Rotate the whole sculpture 90° about Z" "turn orient orientation grid volume axes upright";
+    }
+    Copy { "copy" Tap Areas "Copy the voxels in the marker" "duplicate clone"; }
+    Cut { "cut-out" Tap Areas "Cut the voxels in the marker to the clipboard" "move"; }
+    Paste { "paste" Tap Areas "Paste at the marker's lower corner, or else an image" "insert stamp"; }
+    /// Rotates the clipboard by a quarter turn.
+    TurnClip(Axis) {
+        Axis::X => "turn-copy-x" Tap Areas "Rotate the clipboard 90° about x" "turn copy";
+        Axis::Y => "turn-copy-y" Tap Areas "Rotate the clipboard 90° about y" "turn copy";
+        Axis::Z => "turn-copy-z" Tap Areas "Rotate the clipboard 90° about z" "turn copy";
+    }
+    MirrorClip(Axis) {
+        Axis::X => "mirror-copy-x" Tap Areas "Mirror the clipboard along x" "flip reflect copy";
+        Axis::Y => "mirror-copy-y" Tap Areas "Mirror the clipboard along y" "flip reflect copy";
+        Axis::Z => "mirror-copy-z" Tap Areas "Mirror the clipboard along z" "flip reflect copy";
+    }
+    /// Moves the contents of the marker by one voxel.
+    MoveContents(Step) {
+        Step::Left => "move-left" Tap Areas "Move the marker's contents one voxel left" "shift nudge translate", Repeats;
+        Step::Right => "move-right" Tap Areas "Move the marker's contents one voxel right" "shift nudge translate", Repeats;
+        Step::Up => "move-up" Tap Areas "Move the marker's contents one voxel up" "shift nudge translate", Repeats;
+        Step::Down => "move-down" Tap Areas "Move the marker's contents one voxel down" "shift nudge translate", Repeats;
+        Step::Nearer => "move-nearer" Tap Areas "Move the marker's contents one voxel towards you" "shift nudge translate", Repeats;
+        Step::Farther => "move-farther" Tap Areas "Move the marker's contents one voxel away from you" "shift nudge translate", Repeats;
+    }
+    Undo { "undo" Tap History "Undo the last step" "back revert", Repeats; }
+    Redo { "redo" Tap History "Redo the last undone step" "forward again", Repeats; }
+    Fill { "fill" Tap History "Fill the whole grid" "solid block flood everything"; }
+    Clear { "clear" Tap History "Clear the grid: delete every voxel" "erase remove empty reset everything all"; }
+    /// Opens the window of masks.
+    Masks { "masks" Tap Areas "Window of masks: voxels that are protected from tools" "mask protect grow shrink blur cavity selection freeze"; }
+    /// Protects what was not, and releases what was.
+    InvertMask { "invert-mask" Tap Areas "Protect what is not masked, and nothing else" "inverse reverse swap"; }
+    /// Releases everything.
+    ClearMask { "clear-mask" Tap Areas "Clear the mask: nothing is protected" "unmask deselect none remove"; }
+    /// Rotates the whole sculpture so that an axis of its grid points up.
+    TurnUpright(Up) {
+        Up::Z => "upright-z" Tap History "Turn upright: the sculpture's Z axis points up" "stand lies lying face back side scan orientation orient rotate";
+        Up::MinusZ => "upright-minus-z" Tap History "Turn upright: the sculpture's −Z axis points up" "stand lies lying face back side scan orientation orient rotate";
+        Up::MinusY => "upright-minus-y" Tap History "Turn upright: stand the sculpture on its head (−Y up)" "upside down head scan orientation orient rotate stand";
+        Up::X => "upright-x" Tap History "Turn upright: the sculpture's X axis points up" "stand lies lying face back side scan orientation orient rotate";
+        Up::MinusX => "upright-minus-x" Tap History "Turn upright: the sculpture's −X axis points up" "stand lies lying face back side scan orientation orient rotate";
+        Up::Y => "upright-y" Tap History "Turn upright: the sculpture's Y axis is up already" "stand lies lying face back side scan orientation orient rotate", Unlisted;
+    }
+    ResetView { "reset-view" Tap View "Frame all: show the whole sculpture" "fit centre recentre zoom camera see everything"; }
+    LookFrom(Side) {
+        Side::Corner => "look-corner" Tap View "Corner view" "look camera perspective isometric";
+        Side::Front => "look-front" Tap View "Front view" "look camera side";
+        Side::Back => "look-back" Tap View "Back view" "look camera side";
+        Side::Left => "look-left" Tap View "Left view" "look camera side";
+        Side::Right => "look-right" Tap View "Right view" "look camera side";
+        Side::Top => "look-top" Tap View "Top view" "look camera side";
+        Side::Bottom => "look-bottom" Tap View "Bottom view" "look camera side";
+    }
+    /// Zooms by one notch, without a wheel.
+    ZoomIn { "zoom-in" Tap View "Zoom in" "closer nearer magnify", Repeats; }
+    ZoomOut { "zoom-out" Tap View "Zoom out" "away farther further", Repeats; }
+    /// Toggles between parallel rays and perspective.
+    ToggleOrthographic { "toggle-orthographic" Tap View "Orthographic view (parallel lines stay parallel), or perspective" "projection ortho isometric axonometric numpad flat camera"; }
+    /// Toggles the axis gizmo.
+    ToggleGizmo { "toggle-gizmo" Tap View "Axis gizmo on or off" "axes navigation compass orientation cube"; }
+    /// Toggles the floor grid.
+    ToggleFloor { "toggle-floor" Tap View "Floor grid on or off" "plane lines scale ruler"; }
+    /// Toggles the ground with the sculpture's shadow.
+    ToggleGround { "toggle-ground" Tap View "Ground below the sculpture, dark where the sculpture blocks the light, on or off" "plane catcher contact lines scale"; }
+    /// Toggles the window of reference pictures.
+    References { "references" Tap View "Show or hide the reference pictures' window" "image plane background blueprint template tracing drawing photo png canvas"; }
+    /// Toggles the edges of the grid.
+    ToggleBounds { "toggle-bounds" Tap View "Grid outline on or off" "bounds box edges frame"; }
+    /// Toggles whether the mask is seen.
+    ToggleMask { "toggle-mask" Tap View "Show or hide the mask" "masking protected protect freeze frozen lock"; }
+    NextRenderMode { "next-render-mode" Tap View "Next render mode" "rendering renderer shader quality gpu cpu performance"; }
+    /// Toggles the window of lights.
+    Lights { "lights" Tap View "Show or hide the lights" "lighting light lamp sun shadow brightness shading"; }
+    NextStereo { "next-stereo" Tap View "Next stereo layout" "3d glasses anaglyph two eyes"; }
+    SwapEyes { "swap-eyes" Tap View "Swap the left and right eye" "exchange stereo reverse"; }
+    ToggleVideo { "toggle-video" Tap View "Video background on or off" "camera webcam backdrop"; }
+    /// Toggles whether the view follows the head.
+    ToggleHead { "toggle-head" Tap View "Head tracking on or off" "tracker webcam opentrack"; }
+    CalibrateHead { "calibrate-head" Tap View "Calibrate the head tracker by touching the screen's corners" "tracking"; }
+    /// Toggles the sculpture on the printed marker in the video.
+    ToggleAr { "toggle-ar" Tap View "Stand the sculpture on the printed marker in the video, or not" "augmented reality webcam ar"; }
+    /// Toggles full screen of the main window.
+    Fullscreen { "fullscreen" Tap View "Full screen on or off" "fullscreen maximise window"; }
+    /// Hides the panels of the main window, or shows them again.
+    TogglePanels { "toggle-panels" Tap View "Hide all panels, or show them again" "interface toolbars distraction free zen clean presentation tab maximise"; }
+    /// Toggles between the dark and the light theme.
+    ToggleTheme { "toggle-theme" Tap Program "Dark or light theme" "mode appearance skin colours"; }
+    /// Detaches a panel to a window of its own, or docks it.
+    Detach(Panel) {
+        Panel::Toolbox => "tear-toolbox" Tap Program "Detach the toolbox into its own window, or dock it" "tools panel undock float tear window";
+        Panel::Options => "tear-options" Tap Program "Detach the options into their own window, or dock them" "panel undock float tear window";
+        Panel::History => "tear-history" Tap Program "Detach the history into its own window, or dock it" "panel undock float tear window";
+    }
+    ScaleUp { "scale-up" Tap Program "Enlarge the interface" "larger bigger text font size zoom dpi", Repeats; }
+    ScaleDown { "scale-down" Tap Program "Shrink the interface" "smaller text font size zoom dpi", Repeats; }
+    ScaleReset { "scale-reset" Tap Program "Reset the interface to its configured size" "text font zoom dpi default"; }
+    /// Cycles through what the gamepad moves: pointer, tool and sculpture.
+    NextPadMode { "next-pad-mode" Tap Pointer "Next gamepad mode: pointer, tool or sculpture" "controller joystick"; }
+    ToggleRumble { "toggle-rumble" Tap Program "Gamepad rumble on or off" "vibration vibrate haptics shake controller"; }
+    New { "new" Tap Program "New sculpture" "create file"; }
+    Open { "open" Tap Program "Open a sculpture or a volume" "load import read browse file"; }
+    Save { "save" Tap Program "Save the sculpture" "write store file"; }
+    SaveAs { "save-as" Tap Program "Save the sculpture under a new name" "convert copy rename file"; }
+    /// Saves a screenshot of the view to a file.
+    Screenshot { "screenshot" Tap Program "Save a picture of the view" "screenshot capture snapshot photo image png export render"; }
+    /// Copies a screenshot of the view to the clipboard of the system.
+    CopyScreenshot { "copy-screenshot" Tap Program "Copy a picture of the view, for other programs" "screenshot capture snapshot photo image clipboard system paste"; }
+    /// Asks for a final picture of the view, made by tracing light.
+    FinalPicture { "final-picture" Tap Program "Make a picture of the view with shadows and reflected light" "final render raytrace path trace shadow sun photo image"; }
+    /// Asks for a film of the sculpture.
+    Film { "film" Tap Program "Make a film: a turntable, or a time lapse of the recording" "movie video animation turntable spin rotate time lapse gif apng export"; }
+    /// Toggles the window of the print check.
+    PrintCheck { "print-check" Tap Program "Check whether the sculpture can be printed, and mend it" "printing printer slicer support overhang thin wall island cavity hollow repair analyse"; }
+    /// Toggles the window of colours.
+    Tints { "colours" Tap Program "Adjust the colours of an area, or give it a gradient or noise" "colour hue saturation value brightness contrast gradient ramp noise speckle tint hsv"; }
+    /// Export a file for other programs.
+    Export { "export" Tap Program "Export the sculpture for other programs" "write convert volume pvm raw stl obj ply glb gltf 3mf vox mesh other programs file"; }
+    /// Opens the palette, which finds actions by words and takes commands.
+    Palette { "palette" Tap Program "Search actions, or type a script command" "find command menu"; }
+    Help { "help" Tap Program "Show and change the controls" "shortcuts hotkeys keys keyboard mouse gamepad keybindings bindings keymap preferences settings options configure customise manual"; }
+    Guide { "guide" Tap Program "Show or hide the first steps" "tutorial learn lesson introduction getting started welcome tips"; }
+    Quit { "quit" Tap Program "Quit" "exit leave end close program"; }
+}
+
+fn of_brush(brush: BrushId) -> ActionSpec {
+    let spec = brush.spec();
+    ActionSpec {
+        name: spec.action,
+        kind: Kind::Tap,
+        group: Group::Tools,
+        text: spec.help,
+        synonyms: spec.synonyms,
+        flags: &[],
+    }
+}
+
+/// The listed actions in order, as far as there is room, and their number.
+const fn listed<const N: usize>() -> ([Action; N], usize) {
+    let mut all = [Action::Quit; N];
+    let (mut n, mut variant) = (0, 0);
+    while variant < ROWS.len() {
+        let rows = ROWS[variant];
+        let count = if rows.is_empty() { BrushId::ALL.len() } else { rows.len() };
+        let mut row = 0;
+        while row < count {
+            let is_listed = rows.is_empty() || rows[row].1;
+            if is_listed {
+                if n < N {
+                    all[n] = match rows.is_empty() {
+                        true => Action::Brush(BrushId::ALL[row]),
+                        false => rows[row].0,
+                    };
+                }
+                n += 1;
+            }
+            row += 1;
+        }
+        variant += 1;
+    }
+    (all, n)
+}
+
+const LISTED: [Action; listed::<0>().1] = listed().0;
 
 impl Action {
     /// Every action, in the order of the controls window.
-    pub const ALL: &[Action] = &Action::LISTED;
-
-    const LISTED: [Action; Action::FIRST.len() + BrushId::ALL.len() + Action::LAST.len()] = {
-        let (first, brushes, last) = (Action::FIRST, BrushId::ALL, Action::LAST);
-        let mut all = [Action::Sculpt; _];
-        let mut i = 0;
-        while i < all.len() {
-            all[i] = if i < first.len() {
-                first[i]
-            } else if i < first.len() + brushes.len() {
-                Action::Brush(brushes[i - first.len()])
-            } else {
-                last[i - first.len() - brushes.len()]
-            };
-            i += 1;
-        }
-        all
-    };
-
-    const FIRST: &[Action] = &[
-        Action::Sculpt,
-        Action::SculptInverse,
-        Action::SculptSmooth,
-        Action::PickColour,
-        Action::PickHere,
-        Action::Flood,
-        Action::Apply,
-        Action::Cancel,
-        Action::TurnSculpture,
-        Action::PanSculpture,
-        Action::Zoom,
-        Action::MoveTool,
-        Action::MoveToolDeep,
-        Action::TurnTool,
-        Action::ResizeTool,
-        Action::Solid(Solid::Ellipsoid),
-        Action::Solid(Solid::Cuboid),
-        Action::Solid(Solid::Pyramid),
-        Action::Solid(Solid::Cylinder),
-        Action::Solid(Solid::Cone),
-        Action::Solid(Solid::Torus),
-        Action::Solid(Solid::Capsule),
-        Action::Solid(Solid::RoundedCuboid),
-        Action::Draw(DrawKind::Lasso),
-        Action::Draw(DrawKind::Rectangle),
-        Action::Draw(DrawKind::Plane),
-        Action::Draw(DrawKind::Box),
-        Action::Draw(DrawKind::Line),
-        Action::Draw(DrawKind::Curve),
-        Action::Draw(DrawKind::Lathe),
-        Action::Draw(DrawKind::Text),
-        Action::Mode(ToolMode::Add),
-        Action::Mode(ToolMode::Subtract),
-        Action::Mode(ToolMode::Recolour),
-        Action::Mode(ToolMode::Protect),
-    ];
-
-    const LAST: &[Action] = &[
-        Action::Wand,
-        Action::Marker,
-        Action::NextToolMode,
-        Action::Grow,
-        Action::Shrink,
-        Action::LeadSize,
-        Action::LeadStrength,
-        Action::Nudge(Step::Left),
-        Action::Nudge(Step::Right),
-        Action::Nudge(Step::Up),
-        Action::Nudge(Step::Down),
-        Action::Nudge(Step::Nearer),
-        Action::Nudge(Step::Farther),
-        Action::Stretch(Step::Left),
-        Action::Stretch(Step::Right),
-        Action::Stretch(Step::Up),
-        Action::Stretch(Step::Down),
-        Action::Stretch(Step::Nearer),
-        Action::Stretch(Step::Farther),
-        Action::AlignTool,
-        Action::ToggleFollow,
-        Action::ToggleSnap,
-        Action::ResetTool,
-        Action::Mirror(Axis::X),
-        Action::Mirror(Axis::Y),
-        Action::Mirror(Axis::Z),
-        Action::MirrorPlane,
-        Action::Radial,
-        Action::Repeat,
-        Action::SelectMarker,
-        Action::DeselectMarker,
-        Action::DropBox,
-        Action::ClearSelection,
-        Action::ToggleLimit,
-        Action::FillMarker,
-        Action::ClearMarker,
-        Action::DyeMarker,
-        Action::RotateGrid(Axis::X),
-        Action::RotateGrid(Axis::Y),
-        Action::RotateGrid(Axis::Z),
-        Action::Copy,
-        Action::Cut,
-        Action::Paste,
-        Action::TurnClip(Axis::X),
-        Action::TurnClip(Axis::Y),
-        Action::TurnClip(Axis::Z),
-        Action::MirrorClip(Axis::X),
-        Action::MirrorClip(Axis::Y),
-        Action::MirrorClip(Axis::Z),
-        Action::MoveContents(Step::Left),
-        Action::MoveContents(Step::Right),
-        Action::MoveContents(Step::Up),
-        Action::MoveContents(Step::Down),
-        Action::MoveContents(Step::Nearer),
-        Action::MoveContents(Step::Farther),
-        Action::Undo,
-        Action::Redo,
-        Action::Fill,
-        Action::Clear,
-        Action::Masks,
-        Action::InvertMask,
-        Action::ClearMask,
-        Action::TurnUpright(Up::Z),
-        Action::TurnUpright(Up::MinusZ),
-        Action::TurnUpright(Up::MinusY),
-        Action::TurnUpright(Up::X),
-        Action::TurnUpright(Up::MinusX),
-        Action::ResetView,
-        Action::LookFrom(Side::Corner),
-        Action::LookFrom(Side::Front),
-        Action::LookFrom(Side::Back),
-        Action::LookFrom(Side::Left),
-        Action::LookFrom(Side::Right),
-        Action::LookFrom(Side::Top),
-        Action::LookFrom(Side::Bottom),
-        Action::ZoomIn,
-        Action::ZoomOut,
-        Action::ToggleOrthographic,
-        Action::ToggleGizmo,
-        Action::ToggleFloor,
-        Action::ToggleGround,
-        Action::References,
-        Action::ToggleBounds,
-        Action::ToggleMask,
-        Action::NextRenderMode,
-        Action::Lights,
-        Action::NextStereo,
-        Action::SwapEyes,
-        Action::ToggleVideo,
-        Action::ToggleHead,
-        Action::CalibrateHead,
-        Action::ToggleAr,
-        Action::Fullscreen,
-        Action::TogglePanels,
-        Action::ToggleTheme,
-        Action::Detach(Panel::Toolbox),
-        Action::Detach(Panel::Options),
-        Action::Detach(Panel::History),
-        Action::ScaleUp,
-        Action::ScaleDown,
-        Action::ScaleReset,
-        Action::NextPadMode,
-        Action::ToggleRumble,
-        Action::New,
-        Action::Open,
-        Action::Save,
-        Action::SaveAs,
-        Action::Screenshot,
-        Action::CopyScreenshot,
-        Action::FinalPicture,
-        Action::Film,
-        Action::PrintCheck,
-        Action::Tints,
-        Action::Export,
-        Action::Palette,
-        Action::Help,
-        Action::Guide,
-        Action::Quit,
-    ];
+    pub const ALL: &[Action] = &LISTED;
 
     /// Whether the action repeats while the key is held.
     pub fn repeats(self) -> bool {
-        use Action::{Grow, MoveContents, Nudge, Redo, ScaleDown, ScaleUp, Shrink, Stretch, Undo};
-        use Action::{ZoomIn, ZoomOut};
-        matches!(
-            self,
-            Nudge(_)
-                | Stretch(_)
-                | MoveContents(_)
-                | Grow
-                | Shrink
-                | Undo
-                | Redo
-                | ScaleUp
-                | ScaleDown
-                | ZoomIn
-                | ZoomOut
-        )
+        self.help().flags.contains(&Flag::Repeats)
     }
 
     /// Whether a drag keeps its action from press to release, so that a modifier pressed during it

@@ -4,7 +4,6 @@
 //! Knows no sculpture and no window: takes device events as values and returns [`ActionEvent`]s.
 
 pub mod action;
-mod action_help;
 pub mod bindings;
 pub mod button;
 pub mod draw_kind;
@@ -19,7 +18,6 @@ pub mod panel;
 pub mod pen;
 pub mod personal;
 pub mod remap;
-mod synonyms;
 pub mod tool_mode;
 pub mod trigger;
 

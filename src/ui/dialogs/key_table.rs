@@ -141,7 +141,7 @@ fn rows(
         let taken: Vec<Action> = Action::ALL
             .iter()
             .copied()
-            .filter(|action| Group::of(*action) == group && takes(&filter, *action, bindings))
+            .filter(|action| action.help().group == group && takes(&filter, *action, bindings))
             .collect();
         if taken.is_empty() {
             continue;
@@ -167,8 +167,8 @@ fn takes(filter: &Filter, action: Action, bindings: &Bindings) -> bool {
     filter.takes(&[
         help.text,
         help.name,
-        action.synonyms(),
-        Group::of(action).title(),
+        action.help().synonyms,
+        action.help().group.title(),
         &triggers.join(" "),
     ])
 }

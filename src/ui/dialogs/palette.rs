@@ -88,7 +88,7 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
         let triggers: Vec<String> =
             bindings.into_iter().flat_map(|b| b.triggers(action)).map(|t| t.to_string()).collect();
         let keys: Vec<&str> = triggers.iter().map(String::as_str).collect();
-        if let Some(rank) = filter.rank(help.text, &[help.name, action.synonyms()], &keys) {
+        if let Some(rank) = filter.rank(help.text, &[help.name, help.synonyms], &keys) {
             let entry = Entry::Do(action);
             let last = filter.is_empty() && !entry.can_be_chosen();
             ranked.push((if last { LAST } else { rank }, entry));

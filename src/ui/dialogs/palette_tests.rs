@@ -170,7 +170,7 @@ fn what_people_type_finds_the_action() {
 #[test]
 fn synonyms_are_as_searches_are_brought_into() {
     for &action in Action::ALL {
-        let words = action.synonyms();
+        let words = action.help().synonyms;
         assert_eq!(words, british(words), "{action:?}");
         let list: Vec<&str> = words.split_whitespace().collect();
         let twice = |(i, word): (usize, &&str)| list[..i].contains(word);
