@@ -7,7 +7,8 @@ use std::f32::consts::TAU;
 use glam::{Mat3, Vec2, Vec3};
 
 use crate::sculpture::grid::Grid;
-use crate::tools::solid::{Primitive, Solid};
+use crate::tools::solid::Primitive;
+use crate::tools::solid::body::{Body, ProfilePoint, Stretch};
 
 /// Segments of a circle.
 pub const SEGMENTS: usize = 40;
@@ -26,62 +27,25 @@ pub fn outline_of(primitive: &Primitive, grid: &Grid) -> Vec<(Vec3, Vec3)> {
     let place = |(core, offset): Point| {
         primitive.centre_vx + linear * (core * (Vec3::ONE - round) + offset * round)
     };
-    edges(primitive.solid).into_iter().map(|(a, b)| (place(a), place(b))).collect()
+    edges(&primitive.solid.spec().body).into_iter().map(|(a, b)| (place(a), place(b))).collect()
 }
 
-fn edges(solid: Solid) -> Vec<(Point, Point)> {
-    let plain = |(a, b): (Vec3, Vec3)| ((Vec3::ZERO, a), (Vec3::ZERO, b));
-    let rim = |y: f32| circle(move |turn| (Vec3::ZERO, Vec3::new(turn.x, y, turn.y)));
-    // In the planes through the axis: four lines along the side.
-    let sides = [Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z];
-    match solid {
-        Solid::Cuboid => box_edges(Vec3::NEG_ONE, Vec3::ONE).map(plain).collect(),
-        Solid::Pyramid => {
-            let base = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
-                .map(|(x, z)| Vec3::new(x, -1.0, z));
-            let edges = |i: usize| [(base[i], base[(i + 1) % 4]), (base[i], Vec3::Y)];
-            (0..4).flat_map(edges).map(plain).collect()
-        }
-        Solid::Ellipsoid => (0..3)
-            .flat_map(|axis| {
-                let (u, v) = (Vec3::AXES[(axis + 1) % 3], Vec3::AXES[(axis + 2) % 3]);
-                circle(move |turn| (Vec3::ZERO, u * turn.x + v * turn.y))
-            })
-            .collect(),
-        Solid::Cylinder => {
-            let along = sides.map(|side| plain((side + Vec3::Y, side - Vec3::Y)));
-            rim(-1.0).chain(rim(1.0)).chain(along).collect()
-        }
-        Solid::Cone => {
-            let along = sides.map(|side| plain((side - Vec3::Y, Vec3::Y)));
-            rim(-1.0).chain(along).collect()
-        }
-        Solid::Torus => {
-            // Outermost, innermost, top and bottom, and around the tube.
-            let flat = |turn: Vec2| Vec3::new(turn.x, 0.0, turn.y);
-            let rings = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)];
-            let rings = rings.into_iter().flat_map(|(out, up)| {
-                circle(move |turn| (flat(turn), flat(turn) * out + Vec3::Y * up))
-            });
-            let tubes = sides
-                .into_iter()
-                .flat_map(|side| circle(move |turn| (side, side * turn.x + Vec3::Y * turn.y)));
-            rings.chain(tubes).collect()
-        }
-        Solid::Capsule => {
-            let rims = [-1.0, 1.0]
-                .into_iter()
-                .flat_map(|y| circle(move |turn| (Vec3::Y * y, Vec3::new(turn.x, 0.0, turn.y))));
-            let profiles = [Vec3::X, Vec3::Z].into_iter().flat_map(|side| {
+fn edges(body: &Body) -> Vec<(Point, Point)> {
+    match body {
+        Body::Faces { corners, faces } => face_edges(corners, faces),
+        Body::Revolved { profile, rims } => {
+            let rims = rims.iter().flat_map(|rim| {
                 circle(move |turn| {
-                    let end = if turn.y < 0.0 { Vec3::NEG_Y } else { Vec3::Y };
-                    (end, side * turn.x + Vec3::Y * turn.y)
+                    let about = |p: Vec2| Vec3::new(p.x * turn.x, p.y, p.x * turn.y);
+                    (about(rim.core), about(rim.offset))
                 })
             });
-            rims.chain(profiles).collect()
+            // In the planes through the axis.
+            let sides = [Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z];
+            rims.chain(sides.into_iter().flat_map(|side| meridian(profile, side))).collect()
         }
         // The flat part of each face.
-        Solid::RoundedCuboid => (0..6)
+        Body::RoundedBox => (0..6)
             .flat_map(|face| {
                 let axis = face / 2;
                 let out = Vec3::AXES[axis] * if face % 2 == 0 { 1.0 } else { -1.0 };
@@ -91,6 +55,39 @@ fn edges(solid: Solid) -> Vec<(Point, Point)> {
             })
             .collect(),
     }
+}
+
+/// The edges of flat faces, each once.
+fn face_edges(corners: &[Vec3], faces: &[&[usize]]) -> Vec<(Point, Point)> {
+    let around = |face: &&[usize]| -> Vec<[usize; 2]> {
+        let ends = face.iter().zip(face.iter().cycle().skip(1));
+        ends.map(|(from, to)| [*from, *to]).collect()
+    };
+    // Of the two faces at an edge, one goes along it upwards.
+    let edges = faces.iter().flat_map(around).filter(|[from, to]| from < to);
+    edges.map(|ends| ends.map(|i| (Vec3::ZERO, corners[i])).into()).collect()
+}
+
+/// The lines of a profile in the half plane of a side, but for the caps.
+fn meridian(profile: &'static [Stretch], side: Vec3) -> Vec<(Point, Point)> {
+    let place = move |p: ProfilePoint| {
+        let at = |p: Vec2| side * p.x + Vec3::Y * p.y;
+        (at(p.core), at(p.offset))
+    };
+    let mut points: Vec<Vec<Point>> = Vec::new();
+    for stretch in profile.iter().filter(|stretch| !stretch.is_cap()) {
+        let steps = match stretch {
+            Stretch::Line(_) => 1,
+            Stretch::Arc { turns: [from, to], .. } => {
+                ((to - from) * SEGMENTS as f32).round() as usize
+            }
+        };
+        let at = |step: usize| place(stretch.at(step as f32 / steps as f32).0);
+        points.push((0..=steps).map(at).collect());
+    }
+    // Arcs about different points are connected by a straight line.
+    let chain = points.concat();
+    chain.windows(2).map(|pair| (pair[0], pair[1])).collect()
 }
 
 /// The edges between the points that `at` gives for a circle's.
@@ -119,6 +116,7 @@ mod tests {
 
     use super::*;
     use crate::sculpture::grid::Grid;
+    use crate::tools::solid::Solid;
 
     #[test]
     fn a_box_has_twelve_different_edges() {

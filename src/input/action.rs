@@ -2,7 +2,7 @@
 //!
 //! One table describes each [`Action`] once: its name in tables of keys, the way in which it is triggered, its heading in the
 //! controls window, its help and the words of other programs that find it. The enum, the list of all actions and their
-//! descriptions are made from that table; brushes describe themselves. An action says what is wanted, not how it is done:
+//! descriptions are made from that table; tools describe themselves. An action says what is wanted, not how it is done:
 //! `app` executes it.
 
 use super::draw_kind::DrawKind;
@@ -126,11 +126,11 @@ const fn is_listed(flags: &[Flag]) -> bool {
 }
 
 /// Makes the enum, the list and the descriptions from the table. A row: `[value =>] "name" Kind Group "text" "synonyms"
-/// [, Flag];`. A variant without rows stands for all brushes.
+/// [, Flag];`. A variant `from` a list has a row for each of those that describe themselves.
 macro_rules! actions {
     ($(
         $(#[$doc:meta])*
-        $variant:ident $(($of:ty))? {
+        $variant:ident $(($of:ty))? $(from $described:ident)? {
             $( $($value:path =>)? $name:literal $kind:ident $group:ident $text:literal $synonyms:literal $(, $flag:ident)*; )*
         }
     )*) => {
@@ -142,14 +142,28 @@ macro_rules! actions {
 
         /// The rows of each variant, in the order of the controls window, and whether they are listed.
         const ROWS: &[&[(Action, bool)]] = &[
-            $( &[ $( (Action::$variant $(($value))?, is_listed(&[$(Flag::$flag),*])) ),* ] ),*
+            $(
+                $( &$described, )?
+                &[ $( (Action::$variant $(($value))?, is_listed(&[$(Flag::$flag),*])) ),* ]
+            ),*
         ];
 
         impl Action {
             /// Its description.
             pub fn help(self) -> ActionSpec {
                 match self {
-                    Action::Brush(brush) => of_brush(brush),
+                    Action::Solid(solid) => {
+                        let spec = solid.spec();
+                        of_tool(spec.name, spec.help, spec.synonyms)
+                    }
+                    Action::Draw(kind) => {
+                        let spec = kind.spec();
+                        of_tool(spec.name, spec.help, spec.synonyms)
+                    }
+                    Action::Brush(brush) => {
+                        let spec = brush.spec();
+                        of_tool(spec.action, spec.help, spec.synonyms)
+                    }
                     $( $(
                         Action::$variant $(($value))? => ActionSpec {
                             name: $name,
@@ -192,27 +206,10 @@ actions! {
     MoveToolDeep { "move-tool-deep" Drag Pointer "Move the tool sideways and in depth" "drag translate"; }
     TurnTool { "turn-tool" Drag Pointer "Rotate the tool" "turn"; }
     ResizeTool { "resize-tool" Wheel Pointer "Resize the tool" "size radius scale brush"; }
-    Solid(Solid) {
-        Solid::Ellipsoid => "ellipsoid" Tap Tools "Ellipsoid tool" "sphere ball round";
-        Solid::Cuboid => "cuboid" Tap Tools "Cuboid tool" "cube box block brick square";
-        Solid::Pyramid => "pyramid" Tap Tools "Pyramid tool" "roof triangle";
-        Solid::Cylinder => "cylinder" Tap Tools "Cylinder tool" "tube rod column pillar disc can wheel";
-        Solid::Cone => "cone" Tap Tools "Cone tool" "spike tip hat spire";
-        Solid::Torus => "torus" Tap Tools "Torus tool: a ring as thick as it is high" "ring donut doughnut handle tyre";
-        Solid::Capsule => "capsule" Tap Tools "Capsule tool: a rod with round ends" "pill sausage rod limb finger";
-        Solid::RoundedCuboid => "rounded-cuboid" Tap Tools "Rounded cuboid tool: a box with soft edges" "rounded box soft cushion pillow";
-    }
-    /// Selects a tool that draws solids over the picture.
-    Draw(DrawKind) {
-        DrawKind::Lasso => "lasso" Tap Tools "Lasso: draw an outline; everything behind it is cut or painted, or a slab is added" "trim slice polygon freehand extrude";
-        DrawKind::Rectangle => "rectangle" Tap Tools "Rectangle: drag from corner to corner; everything behind it is cut or painted, or a slab is added" "trim square crop extrude";
-        DrawKind::Plane => "plane-cut" Tap Tools "Plane cut: drag a line across the sculpture; the hatched side goes, or the other if inverted" "slice split halve half space section trim knife";
-        DrawKind::Box => "box" Tap Tools "Box: drag its base on a face, let go, choose its height and click" "block cuboid brick wall rectangle";
-        DrawKind::Line => "line" Tap Tools "Line: drag from end to end; a straight tube, or a cone, with round ends" "rod stick pipe capsule strut edge";
-        DrawKind::Curve => "curve" Tap Tools "Curve: draw a path by hand, or click from point to point; a tube along it, which may taper" "spline pipe worm handle rope freehand sweep snake";
-        DrawKind::Lathe => "lathe" Tap Tools "Lathe: press on the axis and draw half a profile; it is turned about the vertical" "revolve pottery vase bowl wheel turned spin";
-        DrawKind::Text => "text" Tap Tools "Text: press on the surface where the letters should stand" "type write lettering engrave emboss inscription word";
-    }
+    /// Takes a solid in hand, whose description has the rest.
+    Solid(Solid) from SOLIDS {}
+    /// Selects a tool that draws solids over the picture, whose description has the rest.
+    Draw(DrawKind) from DRAWN {}
     Mode(ToolMode) {
         ToolMode::Add => "add" Tap Tools "Add: the tool adds voxels" "attach build union extrude draw";
         ToolMode::Subtract => "cut" Tap Tools "Cut: the tool removes voxels" "erase eraser remove delete subtract difference";
@@ -221,7 +218,7 @@ actions! {
         ToolMode::Release => "protect" Tap Tools "Protect: the tool masks voxels, so that nothing changes them" "mask freeze lock", Unlisted;
     }
     /// Takes a brush in hand, whose description has the rest.
-    Brush(BrushId) {}
+    Brush(BrushId) from BRUSHES {}
     /// Protects what hangs together with the voxel under the pointer.
     Wand { "wand" Tap Tools "Mask everything connected to the voxel under the pointer" "magic select connected piece flat"; }
     /// Selects the marker as the tool.
@@ -406,17 +403,27 @@ actions! {
     Quit { "quit" Tap Program "Quit" "exit leave end close program"; }
 }
 
-fn of_brush(brush: BrushId) -> ActionSpec {
-    let spec = brush.spec();
-    ActionSpec {
-        name: spec.action,
-        kind: Kind::Tap,
-        group: Group::Tools,
-        text: spec.help,
-        synonyms: spec.synonyms,
-        flags: &[],
-    }
+/// The description of the action that takes a tool in hand.
+const fn of_tool(name: &'static str, text: &'static str, synonyms: &'static str) -> ActionSpec {
+    ActionSpec { name, kind: Kind::Tap, group: Group::Tools, text, synonyms, flags: &[] }
 }
+
+/// Makes the rows of the actions that take a tool in hand.
+macro_rules! rows_of {
+    ($variant:ident, $all:expr) => {{
+        let mut rows = [(Action::Quit, true); $all.len()];
+        let mut i = 0;
+        while i < rows.len() {
+            rows[i].0 = Action::$variant($all[i]);
+            i += 1;
+        }
+        rows
+    }};
+}
+
+const SOLIDS: [(Action, bool); Solid::ALL.len()] = rows_of!(Solid, Solid::ALL);
+const DRAWN: [(Action, bool); DrawKind::ALL.len()] = rows_of!(Draw, DrawKind::ALL);
+const BRUSHES: [(Action, bool); BrushId::ALL.len()] = rows_of!(Brush, BrushId::ALL);
 
 /// The listed actions in order, as far as there is room, and their number.
 const fn listed<const N: usize>() -> ([Action; N], usize) {
@@ -424,16 +431,11 @@ const fn listed<const N: usize>() -> ([Action; N], usize) {
     let (mut n, mut variant) = (0, 0);
     while variant < ROWS.len() {
         let rows = ROWS[variant];
-        let count = if rows.is_empty() { BrushId::ALL.len() } else { rows.len() };
         let mut row = 0;
-        while row < count {
-            let is_listed = rows.is_empty() || rows[row].1;
-            if is_listed {
+        while row < rows.len() {
+            if rows[row].1 {
                 if n < N {
-                    all[n] = match rows.is_empty() {
-                        true => Action::Brush(BrushId::ALL[row]),
-                        false => rows[row].0,
-                    };
+                    all[n] = rows[row].0;
                 }
                 n += 1;
             }

@@ -21,6 +21,7 @@ use crate::gpu::{
 };
 use crate::sculpture::Rgb;
 use crate::tools::solid::Solid;
+use crate::tools::solid::body::Body;
 
 /// Factor on the depth of lines, so that they lie before a surface that they coincide with.
 const LINE_DEPTH: f32 = 1.002;
@@ -73,7 +74,8 @@ impl SolidConstants {
         let tool = eye_from_tool.matrix3;
         let halves = [tool.x_axis, tool.y_axis, tool.z_axis].map(|half| half.length());
         let [smallest, largest] = [f32::min, f32::max].map(|of| halves.into_iter().reduce(of));
-        let faces = sagitta(primitive.solid) * largest.unwrap_or_default();
+        let body = &primitive.solid.spec().body;
+        let faces = sagitta(body) * largest.unwrap_or_default();
         // The farthest corner of the box about the solid is displaced the farthest.
         let farthest = (clip_w.truncate().abs().element_sum() + clip_w.w) * clip_z;
         let half_size = 0.5 * Vec2::from(scene.size.map(|n| n as f32));
@@ -83,12 +85,10 @@ impl SolidConstants {
         // A tangent of a ball within the solid stays so long within the margin.
         let radius = smallest.unwrap_or_default();
         let tangent = (2.0 * radius * margin).sqrt();
-        let has_ends = matches!(primitive.solid, Solid::Cylinder | Solid::Cone);
-        let (most, curvature) = match primitive.solid {
-            Solid::Ellipsoid | Solid::Torus | Solid::Capsule => (tangent, radius.recip()),
-            Solid::Cylinder | Solid::Cone => (f32::MAX, radius.recip()),
-            Solid::Cuboid | Solid::Pyramid | Solid::RoundedCuboid => (f32::MAX, 0.0),
-        };
+        let is_round = matches!(body, Body::Revolved { .. });
+        let most = if body.has_straight_lines() { f32::MAX } else { tangent };
+        let curvature = if is_round { radius.recip() } else { 0.0 };
+        let has_ends = is_round && body.has_straight_lines();
         SolidConstants {
             clip_x: clip_x.to_array(),
             clip_y: clip_y.to_array(),
@@ -303,7 +303,7 @@ fn make_mesh(device: &Arc<Device>) -> Result<(Buffer, [(u64, u32); Solid::ALL.le
     let mut ranges = [(0, 0); Solid::ALL.len()];
     for solid in Solid::ALL {
         let start = vertices.len();
-        vertices.extend(triangles(solid).into_iter().flatten());
+        vertices.extend(triangles(&solid.spec().body).into_iter().flatten());
         let offset = (start * size_of::<Vertex>()) as u64;
         ranges[solid as usize] = (offset, (vertices.len() - start) as u32);
     }

@@ -44,7 +44,7 @@ impl ToolPreview {
         let Primitive { solid, centre_vx, half, rotation } = self.primitive;
         let half_vx = half * self.voxel_size.min_element() / self.voxel_size;
         let on_planes = |at: Vec3| (at - at.round()).abs().max_element() < ON_PLANE_VX;
-        let has_steps = solid != Solid::Cuboid
+        let has_steps = !solid.spec().fills_its_box
             || !rotation.abs_diff_eq(Quat::IDENTITY, 1e-6)
             || ![centre_vx - half_vx, centre_vx + half_vx].into_iter().all(on_planes);
         if has_steps { STEPS_VX } else { 0.0 }

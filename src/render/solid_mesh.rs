@@ -8,7 +8,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use crate::tools::solid::Solid;
+use crate::tools::solid::body::{Body, ProfilePoint, Stretch};
 
 /// Segments around the axis of a round solid; half as many from pole to pole.
 const SEGMENTS: usize = 96;
@@ -40,85 +40,63 @@ impl Vertex {
 }
 
 /// The surface of a solid: three vertices a triangle, counter-clockwise seen from outside.
-pub fn triangles(solid: Solid) -> Vec<[Vertex; 3]> {
-    match solid {
-        Solid::Ellipsoid => revolved(&half_circle(Vec2::ZERO, 0.0, PI, SEGMENTS / 2)),
-        Solid::Cuboid => cuboid(),
-        Solid::Pyramid => {
-            let base = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
-                .map(|(x, z)| Vec3::new(x, -1.0, z));
-            let [a, b, c, d] = base;
-            let mut faces = quad([d, c, b, a]).to_vec();
-            faces.extend((0..4).map(|i| flat([base[i], base[(i + 1) % 4], Vec3::Y])));
-            faces
-        }
-        Solid::Cylinder => {
-            let [top, bottom] = [Vec2::Y, Vec2::NEG_Y];
-            let side = [Vec2::new(1.0, 1.0), Vec2::new(1.0, -1.0)];
-            revolved(&[
-                straight([top, side[0]], top),
-                straight(side, Vec2::X),
-                straight([side[1], bottom], bottom),
-            ])
-        }
-        Solid::Cone => {
-            let rim = Vec2::new(1.0, -1.0);
-            revolved(&[
-                straight([Vec2::Y, rim], Vec2::new(2.0, 1.0).normalize()),
-                straight([rim, Vec2::NEG_Y], Vec2::NEG_Y),
-            ])
-        }
-        Solid::Torus => revolved(&half_circle(Vec2::X, 0.0, TAU, SEGMENTS / 2)),
-        Solid::Capsule => {
-            let mut profile = half_circle(Vec2::Y, 0.0, 0.5 * PI, SEGMENTS / 4);
-            let lower = half_circle(Vec2::NEG_Y, 0.5 * PI, PI, SEGMENTS / 4);
-            profile.push([profile[profile.len() - 1][1], lower[0][0]]);
-            profile.extend(lower);
-            revolved(&profile)
-        }
-        Solid::RoundedCuboid => rounded_cuboid(),
+pub fn triangles(body: &Body) -> Vec<[Vertex; 3]> {
+    match body {
+        Body::Faces { corners, faces } => faces
+            .iter()
+            .flat_map(|face| {
+                let fan = face[1..].windows(2);
+                fan.map(|next| flat([face[0], next[0], next[1]].map(|i| corners[i])))
+            })
+            .collect(),
+        Body::Revolved { profile, .. } => revolved(&steps(profile)),
+        Body::RoundedBox => rounded_cuboid(),
     }
 }
 
 /// How far the triangles lie within the solid at most, in tool space.
-pub fn sagitta(solid: Solid) -> f32 {
-    match solid {
-        Solid::Cuboid | Solid::Pyramid => 0.0,
+pub fn sagitta(body: &Body) -> f32 {
+    match body {
+        Body::Faces { .. } => 0.0,
         // Round along and across.
         _ => 2.0 * (1.0 - (PI / SEGMENTS as f32).cos()),
     }
 }
 
-/// A point of the profile of a solid of revolution: x away from the axis, y along it.
-#[derive(Clone, Copy)]
-struct Profile {
-    core: Vec2,
-    offset: Vec2,
-    normal: Vec2,
-}
+/// A point of a profile with its normal.
+type ProfileStep = (ProfilePoint, Vec2);
 
-/// Steps of a circle about `core`, by angles from the axis.
-fn half_circle(core: Vec2, from: f32, to: f32, steps: usize) -> Vec<[Profile; 2]> {
-    let at = |step: usize| {
-        let theta = from + (to - from) * step as f32 / steps as f32;
-        let offset = Vec2::new(theta.sin(), theta.cos());
-        Profile { core, offset, normal: offset }
-    };
-    (0..steps).map(|step| [at(step), at(step + 1)]).collect()
-}
-
-fn straight(ends: [Vec2; 2], normal: Vec2) -> [Profile; 2] {
-    ends.map(|offset| Profile { core: Vec2::ZERO, offset, normal })
+/// The steps of a profile; arcs about different points are connected.
+fn steps(profile: &[Stretch]) -> Vec<[ProfileStep; 2]> {
+    let mut out: Vec<[ProfileStep; 2]> = Vec::new();
+    for stretch in profile {
+        let count = match stretch {
+            Stretch::Line(_) => 1,
+            Stretch::Arc { core, turns: [from, to] } => {
+                // A tube off the axis is at most a third as wide as the solid, and needs half as many.
+                let of_circle = if core.x == 0.0 { SEGMENTS } else { SEGMENTS / 2 };
+                ((to - from) * of_circle as f32).round() as usize
+            }
+        };
+        let at = |step: usize| stretch.at(step as f32 / count as f32);
+        if let Some([_, last]) = out.last()
+            && last.0.core != at(0).0.core
+        {
+            out.push([*last, at(0)]);
+        }
+        out.extend((0..count).map(|step| [at(step), at(step + 1)]));
+    }
+    out
 }
 
 /// Returns the triangles that a profile, from the top down along the outside, sweeps around the y axis.
-fn revolved(profile: &[[Profile; 2]]) -> Vec<[Vertex; 3]> {
-    let at = |p: Profile, segment: usize| {
+fn revolved(profile: &[[ProfileStep; 2]]) -> Vec<[Vertex; 3]> {
+    let at = |(p, normal): ProfileStep, segment: usize| {
         let (sin, cos) = (TAU * segment as f32 / SEGMENTS as f32).sin_cos();
         let turn = |v: Vec2| Vec3::new(v.x * sin, v.y, v.x * cos);
-        Vertex::new(turn(p.core), turn(p.offset), turn(p.normal))
+        Vertex::new(turn(p.core), turn(p.offset), turn(normal))
     };
-    let on_axis = |p: Profile| p.core.x == 0.0 && p.offset.x.abs() < 1e-6;
+    let on_axis = |(p, _): ProfileStep| p.core.x == 0.0 && p.offset.x.abs() < 1e-6;
     let mut out = Vec::new();
     for [upper, lower] in profile {
         for segment in 0..SEGMENTS {
@@ -143,12 +121,6 @@ fn faces() -> impl Iterator<Item = [Vec3; 3]> {
             [Vec3::AXES[axis] * sign, Vec3::AXES[(axis + 1) % 3] * sign, Vec3::AXES[(axis + 2) % 3]]
         })
     })
-}
-
-fn cuboid() -> Vec<[Vertex; 3]> {
-    faces()
-        .flat_map(|[out, u, v]| quad([out - u - v, out + u - v, out + u + v, out - u + v]))
-        .collect()
 }
 
 /// The faces of a cube, each bent over its edges up to where it meets its neighbours, a corner of the core at a time.
@@ -181,10 +153,6 @@ fn rounded_cuboid() -> Vec<[Vertex; 3]> {
     out
 }
 
-fn quad([a, b, c, d]: [Vec3; 4]) -> [[Vertex; 3]; 2] {
-    [flat([a, b, c]), flat([a, c, d])]
-}
-
 fn flat(corners: [Vec3; 3]) -> [Vertex; 3] {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a).normalize();
@@ -194,7 +162,7 @@ fn flat(corners: [Vec3; 3]) -> [Vertex; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::solid::Shape;
+    use crate::tools::solid::{Shape, Solid};
 
     fn place(vertex: &Vertex, round: Vec3, offset_scale: f32) -> Vec3 {
         Vec3::from(vertex.core) * (1.0 - round) + Vec3::from(vertex.offset) * round * offset_scale
@@ -228,7 +196,7 @@ mod tests {
             let shape = Shape::new(solid, half.as_dvec3());
             let round = shape.round().as_vec3();
             let mut enclosed = 0.0;
-            for triangle in triangles(solid) {
+            for triangle in triangles(&solid.spec().body) {
                 let corners = triangle.map(|vertex| place(&vertex, round, 1.0));
                 for vertex in triangle {
                     let [inside, outside] = [0.999, 1.001]

@@ -12,7 +12,7 @@ use crate::ui::panel_head;
 use crate::ui::request::UiRequest;
 use crate::ui::state::UiState;
 use crate::ui::widgets::buttons::explain;
-use crate::ui::widgets::names::{draw_name, mode_name, solid_name};
+use crate::ui::widgets::names::mode_name;
 use crate::ui::widgets::{brush_icons, draw_icons, icons, section, theme};
 
 const ICON: f32 = 24.0;
@@ -59,7 +59,7 @@ pub fn content(
     let wide = theme::toolbox_columns(ui.available_width()) > 2;
     let look = if wide || ui.clip_rect().height() > ROOMY { Look::Full } else { Look::Bare };
     let solids = Solid::ALL.map(|solid| Entry {
-        name: solid_name(solid),
+        name: solid.spec().label.to_string(),
         chosen: tool.kind == ToolKind::Solid && tool.solid == solid,
         action: Action::Solid(solid),
     });
@@ -74,13 +74,11 @@ pub fn content(
         ui.add_space(2.0);
         tools(ui, context, &modes, Look::Bare, requests);
     });
-    // A hand has no picture to draw over.
-    let by_hand = |kind: &DrawKind| matches!(kind, DrawKind::Line | DrawKind::Curve);
     let drawn: Vec<Entry> = DrawKind::ALL
         .into_iter()
-        .filter(|kind| !context.in_headset || by_hand(kind))
+        .filter(|kind| !context.in_headset || kind.spec().by_hand)
         .map(|kind| Entry {
-            name: draw_name(kind).to_string(),
+            name: kind.spec().label.to_string(),
             chosen: tool.kind == ToolKind::Draw(kind),
             action: Action::Draw(kind),
         })

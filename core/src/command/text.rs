@@ -349,15 +349,13 @@ fn choice(args: &mut Arguments, key: &str, words: [&str; 2]) -> Result<bool, Par
 }
 
 fn parse_primitive(args: &mut Arguments) -> Result<Primitive, ParseError> {
-    let name = args.word(Solid::NAMES)?;
-    parse_placed(&name, args, Solid::NAMES)
+    let name = args.word(Solid::names())?;
+    parse_placed(&name, args, Solid::names())
 }
 
 /// Reads what follows the name of a solid, which is one of `names`.
 fn parse_placed(name: &str, args: &mut Arguments, names: &str) -> Result<Primitive, ParseError> {
-    let solid = Solid::ALL
-        .into_iter()
-        .find(|s| s.name() == name)
+    let solid = Solid::named(name)
         .ok_or_else(|| ParseError(format!("`{name}` is not a solid; use {names}")))?;
     Ok(Primitive {
         solid,
@@ -371,7 +369,7 @@ fn parse_placed(name: &str, args: &mut Arguments, names: &str) -> Result<Primiti
 }
 
 fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
-    let names = format!("{}, {}", Solid::NAMES.replace(" or ", ", "), DrawnSolid::NAMES);
+    let names = format!("{}, {}", Solid::names().replace(" or ", ", "), DrawnSolid::NAMES);
     let name = args.word(&names)?;
     let op = |args: &mut Arguments| -> Result<EditOp, ParseError> {
         Ok(match verb {

@@ -24,7 +24,6 @@ use crate::tools::drawn::DrawnSolid;
 use crate::tools::drawn::region::PlacedDrawnSolid;
 use crate::tools::solid::{PlacedSolid, Primitive, check_way};
 use crate::tools::symmetry::SymmetryTransform;
-use crate::tools::texture::picture_point;
 
 /// Most copies in an array.
 pub const MAX_ARRAY: u32 = 1024;
@@ -165,13 +164,14 @@ impl Document {
         }
         let texture = self.picture(picture)?;
         let placed = primitive.in_grid(self.grid().voxel_size());
+        let image_point = primitive.solid.spec().image_point;
         let mut stats = EditStats::default();
         for (image, region) in
             self.images_of(primitive, None, EditOp::Recolour(self.new_colour()))?
         {
             stats += self.paint(&region, |v, _| {
                 let p = placed.tool_point(image.origin_of(v.as_dvec3() + 0.5).as_vec3());
-                texture.sample(picture_point(primitive.solid, p))
+                texture.sample(image_point(p))
             });
         }
         Ok(stats)

@@ -1,14 +1,12 @@
-//! Images on solids: the mapping of an image to each solid, and its colour at a voxel.
+//! Images on solids: the ways to wrap an image around one, and its colour at a voxel.
 //!
-//! Takes decoded pixels; knows no files. The image is upright along the tool's y axis:
-//! wrapped once around an ellipsoid, a capsule and a torus (longitude and latitude), once around the side of a cylinder
-//! and a cone, on each of the four sides of a pyramid, on each face of a cuboid.
+//! Takes decoded pixels and points of tool space, where a solid fills [-1, 1] and the image is upright along the y axis;
+//! a position on the image is (0, 0) in its lower left corner, (1, 1) in the upper right one. Knows no files and no solids.
 
 use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3, vec2};
 
-use super::solid::Solid;
 use crate::sculpture::Rgb;
 
 /// Longest side of an image, in pixels.
@@ -53,43 +51,44 @@ impl Texture {
     }
 }
 
-/// The position on the image of a point of tool space (the solid fills [-1, 1]).
-pub fn picture_point(solid: Solid, p: Vec3) -> Vec2 {
-    // Sides are seen from outside, so that writing is not mirrored.
-    let side = |p: Vec3| match p.x.abs() > p.z.abs() {
-        true => vec2(-p.z * p.x.signum(), p.x.abs()),
-        false => vec2(p.x * p.z.signum(), p.z.abs()),
+/// The position on an image that is wrapped once around a ball, by longitude and latitude, of a point of tool space.
+pub fn around_ball(p: Vec3) -> Vec2 {
+    let length = p.length().max(f32::MIN_POSITIVE);
+    let longitude = p.x.atan2(p.z);
+    vec2(0.5 + longitude / TAU, 0.5 + (p.y / length).clamp(-1.0, 1.0).asin() / PI)
+}
+
+/// The position on an image that is wrapped once around the side; the caps show its upper or lower edge.
+pub fn around_side(p: Vec3) -> Vec2 {
+    vec2(0.5 + p.x.atan2(p.z) / TAU, 0.5 * p.y + 0.5)
+}
+
+/// The position on an image on each face of a cuboid.
+pub fn on_faces(p: Vec3) -> Vec2 {
+    let a = p.abs();
+    let on_face = match a.y > a.x.max(a.z) {
+        true => vec2(p.x, -p.z * p.y.signum()),
+        false => vec2(on_side(p), p.y),
     };
-    match solid {
-        Solid::Ellipsoid | Solid::Capsule | Solid::Torus => {
-            let length = p.length().max(f32::MIN_POSITIVE);
-            let longitude = p.x.atan2(p.z);
-            vec2(0.5 + longitude / TAU, 0.5 + (p.y / length).clamp(-1.0, 1.0).asin() / PI)
-        }
-        Solid::Cuboid | Solid::RoundedCuboid => {
-            let a = p.abs();
-            let on_face = match a.y > a.x.max(a.z) {
-                true => vec2(p.x, -p.z * p.y.signum()),
-                false => vec2(side(p).x, p.y),
-            };
-            on_face * 0.5 + 0.5
-        }
-        Solid::Cylinder | Solid::Cone => {
-            // Once around the side; the caps show its upper or lower edge.
-            vec2(0.5 + p.x.atan2(p.z) / TAU, 0.5 * p.y + 0.5)
-        }
-        Solid::Pyramid => {
-            // Layer by layer the sides grow narrower, and the picture with them.
-            let at = side(p);
-            let half_width = (0.5 * (1.0 - p.y)).max(f32::MIN_POSITIVE);
-            vec2((at.x / half_width).clamp(-1.0, 1.0), p.y) * 0.5 + 0.5
-        }
+    on_face * 0.5 + 0.5
+}
+
+/// How far to the right a point is on the nearest of four sides, each seen from outside, so that writing is not mirrored.
+pub fn on_side(p: Vec3) -> f32 {
+    match p.x.abs() > p.z.abs() {
+        true => -p.z * p.x.signum(),
+        false => p.x * p.z.signum(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tools::solid::Solid;
+
+    fn picture_point(solid: Solid, p: Vec3) -> Vec2 {
+        (solid.spec().image_point)(p)
+    }
 
     #[test]
     fn colours_are_mixed_between_pixels_and_kept_beyond_edges() {

@@ -234,7 +234,7 @@ impl Drawing {
                     .map(|forms| forms.into_iter().flat_map(one).collect())
             }
         };
-        made.ok_or_else(|| self.advice().to_string())
+        made.ok_or_else(|| self.kind.spec().advice.to_string())
     }
 
     /// The letters of a text that would float, since there is no surface under them.
@@ -244,19 +244,6 @@ impl Drawing {
         let is_text = self.kind == DrawKind::Text;
         let line = is_text.then(|| stand().zip(letters())).flatten();
         line.map_or_else(Vec::new, |(stand, letters)| stand.floating(grid, &letters))
-    }
-
-    /// Returns advice on how to draw so that a form results.
-    fn advice(&self) -> &'static str {
-        match self.kind {
-            DrawKind::Lasso => "Drag around the area with the button held down",
-            DrawKind::Rectangle => "Drag from one corner of a rectangle to the other",
-            DrawKind::Plane => "Drag a line across the sculpture to cut along it",
-            DrawKind::Box => "Drag over a visible face",
-            DrawKind::Line | DrawKind::Curve => "Drag from one end to the other",
-            DrawKind::Lathe => "Press on the axis and draw half of the outline beside it",
-            DrawKind::Text => "Enter some text in the options of the tool first",
-        }
     }
 
     /// The lines that show it.

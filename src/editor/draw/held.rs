@@ -17,9 +17,9 @@ const MOST_PLACES: usize = 8192;
 impl Editor {
     /// Begins a drawing by the hand at a place of the grid.
     pub(in crate::editor) fn begin_held_drawing(&mut self, kind: DrawKind, at_vx: Vec3) {
-        match kind {
-            DrawKind::Line | DrawKind::Curve => self.held_way = vec![at_vx],
-            _ => {
+        match kind.spec().by_hand {
+            true => self.held_way = vec![at_vx],
+            false => {
                 self.note("This tool draws over a picture: in a headset, use the line or the curve")
             }
         }

@@ -314,7 +314,7 @@ fn recall_tool(kept: &KeptTool, tool: &mut ToolState) {
         other => other.and_then(brush).or(other.and_then(draw).map(ToolKind::Draw)),
     };
     tool.kind = kind.unwrap_or(tool.kind);
-    let solid = |name: &str| Solid::ALL.into_iter().find(|solid| solid.name() == name);
+    let solid = Solid::named;
     tool.solid = kept.solid.as_deref().and_then(solid).unwrap_or(tool.solid);
     let mode = |name: &str| ToolMode::ALL.into_iter().find(|mode| mode_name(*mode) == name);
     tool.mode = kept.mode.as_deref().and_then(mode).unwrap_or(tool.mode);

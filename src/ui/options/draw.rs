@@ -12,7 +12,7 @@ use crate::input::{DrawKind, ToolMode};
 use crate::ui::context::UiContext;
 use crate::ui::options::draw_progress;
 use crate::ui::request::UiRequest;
-use crate::ui::widgets::names::{draw_name, mode_name};
+use crate::ui::widgets::names::mode_name;
 use crate::ui::widgets::numbers;
 
 /// Leaves room for a name before and a number with its unit behind.
@@ -20,7 +20,7 @@ const SLIDER_WIDTH: f32 = 80.0;
 
 pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mode = context.tool.mode;
-    ui.label(format!("{} — {}", draw_name(kind), mode_name(mode).to_lowercase()));
+    ui.label(format!("{} — {}", kind.spec().label, mode_name(mode).to_lowercase()));
     let before = &context.tool.draws;
     let mut options = before.clone();
     ui.spacing_mut().slider_width = SLIDER_WIDTH;

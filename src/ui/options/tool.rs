@@ -15,7 +15,7 @@ use crate::ui::request::UiRequest;
 use crate::ui::state::UiState;
 use crate::ui::tasks::PasteAs;
 use crate::ui::widgets::buttons::{action_button, explain};
-use crate::ui::widgets::names::{mode_name, solid_name};
+use crate::ui::widgets::names::mode_name;
 use crate::ui::widgets::spot::{self, Spot};
 use crate::ui::widgets::theme;
 
@@ -48,7 +48,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
         ToolKind::Solid => {
             let mode = mode_name(tool.mode).to_lowercase();
             ui.horizontal(|ui| {
-                ui.label(format!("{} — {mode}", solid_name(tool.solid)));
+                ui.label(format!("{} — {mode}", tool.solid.spec().label));
                 ui.weak("with its centre at");
             });
             position(ui, tool, requests);
@@ -70,7 +70,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
             if brush.spec().gives_colour {
                 colour(ui, context, requests);
             }
-            if brush == BrushId::Paint {
+            if brush.spec().image_spacing.is_some() {
                 picture(ui, state, context, requests);
                 if tool.stencil.is_some() {
                     let through = tool.through_stencil;

@@ -2,8 +2,7 @@
 //!
 //! Takes values, gives words; shows nothing.
 
-use crate::input::{DrawKind, ToolMode};
-use crate::tools::solid::Solid;
+use crate::input::ToolMode;
 
 /// A table of keys, as the program that it follows is written.
 pub fn preset_name(name: &str) -> String {
@@ -19,14 +18,6 @@ pub fn capital(text: &str) -> String {
     chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
 }
 
-/// Returns the name of a solid in the interface.
-pub fn solid_name(solid: Solid) -> String {
-    match solid {
-        Solid::RoundedCuboid => "Rounded".to_string(),
-        other => capital(other.name()),
-    }
-}
-
 /// Returns the name of a mode in the interface.
 pub fn mode_name(mode: ToolMode) -> &'static str {
     match mode {
@@ -34,20 +25,6 @@ pub fn mode_name(mode: ToolMode) -> &'static str {
         ToolMode::Subtract => "Cut",
         ToolMode::Recolour => "Paint",
         ToolMode::Protect | ToolMode::Release => "Protect",
-    }
-}
-
-/// Returns the name of a tool that draws, in the interface.
-pub fn draw_name(kind: DrawKind) -> &'static str {
-    match kind {
-        DrawKind::Lasso => "Lasso",
-        DrawKind::Rectangle => "Rectangle",
-        DrawKind::Plane => "Plane cut",
-        DrawKind::Box => "Box",
-        DrawKind::Line => "Line",
-        DrawKind::Curve => "Curve",
-        DrawKind::Lathe => "Lathe",
-        DrawKind::Text => "Text",
     }
 }
 

@@ -66,7 +66,7 @@ pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
 fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
     let names = format!(
         "grid, selection, marker, colour, cavities, patch, piece, {}, {}",
-        Solid::NAMES.replace(" or ", ", "),
+        Solid::names().replace(" or ", ", "),
         DrawnSolid::NAMES
     );
     let name = args.word(&names)?;

@@ -2,18 +2,23 @@
 //!
 //! From a [`Primitive`] to the [`crate::sculpture::region::Region`] of its voxels. Knows no grid's contents.
 
+pub mod body;
 mod bricks;
 mod ends;
+mod kind;
+mod parts;
 mod placed;
 mod planes;
 mod quadric;
 mod shape;
 mod simd_real;
 mod spans;
+pub mod spec;
 mod sweep;
 mod swept;
 #[cfg(test)]
 pub mod tests;
 
+pub use kind::Solid;
 pub use placed::{PlacedSolid, Primitive, SolidRow, check_way};
-pub use shape::{Shape, Solid};
+pub use shape::Shape;

@@ -10,10 +10,12 @@ use fearless_simd::Simd;
 use glam::{DMat3, DVec3, IVec3, Quat, UVec3, Vec3};
 
 use super::ends::{Magnitudes, solve};
+use super::kind::Solid;
 use super::planes::{Faces, Planes};
 use super::quadric::Quadric;
-use super::shape::{Shape, Solid};
+use super::shape::Shape;
 use super::spans::RowSpans;
+use super::spec::Rows;
 use super::swept::SweptQuadric;
 use crate::sculpture::Brick;
 use crate::sculpture::brick::BRICK_EDGE_VX;
@@ -194,11 +196,12 @@ impl PlacedSolid {
     }
 
     fn prepare(&self) -> Cut {
+        let spec = self.shape.solid().spec();
         let m = self.tool_from_vx;
         let VoxelBox { min, max } = self.reachable;
         let off_axis = m - DMat3::from_diagonal(DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z));
         let along_grid = off_axis == DMat3::ZERO;
-        if self.shape.solid() == Solid::Cuboid && along_grid && self.way.is_none() {
+        if spec.fills_its_box && along_grid && self.way.is_none() {
             let axis = |axis: usize| {
                 // A cuboid is its own mirror image, so a reversed axis (from a mirror plane, or a
                 // half turn) is one that is not.
@@ -229,20 +232,16 @@ impl PlacedSolid {
                 + largest(m.y_axis, distance_vx.y)
                 + largest(m.z_axis, distance_vx.z),
         };
-        match self.shape.solid() {
-            Solid::Ellipsoid => match self.way {
+        match spec.rows {
+            Rows::Quadric => match self.way {
                 None => Cut::Quadric(Quadric::new(&m, self.centre_vx, &sizes)),
                 Some(way) => Cut::SweptQuadric(SweptQuadric::new(&m, self.centre_vx, way, &sizes)),
             },
-            solid @ (Solid::Cuboid | Solid::Pyramid) => {
-                let faces = Faces::swept(solid.half_spaces(), self.way.unwrap_or_default());
+            Rows::Planes(half_spaces) => {
+                let faces = Faces::swept(half_spaces, self.way.unwrap_or_default());
                 Cut::Planes(Planes::new(&faces, &m, self.centre_vx, &sizes))
             }
-            Solid::Cylinder
-            | Solid::Cone
-            | Solid::Torus
-            | Solid::Capsule
-            | Solid::RoundedCuboid => Cut::Bricks,
+            Rows::Bricks => Cut::Bricks,
         }
     }
 

@@ -27,6 +27,13 @@ pub struct HalfSpace {
     pub distance: f64,
 }
 
+impl HalfSpace {
+    /// That of `x`, `y`, `z` as the normal.
+    pub const fn new(x: f64, y: f64, z: f64, distance: f64) -> HalfSpace {
+        HalfSpace { normal: DVec3::new(x, y, z), distance }
+    }
+}
+
 /// The half spaces that meet in a solid, or in its swept volume.
 #[derive(Clone, Copy, Debug)]
 pub struct Faces {

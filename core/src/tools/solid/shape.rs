@@ -1,141 +1,28 @@
-//! The solids of the construction tools in tool space: their inside test and reach.
+//! A solid of some proportions in tool space: its inside test, that of the volume that it sweeps, and its reach.
 //!
-//! From a kind and half extents to a [`Shape`]. Knows no voxels and no pose.
+//! Between two points the value of the tests ([`super::sweep`]) changes by at most [`Shape::slack`] of their distance, so
+//! that the value at the middle of a box can decide the whole box. All are exact up to rounding, but for the sweep of a torus
+//! ([`super::kind::torus::FINEST`]).
+//!
+//! From a kind and half extents to a [`Shape`]; each kind computes its own ([`super::kind`]). Knows no voxels and no pose.
 
 use glam::DVec3;
 
-use super::planes::HalfSpace;
+use super::kind::Solid;
+use super::parts::Parts;
 use super::simd_real::SimdReal;
 
-/// The kind of a solid. In tool space it lies in [-1, 1] on every axis.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Solid {
-    /// x^2 + y^2 + z^2 <= 1
-    Ellipsoid,
-    /// |x|, |y|, |z| <= 1
-    Cuboid,
-    /// Base at y = -1, apex at y = +1: |y| <= 1 and max(|x|, |z|) <= (1 - y) / 2
-    Pyramid,
-    /// |y| <= 1 and x^2 + z^2 <= 1
-    Cylinder,
-    /// Base at y = -1, apex at y = +1: |y| <= 1 and x^2 + z^2 <= ((1 - y) / 2)^2
-    Cone,
-    /// A ring about the y axis. Its tube is round and as thick as the solid is high, but at most a third of the outer
-    /// radius to a side.
-    Torus,
-    /// A cylinder about the y axis with caps that are halves of balls, as far as the height has room for them.
-    Capsule,
-    /// A cuboid whose edges are rounded by a third of its smallest half extent.
-    RoundedCuboid,
-}
-
-/// Largest radius of a torus's tube, as a fraction of its outer radius.
-const THICKEST_TUBE: f64 = 1.0 / 3.0;
-/// Radius of the edges of a rounded cuboid, as a fraction of its smallest half extent.
-const EDGE_RADIUS: f64 = 1.0 / 3.0;
-
-impl Solid {
-    /// All solids, in the order in which interfaces offer them.
-    pub const ALL: [Solid; 8] = [
-        Solid::Ellipsoid,
-        Solid::Cuboid,
-        Solid::Pyramid,
-        Solid::Cylinder,
-        Solid::Cone,
-        Solid::Torus,
-        Solid::Capsule,
-        Solid::RoundedCuboid,
-    ];
-
-    /// Their names, for messages.
-    pub const NAMES: &str =
-        "ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule or rounded-cuboid";
-
-    /// Its name in the text form and the interface.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Solid::Ellipsoid => "ellipsoid",
-            Solid::Cuboid => "cuboid",
-            Solid::Pyramid => "pyramid",
-            Solid::Cylinder => "cylinder",
-            Solid::Cone => "cone",
-            Solid::Torus => "torus",
-            Solid::Capsule => "capsule",
-            Solid::RoundedCuboid => "rounded-cuboid",
-        }
-    }
-
-    /// The half spaces that meet in the solid, if it has flat faces only.
-    pub(super) fn half_spaces(self) -> &'static [HalfSpace] {
-        const fn face(x: f64, y: f64, z: f64, distance: f64) -> HalfSpace {
-            HalfSpace { normal: DVec3::new(x, y, z), distance }
-        }
-        match self {
-            Solid::Cuboid => {
-                const {
-                    &[
-                        face(1.0, 0.0, 0.0, 1.0),
-                        face(-1.0, 0.0, 0.0, 1.0),
-                        face(0.0, 1.0, 0.0, 1.0),
-                        face(0.0, -1.0, 0.0, 1.0),
-                        face(0.0, 0.0, 1.0, 1.0),
-                        face(0.0, 0.0, -1.0, 1.0),
-                    ]
-                }
-            }
-            Solid::Pyramid => {
-                const {
-                    &[
-                        face(0.0, -1.0, 0.0, 1.0),
-                        face(1.0, 0.5, 0.0, 0.5),
-                        face(-1.0, 0.5, 0.0, 0.5),
-                        face(0.0, 0.5, 1.0, 0.5),
-                        face(0.0, 0.5, -1.0, 0.5),
-                    ]
-                }
-            }
-            _ => &[],
-        }
-    }
-}
-
 /// A solid with the proportions that it has at some half extents.
-///
-/// Torus, capsule and rounded cuboid are Minkowski sums: a core (a circle, a segment, a box that reaches 1), shrunk by
-/// 1 - `round`, and an ellipsoid of half extents `round`, which is a ball outside of tool space where the solid is as
-/// wide as deep.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Shape {
     solid: Solid,
-    /// Extent of the core along each axis.
-    core: DVec3,
-    /// Half extents of the ellipsoid.
-    round: DVec3,
+    parts: Parts,
 }
 
 impl Shape {
     /// The shape of `solid` with half extents `half`, in any unit.
     pub fn new(solid: Solid, half: DVec3) -> Shape {
-        let whole = Shape { solid, core: DVec3::ZERO, round: DVec3::ONE };
-        let width = half.x.min(half.z);
-        match solid {
-            Solid::Torus => {
-                let tube = half.y.min(width * THICKEST_TUBE);
-                let core = 1.0 - tube / width;
-                // So that the outermost points are at 1, rounded or not.
-                let round = DVec3::new(1.0 - core, tube / half.y, 1.0 - core);
-                Shape { core: DVec3::new(core, 0.0, core), round, ..whole }
-            }
-            Solid::Capsule => {
-                let core = 1.0 - (width / half.y).min(1.0);
-                Shape { core: DVec3::Y * core, round: DVec3::new(1.0, 1.0 - core, 1.0), ..whole }
-            }
-            Solid::RoundedCuboid => {
-                let core = 1.0 - half.min_element() * EDGE_RADIUS / half;
-                Shape { core, round: 1.0 - core, ..whole }
-            }
-            _ => whole,
-        }
+        Shape { solid, parts: (solid.spec().parts)(half) }
     }
 
     /// Its kind.
@@ -143,14 +30,9 @@ impl Shape {
         self.solid
     }
 
-    /// Extent of the core along each axis.
-    pub(super) fn core(&self) -> DVec3 {
-        self.core
-    }
-
     /// Half extents of the ellipsoid that rounds it; 1 where there is no core.
     pub fn round(&self) -> DVec3 {
-        self.round
+        self.parts.round
     }
 
     /// The inside test in tool space.
@@ -161,62 +43,38 @@ impl Shape {
 
     /// The inside test of one point or eight, as coordinates in tool space.
     #[inline(always)]
-    pub(super) fn holds<N: SimdReal>(&self, [x, y, z]: [N; 3]) -> N::Mask {
-        let one = x.all(1.0);
-        let around_y = x * x + z * z;
-        match self.solid {
-            Solid::Ellipsoid => (x * x + y * y + z * z).at_most(one),
-            Solid::Cuboid => x.abs().max(y.abs()).max(z.abs()).at_most(one),
-            Solid::Pyramid => y.abs().at_most(one) & x.abs().max(z.abs()).at_most((one - y) * 0.5),
-            Solid::Cylinder => y.abs().at_most(one) & around_y.at_most(one),
-            Solid::Cone => {
-                let radius = (one - y) * 0.5;
-                y.abs().at_most(one) & around_y.at_most(radius * radius)
-            }
-            Solid::Torus => {
-                let out = (around_y.sqrt() - self.core.x) / self.round.x;
-                let up = y / self.round.y;
-                (out * out + up * up).at_most(one)
-            }
-            Solid::Capsule => {
-                let up = (y.abs() - self.core.y).max(x.all(0.0)) / self.round.y;
-                (around_y + up * up).at_most(one)
-            }
-            Solid::RoundedCuboid => {
-                let [x, y, z] = self.beyond_core([x, y, z]);
-                (x * x + y * y + z * z).at_most(one)
-            }
-        }
-    }
-
-    /// The part of a point that is beyond the core, without sign, in units of the ellipsoid that rounds it.
-    #[inline(always)]
-    pub(super) fn beyond_core<N: SimdReal>(&self, p: [N; 3]) -> [N; 3] {
-        let (core, round) = (self.core, self.round);
-        let [x, y, z] = p;
-        let zero = x.all(0.0);
-        [
-            (x.abs() - core.x).max(zero) / round.x,
-            (y.abs() - core.y).max(zero) / round.y,
-            (z.abs() - core.z).max(zero) / round.z,
-        ]
+    pub(super) fn holds<N: SimdReal>(&self, p: [N; 3]) -> N::Mask {
+        self.solid.holds(&self.parts, p)
     }
 
     /// The largest `direction . p` over the solid.
     pub fn support(&self, direction: DVec3) -> f64 {
-        let d = direction;
-        match self.solid {
-            Solid::Ellipsoid => d.length(),
-            Solid::Cuboid => d.abs().element_sum(),
-            // A corner of the base, or the apex.
-            Solid::Pyramid => (d.x.abs() + d.z.abs() - d.y).max(d.y),
-            Solid::Cylinder => d.y.abs() + d.x.hypot(d.z),
-            Solid::Cone => (d.x.hypot(d.z) - d.y).max(d.y),
-            Solid::Torus => self.core.x * d.x.hypot(d.z) + (self.round * d).length(),
-            Solid::Capsule | Solid::RoundedCuboid => {
-                (self.core * d).abs().element_sum() + (self.round * d).length()
-            }
-        }
+        self.solid.support(&self.parts, direction)
+    }
+
+    /// The most by which the value changes over `offset` (at least 0 on each axis), in any direction with such parts.
+    pub(super) fn slack(&self, offset: DVec3) -> f64 {
+        self.solid.slack(&self.parts, offset)
+    }
+
+    /// Whether the solid, moved straight from its place by `displacement`, passes over `p`. Points with a value up to
+    /// `margin` instead of 0 count as inside, which makes the solid larger or smaller.
+    pub(super) fn passes(&self, p: DVec3, displacement: DVec3, margin: f64) -> bool {
+        // NaN or infinite coordinates lie in no solid.
+        p.is_finite()
+            && displacement.is_finite()
+            && self.passes_over(p.to_array(), displacement, margin)
+    }
+
+    /// The same for one point or eight, none of them NaN, as coordinates in tool space.
+    #[inline(always)]
+    pub(super) fn passes_over<N: SimdReal>(
+        &self,
+        p: [N; 3],
+        displacement: DVec3,
+        margin: f64,
+    ) -> N::Mask {
+        self.solid.passes(&self.parts, p, displacement, margin)
     }
 }
 
@@ -225,12 +83,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-
-    #[test]
-    fn all_names_are_in_the_list_for_messages() {
-        let [first @ .., last] = Solid::ALL.map(Solid::name);
-        assert_eq!(Solid::NAMES, format!("{} or {last}", first.join(", ")));
-    }
+    use crate::tools::solid::kind::torus::{FINEST, MOST_STEPS};
 
     fn half() -> impl Strategy<Value = DVec3> {
         let edge = || prop_oneof![4 => 0.3f64..60.0, 1 => Just(8.0), 1 => 1e-3f64..1e4];
@@ -241,7 +94,7 @@ mod tests {
         /// No point reaches further than the support, and some reach it.
         #[test]
         fn the_support_is_as_far_as_points_reach(
-            solid in prop::sample::select(&Solid::ALL[..]),
+            solid in prop::sample::select(&Solid::ALL),
             half in half(),
             direction in prop::array::uniform3(-1.0f64..1.0),
         ) {
@@ -272,6 +125,97 @@ mod tests {
             }
             prop_assert!(furthest <= most + 1e-9, "{} beyond {}", furthest, most);
             prop_assert!(furthest >= most - 0.1 * direction.length(), "{} of {}", furthest, most);
+        }
+    }
+
+    fn half_of_sweep() -> impl Strategy<Value = DVec3> {
+        let edge = || prop_oneof![4 => 0.3f64..60.0, 1 => Just(8.0)];
+        prop_oneof![(edge(), edge(), edge()).prop_map(DVec3::from), edge().prop_map(DVec3::splat)]
+    }
+
+    fn point() -> impl Strategy<Value = DVec3> {
+        let axis =
+            || prop_oneof![4 => -2.0f64..2.0, 1 => prop::sample::select(vec![-1.0, 0.0, 1.0])];
+        (axis(), axis(), axis()).prop_map(DVec3::from)
+    }
+
+    fn way() -> impl Strategy<Value = DVec3> {
+        let axis = || prop_oneof![3 => -4.0f64..4.0, 1 => Just(0.0), 1 => -1e-6f64..1e-6];
+        (axis(), axis(), axis()).prop_map(DVec3::from)
+    }
+
+    /// The margin by which the sweep of a torus may miss points, because its steps are finite; 0 for other solids.
+    fn finest(shape: &Shape, way: DVec3) -> f64 {
+        match shape.solid() {
+            Solid::Torus => FINEST.max(shape.slack(way.abs()) / MOST_STEPS),
+            _ => 0.0,
+        }
+    }
+
+    fn solid() -> impl Strategy<Value = Solid> {
+        prop::sample::select(&Solid::ALL[..])
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
+
+        /// A solid passes over a point if it contains it at one of many times, and does not if a slightly larger one
+        /// contains it at none.
+        #[test]
+        fn a_solid_passes_over_what_it_contains_at_some_time(
+            solid in solid(),
+            half in half_of_sweep(),
+            p in point(),
+            way in way(),
+        ) {
+            let shape = Shape::new(solid, half);
+            let passes = shape.passes(p, way, 0.0);
+            let fine = 1e-9 + finest(&shape, way);
+            let between = shape.slack(way.abs()) / 4000.0;
+            let mut nearly = false;
+            for i in 0..=2000 {
+                let at = p - way * (f64::from(i) / 2000.0);
+                if shape.contains(at) {
+                    prop_assert!(passes || shape.passes(p, way, fine), "contained at {}", i);
+                }
+                nearly |= shape.passes(at, DVec3::ZERO, between + 1e-9);
+            }
+            prop_assert!(nearly || !passes);
+        }
+
+        /// Without a displacement the sweep is the inside test. A margin covers as much as the slack says.
+        #[test]
+        fn a_margin_covers_the_slack(
+            solid in solid(),
+            half in half_of_sweep(),
+            p in point(),
+            offset in prop::array::uniform3(-0.3f64..0.3),
+            way in way(),
+        ) {
+            let shape = Shape::new(solid, half);
+            let offset = DVec3::from(offset);
+            if shape.passes(p, DVec3::ZERO, 1e-12) == shape.passes(p, DVec3::ZERO, -1e-12) {
+                prop_assert_eq!(shape.passes(p, DVec3::ZERO, 0.0), shape.contains(p));
+            }
+            let slack = shape.slack(offset.abs()) * (1.0 + 1e-9) + 1e-9;
+            let fine = finest(&shape, way);
+            if shape.passes(p, way, 0.0) {
+                prop_assert!(shape.passes(p + offset, way, slack + fine));
+            }
+            if shape.passes(p, way, -slack - fine) {
+                prop_assert!(shape.passes(p + offset, way, 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_in_nothing() {
+        for solid in Solid::ALL {
+            let shape = Shape::new(solid, DVec3::splat(8.0));
+            for bad in [f64::NAN, f64::INFINITY] {
+                assert!(!shape.passes(DVec3::splat(bad), DVec3::X, 0.0), "{solid:?}");
+            }
+            assert!(!shape.passes(DVec3::ZERO, DVec3::ZERO, -2.0), "{solid:?} of nothing");
         }
     }
 }

@@ -1,0 +1,54 @@
+//! Capsule: a cylinder about the y axis with caps that are halves of balls, as far as the height has room for them.
+
+use glam::{DVec3, Vec2};
+
+use super::super::body::{Body, ProfilePoint, Stretch};
+use super::super::parts::Parts;
+use super::super::simd_real::SimdReal;
+use super::super::spec::{Rows, SolidSpec};
+use crate::tools::texture;
+
+pub static SPEC: SolidSpec = SolidSpec {
+    name: "capsule",
+    label: "Capsule",
+    help: "Capsule tool: a rod with round ends",
+    synonyms: "pill sausage rod limb finger",
+    parts,
+    rows: Rows::Bricks,
+    fills_its_box: false,
+    image_point: texture::around_ball,
+    body: Body::Revolved {
+        profile: &[
+            Stretch::Arc { core: Vec2::Y, turns: [0.0, 0.25] },
+            Stretch::Arc { core: Vec2::NEG_Y, turns: [0.25, 0.5] },
+        ],
+        rims: &[
+            ProfilePoint { core: Vec2::NEG_Y, offset: Vec2::X },
+            ProfilePoint { core: Vec2::Y, offset: Vec2::X },
+        ],
+    },
+};
+
+fn parts(half: DVec3) -> Parts {
+    let core = 1.0 - (half.x.min(half.z) / half.y).min(1.0);
+    Parts { core: DVec3::Y * core, round: DVec3::new(1.0, 1.0 - core, 1.0) }
+}
+
+#[inline(always)]
+pub fn holds<N: SimdReal>(parts: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
+    let up = (y.abs() - parts.core.y).max(x.all(0.0)) / parts.round.y;
+    (x * x + z * z + up * up).at_most(x.all(1.0))
+}
+
+#[inline(always)]
+pub fn passes<N: SimdReal>(parts: &Parts, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
+    parts.passes(p, displacement, margin)
+}
+
+pub fn slack(parts: &Parts, offset: DVec3) -> f64 {
+    parts.slack(offset)
+}
+
+pub fn support(parts: &Parts, direction: DVec3) -> f64 {
+    parts.support(direction)
+}

@@ -1,0 +1,62 @@
+//! Cone with its base at y = -1 and its apex at y = +1: |y| <= 1 and x^2 + z^2 <= ((1 - y) / 2)^2.
+
+use glam::{DVec3, Vec2};
+
+use super::super::body::{Body, ProfilePoint, Stretch};
+use super::super::parts::Parts;
+use super::super::simd_real::SimdReal;
+use super::super::spec::{Rows, SolidSpec};
+use super::super::sweep::{Across, Times, widest_base};
+use crate::tools::texture;
+
+const RIM: Vec2 = Vec2::new(1.0, -1.0);
+
+pub static SPEC: SolidSpec = SolidSpec {
+    name: "cone",
+    label: "Cone",
+    help: "Cone tool",
+    synonyms: "spike tip hat spire",
+    parts: Parts::without_core,
+    rows: Rows::Bricks,
+    fills_its_box: false,
+    image_point: texture::around_side,
+    body: Body::Revolved {
+        profile: &[Stretch::Line([Vec2::Y, RIM]), Stretch::Line([RIM, Vec2::NEG_Y])],
+        rims: &[ProfilePoint { core: Vec2::ZERO, offset: RIM }],
+    },
+};
+
+#[inline(always)]
+pub fn holds<N: SimdReal>(_: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
+    let one = x.all(1.0);
+    let radius = (one - y) * 0.5;
+    y.abs().at_most(one) & (x * x + z * z).at_most(radius * radius)
+}
+
+#[inline(always)]
+pub fn passes<N: SimdReal>(
+    _: &Parts,
+    [x, y, z]: [N; 3],
+    displacement: DVec3,
+    margin: f64,
+) -> N::Mask {
+    let mut times = Times::all(x);
+    times.keep_within(y, displacement.y, 1.0 + margin);
+    // The radius at the height of the point: at the start, and how it grows with time.
+    let (radius, grows) = (y * -0.5 + (0.5 + margin), 0.5 * displacement.y);
+    let across = Across::new(x, z, displacement);
+    let deepest = times.clamp(across.deepest_in_cone(grows));
+    let radius = (radius + deepest * grows).min(x.all(widest_base(margin)));
+    let within = across.squared(deepest).at_most(radius * radius);
+    times.are_some() & within & x.all(0.0).at_most(radius)
+}
+
+pub fn slack(_: &Parts, offset: DVec3) -> f64 {
+    offset.y.max(offset.x.hypot(offset.z) + 0.5 * offset.y)
+}
+
+/// A point of the rim, or the apex.
+pub fn support(_: &Parts, direction: DVec3) -> f64 {
+    let d = direction;
+    (d.x.hypot(d.z) - d.y).max(d.y)
+}

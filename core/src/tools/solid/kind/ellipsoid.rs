@@ -1,0 +1,42 @@
+//! Ellipsoid: x^2 + y^2 + z^2 <= 1.
+
+use glam::{DVec3, Vec2};
+
+use super::super::body::{Body, ProfilePoint, Stretch};
+use super::super::parts::Parts;
+use super::super::simd_real::SimdReal;
+use super::super::spec::{Rows, SolidSpec};
+use crate::tools::texture;
+
+pub static SPEC: SolidSpec = SolidSpec {
+    name: "ellipsoid",
+    label: "Ellipsoid",
+    help: "Ellipsoid tool",
+    synonyms: "sphere ball round",
+    parts: Parts::without_core,
+    rows: Rows::Quadric,
+    fills_its_box: false,
+    image_point: texture::around_ball,
+    body: Body::Revolved {
+        profile: &[Stretch::Arc { core: Vec2::ZERO, turns: [0.0, 0.5] }],
+        rims: &[ProfilePoint { core: Vec2::ZERO, offset: Vec2::X }],
+    },
+};
+
+#[inline(always)]
+pub fn holds<N: SimdReal>(_: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
+    (x * x + y * y + z * z).at_most(x.all(1.0))
+}
+
+#[inline(always)]
+pub fn passes<N: SimdReal>(parts: &Parts, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
+    parts.passes(p, displacement, margin)
+}
+
+pub fn slack(parts: &Parts, offset: DVec3) -> f64 {
+    parts.slack(offset)
+}
+
+pub fn support(_: &Parts, direction: DVec3) -> f64 {
+    direction.length()
+}

@@ -1,0 +1,122 @@
+//! The solids, each in a file that describes it, and their list.
+//!
+//! From a kind and half extents to the inside test, the test of the swept volume and the reach, in tool space. Knows no
+//! voxels and no pose.
+
+mod capsule;
+mod cone;
+mod cuboid;
+mod cylinder;
+mod ellipsoid;
+mod pyramid;
+mod rounded_cuboid;
+pub mod torus;
+
+use std::sync::LazyLock;
+
+use glam::DVec3;
+
+use super::parts::Parts;
+use super::simd_real::SimdReal;
+use super::spec::SolidSpec;
+
+/// Makes the enum and its list, and hands each computation to the file of the solid, so that it is compiled into the
+/// loops that call it.
+macro_rules! solids {
+    ($($id:ident = $file:ident),* $(,)?) => {
+        /// The kind of a solid. In tool space it lies in [-1, 1] on every axis.
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+        pub enum Solid {
+            $(
+                #[doc = concat!("Described in `", stringify!($file), ".rs`.")]
+                $id
+            ),*
+        }
+
+        impl Solid {
+            /// All solids, in the order in which interfaces offer them.
+            pub const ALL: [Solid; [$(Solid::$id),*].len()] = [$(Solid::$id),*];
+
+            /// Its description.
+            pub const fn spec(self) -> &'static SolidSpec {
+                match self {
+                    $(Solid::$id => &$file::SPEC),*
+                }
+            }
+
+            /// The inside test of one point or eight.
+            #[inline(always)]
+            pub(super) fn holds<N: SimdReal>(self, parts: &Parts, p: [N; 3]) -> N::Mask {
+                match self {
+                    $(Solid::$id => $file::holds(parts, p)),*
+                }
+            }
+
+            /// Whether the solid passes over one point or eight when it moves by `displacement`; points with a value up to
+            /// `margin` instead of 0 count as inside.
+            #[inline(always)]
+            pub(super) fn passes<N: SimdReal>(
+                self,
+                parts: &Parts,
+                p: [N; 3],
+                displacement: DVec3,
+                margin: f64,
+            ) -> N::Mask {
+                match self {
+                    $(Solid::$id => $file::passes(parts, p, displacement, margin)),*
+                }
+            }
+
+            /// The most by which the value changes over `offset` (at least 0 on each axis), in any direction with such parts.
+            #[inline(always)]
+            pub(super) fn slack(self, parts: &Parts, offset: DVec3) -> f64 {
+                match self {
+                    $(Solid::$id => $file::slack(parts, offset)),*
+                }
+            }
+
+            /// The largest `direction . p` over the solid.
+            #[inline(always)]
+            pub(super) fn support(self, parts: &Parts, direction: DVec3) -> f64 {
+                match self {
+                    $(Solid::$id => $file::support(parts, direction)),*
+                }
+            }
+        }
+    };
+}
+
+solids! {
+    Ellipsoid = ellipsoid,
+    Cuboid = cuboid,
+    Pyramid = pyramid,
+    Cylinder = cylinder,
+    Cone = cone,
+    Torus = torus,
+    Capsule = capsule,
+    RoundedCuboid = rounded_cuboid,
+}
+
+impl Solid {
+    /// Its name in the text form.
+    pub const fn name(self) -> &'static str {
+        self.spec().name
+    }
+
+    /// The solid of a name.
+    pub fn named(name: &str) -> Option<Solid> {
+        Solid::ALL.into_iter().find(|solid| solid.name() == name)
+    }
+
+    /// All names, for messages: separated by commas, `or` before the last.
+    pub fn names() -> &'static str {
+        static NAMES: LazyLock<String> = LazyLock::new(|| {
+            let names: Vec<&str> = Solid::ALL.iter().map(|solid| solid.name()).collect();
+            match names.split_last() {
+                Some((last, first)) => format!("{} or {last}", first.join(", ")),
+                None => String::new(),
+            }
+        });
+        &NAMES
+    }
+}

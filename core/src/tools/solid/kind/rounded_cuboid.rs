@@ -1,0 +1,48 @@
+//! Rounded cuboid: a cuboid whose edges are rounded by a third of its smallest half extent.
+
+use glam::DVec3;
+
+use super::super::body::Body;
+use super::super::parts::Parts;
+use super::super::simd_real::SimdReal;
+use super::super::spec::{Rows, SolidSpec};
+use crate::tools::texture;
+
+pub static SPEC: SolidSpec = SolidSpec {
+    name: "rounded-cuboid",
+    label: "Rounded",
+    help: "Rounded cuboid tool: a box with soft edges",
+    synonyms: "rounded box soft cushion pillow",
+    parts,
+    rows: Rows::Bricks,
+    fills_its_box: false,
+    image_point: texture::on_faces,
+    body: Body::RoundedBox,
+};
+
+/// Radius of the edges, as a fraction of the smallest half extent.
+const EDGE_RADIUS: f64 = 1.0 / 3.0;
+
+fn parts(half: DVec3) -> Parts {
+    let core = 1.0 - half.min_element() * EDGE_RADIUS / half;
+    Parts { core, round: 1.0 - core }
+}
+
+#[inline(always)]
+pub fn holds<N: SimdReal>(parts: &Parts, p: [N; 3]) -> N::Mask {
+    let [x, y, z] = parts.beyond_core(p);
+    (x * x + y * y + z * z).at_most(x.all(1.0))
+}
+
+#[inline(always)]
+pub fn passes<N: SimdReal>(parts: &Parts, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
+    parts.passes(p, displacement, margin)
+}
+
+pub fn slack(parts: &Parts, offset: DVec3) -> f64 {
+    parts.slack(offset)
+}
+
+pub fn support(parts: &Parts, direction: DVec3) -> f64 {
+    parts.support(direction)
+}
