@@ -5,7 +5,7 @@
 use glam::{Affine3A, Mat3, Mat4, Quat, Vec3};
 
 use crate::sculpture::Rgb;
-use crate::tools::solid::{Primitive, Solid};
+use crate::tools::solid::Primitive;
 
 /// Half heights of pictures at distance 1 below which factors on depths shrink in proportion: a narrow view is one from
 /// afar, in which the same part of the depth is a longer way.

@@ -7,7 +7,6 @@ use glam::Vec3;
 use crate::editor::tool::{HALF_RANGE, NextPress, RECENT, ToolEdit, ToolKind, ToolState};
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
-use crate::tools::brush::BrushId;
 use crate::ui::context::UiContext;
 use crate::ui::dialogs::shared::FileTask;
 use crate::ui::options::{brush, draw, marker, pen};
