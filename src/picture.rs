@@ -293,7 +293,7 @@ fn render_by_casting(
             shader.shade(&map, &source, &pose, &lighting, &mut pixels);
             if let Some((ground, below)) = &mut ground {
                 let ground = ground.of_sample(sample);
-                below.put_behind(grid, &ground, &lighting, &pose, &rays, &mut pixels);
+                below.put_behind(&ground, &lighting, &pose, &rays, &mut pixels);
             }
             mean.add(over_background(&pixels));
         }

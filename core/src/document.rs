@@ -281,31 +281,9 @@ impl Document {
             Command::Open { .. } | Command::Save { .. } | Command::Embed { .. } => {
                 Err(CommandError::NotHere(command.verb()))
             }
-            Command::Begin { label } => {
-                self.require_no_stroke("begin")?;
-                self.stroke = Some(label.clone());
-                Ok(Applied::default())
-            }
-            Command::End => {
-                let label = self.stroke.as_ref().ok_or(CommandError::NoStroke("end"))?;
-                self.require_room(label, self.recorder.bytes())?;
-                let label = self.stroke.take().unwrap_or_default();
-                self.stroke_surface = None;
-                self.finish_stroke(label);
-                self.remember_stroke();
-                Ok(Applied::default())
-            }
-            Command::Cancel => {
-                if self.stroke.is_none() {
-                    return Err(CommandError::NoStroke("cancel"));
-                }
-                self.own_contents()?;
-                self.stroke = None;
-                self.stroke_surface = None;
-                self.uses.clear();
-                self.take_back();
-                Ok(Applied::default())
-            }
+            Command::Begin { label } => self.begin_stroke(label),
+            Command::End => self.end_stroke(),
+            Command::Cancel => self.cancel_stroke(),
             Command::Construct { .. }
             | Command::DrawnSolid { .. }
             | Command::Texture { .. }
@@ -352,20 +330,50 @@ impl Document {
             Command::Redo { steps } => {
                 self.travel(*steps, "redo", |document| document.redo_step(None))
             }
-            Command::Place(placement) => {
-                if !placement.rotation.is_finite() || !placement.rotation.is_normalized() {
-                    return Err(CommandError::Placement("rotation"));
-                }
-                if !placement.translation.is_finite() {
-                    return Err(CommandError::Placement("translation"));
-                }
-                if !placement.scale.is_finite() || placement.scale <= 0.0 {
-                    return Err(CommandError::Placement("scale"));
-                }
-                self.placement = *placement;
-                Ok(Applied::default())
-            }
+            Command::Place(placement) => self.place(placement),
         }
+    }
+
+    fn begin_stroke(&mut self, label: &str) -> Result<Applied, CommandError> {
+        self.require_no_stroke("begin")?;
+        self.stroke = Some(label.to_string());
+        Ok(Applied::default())
+    }
+
+    fn end_stroke(&mut self) -> Result<Applied, CommandError> {
+        let label = self.stroke.as_ref().ok_or(CommandError::NoStroke("end"))?;
+        self.require_room(label, self.recorder.bytes())?;
+        let label = self.stroke.take().unwrap_or_default();
+        self.stroke_surface = None;
+        self.finish_stroke(label);
+        self.remember_stroke();
+        Ok(Applied::default())
+    }
+
+    fn cancel_stroke(&mut self) -> Result<Applied, CommandError> {
+        if self.stroke.is_none() {
+            return Err(CommandError::NoStroke("cancel"));
+        }
+        self.own_contents()?;
+        self.stroke = None;
+        self.stroke_surface = None;
+        self.uses.clear();
+        self.take_back();
+        Ok(Applied::default())
+    }
+
+    fn place(&mut self, placement: &Placement) -> Result<Applied, CommandError> {
+        if !placement.rotation.is_finite() || !placement.rotation.is_normalized() {
+            return Err(CommandError::Placement("rotation"));
+        }
+        if !placement.translation.is_finite() {
+            return Err(CommandError::Placement("translation"));
+        }
+        if !placement.scale.is_finite() || placement.scale <= 0.0 {
+            return Err(CommandError::Placement("scale"));
+        }
+        self.placement = *placement;
+        Ok(Applied::default())
     }
 
     fn select(&mut self, op: SelectOp) -> Result<Applied, CommandError> {

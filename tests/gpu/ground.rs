@@ -75,7 +75,7 @@ fn with_ground(
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
     let rays = eye.pixel_rays(&world_from_grid);
     let mut pixels = Pixels::new(SIZE);
-    shader.put_behind(grid, &ground, &desc.lighting, &pose, &rays, &mut pixels);
+    shader.put_behind(&ground, &desc.lighting, &pose, &rays, &mut pixels);
     let mut out = picture.clone();
     for ((out, behind), front) in out.rgba.iter_mut().zip(&background.rgba).zip(&pixels.rgba) {
         if out == behind {

@@ -15,7 +15,6 @@ use arguments::{Arguments, Quoted, QuotedPath};
 
 use crate::command::{COMMANDS, Command, NewSculpture};
 use crate::format::base64;
-use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::drawn::DrawnSolid;
@@ -25,6 +24,7 @@ mod arguments;
 mod brush;
 mod drawn_solid;
 mod export;
+mod import;
 mod mask;
 mod repair;
 mod selection;
@@ -82,73 +82,10 @@ impl fmt::Display for Command {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.verb())?;
         match self {
-            Command::New(new) => {
-                write!(
-                    f,
-                    " dims={} size={}",
-                    list(new.dims.to_array()),
-                    list(new.voxel_size.to_array())
-                )?;
-                let fill = if new.solid { "solid" } else { "empty" };
-                write!(f, " colour={} base={} fill={fill}", new.colour_depth.bits(), new.base)
-            }
+            Command::New(new) => write_new(new, f),
             Command::Open { path, import } => {
                 write!(f, " {}", QuotedPath(path))?;
-                let ImportOptions {
-                    existence,
-                    colouring,
-                    colour_depth,
-                    upright,
-                    raw,
-                    channel,
-                    time,
-                    region,
-                    cubic,
-                    largest_piece,
-                    fill_holes,
-                    mesh_size,
-                    mesh_fill,
-                } = import;
-                if *existence != Existence::Auto {
-                    write!(f, " threshold={existence}")?;
-                }
-                if *colouring != Colouring::Auto {
-                    write!(f, " colouring={colouring}")?;
-                }
-                if let Some(depth) = colour_depth {
-                    write!(f, " colour={}", depth.bits())?;
-                }
-                if let Some(up) = upright {
-                    write!(f, " upright={up}")?;
-                }
-                if let Some(raw) = raw {
-                    write!(f, " raw={raw}")?;
-                }
-                if let Some(channel) = channel {
-                    write!(f, " channel={channel}")?;
-                }
-                if let Some(time) = time {
-                    write!(f, " time={time}")?;
-                }
-                if let Some(region) = region {
-                    write!(f, " region={region}")?;
-                }
-                if *cubic != Cubic::No {
-                    write!(f, " cubic={cubic}")?;
-                }
-                if *largest_piece {
-                    f.write_str(" pieces=largest")?;
-                }
-                if *fill_holes {
-                    f.write_str(" holes=filled")?;
-                }
-                if *mesh_size != MeshSize::default() {
-                    write!(f, " mesh_size={mesh_size}")?;
-                }
-                if *mesh_fill != MeshFill::default() {
-                    write!(f, " mesh_fill={mesh_fill}")?;
-                }
-                Ok(())
+                import::write(import, f)
             }
             Command::Embed { path, file } => {
                 write!(f, " {} data={}", QuotedPath(path), base64::encode(file))
@@ -196,16 +133,21 @@ impl fmt::Display for Command {
                 Some(n) => write!(f, " {n}"),
                 None => write!(f, " all"),
             },
-            Command::Place(p) => write!(
-                f,
-                " turn={} move={} scale={}",
-                list(p.rotation.to_array()),
-                list(p.translation.to_array()),
-                p.scale
-            ),
+            Command::Place(placement) => write_placement(placement, f),
             Command::End | Command::Cancel | Command::Copy | Command::Cut => Ok(()),
         }
     }
+}
+
+fn write_new(new: &NewSculpture, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    write!(f, " dims={} size={}", list(new.dims.to_array()), list(new.voxel_size.to_array()))?;
+    let fill = if new.solid { "solid" } else { "empty" };
+    write!(f, " colour={} base={} fill={fill}", new.colour_depth.bits(), new.base)
+}
+
+fn write_placement(p: &Placement, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let (turn, by) = (list(p.rotation.to_array()), list(p.translation.to_array()));
+    write!(f, " turn={turn} move={by} scale={}", p.scale)
 }
 
 fn write_placed(
@@ -245,24 +187,7 @@ impl FromStr for Command {
         let verb = args.verb.clone();
         let command = match verb.as_str() {
             "new" => Command::New(parse_new(&mut args)?),
-            "open" => Command::Open {
-                path: args.path()?,
-                import: ImportOptions {
-                    existence: args.optional("threshold", str::parse)?.unwrap_or_default(),
-                    colouring: args.optional("colouring", str::parse)?.unwrap_or_default(),
-                    colour_depth: args.optional("colour", parse_colour_depth)?,
-                    upright: args.optional("upright", str::parse)?,
-                    raw: args.optional("raw", str::parse)?,
-                    channel: args.optional("channel", str::parse)?,
-                    time: args.optional("time", str::parse)?,
-                    region: args.optional("region", str::parse)?,
-                    cubic: args.optional("cubic", str::parse)?.unwrap_or_default(),
-                    largest_piece: choice(&mut args, "pieces", ["all", "largest"])?,
-                    fill_holes: choice(&mut args, "holes", ["open", "filled"])?,
-                    mesh_size: args.optional("mesh_size", str::parse)?.unwrap_or_default(),
-                    mesh_fill: args.optional("mesh_fill", str::parse)?.unwrap_or_default(),
-                },
-            },
+            "open" => Command::Open { path: args.path()?, import: import::parse(&mut args)? },
             "embed" => {
                 let data = |text: &str| {
                     let file = base64::decode(text.as_bytes(), text.len());

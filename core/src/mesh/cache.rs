@@ -3,7 +3,7 @@
 //! It takes memory until the next export, within a share of what meshes may take; larger ones are not kept, so that they
 //! are in memory once. Greedy meshes are made at once.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::{
     Budget, ContentsVersion, KeptMesh, Mesh, MeshError, MeshKind, VertexColours, bytes_of_faces,
@@ -21,37 +21,53 @@ pub struct MeshCache {
     kept: Mutex<Option<KeptMesh>>,
 }
 
+/// A cache as the contents of one version use it.
+#[derive(Clone, Copy, Debug)]
+pub struct VersionedMeshCache<'a> {
+    cache: &'a MeshCache,
+    version: &'a ContentsVersion,
+}
+
 impl MeshCache {
-    /// The mesh of `contents`, which are `version` of all that it was asked for, as [`Mesh::of`] makes it but for the
-    /// order of its parts.
+    /// For the contents that are `version` of all whose meshes are asked for.
+    pub fn at<'a>(&'a self, version: &'a ContentsVersion) -> VersionedMeshCache<'a> {
+        VersionedMeshCache { cache: self, version }
+    }
+
+    /// Gives its memory back.
+    pub fn clear(&self) {
+        *self.lock() = None;
+    }
+
+    /// A poisoned lock does no harm: the mesh that the last export left is only a copy.
+    fn lock(&self) -> MutexGuard<'_, Option<KeptMesh>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl VersionedMeshCache<'_> {
+    /// The mesh of `contents`, which have this version, as [`Mesh::of`] makes it but for the order of its parts.
     pub fn mesh_of(
         &self,
         contents: &Contents,
-        version: &ContentsVersion,
         kind: MeshKind,
         colours: VertexColours,
         limits: &Limits,
         progress: &dyn Progress,
     ) -> Result<Mesh, MeshError> {
         let most = Budget::new(limits).bytes() / SHARE;
-        // A poisoned lock does no harm: the mesh that the last export left is only a copy.
-        let mut slot = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut slot = self.cache.lock();
         let former = slot.take().filter(|kept| kept.is_of(kind, colours));
         let is_small = bytes_of_faces(contents, colours.are_in(contents)) <= most;
         let Some(mut kept) = former.or_else(|| KeptMesh::new(kind, colours)).filter(|_| is_small)
         else {
             return Mesh::of(contents, kind, colours, limits, progress);
         };
-        kept.update(contents, version, limits, progress)?;
+        kept.update(contents, self.version, limits, progress)?;
         let mesh = kept.mesh()?;
         if kept.heap_bytes() <= most {
             *slot = Some(kept);
         }
         Ok(mesh)
-    }
-
-    /// Gives its memory back.
-    pub fn clear(&self) {
-        *self.kept.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 }

@@ -54,9 +54,9 @@ pub fn edit(
         _ => return EditStats::default(),
     };
     let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
-    edit_rows(&mut contents.grid, region, op, paint, &bricks, recorder);
-    let Recording { bands, pages_kept, .. } = recorder.recording();
     let slabs = bricks.min.z..bricks.max.z;
+    BitEdit { region, op, paint, bricks }.apply(&mut contents.grid, recorder);
+    let Recording { bands, pages_kept, .. } = recorder.recording();
     let any_to_paint = bands.iter().any(|band| !band.to_paint.is_empty());
     if let Some(brush) = brush.as_ref().filter(|_| any_to_paint) {
         let recolour = matches!(op, EditOp::Recolour(_));
@@ -83,76 +83,74 @@ pub fn edit_mask(
 ) -> EditStats {
     let Some(bricks) = BrickBox::around(region, mask) else { return EditStats::default() };
     let op = if adds { EditOp::Add(None) } else { EditOp::Subtract };
-    edit_rows(mask, region, op, false, &bricks, recorder);
+    BitEdit { region, op, paint: false, bricks }.apply(mask, recorder);
     let EditStats { voxels_added, voxels_removed, bricks_changed, .. } = recorder.close_edit(dirty);
     // No voxel of the sculpture has changed.
     let voxels_masked = voxels_added + voxels_removed;
     EditStats { voxels_masked, bricks_changed, ..EditStats::default() }
 }
 
-/// Applies `op` to the bits of `region` that lie in `bricks`; with `paint`, voxels to paint are listed in the records.
-fn edit_rows(
-    grid: &mut Grid,
-    region: &impl Region,
+/// An operation on the bits of those voxels of a region that lie in a box of bricks.
+struct BitEdit<'a, R> {
+    region: &'a R,
     op: EditOp,
+    /// Whether voxels to paint are listed in the records.
     paint: bool,
-    bricks: &BrickBox,
-    recorder: &mut StrokeRecorder,
-) {
-    let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
-    let Recording { bands, bits_kept, .. } = recorder.recording();
-    let level = Level::new();
-    grid.edit_bands(bricks.min.z..bricks.max.z, parallel, bands, &|grid, record| {
-        dispatch!(level, simd => {
-            edit_band(simd, region, op, paint, bricks, bits_kept, grid, record);
-        });
-    });
+    bricks: BrickBox,
 }
 
-/// Applies `op` to the voxels of `region` that lie in `bricks` and a band of the grid. With `paint`,
-/// voxels to paint are only listed in the record.
-#[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "internal entry point")]
-fn edit_band<S: Simd, R: Region>(
-    simd: S,
-    region: &R,
-    op: EditOp,
-    paint: bool,
-    bricks: &BrickBox,
-    bits_kept: &BrickSet,
-    grid: &mut GridBand,
-    record: &mut BandRecord,
-) {
-    let mut cut = Default::default();
-    for z in grid.slabs_of(bricks.min.z..bricks.max.z) {
-        for y in bricks.min.y..bricks.max.y {
-            let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
-            let cut = &mut cut;
-            let mut edit = RowEdit::new(grid, record, bits_kept);
-            match op {
-                EditOp::Add(_) => row.walk(
-                    simd,
-                    region,
-                    cut,
-                    #[inline(always)]
-                    |piece| edit.add(piece, paint),
-                ),
-                EditOp::Subtract => row.walk(
-                    simd,
-                    region,
-                    cut,
-                    #[inline(always)]
-                    |piece| edit.subtract(piece),
-                ),
-                EditOp::Recolour(_) => row.walk(
-                    simd,
-                    region,
-                    cut,
-                    #[inline(always)]
-                    |piece| edit.paint(piece),
-                ),
+impl<R: Region> BitEdit<'_, R> {
+    fn apply(&self, grid: &mut Grid, recorder: &mut StrokeRecorder) {
+        let parallel = self.bricks.brick_count() >= PARALLEL_BRICKS;
+        let Recording { bands, bits_kept, .. } = recorder.recording();
+        let level = Level::new();
+        let slabs = self.bricks.min.z..self.bricks.max.z;
+        grid.edit_bands(slabs, parallel, bands, &|grid, record| {
+            dispatch!(level, simd => self.apply_to_band(simd, bits_kept, grid, record));
+        });
+    }
+
+    /// Edits the bits in a band of the grid.
+    #[inline(always)]
+    fn apply_to_band<S: Simd>(
+        &self,
+        simd: S,
+        bits_kept: &BrickSet,
+        grid: &mut GridBand,
+        record: &mut BandRecord,
+    ) {
+        let &BitEdit { region, op, paint, ref bricks } = self;
+        let mut cut = Default::default();
+        for z in grid.slabs_of(bricks.min.z..bricks.max.z) {
+            for y in bricks.min.y..bricks.max.y {
+                let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
+                let cut = &mut cut;
+                let mut edit = RowEdit::new(grid, record, bits_kept);
+                match op {
+                    EditOp::Add(_) => row.walk(
+                        simd,
+                        region,
+                        cut,
+                        #[inline(always)]
+                        |piece| edit.add(piece, paint),
+                    ),
+                    EditOp::Subtract => row.walk(
+                        simd,
+                        region,
+                        cut,
+                        #[inline(always)]
+                        |piece| edit.subtract(piece),
+                    ),
+                    EditOp::Recolour(_) => row.walk(
+                        simd,
+                        region,
+                        cut,
+                        #[inline(always)]
+                        |piece| edit.paint(piece),
+                    ),
+                }
+                edit.close_word();
             }
-            edit.close_word();
         }
     }
 }

@@ -50,11 +50,14 @@ pub fn paint_each(
         let mut paint = |b: UVec3, mask: &Brick| {
             let index = grid.brick_index(b);
             let mask = grid.brick_at(index).and(mask);
-            let page = &mut pages[index - first as usize];
+            let page = BrickPage {
+                index: index as u32,
+                page: &mut pages[index - first as usize],
+                kept: pages_kept.contains(index as u32),
+            };
             let origin = b * BRICK_EDGE_VX;
             let one = |local: u32, now: Rgb| colour(origin + UVec3::from(local_coords(local)), now);
-            let kept = pages_kept.contains(index as u32);
-            made += palette.paint(index as u32, page, &mask, one, record, kept);
+            made += palette.paint(page, &mask, one, record);
         };
         for z in slabs {
             for y in bricks.min.y..bricks.max.y {
@@ -89,17 +92,23 @@ struct Palette {
     blank: Brush,
 }
 
+/// The page of a brick.
+struct BrickPage<'a> {
+    /// Of the brick.
+    index: u32,
+    page: &'a mut Option<Page>,
+    /// Whether the stroke already has its earlier state.
+    kept: bool,
+}
+
 impl Palette {
-    /// Paints the voxels of `mask` and returns the number of new pages, 0 or 1. `kept`: the stroke
-    /// already has the earlier state of the page.
+    /// Paints the voxels of `mask` and returns the number of new pages, 0 or 1.
     fn paint(
         &self,
-        index: u32,
-        page: &mut Option<Page>,
+        BrickPage { index, page, kept }: BrickPage,
         mask: &Brick,
         colour: impl Fn(u32, Rgb) -> Rgb,
         record: &mut BandRecord,
-        kept: bool,
     ) -> usize {
         let bytes = self.depth.bytes();
         let mut colours = [Rgb::new(0, 0, 0); BRICK_VOXELS as usize];

@@ -43,6 +43,15 @@ pub struct Composition<'a> {
     pub visible: PixelRect,
 }
 
+/// Sixteen pixels of a row.
+struct PixelGroup<S: Simd> {
+    /// Of the first, in the picture.
+    at: [u32; 2],
+    voxels: u32x16<S>,
+    /// As little-endian numbers.
+    pixels: u32x16<S>,
+}
+
 impl Composition<'_> {
     /// Writes the pixels of `rect`, which lies in the picture, row by row without gaps. Depths are 0 where nothing is
     /// seen.
@@ -101,25 +110,25 @@ impl Composition<'_> {
             few_voxels[..count].copy_from_slice(&voxels[i..i + count]);
             few_pixels[..count].copy_from_slice(&pixels[i..i + count]);
             let few_pixels: [u32; LANES] = bytemuck::cast(few_pixels);
-            let few_voxels = u32x16::load_array(simd, few_voxels);
-            let few_pixels = u32x16::load_array(simd, few_pixels);
-            let (few_colours, few_depths) =
-                self.compose_few(simd, places, [x, y], few_voxels, few_pixels, background);
+            let group = PixelGroup {
+                at: [x, y],
+                voxels: u32x16::load_array(simd, few_voxels),
+                pixels: u32x16::load_array(simd, few_pixels),
+            };
+            let (few_colours, few_depths) = self.compose_few(simd, places, group, background);
             let few_colours: [[u8; 4]; LANES] = bytemuck::cast(few_colours.to_array());
             colours[i..i + count].copy_from_slice(&few_colours[..count]);
             depths[i..i + count].copy_from_slice(&few_depths.to_array()[..count]);
         }
     }
 
-    /// Sixteen pixels from (x, y) on, as little-endian numbers.
+    /// Their colours, as little-endian numbers, and depths.
     #[inline(always)]
     fn compose_few<S: Simd>(
         &self,
         simd: S,
         places: &Places,
-        [x, y]: [u32; 2],
-        voxels: u32x16<S>,
-        pixels: u32x16<S>,
+        PixelGroup { at: [x, y], voxels, pixels }: PixelGroup<S>,
         background: u32,
     ) -> (u32x16<S>, f32x16<S>) {
         let splat = |v: f32| f32x16::splat(simd, v);

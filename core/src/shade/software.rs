@@ -63,50 +63,7 @@ pub fn shade_rect(
     rect: PixelRect,
     out: &mut Pixels,
 ) {
-    shade_at(Level::new(), map, source, pose, lighting, rect, out);
-}
-
-/// [`shade_rect`] with a choice of vector instructions.
-#[allow(clippy::too_many_arguments)]
-fn shade_at(
-    level: Level,
-    map: &IndexMap,
-    source: &ShadeSource,
-    pose: &ShadePose,
-    lighting: &Lighting,
-    rect: PixelRect,
-    out: &mut Pixels,
-) {
-    let picture = PixelRect::of_picture(map.rays.size);
-    let rect = if out.size == map.rays.size { rect.intersect(picture) } else { picture };
-    out.reset(map.rays.size);
-    if rect.is_empty() {
-        return;
-    }
-    let illumination = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
-    let shader = Shader {
-        source: *source,
-        has_colours: illumination.colour.is_none() && source.material.page_count() > 0,
-        base: packed(illumination.colour.unwrap_or(source.material.base())),
-        tinted: source.mask.map(|mask| (mask, source.colours(illumination.colour).depth())),
-        places: Places::of(source.grid.dims()),
-        illumination,
-        occlusion: lighting.occlusion,
-    };
-    let width = map.rays.size.x as usize;
-    let columns = rect.min.x as usize..rect.max.x as usize;
-    let pixels = rect.min.y as usize * width..rect.max.y as usize * width;
-    let band = width * BAND_ROWS;
-    let normals = map.normals.get(pixels.clone());
-    out.rgba[pixels.clone()]
-        .par_chunks_mut(band)
-        .zip(map.voxels[pixels].par_chunks(band))
-        .enumerate()
-        .for_each(|(i, (out, voxels))| {
-            let normals = normals.map(|normals| &normals[i * band..][..voxels.len()]);
-            let seen = Seen { voxels, normals };
-            dispatch!(level, simd => shader.shade(simd, width, columns.clone(), seen, out));
-        });
+    Shader::new(source, pose, lighting).shade_rect(Level::new(), map, rect, out);
 }
 
 /// Pixels of an index map.
@@ -165,6 +122,45 @@ struct Scratch {
     /// A row of a strip.
     row: [Found; STRIP_PX / LANES],
     tables: OpennessTables,
+}
+
+impl<'a> Shader<'a> {
+    fn new(source: &ShadeSource<'a>, pose: &ShadePose, lighting: &Lighting) -> Shader<'a> {
+        let illumination = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
+        Shader {
+            source: *source,
+            has_colours: illumination.colour.is_none() && source.material.page_count() > 0,
+            base: packed(illumination.colour.unwrap_or(source.material.base())),
+            tinted: source.mask.map(|mask| (mask, source.colours(illumination.colour).depth())),
+            places: Places::of(source.grid.dims()),
+            illumination,
+            occlusion: lighting.occlusion,
+        }
+    }
+
+    /// [`shade_rect`] with a choice of vector instructions.
+    fn shade_rect(&self, level: Level, map: &IndexMap, rect: PixelRect, out: &mut Pixels) {
+        let picture = PixelRect::of_picture(map.rays.size);
+        let rect = if out.size == map.rays.size { rect.intersect(picture) } else { picture };
+        out.reset(map.rays.size);
+        if rect.is_empty() {
+            return;
+        }
+        let width = map.rays.size.x as usize;
+        let columns = rect.min.x as usize..rect.max.x as usize;
+        let pixels = rect.min.y as usize * width..rect.max.y as usize * width;
+        let band = width * BAND_ROWS;
+        let normals = map.normals.get(pixels.clone());
+        out.rgba[pixels.clone()]
+            .par_chunks_mut(band)
+            .zip(map.voxels[pixels].par_chunks(band))
+            .enumerate()
+            .for_each(|(i, (out, voxels))| {
+                let normals = normals.map(|normals| &normals[i * band..][..voxels.len()]);
+                let seen = Seen { voxels, normals };
+                dispatch!(level, simd => self.shade(simd, width, columns.clone(), seen, out));
+            });
+    }
 }
 
 impl Shader<'_> {

@@ -127,7 +127,8 @@ pub fn save_mesh_again(
     (cache, version): (&MeshCache, &ContentsVersion),
     progress: &dyn Progress,
 ) -> Result<MeshSummary, FormatError> {
-    let make = |colours| cache.mesh_of(contents, version, options.kind, colours, limits, progress);
+    let cache = cache.at(version);
+    let make = |colours| cache.mesh_of(contents, options.kind, colours, limits, progress);
     save_made(path, contents, options, limits, progress, make)
 }
 

@@ -130,31 +130,31 @@ fn sample(map: &LightMap, place: Vec2) -> [f32; 2] {
 }
 
 /// Draws the ground below a grid into pictures in memory.
-pub struct GroundShader {
+pub struct GroundShader<'a> {
+    grid: &'a Grid,
     plane: GroundPlane,
     openness: Openness,
     map: LightMap,
 }
 
-impl GroundShader {
+impl<'a> GroundShader<'a> {
     /// Of the ground below `grid` whose axis `up` points up; none below an empty grid.
-    pub fn new(grid: &Grid, up: Vec3) -> Option<GroundShader> {
+    pub fn new(grid: &'a Grid, up: Vec3) -> Option<GroundShader<'a>> {
         let plane = GroundPlane::below(grid, up)?;
         let openness = Openness::new(grid, &plane);
-        Some(GroundShader { plane, openness, map: LightMap::default() })
+        Some(GroundShader { grid, plane, openness, map: LightMap::default() })
     }
 
-    /// Puts the ground where `pixels`, of an eye with these rays, show nothing of `grid`.
+    /// Puts the ground where `pixels`, of an eye with these rays, show nothing of the grid.
     pub fn put_behind(
         &mut self,
-        grid: &Grid,
         ground: &Ground,
         lighting: &Lighting,
         pose: &ShadePose,
         rays: &PixelRays,
         pixels: &mut Pixels,
     ) {
-        let GroundShader { plane, openness, map } = self;
+        let GroundShader { grid, plane, openness, map } = self;
         let (eye_from_world, world_from_grid) = (&pose.eye_from_world, &pose.world_from_grid);
         let light = GroundLight::new(ground, plane, lighting, eye_from_world, world_from_grid);
         let spacing_vx = line_spacing_vx(grid.dims());

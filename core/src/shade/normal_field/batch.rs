@@ -79,6 +79,48 @@ struct Sampled {
     cells: Cells,
 }
 
+impl Sampled {
+    /// Takes the samples of a brick and merges them into cells.
+    fn take_samples(&mut self, level: Level, grid: &Grid, place: &Place) {
+        SCRATCH.with_borrow_mut(|scratch| {
+            dispatch!(level, simd => {
+                let wanted = Wanted { words: place.words, filling: place.stage == TARGET };
+                sample(simd, grid, place.brick, wanted, &mut scratch.sums, &mut self.samples);
+                self.cells.merge(&self.samples);
+            })
+        });
+    }
+}
+
+/// Adds the refined records of the samples of a brick to `records`, which are empty. `around` gives the cells of a
+/// brick with their filtered normals by its offset from this one.
+fn refine<'a>(
+    level: Level,
+    samples: &Samples,
+    around: &impl Fn(IVec3) -> Option<(&'a Cells, &'a CellNormals)>,
+    records: &mut Vec<SurfaceRecord>,
+) {
+    SCRATCH.with_borrow_mut(|scratch| {
+        let Scratch { neighbourhood, filled, .. } = &mut **scratch;
+        filled.clear();
+        for (z, layer) in samples.mask.layers.into_iter().enumerate() {
+            filled.extend(bits(layer).map(|bit| samples.filling[64 * z + bit]));
+        }
+        records.resize(filled.len(), SurfaceRecord::NONE);
+        dispatch!(level, simd => filter_voxels(
+            simd,
+            samples,
+            around,
+            neighbourhood,
+            #[inline(always)]
+            |i, normal, depth_vx| {
+                let (normal, depth) = (PackedNormal::pack(normal), PackedDepth::pack(depth_vx));
+                records[i] = SurfaceRecord::new(normal, depth, filled[i].openness_at(depth.vx()));
+            },
+        ));
+    });
+}
+
 /// Records of the first estimates.
 fn estimates(samples: &Samples, records: &mut Vec<SurfaceRecord>) {
     records.clear();
@@ -159,23 +201,9 @@ impl Batch {
             self.filtered.resize(middle, [[0.0; 64]; 3]);
         }
         let Batch { low, size, places, bricks, samples, filtered, records, .. } = self;
-        let sampled = |place: &Place, out: &mut Sampled| {
-            SCRATCH.with_borrow_mut(|scratch| {
-                dispatch!(level, simd => {
-                    let wanted = Wanted { words: place.words, filling: place.stage == TARGET };
-                    sample(
-                        simd,
-                        grid,
-                        place.brick,
-                        wanted,
-                        &mut scratch.sums,
-                        &mut out.samples,
-                    );
-                    out.cells.merge(&out.samples);
-                })
-            });
-        };
-        for_each(&bricks[..count], &mut samples[..count], &sampled);
+        for_each(&bricks[..count], &mut samples[..count], &|place, out| {
+            out.take_samples(level, grid, place);
+        });
 
         let place_of = |brick: IVec3| {
             let at = brick - *low;
@@ -210,26 +238,7 @@ impl Batch {
                 let place = place_of(place.brick + offset)?;
                 Some((&samples[place].cells, filtered.get(place)?))
             };
-            SCRATCH.with_borrow_mut(|scratch| {
-                let Scratch { neighbourhood, filled, .. } = &mut **scratch;
-                filled.clear();
-                for (z, layer) in own.mask.layers.into_iter().enumerate() {
-                    filled.extend(bits(layer).map(|bit| own.filling[64 * z + bit]));
-                }
-                out.resize(filled.len(), SurfaceRecord::NONE);
-                dispatch!(level, simd => filter_voxels(
-                    simd,
-                    own,
-                    &around,
-                    neighbourhood,
-                    #[inline(always)]
-                    |i, normal, depth_vx| {
-                        let (normal, depth) =
-                            (PackedNormal::pack(normal), PackedDepth::pack(depth_vx));
-                        out[i] = SurfaceRecord::new(normal, depth, filled[i].openness_at(depth.vx()));
-                    },
-                ));
-            });
+            refine(level, own, &around, out);
         };
         for_each(&bricks[..last], &mut records[..last], &finish);
     }

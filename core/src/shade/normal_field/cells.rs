@@ -151,6 +151,16 @@ pub struct Neighbourhood {
     count: usize,
 }
 
+/// Some cells of a brick, with the normals to use.
+struct CellPart<'a> {
+    cells: &'a Cells,
+    normals: &'a CellNormals,
+    /// The cells that are meant: a bit each.
+    used: u64,
+    /// Lower corner of the brick, from that of the brick in the middle.
+    corner_vx: Vec3,
+}
+
 /// Where weighted means are wanted: a box in voxels from the lower corner of a brick, and the distance at which
 /// weights become 0.
 struct Places {
@@ -198,7 +208,9 @@ impl Neighbourhood {
                     }
                     let offset = IVec3::new(x, y, z);
                     let Some((cells, normals)) = around(offset) else { continue };
-                    self.append(simd, cells, normals, cells.used & parts, offset, places);
+                    let corner_vx = offset.as_vec3() * (CELLS as f32 * CELL_EDGE_VX);
+                    let used = cells.used & parts;
+                    self.append(simd, CellPart { cells, normals, used, corner_vx }, places);
                 }
             }
         }
@@ -208,16 +220,8 @@ impl Neighbourhood {
     }
 
     #[inline(always)]
-    fn append<S: Simd>(
-        &mut self,
-        simd: S,
-        cells: &Cells,
-        normals: &CellNormals,
-        used: u64,
-        offset: IVec3,
-        places: &Places,
-    ) {
-        let corner = offset.as_vec3() * (CELLS as f32 * CELL_EDGE_VX);
+    fn append<S: Simd>(&mut self, simd: S, part: CellPart, places: &Places) {
+        let CellPart { cells, normals, used, corner_vx: corner } = part;
         for first in (0..BRICK_CELLS).step_by(LANES) {
             let used = used >> first & 0xFFFF;
             if used == 0 {

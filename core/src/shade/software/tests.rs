@@ -206,7 +206,7 @@ fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
     }) {
         let source = ShadeSource { grid: &grid, material: &material, normals, mask };
         let mut out = Pixels::default();
-        shade_at(level, &map, &source, &pose, &lighting, whole, &mut out);
+        Shader::new(&source, &pose, &lighting).shade_rect(level, &map, whole, &mut out);
         for (&voxel, pixel) in map.voxels.iter().zip(&out.rgba) {
             if voxel == NO_VOXEL {
                 assert_eq!(*pixel, [0; 4]);

@@ -55,6 +55,33 @@ pub(super) struct PacketHit<S: Simd> {
     pub voxels: [u32x16<S>; 3],
 }
 
+/// The rays of a packet.
+struct PacketRays<S: Simd> {
+    simd: S,
+    eye: Vec3,
+    /// One over the direction on each axis.
+    inverse: [f32x16<S>; 3],
+}
+
+/// When rays enter a brick.
+struct Entry<S: Simd> {
+    /// The planes of each axis that are crossed before these times come before the entry.
+    before: [f32x16<S>; 3],
+    /// The rays that pass through the brick.
+    passes: mask32x16<S>,
+}
+
+/// The voxels in which rays enter a brick.
+struct Entered<S: Simd> {
+    /// In the brick.
+    voxel: [u32x16<S>; 3],
+    /// On each axis the last plane that was crossed.
+    plane: [f32x16<S>; 3],
+    /// The rays that go down an axis, and from plane to plane along their ways.
+    backward: [mask32x16<S>; 3],
+    step: [f32x16<S>; 3],
+}
+
 /// Casts the rays of the first `count` pixels (`x | y << 6` in the tile).
 #[inline(always)]
 pub(super) fn cast_packet<S: Simd>(
@@ -65,117 +92,149 @@ pub(super) fn cast_packet<S: Simd>(
     pixels: &[u32; LANES],
     count: usize,
 ) -> PacketHit<S> {
-    let splat = |v: f32| f32x16::splat(simd, v);
     let pixels = u32x16::load_array_ref(simd, pixels);
-    let x = (pixels & 63).to_float::<f32x16<S>>() + (frame.left + 0.5);
-    let y = (pixels >> 6).to_float::<f32x16<S>>() + (frame.top + 0.5);
-    let inverse = for_axes(
-        #[inline(always)]
-        |axis| {
-            // As PixelRays::direction_at and Ray::new.
-            let direction =
-                splat(rays.corner[axis]) + x * rays.step_x[axis] + y * rays.step_y[axis];
-            let standing = direction.abs().simd_lt(STANDSTILL);
-            splat(1.0) / standing.select(splat(STANDSTILL), direction)
-        },
-    );
-
-    // When the rays enter and leave the brick's slab of each axis.
-    let [(near_x, far_x), (near_y, far_y), (near_z, far_z)] = for_axes(
-        #[inline(always)]
-        |axis| {
-            let (a, b) = (inverse[axis] * brick.low[axis], inverse[axis] * brick.high[axis]);
-            (a.min(b), a.max(b))
-        },
-    );
-    let entry = near_x.max(near_y).max(near_z.max(0.0));
-    // A crossing comes before the entry if its time is below: at equal times only if its axis
-    // comes before that of the entry, and always if it is at the start.
-    let after: f32x16<S> = (entry.bitcast::<u32x16<S>>() + 1).bitcast();
-    let start = entry.simd_le(0.0);
-    let by_z = start | entry.simd_eq(near_z);
-    let by_y = by_z | entry.simd_eq(near_y);
-    let before = [by_y.select(after, entry), by_z.select(after, entry), start.select(after, entry)];
-    let passes = far_x.simd_ge(before[0]) & far_y.simd_ge(before[1]) & far_z.simd_ge(before[2]);
-    let mut active = passes & mask32x16::from_bitmask(simd, (1 << count) - 1);
+    let rays = PacketRays::new(simd, rays, frame, pixels);
+    let entry = rays.entry(brick);
+    let active = entry.passes & mask32x16::from_bitmask(simd, (1 << count) - 1);
     if !active.any_true() {
         return PacketHit { lanes: 0, voxels: [pixels; 3] };
     }
-
-    // The voxel entered: on each axis as many planes on as come before the entry.
-    let backward = for_axes(
-        #[inline(always)]
-        |axis| inverse[axis].simd_lt(0.0),
-    );
-    let step = for_axes(
-        #[inline(always)]
-        |axis| backward[axis].select(splat(-1.0), splat(1.0)),
-    );
-    let eye = rays.origin;
-    let mut plane = for_axes(
-        #[inline(always)]
-        |axis| {
-            let corner = brick.corner[axis];
-            let mut plane = backward[axis].select(splat(corner + 8.0), splat(corner));
-            for jump in [4.0, 2.0, 1.0] {
-                let next = plane + step[axis] * jump;
-                let t = (next - eye[axis]) * inverse[axis];
-                plane = t.simd_lt(before[axis]).select(next, plane);
-            }
-            plane
-        },
-    );
-    let voxel = for_axes(
-        #[inline(always)]
-        |axis| {
-            let back = backward[axis].select(splat(1.0), splat(0.0));
-            (plane[axis] - back - brick.corner[axis]).to_int::<u32x16<S>>()
-        },
-    );
+    let entered = rays.enter(brick, &entry);
     if brick.full {
-        return PacketHit { lanes: active.to_bitmask() as u32, voxels: voxel };
+        return PacketHit { lanes: active.to_bitmask() as u32, voxels: entered.voxel };
+    }
+    rays.walk(brick, entered, active)
+}
+
+impl<S: Simd> PacketRays<S> {
+    #[inline(always)]
+    fn new(simd: S, rays: &PixelRays, frame: &TileFrame, pixels: u32x16<S>) -> PacketRays<S> {
+        let splat = |v: f32| f32x16::splat(simd, v);
+        let x = (pixels & 63).to_float::<f32x16<S>>() + (frame.left + 0.5);
+        let y = (pixels >> 6).to_float::<f32x16<S>>() + (frame.top + 0.5);
+        let inverse = for_axes(
+            #[inline(always)]
+            |axis| {
+                // As PixelRays::direction_at and Ray::new.
+                let direction =
+                    splat(rays.corner[axis]) + x * rays.step_x[axis] + y * rays.step_y[axis];
+                let standing = direction.abs().simd_lt(STANDSTILL);
+                splat(1.0) / standing.select(splat(STANDSTILL), direction)
+            },
+        );
+        PacketRays { simd, eye: rays.origin, inverse }
     }
 
-    // Voxel by voxel to the first that exists, or out of the brick.
-    let mut voxel = voxel[0] | voxel[1] << FIELD | voxel[2] << (2 * FIELD);
-    let units = for_axes(
-        #[inline(always)]
-        |axis| {
-            let one = u32x16::splat(simd, 1 << (FIELD * axis as u32));
-            backward[axis].select(u32x16::splat(simd, 0) - one, one)
-        },
-    );
-    plane = for_axes(
-        #[inline(always)]
-        |axis| plane[axis] + step[axis],
-    );
-    let zero = splat(0.0);
-    let mut hit = mask32x16::splat(simd, false);
-    let mut found = voxel;
-    loop {
-        let t = for_axes(
+    #[inline(always)]
+    fn entry(&self, brick: &PacketBrick) -> Entry<S> {
+        let inverse = &self.inverse;
+        // When the rays enter and leave the brick's slab of each axis.
+        let [(near_x, far_x), (near_y, far_y), (near_z, far_z)] = for_axes(
             #[inline(always)]
-            |axis| (plane[axis] - eye[axis]) * inverse[axis],
+            |axis| {
+                let (a, b) = (inverse[axis] * brick.low[axis], inverse[axis] * brick.high[axis]);
+                (a.min(b), a.max(b))
+            },
         );
-        let row = (voxel >> FIELD & 7) | (voxel >> (2 * FIELD - 3) & 0x38);
-        let bits = look_up(simd, &brick.rows, row) >> (voxel & 7);
-        let exists = active & (bits & 1).simd_ne(0);
-        found = exists.select(voxel, found);
-        hit |= exists;
-        // Finished rays advance, too: that needs no select.
-        let y_first = t[1].simd_le(t[2]);
-        let x_first = t[0].simd_le(t[1].min(t[2]));
-        voxel += x_first.select(units[0], y_first.select(units[1], units[2]));
-        active &= !exists & (voxel & GUARD).simd_eq(0);
-        if !active.any_true() {
-            break;
-        }
-        plane[0] += x_first.select(step[0], zero);
-        plane[1] += y_first.select(x_first.select(zero, step[1]), zero);
-        plane[2] += y_first.select(zero, x_first.select(zero, step[2]));
+        let entry = near_x.max(near_y).max(near_z.max(0.0));
+        // A crossing comes before the entry if its time is below: at equal times only if its axis
+        // comes before that of the entry, and always if it is at the start.
+        let after: f32x16<S> = (entry.bitcast::<u32x16<S>>() + 1).bitcast();
+        let start = entry.simd_le(0.0);
+        let by_z = start | entry.simd_eq(near_z);
+        let by_y = by_z | entry.simd_eq(near_y);
+        let before =
+            [by_y.select(after, entry), by_z.select(after, entry), start.select(after, entry)];
+        let passes = far_x.simd_ge(before[0]) & far_y.simd_ge(before[1]) & far_z.simd_ge(before[2]);
+        Entry { before, passes }
     }
-    let voxels = [found & 7, found >> FIELD & 7, found >> (2 * FIELD) & 7];
-    PacketHit { lanes: hit.to_bitmask() as u32, voxels }
+
+    /// The voxels entered: on each axis as many planes on as come before the entry.
+    #[inline(always)]
+    fn enter(&self, brick: &PacketBrick, entry: &Entry<S>) -> Entered<S> {
+        let splat = |v: f32| f32x16::splat(self.simd, v);
+        let (eye, inverse) = (self.eye, &self.inverse);
+        let backward = for_axes(
+            #[inline(always)]
+            |axis| inverse[axis].simd_lt(0.0),
+        );
+        let step = for_axes(
+            #[inline(always)]
+            |axis| backward[axis].select(splat(-1.0), splat(1.0)),
+        );
+        let plane = for_axes(
+            #[inline(always)]
+            |axis| {
+                let corner = brick.corner[axis];
+                let mut plane = backward[axis].select(splat(corner + 8.0), splat(corner));
+                for jump in [4.0, 2.0, 1.0] {
+                    let next = plane + step[axis] * jump;
+                    let t = (next - eye[axis]) * inverse[axis];
+                    plane = t.simd_lt(entry.before[axis]).select(next, plane);
+                }
+                plane
+            },
+        );
+        let voxel = for_axes(
+            #[inline(always)]
+            |axis| {
+                let back = backward[axis].select(splat(1.0), splat(0.0));
+                (plane[axis] - back - brick.corner[axis]).to_int::<u32x16<S>>()
+            },
+        );
+        Entered { voxel, plane, backward, step }
+    }
+
+    /// Goes on voxel by voxel to the first that exists, or out of the brick.
+    #[inline(always)]
+    fn walk(
+        &self,
+        brick: &PacketBrick,
+        entered: Entered<S>,
+        mut active: mask32x16<S>,
+    ) -> PacketHit<S> {
+        let (simd, eye, inverse) = (self.simd, self.eye, &self.inverse);
+        let Entered { voxel, plane, backward, step } = entered;
+        let mut voxel = voxel[0] | voxel[1] << FIELD | voxel[2] << (2 * FIELD);
+        let units = for_axes(
+            #[inline(always)]
+            |axis| {
+                let one = u32x16::splat(simd, 1 << (FIELD * axis as u32));
+                backward[axis].select(u32x16::splat(simd, 0) - one, one)
+            },
+        );
+        let mut plane = for_axes(
+            #[inline(always)]
+            |axis| plane[axis] + step[axis],
+        );
+        let zero = f32x16::splat(simd, 0.0);
+        let mut hit = mask32x16::splat(simd, false);
+        let mut found = voxel;
+        loop {
+            let t = for_axes(
+                #[inline(always)]
+                |axis| (plane[axis] - eye[axis]) * inverse[axis],
+            );
+            let row = (voxel >> FIELD & 7) | (voxel >> (2 * FIELD - 3) & 0x38);
+            let bits = look_up(simd, &brick.rows, row) >> (voxel & 7);
+            let exists = active & (bits & 1).simd_ne(0);
+            found = exists.select(voxel, found);
+            hit |= exists;
+            // Finished rays advance, too: that needs no select.
+            let y_first = t[1].simd_le(t[2]);
+            let x_first = t[0].simd_le(t[1].min(t[2]));
+            voxel += x_first.select(units[0], y_first.select(units[1], units[2]));
+            active &= !exists & (voxel & GUARD).simd_eq(0);
+            if !active.any_true() {
+                break;
+            }
+            plane[0] += x_first.select(step[0], zero);
+            plane[1] += y_first.select(x_first.select(zero, step[1]), zero);
+            plane[2] += y_first.select(zero, x_first.select(zero, step[2]));
+        }
+        let voxels = [found & 7, found >> FIELD & 7, found >> (2 * FIELD) & 7];
+        PacketHit { lanes: hit.to_bitmask() as u32, voxels }
+    }
 }
 
 /// The bytes of a table at the given indices (0..64); only the lowest byte of a result counts.

@@ -50,6 +50,23 @@ struct Canvas {
     queue: [u32; TILE_PIXELS + LANES],
 }
 
+/// The visible children of a cube and where they are seen.
+struct Children {
+    /// Those that are not empty: a bit each.
+    occupied: u32,
+    /// The one to visit first: the others follow in the order of `turn ^ nearest`.
+    nearest: usize,
+    rects: [TileRect; 8],
+}
+
+/// A tile that is being sampled.
+struct TileSweep<'a, S: Simd> {
+    simd: S,
+    sweep: &'a Sweep<'a>,
+    frame: TileFrame,
+    canvas: &'a mut Canvas,
+}
+
 impl Sweep<'_> {
     /// Samples a tile.
     pub fn run(&self, tile: Tile) {
@@ -74,110 +91,10 @@ impl Sweep<'_> {
         canvas.open[..size.y as usize].fill(u64::MAX >> (TILE_EDGE_PX - size.x));
 
         let whole = TileRect { x0: 0, x1: size.x - 1, y0: 0, y1: size.y - 1 };
-        let longest = self.grid.dims().max_element();
-        let root_level = (longest.next_power_of_two().ilog2() as u8).max(BLOCK as u8);
-        let mut stack = [Cube::default(); STACK];
-        stack[0] = Cube { low: [0; 3], level: root_level, rect: whole };
-        let mut waiting = 1;
-        while waiting > 0 {
-            waiting -= 1;
-            let cube = stack[waiting];
-            if !canvas.any_open(cube.rect) {
-                continue;
-            }
-            let level = cube.level as usize - 1;
-            let (visible, rects) = self.projection.children(simd, cube.low, level, &frame);
-            let children = visible & self.occupied_children(&cube);
-            let nearest = self.nearest_child(&cube);
-            let child_low = |child: usize| -> [i32; 3] {
-                std::array::from_fn(|axis| cube.low[axis] + ((child as i32 >> axis & 1) << level))
-            };
-            if level > BRICK {
-                // The nearest is pushed last and so comes first.
-                for turn in (0..8).rev() {
-                    let child = turn ^ nearest;
-                    if children >> child & 1 != 0 {
-                        stack[waiting] =
-                            Cube { low: child_low(child), level: level as u8, rect: rects[child] };
-                        waiting += 1;
-                    }
-                }
-            } else {
-                self.cast_bricks(simd, &mut canvas, &frame, &cube, children, nearest, &rects);
-            }
-        }
+        TileSweep { simd, sweep: self, frame, canvas: &mut canvas }.visit_cubes(whole);
         for y in 0..size.y {
             let from = (y * TILE_EDGE_PX) as usize;
             tile.row(y).copy_from_slice(&canvas.voxels[from..from + size.x as usize]);
-        }
-    }
-
-    /// Casts those bricks of a cube of 2^3 that are bits of `children`.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    fn cast_bricks<S: Simd>(
-        &self,
-        simd: S,
-        canvas: &mut Canvas,
-        frame: &TileFrame,
-        cube: &Cube,
-        children: u32,
-        nearest: usize,
-        rects: &[TileRect; 8],
-    ) {
-        let grid = self.grid;
-        let corners: [UVec3; 8] = std::array::from_fn(|child| {
-            let child = child as i32;
-            let at = IVec3::new(child & 1, child >> 1 & 1, child >> 2) * 8;
-            (IVec3::from(cube.low) + at).as_uvec3()
-        });
-        // Fetched before the first is used, so that their cache misses overlap.
-        let mut bricks = [Brick::EMPTY; 8];
-        let mut wanted = 0;
-        for child in 0..8 {
-            if children >> child & 1 != 0 && canvas.any_open(rects[child]) {
-                bricks[child] = *grid.brick(corners[child] / 8);
-                wanted |= 1 << child;
-            }
-        }
-        for turn in 0..8 {
-            let child = turn ^ nearest;
-            if wanted >> child & 1 != 0 {
-                self.cast_brick(simd, canvas, frame, &bricks[child], corners[child], rects[child]);
-            }
-        }
-    }
-
-    /// Casts a brick for the open pixels of a rectangle.
-    #[inline(always)]
-    fn cast_brick<S: Simd>(
-        &self,
-        simd: S,
-        canvas: &mut Canvas,
-        frame: &TileFrame,
-        brick: &Brick,
-        corner: UVec3,
-        rect: TileRect,
-    ) {
-        let count = canvas.queue_open(simd, rect);
-        let brick = PacketBrick::new(brick, corner.as_ivec3(), self.rays.origin);
-        let first_index = self.grid.voxel_index(corner);
-        let UVec3 { x: row, y: rows, .. } = self.grid.dims();
-        for first in (0..count).step_by(LANES) {
-            let mut pixels = [0; LANES];
-            pixels.copy_from_slice(&canvas.queue[first..first + LANES]);
-            let lanes = (count - first).min(LANES);
-            let hit = cast_packet(simd, &self.rays, frame, &brick, &pixels, lanes);
-            let [x, y, z] = hit.voxels;
-            let indices = (x + (y + z * rows) * row + first_index).to_array();
-            let mut rest = hit.lanes;
-            while rest != 0 {
-                let lane = rest.trailing_zeros() as usize & (LANES - 1);
-                rest &= rest - 1;
-                let pixel = pixels[lane] as usize & (TILE_PIXELS - 1);
-                canvas.voxels[pixel] = indices[lane];
-                canvas.open[pixel >> 6] &= !(1 << (pixel & 63));
-            }
         }
     }
 
@@ -225,6 +142,100 @@ impl Sweep<'_> {
             let beyond = self.rays.origin[axis] >= (cube.low[axis] + half) as f32;
             child | usize::from(beyond) << axis
         })
+    }
+}
+
+impl<S: Simd> TileSweep<'_, S> {
+    /// Visits the cubes that may be seen in the pixels of `whole`, the nearest first.
+    #[inline(always)]
+    fn visit_cubes(&mut self, whole: TileRect) {
+        let (simd, sweep) = (self.simd, self.sweep);
+        let longest = sweep.grid.dims().max_element();
+        let root_level = (longest.next_power_of_two().ilog2() as u8).max(BLOCK as u8);
+        let mut stack = [Cube::default(); STACK];
+        stack[0] = Cube { low: [0; 3], level: root_level, rect: whole };
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let cube = stack[waiting];
+            if !self.canvas.any_open(cube.rect) {
+                continue;
+            }
+            let level = cube.level as usize - 1;
+            let (visible, rects) = sweep.projection.children(simd, cube.low, level, &self.frame);
+            let occupied = visible & sweep.occupied_children(&cube);
+            let children = Children { occupied, nearest: sweep.nearest_child(&cube), rects };
+            let child_low = |child: usize| -> [i32; 3] {
+                std::array::from_fn(|axis| cube.low[axis] + ((child as i32 >> axis & 1) << level))
+            };
+            if level > BRICK {
+                // The nearest is pushed last and so comes first.
+                for turn in (0..8).rev() {
+                    let child = turn ^ children.nearest;
+                    if children.occupied >> child & 1 != 0 {
+                        let rect = children.rects[child];
+                        stack[waiting] = Cube { low: child_low(child), level: level as u8, rect };
+                        waiting += 1;
+                    }
+                }
+            } else {
+                self.cast_bricks(&cube, &children);
+            }
+        }
+    }
+
+    /// Casts those bricks of a cube of 2^3 that are occupied.
+    #[inline(always)]
+    fn cast_bricks(&mut self, cube: &Cube, children: &Children) {
+        let grid = self.sweep.grid;
+        let corners: [UVec3; 8] = std::array::from_fn(|child| {
+            let child = child as i32;
+            let at = IVec3::new(child & 1, child >> 1 & 1, child >> 2) * 8;
+            (IVec3::from(cube.low) + at).as_uvec3()
+        });
+        // Fetched before the first is used, so that their cache misses overlap.
+        let mut bricks = [Brick::EMPTY; 8];
+        let mut wanted = 0;
+        for child in 0..8 {
+            let occupied = children.occupied >> child & 1 != 0;
+            if occupied && self.canvas.any_open(children.rects[child]) {
+                bricks[child] = *grid.brick(corners[child] / 8);
+                wanted |= 1 << child;
+            }
+        }
+        for turn in 0..8 {
+            let child = turn ^ children.nearest;
+            if wanted >> child & 1 != 0 {
+                self.cast_brick(&bricks[child], corners[child], children.rects[child]);
+            }
+        }
+    }
+
+    /// Casts a brick for the open pixels of a rectangle.
+    #[inline(always)]
+    fn cast_brick(&mut self, brick: &Brick, corner: UVec3, rect: TileRect) {
+        let Sweep { grid, rays, .. } = self.sweep;
+        let canvas = &mut *self.canvas;
+        let count = canvas.queue_open(self.simd, rect);
+        let brick = PacketBrick::new(brick, corner.as_ivec3(), rays.origin);
+        let first_index = grid.voxel_index(corner);
+        let UVec3 { x: row, y: rows, .. } = grid.dims();
+        for first in (0..count).step_by(LANES) {
+            let mut pixels = [0; LANES];
+            pixels.copy_from_slice(&canvas.queue[first..first + LANES]);
+            let lanes = (count - first).min(LANES);
+            let hit = cast_packet(self.simd, rays, &self.frame, &brick, &pixels, lanes);
+            let [x, y, z] = hit.voxels;
+            let indices = (x + (y + z * rows) * row + first_index).to_array();
+            let mut rest = hit.lanes;
+            while rest != 0 {
+                let lane = rest.trailing_zeros() as usize & (LANES - 1);
+                rest &= rest - 1;
+                let pixel = pixels[lane] as usize & (TILE_PIXELS - 1);
+                canvas.voxels[pixel] = indices[lane];
+                canvas.open[pixel >> 6] &= !(1 << (pixel & 63));
+            }
+        }
     }
 }
 

@@ -6,6 +6,8 @@
 //! are combined, 64 voxels at a time (van Herk's and Gil's idea of separating a structuring element, with
 //! rows of bits), in slabs of layers on all cores. Knows no document.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -103,93 +105,147 @@ impl Ball {
         progress: &dyn Progress,
     ) -> Option<BitBlock> {
         let size = block.size();
-        let width = size.x.div_ceil(64) as usize;
-        let (rows, layers) = (size.y as usize, size.z as usize);
         let mut out = block.emptied();
-        if width == 0 || rows == 0 {
+        if size.x == 0 || size.y == 0 {
             return Some(out);
         }
-        let runs: Vec<Run> = match ALL {
-            true => self.runs.clone(),
-            false => self
-                .runs
-                .iter()
-                .map(|run| Run { y: -run.y, z: -run.z, low: -run.high, high: -run.low })
-                .collect(),
-        };
-        let mut lengths: Vec<(i32, i32)> = runs.iter().map(|run| (run.low, run.high)).collect();
-        lengths.sort_unstable();
-        lengths.dedup();
-        let reach = self.extent_vx[2] as i32 / 2;
+        let combination = Combination::<ALL>::new(self, block);
         let done = std::sync::atomic::AtomicUsize::new(0);
         let slabs = out.layers_mut(SLAB).enumerate();
         slabs.for_each(|(slab, words)| {
             if progress.is_cancelled() {
                 return;
             }
-            let first = (slab * SLAB) as i32;
-            let (from, to) = (first - reach, first + (words.len() / (width * rows)) as i32 + reach);
-            let (from, to) = (from.max(0), to.min(layers as i32));
-            let row_of = |y: i32, z: i32| block.row(y, z).unwrap_or_default();
-            // The runs of each length along x, of this slab and of the layers that the ball reaches around it.
-            let count = (to - from) as usize * rows;
-            let places = || (from..to).flat_map(|z| (0..rows as i32).map(move |y| (y, z)));
-            let occupied: Vec<bool> =
-                places().map(|(y, z)| row_of(y, z).iter().any(|word| *word != 0)).collect();
-            let mut along_x = vec![vec![0; count * width]; lengths.len()];
-            for (reduced, &(low, high)) in along_x.iter_mut().zip(&lengths) {
-                let mut scratch = vec![0; width];
-                let targets = reduced.chunks_exact_mut(width).zip(places()).zip(&occupied);
-                for ((target, (y, z)), _) in targets.filter(|(_, occupied)| **occupied) {
-                    target.copy_from_slice(row_of(y, z));
-                    reduce_along_x::<ALL>(target, &mut scratch, low, high);
-                }
-            }
-            let runs: Vec<(Run, &[u64])> = runs
-                .iter()
-                .filter_map(|run| {
-                    let at = lengths.binary_search(&(run.low, run.high)).ok()?;
-                    Some((*run, &along_x[at][..]))
-                })
-                .collect();
-            for (row, target) in words.chunks_exact_mut(width).enumerate() {
-                let (y, z) = ((row % rows) as i32, first + (row / rows) as i32);
-                if ALL {
-                    // A ball contains the voxel that stands for its place.
-                    target.copy_from_slice(row_of(y, z));
-                }
-                for (run, reduced) in &runs {
-                    let (y, z) = (y + run.y, z + run.z);
-                    let inside = y >= 0 && (y as usize) < rows && z >= from && z < to;
-                    let place = if inside { (z - from) as usize * rows + y as usize } else { 0 };
-                    let exists = inside && occupied[place];
-                    let any = if exists {
-                        merge::<ALL>(target, &reduced[place * width..(place + 1) * width])
-                    } else if ALL {
-                        target.fill(0);
-                        0
-                    } else {
-                        1
-                    };
-                    if ALL && any == 0 {
-                        break;
-                    }
-                }
-            }
+            combination.compute_slab((slab * SLAB) as i32, words);
             let done = done.fetch_add(SLAB, std::sync::atomic::Ordering::Relaxed) + SLAB;
-            progress.advance((done as f32 / layers as f32).min(1.0));
+            progress.advance((done as f32 / size.z as f32).min(1.0));
         });
         // Clears the bits of each row's last word that lie beyond the size of the block.
         let beyond = match size.x % 64 {
             0 => u64::MAX,
             inside => (1 << inside) - 1,
         };
+        let width = combination.width;
         (!progress.is_cancelled()).then(|| {
             out.layers_mut(SLAB).for_each(|words| {
                 words.iter_mut().skip(width - 1).step_by(width).for_each(|word| *word &= beyond);
             });
             out
         })
+    }
+}
+
+/// The erosion (`ALL`) or dilation of a block by a ball.
+struct Combination<'a, const ALL: bool> {
+    block: &'a BitBlock,
+    /// Words in a row, rows in a layer.
+    width: usize,
+    rows: usize,
+    layers: i32,
+    /// Those of the ball, reversed for a dilation.
+    runs: Vec<Run>,
+    /// The different first and last offsets of the runs, rising.
+    lengths: Vec<(i32, i32)>,
+    /// Layers that the ball reaches beyond its place.
+    reach: i32,
+}
+
+/// The rows of some layers, reduced along x by each length of a run.
+struct ReducedRows {
+    /// The layers.
+    layers: Range<i32>,
+    /// Whether anything exists in a row; the others are not reduced.
+    occupied: Vec<bool>,
+    /// For each length.
+    along_x: Vec<Vec<u64>>,
+}
+
+impl<'a, const ALL: bool> Combination<'a, ALL> {
+    fn new(ball: &Ball, block: &'a BitBlock) -> Self {
+        let size = block.size();
+        let reversed = |run: &Run| Run { y: -run.y, z: -run.z, low: -run.high, high: -run.low };
+        let runs: Vec<Run> = match ALL {
+            true => ball.runs.clone(),
+            false => ball.runs.iter().map(reversed).collect(),
+        };
+        let mut lengths: Vec<(i32, i32)> = runs.iter().map(|run| (run.low, run.high)).collect();
+        lengths.sort_unstable();
+        lengths.dedup();
+        Combination {
+            block,
+            width: size.x.div_ceil(64) as usize,
+            rows: size.y as usize,
+            layers: size.z as i32,
+            runs,
+            lengths,
+            reach: ball.extent_vx[2] as i32 / 2,
+        }
+    }
+
+    fn row(&self, y: i32, z: i32) -> &'a [u64] {
+        self.block.row(y, z).unwrap_or_default()
+    }
+
+    /// Reduces the rows of `layers` along x.
+    fn reduce(&self, layers: Range<i32>) -> ReducedRows {
+        let (width, rows) = (self.width, self.rows);
+        let count = layers.len() * rows;
+        let places = || layers.clone().flat_map(|z| (0..rows as i32).map(move |y| (y, z)));
+        let occupied: Vec<bool> =
+            places().map(|(y, z)| self.row(y, z).iter().any(|word| *word != 0)).collect();
+        let mut along_x = vec![vec![0; count * width]; self.lengths.len()];
+        for (reduced, &(low, high)) in along_x.iter_mut().zip(&self.lengths) {
+            let mut scratch = vec![0; width];
+            let targets = reduced.chunks_exact_mut(width).zip(places()).zip(&occupied);
+            for ((target, (y, z)), _) in targets.filter(|(_, occupied)| **occupied) {
+                target.copy_from_slice(self.row(y, z));
+                reduce_along_x::<ALL>(target, &mut scratch, low, high);
+            }
+        }
+        ReducedRows { layers, occupied, along_x }
+    }
+
+    /// Computes the layers from `first` on that `words` has room for.
+    fn compute_slab(&self, first: i32, words: &mut [u64]) {
+        let (width, rows) = (self.width, self.rows);
+        let end = first + (words.len() / (width * rows)) as i32;
+        // Of this slab and of the layers that the ball reaches around it.
+        let reduced = self.reduce((first - self.reach).max(0)..(end + self.reach).min(self.layers));
+        let runs: Vec<(Run, &[u64])> = self
+            .runs
+            .iter()
+            .filter_map(|run| {
+                let at = self.lengths.binary_search(&(run.low, run.high)).ok()?;
+                Some((*run, &reduced.along_x[at][..]))
+            })
+            .collect();
+        for (row, target) in words.chunks_exact_mut(width).enumerate() {
+            let (y, z) = ((row % rows) as i32, first + (row / rows) as i32);
+            if ALL {
+                // A ball contains the voxel that stands for its place.
+                target.copy_from_slice(self.row(y, z));
+            }
+            for (run, along_x) in &runs {
+                let (y, z) = (y + run.y, z + run.z);
+                let inside = y >= 0 && (y as usize) < rows && reduced.layers.contains(&z);
+                let place = match inside {
+                    true => (z - reduced.layers.start) as usize * rows + y as usize,
+                    false => 0,
+                };
+                let exists = inside && reduced.occupied[place];
+                let any = if exists {
+                    merge::<ALL>(target, &along_x[place * width..(place + 1) * width])
+                } else if ALL {
+                    target.fill(0);
+                    0
+                } else {
+                    1
+                };
+                if ALL && any == 0 {
+                    break;
+                }
+            }
+        }
     }
 }
 

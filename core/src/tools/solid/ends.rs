@@ -68,19 +68,26 @@ pub trait RowSolver {
 /// Adding this to an `f32` below 2^22 leaves its nearest integer in the low bits.
 const INTEGER_IN_LOW_BITS: f32 = 1.5 * (1u32 << 23) as f32;
 
-/// Fills `spans` with the voxels in `x` of the 8x8 rows from `y`, `z` on that are in the solid.
+/// The voxels in `x` of the 8x8 rows from `y`, `z` on.
+#[derive(Clone, Debug)]
+pub struct RowBlock {
+    pub x: Range<i32>,
+    pub y: u32,
+    pub z: u32,
+}
+
+/// Fills `spans` with the voxels of `rows` that are in the solid.
 /// False if those of some row are not contiguous, which can happen by rounding errors of the exact
 /// test where a surface runs along the row.
 #[inline(always)]
 pub fn solve<S: Simd>(
     simd: S,
     solver: &impl RowSolver,
-    x: &Range<i32>,
-    y: u32,
-    z: u32,
+    rows: &RowBlock,
     exact: impl Fn(IVec3) -> bool,
     spans: &mut RowSpans,
 ) -> bool {
+    let &RowBlock { ref x, y, z } = rows;
     let origin = (x.start + x.end) / 2;
     // A voxel whose index is r is in if r is at or beyond the lower end, so the first one is
     // that end rounded up: half added, then rounded to the nearest. One past the last voxel is
@@ -100,7 +107,7 @@ pub fn solve<S: Simd>(
         doubtful |= doubts << (8 * second);
         spans.set(simd, pair, [from, next_from], [to, next_to]);
     }
-    doubtful == 0 || settle_rows(solver, x, (y as i32, z as i32), doubtful, &exact, spans)
+    doubtful == 0 || settle_rows(solver, rows, doubtful, &exact, spans)
 }
 
 /// The step from ends to voxels.
@@ -144,23 +151,23 @@ impl<S: Simd> Rounding<S> {
     }
 }
 
-/// Decides the rows of the bits in `rows` among 64, y fastest. False if one is not contiguous.
+/// Decides those rows of a block that are bits of `doubtful`, y fastest. False if one is not contiguous.
 #[cold]
 #[inline(never)]
 fn settle_rows(
     solver: &impl RowSolver,
-    x: &Range<i32>,
-    (y, z): (i32, i32),
-    mut rows: u64,
+    rows: &RowBlock,
+    mut doubtful: u64,
     exact: &impl Fn(IVec3) -> bool,
     spans: &mut RowSpans,
 ) -> bool {
-    while rows != 0 {
-        let row = rows.trailing_zeros();
-        rows &= rows - 1;
+    let (y, z) = (rows.y as i32, rows.z as i32);
+    while doubtful != 0 {
+        let row = doubtful.trailing_zeros();
+        doubtful &= doubtful - 1;
         let (step_y, step_z) = (row % 8, row / 8);
         let at = (y + step_y as i32, z + step_z as i32);
-        let Some(span) = settle(solver, x, at.0, at.1, exact) else { return false };
+        let Some(span) = settle(solver, &rows.x, at.0, at.1, exact) else { return false };
         spans.set_row(step_y as usize, step_z as usize, span);
     }
     true

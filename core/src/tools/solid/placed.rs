@@ -9,7 +9,7 @@ use std::ops::Range;
 use fearless_simd::Simd;
 use glam::{DMat3, DVec3, IVec3, Quat, UVec3, Vec3};
 
-use super::ends::{Magnitudes, solve};
+use super::ends::{Magnitudes, RowBlock, solve};
 use super::kind::Solid;
 use super::planes::{Faces, Planes};
 use super::quadric::Quadric;
@@ -310,12 +310,13 @@ impl Region for PlacedSolid {
     #[inline(always)]
     fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut SolidRow) -> RowReach {
         let VoxelBox { min, max } = self.reachable;
-        let (x, spans) = (min.x..max.x, &mut row.spans);
+        let rows = RowBlock { x: min.x..max.x, y: y_vx, z: z_vx };
+        let spans = &mut row.spans;
         let exact = |v| self.contains_voxel(v);
         let connected = match &self.cut {
-            Cut::Quadric(quadric) => solve(simd, quadric, &x, y_vx, z_vx, exact, spans),
-            Cut::SweptQuadric(swept) => solve(simd, swept, &x, y_vx, z_vx, exact, spans),
-            Cut::Planes(planes) => solve(simd, planes, &x, y_vx, z_vx, exact, spans),
+            Cut::Quadric(quadric) => solve(simd, quadric, &rows, exact, spans),
+            Cut::SweptQuadric(swept) => solve(simd, swept, &rows, exact, spans),
+            Cut::Planes(planes) => solve(simd, planes, &rows, exact, spans),
             Cut::Box(inside) => {
                 cut_box(inside, y_vx, z_vx, spans);
                 true

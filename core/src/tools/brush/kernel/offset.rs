@@ -62,6 +62,16 @@ pub enum Profile {
     Squared,
 }
 
+/// A movement of the surface along one direction.
+#[derive(Clone, Copy)]
+struct Pull {
+    /// From a voxel that may change to the surface that comes to it; of length 1.
+    way: Vec3,
+    /// By which the middle moves.
+    height: f32,
+    profile: Profile,
+}
+
 /// Shortest step in which the surface is looked for along a direction, in units of the smallest edge.
 const LOOK: f32 = 0.25;
 /// Largest rounding error of a distance.
@@ -81,17 +91,10 @@ pub struct Offset {
 }
 
 impl Ball {
-    /// Whether the brush draws the first place towards `way` (of length 1) from which `distances` are counted to `v` or
-    /// beyond, if the middle moves by `height`. That place is `away` or farther from `v`.
-    fn is_drawn_from(
-        &self,
-        distances: &Distances,
-        v: IVec3,
-        away: f32,
-        way: Vec3,
-        height: f32,
-        profile: Profile,
-    ) -> bool {
+    /// Whether the brush draws the first place on its way from which `distances` are counted to `v` or beyond. That
+    /// place is `away` or farther from `v`.
+    fn is_drawn_from(&self, distances: &Distances, v: IVec3, away: f32, pull: Pull) -> bool {
+        let Pull { way, height, profile } = pull;
         let p = self.relative(v);
         let share = |p: Vec3| match profile {
             Profile::Falloff => self.share(p),
@@ -274,7 +277,8 @@ impl Offset {
                     && faces(to_clay, v, ball.normal)
             }
             Target::Drawn { height, profile, .. } => {
-                ball.is_drawn_from(to_clay, v, away, -ball.normal, height, profile)
+                let pull = Pull { way: -ball.normal, height, profile };
+                ball.is_drawn_from(to_clay, v, away, pull)
             }
         }
     }
@@ -291,7 +295,8 @@ impl Offset {
                 (1.0 - share) * away.min(PLANE_REACH) - share * ball.height(p) <= 0.0
             }
             Target::Drawn { height, profile, .. } => {
-                ball.is_drawn_from(to_room, v, away, ball.normal, -height, profile)
+                let pull = Pull { way: ball.normal, height: -height, profile };
+                ball.is_drawn_from(to_room, v, away, pull)
             }
         }
     }
