@@ -9,6 +9,7 @@ use crate::command::{Area, Command, MaskArea, MaskChange};
 use crate::document::Heeds;
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::{EditOp, EditStats};
+use crate::sculpture::grid::voxels_at_walls;
 use crate::sculpture::region::{Region, VoxelBox};
 use crate::tools::brush::footprint::Footprint;
 use crate::tools::brush::keys::{REACH, STRENGTH};
@@ -222,14 +223,14 @@ impl Editor {
             ToolKind::Brush(brush) => brush.spec().adds,
             _ => false,
         };
-        self.walls.before = adds.then(|| self.document().grid().voxels_at_walls());
+        self.walls.before = adds.then(|| voxels_at_walls(self.document().grid()));
     }
 
     /// Says, once until a tool is used within the grid again, that what a tool has added was cut off. `beyond`: it is
     /// known to have gone beyond the walls.
     pub(super) fn note_cut_off(&mut self, beyond: bool) {
         let before = self.walls.before.take();
-        let met = before.is_some_and(|before| self.document().grid().voxels_at_walls() > before);
+        let met = before.is_some_and(|before| voxels_at_walls(self.document().grid()) > before);
         let cut_off = beyond || met;
         if cut_off && !self.walls.said {
             self.note("The grid ends there: everything outside it was left out");

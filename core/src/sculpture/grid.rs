@@ -21,8 +21,9 @@ mod word_reader;
 mod words;
 
 pub(in crate::sculpture) use band::GridBand;
-pub(in crate::sculpture) use words::WordKinds;
+pub(in crate::sculpture) use words::{WordKinds, count_mixed, swap_word};
 
+pub use walls::voxels_at_walls;
 pub use word_reader::WordReader;
 
 /// Longest axis of a grid, in voxels. The product of all axes must also fit into a `u32` index.

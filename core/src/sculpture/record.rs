@@ -8,7 +8,7 @@ use std::collections::TryReserveError;
 use super::brick::{BRICK_VOXELS, Brick};
 use super::brick_set::{BrickMask, BrickSet};
 use super::contents::Contents;
-use super::grid::{Grid, WordKinds};
+use super::grid::{Grid, WordKinds, count_mixed, swap_word};
 use super::material::{Page, copied_page};
 use super::memory;
 use super::vectors::vectorised;
@@ -127,7 +127,7 @@ impl BrickRecord {
         let lists = [&self.empty, &self.full, &self.mixed];
         let masks: usize = lists.iter().map(|list| list.len()).sum();
         let mixed: usize =
-            lists.into_iter().flatten().map(|bricks| contents.grid.count_mixed(*bricks)).sum();
+            lists.into_iter().flatten().map(|bricks| count_mixed(&contents.grid, *bricks)).sum();
         let page = |(index, _): &(u32, Option<Page>)| {
             contents.material.page(*index as usize).map_or(0, |page| page.len())
         };
@@ -144,7 +144,7 @@ impl BrickRecord {
         let lists = [&self.empty, &self.full, &self.mixed];
         let masks: usize = lists.iter().map(|list| list.len()).sum();
         let mixed = |mask: &Grid| -> usize {
-            lists.into_iter().flatten().map(|bricks| mask.count_mixed(*bricks)).sum()
+            lists.into_iter().flatten().map(|bricks| count_mixed(mask, *bricks)).sum()
         };
         size_of::<BrickRecord>()
             + lists.len() * masks * size_of::<BrickMask>()
@@ -227,7 +227,7 @@ impl BrickRecord {
     fn reverse_room(&self, grid: &Grid) -> Result<BrickRecord, TryReserveError> {
         let lists = [&self.empty, &self.full, &self.mixed];
         let masks = lists.iter().map(|list| list.len()).sum();
-        let mixed = lists.into_iter().flatten().map(|bricks| grid.count_mixed(*bricks)).sum();
+        let mixed = lists.into_iter().flatten().map(|bricks| count_mixed(grid, *bricks)).sum();
         let mut room = BrickRecord::default();
         for list in [&mut room.empty, &mut room.full, &mut room.mixed] {
             list.try_reserve_exact(masks)?;
@@ -266,7 +266,7 @@ impl BrickRecord {
         let mut mixed = 0;
         for list in [&self.empty, &self.full, &self.mixed] {
             for bricks in list {
-                mixed += contents.grid.count_mixed(*bricks);
+                mixed += count_mixed(&contents.grid, *bricks);
                 touched.insert_mask(*bricks);
             }
         }
@@ -333,7 +333,8 @@ impl BrickRecord {
         contents: &mut Contents,
         bits: impl FnMut() -> (Brick, u16),
     ) {
-        let kept = contents.grid.swap_word(
+        let kept = swap_word(
+            &mut contents.grid,
             bricks,
             bits,
             #[inline(always)]

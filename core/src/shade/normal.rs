@@ -13,6 +13,7 @@ use glam::{UVec3, Vec3};
 
 use super::moments::{fold, moments};
 use crate::sculpture::Grid;
+use crate::sculpture::grid::WordReader;
 
 /// Reach, on each axis, of the neighbourhood that a voxel's normal depends on.
 pub const NORMAL_REACH_VX: u32 = 2;
@@ -22,7 +23,7 @@ pub const NORMAL_REACH_VX: u32 = 2;
 pub fn gradient(grid: &Grid, voxel: UVec3) -> Vec3 {
     let low = voxel.as_ivec3() - 2;
     let inside = low & 3;
-    let bits = grid.words().cube(low >> 2);
+    let bits = WordReader::new(grid).cube(low >> 2);
     let at = (inside.x | inside.y << 2 | inside.z << 4) as usize;
     let (upper, lower) = fold(at, &bits);
     moments(at, upper, lower).as_vec3()

@@ -20,6 +20,7 @@ use glam::{IVec3, UVec3};
 
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, WORD_EDGE_VX};
+use crate::sculpture::grid::WordReader;
 
 /// How far from a voxel the voxels may be, on each axis, that its occlusion depends on.
 pub const OCCLUSION_REACH_VX: u32 = 2 * WORD_EDGE_VX - 1;
@@ -194,7 +195,7 @@ impl BrickFilling {
 /// The table of brick `b`.
 #[inline(always)]
 pub(super) fn table(grid: &Grid, b: UVec3) -> Table {
-    let (words, first) = (grid.words(), b.as_ivec3() * 2 - 1);
+    let (words, first) = (WordReader::new(grid), b.as_ivec3() * 2 - 1);
     let mut around: WordsAround = [[[0; 4]; 4]; 4];
     for part in 0..8usize {
         let [x, y, z] = [part << 1 & 2, part & 2, part >> 1 & 2];

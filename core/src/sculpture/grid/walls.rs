@@ -5,47 +5,45 @@ use glam::UVec3;
 use super::{BRICK_EDGE_VX, Grid};
 use crate::sculpture::brick::{Brick, BrickKind};
 
-impl Grid {
-    /// Number of existing voxels in the outermost layers, beyond which there is no room.
-    pub fn voxels_at_walls(&self) -> u64 {
-        let last = self.brick_dims() - 1;
-        let mut count = 0;
-        for z in 0..=last.z {
-            for y in 0..=last.y {
-                let whole = z == 0 || z == last.z || y == 0 || y == last.y;
-                let step = if whole { 1 } else { last.x.max(1) };
-                for x in (0..=last.x).step_by(step as usize) {
-                    let b = UVec3::new(x, y, z);
-                    if self.brick_kind(self.brick_index(b)) != BrickKind::Empty {
-                        count += u64::from(self.brick(b).and(&self.walls_of(b)).count());
-                    }
+/// Number of existing voxels in the outermost layers of a grid, beyond which there is no room.
+pub fn voxels_at_walls(grid: &Grid) -> u64 {
+    let last = grid.brick_dims() - 1;
+    let mut count = 0;
+    for z in 0..=last.z {
+        for y in 0..=last.y {
+            let whole = z == 0 || z == last.z || y == 0 || y == last.y;
+            let step = if whole { 1 } else { last.x.max(1) };
+            for x in (0..=last.x).step_by(step as usize) {
+                let b = UVec3::new(x, y, z);
+                if grid.brick_kind(grid.brick_index(b)) != BrickKind::Empty {
+                    count += u64::from(grid.brick(b).and(&walls_of(grid, b)).count());
                 }
             }
         }
-        count
     }
+    count
+}
 
-    /// The voxels of the brick at `b` that lie in an outermost layer.
-    fn walls_of(&self, b: UVec3) -> Brick {
-        let (dims, last) = (self.dims().to_array(), (self.brick_dims() - 1).to_array());
-        let mut walls = Brick::EMPTY;
-        for (axis, b) in b.to_array().into_iter().enumerate() {
-            // The voxels before the one at `end` on this axis.
-            let below = |end: u32| {
-                let mut limit = [BRICK_EDGE_VX; 3];
-                limit[axis] = end;
-                Brick::below(limit)
-            };
-            if b == 0 {
-                walls = walls.or(&below(1));
-            }
-            if b == last[axis] {
-                let end = dims[axis] - b * BRICK_EDGE_VX;
-                walls = walls.or(&below(end).and_not(&below(end - 1)));
-            }
+/// The voxels of the brick at `b` that lie in an outermost layer.
+fn walls_of(grid: &Grid, b: UVec3) -> Brick {
+    let (dims, last) = (grid.dims().to_array(), (grid.brick_dims() - 1).to_array());
+    let mut walls = Brick::EMPTY;
+    for (axis, b) in b.to_array().into_iter().enumerate() {
+        // The voxels before the one at `end` on this axis.
+        let below = |end: u32| {
+            let mut limit = [BRICK_EDGE_VX; 3];
+            limit[axis] = end;
+            Brick::below(limit)
+        };
+        if b == 0 {
+            walls = walls.or(&below(1));
         }
-        walls
+        if b == last[axis] {
+            let end = dims[axis] - b * BRICK_EDGE_VX;
+            walls = walls.or(&below(end).and_not(&below(end - 1)));
+        }
     }
+    walls
 }
 
 #[cfg(test)]
@@ -71,7 +69,7 @@ mod tests {
                     }
                 }
             }
-            assert_eq!(grid.voxels_at_walls(), expected, "{dims}");
+            assert_eq!(voxels_at_walls(&grid), expected, "{dims}");
             assert!(!grid.contains(IVec3::NEG_ONE));
         }
     }

@@ -18,17 +18,15 @@ pub struct WordReader<'a> {
 /// From a word of a brick to the next along each axis, in words.
 const STEP: IVec3 = IVec3::new(1, 2, 4);
 
-impl Grid {
-    /// Read access by words of 4^3 voxels.
+impl<'a> WordReader<'a> {
+    /// Read access to the words of `grid`.
     #[inline]
-    pub fn words(&self) -> WordReader<'_> {
-        let bricks = self.brick_dims.as_ivec3();
+    pub fn new(grid: &'a Grid) -> WordReader<'a> {
+        let bricks = grid.brick_dims.as_ivec3();
         let stride = BRICK_WORDS as i32 * IVec3::new(1, bricks.x, bricks.x * bricks.y);
-        WordReader { words: bytemuck::cast_slice(&self.bricks), dims: bricks * 2, stride }
+        WordReader { words: bytemuck::cast_slice(&grid.bricks), dims: bricks * 2, stride }
     }
-}
 
-impl WordReader<'_> {
     /// The eight words of the cube whose lower corner is the word at `corner`, x fastest; 0 outside of
     /// the grid.
     #[inline]
