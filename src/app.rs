@@ -58,7 +58,7 @@ use crate::gpu::{DeviceOptions, GpuError};
 use crate::input::Bindings;
 use crate::input::pad::device as pad_device;
 use crate::input::pad::device::PadNews;
-use crate::journal::JournalOptions;
+use crate::persist::journal::JournalOptions;
 use crate::screen::headset::XrEvent;
 use crate::session::Session;
 

@@ -38,6 +38,6 @@ pub mod video;
 pub mod viewpoint;
 
 pub use sculpture_core::{
-    command, document, format, journal, mesh, print_check, progress, saved_history, scenes,
-    sculpture, session, shade, surface, tools, trace, view, voxelise,
+    command, document, format, mesh, persist, print_check, progress, scenes, sculpture, session,
+    shade, surface, tools, trace, view, voxelise,
 };

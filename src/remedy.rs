@@ -7,8 +7,8 @@ use std::fmt::Display;
 
 use crate::document::CommandError;
 use crate::format::FormatError;
-use crate::journal::JournalError;
 use crate::mesh::MeshError;
+use crate::persist::journal::JournalError;
 use crate::print_check::CheckError;
 use crate::sculpture::GridError;
 use crate::session::SessionError;

@@ -4,19 +4,15 @@
 pub mod command;
 pub mod document;
 pub mod format;
-pub mod journal;
 pub mod mesh;
+pub mod persist;
 pub mod print_check;
 pub mod progress;
-#[doc(hidden)]
-pub mod saved_history;
 #[doc(hidden)]
 pub mod scenes;
 pub mod sculpture;
 pub mod session;
 pub mod shade;
-#[doc(hidden)]
-pub mod spill;
 pub mod surface;
 pub mod tools;
 pub mod trace;

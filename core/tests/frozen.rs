@@ -12,8 +12,8 @@ use std::time::Duration;
 use sculpture_core::command::Command;
 use sculpture_core::command::text::parse_script;
 use sculpture_core::document::Limits;
-use sculpture_core::journal::JournalOptions;
-use sculpture_core::journal::frame::Ending;
+use sculpture_core::persist::frame::Ending;
+use sculpture_core::persist::journal::JournalOptions;
 use sculpture_core::sculpture::Digest;
 use sculpture_core::session::Session;
 

@@ -23,7 +23,7 @@ use crate::input::events::{Viewport as InputArea, device_events};
 use crate::input::pad::device::PadNews;
 use crate::input::pen::PenTrack;
 use crate::input::{Action, ActionEvent, Bindings, Panel, Side};
-use crate::journal::JournalOptions;
+use crate::persist::journal::JournalOptions;
 use crate::picking::Picker;
 use crate::screen::headset::Blend;
 use crate::session::Session;

@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use crate::journal;
+use crate::persist::journal;
 use crate::terminal;
 
 /// How long a disk may take.

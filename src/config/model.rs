@@ -9,7 +9,7 @@ use crate::command::NewSculpture;
 use crate::document::Limits;
 use crate::folders;
 use crate::options::{self, InvalidOption, require, require_in};
-use crate::saved_history::SavedHistoryOptions;
+use crate::persist::saved_history::SavedHistoryOptions;
 use crate::sculpture::{ColourDepth, Grid, Rgb};
 
 #[derive(Clone, PartialEq, Debug, Deserialize)]

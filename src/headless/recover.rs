@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 use super::{Context, JobError};
 use crate::command::Command;
 use crate::format::options::ExportOptions;
-use crate::journal::frame::Ending;
-use crate::journal::{AbandonedJournal, JournalDir};
+use crate::persist::frame::Ending;
+use crate::persist::journal::{AbandonedJournal, JournalDir};
 use crate::remedy::told;
 use crate::session::{self, Recovered, Summary};
 use crate::terminal;
@@ -53,7 +53,7 @@ pub fn recover(job: &RecoverJob, context: &Context) -> Result<(), JobError> {
     Ok(())
 }
 
-fn open(journal_dir: &JournalDir, number: u64) -> Result<crate::journal::files::Source, JobError> {
+fn open(journal_dir: &JournalDir, number: u64) -> Result<crate::persist::files::Source, JobError> {
     match journal_dir.open(number) {
         AbandonedJournal::Journal(source) => Ok(source),
         AbandonedJournal::InUse => Err(JobError::JournalInUse(number)),

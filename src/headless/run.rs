@@ -13,9 +13,9 @@ use super::{
 use crate::command::Command;
 use crate::document::Document;
 use crate::format::options::{ExportForm, ExportOptions, ImportOptions};
-use crate::journal::JournalOptions;
+use crate::persist::journal::JournalOptions;
+use crate::persist::saved_history::SavedHistoryOptions;
 use crate::picture;
-use crate::saved_history::SavedHistoryOptions;
 use crate::sculpture::Digest;
 use crate::session::{FileAccess, Session};
 use crate::shade::portrait;

@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable;
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::input::Bindings;
-use virtual_sculpture::journal::{JournalDir, JournalOptions};
+use virtual_sculpture::persist::journal::{JournalDir, JournalOptions};
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::session::Session;
 

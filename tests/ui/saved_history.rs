@@ -5,7 +5,7 @@ use std::path::Path;
 use egui::{Key, Modifiers, vec2};
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::input::Bindings;
-use virtual_sculpture::saved_history::SavedHistoryOptions;
+use virtual_sculpture::persist::saved_history::SavedHistoryOptions;
 use virtual_sculpture::session::Session;
 
 use super::bench::{

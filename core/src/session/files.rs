@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::format::Texts;
-use crate::journal::SculptureFile;
+use crate::persist::SculptureFile;
 use crate::sculpture::history::State;
 use crate::sculpture::orientation::Up;
 

@@ -9,8 +9,8 @@ use std::sync::Arc;
 use super::Session;
 use super::on_disk::FileIdentity;
 use crate::document::{DocumentSnapshot, Limits};
-use crate::journal::SculptureFile;
-use crate::saved_history::{
+use crate::persist::SculptureFile;
+use crate::persist::saved_history::{
     Found, HistoryToKeep, KeptSteps, SavedHistories, SavedHistory, SavedHistoryOptions,
 };
 use crate::sculpture::Digest;

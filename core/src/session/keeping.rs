@@ -11,7 +11,7 @@ use super::Session;
 use crate::command::Command;
 use crate::document::Applied;
 use crate::format::Texts;
-use crate::journal::{Checkpoint, Entry, JournalOptions, JournalWriter, Mark, STATES};
+use crate::persist::journal::{Checkpoint, Entry, JournalOptions, JournalWriter, Mark, STATES};
 use crate::sculpture::Digest;
 use crate::sculpture::history::State;
 use crate::sculpture::orientation::Up;

@@ -8,9 +8,9 @@ use crate::command::Command;
 use crate::document::{Document, Limits};
 use crate::format;
 use crate::format::FormatError;
-use crate::journal::files::Source;
-use crate::journal::frame::Ending;
-use crate::journal::{Checkpoint, Entry, JournalError, JournalReader, Mark};
+use crate::persist::files::Source;
+use crate::persist::frame::Ending;
+use crate::persist::journal::{Checkpoint, Entry, JournalError, JournalReader, Mark};
 use crate::progress::Progress;
 use crate::sculpture::history::{State, StepStore};
 

@@ -1,8 +1,8 @@
 //! Journals: bytes of the file, and payloads of records whose checksums fit.
 
 use sculpture_core::document::Limits;
-use sculpture_core::journal::AbandonedJournal;
-use sculpture_core::journal::frame::{self, RecordBuffer};
+use sculpture_core::persist::frame::{self, RecordBuffer};
+use sculpture_core::persist::journal::AbandonedJournal;
 use sculpture_core::session::{recover, summary};
 
 use super::{fuzz, small};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use sculpture_core::command::Command;
 use sculpture_core::format::history::{Shape, read_step, write_step};
-use sculpture_core::saved_history::SavedHistoryOptions;
+use sculpture_core::persist::saved_history::SavedHistoryOptions;
 use sculpture_core::sculpture::brick_set::BrickSet;
 use sculpture_core::sculpture::history::Change;
 use sculpture_core::session::Session;

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use sculpture_core::document::Limits;
-use sculpture_core::journal::JournalOptions;
+use sculpture_core::persist::journal::JournalOptions;
 use sculpture_core::sculpture::Digest;
 use sculpture_core::session::Session;
 

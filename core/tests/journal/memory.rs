@@ -6,7 +6,7 @@ use std::io::{Cursor, Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use sculpture_core::journal::files::{Appender, Files, Source, Syncer};
+use sculpture_core::persist::files::{Appender, Files, Source, Syncer};
 
 /// How an operation fails.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use sculpture_core::document::{DocumentSnapshot, Limits};
-use sculpture_core::journal::{AbandonedJournal, JournalDir, JournalOptions};
+use sculpture_core::persist::journal::{AbandonedJournal, JournalDir, JournalOptions};
 use sculpture_core::session::{Recovered, Session, recover};
 
 use self::memory::Memory;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 use sculpture_core::command::Command;
 use sculpture_core::document::Limits;
-use sculpture_core::journal::AbandonedJournal;
+use sculpture_core::persist::journal::AbandonedJournal;
 use sculpture_core::session::{Session, recover};
 
 use super::memory::Memory;

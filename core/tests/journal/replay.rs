@@ -6,8 +6,8 @@ use glam::UVec3;
 use proptest::prelude::*;
 use sculpture_core::command::Command;
 use sculpture_core::document::Limits;
-use sculpture_core::journal::frame::Ending;
-use sculpture_core::journal::{AbandonedJournal, JournalOptions};
+use sculpture_core::persist::frame::Ending;
+use sculpture_core::persist::journal::{AbandonedJournal, JournalOptions};
 use sculpture_core::sculpture::Digest;
 use sculpture_core::session::{Session, recover, summary};
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use sculpture_core::document::Limits;
-use sculpture_core::saved_history::{Found, SavedHistories, SavedHistoryOptions};
+use sculpture_core::persist::saved_history::{Found, SavedHistories, SavedHistoryOptions};
 use sculpture_core::sculpture::Digest;
 use sculpture_core::session::Session;
 

@@ -1,7 +1,7 @@
 //! Every operation on files fails once, in every way, and after power cuts: what comes back is all or nothing, and a
 //! save never fails for it.
 
-use sculpture_core::saved_history::SavedHistoryOptions;
+use sculpture_core::persist::saved_history::SavedHistoryOptions;
 
 use super::{begin, counts, execute, hash, in_memory, reopen};
 use crate::journal::memory::{Fault, Memory};

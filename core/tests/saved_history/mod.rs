@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 use sculpture_core::command::{Command, NewSculpture};
 use sculpture_core::document::Limits;
-use sculpture_core::saved_history::SavedHistoryOptions;
+use sculpture_core::persist::saved_history::SavedHistoryOptions;
 use sculpture_core::sculpture::Digest;
 use sculpture_core::session::Session;
 

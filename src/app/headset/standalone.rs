@@ -13,7 +13,7 @@ use crate::editor::recovery::{self, Kept};
 use crate::folders::state_folder;
 use crate::gpu::DeviceOptions;
 use crate::input::Bindings;
-use crate::journal::JournalOptions;
+use crate::persist::journal::JournalOptions;
 use crate::remedy::told;
 use crate::session::Session;
 

@@ -1,5 +1,5 @@
-//! The place for steps that memory has no room for: the interface that a history needs. Knows no file; the room `spill` is
-//! such a store.
+//! The place for steps that memory has no room for: the interface that a history needs. Knows no file;
+//! `spill` in the room `persist` is such a store.
 
 use std::fmt::Debug;
 use std::sync::Arc;

@@ -6,11 +6,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::frame::{Record, RecordBuffer};
 use crate::command::Command;
 use crate::command::text::{parse_path, path_text};
 use crate::document::Document;
 use crate::format::{FormatError, Texts, read_sculpture, write_sculpture};
+use crate::persist::frame::{Record, RecordBuffer};
+use crate::persist::payload::{DAMAGED, put_text, take_text, take_u64};
 use crate::sculpture::Limits;
 use crate::sculpture::history::{Contents, State};
 use crate::sculpture::orientation::Up;
@@ -20,8 +21,6 @@ const OPENED: u8 = 17;
 const SAVED: u8 = 18;
 const PICTURE: u8 = 19;
 const SAME_PICTURE: u8 = 20;
-
-const DAMAGED: FormatError = FormatError::Damaged("an entry of the journal has no known form");
 
 /// A summary of a document as it was after an entry.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -195,30 +194,6 @@ impl Entry {
             _ => Err(DAMAGED),
         }
     }
-}
-
-pub(super) fn put_text(text: &str, out: &mut Vec<u8>) {
-    out.extend_from_slice(&(text.len() as u32).to_le_bytes());
-    out.extend_from_slice(text.as_bytes());
-}
-
-pub(super) fn take_text<'a>(rest: &mut &'a [u8]) -> Result<&'a str, FormatError> {
-    str::from_utf8(take_bytes(rest)?).map_err(|_| DAMAGED)
-}
-
-/// Splits off bytes that follow their number.
-pub(super) fn take_bytes<'a>(rest: &mut &'a [u8]) -> Result<&'a [u8], FormatError> {
-    let (length, after) = rest.split_first_chunk().ok_or(DAMAGED)?;
-    let length = u32::from_le_bytes(*length) as usize;
-    let (bytes, after) = after.split_at_checked(length).ok_or(DAMAGED)?;
-    *rest = after;
-    Ok(bytes)
-}
-
-pub(super) fn take_u64(rest: &mut &[u8]) -> Result<u64, FormatError> {
-    let (bytes, after) = rest.split_first_chunk().ok_or(DAMAGED)?;
-    *rest = after;
-    Ok(u64::from_le_bytes(*bytes))
 }
 
 fn take_mark(rest: &mut &[u8]) -> Result<Mark, FormatError> {

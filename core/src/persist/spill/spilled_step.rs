@@ -19,7 +19,7 @@ const ANY_SIZE: Limits = Limits {
 
 /// A step in the store.
 #[derive(Debug)]
-pub struct Record {
+pub struct SpilledStep {
     held: Mutex<Held>,
     whole_bytes: usize,
     shared: Arc<Shared>,
@@ -36,10 +36,10 @@ pub enum Held {
     Taken,
 }
 
-impl Record {
-    pub fn new(step: Arc<Step>, shared: Arc<Shared>) -> Record {
+impl SpilledStep {
+    pub fn new(step: Arc<Step>, shared: Arc<Shared>) -> SpilledStep {
         let whole_bytes = step.heap_bytes();
-        Record { held: Mutex::new(Held::Waiting(step)), whole_bytes, shared }
+        SpilledStep { held: Mutex::new(Held::Waiting(step)), whole_bytes, shared }
     }
 
     fn held(&self) -> MutexGuard<'_, Held> {
@@ -72,7 +72,7 @@ impl Record {
     }
 }
 
-impl StoredStep for Record {
+impl StoredStep for SpilledStep {
     fn load(&self, contents: &Contents, is_last: bool) -> Result<Change, String> {
         let mut held = self.held();
         match &*held {
@@ -122,7 +122,7 @@ impl StoredStep for Record {
     }
 }
 
-impl Drop for Record {
+impl Drop for SpilledStep {
     fn drop(&mut self) {
         match std::mem::replace(&mut *self.held(), Held::Taken) {
             Held::Waiting(_) => self.shared.waits_no_more(self.whole_bytes),

@@ -4,13 +4,13 @@
 //! memory, and their size is bounded. Packing and unpacking go in parts, each with a CRC-32. Where the disk is
 //! full or fails, a message says so, steps are refused, and every further step tries again.
 //! `file` is the file, `parts` are the parts of steps in it, `part_writer` writes them, `space` tracks which parts of the file are in use, and
-//! `record` stands for a step. Knows no document.
+//! `spilled_step` stands for a step. Knows no document.
 
 mod file;
 mod part_writer;
 mod parts;
-mod record;
 mod space;
+mod spilled_step;
 #[cfg(test)]
 mod tests;
 
@@ -23,8 +23,8 @@ use std::thread::JoinHandle;
 use file::{Folder, Place, SpillFile};
 use part_writer::{PartWriter, Stop};
 use parts::Part;
-use record::Record;
 use space::Space;
+use spilled_step::SpilledStep;
 
 use crate::format::history::write_step_to;
 use crate::sculpture::history::{Step, StepStore, Stored};
@@ -39,7 +39,7 @@ pub struct Spill {
     writer: Option<JoinHandle<()>>,
 }
 
-/// The state that the thread, the steps and the session share. Locks are taken in this order: a record's, `file`,
+/// The state that the thread, the steps and the session share. Locks are taken in this order: a spilled step's, `file`,
 /// `state`.
 #[derive(Debug)]
 struct Shared {
@@ -61,7 +61,7 @@ impl<P: Place + Sync> PlaceSync for P {}
 
 #[derive(Debug, Default)]
 struct State {
-    queue: VecDeque<Weak<Record>>,
+    queue: VecDeque<Weak<SpilledStep>>,
     waiting_bytes: usize,
     space: Space,
     /// Why the first of the queue could not be written. It stays there.
@@ -153,11 +153,11 @@ impl StepStore for Spill {
             shared.changed.notify_all();
             return Err(step);
         }
-        let record = Arc::new(Record::new(step, shared.clone()));
+        let spilled = Arc::new(SpilledStep::new(step, shared.clone()));
         state.waiting_bytes += bytes;
-        state.queue.push_back(Arc::downgrade(&record));
+        state.queue.push_back(Arc::downgrade(&spilled));
         shared.changed.notify_all();
-        Ok(Stored(record))
+        Ok(Stored(spilled))
     }
 
     fn make_way(&self, bytes: usize) {
@@ -229,8 +229,8 @@ impl Shared {
             let first = state.queue.front().cloned();
             drop(state);
             // A step that nobody has any more needs no room.
-            let record = first.and_then(|first| first.upgrade());
-            let written = record.map_or(Ok(false), |record| self.write(&record));
+            let spilled = first.and_then(|first| first.upgrade());
+            let written = spilled.map_or(Ok(false), |spilled| self.write(&spilled));
             self.note(written);
         }
     }
@@ -262,9 +262,9 @@ impl Shared {
     }
 
     /// Writes a step. False if it is not needed any more.
-    fn write(&self, record: &Record) -> std::result::Result<bool, (Blocked, String)> {
-        let Some(step) = record.waiting() else { return Ok(false) };
-        let mut writer = PartWriter::new(self, record);
+    fn write(&self, spilled: &SpilledStep) -> std::result::Result<bool, (Blocked, String)> {
+        let Some(step) = spilled.waiting() else { return Ok(false) };
+        let mut writer = PartWriter::new(self, spilled);
         if let Err(error) = write_step_to(&step, &mut writer) {
             writer.fail(&error);
         }
@@ -272,7 +272,7 @@ impl Shared {
         let written = writer.finish();
         let result = match written {
             Ok(parts) => {
-                if let Some(parts) = record.written(parts) {
+                if let Some(parts) = spilled.written(parts) {
                     self.give_back(&parts);
                 }
                 Ok(true)

@@ -2,22 +2,19 @@
 //! costs at most the stroke in hand and what ended just before it.
 //!
 //! A journal begins with a **checkpoint**: all that the session began with, by content. It is followed by
-//! **entries**: the commands that were executed, and the files that they read. `files` is the file layer,
-//! `frame` is the framing of records, `entry` and `checkpoint` define their meaning, `writer` is the thread that
-//! writes, `growing` is its file, `live` knows all journals of this process, `journal_dir` is the folder in which journals
-//! lie, and `reader` reads one. Knows documents, but no session: the session replays journals.
+//! **entries**: the commands that were executed, and the files that they read. `entry` and `checkpoint` define the
+//! meaning of records, `writer` is the thread that writes, `growing` is its file, `live` knows all journals of this
+//! process, `dir` is the folder in which journals lie, and `reader` reads one. Knows documents, but no session: the session replays journals.
 
 mod checkpoint;
 mod dir;
 mod entry;
-pub mod files;
-pub mod frame;
 mod growing;
 mod live;
 mod reader;
 mod writer;
 
-pub use checkpoint::{Checkpoint, SculptureFile};
+pub use checkpoint::Checkpoint;
 pub use dir::{AbandonedJournal, JournalDir};
 pub use entry::{Entry, Mark};
 pub use live::sync_all;

@@ -1,15 +1,17 @@
-//! The file operations of a journal and nothing else, behind a trait, so that tests can let each of them fail.
+//! The file operations of journals and saved histories and nothing else, behind a trait, so that tests can let each of
+//! them fail; and the few calls of the system that [`spill`](super::spill) makes alike, which writes anywhere in its
+//! file and so has a trait of its own.
 //!
-//! [`Disk`] is the real one. A journal that is being written is locked (a lock of the system on the open
+//! [`Disk`] is the real one. A file that is being written is locked (a lock of the system on the open
 //! file, which ends with the process, however that ends), so that what a crash has left is told from what
-//! a living session writes.
+//! a living session writes. Knows neither names nor contents of files.
 
 use std::fmt::Debug;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::path::{Path, PathBuf};
 
-/// The operations on files that journals need.
+/// The operations on files that journals and saved histories need.
 pub trait Files: Debug + Send + Sync {
     /// Makes a folder and those above it; nothing if it is there.
     fn make_folder(&self, folder: &Path) -> Result<()>;
@@ -64,21 +66,12 @@ struct DiskFile(File);
 
 impl Files for Disk {
     fn make_folder(&self, folder: &Path) -> Result<()> {
-        let mut builder = fs::DirBuilder::new();
-        builder.recursive(true);
-        #[cfg(unix)]
-        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
-        builder.create(folder)
+        make_private_folder(folder)
     }
 
     fn create(&self, path: &Path) -> Result<Box<dyn Appender>> {
-        let mut options = OpenOptions::new();
-        options.append(true).create_new(true);
-        // Nobody else may read or write what a user works on.
-        #[cfg(unix)]
-        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-        let file = options.open(path)?;
-        if let Err(error) = locked(&file) {
+        let file = private_new_file().append(true).open(path)?;
+        if let Err(error) = lock(&file) {
             // Without locks others would take it for one that was left.
             let _ = fs::remove_file(path);
             return Err(error);
@@ -100,8 +93,8 @@ impl Files for Disk {
     }
 
     fn list(&self, folder: &Path) -> Result<Vec<PathBuf>> {
-        match fs::read_dir(folder) {
-            Ok(entries) => entries.map(|entry| Ok(entry?.path())).collect(),
+        match paths_in(folder) {
+            Ok(paths) => paths.collect(),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
             Err(error) => Err(error),
         }
@@ -109,13 +102,54 @@ impl Files for Disk {
 
     fn open(&self, path: &Path) -> Result<Source> {
         let file = File::open(path)?;
-        locked(&file)?;
+        lock(&file)?;
         source(file)
     }
 
     fn open_shared(&self, path: &Path) -> Result<Source> {
         source(File::open(path)?)
     }
+}
+
+/// Makes a folder and those above it, for its owner alone.
+pub(super) fn make_private_folder(folder: &Path) -> Result<()> {
+    let mut builder = fs::DirBuilder::new();
+    builder.recursive(true);
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.create(folder)
+}
+
+/// How to open a file that must not be there yet: nobody else may read or write what a user works on.
+pub(super) fn private_new_file() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    options
+}
+
+/// What lies in a folder.
+pub(super) fn paths_in(folder: &Path) -> Result<impl Iterator<Item = Result<PathBuf>>> {
+    Ok(fs::read_dir(folder)?.map(|entry| Ok(entry?.path())))
+}
+
+/// Locks an open file; [`ErrorKind::WouldBlock`] if another has locked it.
+pub(super) fn lock(file: &File) -> Result<()> {
+    file.try_lock().map_err(|error| match error {
+        TryLockError::WouldBlock => Error::from(ErrorKind::WouldBlock),
+        TryLockError::Error(error) => error,
+    })
+}
+
+/// Whether an open file still has a name.
+pub(super) fn has_name(file: &File) -> bool {
+    #[cfg(unix)]
+    let has_name = |found: fs::Metadata| std::os::unix::fs::MetadataExt::nlink(&found) > 0;
+    // Elsewhere a file cannot go while it is open.
+    #[cfg(not(unix))]
+    let has_name = |_| true;
+    file.metadata().is_ok_and(has_name)
 }
 
 fn source(file: File) -> Result<Source> {
@@ -128,13 +162,6 @@ fn source(file: File) -> Result<Source> {
         found.modified().ok().and_then(|time| since_1970(time).ok()).map(|age| age.as_secs());
     let reader = Box::new(std::io::BufReader::with_capacity(1 << 16, file));
     Ok(Source { reader, bytes: found.len(), changed_unix_s })
-}
-
-fn locked(file: &File) -> Result<()> {
-    file.try_lock().map_err(|error| match error {
-        TryLockError::WouldBlock => Error::from(ErrorKind::WouldBlock),
-        TryLockError::Error(error) => error,
-    })
 }
 
 impl Appender for DiskFile {
@@ -156,11 +183,6 @@ impl Appender for DiskFile {
     }
 
     fn is_there(&self) -> bool {
-        #[cfg(unix)]
-        let is_there = |found: fs::Metadata| std::os::unix::fs::MetadataExt::nlink(&found) > 0;
-        // Elsewhere a file cannot go while it is open.
-        #[cfg(not(unix))]
-        let is_there = |_| true;
-        self.0.metadata().is_ok_and(is_there)
+        has_name(&self.0)
     }
 }

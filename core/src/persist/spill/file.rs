@@ -1,13 +1,17 @@
 //! The file into which a session's history goes, as the few operations that it needs, behind traits so that
-//! tests can let each of them fail. [`Folder`] is the real one.
+//! tests can let each of them fail. [`Folder`] is the real one. The traits are not those of [`files`](super::super::files):
+//! bytes are written and read anywhere, nothing is synced, and nothing outlives the session.
 //!
 //! A file `N.history` in a folder, which only its owner can read, is locked while its session runs and removed
 //! when that ends. A file that a killed session has left is removed by the next one.
 
 use std::fmt::Debug;
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{Error, ErrorKind, Read, Result, Seek, SeekFrom, Write};
+use std::fs::{self, File};
+use std::io::{ErrorKind, Read, Result, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+
+use crate::persist::dir::{create_numbered, has_ending, path_in};
+use crate::persist::files::{has_name, lock, make_private_folder, paths_in, private_new_file};
 
 const ENDING: &str = "history";
 
@@ -34,13 +38,12 @@ pub struct Folder(pub PathBuf);
 impl Folder {
     /// Removes the files that killed sessions have left. Those of living sessions are locked.
     pub fn remove_left(&self) {
-        let Ok(entries) = fs::read_dir(&self.0) else { return };
-        let files = entries.filter_map(|entry| Some(entry.ok()?.path()));
-        for path in files.filter(|path| path.extension().is_some_and(|ending| ending == ENDING)) {
+        let Ok(paths) = paths_in(&self.0) else { return };
+        for path in paths.filter_map(Result::ok).filter(|path| has_ending(path, ENDING)) {
             // Held until it is removed: who holds it is the only one who may remove it. It may be gone since it was
             // opened, and its name be another's.
             let Ok(file) = File::open(&path) else { continue };
-            let is_left = file.try_lock().is_ok() && is_named(&file);
+            let is_left = lock(&file).is_ok() && has_name(&file);
             if is_left && let Err(error) = fs::remove_file(&path) {
                 tracing::warn!("cannot remove {}: {error}", path.display());
             }
@@ -57,40 +60,16 @@ impl Place for Folder {
 impl Folder {
     /// Makes a file of a number that there is not, and locks it.
     fn make(&self) -> Result<DiskFile> {
-        let mut builder = fs::DirBuilder::new();
-        builder.recursive(true);
-        #[cfg(unix)]
-        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
-        builder.create(&self.0)?;
-        let mut options = OpenOptions::new();
-        options.read(true).write(true).create_new(true);
-        // Nobody else may read or write what a user works on.
-        #[cfg(unix)]
-        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-        for number in 1..=u32::MAX {
-            let path = self.0.join(format!("{number}.{ENDING}"));
-            match options.open(&path) {
-                Ok(file) => {
-                    if let Some(made) = DiskFile::locked(file, path) {
-                        return Ok(made);
-                    }
-                }
-                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(error),
-            }
-        }
-        Err(Error::from(ErrorKind::AlreadyExists))
+        make_private_folder(&self.0)?;
+        let mut options = private_new_file();
+        options.read(true).write(true);
+        let (_, made) = create_numbered(1, &[ErrorKind::AlreadyExists], |number| {
+            let path = path_in(&self.0, number, ENDING);
+            let file = options.open(&path)?;
+            DiskFile::locked(file, path).ok_or_else(|| ErrorKind::AlreadyExists.into())
+        })?;
+        Ok(made)
     }
-}
-
-/// Whether an open file still has a name.
-fn is_named(file: &File) -> bool {
-    #[cfg(unix)]
-    let is_named = |found: fs::Metadata| std::os::unix::fs::MetadataExt::nlink(&found) > 0;
-    // Elsewhere a file cannot go while it is open.
-    #[cfg(not(unix))]
-    let is_named = |_| true;
-    file.metadata().is_ok_and(is_named)
 }
 
 #[derive(Debug)]
@@ -103,10 +82,10 @@ impl DiskFile {
     /// Locks a file that has just been made. None if another session took it for one that was left, before it was
     /// locked: that session removes it.
     fn locked(file: File, path: PathBuf) -> Option<DiskFile> {
-        match file.try_lock() {
-            Ok(()) => is_named(&file).then_some(DiskFile { file, path }),
-            Err(TryLockError::WouldBlock) => None,
-            Err(TryLockError::Error(error)) => {
+        match lock(&file) {
+            Ok(()) => has_name(&file).then_some(DiskFile { file, path }),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => None,
+            Err(error) => {
                 // Without locks it lives as long as it is open, where open files can be removed.
                 tracing::warn!("{} cannot be locked: {error}", path.display());
                 Some(DiskFile { file, path })
@@ -168,7 +147,7 @@ mod tests {
                 let mut made = folder.make().unwrap();
                 made.write_at(0, b"a step").unwrap();
                 std::thread::yield_now();
-                !is_named(&made.file) || !made.path.exists()
+                !has_name(&made.file) || !made.path.exists()
             });
             let lost = lost.count();
             has_ended.store(true, Ordering::Relaxed);

@@ -9,82 +9,18 @@ mod dir;
 mod file;
 
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use dir::HistoryDir;
-pub use file::SavedHistory;
+pub use dir::{Found, SavedHistoryOptions};
+pub use file::{HistoryToKeep, KeptSteps, SavedHistory};
 
-use crate::document::DocumentSnapshot;
 use crate::format::store::explained;
-use crate::journal::SculptureFile;
-use crate::journal::files::{Disk, Files};
-use crate::sculpture::history::{Contents, HistorySnapshot, State};
+use crate::sculpture::history::Contents;
 use crate::sculpture::{Digest, Limits};
-
-/// Where and how the histories of saved files are kept.
-#[derive(Clone, Debug)]
-pub struct SavedHistoryOptions {
-    /// The folder of the files.
-    pub folder: PathBuf,
-    /// The file layer.
-    pub files: Arc<dyn Files>,
-    /// Most bytes of all histories together. A single one takes at most half of it.
-    pub max_bytes: u64,
-}
-
-impl SavedHistoryOptions {
-    /// Histories in a folder of the disk, with at most so many bytes.
-    pub fn new(folder: &Path, max_bytes: u64) -> SavedHistoryOptions {
-        SavedHistoryOptions { folder: folder.to_path_buf(), files: Arc::new(Disk), max_bytes }
-    }
-}
-
-/// A history to keep, of a document as it was when it was saved.
-#[derive(Clone, Debug)]
-pub struct HistoryToKeep {
-    /// The file of the sculpture, absolute.
-    pub path: PathBuf,
-    /// The hash of that file's bytes.
-    pub file_hash: Digest,
-    /// The hash of the contents.
-    pub contents_hash: Digest,
-    /// Steps and state. Its contents are not needed.
-    pub steps: KeptSteps,
-}
-
-/// The steps of a document, and the state from which they lead.
-#[derive(Clone, Debug)]
-pub struct KeptSteps {
-    history: HistorySnapshot,
-    state: State,
-    files: Vec<SculptureFile>,
-}
-
-impl KeptSteps {
-    /// Those of a document; `files`: of all sculptures that undo and redo lead to.
-    pub fn of(document: DocumentSnapshot, files: Vec<SculptureFile>) -> KeptSteps {
-        KeptSteps { history: document.history, state: document.state, files }
-    }
-
-    /// Whether there is anything to undo or redo.
-    pub fn is_empty(&self) -> bool {
-        self.history.undo.is_empty() && self.history.redo.is_empty()
-    }
-}
-
-/// The result of a search for the history of a file.
-#[derive(Debug)]
-pub enum Found {
-    /// None is kept.
-    Nothing,
-    /// The steps that can be undone and redone.
-    History(SavedHistory),
-    /// There is one that cannot be used: why, as a part of a sentence.
-    Unusable(String),
-}
 
 /// Keeps the histories of the files that a session saves, and finds those of the files that it opens.
 #[derive(Debug)]

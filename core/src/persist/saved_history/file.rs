@@ -1,4 +1,4 @@
-//! The file of a history, as records of [`frame`](crate::journal::frame):
+//! The file of a history, as records of [`frame`](crate::persist::frame):
 //!
 //! 1. the beginning (32): JSON with version of the program, the sculpture's file and its hash, the hash of the
 //!    contents, and the state that the steps lead from;
@@ -15,13 +15,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::HistoryToKeep;
 use crate::command::text::path_text;
+use crate::document::DocumentSnapshot;
 use crate::format::FormatError;
 use crate::format::history::{Shape, read_step, write_step};
-use crate::journal::SculptureFile;
-use crate::journal::files::Source;
-use crate::journal::frame::{Record, RecordBuffer, Records};
+use crate::persist::files::Source;
+use crate::persist::frame::{Record, RecordBuffer, Records};
+use crate::persist::sculpture_file::SculptureFile;
 use crate::sculpture::history::{Contents, HistorySnapshot, State, Step};
 use crate::sculpture::{Digest, Limits};
 
@@ -45,6 +45,39 @@ struct Beginning {
     file_hash: String,
     contents_hash: String,
     state: [u64; 2],
+}
+
+/// A history to keep, of a document as it was when it was saved.
+#[derive(Clone, Debug)]
+pub struct HistoryToKeep {
+    /// The file of the sculpture, absolute.
+    pub path: PathBuf,
+    /// The hash of that file's bytes.
+    pub file_hash: Digest,
+    /// The hash of the contents.
+    pub contents_hash: Digest,
+    /// Steps and state. Its contents are not needed.
+    pub steps: KeptSteps,
+}
+
+/// The steps of a document, and the state from which they lead.
+#[derive(Clone, Debug)]
+pub struct KeptSteps {
+    history: HistorySnapshot,
+    state: State,
+    files: Vec<SculptureFile>,
+}
+
+impl KeptSteps {
+    /// Those of a document; `files`: of all sculptures that undo and redo lead to.
+    pub fn of(document: DocumentSnapshot, files: Vec<SculptureFile>) -> KeptSteps {
+        KeptSteps { history: document.history, state: document.state, files }
+    }
+
+    /// Whether there is anything to undo or redo.
+    pub fn is_empty(&self) -> bool {
+        self.history.undo.is_empty() && self.history.redo.is_empty()
+    }
 }
 
 /// The steps around the contents of a file that was opened.
@@ -74,7 +107,7 @@ pub fn write(
         state: [steps.state.sculpture, steps.state.number],
     };
     let json = serde_json::to_vec(&beginning).map_err(|_| DAMAGED)?;
-    append(record(BEGIN, &json))?;
+    append(RecordBuffer::with_payload(BEGIN, &json))?;
     let mut lists = [(UNDO, &steps.history.undo), (REDO, &steps.history.redo)]
         .map(|(kind, steps)| (kind, steps.iter().rev().peekable(), 0u32));
     let (mut file_left, mut memory_left) = (max_bytes, max_bytes.saturating_mul(MEMORY_PER_FILE));
@@ -92,7 +125,7 @@ pub fn write(
                 steps.by_ref().for_each(drop);
                 continue;
             };
-            append(record(*kind, &packed))?;
+            append(RecordBuffer::with_payload(*kind, &packed))?;
             sculptures.push(step.state.sculpture);
             *count += 1;
         }
@@ -104,7 +137,7 @@ pub fn write(
         append(nameless(file).to_record_of(TEXTS))?;
     }
     let counts: Vec<u8> = lists.iter().flat_map(|(.., count)| count.to_le_bytes()).collect();
-    append(record(END, &counts))?;
+    append(RecordBuffer::with_payload(END, &counts))?;
     Ok(true)
 }
 
@@ -123,12 +156,6 @@ fn pack(
 
 fn nameless(file: &SculptureFile) -> SculptureFile {
     SculptureFile { path: None, saved: None, assumed_up: None, ..file.clone() }
-}
-
-fn record(kind: u8, payload: &[u8]) -> RecordBuffer {
-    let mut record = RecordBuffer::new(kind);
-    record.payload().extend_from_slice(payload);
-    record
 }
 
 /// The sculpture's file that a history was kept for.

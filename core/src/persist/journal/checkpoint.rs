@@ -10,16 +10,16 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::entry::{put_text, take_bytes, take_text, take_u64};
-use super::frame::{Record, RecordBuffer};
 use crate::command::Command;
 use crate::command::text::{parse_path, parse_script, path_text};
 use crate::document::DocumentSnapshot;
 use crate::format::history::{Shape, read_steps, write_step};
 use crate::format::{FormatError, Texts, read_sculpture, write_sculpture};
+use crate::persist::frame::{Record, RecordBuffer};
+use crate::persist::payload::{put_text, take_text};
+use crate::persist::sculpture_file::SculptureFile;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::history::State;
-use crate::sculpture::orientation::Up;
 use crate::sculpture::{Digest, Limits};
 
 const BEGIN: u8 = 1;
@@ -35,21 +35,6 @@ const END: u8 = 10;
 
 const DAMAGED: FormatError =
     FormatError::Damaged("the checkpoint of the journal has no known form");
-
-/// The file that belongs to a sculpture of a session.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct SculptureFile {
-    /// Which sculpture: [`State::sculpture`].
-    pub sculpture: u64,
-    /// Where it is.
-    pub path: Option<PathBuf>,
-    /// Texts of the file, which go along when it is saved.
-    pub texts: Texts,
-    /// Number of the state that the file holds.
-    pub saved: Option<u64>,
-    /// The number of the state in which it was read, and the axis that was taken for the one that points up.
-    pub assumed_up: Option<(u64, Up)>,
-}
 
 /// A session between two strokes.
 #[derive(Clone, Debug)]
@@ -113,18 +98,24 @@ impl Checkpoint {
             states: *states,
         };
         let json = serde_json::to_vec(&beginning).map_err(|_| DAMAGED)?;
-        append(record(BEGIN, &[&json]))?;
-        append(record(CONTENTS, &[&write_sculpture(contents, &Texts::default())?]))?;
+        append(RecordBuffer::with_payload(BEGIN, &json))?;
+        append(RecordBuffer::with_payload(
+            CONTENTS,
+            &write_sculpture(contents, &Texts::default())?,
+        ))?;
         for (kind, steps) in [(UNDO, &history.undo), (REDO, &history.redo)] {
             for step in steps.iter().rev() {
-                append(record(kind, &[&write_step(step)?]))?;
+                append(RecordBuffer::with_payload(kind, &write_step(step)?))?;
             }
         }
         if let Some(clip) = clip {
-            append(record(CLIP, &[&write_sculpture(clip.contents(), &Texts::default())?]))?;
+            append(RecordBuffer::with_payload(
+                CLIP,
+                &write_sculpture(clip.contents(), &Texts::default())?,
+            ))?;
         }
-        append(record(SETTINGS, &[script(settings).as_bytes()]))?;
-        append(record(LAST_USES, &[script(last_uses).as_bytes()]))?;
+        append(RecordBuffer::with_payload(SETTINGS, script(settings).as_bytes()))?;
+        append(RecordBuffer::with_payload(LAST_USES, script(last_uses).as_bytes()))?;
         for file in &self.files {
             append(file.to_record_of(FILE))?;
         }
@@ -134,7 +125,7 @@ impl Checkpoint {
             record.payload().extend_from_slice(bytes);
             append(record)?;
         }
-        append(record(END, &[&Digest::of(contents).0]))
+        append(RecordBuffer::with_payload(END, &Digest::of(contents).0))
     }
 
     /// Reads a checkpoint from the records of a journal. Contents may take what `limits` allow, or the limits
@@ -201,58 +192,6 @@ impl Checkpoint {
         }
         Ok(None)
     }
-}
-
-impl SculptureFile {
-    /// A record of some kind that holds it.
-    pub(crate) fn to_record_of(&self, kind: u8) -> RecordBuffer {
-        let mut record = RecordBuffer::new(kind);
-        let out = record.payload();
-        out.extend_from_slice(&self.sculpture.to_le_bytes());
-        put_text(&self.path.as_deref().map(path_text).unwrap_or_default(), out);
-        let number = |value: Option<u64>| value.map(|n| n.to_string()).unwrap_or_default();
-        put_text(&number(self.saved), out);
-        put_text(&number(self.assumed_up.map(|(number, _)| number)), out);
-        put_text(&self.assumed_up.map(|(_, up)| up.to_string()).unwrap_or_default(), out);
-        for (_, text) in self.texts.named() {
-            out.extend_from_slice(&(text.len() as u32).to_le_bytes());
-            out.extend_from_slice(text);
-        }
-        record
-    }
-
-    /// Reads what such a record holds.
-    pub(crate) fn from_payload(payload: &[u8]) -> Result<SculptureFile, FormatError> {
-        let rest = &mut &payload[..];
-        let sculpture = take_u64(rest)?;
-        let path = match take_text(rest)? {
-            "" => None,
-            text => Some(parse_path(text).map_err(|_| DAMAGED)?),
-        };
-        let number = |text: &str| match text {
-            "" => Ok(None),
-            text => text.parse::<u64>().map(Some).map_err(|_| DAMAGED),
-        };
-        let saved = number(take_text(rest)?)?;
-        let read_at = number(take_text(rest)?)?;
-        let up = take_text(rest)?;
-        let assumed_up = match read_at {
-            Some(number) => Some((number, up.parse().map_err(|_| DAMAGED)?)),
-            None => None,
-        };
-        let mut texts = Texts::default();
-        let Texts { description, courtesy, parameter, comment } = &mut texts;
-        for text in [description, courtesy, parameter, comment] {
-            *text = take_bytes(rest)?.to_vec();
-        }
-        Ok(SculptureFile { sculpture, path, texts, saved, assumed_up })
-    }
-}
-
-fn record(kind: u8, parts: &[&[u8]]) -> RecordBuffer {
-    let mut record = RecordBuffer::new(kind);
-    parts.iter().for_each(|part| record.payload().extend_from_slice(part));
-    record
 }
 
 fn script(commands: &[Command]) -> String {

@@ -4,8 +4,14 @@
 //! Then come records: length of the payload (u64), number of the record (u64, counted from 0), kind (u8),
 //! CRC-32 of these and the payload (u32), payload. All numbers are little-endian. Reading ends at the first
 //! record that is incomplete, has another checksum, or another number than the one expected.
+//!
+//! Journals and saved histories are such files. The file of [`spill`](super::spill) is none: no other process reads it,
+//! so the lengths and checksums of its parts stay in memory, and it takes only [`checksum`] from here. Knows no
+//! meaning of records.
 
 use std::io::{Error, ErrorKind, Read, Result};
+
+use super::files::{Appender, Syncer};
 
 /// First bytes of a journal.
 const MAGIC: [u8; 8] = [0x89, b'V', b'S', b'J', b'\r', b'\n', 0x1A, b'\n'];
@@ -22,7 +28,7 @@ pub fn head() -> [u8; HEAD_BYTES] {
     let mut head = [0; HEAD_BYTES];
     head[..8].copy_from_slice(&MAGIC);
     head[8..12].copy_from_slice(&VERSION.to_le_bytes());
-    let checksum = crc32fast::hash(&head[..12]);
+    let checksum = checksum(&[&head[..12]]);
     head[12..].copy_from_slice(&checksum.to_le_bytes());
     head
 }
@@ -42,6 +48,13 @@ impl RecordBuffer {
         RecordBuffer { bytes }
     }
 
+    /// A record with this payload.
+    pub fn with_payload(kind: u8, payload: &[u8]) -> RecordBuffer {
+        let mut record = RecordBuffer::new(kind);
+        record.payload().extend_from_slice(payload);
+        record
+    }
+
     /// The payload, to append to.
     pub fn payload(&mut self) -> &mut Vec<u8> {
         &mut self.bytes
@@ -53,17 +66,60 @@ impl RecordBuffer {
         self.bytes[..8].copy_from_slice(&length.to_le_bytes());
         self.bytes[8..16].copy_from_slice(&sequence.to_le_bytes());
         let (frame, payload) = self.bytes.split_at(FRAME_BYTES);
-        let checksum = checksum(&frame[..CHECKSUM_AT], payload);
+        let checksum = checksum(&[&frame[..CHECKSUM_AT], payload]);
         self.bytes[CHECKSUM_AT..FRAME_BYTES].copy_from_slice(&checksum.to_le_bytes());
         self.bytes
     }
 }
 
-fn checksum(frame: &[u8], payload: &[u8]) -> u32 {
+/// The CRC-32 of bytes that follow each other.
+pub(super) fn checksum(parts: &[&[u8]]) -> u32 {
     let mut crc = crc32fast::Hasher::new();
-    crc.update(frame);
-    crc.update(payload);
+    parts.iter().for_each(|part| crc.update(part));
     crc.finalize()
+}
+
+/// Appends records to a file that is being written, and numbers them.
+#[derive(Debug)]
+pub(super) struct RecordAppender {
+    file: Box<dyn Appender>,
+    /// Number of the next record.
+    sequence: u64,
+}
+
+impl RecordAppender {
+    /// For a file that is empty.
+    pub fn new(file: Box<dyn Appender>) -> RecordAppender {
+        RecordAppender { file, sequence: 0 }
+    }
+
+    /// Appends the head, which comes before all records.
+    pub fn append_head(&mut self) -> Result<()> {
+        self.file.append(&head())
+    }
+
+    /// Appends a record in one write. Returns how many bytes it takes.
+    pub fn append(&mut self, record: RecordBuffer) -> Result<u64> {
+        let bytes = record.sealed(self.sequence);
+        self.file.append(&bytes)?;
+        self.sequence += 1;
+        Ok(bytes.len() as u64)
+    }
+
+    /// Waits until what was appended is on the disk: [`Appender::sync`].
+    pub fn sync(&mut self) -> Result<()> {
+        self.file.sync()
+    }
+
+    /// The same, to be called on another thread: [`Appender::syncer`].
+    pub fn syncer(&self) -> Option<Syncer> {
+        self.file.syncer()
+    }
+
+    /// Whether the file still has a name.
+    pub fn is_there(&self) -> bool {
+        self.file.is_there()
+    }
 }
 
 /// A record as it was read.
@@ -107,7 +163,7 @@ impl Records {
             return Err(refused("this is no journal, or its beginning is damaged"));
         }
         let [.., a, b, c, d] = first;
-        if crc32fast::hash(&first[..12]) != u32::from_le_bytes([a, b, c, d]) {
+        if checksum(&[&first[..12]]) != u32::from_le_bytes([a, b, c, d]) {
             return Err(refused("the beginning of the journal is damaged"));
         }
         if first[8..12] != VERSION.to_le_bytes() {
@@ -151,7 +207,7 @@ impl Records {
         }
         self.left -= length;
         let expected: [u8; 4] = std::array::from_fn(|i| frame[CHECKSUM_AT + i]);
-        if checksum(&frame[..CHECKSUM_AT], &payload) != u32::from_le_bytes(expected) {
+        if checksum(&[&frame[..CHECKSUM_AT], &payload]) != u32::from_le_bytes(expected) {
             return Err(Ending::Damaged);
         }
         self.sequence += 1;

@@ -6,7 +6,8 @@ use std::io::{Error, Result, Write};
 
 use super::Shared;
 use super::parts::Part;
-use super::record::Record;
+use super::spilled_step::SpilledStep;
+use crate::persist::frame::checksum;
 
 /// Why not all of a step was written.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -23,7 +24,7 @@ pub enum Stop {
 #[derive(Debug)]
 pub struct PartWriter<'a> {
     shared: &'a Shared,
-    record: &'a Record,
+    spilled: &'a SpilledStep,
     /// Bytes that are not in a part yet.
     buffer: Vec<u8>,
     parts: Vec<Part>,
@@ -31,8 +32,8 @@ pub struct PartWriter<'a> {
 }
 
 impl<'a> PartWriter<'a> {
-    pub fn new(shared: &'a Shared, record: &'a Record) -> PartWriter<'a> {
-        PartWriter { shared, record, buffer: Vec::new(), parts: Vec::new(), stop: None }
+    pub fn new(shared: &'a Shared, spilled: &'a SpilledStep) -> PartWriter<'a> {
+        PartWriter { shared, spilled, buffer: Vec::new(), parts: Vec::new(), stop: None }
     }
 
     /// Writes the last part. Why it has failed, if it has, now or before.
@@ -63,7 +64,7 @@ impl<'a> PartWriter<'a> {
         let Some(at) = shared.state().space.take(bytes as u64, shared.max_bytes) else {
             return Err(self.stop(Stop::Full));
         };
-        self.parts.push(Part { at, bytes, checksum: crc32fast::hash(&self.buffer) });
+        self.parts.push(Part { at, bytes, checksum: checksum(&[&self.buffer]) });
         if let Err(error) = shared.write_at(at, &self.buffer) {
             return Err(self.stop(Stop::Failed(error.to_string())));
         }
@@ -74,7 +75,7 @@ impl<'a> PartWriter<'a> {
 
 impl Write for PartWriter<'_> {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
-        if self.shared.state().has_ended || !self.record.is_waiting() {
+        if self.shared.state().has_ended || !self.spilled.is_waiting() {
             return Err(self.stop(Stop::NotNeeded));
         }
         let room = self.shared.part_bytes - self.buffer.len();

@@ -1,11 +1,13 @@
 //! A packed step in the file, in parts: neither packing nor unpacking has more than one of them in memory.
 //!
-//! Each part has a place of its own, and a checksum that is looked at before anything in it is used. `part_writer` writes
-//! them.
+//! Each part has a place of its own, and a checksum that is looked at before anything in it is used. The file holds packed
+//! bytes alone, without frames of records: it ends with the session, which has places, lengths and checksums in memory.
+//! `part_writer` writes them.
 
 use std::io::{BufRead, Error, Read, Result};
 
 use super::Shared;
+use crate::persist::frame::checksum;
 
 /// A part of a step in the file.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +44,7 @@ impl BufRead for PartReader<'_> {
             self.buffer.resize(part.bytes, 0);
             self.read = 0;
             self.shared.read_at(part.at, &mut self.buffer)?;
-            if crc32fast::hash(&self.buffer) != part.checksum {
+            if checksum(&[&self.buffer]) != part.checksum {
                 return Err(Error::other("the file has been changed or damaged"));
             }
         }

@@ -8,42 +8,69 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::file;
-use super::{Found, HistoryToKeep, SavedHistoryOptions};
+use super::file::{self, HistoryToKeep, SavedHistory};
 use crate::format::FormatError;
-use crate::journal::files::{Appender, Files};
-use crate::journal::frame;
+use crate::persist::dir::{FileDir, UNFINISHED, create_numbered};
+use crate::persist::files::{Disk, Files};
+use crate::persist::frame::RecordAppender;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Digest, Limits};
 
 const HISTORY: &str = "undo";
-const NEW: &str = "new";
 
 /// Most histories in a folder, however small.
 const MAX_HISTORIES: usize = 1000;
 
+/// Where and how the histories of saved files are kept.
+#[derive(Clone, Debug)]
+pub struct SavedHistoryOptions {
+    /// The folder of the files.
+    pub folder: PathBuf,
+    /// The file layer.
+    pub files: Arc<dyn Files>,
+    /// Most bytes of all histories together. A single one takes at most half of it.
+    pub max_bytes: u64,
+}
+
+impl SavedHistoryOptions {
+    /// Histories in a folder of the disk, with at most so many bytes.
+    pub fn new(folder: &Path, max_bytes: u64) -> SavedHistoryOptions {
+        SavedHistoryOptions { folder: folder.to_path_buf(), files: Arc::new(Disk), max_bytes }
+    }
+}
+
+/// The result of a search for the history of a file.
+#[derive(Debug)]
+pub enum Found {
+    /// None is kept.
+    Nothing,
+    /// The steps that can be undone and redone.
+    History(SavedHistory),
+    /// There is one that cannot be used: why, as a part of a sentence.
+    Unusable(String),
+}
+
 /// A folder of histories.
 #[derive(Clone, Debug)]
 pub struct HistoryDir {
-    files: Arc<dyn Files>,
-    folder: PathBuf,
+    dir: FileDir,
     max_bytes: u64,
 }
 
 impl HistoryDir {
     pub fn new(options: &SavedHistoryOptions) -> HistoryDir {
         let SavedHistoryOptions { folder, files, max_bytes } = options.clone();
-        HistoryDir { files, folder, max_bytes }
+        HistoryDir { dir: FileDir::new(folder, files), max_bytes }
     }
 
     fn path(&self, hash: Digest) -> PathBuf {
-        self.folder.join(format!("{hash}.{HISTORY}"))
+        self.dir.path(hash, HISTORY)
     }
 
     /// The history of a file with this hash.
     pub fn find(&self, file_hash: Digest, contents: &Contents, limits: &Limits) -> Found {
         let path = self.path(file_hash);
-        let source = match self.files.open_shared(&path) {
+        let source = match self.dir.open_shared(&path) {
             Ok(source) => source,
             Err(error) if error.kind() == ErrorKind::NotFound => return Found::Nothing,
             Err(error) => return Found::Unusable(error.to_string()),
@@ -59,26 +86,21 @@ impl HistoryDir {
     /// Writes a history, removes that of what the file held before, and those written longest ago that the bound has
     /// no room for.
     pub fn keep(&self, history: HistoryToKeep, is_given_up: &AtomicBool) -> Result<()> {
-        self.files.make_folder(&self.folder)?;
+        self.dir.make_folder()?;
         self.remove_abandoned();
         let own = self.path(history.file_hash);
         if !history.steps.is_empty() && !self.write(&history, &own, is_given_up)? {
             return Ok(());
         }
         self.remove_of(&history.path, &own);
-        self.keep_within_bounds(&own);
+        self.dir.keep_within(HISTORY, &own, self.max_bytes, MAX_HISTORIES);
         Ok(())
     }
 
     /// Writes the file of a history. False if it was given up.
     fn write(&self, history: &HistoryToKeep, own: &Path, is_given_up: &AtomicBool) -> Result<bool> {
-        let (unfinished, mut new) = self.create()?;
-        let mut sequence = 0;
-        let mut append = |record: frame::RecordBuffer| {
-            new.append(&record.sealed(sequence))?;
-            sequence += 1;
-            Ok(())
-        };
+        let (number, mut new) = self.create()?;
+        let mut append = |record| new.append(record).map(drop);
         let written = file::write(history, self.max_bytes / 2, is_given_up, &mut append)
             .map_err(|error| match error {
                 FormatError::Io(error) => error,
@@ -86,86 +108,46 @@ impl HistoryDir {
             })
             .and_then(|is_whole| new.sync().map(|()| is_whole))
             .and_then(|is_whole| match is_whole {
-                true => self.files.rename(&unfinished, own).map(|()| true),
+                true => self.dir.publish(number, own).map(|()| true),
                 false => Ok(false),
             });
         if !matches!(written, Ok(true)) {
             // Should it stay, the next history that is written removes it.
-            let _ = self.files.remove(&unfinished);
+            let _ = self.dir.abandon(number);
         }
         written
     }
 
     /// An unfinished file, locked, with the head in it: without that it might be taken for an abandoned one.
-    fn create(&self) -> Result<(PathBuf, Box<dyn Appender>)> {
-        let mut number = u64::from(std::process::id());
-        loop {
-            let path = self.folder.join(format!("{number}.{NEW}"));
-            match self.files.create(&path) {
-                Ok(mut new) => {
-                    new.append(&frame::head()).inspect_err(|_| {
-                        let _ = self.files.remove(&path);
-                    })?;
-                    return Ok((path, new));
-                }
-                // Another's, or just taken for one that was left.
-                Err(error)
-                    if matches!(error.kind(), ErrorKind::AlreadyExists | ErrorKind::WouldBlock) =>
-                {
-                    number += 1;
-                }
-                Err(error) => return Err(error),
-            }
-        }
+    fn create(&self) -> Result<(u64, RecordAppender)> {
+        // Another's, or just taken for one that was left.
+        let taken = [ErrorKind::AlreadyExists, ErrorKind::WouldBlock];
+        let process = u64::from(std::process::id());
+        let (number, file) = create_numbered(process, &taken, |number| self.dir.begin(number))?;
+        let mut new = RecordAppender::new(file);
+        new.append_head().inspect_err(|_| {
+            let _ = self.dir.abandon(number);
+        })?;
+        Ok((number, new))
     }
 
-    fn named(&self, ending: &str) -> Vec<PathBuf> {
-        let mut paths = self.files.list(&self.folder).unwrap_or_default();
-        paths.retain(|path| path.extension().is_some_and(|own| own == ending));
-        paths
-    }
-
-    /// Removes what killed sessions have left unfinished. Those of living ones are locked.
+    /// Removes what killed sessions have left unfinished.
     fn remove_abandoned(&self) {
-        for path in self.named(NEW) {
-            if self.files.open(&path).is_ok_and(|source| source.bytes > 0) {
-                self.remove(&path);
+        for path in self.dir.paths(UNFINISHED).unwrap_or_default() {
+            if self.dir.is_left(&path) {
+                self.dir.remove_needless(&path);
             }
         }
     }
 
     /// Removes the histories that were kept for `path`, but for `own`: the file does not hold that any more.
     fn remove_of(&self, path: &Path, own: &Path) {
-        for other in self.named(HISTORY).iter().filter(|other| *other != own) {
-            let kept_for = self.files.open_shared(other).ok().and_then(file::path_of);
+        let histories = self.dir.paths(HISTORY).unwrap_or_default();
+        for other in histories.iter().filter(|other| *other != own) {
+            let kept_for = self.dir.open_shared(other).ok().and_then(file::path_of);
             if kept_for.is_some_and(|kept_for| kept_for == path) {
-                self.remove(other);
+                self.dir.remove_needless(other);
             }
-        }
-    }
-
-    /// Removes those written longest ago that there is no room for, `own` last.
-    fn keep_within_bounds(&self, own: &Path) {
-        let known = |path: PathBuf| {
-            let source = self.files.open_shared(&path).ok()?;
-            Some((path != own, std::cmp::Reverse(source.changed_unix_s), source.bytes, path))
-        };
-        let mut all: Vec<_> = self.named(HISTORY).into_iter().filter_map(known).collect();
-        all.sort();
-        let mut bytes = 0;
-        for (at, (_, _, own_bytes, path)) in all.iter().enumerate() {
-            bytes += own_bytes;
-            if bytes > self.max_bytes || at >= MAX_HISTORIES {
-                self.remove(path);
-            }
-        }
-    }
-
-    fn remove(&self, path: &Path) {
-        if let Err(error) = self.files.remove(path)
-            && error.kind() != ErrorKind::NotFound
-        {
-            tracing::warn!("cannot remove {}: {error}", path.display());
         }
     }
 }

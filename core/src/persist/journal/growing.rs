@@ -3,17 +3,15 @@
 use std::io::ErrorKind;
 use std::thread::JoinHandle;
 
-use super::files::Appender;
-use super::frame::RecordBuffer;
 use crate::format::FormatError;
+use crate::persist::files::Appender;
+use crate::persist::frame::{RecordAppender, RecordBuffer};
 
 /// A file that entries are appended to.
 #[derive(Debug)]
 pub(super) struct Open {
-    file: Box<dyn Appender>,
-    /// Number of the next record.
-    sequence: u64,
-    /// How many bytes it has.
+    file: RecordAppender,
+    /// How many bytes its records have.
     pub bytes: u64,
     /// Size from which on it is begun anew.
     pub compact_at: u64,
@@ -24,7 +22,8 @@ pub(super) struct Open {
 impl Open {
     /// An empty file.
     pub fn new(file: Box<dyn Appender>) -> Open {
-        Open { file, sequence: 0, bytes: 0, compact_at: u64::MAX, syncing: None }
+        let file = RecordAppender::new(file);
+        Open { file, bytes: 0, compact_at: u64::MAX, syncing: None }
     }
 
     /// Whether it still has a name.
@@ -32,17 +31,14 @@ impl Open {
         self.file.is_there()
     }
 
-    /// Appends what is no record.
-    pub fn append_bytes(&mut self, bytes: &[u8]) -> std::io::Result<()> {
-        self.file.append(bytes)
+    /// Appends the head.
+    pub fn append_head(&mut self) -> std::io::Result<()> {
+        self.file.append_head()
     }
 
     /// Appends a record.
     pub fn append(&mut self, record: RecordBuffer) -> Result<(), Trouble> {
-        let bytes = record.sealed(self.sequence);
-        self.file.append(&bytes)?;
-        self.sequence += 1;
-        self.bytes += bytes.len() as u64;
+        self.bytes += self.file.append(record)?;
         Ok(())
     }
 

@@ -4,9 +4,9 @@ use thiserror::Error;
 
 use super::checkpoint::{Beginning, Checkpoint};
 use super::entry::Entry;
-use super::files::Source;
-use super::frame::{Ending, Records};
 use crate::format::FormatError;
+use crate::persist::files::Source;
+use crate::persist::frame::{Ending, Records};
 use crate::sculpture::Limits;
 
 /// Why a journal gives nothing back.

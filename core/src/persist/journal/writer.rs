@@ -14,7 +14,6 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use super::checkpoint::Checkpoint;
 use super::dir::JournalDir;
 use super::entry::Entry;
-use super::frame;
 use super::growing::{Open, Trouble};
 use super::live::{Live, LiveKey};
 
@@ -431,7 +430,7 @@ impl Work {
         let (number, file) = journal_dir.create(self.number.filter(|_| is_there))?;
         let mut open = Open::new(file);
         let written = open
-            .append_bytes(&frame::head())
+            .append_head()
             .map_err(Trouble::from)
             .and_then(|()| checkpoint.write(self.began_unix_s, &mut |record| open.append(record)))
             .and_then(|()| Ok(open.sync()?));

@@ -1,0 +1,159 @@
+//! A folder of files of one kind, named `STEM.ENDING`, as journals, saved histories and the files for undo steps lie in:
+//! how files are named, listed, numbered, begun, published, and removed when they are old or were left.
+//!
+//! A file of [`FileDir`] is written as `N.new`, locked, and takes its name once it is whole and on the disk; an `N.new`
+//! without a lock was left by a session that was killed. The files of [`spill`](super::spill) are never published, and
+//! who removes one that was left holds its lock until it is gone, so that they share names and numbers, but not the
+//! type. Knows no contents; which ending stands for what, and what an error means, is the matter of the callers.
+
+use std::cmp::Reverse;
+use std::fmt::Display;
+use std::io::{ErrorKind, Result};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::files::{Appender, Files, Source};
+
+/// The ending of a file that is not whole yet.
+pub(super) const UNFINISHED: &str = "new";
+
+/// A folder of files that are published when they are whole.
+#[derive(Clone, Debug)]
+pub(super) struct FileDir {
+    files: Arc<dyn Files>,
+    folder: PathBuf,
+}
+
+impl FileDir {
+    pub fn new(folder: PathBuf, files: Arc<dyn Files>) -> FileDir {
+        FileDir { files, folder }
+    }
+
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Makes the folder; nothing if it is there.
+    pub fn make_folder(&self) -> Result<()> {
+        self.files.make_folder(&self.folder)
+    }
+
+    /// The path of a file of the folder.
+    pub fn path(&self, stem: impl Display, ending: &str) -> PathBuf {
+        path_in(&self.folder, stem, ending)
+    }
+
+    /// The files with an ending.
+    pub fn paths(&self, ending: &str) -> Result<Vec<PathBuf>> {
+        let mut paths = self.files.list(&self.folder)?;
+        paths.retain(|path| has_ending(path, ending));
+        Ok(paths)
+    }
+
+    /// The numbers of the files with an ending that have one for a name, rising.
+    pub fn numbers(&self, ending: &str) -> Result<Vec<u64>> {
+        let number = |path: &PathBuf| path.file_stem()?.to_str()?.parse().ok();
+        let mut numbers: Vec<u64> = self.paths(ending)?.iter().filter_map(number).collect();
+        numbers.sort_unstable();
+        Ok(numbers)
+    }
+
+    /// Opens a file and locks it: [`Files::open`].
+    pub fn open(&self, path: &Path) -> Result<Source> {
+        self.files.open(path)
+    }
+
+    /// Opens a file that is whole: [`Files::open_shared`].
+    pub fn open_shared(&self, path: &Path) -> Result<Source> {
+        self.files.open_shared(path)
+    }
+
+    pub fn remove(&self, path: &Path) -> Result<()> {
+        self.files.remove(path)
+    }
+
+    /// Removes a file that nobody needs; if it stays, the log says so.
+    pub fn remove_needless(&self, path: &Path) {
+        if let Err(error) = self.files.remove(path)
+            && error.kind() != ErrorKind::NotFound
+        {
+            tracing::warn!("cannot remove {}: {error}", path.display());
+        }
+    }
+
+    /// Begins the unfinished file of a number, which must not be there, and locks it.
+    pub fn begin(&self, number: u64) -> Result<Box<dyn Appender>> {
+        self.files.create(&self.unfinished(number))
+    }
+
+    /// The unfinished file of a number.
+    pub fn unfinished(&self, number: u64) -> PathBuf {
+        self.path(number, UNFINISHED)
+    }
+
+    /// Gives the unfinished file of a number its name, for good.
+    pub fn publish(&self, number: u64, path: &Path) -> Result<()> {
+        self.files.rename(&self.unfinished(number), path)
+    }
+
+    /// Whether a number has an unfinished file, as far as can be seen.
+    pub fn is_unfinished(&self, number: u64) -> bool {
+        self.numbers(UNFINISHED).is_ok_and(|numbers| numbers.contains(&number))
+    }
+
+    /// Removes the unfinished file of a number.
+    pub fn abandon(&self, number: u64) -> Result<()> {
+        self.files.remove(&self.unfinished(number))
+    }
+
+    /// Whether a session that was killed has left an unfinished file. Those of living ones are locked before the first
+    /// byte is in them.
+    pub fn is_left(&self, unfinished: &Path) -> bool {
+        self.files.open(unfinished).is_ok_and(|source| source.bytes > 0)
+    }
+
+    /// Removes the files with an ending that there is no room for, those written longest ago first, and `newest` last,
+    /// whatever the clock says.
+    pub fn keep_within(&self, ending: &str, newest: &Path, max_bytes: u64, max_count: usize) {
+        let known = |path: PathBuf| {
+            let source = self.files.open_shared(&path).ok()?;
+            Some((path != newest, Reverse(source.changed_unix_s), source.bytes, path))
+        };
+        let paths = self.paths(ending).unwrap_or_default();
+        let mut all: Vec<_> = paths.into_iter().filter_map(known).collect();
+        all.sort();
+        let mut bytes = 0;
+        for (at, (_, _, own_bytes, path)) in all.iter().enumerate() {
+            bytes += own_bytes;
+            if bytes > max_bytes || at >= max_count {
+                self.remove_needless(path);
+            }
+        }
+    }
+}
+
+/// The path of a file in a folder.
+pub(super) fn path_in(folder: &Path, stem: impl Display, ending: &str) -> PathBuf {
+    folder.join(format!("{stem}.{ending}"))
+}
+
+/// Whether a file has an ending.
+pub(super) fn has_ending(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|own| own == ending)
+}
+
+/// Creates a file under the first free number, from `first` on. `taken`: the kinds of error by which `create` says that
+/// a number is another's. Returns the number, too.
+pub(super) fn create_numbered<T>(
+    first: u64,
+    taken: &[ErrorKind],
+    mut create: impl FnMut(u64) -> Result<T>,
+) -> Result<(u64, T)> {
+    for number in first..=u64::MAX {
+        match create(number) {
+            Err(error) if taken.contains(&error.kind()) => {}
+            created => return created.map(|file| (number, file)),
+        }
+    }
+    Err(ErrorKind::AlreadyExists.into())
+}
