@@ -8,12 +8,14 @@ mod access;
 mod error;
 mod files;
 mod histories;
-mod keeping;
+mod journal_keeper;
 mod lock;
 mod meshes;
 mod on_disk;
+mod pictures;
 mod recording;
 mod recover;
+mod safekeeping;
 #[cfg(test)]
 mod tests;
 mod work;
@@ -21,25 +23,26 @@ mod work;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::command::{Command, NewSculpture};
 use crate::document::{Applied, CommandError, Document, Limits};
 use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, Loaded, Texts};
-use crate::persist::saved_history::SavedHistories;
-use crate::persist::spill::Spill;
+use crate::persist::journal::Entry;
 use crate::progress::Progress;
 use crate::sculpture::orientation::{Orientation, Up};
 use access::Access;
 pub use access::FileAccess;
 pub use error::SessionError;
 use files::Files;
-use keeping::Keeping;
+use histories::Histories;
+use journal_keeper::{JournalKeeper, opened_entry, saved_entry};
 pub use lock::Holder;
 use meshes::KeptMeshes;
 pub use on_disk::FileIdentity;
 use on_disk::OnDisk;
+use pictures::Pictures;
 use recording::Recording;
 pub use recover::{Recovered, RecoveryReport, Summary, recover, summary};
 pub use work::{Done, Work};
@@ -60,15 +63,12 @@ pub struct Session {
     recording: Option<Recording>,
     /// Why the recording has ended.
     journal_error: Option<SessionError>,
-    journal: Option<Keeping>,
-    /// Where the undo steps go that memory has no room for.
-    spill: Option<Arc<Spill>>,
-    /// The undo histories of saved files.
-    histories: Option<Arc<SavedHistories>>,
+    journal: Option<JournalKeeper>,
+    /// The undo histories on the disk.
+    histories: Histories,
     /// The data kept of the last mesh that was written.
     meshes: Option<KeptMeshes>,
-    /// The bytes of the images that are loaded, or were for the last stroke.
-    pictures: HashMap<PathBuf, Arc<[u8]>>,
+    pictures: Pictures,
     /// Files whose content is given by commands.
     embedded: HashMap<PathBuf, Arc<[u8]>>,
     /// Notes on what reading the last file left out, for the user.
@@ -113,10 +113,9 @@ impl Session {
             recording: None,
             journal_error: None,
             journal: None,
-            spill: None,
-            histories: None,
+            histories: Histories::default(),
             meshes: None,
-            pictures: HashMap::new(),
+            pictures: Pictures::default(),
             embedded: HashMap::new(),
             notes: Vec::new(),
         }
@@ -133,26 +132,6 @@ impl Session {
         if let Some(meshes) = &self.meshes {
             meshes.clear();
         }
-    }
-
-    /// Gives undo steps that memory has no room for to a file in this folder, up to
-    /// [`Limits::history_disk_bytes`]; nothing if that is 0. The file goes with the session.
-    ///
-    /// # Errors
-    /// If no thread can be made. Problems with files are reported by [`Session::take_history_message`].
-    pub fn keep_history_in(&mut self, folder: &Path) -> std::io::Result<()> {
-        self.spill = spill(folder, self.document.limits())?;
-        if let Some(spill) = &self.spill {
-            self.document.use_step_store(spill.clone());
-        }
-        Ok(())
-    }
-
-    /// Returns the message for the user on the history on disk or on those of saved files: that they cannot be written,
-    /// or can be again. Each is returned once.
-    pub fn take_history_message(&self) -> Option<String> {
-        let of_saved = self.histories.as_ref().and_then(|histories| histories.take_message());
-        of_saved.or_else(|| self.spill.as_ref()?.take_message())
     }
 
     /// The document.
@@ -250,7 +229,7 @@ impl Session {
         }
         let began = Instant::now();
         let sculpture = self.document.state().sculpture;
-        self.forget_pictures(command);
+        self.pictures.forget_at_stroke(command, &mut self.document);
         self.learn_pictures(command)?;
         let applied = self.document.apply(command)?;
         if self.document.state().sculpture != sculpture {
@@ -261,32 +240,15 @@ impl Session {
         Ok(applied)
     }
 
-    /// Images are read again with every stroke: the file may have been changed by then.
-    fn forget_pictures(&mut self, command: &Command) {
-        if matches!(command, Command::Begin { .. }) && !self.document.stroke_open() {
-            self.pictures.retain(|path, _| self.document.has_picture(path));
-            self.document.forget_pictures();
-        }
-    }
-
     /// Reads the images that a command needs, unless they are loaded.
     fn learn_pictures(&mut self, command: &Command) -> Result<(), SessionError> {
-        let needed: Vec<PathBuf> = match command {
-            Command::Array { .. } => {
-                self.document.pictures_to_repeat().map(Path::to_path_buf).collect()
-            }
-            command => command.picture().map(Path::to_path_buf).into_iter().collect(),
-        };
-        for path in needed {
+        for path in Pictures::needed(command, &self.document) {
             if !self.document.has_picture(&path) {
-                let failed = |error| SessionError::Picture { path: path.clone(), error };
-                let (texture, file) = match self.embedded.get(&path) {
-                    Some(file) => (format::picture_of(file).map_err(failed)?, file.to_vec()),
-                    None => format::load_picture_file(&path).map_err(failed)?,
-                };
-                self.document.learn_picture(&path, texture);
+                let embedded = self.embedded.get(&path);
+                let file = Pictures::read(&path, embedded, &mut self.document)?;
                 self.record_picture(&path, &file);
-                self.keep_picture(path, file);
+                let file = self.pictures.keep(&path, file);
+                self.keep(Entry::Picture { path, file }, Duration::ZERO);
             }
         }
         Ok(())
@@ -302,7 +264,7 @@ impl Session {
             self.document.require_room_for_whole(command.verb())?;
         }
         if let Command::Save { path, .. } = command {
-            self.require_may_write(path)?;
+            self.access.require_may_write(path)?;
         }
         let task = match command.clone() {
             Command::Orient(orientation) if orientation != Orientation::UPRIGHT => {
@@ -325,7 +287,7 @@ impl Session {
             Command::New(new) => Task::New { new, limits },
             Command::Open { path, import } => {
                 let embedded = self.embedded.get(&path).cloned();
-                let histories = self.histories.clone();
+                let histories = self.histories.saved().cloned();
                 Task::Open { path, embedded, import, limits, histories }
             }
             Command::Save { path, export } => Task::Save {
@@ -343,7 +305,7 @@ impl Session {
                 contents: self.document.share_contents(),
                 texts: self.files.texts(self.document.state()),
                 state: self.document.state(),
-                steps: self.steps_to_keep(),
+                steps: self.histories.steps_to_keep(&self.document, &self.files),
             },
             _ => return Ok(None),
         };
@@ -386,7 +348,7 @@ impl Session {
                 let Loaded { contents, texts, assumed_up, notes, .. } = *loaded;
                 self.document.replace(contents, &format!("open {name}"))?;
                 self.notes = notes;
-                entry = Some(self.opened_entry(&path, &texts, assumed_up));
+                entry = Some(opened_entry(&self.document, &path, &texts, assumed_up));
                 self.files.opened(self.document.state(), path, texts, assumed_up);
                 self.go_on_with(history);
             }
@@ -394,9 +356,9 @@ impl Session {
             Outcome::Saved { path, notes, state, identity, history, lock } => {
                 self.on_disk.learn(&path, identity);
                 self.notes = notes;
-                self.keep_saved_history(history);
+                self.histories.keep(history);
                 if format::is_sculpture(&path) {
-                    entry = Some(keeping::saved_entry(&path, state));
+                    entry = Some(saved_entry(&path, state));
                     if state.sculpture == self.document.state().sculpture {
                         self.access.adopt(&path, lock);
                     }
@@ -415,6 +377,13 @@ impl Session {
             (None, _) => self.keep_command(&command, applied, took),
         }
         Ok(applied)
+    }
+
+    /// Adds an executed command to the journal.
+    fn keep_command(&mut self, command: &Command, applied: Applied, took: Duration) {
+        if let Some((journal, parts)) = self.journal_and_parts() {
+            journal.keep_command(command, applied, took, parts);
+        }
     }
 
     fn keep_reachable_files(&mut self) {
@@ -473,13 +442,4 @@ impl Session {
             self.journal_error = Some(error);
         }
     }
-}
-
-/// A store for the undo steps that memory has no room for, if the limits allow one.
-fn spill(folder: &Path, limits: &Limits) -> std::io::Result<Option<Arc<Spill>>> {
-    if limits.history_disk_bytes == 0 {
-        return Ok(None);
-    }
-    let spill = Spill::new(folder, limits.history_disk_bytes, limits.history_bytes / 4)?;
-    Ok(Some(Arc::new(spill)))
 }

@@ -7,9 +7,9 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use super::error::SessionError;
 use super::lock::{self, FileLock, Holder, Taken};
 use super::on_disk::key;
-use super::{Session, SessionError};
 use crate::format;
 
 /// How a session treats the files of its sculptures.
@@ -66,79 +66,63 @@ impl Access {
             self.read_only.insert(key(path));
         }
     }
-}
 
-impl Session {
-    /// Changes how files are treated from now on, that of the present sculpture included.
-    pub fn set_file_access(&mut self, mode: FileAccess) {
-        self.access.mode = mode;
-        if let Some(path) = self.path().map(Path::to_path_buf) {
-            self.access.opened(&path);
+    /// Changes how files are treated from now on, that of the present sculpture at `path` included.
+    pub fn set_mode(&mut self, mode: FileAccess, path: Option<&Path>) {
+        self.mode = mode;
+        if let Some(path) = path {
+            self.opened(path);
         }
-        self.follow_file();
+        self.follow(path);
     }
 
     /// How files are treated.
-    pub fn file_access(&self) -> FileAccess {
-        self.access.mode
+    pub fn mode(&self) -> FileAccess {
+        self.mode
     }
 
     /// The other program that has the present sculpture's file open, if there is one. Returned once.
     pub fn take_foreign_holder(&mut self) -> Option<Holder> {
-        if !std::mem::take(&mut self.access.is_news) {
+        if !std::mem::take(&mut self.is_news) {
             return None;
         }
-        match &self.access.present.as_ref()?.taken {
+        match &self.present.as_ref()?.taken {
             Taken::Foreign(holder) => Some(holder.clone()),
             _ => None,
         }
     }
 
-    /// Whether the present sculpture's file is not to be overwritten.
-    pub fn is_read_only(&self) -> bool {
-        self.path().is_some_and(|path| self.access.read_only.contains(&key(path)))
+    /// Whether the file at `path` is not to be overwritten.
+    pub fn is_read_only(&self, path: &Path) -> bool {
+        self.read_only.contains(&key(path))
     }
 
-    /// Does not overwrite the present sculpture's file from now on.
-    pub fn keep_read_only(&mut self) {
-        if let Some(path) = self.path() {
-            let path = key(path);
-            self.access.read_only.insert(path);
-        }
-    }
-
-    /// Makes the present sculpture a copy of its file, which has no file yet and so is not saved.
-    pub fn become_copy(&mut self) {
-        self.files.forget(self.document.state());
-        // No command has done this: the journal goes on from a checkpoint.
-        if let Some(journal) = &mut self.journal {
-            journal.note_gap();
-        }
-        self.attend_journal();
-        self.follow_file();
+    /// Does not overwrite the file at `path` from now on.
+    pub fn keep_read_only(&mut self, path: &Path) {
+        self.read_only.insert(key(path));
     }
 
     /// Refuses to overwrite a file that was opened to be read only.
-    pub(super) fn require_may_write(&self, path: &Path) -> Result<(), SessionError> {
-        match self.access.read_only.contains(&key(path)) {
+    pub fn require_may_write(&self, path: &Path) -> Result<(), SessionError> {
+        match self.is_read_only(path) {
             true => Err(SessionError::ReadOnly { path: path.to_path_buf() }),
             false => Ok(()),
         }
     }
 
-    /// Locks the file of the present sculpture, and gives back the lock of any other.
-    pub(super) fn follow_file(&mut self) {
+    /// Locks the file of the present sculpture at `path`, and gives back the lock of any other.
+    pub fn follow(&mut self, path: Option<&Path>) {
         let is_locked =
-            |path: &&Path| self.access.mode == FileAccess::Locked && format::is_sculpture(path);
-        let path = self.path().filter(is_locked).map(key);
-        if self.access.present.as_ref().is_some_and(|present| present.path == path) {
+            |path: &&Path| self.mode == FileAccess::Locked && format::is_sculpture(path);
+        let path = path.filter(is_locked).map(key);
+        if self.present.as_ref().is_some_and(|present| present.path == path) {
             return;
         }
         // The former lock first: the new one may be of the same file by another name.
-        self.access.present = None;
+        self.present = None;
         let taken = path.as_deref().map_or(Taken::Without, lock::take);
-        self.access.is_news = matches!(taken, Taken::Foreign(_));
-        self.access.present = Some(Present { path, taken });
+        self.is_news = matches!(taken, Taken::Foreign(_));
+        self.present = Some(Present { path, taken });
     }
 }
 

@@ -1,99 +1,107 @@
-//! The undo history of saved files in a session: kept when a file is saved, found when it is opened.
+//! The undo histories of a session on the disk: the steps that memory has no room for, and the histories of saved
+//! files, kept when a file is saved and found when it is opened.
 //!
-//! Steps come on top of those that the session has: an `open` that was undone as such is then below them.
+//! Steps of a saved history come on top of those that the session has: an `open` that was undone as such is then below
+//! them. Knows no session.
 
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::Session;
+use super::files::Files;
 use super::on_disk::FileIdentity;
-use crate::document::{DocumentSnapshot, Limits};
+use crate::document::{Document, Limits};
 use crate::persist::SculptureFile;
 use crate::persist::saved_history::{
     Found, HistoryToKeep, KeptSteps, SavedHistories, SavedHistory, SavedHistoryOptions,
 };
+use crate::persist::spill::Spill;
 use crate::sculpture::Digest;
 use crate::sculpture::history::{Contents, StepStore};
 
-impl Session {
-    /// Keeps the undo histories of the files that are saved from now on, and goes on with those of the files that are
-    /// opened. If the session began with a file, with that of this file, too: to be called before a journal or a
-    /// recording begins, and after [`Session::keep_history_in`].
-    pub fn keep_saved_histories(&mut self, options: SavedHistoryOptions) {
-        let histories = Arc::new(SavedHistories::new(options));
-        self.histories = Some(histories.clone());
-        let history = self.document.history();
-        let is_untouched = history.undo_count() + history.redo_count() == 0 && !self.modified();
-        let identity = self.path().and_then(|path| self.on_disk.known(path));
-        if is_untouched && identity.is_some() {
-            let (contents, limits) = (self.document.contents(), self.document.limits());
-            let found = find(Some(&histories), identity, contents, limits);
-            self.go_on_with(found);
-        }
+/// The undo histories of a session on the disk; none unless they are asked for.
+#[derive(Debug, Default)]
+pub(super) struct Histories {
+    /// Where the undo steps go that memory has no room for.
+    spill: Option<Arc<Spill>>,
+    /// The undo histories of saved files.
+    saved: Option<Arc<SavedHistories>>,
+}
+
+impl Histories {
+    /// Those of a session that puts undo steps that memory has no room for in a folder, if the limits allow that.
+    pub fn with_steps_in(folder: &Path, limits: &Limits) -> std::io::Result<Histories> {
+        let mut histories = Histories::default();
+        histories.keep_steps_in(folder, limits)?;
+        Ok(histories)
     }
 
-    /// All steps with what they have led to, and where those of them lie that memory has no room for; none within a
-    /// stroke.
-    pub fn steps(&self) -> Option<(DocumentSnapshot, Option<Arc<dyn StepStore>>)> {
-        let store = self.spill.clone().map(|spill| spill as Arc<dyn StepStore>);
-        Some((self.document.snapshot()?, store))
+    /// Puts undo steps that memory has no room for in a folder, if the limits allow that: [`Histories::step_store`].
+    pub fn keep_steps_in(&mut self, folder: &Path, limits: &Limits) -> std::io::Result<()> {
+        self.spill = match limits.history_disk_bytes {
+            0 => None,
+            bytes => Some(Arc::new(Spill::new(folder, bytes, limits.history_bytes / 4)?)),
+        };
+        Ok(())
     }
 
-    /// How the histories of saved files are kept, if they are.
-    pub fn saved_history_options(&self) -> Option<&SavedHistoryOptions> {
-        self.histories.as_deref().map(SavedHistories::options)
+    /// Where the steps lie that memory has no room for.
+    pub fn step_store(&self) -> Option<Arc<dyn StepStore>> {
+        self.spill.clone().map(|spill| spill as Arc<dyn StepStore>)
     }
 
-    /// Waits until the history of the file that was saved last is written.
-    pub fn wait_for_saved_history(&self) {
-        if let Some(histories) = &self.histories {
-            histories.wait();
-        }
+    /// Keeps the histories of the files that are saved from now on.
+    pub fn keep_saved(&mut self, options: SavedHistoryOptions) {
+        self.saved = Some(Arc::new(SavedHistories::new(options)));
+    }
+
+    /// The histories of saved files, if they are kept.
+    pub fn saved(&self) -> Option<&Arc<SavedHistories>> {
+        self.saved.as_ref()
+    }
+
+    /// Returns the message for the user, each once.
+    pub fn take_message(&self) -> Option<String> {
+        let of_saved = self.saved.as_ref().and_then(|saved| saved.take_message());
+        of_saved.or_else(|| self.spill.as_ref()?.take_message())
     }
 
     /// The steps that a save is to keep. Within a stroke there are none.
-    pub(super) fn steps_to_keep(&self) -> Option<KeptSteps> {
-        self.histories.as_ref()?;
-        Some(KeptSteps::of(self.document.snapshot()?, self.files.all()))
+    pub fn steps_to_keep(&self, document: &Document, files: &Files) -> Option<KeptSteps> {
+        self.saved.as_ref()?;
+        Some(KeptSteps::of(document.snapshot()?, files.all()))
     }
 
     /// Writes the history of a file that has been saved.
-    pub(super) fn keep_saved_history(&self, history: Option<HistoryToKeep>) {
-        if let (Some(histories), Some(history)) = (&self.histories, history) {
-            histories.keep(history);
+    pub fn keep(&self, history: Option<HistoryToKeep>) {
+        if let (Some(saved), Some(history)) = (&self.saved, history) {
+            saved.keep(history);
         }
     }
 
-    /// Goes on with the history of the file that has just been opened.
-    pub(super) fn go_on_with(&mut self, found: Found) {
-        let SavedHistory { history, state, files } = match found {
-            Found::Nothing => return,
+    /// Adds the history of the file that has just been opened to that of the document. Whether there is one.
+    pub fn adopt(&self, found: Found, document: &mut Document, files: &mut Files) -> bool {
+        let SavedHistory { history, state, files: texts } = match found {
+            Found::Nothing => return false,
             Found::Unusable(why) => {
-                if let Some(histories) = &self.histories {
-                    let path = self.path().map(|path| path.display().to_string());
+                if let Some(saved) = &self.saved {
+                    let path = files.path(document.state()).map(|path| path.display().to_string());
                     let name = path.unwrap_or_default();
-                    histories.tell(format!(
+                    saved.tell(format!(
                         "the undo history of {name} is left out: {why}; the sculpture itself is whole"
                     ));
                 }
-                return;
+                return false;
             }
             Found::History(history) => history,
         };
-        let sculptures: HashMap<u64, u64> = self.document.adopt_history(history, state);
-        for file in files {
+        let sculptures: HashMap<u64, u64> = document.adopt_history(history, state);
+        for file in texts {
             if let Some(&sculpture) = sculptures.get(&file.sculpture) {
-                self.files.add(SculptureFile { sculpture, ..file });
+                files.add(SculptureFile { sculpture, ..file });
             }
         }
-        // Neither a journal nor a recording can repeat it: they go on from what is now.
-        if let Some(recording) = &mut self.recording {
-            recording.fall_behind();
-        }
-        if let Some(journal) = &mut self.journal {
-            journal.note_gap();
-        }
+        true
     }
 }
 

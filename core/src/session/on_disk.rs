@@ -9,7 +9,6 @@ use std::fs::{self, File};
 use std::io::{ErrorKind, Result};
 use std::path::{Path, PathBuf};
 
-use super::Session;
 use crate::format;
 use crate::sculpture::digest::Digest;
 
@@ -79,14 +78,5 @@ pub(super) fn key(path: &Path) -> PathBuf {
     match (folder, absolute.file_name()) {
         (Some(folder), Some(name)) => folder.join(name),
         _ => absolute,
-    }
-}
-
-impl Session {
-    /// The person has been told that another program has changed the file at `path`, and wants it replaced as it was
-    /// found then ([`SessionError::ChangedOnDisk`](super::SessionError::ChangedOnDisk)): the next
-    /// [`Command::Save`](crate::command::Command::Save) does so, unless it has changed once more.
-    pub fn accept_change_on_disk(&mut self, path: &Path, found: Option<FileIdentity>) {
-        self.on_disk.learn(path, found);
     }
 }

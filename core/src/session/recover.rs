@@ -3,16 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Session, SessionError};
+use super::Session;
+use super::error::SessionError;
+use super::files::Files;
+use super::histories::Histories;
 use crate::command::Command;
 use crate::document::{Document, Limits};
-use crate::format;
 use crate::format::FormatError;
 use crate::persist::files::Source;
 use crate::persist::frame::Ending;
 use crate::persist::journal::{Checkpoint, Entry, JournalError, JournalReader, Mark};
 use crate::progress::Progress;
-use crate::sculpture::history::{State, StepStore};
+use crate::sculpture::history::State;
 
 /// A session that was brought back.
 #[derive(Debug)]
@@ -72,7 +74,7 @@ pub fn recover(
 ) -> Result<Recovered, JournalError> {
     let bytes = source.bytes.max(1);
     let (mut reader, checkpoint) = JournalReader::open(source, limits)?;
-    let mut session = Session::restored(checkpoint, history_folder)?;
+    let mut replay = Replay::begin(checkpoint, history_folder)?;
     let mut report =
         RecoveryReport { entries: 0, in_stroke: false, ending: Ending::Whole, difference: None };
     progress.begin("replaying the journal");
@@ -83,7 +85,7 @@ pub fn recover(
         progress.advance(1.0 - reader.bytes_left() as f32 / bytes as f32);
         let number = report.entries + 1;
         let replayed = match entry {
-            Ok(entry) => session.replay(entry).map_err(|error| error.to_string()),
+            Ok(entry) => replay.repeat(entry).map_err(|error| error.to_string()),
             Err(error) => Err(error.to_string()),
         };
         match replayed {
@@ -100,8 +102,10 @@ pub fn recover(
     }
     progress.end();
     report.ending = reader.ending().unwrap_or(Ending::Damaged);
+    let mut session = replay.session;
     session.document.raise_history_budget(limits);
-    if let Some(folder) = history_folder.filter(|_| session.spill.is_none()) {
+    let lacks_store = session.histories.step_store().is_none();
+    if let Some(folder) = history_folder.filter(|_| lacks_store) {
         session.keep_history_in(folder).map_err(FormatError::from)?;
     }
     if session.document.stroke_open() {
@@ -126,7 +130,7 @@ pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError>
     let mut now = settled;
     let mut dims = document.contents.grid.dims().to_array();
     let mut voxels = document.contents.grid.opaque_count();
-    let mut files = super::Files::restored(checkpoint.files);
+    let mut files = Files::restored(checkpoint.files);
     let mut in_stroke = false;
     let begun = now;
     let mut untouched = document.history.undo.is_empty() && document.history.redo.is_empty();
@@ -179,84 +183,84 @@ pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError>
     })
 }
 
-impl Session {
-    fn restored(
-        checkpoint: Checkpoint,
-        history_folder: Option<&Path>,
-    ) -> Result<Session, FormatError> {
+/// A session that is brought back, entry by entry.
+struct Replay {
+    session: Session,
+}
+
+impl Replay {
+    /// Begins with a checkpoint.
+    fn begin(checkpoint: Checkpoint, history_folder: Option<&Path>) -> Result<Replay, FormatError> {
         let Checkpoint { document, files, pictures, limits } = checkpoint;
-        let spill =
-            history_folder.map(|folder| super::spill(folder, &limits)).transpose()?.flatten();
-        let store = spill.clone().map(|spill| spill as Arc<dyn StepStore>);
-        let document = Document::restored(document, limits, store)
+        let histories =
+            history_folder.map(|folder| Histories::with_steps_in(folder, &limits)).transpose()?;
+        let histories = histories.unwrap_or_default();
+        let document = Document::restored(document, limits, histories.step_store())
             .map_err(|_| FormatError::Damaged("a setting of the session is refused"))?;
         // A recording begins before anything is changed; this session is past that.
         let beginning = Command::Undo { steps: Some(0) };
         let mut session = Session::with_document(document, beginning);
-        session.spill = spill;
-        session.files = super::Files::restored(files);
+        session.histories = histories;
+        session.files = Files::restored(files);
         for (path, file) in pictures {
-            session.document.learn_picture(&path, format::picture_of(&file)?);
-            session.pictures.insert(path, file);
+            session.pictures.restore(path, file, &mut session.document)?;
         }
-        Ok(session)
+        Ok(Replay { session })
     }
 
     /// Repeats an entry, without a look at any file. Returns what differs from what the session had then.
-    fn replay(&mut self, entry: Entry) -> Result<Option<String>, SessionError> {
+    fn repeat(&mut self, entry: Entry) -> Result<Option<String>, SessionError> {
+        let session = &mut self.session;
         match entry {
             Entry::Command { command, mark } => {
-                self.forget_pictures(&command);
-                self.document.apply(&command)?;
+                session.pictures.forget_at_stroke(&command, &mut session.document);
+                session.document.apply(&command)?;
                 if matches!(command, Command::New(_)) {
-                    self.files.made(self.document.state());
+                    session.files.made(session.document.state());
                 }
-                if !self.document.stroke_open() {
-                    self.keep_reachable_files();
+                if !session.document.stroke_open() {
+                    session.keep_reachable_files();
                 }
-                Ok(self.difference(mark))
+                Ok(difference(&session.document, mark))
             }
             Entry::Opened { path, contents, texts, assumed_up, mark } => {
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-                self.document.replace(Arc::unwrap_or_clone(contents), &format!("open {name}"))?;
-                self.files.opened(self.document.state(), path, texts, assumed_up);
-                self.keep_reachable_files();
-                Ok(self.difference(mark))
+                let contents = Arc::unwrap_or_clone(contents);
+                session.document.replace(contents, &format!("open {name}"))?;
+                session.files.opened(session.document.state(), path, texts, assumed_up);
+                session.keep_reachable_files();
+                Ok(difference(&session.document, mark))
             }
             Entry::Saved { path, state } => {
-                self.files.saved(state, path);
+                session.files.saved(state, path);
                 Ok(None)
             }
             Entry::Picture { path, file } => {
-                let lost = || {
-                    let error = FormatError::Damaged("the journal does not hold the image");
-                    SessionError::Picture { path: path.clone(), error }
-                };
-                let file = match file {
-                    Some(file) => file,
-                    None => self.pictures.get(&path).cloned().ok_or_else(lost)?,
-                };
-                let texture = format::picture_of(&file)
-                    .map_err(|error| SessionError::Picture { path: path.clone(), error })?;
-                self.document.learn_picture(&path, texture);
-                self.pictures.insert(path, file);
-                Ok(None)
+                let file = file.or_else(|| session.pictures.file(&path));
+                let lost = FormatError::Damaged("the journal does not hold the image");
+                let restored = file.ok_or(lost).and_then(|file| {
+                    session.pictures.restore(path.clone(), file, &mut session.document)
+                });
+                match restored {
+                    Ok(()) => Ok(None),
+                    Err(error) => Err(SessionError::Picture { path, error }),
+                }
             }
         }
     }
+}
 
-    fn difference(&self, mark: Mark) -> Option<String> {
-        let now = Mark::of(&self.document);
-        let State { sculpture, number } = mark.state;
-        let differs = now != mark;
-        differs.then(|| {
-            let of =
-                |mark: Mark| format!("{} voxels and {} painted bricks", mark.voxels, mark.pages);
-            format!(
-                "the replay led to {}, the session had {} (state {sculpture}.{number})",
-                of(now),
-                of(mark)
-            )
-        })
-    }
+/// How a document differs from what the session had, if it does.
+fn difference(document: &Document, mark: Mark) -> Option<String> {
+    let now = Mark::of(document);
+    let State { sculpture, number } = mark.state;
+    let differs = now != mark;
+    differs.then(|| {
+        let of = |mark: Mark| format!("{} voxels and {} painted bricks", mark.voxels, mark.pages);
+        format!(
+            "the replay led to {}, the session had {} (state {sculpture}.{number})",
+            of(now),
+            of(mark)
+        )
+    })
 }

@@ -1,0 +1,170 @@
+//! Keeps the journal of a session going: an entry for each command that was executed, and a checkpoint whenever one is
+//! wanted and no stroke is open.
+//!
+//! Takes the parts of a session that a checkpoint holds; knows no session. Nothing here waits for a disk unless it is
+//! asked to, and nothing that goes wrong there makes a command fail.
+
+use std::io::{Error, ErrorKind, Result};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::files::Files;
+use super::pictures::Pictures;
+use crate::command::Command;
+use crate::document::{Applied, Document};
+use crate::format::Texts;
+use crate::persist::journal::{Checkpoint, Entry, JournalOptions, JournalWriter, Mark, STATES};
+use crate::sculpture::Digest;
+use crate::sculpture::history::State;
+use crate::sculpture::orientation::Up;
+
+/// The parts of a session that a checkpoint holds.
+#[derive(Debug)]
+pub(super) struct Parts<'a> {
+    pub document: &'a Document,
+    pub files: &'a Files,
+    pub pictures: &'a mut Pictures,
+}
+
+impl Parts<'_> {
+    /// All that the session is, with as many steps as half of `max_bytes` holds, and how many are missing. None
+    /// within a stroke.
+    fn checkpoint(&mut self, max_bytes: u64) -> Option<(Checkpoint, [usize; 2])> {
+        let mut document = self.document.snapshot()?;
+        let missing =
+            document.history.shorten(usize::try_from(max_bytes / 2).unwrap_or(usize::MAX));
+        let pictures = self.pictures.loaded(self.document);
+        let limits = *self.document.limits();
+        Some((Checkpoint { document, files: self.files.all(), pictures, limits }, missing))
+    }
+}
+
+/// The journal of a session.
+#[derive(Debug)]
+pub(super) struct JournalKeeper {
+    writer: JournalWriter,
+    /// How many steps of the undo and the redo list, those furthest away, the journal does not hold.
+    missing: [usize; 2],
+}
+
+impl JournalKeeper {
+    /// Begins a journal with what the session is now.
+    ///
+    /// # Errors
+    /// If no thread can be made, or a stroke is open.
+    pub fn begin(options: JournalOptions, mut parts: Parts) -> Result<JournalKeeper> {
+        let Some((checkpoint, missing)) = parts.checkpoint(options.max_bytes) else {
+            let text = "a journal cannot begin within a stroke";
+            return Err(Error::new(ErrorKind::InvalidInput, text));
+        };
+        Ok(JournalKeeper { writer: JournalWriter::begin(options, checkpoint)?, missing })
+    }
+
+    /// The thread that writes, to ask how it goes and to wait for it.
+    pub fn writer(&self) -> &JournalWriter {
+        &self.writer
+    }
+
+    /// The journal's file, once it has one.
+    pub fn path(&self) -> Option<PathBuf> {
+        Some(self.writer.options().journal_dir.path(self.writer.number()?))
+    }
+
+    /// Ends the journal; `remove`: nothing of it is needed any more.
+    pub fn end(self, remove: bool) {
+        self.writer.end(remove);
+    }
+
+    /// Notes that something was done that no entry can repeat: a checkpoint follows.
+    pub fn note_gap(&mut self) {
+        self.writer.note_gap();
+    }
+
+    /// Gives the journal a checkpoint if it wants one and no stroke is open.
+    pub fn attend(&mut self, mut parts: Parts) {
+        if !self.writer.wants_checkpoint() {
+            return;
+        }
+        let checkpoint = parts.checkpoint(self.writer.options().max_bytes);
+        let Some((checkpoint, missing)) = checkpoint else { return };
+        self.writer.checkpoint(checkpoint);
+        self.missing = missing;
+    }
+
+    /// Adds an executed command.
+    pub fn keep_command(
+        &mut self,
+        command: &Command,
+        applied: Applied,
+        took: Duration,
+        parts: Parts,
+    ) {
+        let steps = Some(applied.steps);
+        let command = match command {
+            // As many as there were: the journal may hold fewer than the session has.
+            Command::Undo { .. } => Command::Undo { steps },
+            Command::Redo { .. } => Command::Redo { steps },
+            command => command.clone(),
+        };
+        self.keep(Entry::Command { command, mark: Mark::of(parts.document) }, took, parts);
+    }
+
+    /// Adds an entry.
+    pub fn keep(&mut self, entry: Entry, took: Duration, parts: Parts) {
+        let JournalKeeper { writer, missing } = self;
+        let history = parts.document.history();
+        let left = [history.undo_count(), history.redo_count()];
+        let travels = matches!(
+            entry,
+            Entry::Command { command: Command::Undo { .. } | Command::Redo { .. }, .. }
+        );
+        if travels && (left[0] < missing[0] || left[1] < missing[1]) {
+            // It went through steps that the journal lacks.
+            writer.note_gap();
+        }
+        if tracing::enabled!(target: STATES, tracing::Level::TRACE) {
+            let stroke = if parts.document.stroke_open() { " within a stroke" } else { "" };
+            let digest = Digest::of(parts.document.contents());
+            tracing::trace!(target: STATES, "done {} {digest}{stroke}", writer.entries() + 1);
+        }
+        writer.push(entry, took);
+        #[cfg(debug_assertions)]
+        fail_on_demand(writer.entries());
+        if left[1] == 0 {
+            missing[1] = 0;
+        }
+        self.attend(parts);
+    }
+}
+
+/// The entry of a file that has just been opened.
+pub(super) fn opened_entry(
+    document: &Document,
+    path: &Path,
+    texts: &Texts,
+    assumed_up: Option<Up>,
+) -> Entry {
+    Entry::Opened {
+        path: absolute(path),
+        contents: document.share_contents(),
+        texts: texts.clone(),
+        assumed_up,
+        mark: Mark::of(document),
+    }
+}
+
+/// A fault for tests: after `VS_PANIC_AT` entries the program panics. Not in the program that people use.
+#[cfg(debug_assertions)]
+fn fail_on_demand(entries: u64) {
+    let at = std::env::var("VS_PANIC_AT").ok().and_then(|text| text.parse().ok());
+    assert!(at != Some(entries), "VS_PANIC_AT asked for it");
+}
+
+/// The entry of a file that was saved.
+pub(super) fn saved_entry(path: &Path, state: State) -> Entry {
+    Entry::Saved { path: absolute(path), state }
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
+}
