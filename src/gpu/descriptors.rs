@@ -6,6 +6,7 @@ use ash::vk;
 
 use super::device::Device;
 use super::error::{During, Result};
+use super::memory::Piece;
 use super::retire::Retired;
 
 /// One binding of set 0: number, kind, and the stages that access it.
@@ -185,16 +186,9 @@ impl DescriptorSets {
         unsafe { self.device.raw().update_descriptor_sets(&[write], &[]) };
     }
 
-    /// Binds a buffer, or a range of it.
-    pub fn write_buffer(
-        &self,
-        index: usize,
-        binding: u32,
-        kind: vk::DescriptorType,
-        buffer: vk::Buffer,
-        offset: u64,
-        bytes: u64,
-    ) {
+    /// Binds a range of a buffer.
+    pub fn write_buffer(&self, index: usize, binding: u32, kind: vk::DescriptorType, range: Piece) {
+        let Piece { buffer, offset, bytes } = range;
         let buffers =
             [vk::DescriptorBufferInfo::default().buffer(buffer).offset(offset).range(bytes)];
         let write = vk::WriteDescriptorSet::default()

@@ -23,6 +23,22 @@ pub struct Buffer {
     device: Arc<Device>,
 }
 
+/// A range of a buffer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Piece {
+    pub buffer: vk::Buffer,
+    pub offset: u64,
+    pub bytes: u64,
+}
+
+impl Piece {
+    /// Both halves of the range.
+    pub fn halves(self) -> [Piece; 2] {
+        let bytes = self.bytes / 2;
+        [Piece { bytes, ..self }, Piece { offset: self.offset + bytes, bytes, ..self }]
+    }
+}
+
 impl Buffer {
     /// `location`: `GpuOnly`, `CpuToGpu` (written by the CPU) or `GpuToCpu` (read by it); the
     /// latter two are persistently mapped and coherent.
@@ -60,6 +76,11 @@ impl Buffer {
 
     pub fn bytes(&self) -> u64 {
         self.bytes
+    }
+
+    /// All of it.
+    pub fn whole(&self) -> Piece {
+        Piece { buffer: self.handle, offset: 0, bytes: self.bytes }
     }
 
     /// The mapped bytes; empty for a buffer that the CPU cannot access.

@@ -63,12 +63,12 @@ pub use error::{During, GpuError, Result};
 pub use eye_image::{CornerAndSize, EyeImage};
 pub use host::{Headless, Surface, WindowHost};
 pub use instance::{Host, Instance, Validation};
-pub use memory::{Buffer, Image, ImageInfo, ImagePart, MemoryLocation};
+pub use memory::{Buffer, Image, ImageInfo, ImagePart, MemoryLocation, Piece};
 pub use options::GpuOptions;
 pub use pipeline::{
     Attribute, Blend, Depth, Graphics, MAX_PUSH_BYTES, Pipeline, PipelineLayout, Vertices,
 };
-pub use readback::{Readback, read_image_once};
+pub use readback::{Readback, TexelRows, read_image_once};
 pub use timing::Timer;
-pub use upload::{Piece, Staging};
+pub use upload::Staging;
 pub use validation::ValidationLog;

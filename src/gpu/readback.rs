@@ -18,6 +18,15 @@ pub struct Readback {
     device: Arc<Device>,
 }
 
+/// Whole rows of a 2D layer, and the size of a texel.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct TexelRows {
+    /// The texels of a row.
+    pub width: u32,
+    pub rows: Range<u32>,
+    pub texel_bytes: u64,
+}
+
 #[derive(Default)]
 struct Slot {
     buffer: Option<Buffer>,
@@ -46,16 +55,15 @@ impl Readback {
         self.record_box(recorder, slot, part, ([0; 3], size), texel_bytes)
     }
 
-    /// Records the copy of the `rows` of a 2D layer that is `width` texels wide.
+    /// Records the copy of rows of a 2D layer.
     pub fn record_rows(
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
         part: ImagePart,
-        width: u32,
-        rows: Range<u32>,
-        texel_bytes: u64,
+        texels: TexelRows,
     ) -> Result<()> {
+        let TexelRows { width, rows, texel_bytes } = texels;
         let corner = [0, rows.start as i32, 0];
         let size = [width, rows.len() as u32, 1];
         self.record_box(recorder, slot, part, (corner, size), texel_bytes)

@@ -9,23 +9,7 @@ use bytemuck::Pod;
 use super::commands::FRAMES_IN_FLIGHT;
 use super::device::Device;
 use super::error::{GpuError, Result};
-use super::memory::{Buffer, MemoryLocation};
-
-/// A range of a frame's block.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Piece {
-    pub buffer: vk::Buffer,
-    pub offset: u64,
-    pub bytes: u64,
-}
-
-impl Piece {
-    /// Both halves of the range.
-    pub fn halves(self) -> [Piece; 2] {
-        let bytes = self.bytes / 2;
-        [Piece { bytes, ..self }, Piece { offset: self.offset + bytes, bytes, ..self }]
-    }
-}
+use super::memory::{Buffer, MemoryLocation, Piece};
 
 /// Blocks that the CPU writes and the device reads, one per frame slot.
 pub struct Staging {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::Volume;
-use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
+use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage, PixelTarget};
 use crate::gpu::layout::MarchView;
 use crate::gpu::{
     DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Image, Load, PipelineLayout, Recorder,
@@ -105,7 +105,8 @@ impl Beams {
         let view = march_view(rays, volume);
         let all = PixelRect::of_picture(tiles);
         let area = PixelArea { scissor: all, visible: all, rest: Load::Forget };
-        self.pass.record(recorder, self.sets.set(set), Some(&view), starts, eye, area);
+        let target = PixelTarget { image: starts, eye, area };
+        self.pass.record(recorder, self.sets.set(set), Some(&view), target);
         starts.transition(recorder, eye, Use::SHADER_READ);
         Ok(starts.image())
     }

@@ -156,16 +156,10 @@ impl Composite {
         Ok(())
     }
 
-    /// Draws the background and the picture uploaded or shaded last for `eye`, within rendering. The map of
-    /// `eye` in `maps` must be the one it was shaded from, and ready for shaders
-    /// ([`IndexTarget::make_readable`]).
-    pub fn draw(
-        &mut self,
-        recorder: &mut Recorder,
-        maps: &IndexTarget,
-        eye: u32,
-        view: &CompositeEye,
-    ) {
+    /// Draws the background and the picture uploaded or shaded last for the eye of `view`, within rendering. Its
+    /// map in `maps` must be the one it was shaded from, and ready for shaders ([`IndexTarget::make_readable`]).
+    pub fn draw(&mut self, recorder: &mut Recorder, maps: &IndexTarget, view: &CompositeEye) {
+        let eye = view.eye;
         self.screen.draw_background(recorder, view);
         let Some(pictures) = &self.pictures else { return };
         let (index, picture) = (maps.index().image(), pictures.image());
@@ -175,6 +169,6 @@ impl Composite {
         ];
         self.screen.write_inputs(eye, inputs);
         let push = constants(view, self.screen.is_linear());
-        self.screen.draw(recorder, &self.pipeline, eye, view, &push, 3);
+        self.screen.draw(recorder, &self.pipeline, view, &push, 3);
     }
 }

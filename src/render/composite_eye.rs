@@ -23,6 +23,8 @@ pub enum Background {
 /// Where an eye's picture is drawn in the target, and how.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CompositeEye {
+    /// Its number among the eyes of the picture.
+    pub eye: u32,
     /// The rays that the index map was made with.
     pub rays: PixelRays,
     /// The projection of the target's depth.

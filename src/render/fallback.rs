@@ -53,9 +53,7 @@ impl Renderer {
         while paints(desc.mode) {
             let Err(reason) = self.paint(recorder, slot, document, &desc) else {
                 let (mode, pick_maps, times) = (desc.mode, self.maps().to_vec(), self.times());
-                let complete = self.is_complete()
-                    && !self.levels.is_pending()
-                    && self.refinement.is_complete();
+                let complete = self.stages.is_complete() && self.stages.refinement.is_complete();
                 return Ok(FrameReport {
                     mode,
                     painted: true,

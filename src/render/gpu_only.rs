@@ -76,16 +76,16 @@ impl GpuOnly {
         Ok(())
     }
 
-    /// Draws `volume` as `eye` sees it by the rays of `view`, lit as `surface` says, within
+    /// Draws `volume` as the eye of `view` sees it by its rays, lit as `surface` says, within
     /// rendering. After [`GpuOnly::prepare`] in the same frame.
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,
         volume: &Volume,
         surface: &Surface,
-        eye: u32,
         view: &CompositeEye,
     ) -> Result<()> {
+        let eye = view.eye;
         self.screen.draw_background(recorder, view);
         let Some(starts) = self.beams.starts() else { return Ok(()) };
         let bits = volume.image();
@@ -102,7 +102,7 @@ impl GpuOnly {
             Pipeline::graphics(self.screen.device(), &Graphics { constants, ..pass })
         })?;
         let push = constants(view, self.screen.is_linear());
-        self.screen.draw(recorder, pipeline, eye, view, &push, 3);
+        self.screen.draw(recorder, pipeline, view, &push, 3);
         Ok(())
     }
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::beam::{Beams, march_view};
-use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
+use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage, PixelTarget};
 use super::shading::NORMALS;
 use super::target::MAP_WITH_NORMALS;
 use super::{EyeTask, IndexTarget, Levels, Normals};
@@ -34,6 +34,14 @@ const SHADERS: PixelShaders = PixelShaders {
     fragment: shaders::LEVEL_MARCH_FRAG,
     format: MAP_WITH_NORMALS,
 };
+
+/// The part of an index map to find the smooth surface in.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct LevelTask {
+    pub part: EyeTask,
+    /// Which of the samples of antialiased pictures it is for, as in [`crate::shade::LevelSampler::sample`].
+    pub sample: u32,
+}
 
 /// Marches index maps of the smooth surface.
 pub struct LevelMarch {
@@ -71,16 +79,15 @@ impl LevelMarch {
     }
 
     /// Records the part of an index map that `task` describes, once per frame and eye. `target` must have normals.
-    /// `sample` names voxels as [`crate::shade::LevelSampler::sample`] does.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
         levels: &Levels,
         normals: &Normals,
-        task: &EyeTask,
-        sample: u32,
+        task: &LevelTask,
         target: &mut IndexTarget,
     ) -> Result<()> {
+        let LevelTask { part: task, sample } = *task;
         let (eye, cells) = (task.eye, levels.cells());
         let rays = LevelSet::rays_of_cells(&task.rays);
         let starts = self.beams.record(recorder, cells, &rays, eye)?;
@@ -89,13 +96,14 @@ impl LevelMarch {
         self.sets.write_sampled(set, STARTS, starts.layer_view(eye));
         for (binding, buffer) in [(NORMALS, normals.buffer()), (LEVELS, levels.buffer())] {
             let kind = vk::DescriptorType::STORAGE_BUFFER;
-            self.sets.write_buffer(set, binding, kind, buffer.handle(), 0, buffer.bytes());
+            self.sets.write_buffer(set, binding, kind, buffer.whole());
         }
         let view = MarchView { sample, ..march_view(&rays, cells) };
         let rest = Load::Integers([NO_VOXEL; 4]);
         let area = PixelArea { scissor: task.scissor, visible: task.visible, rest };
         let set = self.sets.set(set);
-        self.pass.record(recorder, set, Some(&view), target.index_mut(), eye, area);
+        let target = PixelTarget { image: target.index_mut(), eye, area };
+        self.pass.record(recorder, set, Some(&view), target);
         Ok(())
     }
 }

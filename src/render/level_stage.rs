@@ -9,7 +9,7 @@ use std::fmt::Display;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::{EyeTask, IndexTarget, LevelMarch, Levels, MAX_EYES, Normals};
+use super::{IndexTarget, LevelMarch, LevelTask, Levels, MAX_EYES, Normals};
 use crate::gpu::{Device, GpuError, Recorder, Result};
 use crate::sculpture::{Grid, Limits};
 use crate::shade::{LevelSampler, LevelSet, NormalField};
@@ -47,8 +47,8 @@ pub(super) struct LevelStage {
     /// Only while a mode uses it.
     copy: Option<Levels>,
     march: Option<LevelMarch>,
-    /// The parts of maps on the device that are still to be found, and for which sample.
-    tasks: [Option<(EyeTask, u32)>; MAX_EYES],
+    /// The parts of maps on the device that are still to be found.
+    tasks: [Option<LevelTask>; MAX_EYES],
 }
 
 impl LevelStage {
@@ -174,15 +174,15 @@ impl LevelStage {
         Some(SampledLevels { levels, normals, changed, sampler, is_on_device })
     }
 
-    /// Notes that the device is to find the surface in the pixels of a task, for that sample.
-    pub fn ask_device(&mut self, task: EyeTask, sample: u32) {
-        self.tasks[task.eye as usize] = Some((task, sample));
+    /// Notes that the device is to find the surface in the pixels of a task.
+    pub fn ask_device(&mut self, task: LevelTask) {
+        self.tasks[task.part.eye as usize] = Some(task);
     }
 
     /// Takes back what else was asked for.
-    pub fn ask_device_only(&mut self, task: EyeTask, sample: u32) {
+    pub fn ask_device_only(&mut self, task: LevelTask) {
         self.tasks = [None; MAX_EYES];
-        self.ask_device(task, sample);
+        self.ask_device(task);
     }
 
     /// Records what the device was asked for: brings its copy up to date, and fills the parts of maps. Once per frame.
@@ -202,8 +202,8 @@ impl LevelStage {
         };
         copy.update(recorder, slot, grid, levels)?;
         march.begin(slot);
-        for (task, sample) in tasks.iter().flatten() {
-            march.record(recorder, copy, normals, task, *sample, target)?;
+        for task in tasks.iter().flatten() {
+            march.record(recorder, copy, normals, task, target)?;
         }
         Ok(())
     }

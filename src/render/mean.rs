@@ -117,7 +117,8 @@ impl Mean {
             };
             let weight = 1.0 / count as f32;
             let view = MeanView { weight, linear: self.linear.into() };
-            draw(recorder, mean, eye, load, &self.add, self.sets.set(set), &view);
+            let target = Target { image: &*mean, eye, load };
+            draw(recorder, target, &self.add, self.sets.set(set), &view);
             mean.transition(recorder, eye, Use::SHADER_READ);
         }
         Ok(())
@@ -133,7 +134,8 @@ impl Mean {
             pictures.begin_overwrite(recorder, eye, Use::COLOUR_TARGET);
             let view = MeanView { weight: 1.0, linear: self.linear.into() };
             let set = self.sets.set(set);
-            draw(recorder, pictures, eye, Load::Forget, &self.resolve, set, &view);
+            let target = Target { image: &*pictures, eye, load: Load::Forget };
+            draw(recorder, target, &self.resolve, set, &view);
         }
     }
 }
@@ -151,18 +153,24 @@ fn name(sets: &DescriptorSets, named: &mut [u64], set: usize, image: &EyeImage, 
     }
 }
 
+/// A layer that is drawn to, and what becomes of its contents.
+struct Target<'a> {
+    image: &'a EyeImage,
+    eye: u32,
+    load: Load,
+}
+
 /// Draws all pixels of a layer.
 fn draw(
     recorder: &mut Recorder,
-    to: &EyeImage,
-    eye: u32,
-    load: Load,
+    target: Target,
     pipeline: &Pipeline,
     set: vk::DescriptorSet,
     view: &MeanView,
 ) {
-    let colour = Attachment { view: to.image().layer_view(eye), load, store: true };
-    recorder.begin_rendering(to.size().to_array(), Some(colour), None);
+    let Target { image, eye, load } = target;
+    let colour = Attachment { view: image.image().layer_view(eye), load, store: true };
+    recorder.begin_rendering(image.size().to_array(), Some(colour), None);
     recorder.bind_pipeline(pipeline);
     recorder.bind_set(pipeline, set);
     recorder.push(pipeline.layout(), view);

@@ -74,6 +74,13 @@ pub(super) struct PixelArea {
     pub rest: Load,
 }
 
+/// The layer of an image that a pass writes, and its pixels.
+pub(super) struct PixelTarget<'a> {
+    pub image: &'a mut EyeImage,
+    pub eye: u32,
+    pub area: PixelArea,
+}
+
 /// The two forms of a pass.
 pub(super) struct PixelShaders {
     pub name: &'static str,
@@ -113,28 +120,27 @@ impl PixelPass {
         self.stage
     }
 
-    /// Records the computation of the layer of `eye` of `target`; outside of rendering. A compute
-    /// shader gets it by `set`. Leaves it in the layout of the stage that wrote it.
+    /// Records the computation of `target`; outside of rendering. A compute shader gets it by
+    /// `set`. Leaves it in the layout of the stage that wrote it.
     pub fn record<T: Pod>(
         &self,
         recorder: &mut Recorder,
         set: vk::DescriptorSet,
         constants: Option<&T>,
-        target: &mut EyeImage,
-        eye: u32,
-        area: PixelArea,
+        target: PixelTarget,
     ) {
-        let size = target.size();
+        let PixelTarget { image, eye, area } = target;
+        let size = image.size();
         match self.stage {
-            PixelStage::Compute => target.begin_overwrite(recorder, eye, Use::SHADER_WRITE),
+            PixelStage::Compute => image.begin_overwrite(recorder, eye, Use::SHADER_WRITE),
             PixelStage::Fragment => {
-                target.begin_overwrite_area(
+                image.begin_overwrite_area(
                     recorder,
                     eye,
                     area.scissor.corner_and_size(),
                     Use::COLOUR_TARGET,
                 );
-                let view = target.image().layer_view(eye);
+                let view = image.image().layer_view(eye);
                 let colour = Some(Attachment { view, load: area.rest, store: true });
                 let place = area.scissor.corner_and_size();
                 recorder.begin_rendering_in(size.to_array(), place, colour, None);

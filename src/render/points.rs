@@ -90,15 +90,15 @@ impl Points {
         Ok(())
     }
 
-    /// Draws the points of `eye` over the background, within rendering, to a cleared target or, if
+    /// Draws the points of the eye of `view` over the background, within rendering, to a cleared target or, if
     /// the background is kept, one that holds depth. `view` has as many pixels as its rays.
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,
         surface: &Surface,
-        eye: u32,
         view: &CompositeEye,
     ) -> Result<()> {
+        let eye = view.eye;
         self.screen.draw_background(recorder, view);
         let Some((piece, count)) = self.pieces[eye as usize] else { return Ok(()) };
         let linear = self.screen.is_linear();
@@ -106,13 +106,13 @@ impl Points {
         let (sets, set) = (self.screen.sets(), self.screen.set(eye));
         self.uniforms.write(sets, set, surface)?;
         let kind = vk::DescriptorType::STORAGE_BUFFER;
-        sets.write_buffer(set, POINTS, kind, piece.buffer, piece.offset, piece.bytes);
+        sets.write_buffer(set, POINTS, kind, piece);
         let pipeline = self.pipelines.get(surface.kind(), |constants| {
             let pass = self.screen.graphics(shaders::POINTS_FRAG, Depth::NEARER);
             let points = Graphics { vertex: shaders::POINTS_VERT, constants, ..pass };
             Pipeline::graphics(self.screen.device(), &points)
         })?;
-        self.screen.draw(recorder, pipeline, eye, view, &point_view, 3 * count);
+        self.screen.draw(recorder, pipeline, view, &point_view, 3 * count);
         Ok(())
     }
 }

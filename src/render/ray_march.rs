@@ -11,7 +11,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::beam::{Beams, march_view};
-use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
+use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage, PixelTarget};
 use crate::gpu::layout::MarchView;
 use crate::gpu::{
     DescriptorSets, Device, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder, Result, SetLayout,
@@ -93,7 +93,8 @@ impl RayMarch {
         let rest = Load::Integers([NO_VOXEL; 4]);
         let area = PixelArea { scissor: task.scissor, visible: task.visible, rest };
         let set = self.sets.set(set);
-        self.pass.record(recorder, set, Some(&view), target.index_mut(), eye, area);
+        let target = PixelTarget { image: target.index_mut(), eye, area };
+        self.pass.record(recorder, set, Some(&view), target);
         Ok(())
     }
 }

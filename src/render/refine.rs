@@ -10,13 +10,14 @@ use std::sync::Arc;
 use super::frame_cache::Redraw;
 use super::frame_desc::FrameDesc;
 use super::mean::Mean;
+use super::passes::Passes;
 use super::refinement::Buffers;
 use super::renderer::Renderer;
+use super::sampler::EyeRows;
+use super::stages::Stages;
 use super::{Background, MAX_EYES, SmoothSurface};
 use crate::document::Document;
 use crate::gpu::{GpuError, Recorder, Result, Use};
-use crate::surface::IndexMap;
-use crate::view::PixelRays;
 
 /// The frames that a picture stays the same before it is refined. While a person works, pictures change more often,
 /// and edges that become smooth now and then would flicker.
@@ -29,16 +30,16 @@ impl Renderer {
     /// Refines pictures that rest to the mean of this many samples, one more each frame, until the report of a frame
     /// says that they are complete. 0 and 1: pictures are not refined.
     pub fn set_refinement(&mut self, samples: u32) {
-        if samples != self.refinement.samples {
-            self.refinement.samples = samples;
-            self.refinement.restart();
+        if samples != self.stages.refinement.samples {
+            self.stages.refinement.samples = samples;
+            self.stages.refinement.restart();
         }
     }
 
     /// Whether refinement begins with the first frame that has the same pictures, for pictures that are to be saved,
     /// and not only when nobody seems to be working.
     pub fn refine_at_once(&mut self, at_once: bool) {
-        self.refinement.at_once = at_once;
+        self.stages.refinement.at_once = at_once;
     }
 
     /// Adds a sample to the mean of the pictures of `desc` if it is time for one. `rests`: they are the same as in the
@@ -53,7 +54,7 @@ impl Renderer {
     ) -> Result<()> {
         // A transparent background has no light to average.
         let opaque = desc.video.is_some() || !matches!(desc.background, Background::Keep);
-        let refinement = &mut self.refinement;
+        let refinement = &mut self.stages.refinement;
         refinement.possible =
             refinement.samples > 1 && !refinement.given_up && opaque && !desc.eyes.is_empty();
         if !(rests && refinement.possible) {
@@ -70,8 +71,8 @@ impl Renderer {
                 // The picture stays as it is.
                 tracing::warn!("pictures are not refined: {reason}");
                 recorder.end_rendering_if_begun();
-                self.refinement.forget();
-                (self.refinement.given_up, self.refinement.possible) = (true, false);
+                self.stages.refinement.forget();
+                (self.stages.refinement.given_up, self.stages.refinement.possible) = (true, false);
                 Ok(())
             }
             result => result,
@@ -86,26 +87,26 @@ impl Renderer {
         document: &mut Document,
         desc: &FrameDesc,
     ) -> Result<()> {
-        let software = self.device.is_software();
+        let software = self.stages.device.is_software();
         let mut smooth = desc.is_smooth(SmoothSurface::AtRest, document.contents(), software);
         if smooth {
-            self.show_surface(document, desc, true)?;
-            if self.levels.is_pending() {
+            self.stages.show_surface(document, desc, true)?;
+            if self.stages.levels.is_pending() {
                 // More of it in the next frame.
                 return Ok(());
             }
             // A grid that is too large for it shows its voxels.
-            smooth = self.levels.state().is_some();
+            smooth = self.stages.levels.state().is_some();
         }
-        let refinement = &mut self.refinement;
+        let refinement = &mut self.stages.refinement;
         let mean = match &mut refinement.mean {
             Some(mean) => mean,
-            none => none.insert(Mean::new(&self.device, self.format)?),
+            none => none.insert(Mean::new(&self.stages.device, self.passes.layers.format())?),
         };
         mean.begin(slot);
         if refinement.taken == 0 && !smooth && !desc.smooth_edges {
             // Sample 0 is the picture itself.
-            if let Some(pictures) = &mut self.pictures {
+            if let Some(pictures) = &mut self.passes.layers.pictures {
                 mean.add(recorder, &mut pictures.colour, 1)?;
                 refinement.taken = 1;
             }
@@ -124,21 +125,21 @@ impl Renderer {
             false => Ok(true),
         };
         let result = match found {
-            Ok(true) => {
-                self.add_sample(recorder, slot, document, &desc, index, smooth).map(|()| true)
-            }
+            Ok(true) => self.add_sample(recorder, slot, document, &desc, smooth).map(|()| true),
             // The rest of it in the next frames.
             unfinished => unfinished,
         };
         self.swap_buffers();
         if smooth {
-            self.show_surface(document, &desc, false)?;
+            self.stages.show_surface(document, &desc, false)?;
         }
         match &result {
-            Ok(true) => (self.refinement.taken, self.refinement.rows) = (index + 1, 0),
+            Ok(true) => {
+                (self.stages.refinement.taken, self.stages.refinement.rows) = (index + 1, 0)
+            }
             Ok(false) => {}
             // Without this sample there is no mean to show.
-            Err(_) => (self.refinement.taken, self.refinement.rows) = (0, 0),
+            Err(_) => (self.stages.refinement.taken, self.stages.refinement.rows) = (0, 0),
         }
         result.map(|_| ())
     }
@@ -155,29 +156,32 @@ impl Renderer {
         let Some(eye) = desc.eyes.first() else { return Ok(true) };
         let (width, height) = (eye.size.x.max(1), eye.size.y);
         let all = height * desc.eyes.len() as u32;
-        let from = self.refinement.rows;
+        let from = self.stages.refinement.rows;
         // The rows are of one eye at a time.
         let to = (from + (SMOOTH_PIXELS / width).max(1))
             .min((from / height.max(1) + 1) * height)
             .min(all);
         if from < to {
             let (i, rows) = ((from / height) as usize, from % height..from % height + (to - from));
-            self.maps
-                .resize_with(desc.eyes.len(), || Arc::new(IndexMap::new(PixelRays::of_nothing())));
+            self.cpu.resize_maps(desc.eyes.len());
             let rays = desc.eyes[i].pixel_rays(&desc.world_from_grid);
-            if self.levels.is_on_device() {
+            let rows = EyeRows { eye: i, rays, rows };
+            if self.stages.levels.is_on_device() {
                 if from == 0 {
                     self.sample(document, desc, Redraw::All)?;
                 }
-                self.ask_for_rows(i, rays, rows, desc.sample);
-                self.march_to_surface(recorder, slot, document)?;
-            } else if let Some(mut smooth) = self.levels.surface(self.normals.field(), desc.sample)
-            {
-                let map = Arc::make_mut(&mut self.maps[i]);
-                self.sampler.sample_rows(document.grid(), i, &rays, rows, &mut smooth, map);
+                let Renderer { passes: Passes { sampler, .. }, cpu, stages } = self;
+                stages.ask_for_rows(&rows, desc.sample, sampler.visible()[i]);
+                stages.march_to_surface(recorder, slot, document, sampler, &cpu.maps)?;
+            } else {
+                let Stages { levels, normals, .. } = &mut self.stages;
+                if let Some(mut smooth) = levels.surface(normals.field(), desc.sample) {
+                    let map = Arc::make_mut(&mut self.cpu.maps[i]);
+                    self.passes.sampler.sample_rows(document.grid(), &rows, &mut smooth, map);
+                }
             }
         }
-        self.refinement.rows = to;
+        self.stages.refinement.rows = to;
         Ok(to == all)
     }
 
@@ -188,17 +192,18 @@ impl Renderer {
         slot: usize,
         document: &mut Document,
         desc: &FrameDesc,
-        index: u32,
         is_sampled: bool,
     ) -> Result<()> {
         if !is_sampled {
             self.sample(document, desc, Redraw::All)?;
         }
-        self.timer.begin(recorder, slot, desc.mode, &mut self.times.device)?;
+        self.stages.begin_timing(recorder, slot, desc.mode)?;
         self.shade(recorder, slot, document, desc, Redraw::All)?;
         self.compose(recorder, slot, document, desc, None)?;
-        if let (Some(mean), Some(pictures)) = (&mut self.refinement.mean, &mut self.pictures) {
-            mean.add(recorder, &mut pictures.colour, index + 1)?;
+        if let (Some(mean), Some(pictures)) =
+            (&mut self.stages.refinement.mean, &mut self.passes.layers.pictures)
+        {
+            mean.add(recorder, &mut pictures.colour, desc.sample + 1)?;
             mean.resolve(recorder, &mut pictures.colour);
             for eye in 0..pictures.colour.eyes() {
                 pictures.colour.transition(recorder, eye, Use::COPY_SOURCE);
@@ -209,13 +214,8 @@ impl Renderer {
 
     /// Exchanges the buffers of the unshifted picture for those of the samples.
     fn swap_buffers(&mut self) {
-        let Buffers { maps, pixels, clouds, pictures, device_maps, shaded } =
-            &mut self.refinement.buffers;
-        std::mem::swap(&mut self.maps, maps);
-        std::mem::swap(&mut self.pixels, pixels);
-        std::mem::swap(&mut self.clouds, clouds);
-        std::mem::swap(&mut self.pictures, pictures);
-        self.sampler.swap_maps(device_maps);
-        self.composite.swap_pictures(shaded);
+        let Buffers { cpu, images } = &mut self.stages.refinement.buffers;
+        self.cpu.swap(cpu);
+        self.passes.swap_images(images);
     }
 }

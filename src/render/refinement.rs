@@ -2,26 +2,16 @@
 //!
 //! Knows no renderer; `refine` decides when a sample is added, and makes it.
 
-use std::sync::Arc;
-
-use super::MAX_EYES;
-use super::composite::ShadedPictures;
+use super::cpu_pictures::CpuPictures;
 use super::mean::Mean;
+use super::passes::PictureImages;
 use super::pictures::Pictures;
-use super::sampler::DeviceMaps;
-use crate::shade::Pixels;
-use crate::shade::points::PointCloud;
-use crate::surface::IndexMap;
 
-/// The buffers in which a picture is made.
+/// The buffers in which a picture is made, in memory and on the device.
 #[derive(Default)]
 pub(super) struct Buffers {
-    pub maps: Vec<Arc<IndexMap>>,
-    pub pixels: Vec<Pixels>,
-    pub clouds: [PointCloud; MAX_EYES],
-    pub pictures: Option<Pictures>,
-    pub device_maps: DeviceMaps,
-    pub shaded: ShadedPictures,
+    pub cpu: CpuPictures,
+    pub images: PictureImages,
 }
 
 /// The refinement of a renderer's pictures.
@@ -66,12 +56,12 @@ impl Refinement {
 
     /// The mean of the samples so far, once it is better than the unshifted picture.
     pub fn pictures(&self) -> Option<&Pictures> {
-        self.buffers.pictures.as_ref().filter(|_| self.taken > 1)
+        self.buffers.images.pictures.as_ref().filter(|_| self.taken > 1)
     }
 
     /// [`Refinement::pictures`], mutable.
     pub fn pictures_mut(&mut self) -> Option<&mut Pictures> {
-        self.buffers.pictures.as_mut().filter(|_| self.taken > 1)
+        self.buffers.images.pictures.as_mut().filter(|_| self.taken > 1)
     }
 
     /// Whether the next frame of the same pictures has nothing to add.

@@ -10,94 +10,37 @@ use std::time::{Duration, Instant};
 
 use ash::vk;
 
+use super::cpu_pictures::CpuPictures;
 use super::frame_cache::{FrameCache, Redraw, RedrawPlan};
 pub use super::frame_desc::FrameDesc;
-use super::level_stage::LevelStage;
-use super::normal_stage::NormalStage;
-use super::overlay::Overlay;
-use super::pictures::pictures;
+use super::passes::Passes;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
-use super::refinement::Refinement;
-use super::sampler::Sampler;
-use super::smooth_edges::SmoothEdges;
-use super::software_composite::SoftwareComposite;
+use super::sampled_frame::SampledFrame;
+use super::sampler::SampleRequest;
+use super::stages::Stages;
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
-use super::{
-    Backdrop, Composite, GpuOnly, GroundPass, MAX_EYES, Points, Shading, SmoothSurface,
-    SurfaceShade,
-};
-use crate::document::{ChangeSubscriber, Document};
+use super::{MAX_EYES, ReferencePicture, Shading};
+use crate::document::Document;
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
-use crate::shade::points::PointCloud;
-use crate::shade::{Pixels, SoftwareShader};
+use crate::shade::Pixels;
 use crate::surface::IndexMap;
 use crate::view::PixelRays;
 
 /// Renders one document.
 pub struct Renderer {
-    pub(super) sampler: Sampler,
-    pub(super) composite: Composite,
-    /// Made when first needed.
-    pub(super) software_composite: Option<SoftwareComposite>,
-    pub(super) overlay: Overlay,
-    pub(super) pictures: Option<Pictures>,
-    pub(super) format: vk::Format,
-    /// One per eye. Shared with picking.
-    pub(super) maps: Vec<Arc<IndexMap>>,
-    pub(super) pixels: Vec<Pixels>,
-    pub(super) software: SoftwareShader,
-    pub(super) clouds: [PointCloud; MAX_EYES],
-    /// The passes of some modes, made when first needed.
-    pub(super) points: Option<Points>,
-    pub(super) surface_shade: Option<SurfaceShade>,
-    pub(super) gpu_only: Option<GpuOnly>,
-    pub(super) backdrop: Option<Backdrop>,
-    pub(super) ground: Option<GroundPass>,
-    pub(super) smooth_edges: Option<SmoothEdges>,
-    /// Drains the bricks that change between two pictures.
-    subscriber: ChangeSubscriber,
-    /// The bricks that changed since the last picture.
-    changed: Vec<u32>,
-    pub(super) normals: NormalStage,
-    pub(super) levels: LevelStage,
-    /// The values that the pictures were made from; none while they are incomplete.
-    pub(super) cache: Option<FrameCache>,
-    pub(super) refinement: Refinement,
-    pub(super) times: RenderTimes,
-    pub(super) timer: PictureTimer,
-    pub(super) device: Arc<Device>,
+    pub(super) passes: Passes,
+    pub(super) cpu: CpuPictures,
+    pub(super) stages: Stages,
 }
 
 impl Renderer {
     /// For pictures of `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Renderer> {
         Ok(Renderer {
-            sampler: Sampler::new(device)?,
-            composite: Composite::new(device, format, MAX_EYES as u32)?,
-            software_composite: None,
-            overlay: Overlay::new(device, format, DEPTH_FORMAT)?,
-            pictures: None,
-            format,
-            maps: Vec::new(),
-            pixels: Vec::new(),
-            software: SoftwareShader::default(),
-            clouds: Default::default(),
-            points: None,
-            surface_shade: None,
-            gpu_only: None,
-            backdrop: None,
-            ground: None,
-            smooth_edges: None,
-            subscriber: ChangeSubscriber::default(),
-            changed: Vec::new(),
-            normals: NormalStage::default(),
-            levels: LevelStage::default(),
-            cache: None,
-            refinement: Refinement::default(),
-            times: RenderTimes::default(),
-            timer: PictureTimer::new(device)?,
-            device: device.clone(),
+            passes: Passes::new(device, format)?,
+            cpu: CpuPictures::default(),
+            stages: Stages::new(device)?,
         })
     }
 
@@ -130,32 +73,32 @@ impl Renderer {
         desc: &FrameDesc,
     ) -> Result<()> {
         // Only complete pictures are kept in the frame cache.
-        let before = self.cache.take();
-        let changes_known = self.drain_changes(document);
+        let before = self.stages.cache.take();
+        let changes_known = self.stages.drain_changes(document);
         let known = before.as_ref().filter(|_| changes_known);
         let rests = known.is_some_and(|before| before.is_of(document, desc));
         let moved = !known.is_some_and(|before| before.is_edited_only(document, desc));
-        let defers = changes_known
-            && !rests
-            && (!self.changed.is_empty() || self.normals.has_deferred())
-            && self.can_defer_normals(document, desc);
-        let normals = if defers {
+        let defers = changes_known && !rests && self.stages.defers_normals(document, desc);
+        if defers {
             // The visible voxels must be known before.
             let redraw = if moved { Redraw::All } else { Redraw::Changed };
             self.sample(document, desc, redraw)?;
-            self.normals.update_seen(document.grid(), &self.changed, &self.maps, moved)
+        }
+        let stages = &mut self.stages;
+        let normals = if defers {
+            stages.normals.update_seen(document.grid(), &stages.changed, &self.cpu.maps, moved)
         } else {
-            let changed = changes_known.then_some(self.changed.as_slice());
-            self.normals.update(document.grid(), changed, rests)
+            let changed = changes_known.then_some(stages.changed.as_slice());
+            stages.normals.update(document.grid(), changed, rests)
         };
-        let smooth = self.follow_surface(document, desc, changes_known)?;
+        let smooth = stages.follow_surface(document, desc, changes_known)?;
         let plan = RedrawPlan::new(before.as_ref(), document, desc, changes_known, normals, smooth);
         if let Some(redraw) = plan.sample.filter(|_| !defers) {
             self.sample(document, desc, redraw)?;
         }
-        self.composite.begin(slot);
+        self.passes.sculpture.composite.begin(slot);
         if plan.compose.is_some() {
-            self.timer.begin(recorder, slot, desc.mode, &mut self.times.device)?;
+            self.stages.begin_timing(recorder, slot, desc.mode)?;
         }
         if let Some(redraw) = plan.shade {
             self.shade(recorder, slot, document, desc, redraw)?;
@@ -164,10 +107,10 @@ impl Renderer {
             let before = before.as_ref().filter(|_| redraw == Redraw::Changed);
             self.compose(recorder, slot, document, desc, before)?;
         }
-        let rests = plan.is_nothing() && self.is_complete() && !self.levels.is_pending();
+        let rests = plan.is_nothing() && self.stages.is_complete();
         self.refine_if(rests, recorder, slot, document, desc)?;
-        self.cache = Some(FrameCache::new(before, document, desc, smooth.is_some()));
-        let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
+        self.stages.cache = Some(FrameCache::new(before, document, desc, smooth.is_some()));
+        let pictures = self.passes.layers.fit_pictures(desc.eyes)?;
         for eye in 0..pictures.colour.eyes() {
             pictures.colour.transition(recorder, eye, Use::COPY_SOURCE);
         }
@@ -176,17 +119,18 @@ impl Renderer {
 
     /// The pictures painted last.
     pub fn pictures(&mut self) -> Option<&mut Pictures> {
-        self.refinement.pictures_mut().or(self.pictures.as_mut())
+        self.stages.refinement.pictures_mut().or(self.passes.layers.pictures.as_mut())
     }
 
     /// The pixels of the pictures painted last, once the recording has been submitted. Waits.
     pub fn read_back(&self) -> Result<Vec<Pixels>> {
-        let pictures = self.refinement.pictures().or(self.pictures.as_ref());
+        let pictures = self.stages.refinement.pictures().or(self.passes.layers.pictures.as_ref());
         let Some(pictures) = pictures else { return Ok(Vec::new()) };
         let (image, size) = (pictures.colour.image(), pictures.colour.size());
         let read = |eye| {
             let part = image.layer(eye);
-            let bytes = read_image_once(&self.device, part, image.size(), 4, Use::COPY_SOURCE)?;
+            let bytes =
+                read_image_once(&self.stages.device, part, image.size(), 4, Use::COPY_SOURCE)?;
             Ok(Pixels { size, rgba: bytemuck::pod_collect_to_vec(&bytes) })
         };
         (0..pictures.colour.eyes()).map(read).collect()
@@ -194,74 +138,55 @@ impl Renderer {
 
     /// The index maps of the pictures painted last.
     pub fn maps(&self) -> &[Arc<IndexMap>] {
-        &self.maps
+        &self.cpu.maps
     }
 
     /// Returns the times. Those of the device are of the last picture that it is known to have finished.
     pub fn times(&self) -> RenderTimes {
-        self.times
+        self.stages.times
     }
 
     /// All times of the picture painted last, for a caller that has waited for it.
     pub fn times_when_done(&mut self) -> Result<RenderTimes> {
-        if let Some(mode) = self.cache.as_ref().map(FrameCache::mode) {
-            self.times.device.sample_ms = self.sampler.device_ms_when_done(mode)?;
-            self.timer.latest(mode, &mut self.times.device)?;
+        let Stages { cache, times, timer, .. } = &mut self.stages;
+        if let Some(mode) = cache.as_ref().map(FrameCache::mode) {
+            times.device.sample_ms = self.passes.sampler.device_ms_when_done(mode)?;
+            timer.latest(mode, &mut times.device)?;
         }
-        Ok(self.times)
+        Ok(*times)
     }
 
     /// Discards the cached picture and the device's copy of the document; keeps all passes.
     pub(super) fn forget_pictures(&mut self) -> Result<()> {
-        self.cache = None;
-        self.refinement.forget();
-        self.sampler.forget_copy();
-        if let Some(ground) = &mut self.ground {
-            ground.forget();
+        self.passes.forget_document();
+        self.stages.forget_pictures()
+    }
+
+    /// Takes the reference pictures of the next pictures, at most [`super::MAX_REFERENCES`]. Before
+    /// [`Renderer::paint`], in the same frame. If this fails, there are none.
+    pub fn set_references(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        pictures: &[ReferencePicture],
+    ) -> Result<()> {
+        if self.passes.layers.shows_references(pictures) {
+            return Ok(());
         }
-        self.times = RenderTimes::default();
-        self.timer = PictureTimer::new(&self.device)?;
-        Ok(())
-    }
-
-    pub(super) fn device(&self) -> &Arc<Device> {
-        &self.device
-    }
-
-    /// Collects the bricks that have changed since the last picture; false if all may have.
-    fn drain_changes(&mut self, document: &mut Document) -> bool {
-        let changed = &mut self.changed;
-        document.drain_changes_for(&self.subscriber, |_, bricks| {
-            changed.clear();
-            changed.extend_from_slice(bricks.unwrap_or_default());
-            bricks.is_some()
-        })
-    }
-
-    /// Whether the normals of bricks that the next picture does not show can be put off: where the CPU shades the voxels
-    /// of index maps in memory.
-    fn can_defer_normals(&self, document: &Document, desc: &FrameDesc) -> bool {
-        let smooth =
-            desc.is_smooth(SmoothSurface::Always, document.contents(), self.device.is_software());
-        desc.mode.shading() == Shading::Software
-            && !smooth
-            && self.levels.state().is_none()
-            && self.normals.can_defer()
+        // All is drawn again: they may be anywhere.
+        self.stages.cache = None;
+        self.passes.layers.set_references(recorder, slot, pictures)
     }
 
     /// How long a picture may be held up by the normals of a sculpture that was opened: until they are complete
     /// ([`Renderer::is_complete`]), estimates stand in for them. None: until all are there.
     pub fn set_patience(&mut self, patience: Option<Duration>) {
-        self.normals.patience = patience;
-    }
-
-    pub(super) fn patience(&self) -> Option<Duration> {
-        self.normals.patience
+        self.stages.normals.patience = patience;
     }
 
     /// Whether the last pictures have all normals. If not, the next ones have more.
     pub fn is_complete(&self) -> bool {
-        self.normals.field().is_complete()
+        self.stages.has_all_normals()
     }
 
     pub(super) fn sample(
@@ -276,27 +201,105 @@ impl Renderer {
             *rays = Some(eye.pixel_rays(&desc.world_from_grid));
         }
         let count = desc.eyes.len().min(MAX_EYES);
-        let nothing = PixelRays::of_nothing();
-        let rays = rays.map(|rays| rays.unwrap_or(nothing));
-        self.maps.resize_with(count, || Arc::new(IndexMap::new(nothing)));
-        let result = {
-            let changed = (redraw == Redraw::Changed).then_some(self.changed.as_slice());
-            let smooth = self.levels.surface(self.normals.field(), desc.sample);
-            let (rays, mode) = (&rays[..count], (desc.mode, desc.mask_shown(document)));
-            self.sampler.sample(document, rays, mode, smooth, changed, &mut self.maps)
+        let rays = rays.map(|rays| rays.unwrap_or(PixelRays::of_nothing()));
+        self.cpu.resize_maps(count);
+        let (sampler, stages, maps) =
+            (&mut self.passes.sampler, &mut self.stages, &mut self.cpu.maps);
+        let request = SampleRequest {
+            rays: &rays[..count],
+            mode: desc.mode,
+            mask: desc.mask_shown(document),
+            changed: (redraw == Redraw::Changed).then_some(stages.changed.as_slice()),
         };
+        let smooth = stages.levels.surface(stages.normals.field(), desc.sample);
+        let result = sampler.sample(document, &request, smooth, maps);
         if result.is_err() {
-            self.sampler.forget_copy();
-        } else if self.levels.is_on_device() {
-            self.ask_for_surface(document, redraw, desc.sample);
+            sampler.forget_copy();
+        } else if stages.levels.is_on_device() {
+            stages.ask_for_surface(document, redraw, desc.sample, maps, sampler.visible());
         }
-        self.times.sample_ms = ms_since(start);
-        self.times.read_back_ms = self.sampler.read_back_ms();
-        self.times.device.sample_ms = self.sampler.device_ms();
+        stages.times.sample_ms = ms_since(start);
+        stages.times.read_back_ms = sampler.read_back_ms();
+        stages.times.device.sample_ms = sampler.device_ms();
         result
+    }
+
+    /// Shades the maps just sampled: on the CPU, as points, or on the device, all of them or what has changed.
+    pub(super) fn shade(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &Document,
+        desc: &FrameDesc,
+        redraw: Redraw,
+    ) -> Result<()> {
+        let start = Instant::now();
+        let Renderer { passes, cpu, stages } = self;
+        stages.normals.upload(&stages.device, recorder, slot, desc.mode.shading())?;
+        match stages.shading(desc.mode) {
+            Shading::Software => {
+                let composite = &mut passes.sculpture.composite;
+                cpu.shade(document, desc, &stages.normals, redraw, |eye, shaded| {
+                    composite.note_shaded(eye, shaded);
+                });
+            }
+            Shading::Points => cpu.take_points(document, desc, &stages.normals),
+            Shading::Device => {
+                stages.timer.start(recorder, PictureTimer::SHADE);
+                stages.march_to_surface(
+                    recorder,
+                    slot,
+                    document,
+                    &mut passes.sampler,
+                    &cpu.maps,
+                )?;
+                let frame = SampledFrame {
+                    slot,
+                    document,
+                    desc,
+                    shading: Shading::Device,
+                    normals: &stages.normals,
+                    cpu,
+                    visible: passes.sampler.visible(),
+                    before: None,
+                };
+                passes.sculpture.shade(recorder, &frame, redraw, &mut passes.sampler)?;
+                stages.timer.stop(recorder, PictureTimer::SHADE);
+            }
+            Shading::Within => {}
+        }
+        // The normals of what is shaded are part of it.
+        stages.times.shade_ms = ms_since(start) + stages.normals.took.as_secs_f32() * 1e3;
+        Ok(())
+    }
+
+    /// Composes the pictures back to front: only what differs from those of `before`, if they are
+    /// known.
+    pub(super) fn compose(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &Document,
+        desc: &FrameDesc,
+        before: Option<&FrameCache>,
+    ) -> Result<()> {
+        let Passes { sampler, sculpture, layers } = &mut self.passes;
+        layers.prepare_ground(recorder, slot, document, desc)?;
+        layers.fit_pictures(desc.eyes)?;
+        let frame = SampledFrame {
+            slot,
+            document,
+            desc,
+            shading: self.stages.shading(desc.mode),
+            normals: &self.stages.normals,
+            cpu: &self.cpu,
+            visible: sampler.visible(),
+            before,
+        };
+        sculpture.compose(recorder, &frame, sampler, layers, &mut self.stages.timer)
     }
 }
 
-pub(super) fn ms_since(start: Instant) -> f32 {
+fn ms_since(start: Instant) -> f32 {
     start.elapsed().as_secs_f32() * 1e3
 }

@@ -11,16 +11,16 @@ use std::time::Instant;
 use ash::vk;
 use glam::UVec2;
 
+use super::device_copy::DeviceCopy;
 use super::level_stage::SampledLevels;
 use super::pending::Pending;
 use super::pixel_pass::PixelStage;
 use super::{Colours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
 use super::{MaskShown, RenderMode, Sampling};
-use crate::document::{ChangeSubscriber, Document};
-use crate::gpu::{Device, Frames, Recorder, Result, Staging, Timer};
+use crate::document::Document;
+use crate::gpu::{Device, Recorder, Result, Serial, Staging};
 use crate::sculpture::Grid;
 use crate::surface::partial::changed_pixels;
-use crate::surface::slices::SliceAreas;
 use crate::surface::{IndexMap, PixelRect, pixels_of_grid, quickstep, raycast};
 use crate::view::PixelRays;
 
@@ -28,12 +28,40 @@ use crate::view::PixelRays;
 type Whole = fn(&Grid, &PixelRays, &mut IndexMap);
 type InRect = fn(&Grid, &mut IndexMap, PixelRect);
 
+/// What to sample of a document, and in which mode.
+#[derive(Clone, Copy)]
+pub(super) struct SampleRequest<'a> {
+    /// One set of rays per eye, all with the same size in pixels.
+    pub rays: &'a [PixelRays],
+    pub mode: RenderMode,
+    /// How the copy of the document shows the mask.
+    pub mask: Option<MaskShown>,
+    /// The only bricks that have changed since the maps were sampled with the same rays in the same mode; then only the
+    /// pixels that may see them are sampled.
+    pub changed: Option<&'a [u32]>,
+}
+
+/// Some rows of the map of an eye.
+#[derive(Clone)]
+pub(super) struct EyeRows {
+    pub eye: usize,
+    pub rays: PixelRays,
+    pub rows: Range<u32>,
+}
+
+impl EyeRows {
+    /// Their pixels.
+    pub fn rect(&self) -> PixelRect {
+        let EyeRows { rays, rows, .. } = self;
+        PixelRect { min: UVec2::new(0, rows.start), max: UVec2::new(rays.size.x, rows.end) }
+    }
+}
+
 /// Samples the surface of one document.
 pub struct Sampler {
     /// Made when first needed: the ray casters do not use it.
     copy: Option<DeviceCopy>,
-    slicing: Option<Slicing>,
-    march: Option<RayMarch>,
+    passes: SamplingPasses,
     readbacks: [IndexReadback; MAX_EYES],
     maps: Option<IndexTarget>,
     /// Maps being uploaded.
@@ -64,17 +92,11 @@ impl Default for DeviceMaps {
     }
 }
 
-/// The device's copy of a document, and the frames that update and sample it.
-struct DeviceCopy {
-    volume: Volume,
-    /// Only while they are needed.
-    colours: Option<Colours>,
-    areas: Option<SliceAreas>,
-    frames: Frames,
-    /// Times of the sampling.
-    timer: Option<Timer<1>>,
-    /// Drains the bricks that change.
-    subscriber: ChangeSubscriber,
+/// The passes that sample on the device, made when first needed.
+#[derive(Default)]
+struct SamplingPasses {
+    slicing: Option<Slicing>,
+    march: Option<RayMarch>,
 }
 
 impl Sampler {
@@ -82,8 +104,7 @@ impl Sampler {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         Ok(Sampler {
             copy: None,
-            slicing: None,
-            march: None,
+            passes: SamplingPasses::default(),
             readbacks: std::array::from_fn(|_| IndexReadback::new(device)),
             maps: None,
             staging: Staging::new(device, "index maps", usage, 1 << 20)?,
@@ -157,24 +178,20 @@ impl Sampler {
         Some((&copy.volume, copy.colours.as_ref()))
     }
 
-    /// Fills `maps` with what `rays` see of the document: one set of rays per eye, all with the
-    /// same size in pixels. A map without other owners keeps its allocation. Where the device also
-    /// shades, the maps are not known in memory ([`IndexMap::is_known`]).
+    /// Fills `maps` with what the rays of `request` see of the document. A map without other owners
+    /// keeps its allocation. Where the device also shades, the maps are not known in memory
+    /// ([`IndexMap::is_known`]).
     ///
     /// `smooth`: the surface to sample instead of the voxels, whatever the mode's own sampling is. Where it is on the
     /// device, this brings only the copy of the document up to date, and the passes that draw do the rest.
-    ///
-    /// `mask`: how the copy of the document shows the mask. `changed`: the only bricks that have changed since `maps`
-    /// were sampled with the same rays in the same mode; then only the pixels that may see them are sampled.
     pub(super) fn sample(
         &mut self,
         document: &mut Document,
-        rays: &[PixelRays],
-        (mode, mask): (RenderMode, Option<MaskShown>),
+        request: &SampleRequest,
         smooth: Option<SampledLevels>,
-        changed: Option<&[u32]>,
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
+        let SampleRequest { rays, mode, changed, .. } = *request;
         self.read_back_ms = None;
         let grid = document.grid();
         if let Some(smooth) = smooth.as_ref().filter(|smooth| smooth.is_on_device()) {
@@ -182,7 +199,8 @@ impl Sampler {
                 (self.visible[i], self.pending[i]) = (smooth.visible(rays), Pending::Nothing);
                 Arc::make_mut(map).forget(*rays);
             }
-            return self.sample_on_device(document, (mode, mask), Sampling::Within, None, maps);
+            let request = SampleRequest { changed: None, ..*request };
+            return self.sample_on_device(document, &request, Sampling::Within, maps);
         }
         if let Some(mut smooth) = smooth {
             self.device_ms = None;
@@ -234,7 +252,7 @@ impl Sampler {
                 Ok(())
             }
             Sampling::Slicing | Sampling::March | Sampling::Within => {
-                self.sample_on_device(document, (mode, mask), mode.sampling(), changed, maps)
+                self.sample_on_device(document, request, mode.sampling(), maps)
             }
         }
     }
@@ -243,62 +261,37 @@ impl Sampler {
     pub(super) fn sample_rows(
         &mut self,
         grid: &Grid,
-        eye: usize,
-        rays: &PixelRays,
-        rows: Range<u32>,
+        part: &EyeRows,
         smooth: &mut SampledLevels,
         map: &mut IndexMap,
     ) {
-        if rows.start == 0 {
-            map.reset_with_normals(*rays);
+        if part.rows.start == 0 {
+            map.reset_with_normals(part.rays);
         }
-        let rect =
-            PixelRect { min: UVec2::new(0, rows.start), max: UVec2::new(rays.size.x, rows.end) };
-        smooth.sample_rect(grid, rect, map);
-        (self.visible[eye], self.pending[eye]) = (smooth.visible(rays), Pending::All);
+        smooth.sample_rect(grid, part.rect(), map);
+        (self.visible[part.eye], self.pending[part.eye]) =
+            (smooth.visible(&part.rays), Pending::All);
         (self.device_ms, self.read_back_ms) = (None, None);
     }
 
     fn sample_on_device(
         &mut self,
         document: &mut Document,
-        (mode, mask): (RenderMode, Option<MaskShown>),
+        request: &SampleRequest,
         sampling: Sampling,
-        changed: Option<&[u32]>,
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
-        let mut tasks = [None; MAX_EYES];
-        for ((eye, map), task) in (0..).zip(maps.iter()).zip(&mut tasks) {
-            let mut eye_task =
-                EyeTask { visible: self.visible[eye as usize], ..EyeTask::whole(eye, map.rays) };
-            if let Some(bricks) = changed {
-                eye_task.scissor = changed_pixels(document.grid(), bricks, &map.rays, 0).bounds();
-            }
-            *task = Some(eye_task).filter(|task| !task.scissor.is_empty());
-        }
+        let tasks = self.tasks(document.grid(), request.changed, maps);
+        let mode = request.mode;
         let read_back = !mode.shades_on_device();
         let device = &self.device;
         let copy = match &mut self.copy {
             Some(copy) => copy,
-            // A new copy needs all bricks, whatever the document reports as changed.
-            none => none.insert({
-                let subscriber = ChangeSubscriber::default();
-                let volume = document.drain_changes_for(&subscriber, |contents, _| {
-                    Volume::new(device, &contents.grid)
-                })?;
-                DeviceCopy {
-                    subscriber,
-                    volume,
-                    colours: None,
-                    areas: None,
-                    frames: Frames::new(device)?,
-                    timer: Timer::new(device, "times of sampling")?,
-                }
-            }),
+            none => none.insert(DeviceCopy::new(device, document)?),
         };
         let mut recorder = copy.frames.begin()?;
         let slot = copy.frames.slot();
-        copy.update(device, &mut recorder, slot, document, (mode, mask))?;
+        copy.update(&mut recorder, document, mode, request.mask)?;
         if sampling == Sampling::Within {
             copy.frames.submit(recorder, &[], &[])?;
             self.device_ms = None;
@@ -310,32 +303,7 @@ impl Sampler {
             self.device_ms = former.or(self.device_ms);
             timer.start(&mut recorder, 0);
         }
-        match sampling {
-            Sampling::March => {
-                let pass = match &mut self.march {
-                    Some(pass) => pass,
-                    none => {
-                        none.insert(RayMarch::new(device, PixelStage::of(device), MAX_EYES as u32)?)
-                    }
-                };
-                pass.begin(slot);
-                for task in tasks.iter().flatten() {
-                    pass.record(&mut recorder, &copy.volume, task, target)?;
-                }
-            }
-            Sampling::Slicing => {
-                let pass = match &mut self.slicing {
-                    Some(pass) => pass,
-                    none => none.insert(Slicing::new(device)?),
-                };
-                pass.begin(slot, &copy.volume);
-                let areas = copy.areas.get_or_insert_default();
-                for task in tasks.iter().flatten() {
-                    pass.record(&mut recorder, &copy.volume, areas, task, target)?;
-                }
-            }
-            Sampling::Cast | Sampling::Quickstep | Sampling::Within => {}
-        }
+        self.passes.record(&mut recorder, sampling, copy, &tasks, target)?;
         if let Some(timer) = &mut copy.timer {
             timer.stop(&mut recorder, 0);
         }
@@ -349,16 +317,47 @@ impl Sampler {
         let serial = copy.frames.submit(recorder, &[], &[])?;
         if read_back {
             device.wait(serial)?;
-            let start = Instant::now();
-            for ((map, task), readback) in maps.iter_mut().zip(tasks).zip(&mut self.readbacks) {
-                if task.is_some() {
-                    readback.submitted(slot, serial);
-                    readback.fetch(slot, Arc::make_mut(map))?;
-                }
-            }
-            self.read_back_ms = Some(start.elapsed().as_secs_f32() * 1e3);
+            self.fetch_maps(&tasks, slot, serial, maps)?;
             self.device_ms = self.device_ms_when_done(mode)?;
         }
+        Ok(())
+    }
+
+    /// The parts of `maps` to sample on the device: all, or those that may see `changed` bricks.
+    fn tasks(
+        &self,
+        grid: &Grid,
+        changed: Option<&[u32]>,
+        maps: &[Arc<IndexMap>],
+    ) -> [Option<EyeTask>; MAX_EYES] {
+        let mut tasks = [None; MAX_EYES];
+        for ((eye, map), task) in (0..).zip(maps).zip(&mut tasks) {
+            let mut eye_task =
+                EyeTask { visible: self.visible[eye as usize], ..EyeTask::whole(eye, map.rays) };
+            if let Some(bricks) = changed {
+                eye_task.scissor = changed_pixels(grid, bricks, &map.rays, 0).bounds();
+            }
+            *task = Some(eye_task).filter(|task| !task.scissor.is_empty());
+        }
+        tasks
+    }
+
+    /// Copies to `maps` what the submission `serial` of frame `slot` has read back.
+    fn fetch_maps(
+        &mut self,
+        tasks: &[Option<EyeTask>; MAX_EYES],
+        slot: usize,
+        serial: Serial,
+        maps: &mut [Arc<IndexMap>],
+    ) -> Result<()> {
+        let start = Instant::now();
+        for ((map, task), readback) in maps.iter_mut().zip(tasks).zip(&mut self.readbacks) {
+            if task.is_some() {
+                readback.submitted(slot, serial);
+                readback.fetch(slot, Arc::make_mut(map))?;
+            }
+        }
+        self.read_back_ms = Some(start.elapsed().as_secs_f32() * 1e3);
         Ok(())
     }
 
@@ -392,33 +391,45 @@ impl Sampler {
     }
 }
 
-impl DeviceCopy {
-    /// Updates what `mode` needs, and drops what it does not need.
-    fn update(
+impl SamplingPasses {
+    /// Records the sampling of the parts of `target` that `tasks` describe.
+    fn record(
         &mut self,
-        device: &Arc<Device>,
         recorder: &mut Recorder,
-        slot: usize,
-        document: &mut Document,
-        (mode, mask): (RenderMode, Option<MaskShown>),
+        sampling: Sampling,
+        copy: &mut DeviceCopy,
+        tasks: &[Option<EyeTask>; MAX_EYES],
+        target: &mut IndexTarget,
     ) -> Result<()> {
-        document.drain_changes_for(&self.subscriber, |contents, changed| {
-            let grid = &contents.grid;
-            self.volume.update(recorder, slot, grid, changed)?;
-            match &mut self.areas {
-                _ if mode.sampling() != Sampling::Slicing => self.areas = None,
-                Some(areas) => areas.update(grid, changed),
-                none => none.insert(SliceAreas::default()).update(grid, None),
+        let slot = copy.frames.slot();
+        match sampling {
+            Sampling::March => {
+                let pass = match &mut self.march {
+                    Some(pass) => pass,
+                    none => {
+                        let stage = PixelStage::of(&copy.device);
+                        none.insert(RayMarch::new(&copy.device, stage, MAX_EYES as u32)?)
+                    }
+                };
+                pass.begin(slot);
+                for task in tasks.iter().flatten() {
+                    pass.record(recorder, &copy.volume, task, target)?;
+                }
             }
-            let needs_colours = mode.needs_colours() || (mode.shades_on_device() && mask.is_some());
-            let shown = MaskShown::colours(mask, contents);
-            match &mut self.colours {
-                _ if !needs_colours => self.colours = None,
-                Some(colours) => colours.update(recorder, slot, &shown, changed)?,
-                none => *none = Some(Colours::new(device, &shown)?),
+            Sampling::Slicing => {
+                let pass = match &mut self.slicing {
+                    Some(pass) => pass,
+                    none => none.insert(Slicing::new(&copy.device)?),
+                };
+                pass.begin(slot, &copy.volume);
+                let areas = copy.areas.get_or_insert_default();
+                for task in tasks.iter().flatten() {
+                    pass.record(recorder, &copy.volume, areas, task, target)?;
+                }
             }
-            Ok(())
-        })
+            Sampling::Cast | Sampling::Quickstep | Sampling::Within => {}
+        }
+        Ok(())
     }
 }
 

@@ -117,18 +117,17 @@ impl ScreenPass {
         self.background.draw(recorder, view);
     }
 
-    /// Draws `vertices` vertices with the set of `eye`, where `view` shows the sculpture, within rendering.
+    /// Draws `vertices` vertices with the set of the eye of `view`, where that shows the sculpture, within rendering.
     pub fn draw<Push: Pod>(
         &self,
         recorder: &mut Recorder,
         pipeline: &Pipeline,
-        eye: u32,
         view: &CompositeEye,
         constants: &Push,
         vertices: u32,
     ) {
         recorder.bind_pipeline(pipeline);
-        recorder.bind_set(pipeline, self.sets.set(self.set(eye)));
+        recorder.bind_set(pipeline, self.sets.set(self.set(view.eye)));
         recorder.push(pipeline.layout(), constants);
         recorder.set_scissor(view.scissor());
         recorder.draw(vertices, 1);

@@ -100,13 +100,13 @@ impl Uniforms {
     pub fn write(&mut self, sets: &DescriptorSets, set: usize, surface: &Surface) -> Result<()> {
         let piece: Piece = self.staging.push(&[uniforms(surface)], self.align)?;
         let kind = vk::DescriptorType::UNIFORM_BUFFER;
-        sets.write_buffer(set, UNIFORMS, kind, piece.buffer, piece.offset, piece.bytes);
+        sets.write_buffer(set, UNIFORMS, kind, piece);
         let matcap = match surface.lighting.look {
             Look::Matcap => self.matcap(surface.lighting.matcap)?,
             _ => &self.nothing,
         };
         let kind = vk::DescriptorType::STORAGE_BUFFER;
-        sets.write_buffer(set, MATCAP, kind, matcap.handle(), 0, matcap.bytes());
+        sets.write_buffer(set, MATCAP, kind, matcap.whole());
         Ok(())
     }
 
@@ -126,9 +126,9 @@ impl Uniforms {
     pub fn write_surface(&self, sets: &DescriptorSets, set: usize, surface: &Surface) {
         let kind = vk::DescriptorType::STORAGE_BUFFER;
         let colours = surface.colours.map_or(&self.nothing, Colours::buffer);
-        sets.write_buffer(set, COLOURS, kind, colours.handle(), 0, colours.bytes());
+        sets.write_buffer(set, COLOURS, kind, colours.whole());
         let normals = surface.normals.map_or(&self.nothing, Normals::buffer);
-        sets.write_buffer(set, NORMALS, kind, normals.handle(), 0, normals.bytes());
+        sets.write_buffer(set, NORMALS, kind, normals.whole());
     }
 }
 

@@ -8,17 +8,16 @@
 use std::sync::Arc;
 
 use ash::vk;
-use glam::{Affine3A, Mat3, Mat4};
+use glam::{Affine3A, Mat3};
 
-use super::composite_eye::is_srgb;
+use super::MAX_EYES;
+use super::composite_eye::{CompositeEye, is_srgb};
 use super::pictures::Pictures;
-use super::{Background, MAX_EYES};
 use crate::gpu::layout::EdgesView;
 use crate::gpu::{
     Attachment, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Load, Pipeline,
     PipelineLayout, Recorder, Result, SetLayout, Use, shaders,
 };
-use crate::surface::PixelRect;
 
 /// How far from a pixel those are that its colour depends on.
 pub(super) const REACH_PX: u32 = 14;
@@ -76,31 +75,28 @@ impl SmoothEdges {
         Ok(())
     }
 
-    /// Starts drawing the sculpture of `eye` to `area`, with the depth of `pictures`, as [`Pictures::begin`].
+    /// Starts drawing the sculpture to the pixels of `view`, with the depth of `pictures`, as [`Pictures::begin`].
     pub fn begin_sculpture(
         &mut self,
         recorder: &mut Recorder,
         pictures: &mut Pictures,
-        eye: u32,
-        background: Background,
-        area: PixelRect,
+        view: &CompositeEye,
     ) {
         let Some(sharp) = &mut self.sharp else { return };
         std::mem::swap(sharp, &mut pictures.colour);
-        pictures.begin(recorder, eye, background, area);
+        pictures.begin(recorder, view.eye, view.background, view.scissor);
         std::mem::swap(sharp, &mut pictures.colour);
     }
 
-    /// Ends it, draws `area` with smooth edges to `pictures`, and goes on drawing over it.
+    /// Ends it, draws the pixels of `view` with smooth edges to `pictures`, and goes on drawing over them.
     pub fn finish(
         &mut self,
         recorder: &mut Recorder,
         pictures: &mut Pictures,
-        eye: u32,
-        area: PixelRect,
-        projection: &Mat4,
+        view: &CompositeEye,
         world_from_grid: &Affine3A,
     ) {
+        let (eye, area, projection) = (view.eye, view.scissor, &view.projection);
         recorder.end_rendering();
         let Some(sharp) = &mut self.sharp else { return };
         let Pictures { colour, depth } = pictures;

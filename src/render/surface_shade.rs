@@ -10,7 +10,7 @@ use ash::vk;
 
 use super::Volume;
 use super::composite::PICTURE_FORMAT;
-use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
+use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage, PixelTarget};
 use super::shading::{
     COLOURS, KIND_CONSTANTS, MATCAP, NORMALS, Surface, UNIFORMS, Uniforms, VOLUME,
 };
@@ -30,6 +30,12 @@ const SHADERS: PixelShaders = PixelShaders {
     fragment: shaders::SHADE_FRAG,
     format: PICTURE_FORMAT,
 };
+
+/// The index maps that are shaded, and the pictures of them, of the same size; a layer of both per eye.
+pub struct ShadingImages<'a> {
+    pub maps: &'a mut IndexTarget,
+    pub pictures: &'a mut EyeImage,
+}
 
 /// Shades index maps.
 pub struct SurfaceShade {
@@ -78,18 +84,17 @@ impl SurfaceShade {
         self.uniforms.begin(slot);
     }
 
-    /// Records the part of an eye's picture of `volume` that `task` describes, from its map in
-    /// `maps`, to its layer of `pictures`, which has the size of the maps. Leaves it in the layout
-    /// of [`Use::SHADER_READ`].
+    /// Records the part of an eye's picture of `volume` that `task` describes. Leaves it in the
+    /// layout of [`Use::SHADER_READ`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
         volume: &Volume,
         surface: &Surface,
-        maps: &mut IndexTarget,
-        pictures: &mut EyeImage,
+        images: ShadingImages,
         task: &EyeTask,
     ) -> Result<()> {
+        let ShadingImages { maps, pictures } = images;
         let eye = task.eye;
         maps.make_readable(recorder, eye);
         let set = self.slot * self.eyes as usize + eye as usize;
@@ -111,7 +116,8 @@ impl SurfaceShade {
         let pass = self.passes.get(surface.kind(), |constants| {
             PixelPass::new(&self.device, &SHADERS, self.stage, &self.layout, constants)
         })?;
-        pass.record::<[u32; 0]>(recorder, set, None, pictures, eye, area);
+        let target = PixelTarget { image: &mut *pictures, eye, area };
+        pass.record::<[u32; 0]>(recorder, set, None, target);
         pictures.transition(recorder, eye, Use::SHADER_READ);
         Ok(())
     }

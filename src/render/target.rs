@@ -7,7 +7,7 @@ use ash::vk;
 use glam::UVec2;
 
 use crate::gpu::{
-    Attachment, Device, EyeImage, Load, Piece, Readback, Recorder, Result, Serial, Use,
+    Attachment, Device, EyeImage, Load, Piece, Readback, Recorder, Result, Serial, TexelRows, Use,
 };
 use crate::sculpture::NO_VOXEL;
 use crate::surface::{IndexMap, PixelRect};
@@ -168,7 +168,8 @@ impl IndexReadback {
         target.index.transition(recorder, task.eye, Use::COPY_SOURCE);
         let image = target.index.image();
         let (layer, [width, ..]) = (image.layer(task.eye), image.size());
-        self.readback.record_rows(recorder, slot, layer, width, task.scissor.rows(), 4)?;
+        let rows = TexelRows { width, rows: task.scissor.rows(), texel_bytes: 4 };
+        self.readback.record_rows(recorder, slot, layer, rows)?;
         let count = self.tasks.len();
         self.tasks[slot % count] = Some(*task);
         Ok(())

@@ -144,7 +144,7 @@ impl DeviceTracer {
             (UNIFORMS, uniform, &uniforms),
             (NORMALS, storage, normals.buffer()),
         ] {
-            sets.write_buffer(0, binding, kind, buffer.handle(), 0, buffer.bytes());
+            sets.write_buffer(0, binding, kind, buffer.whole());
         }
         let colour_bytes = colours.as_ref().map_or(0, Colours::bytes_per_voxel);
         let constants = kind(&prepared, options.bounces, colour_bytes);

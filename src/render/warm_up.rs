@@ -36,13 +36,12 @@ pub struct WarmUp {
     pub depth: ColourDepth,
 }
 
-impl Renderer {
-    /// Creates all pipelines of pictures like `of`, for one eye or two, including the tool preview
-    /// and lines, and of refining them, but not of video and ground. Waits for the device. The next picture is drawn
-    /// from scratch.
-    pub fn warm_up(&mut self, of: &WarmUp) -> Result<()> {
+impl WarmUp {
+    /// Creates all pipelines of such pictures of `renderer`, for one eye or two, including the tool preview and lines,
+    /// and of refining them, but not of video and ground. Waits for the device. The next picture is drawn from scratch.
+    pub fn run(&self, renderer: &mut Renderer) -> Result<()> {
         let begun = Instant::now();
-        let mut document = document(of.depth)?;
+        let mut document = document(self.depth)?;
         let radius = 0.5 * document.grid().dims().as_vec3().length();
         let eye = Camera::framing(radius, Vec3::ONE, Vec3::Y).eye(SIZE_PX);
         let grey = Vec3::splat(0.5);
@@ -66,24 +65,24 @@ impl Renderer {
             eyes: &[eye; 2],
             world_from_grid: Placement::default()
                 .world_from_grid(document.grid().dims(), document.grid().voxel_size()),
-            mode: of.mode,
+            mode: self.mode,
             smooth_surface: SmoothSurface::Never,
             sample: 0,
-            lighting: of.lighting,
+            lighting: self.lighting,
             show_mask: false,
             background: Background::Gradient { top: grey, bottom: grey },
             ground: None,
-            smooth_edges: of.smooth_edges,
+            smooth_edges: self.smooth_edges,
             video: None,
             previews: &[tool],
             lines: &[line],
         };
-        let device = self.device().clone();
+        let device = renderer.stages.device.clone();
         let mut frames = Frames::new(&device)?;
-        let patience = self.patience();
-        let (samples, at_once) = self.refinement.policy();
-        self.set_refinement(2);
-        self.refine_at_once(true);
+        let patience = renderer.stages.normals.patience;
+        let (samples, at_once) = renderer.stages.refinement.policy();
+        renderer.set_refinement(2);
+        renderer.refine_at_once(true);
         // With estimates of normals, which are another pipeline, with all normals, and the samples of the mean; last
         // the smooth surface.
         let (never, smooth) = (SmoothSurface::Never, SmoothSurface::on_screen(true));
@@ -95,18 +94,18 @@ impl Renderer {
             (None, smooth),
         ] {
             let desc = FrameDesc { smooth_surface, ..desc };
-            self.set_patience(patience_here);
+            renderer.set_patience(patience_here);
             let mut recorder = frames.begin()?;
             let slot = frames.slot();
-            self.paint_with_fallback(&mut recorder, slot, &mut document, &desc, |_| true)?;
+            renderer.paint_with_fallback(&mut recorder, slot, &mut document, &desc, |_| true)?;
             device.wait(frames.submit(recorder, &[], &[])?)?;
         }
-        self.set_patience(patience);
-        self.set_refinement(samples);
-        self.refine_at_once(at_once);
+        renderer.set_patience(patience);
+        renderer.set_refinement(samples);
+        renderer.refine_at_once(at_once);
         let taken_ms = begun.elapsed().as_secs_f64() * 1e3;
-        tracing::debug!("warmed up for {:?} in {taken_ms:.0} ms", of.mode);
-        self.forget_pictures()
+        tracing::debug!("warmed up for {:?} in {taken_ms:.0} ms", self.mode);
+        renderer.forget_pictures()
     }
 }
 

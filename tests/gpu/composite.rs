@@ -43,6 +43,7 @@ fn colours_of(map: &IndexMap) -> Pixels {
 
 fn view_of(map: &IndexMap, eye: &Eye, grid: &Grid, background: Background) -> CompositeEye {
     CompositeEye {
+        eye: 0,
         rays: map.rays,
         projection: eye.projection,
         dims: grid.dims(),
@@ -126,7 +127,7 @@ fn slice_read_back_shade_and_composite_two_eyes() {
                 screen.begin(&mut recorder, i);
                 let background = Background::Gradient { top, bottom };
                 let view = view_of(&sampled(&grid, eye), eye, &grid, background);
-                composite.draw(&mut recorder, &maps, i, &view);
+                composite.draw(&mut recorder, &maps, &CompositeEye { eye: i, ..view });
                 screen.end(&mut recorder);
             }
             frames.submit(recorder, &[], &[]).unwrap();
@@ -176,7 +177,7 @@ fn composite_once(
             Some(Attachment { view: colour.view(), load: red, store: true }),
             Some(Attachment { view: depth.view(), load: Load::Depth(0.0), store: true }),
         );
-        composite.draw(recorder, &maps, 0, &view_of(map, eye, grid, background));
+        composite.draw(recorder, &maps, &view_of(map, eye, grid, background));
         recorder.end_rendering();
         Ok(())
     })

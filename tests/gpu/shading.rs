@@ -5,7 +5,7 @@ use ash::vk;
 use glam::{Affine3A, UVec2, Vec3};
 use virtual_sculpture::gpu::{EyeImage, Staging, Use, read_image_once, run_once};
 use virtual_sculpture::render::{
-    EyeTask, IndexTarget, Normals, PixelStage, Surface, SurfaceShade, Volume,
+    EyeTask, IndexTarget, Normals, PixelStage, ShadingImages, Surface, SurfaceShade, Volume,
 };
 use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
@@ -94,7 +94,8 @@ fn assert_shaders_agree(eye: &Eye, world_from_grid: Affine3A, lighting: &Lightin
                     Surface { dims, colours: None, base, normals, estimates, pose, lighting };
                 let visible = pixels_of_grid(&grid, &rays);
                 let task = EyeTask { visible, ..EyeTask::whole(0, rays) };
-                pass.record(recorder, &volume, &surface, &mut maps, &mut pictures, &task)
+                let images = ShadingImages { maps: &mut maps, pictures: &mut pictures };
+                pass.record(recorder, &volume, &surface, images, &task)
             })
             .unwrap();
             let image = pictures.image();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{IVec3, Mat3, Quat, UVec2, UVec3, Vec3};
 use virtual_sculpture::gpu::{Device, Frames, Use, read_image_once, run_once};
-use virtual_sculpture::render::{EyeTask, IndexTarget, LevelMarch, Levels, Normals};
+use virtual_sculpture::render::{EyeTask, IndexTarget, LevelMarch, LevelTask, Levels, Normals};
 use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::{Grid, NO_VOXEL, Placement};
 use virtual_sculpture::shade::normal_field::PackedNormal;
@@ -84,9 +84,10 @@ impl OnDevice {
         let mut target = IndexTarget::with_normals(device, SIZE, 1).unwrap();
         self.march.begin(0);
         let visible = pixels_of_grid(smooth.levels.cells(), &LevelSet::rays_of_cells(rays));
-        let task = EyeTask { visible, ..EyeTask::whole(0, *rays) };
+        let part = EyeTask { visible, ..EyeTask::whole(0, *rays) };
+        let task = LevelTask { part, sample };
         run_once(device, |recorder| {
-            self.march.record(recorder, &self.levels, &self.normals, &task, sample, &mut target)?;
+            self.march.record(recorder, &self.levels, &self.normals, &task, &mut target)?;
             target.make_readable(recorder, 0);
             Ok(())
         })

@@ -94,7 +94,7 @@ fn the_first_picture_after_warming_up_creates_no_pipeline_in_any_mode() {
                 let mut renderer = Renderer::new(device, FORMAT).unwrap();
                 if warm {
                     let of = WarmUp { mode, lighting: lighting(), smooth_edges: true, depth };
-                    renderer.warm_up(&of).unwrap();
+                    of.run(&mut renderer).unwrap();
                 }
                 let before = device.pipelines_created();
                 let pictures = painted(&mut frames, &mut renderer, &mut document, &desc);

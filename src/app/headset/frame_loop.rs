@@ -81,7 +81,7 @@ impl XrFrameLoop {
         view.suit_device(self.is_software());
         let (mode, smooth_edges) = (view.mode, view.smooth_edges);
         let of = WarmUp { mode, lighting: view.lighting(), smooth_edges, depth };
-        Ok(self.renderer.warm_up(&of)?)
+        Ok(of.run(&mut self.renderer)?)
     }
 
     /// The names of runtime and headset.

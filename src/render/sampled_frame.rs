@@ -1,0 +1,91 @@
+//! A frame whose sculpture is sampled, as the passes that shade and draw it see it: eye by eye, with the pixels to
+//! repeat.
+//!
+//! Values alone; knows no pass and no device.
+
+use glam::UVec2;
+
+use super::cpu_pictures::CpuPictures;
+use super::frame_cache::{FrameCache, pixels_to_compose};
+use super::normal_stage::NormalStage;
+use super::overlay_scene::Scene;
+use super::{Background, CompositeEye, FrameDesc, MAX_EYES, Shading, Surface};
+use crate::document::Document;
+use crate::surface::{IndexMap, PixelRect, PixelRects};
+use crate::view::Eye;
+
+/// See the module text.
+#[derive(Clone, Copy)]
+pub(super) struct SampledFrame<'a> {
+    /// [`crate::gpu::Frames::slot`].
+    pub slot: usize,
+    pub document: &'a Document,
+    pub desc: &'a FrameDesc<'a>,
+    /// How the sculpture is shaded.
+    pub shading: Shading,
+    pub normals: &'a NormalStage,
+    pub cpu: &'a CpuPictures,
+    /// The visible rect of each eye.
+    pub visible: [PixelRect; MAX_EYES],
+    /// The pictures that are drawn over, if only what differs from them is to be composed.
+    pub before: Option<&'a FrameCache>,
+}
+
+/// What one eye sees of a frame.
+pub(super) struct FrameEye<'a> {
+    pub eye: &'a Eye,
+    pub map: &'a IndexMap,
+    /// The pixels to compose.
+    pub rects: PixelRects,
+    /// The sculpture in one colour.
+    pub surface: Surface<'a>,
+    pub scene: Scene<'a>,
+    /// Its place in the picture, with all pixels.
+    pub view: CompositeEye,
+}
+
+impl<'a> SampledFrame<'a> {
+    /// What the eyes see, one after the other.
+    pub fn eyes(&self) -> impl Iterator<Item = FrameEye<'a>> {
+        let SampledFrame { desc, cpu, .. } = *self;
+        let eyes = (0..).zip(desc.eyes).zip(&cpu.maps);
+        eyes.map(|((index, eye), map)| self.seen_by(index, eye, map))
+    }
+
+    fn seen_by(&self, index: u32, eye: &'a Eye, map: &'a IndexMap) -> FrameEye<'a> {
+        let SampledFrame { document, desc, before, .. } = *self;
+        let picture = PixelRect::of_picture(eye.size);
+        let rects = match before {
+            Some(before) => {
+                let reshaded = self.normals.reshaded();
+                pixels_to_compose(before, document, reshaded, desc, eye, &map.rays)
+            }
+            None => PixelRects::of(picture),
+        };
+        let scene = Scene {
+            eye_from_grid: eye.eye_from_world * desc.world_from_grid,
+            projection: eye.projection,
+            size: eye.size.to_array(),
+            previews: desc.previews,
+            lines: desc.lines,
+        };
+        let view = CompositeEye {
+            eye: index,
+            rays: map.rays,
+            projection: eye.projection,
+            dims: document.grid().dims(),
+            corner: UVec2::ZERO,
+            size: eye.size,
+            background: if desc.video.is_some() { Background::Keep } else { desc.background },
+            scissor: picture,
+            visible: self.visible[index as usize],
+        };
+        FrameEye { eye, map, rects, surface: self.surface(eye), scene, view }
+    }
+
+    /// The surface of the sculpture in one colour.
+    pub fn surface(&self, eye: &Eye) -> Surface<'a> {
+        let estimates = !self.normals.field().is_complete();
+        self.desc.surface(self.document, estimates, eye)
+    }
+}

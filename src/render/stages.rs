@@ -1,0 +1,192 @@
+//! The stages of a renderer's pictures: what has changed since the last ones, how far normals, smooth surface and
+//! refinement have come, and the times that all took.
+//!
+//! Follows one document. Says what is to be repeated and what is outstanding; the passes draw. Where the device finds the
+//! smooth surface, that is recorded with the passes that draw, in the frames of the screen: by then the device's copy of
+//! the normals is up to date.
+
+use std::sync::Arc;
+
+use super::frame_cache::{FrameCache, Redraw};
+use super::level_stage::{LevelStage, LevelWish, changed_levels};
+use super::normal_stage::NormalStage;
+use super::refinement::Refinement;
+use super::sampler::{EyeRows, Sampler};
+use super::times::{PictureTimer, RenderTimes};
+use super::{EyeTask, FrameDesc, LevelTask, MAX_EYES, RenderMode, Shading, SmoothSurface};
+use crate::document::{ChangeSubscriber, Document};
+use crate::gpu::{Device, Recorder, Result};
+use crate::surface::{IndexMap, PixelRect};
+
+/// See the module text.
+pub(super) struct Stages {
+    /// Drains the bricks that change between two pictures.
+    subscriber: ChangeSubscriber,
+    /// The bricks that changed since the last picture.
+    pub changed: Vec<u32>,
+    pub normals: NormalStage,
+    pub levels: LevelStage,
+    /// The values that the pictures were made from; none while they are incomplete.
+    pub cache: Option<FrameCache>,
+    pub refinement: Refinement,
+    pub times: RenderTimes,
+    pub timer: PictureTimer,
+    pub device: Arc<Device>,
+}
+
+impl Stages {
+    pub fn new(device: &Arc<Device>) -> Result<Stages> {
+        Ok(Stages {
+            subscriber: ChangeSubscriber::default(),
+            changed: Vec::new(),
+            normals: NormalStage::default(),
+            levels: LevelStage::default(),
+            cache: None,
+            refinement: Refinement::default(),
+            times: RenderTimes::default(),
+            timer: PictureTimer::new(device)?,
+            device: device.clone(),
+        })
+    }
+
+    /// Discards what is known of the pictures. They are drawn from scratch.
+    pub fn forget_pictures(&mut self) -> Result<()> {
+        self.cache = None;
+        self.refinement.forget();
+        self.times = RenderTimes::default();
+        self.timer = PictureTimer::new(&self.device)?;
+        Ok(())
+    }
+
+    /// Collects the bricks that have changed since the last picture; false if all may have.
+    pub fn drain_changes(&mut self, document: &mut Document) -> bool {
+        let changed = &mut self.changed;
+        document.drain_changes_for(&self.subscriber, |_, bricks| {
+            changed.clear();
+            changed.extend_from_slice(bricks.unwrap_or_default());
+            bricks.is_some()
+        })
+    }
+
+    /// Whether there are normals to compute, and those of bricks that the next picture does not show are put off.
+    pub fn defers_normals(&self, document: &Document, desc: &FrameDesc) -> bool {
+        (!self.changed.is_empty() || self.normals.has_deferred())
+            && self.can_defer_normals(document, desc)
+    }
+
+    /// Whether the normals of bricks that the next picture does not show can be put off: where the CPU shades the voxels
+    /// of index maps in memory.
+    fn can_defer_normals(&self, document: &Document, desc: &FrameDesc) -> bool {
+        let smooth =
+            desc.is_smooth(SmoothSurface::Always, document.contents(), self.device.is_software());
+        desc.mode.shading() == Shading::Software
+            && !smooth
+            && self.levels.state().is_none()
+            && self.normals.can_defer()
+    }
+
+    /// Starts measuring a frame that uses `slot` and draws `mode`.
+    pub fn begin_timing(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        mode: RenderMode,
+    ) -> Result<()> {
+        self.timer.begin(recorder, slot, mode, &mut self.times.device)
+    }
+
+    /// Whether the last pictures have all normals.
+    pub fn has_all_normals(&self) -> bool {
+        self.normals.field().is_complete()
+    }
+
+    /// Whether the last pictures have all normals, and the smooth surface if they are to show it.
+    pub fn is_complete(&self) -> bool {
+        self.has_all_normals() && !self.levels.is_pending()
+    }
+
+    /// Brings the smooth surface up to date for pictures of `desc`. Returns [`LevelStage::state`].
+    pub fn follow_surface(
+        &mut self,
+        document: &Document,
+        desc: &FrameDesc,
+        changes_known: bool,
+    ) -> Result<Option<bool>> {
+        let known = changes_known.then_some(self.normals.reshaded());
+        let software = self.device.is_software();
+        // Estimates of normals give no surface.
+        let wanted = self.has_all_normals()
+            && desc.is_smooth(SmoothSurface::Always, document.contents(), software);
+        let wish = self.wish(desc, wanted);
+        self.levels.update(document.grid(), self.normals.field(), known, &wish)?;
+        self.normals.reshade(self.levels.changed());
+        Ok(self.levels.state())
+    }
+
+    /// Decides whether the samples of refined pictures, which are made next, show the surface.
+    pub fn show_surface(
+        &mut self,
+        document: &Document,
+        desc: &FrameDesc,
+        wanted: bool,
+    ) -> Result<()> {
+        let wish = self.wish(desc, wanted);
+        self.levels.show(document.grid(), self.normals.field(), &wish)
+    }
+
+    fn wish(&self, desc: &FrameDesc, wanted: bool) -> LevelWish {
+        let device = desc.mode.shades_on_device().then(|| self.device.clone());
+        LevelWish { wanted, device, patience: self.normals.patience }
+    }
+
+    /// How pictures of `mode` are shaded: where the device finds the smooth surface, from an index map there.
+    pub fn shading(&self, mode: RenderMode) -> Shading {
+        if self.levels.is_on_device() { Shading::Device } else { mode.shading() }
+    }
+
+    /// Asks the device for the smooth surface in `maps`, just sampled, or what has changed of it. `visible`: the visible
+    /// rect of each eye.
+    pub fn ask_for_surface(
+        &mut self,
+        document: &Document,
+        redraw: Redraw,
+        sample: u32,
+        maps: &[Arc<IndexMap>],
+        visible: [PixelRect; MAX_EYES],
+    ) {
+        for ((eye, map), visible) in (0..).zip(maps).zip(visible) {
+            let mut part = EyeTask { visible, ..EyeTask::whole(eye, map.rays) };
+            if redraw == Redraw::Changed {
+                let changed = changed_levels(document.grid(), self.levels.changed(), &map.rays);
+                part.scissor = changed.bounds();
+            }
+            if !part.scissor.is_empty() {
+                self.levels.ask_device(LevelTask { part, sample });
+            }
+        }
+    }
+
+    /// Asks the device for the smooth surface in some rows of a map, and for nothing else.
+    pub fn ask_for_rows(&mut self, rows: &EyeRows, sample: u32, visible: PixelRect) {
+        let part = EyeTask { eye: rows.eye as u32, rays: rows.rays, scissor: rows.rect(), visible };
+        self.levels.ask_device_only(LevelTask { part, sample });
+    }
+
+    /// Records what the device was asked for. `maps` are those of the last sampling.
+    pub fn march_to_surface(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &Document,
+        sampler: &mut Sampler,
+        maps: &[Arc<IndexMap>],
+    ) -> Result<()> {
+        if !self.levels.has_tasks() {
+            return Ok(());
+        }
+        let Some(normals) = self.normals.copy() else { return Ok(()) };
+        let target = sampler.smooth_maps(maps)?;
+        let scene = (document.grid(), normals);
+        self.levels.march(&self.device, recorder, slot, scene, target)
+    }
+}
