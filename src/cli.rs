@@ -14,24 +14,24 @@ use clap::parser::ValueSource;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::app::AppError;
-use crate::bench::{self, BenchJob, Kernel, Only, Suite};
+use crate::bench;
 use crate::config::{Config, Profile};
 use crate::doctor;
 use crate::film;
 use crate::folders;
 use crate::format;
 use crate::format::options::ExportForm;
-use crate::headless::{self, Context, DemoScene, RecoverJob, RunJob};
+use crate::headless::{self, Context, DemoScene, RecoverJob};
 use crate::manual;
 use crate::persist::journal::{JournalDir, JournalOptions};
 use crate::picture;
 use crate::progress_bar::Bar;
-use crate::render::RenderMode;
 use crate::screen::console;
 use crate::terminal;
 use crate::track::{self, TrackArgs};
 
 mod arguments;
+mod bench_arguments;
 mod check_arguments;
 mod choices;
 mod error;
@@ -39,6 +39,7 @@ mod film_arguments;
 mod final_arguments;
 mod mesh_arguments;
 mod panic_hook;
+mod run_arguments;
 mod shell;
 mod window;
 
@@ -46,11 +47,13 @@ pub use arguments::{ImportArgs, PictureArgs};
 pub use error::{ArgumentError, ProgramError};
 pub use film_arguments::FilmArgs;
 
+use bench_arguments::BenchArgs;
 use check_arguments::CheckArgs;
 use final_arguments::{FinalArgs, Tracer};
 use mesh_arguments::MeshArgs;
+use run_arguments::RunArgs;
 
-use arguments::{named, parse_marker_mm, parse_size};
+use arguments::{named, parse_marker_mm};
 
 const LOG_HELP: &str = "The environment variable RUST_LOG chooses what is logged, as a list of LEVEL and TARGET=LEVEL \
     (virtual_sculpture=debug); it overrides --verbose and --quiet.";
@@ -115,37 +118,7 @@ pub enum Job {
     /// Make a film: a turntable of a sculpture, or a time lapse of a script
     Film(FilmArgs),
     /// Run a script of commands, without a display
-    Run {
-        /// Script with one command per line; see `virtual-sculpture commands`. `-`: from standard input, each line
-        /// answered by a line of JSON
-        script: PathBuf,
-        /// Sculpture or volume to start from
-        #[arg(long = "in", value_name = "FILE")]
-        input: Option<PathBuf>,
-        /// Where to save the result (.vsc, .pvm, .raw, .vox, .qb, or a mesh: .stl, .ply, .obj, .glb, .3mf)
-        #[arg(long = "out", value_name = "FILE", value_parser = named(&format::WRITE_ENDINGS))]
-        output: Option<PathBuf>,
-        /// Also render the result to this picture (.png, .jpg)
-        #[arg(long, value_name = "PICTURE", value_parser = named(&picture::ENDINGS))]
-        render: Option<PathBuf>,
-        /// Print a hash of the scene, and one of its picture as the CPU shades it
-        #[arg(long)]
-        hash: bool,
-        /// Keep the undo history of the files that it saves, and continue that of the files that it opens, as the
-        /// window does
-        #[arg(long)]
-        history: bool,
-        /// Do not save to the files that are opened
-        #[arg(long)]
-        read_only: bool,
-        /// Keep a journal, as the window does, so that work survives even if the program is killed
-        #[arg(long)]
-        journal: bool,
-        #[command(flatten)]
-        picture: PictureArgs,
-        #[command(flatten)]
-        import: ImportArgs,
-    },
+    Run(RunArgs),
     /// List the sessions that did not end properly, or recover one
     Recover {
         /// Number of the session in the list
@@ -219,39 +192,7 @@ pub enum Job {
         size_mm: f64,
     },
     /// Benchmark rendering, edits and files on this machine
-    Bench {
-        /// Write the figures to this file (.json)
-        #[arg(long, value_name = "JSON", value_parser = named(&["json"]))]
-        json: Option<PathBuf>,
-        /// Plot modes against scenes in this file (.svg)
-        #[arg(long, value_name = "SVG", value_parser = named(&["svg"]))]
-        plot: Option<PathBuf>,
-        #[arg(long, value_enum, default_value_t)]
-        suite: Suite,
-        /// Measure only this mode; may be repeated
-        #[arg(long = "mode", value_enum, value_name = "MODE")]
-        modes: Vec<RenderMode>,
-        /// Run only this kernel, for profilers
-        #[arg(long, value_enum)]
-        kernel: Option<Kernel>,
-        /// Only measure the accuracy of normals on analytic shapes
-        #[arg(long, conflicts_with_all = ["kernel", "modes", "scenes", "json", "plot"])]
-        normals: bool,
-        /// Number of times to run the kernel
-        #[arg(long, default_value_t = 1, value_name = "N", requires = "kernel")]
-        repeat: usize,
-        /// Picture size in pixels
-        #[arg(long, default_value = "640x480", value_name = "WxH", value_parser = parse_size)]
-        size: glam::UVec2,
-        /// Pictures rendered at once: 1, or 2 for stereo
-        #[arg(long, default_value_t = 1, value_name = "1|2", conflicts_with = "kernel",
-              value_parser = clap::value_parser!(u32).range(1..=2))]
-        eyes: u32,
-        /// Scenes (cube, engine, cheese, gyroid) or files to measure
-        scenes: Vec<String>,
-        #[command(flatten)]
-        import: ImportArgs,
-    },
+    Bench(BenchArgs),
     /// List the commands that scripts can use
     Commands {
         /// Print the reference of the brushes instead, as a page in Markdown
@@ -375,36 +316,8 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             Ok(())
         }
         Some(Job::Film(args)) => Ok(film::run(&args.job()?, &context)?),
-        Some(Job::Run {
-            script,
-            input,
-            output,
-            render,
-            hash,
-            history,
-            read_only,
-            journal,
-            picture,
-            import,
-        }) => {
-            let (picture, import) = (picture.request()?, import.options());
-            let journal = journal.then(|| journal_options(&config));
-            let saved_history = history.then(|| config.saved_history.options());
-            let history_folder = folders::journal_folder();
-            let job = RunJob {
-                script,
-                input,
-                output,
-                render,
-                picture,
-                import,
-                hash,
-                saved_history,
-                read_only,
-                journal,
-                history_folder,
-            };
-            Ok(headless::run(&job, &context)?)
+        Some(Job::Run(args)) => {
+            Ok(headless::run(&args.job(&config, journal_options(&config))?, &context)?)
         }
         Some(Job::Recover { number, out, discard, json }) => {
             let journal_dir = journal_options(&config).journal_dir;
@@ -431,28 +344,7 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
         }
         Some(Job::Track(args)) => Ok(track::run(&args, &config)?),
         Some(Job::Marker { out, id, size_mm }) => Ok(headless::marker(id, size_mm, &out)?),
-        Some(Job::Bench {
-            json,
-            plot,
-            suite,
-            modes,
-            kernel,
-            normals,
-            repeat,
-            size,
-            eyes,
-            scenes,
-            import,
-        }) => {
-            let import = import.options();
-            let only = match (normals, kernel) {
-                (true, _) => Some(Only::Normals),
-                (false, kernel) => kernel.map(Only::Kernel),
-            };
-            let job =
-                BenchJob { json, plot, suite, modes, only, repeat, size, eyes, scenes, import };
-            Ok(bench::run(&job, &config, &device, &progress)?)
-        }
+        Some(Job::Bench(args)) => Ok(bench::run(&args.job(), &config, &device, &progress)?),
         Some(Job::Commands { markdown: false }) => Ok(headless::commands()?),
         Some(Job::Commands { markdown: true }) => {
             let page = manual::brushes().map_err(AppError::from)?;

@@ -24,7 +24,7 @@ use crate::format::{self, FormatError, MeshOptions, store};
 use crate::gpu::DeviceOptions;
 use crate::mesh::MeshKind;
 use crate::persist::journal::JournalError;
-use crate::picture::{self, FinalOptions, PictureError, TraceOn};
+use crate::picture::{self, FinalOptions, FinalPicture, PictureError, TraceOn};
 use crate::print_check::CheckError;
 use crate::progress::Progress;
 use crate::remedy::told;
@@ -255,8 +255,9 @@ pub fn render_final(
     let shot = TraceShot { eye: shot.eye, world_from_grid: shot.world_from_grid, up: view.up };
     let on = if on_gpu { TraceOn::Gpu(context.device.clone()) } else { TraceOn::Cpu };
     let options = FinalOptions { smooth_surface: view.smooth_surface, ..*options };
-    let (contents, progress) = (document.contents(), context.progress);
-    picture::write_final(contents, &shot, &options, &on, out, progress, &mut |_, _| {})?;
+    let contents = document.contents();
+    let picture = FinalPicture { contents, shot: &shot, options: &options, on: &on };
+    picture::write_final(picture, out, context.progress, &mut |_, _| {})?;
     let UVec2 { x, y } = view.size;
     terminal::print_done(format_args!("wrote {} ({x}x{y})", out.display()));
     Ok(())

@@ -31,7 +31,7 @@ mod final_picture;
 mod maker;
 mod mean;
 
-pub use final_picture::{FinalOptions, LINEAR_ENDING, TraceOn, write_final};
+pub use final_picture::{FinalOptions, FinalPicture, LINEAR_ENDING, TraceOn, write_final};
 pub use maker::PictureMaker;
 
 use maker::{FollowedNormals, Painter};
@@ -252,16 +252,23 @@ pub fn encoded(picture: &RgbImage, ending: &str) -> Result<Vec<u8>, ImageError> 
     Ok(file.into_inner())
 }
 
+/// The eyes of a picture, and where the sculpture stands before them.
+#[derive(Clone, Copy)]
+struct PlacedEyes<'a> {
+    eyes: &'a [Eye],
+    world_from_grid: Affine3A,
+}
+
 /// Renders without Vulkan, by `mode`.
 fn render_by_casting(
     document: &mut Document,
     followed: &mut FollowedNormals,
     view: &View,
     mode: RenderMode,
-    eyes: &[Eye],
-    world_from_grid: Affine3A,
+    seen: &PlacedEyes,
     options: &PictureOptions,
 ) -> Vec<RgbImage> {
+    let PlacedEyes { eyes, world_from_grid } = *seen;
     let smooth = view.smooth_surface
         && document.contents().surface == SurfaceKind::Smooth
         && mode.can_be_smooth()
@@ -309,10 +316,10 @@ fn render_on_device(
     painter: &mut Painter,
     followed: &mut FollowedNormals,
     view: &View,
-    eyes: &[Eye],
-    world_from_grid: Affine3A,
+    seen: &PlacedEyes,
     options: &PictureOptions,
 ) -> Result<Vec<RgbImage>, PictureError> {
+    let PlacedEyes { eyes, world_from_grid } = *seen;
     let Painter { device, renderer, frames, warned } = painter;
     let [top, bottom] = BACKGROUND.map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
     let desc = FrameDesc {
@@ -352,15 +359,7 @@ fn render_on_device(
         *warned |= !report.fallbacks.is_empty();
         mode = report.mode;
         if !report.painted {
-            return Ok(render_by_casting(
-                document,
-                followed,
-                view,
-                mode,
-                eyes,
-                world_from_grid,
-                options,
-            ));
+            return Ok(render_by_casting(document, followed, view, mode, seen, options));
         }
         if let Some(pictures) = renderer.pictures() {
             let image = pictures.colour.image();

@@ -10,7 +10,7 @@ use glam::{Mat4, UVec2, Vec3};
 use super::screenshot;
 use super::workspace::Workspace;
 use crate::editor::job::Failure;
-use crate::picture::{self, FinalOptions, PictureError, TraceOn};
+use crate::picture::{self, FinalOptions, FinalPicture, PictureError, TraceOn};
 use crate::progress::Report;
 use crate::shade::Pixels;
 use crate::trace::{Film, TraceError, TraceShot, preview_pixels};
@@ -51,7 +51,9 @@ impl Workspace {
             Watcher { news: preview.news(), exposure_ev: wanted.exposure_ev, due: Instant::now() };
         let work = move |report: &Report| {
             let watch = &mut |film: &Film, samples| watcher.watch(film, samples);
-            match picture::write_final(&contents, &shot, &options, &on, &path, report, watch) {
+            let picture =
+                FinalPicture { contents: &contents, shot: &shot, options: &options, on: &on };
+            match picture::write_final(picture, &path, report, watch) {
                 Ok(()) => Ok(format!("Saved {}", path.display())),
                 Err(PictureError::Trace(TraceError::Cancelled)) => Err(Failure::Cancelled),
                 Err(error) => Err(Failure::Error(error.to_string())),

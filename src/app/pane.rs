@@ -25,7 +25,7 @@ use crate::view::StereoLayout;
 use crate::viewpoint::head::Monitor;
 
 use super::glyphs::Glyphs;
-use super::stereo_screen::StereoScreen;
+use super::stereo_screen::{StereoPair, StereoScreen};
 
 /// A window whose requested redraw does not come within this time is not visible: on Wayland such
 /// windows get no redraws.
@@ -388,7 +388,8 @@ impl Pane {
         stereo.begin_interface(recorder, size)?;
         self.gui.draw(recorder, target.size, interface.pixels_per_point, primitives)?;
         recorder.end_rendering();
-        stereo.compose(recorder, self.frames.slot(), target, pictures, corner, self.layout)
+        let pair = StereoPair { pictures, corner, layout: self.layout };
+        stereo.compose(recorder, self.frames.slot(), target, pair)
     }
 
     /// Presents the picture. False if the window has changed too much to show it; then another one is

@@ -13,6 +13,15 @@ use crate::render::{Stereo, StereoSources};
 use crate::screen::window::Target;
 use crate::view::StereoLayout;
 
+/// The pictures of two eyes, and their place in a window.
+pub struct StereoPair<'a> {
+    /// Two layers: left, right.
+    pub pictures: &'a mut EyeImage,
+    /// Their upper left corner, in pixels.
+    pub corner: IVec2,
+    pub layout: StereoLayout,
+}
+
 /// The interface of a window in an image of its own, and the stereo pass.
 pub struct StereoScreen {
     pass: Stereo,
@@ -50,10 +59,9 @@ impl StereoScreen {
         recorder: &mut Recorder,
         slot: usize,
         target: &Target,
-        pictures: &mut EyeImage,
-        corner: IVec2,
-        layout: StereoLayout,
+        pair: StereoPair,
     ) -> Result<()> {
+        let StereoPair { pictures, corner, layout } = pair;
         self.interface.transition(recorder, 0, Use::SHADER_READ);
         for eye in 0..pictures.eyes() {
             pictures.transition(recorder, eye, Use::SHADER_READ);

@@ -51,17 +51,24 @@ impl Default for FinalOptions {
     }
 }
 
-/// Makes a final picture of `contents` and writes it to `path`, in the format of its extension. `watch` sees the sums
-/// so far and their number of samples after each pass on the CPU.
+/// A final picture to be made.
+#[derive(Clone, Copy)]
+pub struct FinalPicture<'a> {
+    pub contents: &'a Contents,
+    pub shot: &'a TraceShot,
+    pub options: &'a FinalOptions,
+    pub on: &'a TraceOn,
+}
+
+/// Makes a final picture and writes it to `path`, in the format of its extension. `watch` sees the sums so far and their
+/// number of samples after each pass on the CPU.
 pub fn write_final(
-    contents: &Contents,
-    shot: &TraceShot,
-    options: &FinalOptions,
-    on: &TraceOn,
+    picture: FinalPicture,
     path: &Path,
     progress: &dyn Progress,
     watch: &mut dyn FnMut(&Film, u32),
 ) -> Result<(), PictureError> {
+    let FinalPicture { contents, shot, options, on } = picture;
     let is_smooth = options.smooth_surface && contents.surface == SurfaceKind::Smooth;
     if is_smooth && matches!(on, TraceOn::Gpu(_)) {
         return Err(PictureError::SmoothOnDevice);
@@ -190,7 +197,8 @@ mod tests {
         progress: &dyn Progress,
     ) -> Result<(), PictureError> {
         let (contents, shot) = subject();
-        write_final(&contents, &shot, options, on, path, progress, &mut |_, _| {})
+        let picture = FinalPicture { contents: &contents, shot: &shot, options, on };
+        write_final(picture, path, progress, &mut |_, _| {})
     }
 
     fn options(samples: u32) -> FinalOptions {
@@ -247,7 +255,9 @@ mod tests {
         let watch = &mut |film: &Film, samples| {
             shown.push((samples, trace::preview_pixels(film, samples, 0.0)));
         };
-        write_final(&contents, &shot, &options, &TraceOn::Cpu, &path, &(), watch).unwrap();
+        let (contents, shot, on) = (&contents, &shot, &TraceOn::Cpu);
+        let picture = FinalPicture { contents, shot, options: &options, on };
+        write_final(picture, &path, &(), watch).unwrap();
         assert_eq!(shown.iter().map(|(samples, _)| *samples).collect::<Vec<_>>(), [1, 2, 3]);
         let file = image::open(&path).unwrap().to_rgb8();
         let differs = |preview: &crate::shade::Pixels| {

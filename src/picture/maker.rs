@@ -8,8 +8,8 @@ use std::sync::Arc;
 use image::RgbImage;
 
 use super::{
-    CameraPlacement, PictureError, PictureOptions, View, compose_eyes, render_by_casting,
-    render_on_device,
+    CameraPlacement, PictureError, PictureOptions, PlacedEyes, View, compose_eyes,
+    render_by_casting, render_on_device,
 };
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, DeviceOptions, Frames, Headless};
@@ -47,15 +47,15 @@ impl PictureMaker {
             StereoLayout::Mono => vec![shot.eye],
             _ => options.stereo.rig(shot.distance.max(f32::MIN_POSITIVE)).eyes(&shot.eye).to_vec(),
         };
-        let pose = shot.world_from_grid;
+        let seen = PlacedEyes { eyes: &eyes, world_from_grid: shot.world_from_grid };
         let pictures = if view.mode.needs_device() {
             let painter = match painter {
                 Some(painter) => painter,
                 none => none.insert(Painter::new(&options.device)?),
             };
-            render_on_device(document, painter, followed, view, &eyes, pose, options)?
+            render_on_device(document, painter, followed, view, &seen, options)?
         } else {
-            render_by_casting(document, followed, view, view.mode, &eyes, pose, options)
+            render_by_casting(document, followed, view, view.mode, &seen, options)
         };
         Ok(compose_eyes(pictures, view))
     }

@@ -38,6 +38,12 @@ const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// How long a picture may be held up by the normals of a sculpture that was opened.
 const PATIENCE: Duration = Duration::from_millis(2);
 
+/// The eyes of a person, and the placement of the world in the room around.
+struct EyesInRoom {
+    room: Room,
+    views: [RoomView; 2],
+}
+
 /// An XR session with what renders to it. The session ends first, then fields are dropped in this
 /// order: renderers before their device.
 pub struct XrFrameLoop {
@@ -196,7 +202,8 @@ impl XrFrameLoop {
         let (views, Some(room)) = (targets.views, self.placement.room()) else { return Ok(false) };
         let mut pass = due.then(|| self.board.pane.pass(workspace, now_s, says_only));
         let (mut recorder, slot) = self.session.begin_recording()?;
-        self.draw(workspace, &mut recorder, slot, &room, &views, ray)?;
+        let eyes = EyesInRoom { room, views };
+        self.draw(workspace, &mut recorder, slot, &eyes, ray)?;
         if let Some(pictures) = self.renderer.pictures() {
             let (colour, depth) = (&pictures.colour, &mut pictures.depth);
             self.session.copy_eyes(&mut recorder, &targets, colour, depth)?;
@@ -214,7 +221,7 @@ impl XrFrameLoop {
         }
         if let Some(screenshots) = screenshots.as_mut().filter(|s| s.is_due(now_s)) {
             // Before the frame ends: from then on the runtime may use the queue.
-            self.write_screenshot(screenshots, now_s, &views, &room, board.is_some())?;
+            self.write_screenshot(screenshots, now_s, &eyes, board.is_some())?;
         }
         self.session.end_frame(FrameLayers { views: Some(views), board }, pass.is_some());
         tracing::trace!("frame shown");
@@ -274,10 +281,10 @@ impl XrFrameLoop {
         workspace: &mut Workspace,
         recorder: &mut Recorder,
         slot: usize,
-        room: &Room,
-        views: &[RoomView; 2],
+        seen: &EyesInRoom,
         ray: Option<[Vec3; 2]>,
     ) -> Result<()> {
+        let EyesInRoom { room, views } = seen;
         let size = self.session.eye_size();
         let eyes = views.map(|view| room.eye(&view, size));
         let see_through = self.session.is_see_through();
@@ -311,8 +318,7 @@ impl XrFrameLoop {
         &mut self,
         screenshots: &mut EyeScreenshots,
         now_s: f64,
-        views: &[RoomView; 2],
-        room: &Room,
+        EyesInRoom { room, views }: &EyesInRoom,
         board: bool,
     ) -> Result<()> {
         let eyes = self.renderer.read_back()?;

@@ -80,10 +80,17 @@ pub fn surface(ui: &mut Ui, view: &mut ViewState) -> bool {
     let looks = ui.scope(|ui| look::show(ui, view));
     spot::mark(&looks.response, Spot::Looks);
     ui.add_space(4.0);
-    let on_ground = view.ground;
-    let light = &mut view.light;
-    let finish = &mut view.finish;
+    ambient_light(ui, &mut view.light);
+    tone_and_shadows(ui, view);
+    ui.add_space(4.0);
+    highlights(ui, &mut view.light);
     let software = view.mode.shading() == crate::render::Shading::Software;
+    filters(ui, &mut view.finish, software);
+    looks.inner
+}
+
+/// The light from everywhere, and the exposure.
+fn ambient_light(ui: &mut Ui, light: &mut LightOptions) {
     Grid::new("light").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         percent(ui, "Ambient", &mut light.ambient, 1.0)
             .on_hover_text("Light from everywhere: from the sky above and the ground below");
@@ -103,6 +110,11 @@ pub fn surface(ui: &mut Ui, view: &mut ViewState) -> bool {
             .on_hover_text("Brightness of the whole picture: each step doubles the light");
         ui.end_row();
     });
+}
+
+/// The tones of the picture, and what darkens parts of it.
+fn tone_and_shadows(ui: &mut Ui, view: &mut ViewState) {
+    let ViewState { light, finish, ground, .. } = view;
     let mut filmic = light.tone == ToneMapping::Filmic;
     let tone = ui.checkbox(&mut filmic, "Filmic tone mapping").on_hover_text(
         "Lifts dark tones and lets bright light fade into white; without it, bright light is cut off",
@@ -117,7 +129,7 @@ pub fn surface(ui: &mut Ui, view: &mut ViewState) -> bool {
     ui.checkbox(&mut light.shadow, "Shadows").on_hover_text(
         "The first distant light casts shadows: sharp while something moves, soft in the refined picture",
     );
-    if light.shadow || on_ground {
+    if light.shadow || *ground {
         ui.horizontal(|ui| {
             let label = ui.label("Size of the sun");
             let slider =
@@ -127,7 +139,10 @@ pub fn surface(ui: &mut Ui, view: &mut ViewState) -> bool {
             );
         });
     }
-    ui.add_space(4.0);
+}
+
+/// How stone shines.
+fn highlights(ui: &mut Ui, light: &mut LightOptions) {
     Grid::new("surface").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         percent(ui, "Specular", &mut light.specular, 1.0)
             .on_hover_text("Strength of the highlights");
@@ -138,6 +153,10 @@ pub fn surface(ui: &mut Ui, view: &mut ViewState) -> bool {
             .on_hover_text("The larger, the smaller the highlights");
         ui.end_row();
     });
+}
+
+/// The averages over neighbouring pixels, which only the software shader takes.
+fn filters(ui: &mut Ui, finish: &mut Finish, software: bool) {
     let filters = ui.add_enabled_ui(software, |ui| {
         Grid::new("filters").num_columns(2).show(ui, |ui| {
             for (title, smoothing) in [
@@ -161,7 +180,6 @@ pub fn surface(ui: &mut Ui, view: &mut ViewState) -> bool {
         });
     });
     filters.response.on_disabled_hover_text("Only available with the software shader");
-    looks.inner
 }
 
 fn name(smoothing: Smoothing) -> &'static str {
