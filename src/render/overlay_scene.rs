@@ -84,6 +84,7 @@ pub(super) fn grid_from_tool(primitive: &Primitive, voxel_size: Vec3) -> Affine3
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tools::solid::Solid;
 
     #[test]
     fn the_ghost_stands_where_the_tool_works() {

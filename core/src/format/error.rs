@@ -1,11 +1,11 @@
 //! Errors of reading and writing files. Messages are for users: they say what is wrong and what to do, but name no
 //! setting or flag, which only the program has.
-//! Callers add the name of the file.
+//! Callers add the name of the file, and the list of formats gives the extensions that messages name. Knows no format.
 
 use glam::UVec3;
 use thiserror::Error;
 
-use super::options::{Colouring, ExportForm, Region};
+use super::options::{Colouring, ExportForm, MeshUp, Region};
 use super::volume::Samples;
 use crate::mesh::MeshError;
 use crate::sculpture::GridError;
@@ -32,22 +32,25 @@ pub enum FormatError {
     NoScanInFolder,
     /// No format has this file extension.
     #[error(
-        "the file extension `{0}` is unknown; read are .{list}; voxels alone, under any name, with a layout such as 128x128x64:u16le",
-        list = super::READ_ENDINGS.join(", .")
+        "the file extension `{ending}` is unknown; read are {known}; voxels alone, under any name, with a layout such as 128x128x64:u16le"
     )]
-    UnknownEnding(String),
+    UnknownEnding {
+        /// With its dot.
+        ending: String,
+        /// Those that are read.
+        known: String,
+    },
     /// The path has no file extension to choose the format by.
-    #[error(
-        "the file name has no extension; add one of .{list}",
-        list = super::READ_ENDINGS.join(", .")
-    )]
-    NoEnding,
+    #[error("the file name has no extension; add one of {0}")]
+    NoEnding(String),
     /// A file is to be written under a name that no format has.
-    #[error(
-        "{0} of a format that is written; choose one of .{list}",
-        list = super::WRITE_ENDINGS.join(", .")
-    )]
-    NotWritten(String),
+    #[error("{why} of a format that is written; choose one of {written}")]
+    NotWritten {
+        /// Begins the message.
+        why: String,
+        /// Extensions of the files that are written.
+        written: String,
+    },
     /// A file that holds something else than its name says, which is not read.
     #[error("choose another file; the name is that of another kind of file: this one holds {0}")]
     OtherContent(&'static str),
@@ -149,9 +152,14 @@ pub enum FormatError {
     Damaged(&'static str),
     /// An export form was given for .vsc, which has only one.
     #[error(
-        "a .vsc file always stores the whole sculpture; leave out `{0}`, or save as .pvm or .raw"
+        "a .vsc file always stores the whole sculpture; leave out `{form}`, or save as {volumes}"
     )]
-    FormOfVsc(ExportForm),
+    FormOfVsc {
+        /// The form asked for.
+        form: ExportForm,
+        /// Extensions of the files that have forms.
+        volumes: String,
+    },
 
     /// A model of another program is damaged, at a place.
     #[error("{place}: {what}; the file is damaged or cut: copy it again, or export it once more")]
@@ -198,14 +206,16 @@ pub enum FormatError {
     #[error("the file places more than 2^32 voxels, most of them copies; export it with fewer")]
     TooManyVoxels,
     /// An export form was given for a format that has only one.
-    #[error("files of this kind have only one form; leave out `{0}`, or save as .pvm or .raw")]
-    FormOfModel(ExportForm),
+    #[error("files of this kind have only one form; leave out `{form}`, or save as {volumes}")]
+    FormOfModel {
+        /// The form asked for.
+        form: ExportForm,
+        /// Extensions of the files that have forms.
+        volumes: String,
+    },
     /// A format that can only be read.
-    #[error(
-        "files of this kind can only be read; choose one of .{list}",
-        list = super::WRITE_ENDINGS.join(", .")
-    )]
-    ReadOnly,
+    #[error("files of this kind can only be read; choose one of {0}")]
+    ReadOnly(String),
     /// A .vox file cannot store so many voxels.
     #[error(
         "the sculpture has more voxels than the 2^29 that a .vox file can hold; save it as .qb"
@@ -303,19 +313,29 @@ pub enum FormatError {
     #[error("the {0} text contains a NUL, which ends a text in PVM; remove it")]
     NulInText(&'static str),
     /// A mesh was asked for under a name of another format.
-    #[error("a mesh is written to a .stl, .ply, .obj, .glb or .3mf file; choose such a name")]
-    NotAMeshFile,
+    #[error("a mesh is written to a {0} file; choose such a name")]
+    NotAMeshFile(String),
     /// An export form of volumes was given for a mesh.
-    #[error("`{0}` is a form of volumes; leave it out for a mesh, or save as .pvm or .raw")]
-    FormOfMesh(ExportForm),
-    /// The y axis points up in every .glb file.
+    #[error("`{form}` is a form of volumes; leave it out for a mesh, or save as {volumes}")]
+    FormOfMesh {
+        /// The form asked for.
+        form: ExportForm,
+        /// Extensions of the files that have forms.
+        volumes: String,
+    },
+    /// The same axis points up in every file of the format.
     #[error(
-        "a .glb file always has the y axis up, which programs turn as they need; leave out the axis"
+        "a .{extension} file always has the {up} axis up, which programs turn as they need; leave out the axis"
     )]
-    UpOfGlb,
-    /// Points alone, but not in a .ply file.
-    #[error("only .ply files hold points without triangles; choose a name that ends in .ply")]
-    PointsInPlyOnly,
+    FixedUp {
+        /// Of the format.
+        extension: &'static str,
+        /// The axis.
+        up: MeshUp,
+    },
+    /// Points alone, but not in a file that can hold them.
+    #[error("only {0} files hold points without triangles; choose a name that ends in {0}")]
+    NoPoints(String),
     /// A voxel size that is no length.
     #[error("a voxel of {0} mm is not possible; give a positive length in millimetres")]
     VoxelMillimetres(f32),

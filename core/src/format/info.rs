@@ -7,9 +7,10 @@ use std::path::Path;
 use glam::{UVec3, Vec3};
 
 use super::options::{ExportForm, ImportOptions};
+use super::spec::{Format, Import};
 use super::{
-    Format, FormatError, Histogram, Samples, Signature, Source, Texts, Volume, Volumes, content,
-    import, mesh_in, open_volume, read_file, threshold, voxel, vsc,
+    FormatError, Histogram, Samples, Signature, Source, Texts, Volume, Volumes, content, import,
+    mesh_in, open_volume, read_file, threshold, voxel, vsc,
 };
 use crate::progress::Progress;
 use crate::sculpture::Limits;
@@ -87,7 +88,7 @@ fn info_as(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Info, FormatError> {
-    if format == Format::Vsc {
+    if matches!(format.read, Import::Sculpture) {
         let file = read_file(path, limits, progress)?;
         let header = vsc::read_header(&file, limits)?;
         let vsc::Header { dims, voxel_size, colour_depth, base, texts, .. } = header;
@@ -123,21 +124,21 @@ fn info_as(
             notes,
         }
     };
-    match format {
-        Format::Voxel(kind) => {
+    match &format.read {
+        Import::Model(reader) => {
             let file = read_file(path, limits, progress)?;
-            let model = voxel::read(kind, &file)?;
+            let model = (reader.read)(&file)?;
             let Contents { grid, .. } = voxel::turned(&*model, options, limits, progress)?;
             let (bytes, notes) = (file.len() as u64, model.notes());
             return Ok(of_model(model.kind(), bytes, grid.dims(), grid.voxel_size(), notes));
         }
-        Format::Mesh(kind) => {
-            let mesh = mesh_in::load(path, kind, limits, progress)?;
+        Import::Mesh(reader) => {
+            let mesh = mesh_in::load(path, reader, limits, progress)?;
             let (frame, bytes) = (mesh.frame(options)?, std::fs::metadata(path)?.len());
             let kind = format!("{}, triangles: {}", mesh.kind, mesh.mesh.triangles.len());
             return Ok(of_model(kind, bytes, frame.dims, frame.voxel_size, mesh.notes));
         }
-        Format::Vsc | Format::Pvm | Format::Raw | Format::Scan(_) => {}
+        Import::Sculpture | Import::Volume(_) | Import::Scan(_) => {}
     }
     let (volume, source) = open_volume(format, path, options, limits, progress)?;
     let orientation = source.frame.describe();

@@ -4,7 +4,7 @@
 //! The entry points are [`load`], [`save`] and [`info()`]. Below them: `store` (disk), `budget` and `limits` (memory and
 //! lengths that files may ask for), `vsc` (sculptures without loss), `history` (undo steps), `pvm` and `dds`, `raw`,
 //! `scan` (volumes), `prepare` (region and cubic voxels),
-//! `import` and `export` (volume <-> sculpture), `study` (a file before it is imported),
+//! `spec` and `list` (the description of each format), `import` and `export` (volume <-> sculpture), `study` (a file before it is imported),
 //! `content` (which format a file is of), `threshold`, `ramp`, `labels` and
 //! `signature` (the meaning of voxels), `voxel` (models of other voxel
 //! editors), `mesh_in` and `mesh_out` (meshes of and for other programs). Errors say what is wrong and what to do;
@@ -22,6 +22,7 @@ mod import;
 mod info;
 mod labels;
 mod limits;
+mod list;
 mod mesh_in;
 mod mesh_out;
 pub mod options;
@@ -32,6 +33,7 @@ mod ramp;
 mod raw;
 mod scan;
 mod signature;
+mod spec;
 pub mod store;
 mod study;
 mod threshold;
@@ -44,20 +46,23 @@ use std::ffi::OsStr;
 use std::io::BufWriter;
 use std::path::Path;
 
-use glam::{UVec3, Vec3};
-
 pub use self::content::needs_layout;
 pub use self::error::FormatError;
 pub use self::histogram::Histogram;
 pub use self::info::{Densities, Info, info, info_with};
-pub use self::mesh_out::{
-    MeshSummary, is_mesh, save_mesh, save_mesh_again, usual_surface, usual_up,
+pub use self::list::{
+    READ_ENDINGS, WRITE_ENDINGS, exports, is_mesh, is_raw, is_volume, mesh_traits,
+    meshes_of_points_text, meshes_read_with_up_text, meshes_with_up_text, models_of_cubes_text,
+    written_text,
 };
+pub use self::mesh_out::{MeshSummary, MeshTraits, save_mesh, save_mesh_again, usual_surface};
 use self::options::{Colouring, Existence, ExportForm, ExportOptions, ImportOptions};
 pub use self::options::{MeshOptions, MeshUp};
 pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};
 pub use self::scan::base64;
+use self::scan::{Reading, Scan};
 pub use self::signature::Signature;
+use self::spec::{Export, Format, Import};
 pub use self::study::{
     Existing, Family, MeshStudy, ModelStudy, Outlook, Study, SurfaceVoxel, VolumeStudy, family,
     study,
@@ -65,67 +70,16 @@ pub use self::study::{
 pub use self::volume::{Samples, Texts, Volume};
 pub use self::volumes::{Taken, Volumes};
 use crate::progress::Progress;
+use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
 use crate::sculpture::orient::Reorientation;
 use crate::sculpture::orientation::{Orientation, Up};
-use crate::sculpture::{Grid, Limits};
-
-/// Extensions of the files that can be read.
-pub const READ_ENDINGS: [&str; 27] = [
-    "vsc", "pvm", "raw", "nii", "nii.gz", "hdr", "hdr.gz", "nrrd", "nhdr", "mha", "mhd", "vti",
-    "vtk", "tif", "tiff", "dcm", "dicom", "vox", "qb", "gox", "binvox", "obj", "stl", "ply", "glb",
-    "gltf", "3mf",
-];
-/// Extensions of the files that can be written.
-pub const WRITE_ENDINGS: [&str; 10] =
-    ["vsc", "pvm", "raw", "vox", "qb", "stl", "ply", "obj", "glb", "3mf"];
-
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Format {
-    Vsc,
-    Pvm,
-    Raw,
-    Scan(scan::Kind),
-    Voxel(voxel::Kind),
-    Mesh(mesh_in::Kind),
-}
-
-impl Format {
-    fn of(path: &Path) -> Result<Format, FormatError> {
-        let ending = path.extension().ok_or(FormatError::NoEnding)?.to_string_lossy();
-        let is_of_scan = |(ending, _): &&(&str, scan::Kind)| has_ending(path, ending);
-        if let Some((_, kind)) = scan::Kind::ENDINGS.iter().find(is_of_scan) {
-            return Ok(Format::Scan(*kind));
-        }
-        match ending.to_ascii_lowercase().as_str() {
-            "vsc" => Ok(Format::Vsc),
-            "pvm" => Ok(Format::Pvm),
-            "raw" => Ok(Format::Raw),
-            "vox" => Ok(Format::Voxel(voxel::Kind::Vox)),
-            "qb" => Ok(Format::Voxel(voxel::Kind::Qb)),
-            "gox" => Ok(Format::Voxel(voxel::Kind::Gox)),
-            "binvox" => Ok(Format::Voxel(voxel::Kind::Binvox)),
-            "obj" => Ok(Format::Mesh(mesh_in::Kind::Obj)),
-            "stl" => Ok(Format::Mesh(mesh_in::Kind::Stl)),
-            "ply" => Ok(Format::Mesh(mesh_in::Kind::Ply)),
-            "3mf" => Ok(Format::Mesh(mesh_in::Kind::ThreeMf)),
-            "glb" | "gltf" => Ok(Format::Mesh(mesh_in::Kind::Glb)),
-            _ => Err(FormatError::UnknownEnding(format!(".{ending}"))),
-        }
-    }
-}
-
-/// Whether the name of a file ends in a dot and `ending`, in capitals or not.
-fn has_ending(path: &Path, ending: &str) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    name.strip_suffix(ending).is_some_and(|rest| rest.ends_with('.') && rest.len() > 1)
-}
 
 /// Whether a file of that name may be one that can be read: it has one of [`READ_ENDINGS`], or none, or a number, as many
 /// DICOM files have. Looks at the name alone.
 pub fn may_be_read(path: &Path) -> bool {
     let is_number = |ending: &OsStr| ending.as_encoded_bytes().iter().all(u8::is_ascii_digit);
-    Format::of(path).is_ok() || path.extension().is_none_or(is_number)
+    list::named(path).is_ok() || path.extension().is_none_or(is_number)
 }
 
 /// Whether a file or folder can be read, by its name and, where that says nothing, by its content; or may be once it is
@@ -136,7 +90,7 @@ pub fn can_be_read(path: &Path) -> bool {
 
 /// Whether a file of that name stores a sculpture without loss, unlike a volume for other programs.
 pub fn is_sculpture(path: &Path) -> bool {
-    matches!(Format::of(path), Ok(Format::Vsc))
+    list::named(path).is_ok_and(|format| matches!(format.read, Import::Sculpture))
 }
 
 /// A sculpture from a file.
@@ -171,7 +125,7 @@ pub fn load(
 ) -> Result<Loaded, FormatError> {
     let (format, disagreement) = content::format_of(path, options.raw.is_some())?;
     let mut loaded = load_as(format, path, options, limits, progress)?;
-    let of_itself = matches!(format, Format::Vsc | Format::Scan(_) | Format::Mesh(_));
+    let of_itself = matches!(format.read, Import::Sculpture | Import::Scan(_) | Import::Mesh(_));
     let unused = options.upright.filter(|_| of_itself && loaded.assumed_up.is_none()).map(|up| {
         format!("the file says itself which way is up, so `{up}` was left out; turn the sculpture once it is open")
     });
@@ -187,27 +141,27 @@ fn load_as(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Loaded, FormatError> {
-    match format {
-        Format::Vsc => {
+    match &format.read {
+        Import::Sculpture => {
             let file = read_file(path, limits, progress)?;
             let (contents, texts) = vsc::read(&file, limits, progress)?;
             return Ok(Loaded::model(contents, texts, Vec::new()));
         }
-        Format::Voxel(kind) => {
+        Import::Model(reader) => {
             let file = read_file(path, limits, progress)?;
-            let model = voxel::read(kind, &file)?;
+            let model = (reader.read)(&file)?;
             let mut contents = voxel::turned(&*model, options, limits, progress)?;
-            contents.surface = kind.surface();
+            contents.surface = reader.surface;
             return Ok(Loaded::model(contents, Texts::default(), told(path, model.notes())));
         }
-        Format::Mesh(kind) => {
-            let mesh = mesh_in::load(path, kind, limits, progress)?;
+        Import::Mesh(reader) => {
+            let mesh = mesh_in::load(path, reader, limits, progress)?;
             let (contents, notes) = mesh.into_contents(options, limits, progress)?;
-            let assumed_up = (!kind.knows_up()).then(|| kind.up(options));
+            let assumed_up = (!reader.knows_up).then(|| reader.up(options));
             let loaded = Loaded::model(contents, Texts::default(), told(path, notes));
             return Ok(Loaded { assumed_up, ..loaded });
         }
-        Format::Pvm | Format::Raw | Format::Scan(_) => {}
+        Import::Volume(_) | Import::Scan(_) => {}
     }
     let (volume, source) = open_volume(format, path, options, limits, progress)?;
     let options = &source.adapted(options, volume.samples);
@@ -285,40 +239,22 @@ pub fn save_with(
     progress: &dyn Progress,
 ) -> Result<Vec<String>, FormatError> {
     let ExportOptions { form, mesh } = *options;
-    if is_mesh(path) {
-        if form != ExportForm::Auto {
-            return Err(FormatError::FormOfMesh(form));
+    let export = list::written(path).and_then(|format| format.write.as_ref());
+    let is_mesh = matches!(export, Some(Export::Mesh(_)));
+    if !is_mesh && mesh != MeshOptions::default() {
+        return Err(list::not_a_mesh());
+    }
+    let export = export.ok_or_else(|| list::not_written(path))?;
+    if form != ExportForm::Auto && !matches!(export, Export::Volume(_)) {
+        return Err(list::no_forms(export, form));
+    }
+    let bytes = match export {
+        Export::Mesh(_) => {
+            let summary = save_mesh(path, contents, &mesh, limits, progress)?;
+            return Ok(vec![summary.to_string()]);
         }
-        let summary = save_mesh(path, contents, &mesh, limits, progress)?;
-        return Ok(vec![summary.to_string()]);
-    }
-    if mesh != MeshOptions::default() {
-        return Err(FormatError::NotAMeshFile);
-    }
-    let volume = |texts| {
-        progress.begin("making the volume");
-        let volume = export::to_volume(contents, form, texts);
-        progress.end();
-        go_on(progress)?;
-        volume
-    };
-    let not_written = |error| {
-        FormatError::NotWritten(match error {
-            FormatError::UnknownEnding(ending) => format!("`{ending}` is not the extension"),
-            _ => "the file name has no extension".into(),
-        })
-    };
-    let bytes = match Format::of(path).map_err(not_written)? {
-        Format::Vsc if form != ExportForm::Auto => return Err(FormatError::FormOfVsc(form)),
-        Format::Vsc => vsc::write(contents, &texts, progress)?,
-        Format::Mesh(_) | Format::Scan(_) => return Err(FormatError::ReadOnly),
-        Format::Voxel(_) if form != ExportForm::Auto => return Err(FormatError::FormOfModel(form)),
-        Format::Voxel(kind) => {
-            let write = match kind {
-                voxel::Kind::Vox => voxel::write_vox,
-                voxel::Kind::Qb => voxel::write_qb,
-                voxel::Kind::Gox | voxel::Kind::Binvox => return Err(FormatError::ReadOnly),
-            };
+        Export::Sculpture => vsc::write(contents, &texts, progress)?,
+        Export::Model(write) => {
             let mut out = BufWriter::new(store::AtomicFile::create(path)?);
             let notes = write(contents, &mut out, progress)?;
             go_on(progress)?;
@@ -326,8 +262,13 @@ pub fn save_with(
             file.finish()?;
             return Ok(told(path, notes));
         }
-        Format::Pvm => pvm::write(volume(texts)?, progress)?,
-        Format::Raw => volume(texts)?.data,
+        Export::Volume(write) => {
+            progress.begin("making the volume");
+            let volume = export::to_volume(contents, form, texts);
+            progress.end();
+            go_on(progress)?;
+            write(volume?, progress)?
+        }
     };
     // The last moment to cancel.
     go_on(progress)?;
@@ -408,59 +349,26 @@ fn read_volume(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<(Volume, Source), FormatError> {
-    let budget = budget_bytes(limits);
-    let check_grid = |dims: UVec3, voxel_size: Vec3| -> Result<(), FormatError> {
-        let (dims, voxel_size) = prepare::prepared(dims, voxel_size, options)?;
-        Ok(Grid::check(dims, voxel_size, limits.grid_bytes)?)
-    };
-    match format {
-        Format::Vsc | Format::Voxel(_) | Format::Mesh(_) => {
+    let is_scan = matches!(format.read, Import::Scan(_));
+    match &format.read {
+        Import::Sculpture | Import::Model(_) | Import::Mesh(_) => {
             let loaded = load_as(format, path, options, limits, progress)?;
             let volume = export::to_volume(&loaded.contents, ExportForm::Auto, loaded.texts)?;
             let file_bytes = std::fs::metadata(path)?.len();
             Ok((volume, Source { kind: "sculpture".to_string(), file_bytes, ..Source::default() }))
         }
-        Format::Scan(kind) => {
-            let (scan, file_bytes) = scan::load(path, kind, options, limits, progress)?;
-            let scan::Scan { volume, frame, kind, is_label, volumes, mut notes } = scan;
+        Import::Volume(read) | Import::Scan(read) => {
+            let (scan, file_bytes) = read(&Reading { path, options, limits, progress })?;
+            let Scan { volume, frame, kind, is_label, volumes, mut notes } = scan;
             let is_open =
                 options.colouring == Colouring::Auto && options.existence == Existence::Auto;
-            if is_open && !is_label && labels::look_like_labels(&volume) {
+            if is_scan && is_open && !is_label && labels::look_like_labels(&volume) {
                 notes.push(
                     "it holds few whole numbers, as labels are: the colouring `labels` gives each a colour of its own"
                         .to_string(),
                 );
             }
             Ok((volume, Source { kind, file_bytes, frame, is_label, volumes, notes }))
-        }
-        Format::Pvm => {
-            let volumes = Volumes::of(options, 1, 1)?;
-            let file = store::read(path, budget, |_| Ok(()), progress)?;
-            let file_bytes = file.len() as u64;
-            let admit = |header: &pvm::Header| check_grid(header.dims, header.voxel_size);
-            let (volume, origin) = pvm::read(file, &admit, budget - file_bytes, progress)?;
-            let version = match origin.header.version {
-                1 => String::new(),
-                n => n.to_string(),
-            };
-            let kind = match origin.packing {
-                Some(packing) => format!("PVM{version}, packed as {packing}"),
-                None => format!("PVM{version}, not packed"),
-            };
-            Ok((volume, Source { kind, file_bytes, volumes, ..Source::default() }))
-        }
-        Format::Raw => {
-            let volumes = Volumes::of(options, 1, 1)?;
-            let layout = options.raw.ok_or(FormatError::NoRawLayout)?;
-            let admit = |len| {
-                check_grid(layout.dims, layout.voxel_size)?;
-                raw::check_length(&layout, len)
-            };
-            let file = store::read(path, budget, admit, progress)?;
-            let file_bytes = file.len() as u64;
-            let kind = "raw".to_string();
-            let source = Source { kind, file_bytes, volumes, ..Source::default() };
-            Ok((raw::read(file, &layout)?, source))
         }
     }
 }

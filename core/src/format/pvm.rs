@@ -10,9 +10,23 @@ use super::budget::check_budget;
 use super::dds::{self, Stream};
 use super::error::excerpt;
 use super::limits::{HEADER_LIMIT, TEXTS_LIMIT};
+use super::scan::{Reading, Scan};
+use super::spec::{Export, FormatSpec, Import, Sign};
 use super::volume::{Samples, Texts, Volume};
 use super::{FormatError, go_on};
 use crate::progress::Progress;
+
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[
+        Sign::At(0, b"PVM\n"),
+        Sign::At(0, b"PVM2\n"),
+        Sign::At(0, b"PVM3\n"),
+        Sign::At(0, b"DDS v3"),
+    ],
+    write: Some(Export::Volume(write)),
+    exported_as: Some("Volume"),
+    ..FormatSpec::new("a PVM volume", &["pvm"], Import::Volume(open))
+};
 
 /// Decoded size up to which a stream of several planes is decoded before its header is looked at:
 /// the header lies scattered over the planes, so looking first costs nearly as much as decoding.
@@ -168,9 +182,27 @@ pub struct Origin {
     pub packing: Option<&'static str>,
 }
 
+/// Reads the file of a path.
+fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
+    let volumes = reading.volumes(1)?;
+    let file = reading.read(reading.path)?;
+    let file_bytes = file.len() as u64;
+    let admit = |header: &Header| reading.admit(header.dims, header.voxel_size);
+    let (volume, origin) = read(file, &admit, reading.rest_bytes(file_bytes), reading.progress)?;
+    let version = match origin.header.version {
+        1 => String::new(),
+        n => n.to_string(),
+    };
+    let kind = match origin.packing {
+        Some(packing) => format!("PVM{version}, packed as {packing}"),
+        None => format!("PVM{version}, not packed"),
+    };
+    Ok((Scan::bare(volume, kind, volumes), file_bytes))
+}
+
 /// Reads a .pvm file. `admit` gets the header before memory is allocated for the voxels and may refuse
 /// it; unpacking takes at most `budget_bytes`.
-pub fn read(
+fn read(
     file: Vec<u8>,
     admit: &dyn Fn(&Header) -> Result<(), FormatError>,
     budget_bytes: u64,
@@ -237,7 +269,7 @@ fn split_texts(bytes: &[u8]) -> Result<Texts, FormatError> {
 
 /// Writes a volume as a .pvm file, packed as a DDS stream like the original programs do: version
 /// 3 if it has texts, else 2 if its voxels are not unit cubes, else 1.
-pub fn write(volume: Volume, progress: &dyn Progress) -> Result<Vec<u8>, FormatError> {
+fn write(volume: Volume, progress: &dyn Progress) -> Result<Vec<u8>, FormatError> {
     let components = volume.samples.bytes() as usize;
     let strip = volume.dims.x as usize;
     let plain = to_plain(volume)?;

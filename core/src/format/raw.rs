@@ -2,12 +2,20 @@
 
 use glam::UVec3;
 
-use super::FormatError;
 use super::options::RawLayout;
+use super::scan::{Reading, Scan};
+use super::spec::{Export, FormatSpec, Import};
 use super::volume::{Texts, Volume};
+use super::{FormatError, budget_bytes, store};
+
+pub static SPEC: FormatSpec = FormatSpec {
+    write: Some(Export::Volume(|volume, _| Ok(volume.data))),
+    exported_as: Some("Raw voxels"),
+    ..FormatSpec::new("raw voxels", &["raw"], Import::Volume(open))
+};
 
 /// Bytes that a raw file of `layout` has, if they can be counted.
-pub fn file_bytes(layout: &RawLayout) -> Option<u64> {
+fn file_bytes(layout: &RawLayout) -> Option<u64> {
     let UVec3 { x, y, z } = layout.dims;
     [y, z, layout.samples.bytes()]
         .iter()
@@ -16,7 +24,7 @@ pub fn file_bytes(layout: &RawLayout) -> Option<u64> {
 }
 
 /// Checks that a file of `found` bytes can hold what `layout` says.
-pub fn check_length(layout: &RawLayout, found: u64) -> Result<(), FormatError> {
+fn check_length(layout: &RawLayout, found: u64) -> Result<(), FormatError> {
     let expected = file_bytes(layout).unwrap_or(u64::MAX);
     if expected == found {
         return Ok(());
@@ -24,8 +32,21 @@ pub fn check_length(layout: &RawLayout, found: u64) -> Result<(), FormatError> {
     Err(FormatError::RawLength { layout: layout.to_string(), expected, found })
 }
 
+/// Reads the file of a path, with the layout that is given.
+fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
+    let volumes = reading.volumes(1)?;
+    let layout = reading.options.raw.ok_or(FormatError::NoRawLayout)?;
+    let admit = |length| {
+        reading.admit(layout.dims, layout.voxel_size)?;
+        check_length(&layout, length)
+    };
+    let file = store::read(reading.path, budget_bytes(reading.limits), admit, reading.progress)?;
+    let file_bytes = file.len() as u64;
+    Ok((Scan::bare(read(file, &layout)?, "raw".to_string(), volumes), file_bytes))
+}
+
 /// Reads a raw file.
-pub fn read(mut file: Vec<u8>, layout: &RawLayout) -> Result<Volume, FormatError> {
+fn read(mut file: Vec<u8>, layout: &RawLayout) -> Result<Volume, FormatError> {
     check_length(layout, file.len() as u64)?;
     file.drain(..layout.skip_bytes as usize);
     Ok(Volume {

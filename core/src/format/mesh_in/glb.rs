@@ -9,15 +9,39 @@ use std::sync::Arc;
 use glam::{Affine2, Mat4, Quat, Vec2, Vec3};
 use serde_json::Value;
 
-use super::Imported;
-use super::glb_json::{Glb, fault, whole};
+use super::glb_json::{Glb, MAGIC, fault, whole};
 use super::gltf_files::Beside;
+use super::{Imported, MeshReader};
 use crate::format::FormatError;
 use crate::format::error::excerpt;
+use crate::format::mesh_out::{self, MeshTraits, MeshWriter};
+use crate::format::options::MeshUp;
 use crate::format::picture::picture_of;
+use crate::format::spec::{Export, FormatSpec, Import, Sign};
 use crate::progress::Progress;
 use crate::sculpture::Rgb;
+use crate::sculpture::orientation::Up;
 use crate::voxelise::Skin;
+
+/// Lengths are metres, and y points up, as the format says.
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::At(0, MAGIC)],
+    write: Some(Export::Mesh(MeshWriter {
+        write: mesh_out::glb::write,
+        traits: MeshTraits { is_up_fixed: true, ..MeshTraits::new(MeshUp::Y) },
+    })),
+    exported_as: Some("Mesh (glTF)"),
+    ..FormatSpec::new(
+        "a mesh",
+        &["glb", "gltf"],
+        Import::Mesh(MeshReader {
+            read: |file| read(file.bytes, file.path, file.rest_bytes, file.progress),
+            usual_up: Up::Y,
+            knows_up: true,
+            mm_per_unit: 1000.0,
+        }),
+    )
+};
 
 /// Extensions that a file may require: read here, or without meaning for shape and colour.
 const KNOWN_EXTENSIONS: [&str; 7] = [
@@ -52,7 +76,7 @@ struct Reader<'a> {
 }
 
 /// Reads a file, with others in its folder, which may have `budget_bytes` together.
-pub fn read(
+fn read(
     file: &[u8],
     path: &Path,
     budget_bytes: u64,

@@ -9,7 +9,7 @@ use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::{excerpt, printable};
 
-const MAGIC: &[u8] = b"glTF";
+pub const MAGIC: &[u8] = b"glTF";
 const JSON: u32 = 0x4E4F_534A;
 const BIN: u32 = 0x004E_4942;
 

@@ -5,15 +5,15 @@
 //! the file. `crate::voxelise` makes voxels of them. Corners that are no numbers stay; the voxeliser leaves their
 //! triangles out.
 
-mod glb;
+pub mod glb;
 mod glb_json;
 mod gltf_files;
 mod mtl;
-mod obj;
-mod ply;
+pub mod obj;
+pub mod ply;
 mod ply_header;
-mod stl;
-mod three_mf;
+pub mod stl;
+pub mod three_mf;
 mod three_mf_parts;
 
 use std::path::{Component, Path, PathBuf};
@@ -29,39 +29,41 @@ use crate::voxelise::{Findings, Frame, Mesh, to_contents};
 /// Memory that a mesh takes, at most, for each byte of its file.
 const BYTES_PER_BYTE: u64 = 12;
 
-/// The format, by the ending of the file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
-    /// Wavefront.
-    Obj,
-    /// Stereolithography.
-    Stl,
-    /// Polygon file of Stanford.
-    Ply,
-    /// glTF 2.0, in one file or with others beside it.
-    Glb,
-    /// 3D Manufacturing Format.
-    ThreeMf,
+/// A file to be read.
+pub struct MeshFile<'a> {
+    bytes: &'a [u8],
+    path: &'a Path,
+    /// Memory that its parts or neighbours may take together.
+    rest_bytes: u64,
+    progress: &'a dyn Progress,
 }
 
-impl Kind {
-    /// Millimetres that a unit of length stands for: glTF says metres; the others say nothing, and mostly mean
-    /// millimetres.
-    pub fn mm_per_unit(self) -> f64 {
-        if self == Kind::Glb { 1000.0 } else { 1.0 }
+/// How meshes of a format are read.
+#[derive(Debug)]
+pub struct MeshReader {
+    read: fn(&MeshFile) -> Result<Imported, FormatError>,
+    /// The axis that points up, as programs mostly write the format.
+    pub usual_up: Up,
+    /// Whether the format itself says so.
+    pub knows_up: bool,
+    /// Millimetres that a unit of length stands for.
+    mm_per_unit: f64,
+}
+
+impl MeshReader {
+    /// A format that says nothing about its unit of length, mostly millimetres, or about the axis that points up.
+    const fn new(usual_up: Up, read: fn(&MeshFile) -> Result<Imported, FormatError>) -> MeshReader {
+        MeshReader { read, usual_up, knows_up: false, mm_per_unit: 1.0 }
     }
 
-    /// The axis that is taken for the one that points up: as chosen, or as programs mostly write the format.
-    pub fn up(self, options: &ImportOptions) -> Up {
-        let usual =
-            if matches!(self, Kind::Stl | Kind::Ply | Kind::ThreeMf) { Up::Z } else { Up::Y };
-        let chosen = options.upright.filter(|_| !self.knows_up());
-        chosen.unwrap_or(usual)
+    /// The axis that is taken for the one that points up: as chosen, or as is usual.
+    pub fn up(&self, options: &ImportOptions) -> Up {
+        options.upright.filter(|_| !self.knows_up).unwrap_or(self.usual_up)
     }
 
-    /// Whether the format says that y points up.
-    pub fn knows_up(self) -> bool {
-        self == Kind::Glb
+    /// Millimetres that a unit of length stands for.
+    pub fn mm_per_unit(&self) -> f64 {
+        self.mm_per_unit
     }
 }
 
@@ -69,8 +71,8 @@ impl Kind {
 #[derive(Debug, Default)]
 pub struct Imported {
     pub mesh: Mesh,
-    /// The format; none only while the mesh is read.
-    of: Option<Kind>,
+    /// The reader of its format; none only while the mesh is read.
+    of: Option<&'static MeshReader>,
     /// Such as `STL, binary`.
     pub kind: String,
     /// Notes on what was left out, for the user.
@@ -80,31 +82,26 @@ pub struct Imported {
 /// Reads a file, materials and textures from its folder.
 pub fn load(
     path: &Path,
-    kind: Kind,
+    reader: &'static MeshReader,
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Imported, FormatError> {
     let budget = budget_bytes(limits) / BYTES_PER_BYTE;
     let file = store::read(path, budget, |_| Ok(()), progress)?;
-    let mut imported = match kind {
-        Kind::Obj => obj::read(&file, path)?,
-        Kind::Stl => stl::read(&file)?,
-        Kind::Ply => ply::read(&file)?,
-        Kind::ThreeMf => three_mf::read(&file, budget - file.len() as u64)?,
-        Kind::Glb => glb::read(&file, path, budget - file.len() as u64, progress)?,
-    };
+    let rest_bytes = budget - file.len() as u64;
+    let mut imported = (reader.read)(&MeshFile { bytes: &file, path, rest_bytes, progress })?;
     if imported.mesh.triangles.is_empty() {
         return Err(FormatError::NoTriangles);
     }
-    imported.of = Some(kind);
+    imported.of = Some(reader);
     Ok(imported)
 }
 
 impl Imported {
     /// The grid that the mesh becomes.
     pub fn frame(&self, options: &ImportOptions) -> Result<Frame, FormatError> {
-        let up = self.of.map_or(Up::default(), |kind| kind.up(options));
-        let mm_per_unit = self.of.map_or(1.0, Kind::mm_per_unit);
+        let up = self.of.map_or(Up::default(), |reader| reader.up(options));
+        let mm_per_unit = self.of.map_or(1.0, MeshReader::mm_per_unit);
         Ok(Frame::around(&self.mesh, options.mesh_size, up, mm_per_unit)?)
     }
 

@@ -9,10 +9,27 @@ use std::path::Path;
 use glam::{Vec2, Vec3};
 
 use super::mtl::Materials;
-use super::{Imported, at_line, number};
+use super::{Imported, MeshReader, at_line, number};
 use crate::format::FormatError;
 use crate::format::error::excerpt;
+use crate::format::mesh_out::{self, MeshTraits, MeshWriter};
+use crate::format::options::MeshUp;
+use crate::format::spec::{Export, FormatSpec, Import};
 use crate::sculpture::Rgb;
+use crate::sculpture::orientation::Up;
+
+pub static SPEC: FormatSpec = FormatSpec {
+    write: Some(Export::Mesh(MeshWriter {
+        write: mesh_out::obj::write,
+        traits: MeshTraits::new(MeshUp::Y),
+    })),
+    exported_as: Some("Mesh (OBJ)"),
+    ..FormatSpec::new(
+        "a mesh",
+        &["obj"],
+        Import::Mesh(MeshReader::new(Up::Y, |file| read(file.bytes, file.path))),
+    )
+};
 
 /// No material.
 const NONE: u32 = u32::MAX;
@@ -33,7 +50,7 @@ struct Reader {
 }
 
 /// Reads the file of `path`; materials and textures from its folder, or folders in it, alone.
-pub fn read(file: &[u8], path: &Path) -> Result<Imported, FormatError> {
+fn read(file: &[u8], path: &Path) -> Result<Imported, FormatError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut reader = Reader { material: NONE, ..Reader::default() };
     let text = String::from_utf8_lossy(file);

@@ -3,19 +3,37 @@
 use glam::Vec3;
 
 use super::ply_header::{self, Element, Encoding, Header, Scalar};
-use super::{Imported, at_line};
+use super::{Imported, MeshReader, at_line};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;
+use crate::format::mesh_out::{self, MeshTraits, MeshWriter};
+use crate::format::options::MeshUp;
+use crate::format::spec::{Export, FormatSpec, Import, Sign};
 use crate::sculpture::Rgb;
+use crate::sculpture::orientation::Up;
 use crate::voxelise::Mesh;
+
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::At(0, b"ply\n"), Sign::At(0, b"ply\r")],
+    write: Some(Export::Mesh(MeshWriter {
+        write: mesh_out::ply::write,
+        traits: MeshTraits { holds_points: true, ..MeshTraits::new(MeshUp::Z) },
+    })),
+    exported_as: Some("Mesh (PLY)"),
+    ..FormatSpec::new(
+        "a mesh",
+        &["ply"],
+        Import::Mesh(MeshReader::new(Up::Z, |file| read(file.bytes))),
+    )
+};
 
 /// Names of the three channels of a colour.
 const CHANNELS: [[&str; 3]; 3] =
     [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
 
 /// Reads a file.
-pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
+fn read(file: &[u8]) -> Result<Imported, FormatError> {
     let header = ply_header::read(file)?;
     let mut values = Values::new(&header, file);
     values.find_lines(&header);

@@ -2,10 +2,29 @@
 
 use glam::Vec3;
 
-use super::{Imported, at_line, number};
+use super::{Imported, MeshReader, at_line, number};
 use crate::format::FormatError;
+use crate::format::mesh_out::{self, MeshTraits, MeshWriter};
+use crate::format::options::MeshUp;
+use crate::format::spec::{Export, FormatSpec, Import, Sign};
+use crate::sculpture::orientation::Up;
 use crate::voxelise::Mesh;
 
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::Exact(has_length_of_binary), Sign::Word(b"solid ")],
+    write: Some(Export::Mesh(MeshWriter {
+        write: mesh_out::stl::write,
+        traits: MeshTraits { has_colours: false, ..MeshTraits::new(MeshUp::Z) },
+    })),
+    exported_as: Some("Print (STL)"),
+    ..FormatSpec::new(
+        "a mesh",
+        &["stl"],
+        Import::Mesh(MeshReader::new(Up::Z, |file| read(file.bytes))),
+    )
+};
+
+/// A binary file: a header of any text and the number of triangles, then bytes of each.
 const HEADER_BYTES: usize = 84;
 const TRIANGLE_BYTES: usize = 50;
 
@@ -15,7 +34,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// Reads a file. A binary one may begin with the word of text files, so that its length decides first, and then whether
 /// words of a text follow. Words count in capitals or not.
-pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
+fn read(file: &[u8]) -> Result<Imported, FormatError> {
     let count = file.get(HEADER_BYTES - 4..HEADER_BYTES);
     let count = count.map(|n| u64::from(u32::from_le_bytes([n[0], n[1], n[2], n[3]])));
     let expected = count.map(|count| HEADER_BYTES as u64 + count * TRIANGLE_BYTES as u64);
@@ -42,6 +61,13 @@ pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
             what: "this is neither a binary STL file nor one that begins with `solid`".to_string(),
         }),
     }
+}
+
+/// Whether a binary file of as many triangles as it says has that length. Its header may begin with anything.
+fn has_length_of_binary(start: &[u8], length: u64) -> bool {
+    let count = start.get(HEADER_BYTES - 4..).and_then(|rest| rest.first_chunk());
+    let count = count.map_or(0, |count| u64::from(u32::from_le_bytes(*count)));
+    count > 0 && HEADER_BYTES as u64 + count * TRIANGLE_BYTES as u64 == length
 }
 
 /// Whether a file begins as a text does: with its first word, and soon another that no header of a binary file has, or

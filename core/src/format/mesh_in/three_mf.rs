@@ -11,13 +11,31 @@ use glam::{Mat4, Vec3, Vec4};
 use roxmltree::{Document, Node};
 use zip::ZipArchive;
 
-use super::Imported;
 use super::glb_json::fault;
 use super::three_mf_parts::{PLACES, Parts};
+use super::{Imported, MeshReader};
 use crate::format::FormatError;
 use crate::format::budget::check_budget;
 use crate::format::error::{excerpt, printable};
+use crate::format::mesh_out::{self, MeshTraits, MeshWriter};
+use crate::format::options::MeshUp;
+use crate::format::spec::{Export, FormatSpec, Import, Packing};
 use crate::sculpture::Rgb;
+use crate::sculpture::orientation::Up;
+
+pub static SPEC: FormatSpec = FormatSpec {
+    packing: Some(Packing::Zip),
+    write: Some(Export::Mesh(MeshWriter {
+        write: mesh_out::three_mf::write,
+        traits: MeshTraits::new(MeshUp::Z),
+    })),
+    exported_as: Some("Print (3MF)"),
+    ..FormatSpec::new(
+        "a mesh",
+        &["3mf"],
+        Import::Mesh(MeshReader::new(Up::Z, |file| read(file.bytes, file.rest_bytes))),
+    )
+};
 
 /// Where the model is, unless the relations of the archive name another place.
 const USUAL_PLACE: &str = "3D/3dmodel.model";
@@ -31,7 +49,7 @@ const MOST_VISITS: u32 = 1 << 20;
 const MOST_TRIANGLES: usize = 1 << 25;
 
 /// Reads a file, whose model may have `budget_bytes` once it is unpacked.
-pub fn read(file: &[u8], budget_bytes: u64) -> Result<Imported, FormatError> {
+fn read(file: &[u8], budget_bytes: u64) -> Result<Imported, FormatError> {
     let mut archive = ZipArchive::new(Cursor::new(file)).map_err(damaged)?;
     let name = model_name(&mut archive, budget_bytes)?;
     // A name that is none can be no model's, which is named in the XML.

@@ -49,7 +49,7 @@ impl Layout {
     }
 }
 
-pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
+pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     let mesh = job.mesh;
     let (vertices, indices) = (mesh.vertex_count(), 3 * mesh.triangle_count());
     let place = |position: Vec3| job.space.place(position) * METRES_PER_MM;

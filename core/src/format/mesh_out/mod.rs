@@ -1,177 +1,62 @@
 //! Writes meshes for other programs: .stl, .ply, .obj with .mtl, .glb and .3mf.
 //!
-//! Takes contents and [`MeshOptions`]; makes the mesh, simplifies it if wanted, and streams it to the file piece by piece, so that it is in
-//! memory once. Lengths are millimetres but in .glb, whose unit is the metre. A file appears when it is complete.
+//! Takes contents and [`MeshOptions`]; makes the mesh, simplifies it if wanted (`save.rs`), and streams it to the file piece
+//! by piece, so that it is in memory once. Lengths are millimetres but in .glb, whose unit is the metre. A file appears
+//! when it is complete.
 
-mod glb;
-mod obj;
-mod ply;
-mod stl;
+pub mod glb;
+pub mod obj;
+pub mod ply;
+mod save;
+pub mod stl;
 #[cfg(test)]
 mod tests;
-mod three_mf;
+pub mod three_mf;
 
-use std::fmt;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use glam::{Mat3, Vec3};
 
+pub use self::save::{MeshSummary, save_mesh, save_mesh_again, usual_surface};
 use super::options::{MeshOptions, MeshUp};
 use super::store::AtomicFile;
 use super::{FormatError, go_on};
-use crate::mesh::{
-    Budget, ContentsVersion, Mesh, MeshCache, MeshError, MeshKind, VertexColours, simplified,
-};
+use crate::mesh::{Budget, Mesh};
 use crate::progress::Progress;
-use crate::sculpture::Limits;
-use crate::sculpture::history::{Contents, SurfaceKind};
+use crate::sculpture::history::Contents;
 
 /// Vertices or triangles between two looks at whether the work is cancelled.
 const PORTION: usize = 1 << 16;
 /// Bytes that are collected before they are written.
 const BUFFER_BYTES: usize = 1 << 20;
 
-/// Summary of a mesh that was written.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct MeshSummary {
-    /// Vertices, each once.
-    pub vertices: u64,
-    /// Triangles.
-    pub triangles: u64,
-    /// Extent of the mesh along the axes of the file.
-    pub size_mm: Vec3,
+/// How meshes of a format are written.
+pub struct MeshWriter {
+    /// Writes a file, which appears when it is complete.
+    pub write: fn(&Job, &Path) -> Result<(), FormatError>,
+    /// What its files can hold.
+    pub traits: MeshTraits,
 }
 
-impl fmt::Display for MeshSummary {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Vec3 { x, y, z } = self.size_mm;
-        let (triangles, vertices) = (self.triangles, self.vertices);
-        write!(f, "{triangles} triangles, {vertices} vertices, {x:.1}x{y:.1}x{z:.1} mm")
-    }
-}
-
+/// What the meshes of a format can hold.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum MeshFormat {
-    Stl,
-    Ply,
-    Obj,
-    Glb,
-    ThreeMf,
+pub struct MeshTraits {
+    /// The axis that points up unless another is asked for.
+    pub up: MeshUp,
+    /// Whether no other axis can point up.
+    pub is_up_fixed: bool,
+    /// Whether vertices have colours.
+    pub has_colours: bool,
+    /// Whether there may be vertices without triangles.
+    pub holds_points: bool,
 }
 
-impl MeshFormat {
-    fn of(path: &Path) -> Option<MeshFormat> {
-        match path.extension()?.to_string_lossy().to_ascii_lowercase().as_str() {
-            "stl" => Some(MeshFormat::Stl),
-            "ply" => Some(MeshFormat::Ply),
-            "obj" => Some(MeshFormat::Obj),
-            "glb" => Some(MeshFormat::Glb),
-            "3mf" => Some(MeshFormat::ThreeMf),
-            _ => None,
-        }
+impl MeshTraits {
+    /// Triangles with colours, and either axis up.
+    pub(super) const fn new(up: MeshUp) -> MeshTraits {
+        MeshTraits { up, is_up_fixed: false, has_colours: true, holds_points: false }
     }
-
-    /// Triangles in .stl have no colours.
-    fn colours(self) -> VertexColours {
-        match self {
-            MeshFormat::Stl => VertexColours::None,
-            _ => VertexColours::Voxels,
-        }
-    }
-
-    fn usual_up(self) -> MeshUp {
-        match self {
-            MeshFormat::Obj | MeshFormat::Glb => MeshUp::Y,
-            MeshFormat::Stl | MeshFormat::Ply | MeshFormat::ThreeMf => MeshUp::Z,
-        }
-    }
-}
-
-/// Whether a file of that name is a mesh.
-pub fn is_mesh(path: &Path) -> bool {
-    MeshFormat::of(path).is_some()
-}
-
-/// The axis that points up in a mesh of that name unless another is asked for; none if it is no mesh.
-pub fn usual_up(path: &Path) -> Option<MeshUp> {
-    MeshFormat::of(path).map(MeshFormat::usual_up)
-}
-
-/// The surface of a mesh that looks as the sculpture is shown.
-pub fn usual_surface(shown: SurfaceKind) -> MeshKind {
-    match shown {
-        SurfaceKind::Smooth => MeshKind::Smooth,
-        SurfaceKind::Cubes => MeshKind::Greedy,
-    }
-}
-
-/// Writes a sculpture as a mesh, atomically.
-pub fn save_mesh(
-    path: &Path,
-    contents: &Contents,
-    options: &MeshOptions,
-    limits: &Limits,
-    progress: &dyn Progress,
-) -> Result<MeshSummary, FormatError> {
-    let make = |colours| Mesh::of(contents, options.kind, colours, limits, progress);
-    save_made(path, contents, options, limits, progress, make)
-}
-
-/// [`save_mesh`], with what `cache` has of the mesh of the version before, and leaving this one there.
-pub fn save_mesh_again(
-    path: &Path,
-    contents: &Contents,
-    options: &MeshOptions,
-    limits: &Limits,
-    (cache, version): (&MeshCache, &ContentsVersion),
-    progress: &dyn Progress,
-) -> Result<MeshSummary, FormatError> {
-    let cache = cache.at(version);
-    let make = |colours| cache.mesh_of(contents, options.kind, colours, limits, progress);
-    save_made(path, contents, options, limits, progress, make)
-}
-
-fn save_made(
-    path: &Path,
-    contents: &Contents,
-    options: &MeshOptions,
-    limits: &Limits,
-    progress: &dyn Progress,
-    make: impl Fn(VertexColours) -> Result<Mesh, MeshError>,
-) -> Result<MeshSummary, FormatError> {
-    let format = MeshFormat::of(path).ok_or(FormatError::NotAMeshFile)?;
-    if format == MeshFormat::Glb && options.up == Some(MeshUp::Z) {
-        return Err(FormatError::UpOfGlb);
-    }
-    if options.points_only && format != MeshFormat::Ply {
-        return Err(FormatError::PointsInPlyOnly);
-    }
-    let space = Space::of(contents, format, options)?;
-    if contents.grid.opaque_count() == 0 {
-        return Err(FormatError::NoSurface);
-    }
-    let mut mesh = make(format.colours())?;
-    if let Some(triangles) = options.triangles {
-        mesh = simplified(mesh, triangles, limits, progress)?;
-    }
-    let job = Job { mesh: &mesh, space, options, budget: Budget::new(limits), progress };
-    progress.begin("writing");
-    let written = match format {
-        MeshFormat::Stl => stl::write(&job, path),
-        MeshFormat::Ply => ply::write(&job, path),
-        MeshFormat::Obj => obj::write(&job, path),
-        MeshFormat::Glb => glb::write(&job, path),
-        MeshFormat::ThreeMf => three_mf::write(&job, path),
-    };
-    progress.end();
-    written?;
-    let [low, high] = job.bounds();
-    Ok(MeshSummary {
-        vertices: mesh.vertex_count(),
-        triangles: if options.points_only { 0 } else { mesh.triangle_count() },
-        size_mm: high - low,
-    })
 }
 
 /// From grid coordinates to the coordinates of a file, in millimetres.
@@ -184,7 +69,7 @@ struct Space {
 impl Space {
     fn of(
         contents: &Contents,
-        format: MeshFormat,
+        traits: &MeshTraits,
         options: &MeshOptions,
     ) -> Result<Space, FormatError> {
         let mut voxel_mm = contents.grid.voxel_size();
@@ -195,7 +80,7 @@ impl Space {
             voxel_mm *= length / voxel_mm.x;
         }
         let scale = Mat3::from_diagonal(voxel_mm);
-        Ok(match options.up.unwrap_or(format.usual_up()) {
+        Ok(match options.up.unwrap_or(traits.up) {
             MeshUp::Y => Space { turn_and_scale: scale, offset: Vec3::ZERO },
             // A quarter turn about x; the grid stays where coordinates are positive.
             MeshUp::Z => Space {
@@ -212,7 +97,7 @@ impl Space {
 }
 
 /// A mesh to be written.
-struct Job<'a> {
+pub struct Job<'a> {
     mesh: &'a Mesh,
     space: Space,
     options: &'a MeshOptions,

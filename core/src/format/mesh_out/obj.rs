@@ -8,7 +8,7 @@ use super::{Job, create, finish};
 use crate::format::{FormatError, store};
 use crate::sculpture::Rgb;
 
-pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
+pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     let mesh = job.mesh;
     let library = path.with_extension("mtl");
     let mut file = create(path)?;

@@ -7,7 +7,7 @@ use super::{Job, count_of, create, finish, put_vector};
 use crate::format::FormatError;
 use crate::sculpture::Rgb;
 
-pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
+pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     let mesh = job.mesh;
     // Indices are signed, as readers expect.
     let vertices = count_of(mesh.vertex_count(), i32::MAX as u64)?;

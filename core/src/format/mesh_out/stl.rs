@@ -9,7 +9,7 @@ use crate::format::FormatError;
 /// Must not begin with "solid", as text files do.
 const HEADER: &[u8] = b"Binary STL of Virtual Sculpture, millimetres";
 
-pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
+pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     let mut header = [b' '; 80];
     header[..HEADER.len()].copy_from_slice(HEADER);
     let count = count_of(job.mesh.triangle_count(), u64::from(u32::MAX))?;

@@ -82,7 +82,7 @@ impl<W: Seek> Seek for UntilError<W> {
     }
 }
 
-pub(super) fn write(job: &Job, path: &Path) -> std::result::Result<(), FormatError> {
+pub fn write(job: &Job, path: &Path) -> std::result::Result<(), FormatError> {
     let mesh = job.mesh;
     let elements = mesh.vertex_count() + mesh.triangle_count();
     let options = SimpleFileOptions::default()

@@ -14,6 +14,13 @@ use super::unpack::{cut, exactly, malformed};
 use super::{Reading, Scan};
 use crate::format::FormatError;
 use crate::format::error::excerpt;
+use crate::format::spec::{FormatSpec, Import};
+
+pub static SPEC: FormatSpec = FormatSpec::new(
+    "a MetaImage",
+    &["mha", "mhd"],
+    Import::Scan(|reading| reading.read_whole(reading.path, |file| read(file, reading))),
+);
 
 /// Longest header.
 const MOST_BYTES: usize = 1 << 20;
@@ -76,7 +83,7 @@ impl Header {
     }
 }
 
-pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let header = Header::parse(&file)?;
     let sizes = header.numbers(&["DimSize"])?.unwrap_or_default();
     let is_size = |size: &f64| (1.0..=f64::from(u32::MAX)).contains(size) && size.fract() == 0.0;

@@ -5,76 +5,29 @@
 //! unpacked no further than the header asks for. Knows no sculpture.
 
 pub mod base64;
-mod dicom;
+pub mod dicom;
 mod frame;
-mod meta;
-mod nifti;
-mod nrrd;
+pub mod meta;
+pub mod nifti;
+pub mod nrrd;
 mod nrrd_header;
 mod numbers;
 mod segments;
-mod tiff;
+pub mod tiff;
 mod unit;
 mod unpack;
-mod vti;
-mod vtk;
+pub mod vti;
+pub mod vtk;
 
 use std::path::{Component, Path, PathBuf};
 
 use glam::{UVec3, Vec3};
 
-pub use self::dicom::{has_dicom, is_dicom};
 pub use self::frame::Frame;
 use super::options::ImportOptions;
 use super::{FormatError, Volume, Volumes, budget_bytes, prepare, store};
 use crate::progress::Progress;
 use crate::sculpture::{Grid, Limits};
-
-/// The format, by the ending of the file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
-    /// `.nii`, `.nii.gz`, `.hdr` with `.img`.
-    Nifti,
-    /// `.nrrd`, `.nhdr`.
-    Nrrd,
-    /// VTK image data.
-    Vti,
-    /// Legacy files of VTK: structured points.
-    Vtk,
-    /// MetaImage, `.mha`, `.mhd`.
-    Meta,
-    /// Pages of one file, or numbered files in a folder.
-    Tiff,
-    /// A file, or all files of a series in a folder.
-    Dicom,
-}
-
-impl Kind {
-    /// Endings with their formats.
-    pub const ENDINGS: [(&'static str, Kind); 16] = [
-        ("nii", Kind::Nifti),
-        ("nii.gz", Kind::Nifti),
-        ("hdr", Kind::Nifti),
-        ("hdr.gz", Kind::Nifti),
-        ("img", Kind::Nifti),
-        ("img.gz", Kind::Nifti),
-        ("nrrd", Kind::Nrrd),
-        ("nhdr", Kind::Nrrd),
-        ("vti", Kind::Vti),
-        ("vtk", Kind::Vtk),
-        ("mha", Kind::Meta),
-        ("mhd", Kind::Meta),
-        ("tif", Kind::Tiff),
-        ("tiff", Kind::Tiff),
-        ("dcm", Kind::Dicom),
-        ("dicom", Kind::Dicom),
-    ];
-}
-
-/// Whether the name is that of the voxels of a pair whose header is not there.
-pub fn lacks_header(path: &Path) -> bool {
-    nifti::header_of(path).is_err()
-}
 
 /// A scan as it was read.
 pub struct Scan {
@@ -90,27 +43,34 @@ pub struct Scan {
     pub notes: Vec<String>,
 }
 
+impl Scan {
+    /// A volume of a file that says nothing but its voxels.
+    pub fn bare(volume: Volume, kind: String, volumes: Volumes) -> Scan {
+        Scan { volume, frame: Frame::Unknown, kind, is_label: false, volumes, notes: Vec::new() }
+    }
+}
+
 /// How it is said which option takes another of several volumes.
 const OTHER_TIME: &str = "the option `time` takes another";
 const OTHER_CHANNEL: &str = "the option `channel` takes another";
 
 /// The input of a reader besides the bytes.
 pub struct Reading<'a> {
-    path: &'a Path,
-    options: &'a ImportOptions,
-    limits: &'a Limits,
-    progress: &'a dyn Progress,
+    pub path: &'a Path,
+    pub options: &'a ImportOptions,
+    pub limits: &'a Limits,
+    pub progress: &'a dyn Progress,
 }
 
 impl Reading<'_> {
     /// An error if no grid can hold what becomes of such a volume.
-    fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
+    pub fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
         let (dims, voxel_size) = prepare::prepared(dims, voxel_size, self.options)?;
         Ok(Grid::check(dims, voxel_size, self.limits.grid_bytes)?)
     }
 
     /// Which volume is read of a file that has so many times and one channel.
-    fn volumes(&self, times: u64) -> Result<Volumes, FormatError> {
+    pub fn volumes(&self, times: u64) -> Result<Volumes, FormatError> {
         Volumes::of(self.options, 1, times)
     }
 
@@ -121,13 +81,24 @@ impl Reading<'_> {
     }
 
     /// Memory that is left beside a file of that length.
-    fn rest_bytes(&self, file_bytes: u64) -> u64 {
+    pub fn rest_bytes(&self, file_bytes: u64) -> u64 {
         budget_bytes(self.limits).saturating_sub(file_bytes)
     }
 
     /// A whole file.
-    fn read(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
+    pub fn read(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
         store::read(path, budget_bytes(self.limits), |_| Ok(()), self.progress)
+    }
+
+    /// What `read` makes of a whole file, and the length of the file.
+    fn read_whole(
+        &self,
+        path: &Path,
+        read: impl FnOnce(Vec<u8>) -> Result<Scan, FormatError>,
+    ) -> Result<(Scan, u64), FormatError> {
+        let file = self.read(path)?;
+        let file_bytes = file.len() as u64;
+        Ok((read(file)?, file_bytes))
     }
 
     /// Another file that belongs to this one.
@@ -151,44 +122,5 @@ impl Reading<'_> {
             )));
         }
         Ok(self.path.parent().unwrap_or(Path::new("")).join(name))
-    }
-}
-
-/// The kind of scan that a folder holds, if any.
-pub fn kind_of_folder(folder: &Path) -> Option<Kind> {
-    match has_dicom(folder) {
-        true => Some(Kind::Dicom),
-        false => tiff::first_of(folder).map(|_| Kind::Tiff),
-    }
-}
-
-/// Reads a scan. Returns it with the length of its file, or of all files of its series.
-pub fn load(
-    path: &Path,
-    kind: Kind,
-    options: &ImportOptions,
-    limits: &Limits,
-    progress: &dyn Progress,
-) -> Result<(Scan, u64), FormatError> {
-    let first = match kind {
-        Kind::Tiff if path.is_dir() => tiff::first_of(path),
-        Kind::Nifti => nifti::header_of(path)?,
-        _ => None,
-    };
-    let path = first.as_deref().unwrap_or(path);
-    let reading = Reading { path, options, limits, progress };
-    let of_file = |read: &dyn Fn(Vec<u8>) -> Result<Scan, FormatError>| {
-        let file = reading.read(path)?;
-        let file_bytes = file.len() as u64;
-        Ok((read(file)?, file_bytes))
-    };
-    match kind {
-        Kind::Nifti => of_file(&|file| nifti::read(path, file, &reading)),
-        Kind::Nrrd => of_file(&|file| nrrd::read(file, &reading)),
-        Kind::Vtk => of_file(&|file| vtk::read(file, &reading)),
-        Kind::Meta => of_file(&|file| meta::read(file, &reading)),
-        Kind::Vti => of_file(&|file| vti::read(file, &reading)),
-        Kind::Tiff => of_file(&|file| tiff::read(path, file, &reading)),
-        Kind::Dicom => dicom::read(path, &reading),
     }
 }

@@ -13,7 +13,26 @@ use super::numbers::{Number, volume};
 use super::unpack::{cut, exactly, malformed};
 use super::{Reading, Scan};
 use crate::format::FormatError;
+use crate::format::spec::{FormatSpec, Import, Packing, Sign};
 
+pub static SPEC: FormatSpec = FormatSpec {
+    parts: &["img", "img.gz"],
+    signs: &[Sign::Likely(is_nifti)],
+    packing: Some(Packing::Gzip),
+    lacks_header: Some(|path| header_of(path).is_err()),
+    ..FormatSpec::new(
+        "a NIfTI scan",
+        &["nii", "nii.gz", "hdr", "hdr.gz"],
+        Import::Scan(|reading| {
+            let header = header_of(reading.path)?;
+            let path = header.as_deref().unwrap_or(reading.path);
+            reading.read_whole(path, |file| read(path, file, reading))
+        }),
+    )
+};
+
+/// Where version 1 says what it is, after a length of its header that tells the byte order; and version 2.
+const MAGIC_AT: [usize; 2] = [344, 4];
 /// Bytes of the headers of both versions.
 const HEADER_BYTES: [usize; 2] = [348, 540];
 /// The farthest that voxels may begin: there are a header and extensions before them.
@@ -39,7 +58,7 @@ struct Header {
 }
 
 /// Reads a file whose bytes are `file`, and the `.img` beside `path` if that has the voxels.
-pub fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let is_packed = file.starts_with(&[0x1F, 0x8B]);
     let mut start = Vec::new();
     let most = HEADER_BYTES[1] as u64;
@@ -79,8 +98,17 @@ pub fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
     })
 }
 
+/// Whether that is the header of a file of either version and byte order. Older headers say nothing of themselves, and are
+/// known by name.
+fn is_nifti(start: &[u8]) -> bool {
+    let holds = |version: usize, magic: &[u8]| {
+        start.get(MAGIC_AT[version]..).is_some_and(|rest| rest.starts_with(magic))
+    };
+    holds(0, b"n+1\0") || holds(0, b"ni1\0") || holds(1, b"n+2\0") || holds(1, b"ni2\0")
+}
+
 /// The header of a pair whose voxels lie in `path`; none for a file that has both.
-pub fn header_of(path: &Path) -> Result<Option<PathBuf>, FormatError> {
+fn header_of(path: &Path) -> Result<Option<PathBuf>, FormatError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     if !name.ends_with(".img") && !name.ends_with(".img.gz") {
         return Ok(None);

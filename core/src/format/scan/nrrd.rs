@@ -9,15 +9,25 @@ use flate2::read::MultiGzDecoder;
 use glam::{DVec3, UVec3, Vec3};
 
 use super::frame::Frame;
-use super::nrrd_header::{Axis, Encoding, Header};
+use super::nrrd_header::{Axis, Encoding, Header, MAGIC};
 use super::numbers::{Number, volume};
 use super::segments::Segments;
 use super::unpack::{cut, exactly, malformed};
 use super::{Reading, Scan};
 use crate::format::FormatError;
+use crate::format::spec::{FormatSpec, Import, Sign};
 use crate::format::volume::Samples;
 
-pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::At(0, MAGIC)],
+    ..FormatSpec::new(
+        "an NRRD scan",
+        &["nrrd", "nhdr"],
+        Import::Scan(|reading| reading.read_whole(reading.path, |file| read(file, reading))),
+    )
+};
+
+fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let header = Header::parse(&file)?;
     let layout = Layout::of(&header)?;
     let of_layers = if layout.others.len() == 1 { layout.volumes } else { 1 };

@@ -9,6 +9,8 @@ use super::unpack::malformed;
 use crate::format::FormatError;
 use crate::format::error::excerpt;
 
+/// Begins a file, before a digit of its version.
+pub const MAGIC: &[u8] = b"NRRD000";
 /// Longest header that is read.
 const MOST_BYTES: usize = 1 << 20;
 /// Most files of voxels.
@@ -68,7 +70,7 @@ pub struct Header {
 
 impl Header {
     pub fn parse(file: &[u8]) -> Result<Header, FormatError> {
-        if !file.starts_with(b"NRRD000") {
+        if !file.starts_with(MAGIC) {
             return Err(FormatError::Scan(format!(
                 "this is not an NRRD file: it begins with `{}`, not with NRRD000; export it as NRRD again",
                 excerpt(file)

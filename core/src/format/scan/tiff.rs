@@ -24,9 +24,30 @@ use super::numbers::{Number, volume};
 use super::unpack::{cut, malformed};
 use super::{Reading, Scan};
 use crate::format::error::printable;
+use crate::format::spec::{FormatSpec, Import, Sign};
 use crate::format::volume::Samples;
 use crate::format::{FormatError, go_on};
 use crate::sculpture::grid::MAX_AXIS_VX;
+
+pub static SPEC: FormatSpec = FormatSpec {
+    // In either byte order, and of BigTIFF.
+    signs: &[
+        Sign::At(0, b"II*\0"),
+        Sign::At(0, b"MM\0*"),
+        Sign::At(0, b"II+\0"),
+        Sign::At(0, b"MM\0+"),
+    ],
+    folder: Some(|folder| first_of(folder).is_some()),
+    ..FormatSpec::new(
+        "a TIFF stack",
+        &["tif", "tiff"],
+        Import::Scan(|reading| {
+            let first = if reading.path.is_dir() { first_of(reading.path) } else { None };
+            let path = first.as_deref().unwrap_or(reading.path);
+            reading.read_whole(path, |file| read(path, file, reading))
+        }),
+    )
+};
 
 /// Digits that number a file.
 const MOST_DIGITS: usize = 15;
@@ -43,7 +64,7 @@ struct Page {
     colours: ColorType,
 }
 
-pub fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let palette = palette::taken(&mut file);
     let (page, own) = pages_alike(&file)?;
     let mut notes = Vec::new();
@@ -299,12 +320,9 @@ fn series(path: &Path, notes: &mut Vec<String>) -> Vec<PathBuf> {
 
 /// The file of a folder that stands for it: the first of the longest series of numbered TIFF files, or the first TIFF
 /// file. None if there is no TIFF file.
-pub fn first_of(folder: &Path) -> Option<PathBuf> {
+fn first_of(folder: &Path) -> Option<PathBuf> {
     let entries = std::fs::read_dir(folder).ok()?.take(MOST_FILES);
-    let is_tiff = |path: &PathBuf| {
-        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-        ["tif", "tiff"].iter().any(|tiff| ending.eq_ignore_ascii_case(tiff)) && path.is_file()
-    };
+    let is_tiff = |path: &PathBuf| SPEC.is_named(path) && path.is_file();
     let mut files: Vec<_> = entries
         .filter_map(|entry| Some(entry.ok()?.path()))
         .filter(is_tiff)

@@ -15,12 +15,28 @@ use super::numbers::{Number, volume};
 use super::unpack::{cut, malformed};
 use super::{Reading, Scan};
 use crate::format::error::printable;
+use crate::format::spec::{FormatSpec, Import, Sign};
 use crate::format::{FormatError, go_on};
+
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::Likely(is_vti)],
+    ..FormatSpec::new(
+        "VTK image data",
+        &["vti"],
+        Import::Scan(|reading| reading.read_whole(reading.path, |file| read(file, reading))),
+    )
+};
 
 /// Begins the data behind the tags.
 const APPENDED: &[u8] = b"<AppendedData";
 
-pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+/// Whether an XML file begins as one of VTK does.
+fn is_vti(start: &[u8]) -> bool {
+    let text = start.trim_ascii_start();
+    text.starts_with(b"<") && text.windows(8).any(|part| part == b"<VTKFile")
+}
+
+fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     // The appended data may be any bytes, which XML does not allow.
     let place = file.windows(APPENDED.len()).position(|window| window == APPENDED);
     let (tags, appended) = file.split_at(place.unwrap_or(file.len()));

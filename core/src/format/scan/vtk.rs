@@ -11,7 +11,18 @@ use super::unpack::{cut, malformed};
 use super::{Reading, Scan};
 use crate::format::FormatError;
 use crate::format::error::excerpt;
+use crate::format::spec::{FormatSpec, Import, Sign};
 
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::At(0, MAGIC.as_bytes())],
+    ..FormatSpec::new(
+        "legacy VTK data",
+        &["vtk"],
+        Import::Scan(|reading| reading.read_whole(reading.path, |file| read(file, reading))),
+    )
+};
+
+const MAGIC: &str = "# vtk DataFile Version";
 /// Lines of a header, and letters of one, that are looked at.
 const MOST_LINES: usize = 1 << 10;
 const MOST_LETTERS: usize = 1 << 12;
@@ -39,11 +50,11 @@ impl<'a> Lines<'a> {
     }
 }
 
-pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let refused = |what: String| FormatError::Scan(format!("{what}; write it as .vti or .nrrd"));
     let mut lines = Lines { rest: &file };
     let first = lines.next().unwrap_or_default();
-    if !first.starts_with("# vtk DataFile Version") {
+    if !first.starts_with(MAGIC) {
         return Err(refused(format!(
             "this is not a file of VTK: it begins with `{}`",
             excerpt(first.as_bytes())

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::Outlook;
-use crate::format::mesh_in::{Imported, Kind};
+use crate::format::mesh_in::{Imported, MeshReader};
 use crate::format::options::{Colouring, ImportOptions};
 use crate::format::{FormatError, voxel};
 use crate::sculpture::orientation::Up;
@@ -26,12 +26,15 @@ pub struct MeshStudy {
     pub kind: String,
     /// Notes on what was left out.
     pub notes: Vec<String>,
-    format: Kind,
+    format: &'static MeshReader,
     bounds: (DVec3, DVec3),
 }
 
 impl MeshStudy {
-    pub(super) fn of(imported: Imported, format: Kind) -> Result<MeshStudy, FormatError> {
+    pub(super) fn of(
+        imported: Imported,
+        format: &'static MeshReader,
+    ) -> Result<MeshStudy, FormatError> {
         let Imported { mesh, kind, notes, .. } = imported;
         let corners = |t: &[u32; 3]| t.map(|corner| mesh.positions[corner as usize]);
         let is_finite = |t: &[Vec3; 3]| t.iter().all(|corner| corner.is_finite());
@@ -52,7 +55,7 @@ impl MeshStudy {
 
     /// Whether the file says which way is up.
     pub fn knows_up(&self) -> bool {
-        self.format.knows_up()
+        self.format.knows_up
     }
 
     /// The axis that points up.

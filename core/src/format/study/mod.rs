@@ -14,9 +14,8 @@ pub use self::mesh::MeshStudy;
 pub use self::model::{ModelStudy, SurfaceVoxel};
 pub use self::volume::{Existing, VolumeStudy};
 use super::options::ImportOptions;
-use super::{
-    Format, FormatError, budget_bytes, content, import, mesh_in, read_file, read_volume, voxel,
-};
+use super::spec::Import;
+use super::{FormatError, budget_bytes, content, import, mesh_in, read_file, read_volume};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use glam::{UVec3, Vec3};
@@ -44,11 +43,11 @@ pub fn family(path: &Path) -> Option<Family> {
     if content::needs_layout(path) {
         return Some(Family::Volume);
     }
-    match content::format_of(path, false).ok()?.0 {
-        Format::Vsc => None,
-        Format::Voxel(_) => Some(Family::Model),
-        Format::Pvm | Format::Raw | Format::Scan(_) => Some(Family::Volume),
-        Format::Mesh(_) => Some(Family::Mesh),
+    match content::format_of(path, false).ok()?.0.read {
+        Import::Sculpture => None,
+        Import::Model(_) => Some(Family::Model),
+        Import::Volume(_) | Import::Scan(_) => Some(Family::Volume),
+        Import::Mesh(_) => Some(Family::Mesh),
     }
 }
 
@@ -90,19 +89,19 @@ pub fn study(
     progress: &dyn Progress,
 ) -> Result<Study, FormatError> {
     let (format, _) = content::format_of(path, options.raw.is_some())?;
-    match format {
-        Format::Vsc => Ok(Study::Settled),
-        Format::Voxel(kind) => {
+    match &format.read {
+        Import::Sculpture => Ok(Study::Settled),
+        Import::Model(reader) => {
             let file = read_file(path, limits, progress)?;
-            let model = voxel::read(kind, &file)?;
+            let model = (reader.read)(&file)?;
             let study = ModelStudy::of(&*model, limits, progress)?;
             Ok(Study::Model(Box::new(study)))
         }
-        Format::Mesh(kind) => {
-            let imported = mesh_in::load(path, kind, limits, progress)?;
-            MeshStudy::of(imported, kind).map(|study| Study::Mesh(Box::new(study)))
+        Import::Mesh(reader) => {
+            let imported = mesh_in::load(path, reader, limits, progress)?;
+            MeshStudy::of(imported, reader).map(|study| Study::Mesh(Box::new(study)))
         }
-        Format::Pvm | Format::Raw | Format::Scan(_) => {
+        Import::Volume(_) | Import::Scan(_) => {
             let ImportOptions { raw, channel, time, .. } = *options;
             let options = ImportOptions { raw, channel, time, ..ImportOptions::default() };
             let (grid_bytes, colour_bytes) = (budget_bytes(limits), 0);

@@ -2,29 +2,44 @@
 
 use glam::I64Vec3;
 
-use super::{Model, Sink};
+use super::{Model, ModelReader, Sink};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;
+use crate::format::spec::{FormatSpec, Import, Sign};
 use crate::sculpture::Rgb;
 use crate::sculpture::grid::MAX_AXIS_VX;
+use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::Up;
 
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::At(0, MAGIC)],
+    ..FormatSpec::new(
+        "voxels of binvox",
+        &["binvox"],
+        Import::Model(ModelReader {
+            read: |file| Ok(Box::new(read(file)?)),
+            surface: SurfaceKind::Smooth,
+        }),
+    )
+};
+
+const MAGIC: &[u8] = b"#binvox";
 /// Lines of the header at most.
 const MOST_LINES: usize = 64;
 
 /// A file: y fastest, then z, then x.
 #[derive(Debug)]
-pub struct Binvox<'a> {
+struct Binvox<'a> {
     size: I64Vec3,
     runs: Bytes<'a>,
 }
 
 /// Reads the header.
-pub fn read(file: &[u8]) -> Result<Binvox<'_>, FormatError> {
+fn read(file: &[u8]) -> Result<Binvox<'_>, FormatError> {
     let mut bytes = Bytes::new(file);
     let mut size = None;
-    if !file.starts_with(b"#binvox") {
+    if !file.starts_with(MAGIC) {
         return Err(bytes.fault(format!("the file begins with `{}`, not #binvox", excerpt(file))));
     }
     for _ in 0..MOST_LINES {

@@ -7,12 +7,27 @@ use glam::I64Vec3;
 use image::{ImageFormat, ImageReader, Limits};
 
 use super::gox_layer::{self, Layer};
-use super::{Model, Sink};
+use super::{Model, ModelReader, Sink};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;
+use crate::format::spec::{FormatSpec, Import, Sign};
+use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::Up;
 
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::At(0, MAGIC)],
+    ..FormatSpec::new(
+        "a Goxel model",
+        &["gox"],
+        Import::Model(ModelReader {
+            read: |file| Ok(Box::new(read(file)?)),
+            surface: SurfaceKind::Cubes,
+        }),
+    )
+};
+
+const MAGIC: &[u8] = b"GOX ";
 /// Pixels along the edge of a block's picture.
 const PICTURE_EDGE: u32 = 64;
 /// The newest version that is known.
@@ -20,7 +35,7 @@ const VERSION: u32 = 2;
 
 /// A file.
 #[derive(Debug)]
-pub struct Gox<'a> {
+struct Gox<'a> {
     version: u32,
     blocks: Vec<Bytes<'a>>,
     /// Hidden ones, too, which others may copy.
@@ -28,13 +43,13 @@ pub struct Gox<'a> {
 }
 
 /// Reads the structure of a file.
-pub fn read(file: &[u8]) -> Result<Gox<'_>, FormatError> {
+fn read(file: &[u8]) -> Result<Gox<'_>, FormatError> {
     let mut bytes = Bytes::new(file);
-    if !file.starts_with(b"GOX ") {
+    if !file.starts_with(MAGIC) {
         let begin = excerpt(file);
         return Err(bytes.fault(format!("the file begins with `{begin}`, as no Goxel file does")));
     }
-    bytes.take(4)?;
+    bytes.take(MAGIC.len())?;
     let start = bytes;
     let version = bytes.u32()?;
     if version > VERSION {

@@ -6,54 +6,44 @@
 //! Knows no paths.
 
 mod assemble;
-mod binvox;
-mod gox;
+pub mod binvox;
+pub mod gox;
 mod gox_layer;
 mod palette;
-mod qb;
+pub mod qb;
 mod qb_write;
 mod quantise;
 mod scene;
-mod vox;
+pub mod vox;
 mod vox_write;
 mod voxlap;
+
+use std::io::Write;
 
 use glam::I64Vec3;
 
 pub use self::assemble::{colour_depth, to_contents, turned, voxel_size};
-pub use self::qb_write::write as write_qb;
-pub use self::vox_write::write as write_vox;
 use super::FormatError;
 use super::options::ImportOptions;
+use crate::progress::Progress;
 use crate::sculpture::Rgb;
-use crate::sculpture::history::SurfaceKind;
+use crate::sculpture::history::{Contents, SurfaceKind};
 use crate::sculpture::orientation::{Orientation, Up};
 
 /// Takes a voxel: its place, y up, and its colour. An error ends the walk.
 pub type Sink<'a> = dyn FnMut(I64Vec3, Rgb) -> Result<(), FormatError> + 'a;
 
-/// The program that a model comes from, by the ending of its file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
-    /// MagicaVoxel, or Voxlap where the file begins otherwise.
-    Vox,
-    /// Qubicle Binary.
-    Qb,
-    /// Goxel.
-    Gox,
-    /// The voxeliser binvox.
-    Binvox,
+/// How models of a format are read.
+pub struct ModelReader {
+    /// Reads a file as far as its structure; damage of the voxels themselves is found by the walk.
+    pub read: for<'a> fn(&'a [u8]) -> Result<Box<dyn Model + 'a>, FormatError>,
+    /// The form in which the models are shown: what was built of cubes stays so; what was a mesh is smooth.
+    pub surface: SurfaceKind,
 }
 
-impl Kind {
-    /// The form in which its models are shown: what was built of cubes stays so; what was a mesh is smooth.
-    pub fn surface(self) -> SurfaceKind {
-        match self {
-            Kind::Vox | Kind::Qb | Kind::Gox => SurfaceKind::Cubes,
-            Kind::Binvox => SurfaceKind::Smooth,
-        }
-    }
-}
+/// Writes a sculpture to a stream. Returns what the format has no room for.
+pub type ModelWriter =
+    fn(&Contents, &mut dyn Write, &dyn Progress) -> Result<Vec<String>, FormatError>;
 
 /// A model, or several that belong together, as a file holds it.
 pub trait Model {
@@ -80,17 +70,6 @@ pub trait Model {
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }
-}
-
-/// Reads a file as far as its structure; damage of the voxels themselves is found by the walk.
-pub fn read<'a>(kind: Kind, file: &'a [u8]) -> Result<Box<dyn Model + 'a>, FormatError> {
-    Ok(match kind {
-        Kind::Vox if file.starts_with(vox::MAGIC) => Box::new(vox::read(file)?),
-        Kind::Vox => Box::new(voxlap::read(file)?),
-        Kind::Qb => Box::new(qb::read(file)?),
-        Kind::Gox => Box::new(gox::read(file)?),
-        Kind::Binvox => Box::new(binvox::read(file)?),
-    })
 }
 
 /// From the axes of MagicaVoxel, Goxel and Voxlap's models (z up, y away from the viewer) to ours, a rotation.

@@ -2,20 +2,32 @@
 
 use glam::I64Vec3;
 
-use super::{Model, Sink};
+use super::qb_write::{self, RUN, SLICE_END};
+use super::{Model, ModelReader, Sink};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
+use crate::format::spec::{Export, FormatSpec, Import};
 use crate::sculpture::Rgb;
 use crate::sculpture::grid::MAX_AXIS_VX;
+use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::Up;
 
-/// Words in the voxels of a matrix that mean no colour: a run follows, and a slice ends.
-pub const RUN: u32 = 2;
-pub const SLICE_END: u32 = 6;
+pub static SPEC: FormatSpec = FormatSpec {
+    write: Some(Export::Model(qb_write::write)),
+    exported_as: Some("Qubicle"),
+    ..FormatSpec::new(
+        "a Qubicle model",
+        &["qb"],
+        Import::Model(ModelReader {
+            read: |file| Ok(Box::new(read(file)?)),
+            surface: SurfaceKind::Cubes,
+        }),
+    )
+};
 
 /// A file.
 #[derive(Debug)]
-pub struct Qb<'a> {
+struct Qb<'a> {
     is_bgra: bool,
     /// x points the other way: a model that faces forward along z faces the viewer in either case.
     is_left_handed: bool,
@@ -31,7 +43,7 @@ struct Matrix<'a> {
 }
 
 /// Reads the structure of a file.
-pub fn read(file: &[u8]) -> Result<Qb<'_>, FormatError> {
+fn read(file: &[u8]) -> Result<Qb<'_>, FormatError> {
     let mut bytes = Bytes::new(file);
     // Any version: they differ in nothing.
     bytes.u32()?;

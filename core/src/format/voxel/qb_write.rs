@@ -4,12 +4,14 @@ use std::io::Write;
 
 use glam::UVec3;
 
-use super::qb::{RUN, SLICE_END};
 use crate::format::{FormatError, go_on};
 use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
 use crate::sculpture::history::Contents;
 
+/// Words in the voxels of a matrix that mean no colour: a run follows, and a slice ends.
+pub const RUN: u32 = 2;
+pub const SLICE_END: u32 = 6;
 /// Major, minor, release and build number of the format.
 const VERSION: [u8; 4] = [1, 1, 0, 0];
 const NAME: &[u8] = b"sculpture";

@@ -1,4 +1,5 @@
-//! Reads MagicaVoxel's `.vox` (versions 150 and 200): models, palette, and the scene that places them.
+//! Reads MagicaVoxel's `.vox` (versions 150 and 200): models, palette, and the scene that places them. Other files of
+//! the name are read as Voxlap's (`voxlap.rs`).
 //!
 //! The voxels stay in the file's bytes. Of animations the first frame is read; hidden objects and layers are left
 //! out. `scene.rs` places the models.
@@ -9,28 +10,45 @@ use glam::I64Vec3;
 
 use super::palette::default_palette;
 use super::scene::{self, Instance, Node, Turn};
-use super::{Model, Sink, upright, upright_box};
+use super::vox_write::{self, MAGIC, MAX_EDGE_VX};
+use super::{Model, ModelReader, Sink, upright, upright_box, voxlap};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
+use crate::format::spec::{Export, FormatSpec, Import, Sign};
 use crate::sculpture::Rgb;
+use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::Up;
 
-pub const MAGIC: &[u8] = b"VOX ";
-/// Longest axis of a model.
-pub const MAX_EDGE_VX: u32 = 256;
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::At(0, MAGIC)],
+    write: Some(Export::Model(vox_write::write)),
+    exported_as: Some("MagicaVoxel"),
+    ..FormatSpec::new(
+        "a MagicaVoxel model",
+        &["vox"],
+        Import::Model(ModelReader {
+            read: |file| match file.starts_with(MAGIC) {
+                true => Ok(Box::new(read(file)?)),
+                false => Ok(Box::new(voxlap::read(file)?)),
+            },
+            surface: SurfaceKind::Cubes,
+        }),
+    )
+};
+
 /// A name, and the bytes of the chunk and of its children.
 const CHUNK_HEADER_BYTES: usize = 12;
 
 /// A model as it lies in the file: four bytes a voxel, x, y, z and colour, z up.
 #[derive(Debug)]
-pub struct Part<'a> {
-    pub size: I64Vec3,
+struct Part<'a> {
+    size: I64Vec3,
     voxels: &'a [[u8; 4]],
 }
 
 /// A file: models, where they stand, and their colours.
 #[derive(Debug)]
-pub struct Vox<'a> {
+struct Vox<'a> {
     version: u32,
     parts: Vec<Part<'a>>,
     instances: Vec<Instance>,
@@ -51,7 +69,7 @@ struct Chunks<'a> {
 }
 
 /// Reads a file as far as its structure.
-pub fn read(file: &[u8]) -> Result<Vox<'_>, FormatError> {
+fn read(file: &[u8]) -> Result<Vox<'_>, FormatError> {
     let mut bytes = Bytes::new(file);
     bytes.take(MAGIC.len())?;
     let version = bytes.u32()?;

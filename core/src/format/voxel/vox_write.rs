@@ -9,13 +9,16 @@ use std::io::{self, Write};
 use glam::UVec3;
 
 use super::quantise::{Palette, palette};
-use super::vox::{MAGIC, MAX_EDGE_VX};
 use crate::format::{FormatError, go_on};
 use crate::progress::Progress;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
 use crate::sculpture::history::Contents;
 
+/// Begins a file.
+pub const MAGIC: &[u8] = b"VOX ";
+/// Longest axis of a model.
+pub const MAX_EDGE_VX: u32 = 256;
 /// Colours of a palette.
 const COLOURS: usize = 255;
 /// The version that all programs read.

@@ -35,6 +35,7 @@ use rayon::prelude::*;
 use self::chunk::Entry;
 use super::error::excerpt;
 use super::limits::TEXTS_LIMIT;
+use super::spec::{Export, FormatSpec, Import, Sign};
 use super::volume::Texts;
 use super::{FormatError, go_on};
 use crate::progress::Progress;
@@ -42,6 +43,12 @@ use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::history::{Contents, SurfaceKind};
 use crate::sculpture::material::Page;
 use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
+
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::At(0, &MAGIC)],
+    write: Some(Export::Sculpture),
+    ..FormatSpec::new("a sculpture", &["vsc"], Import::Sculpture)
+};
 
 const MAGIC: [u8; 8] = [0x89, b'V', b'S', b'C', b'\r', b'\n', 0x1A, b'\n'];
 const VERSION: u32 = 1;

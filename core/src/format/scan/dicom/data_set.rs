@@ -15,8 +15,8 @@ use super::tags::{self, Tag};
 use crate::format::FormatError;
 
 /// Where a file says what it is, and the bytes there.
-const MAGIC_AT: usize = 128;
-const MAGIC: &[u8] = b"DICM";
+pub const MAGIC_AT: usize = 128;
+pub const MAGIC: &[u8] = b"DICM";
 /// The group of a file's first elements but for the meta group.
 const FIRST_GROUP: u32 = 0x0008;
 /// Elements by which a file without a mark is known, and their greatest length.

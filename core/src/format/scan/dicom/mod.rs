@@ -21,9 +21,7 @@ use std::path::Path;
 
 use glam::{DVec3, UVec3, Vec3};
 
-pub use self::data_set::is_dicom;
-use self::data_set::{DataSet, Part};
-pub use self::folder::has_dicom;
+use self::data_set::{DataSet, MAGIC, MAGIC_AT, Part};
 use self::padding::Padding;
 use self::pixels::Layout;
 use self::plane::{FrameData, Plane};
@@ -31,12 +29,23 @@ use super::frame::Frame;
 use super::numbers::{Number, volume};
 use super::unpack::malformed;
 use super::{Reading, Scan};
+use crate::format::spec::{FormatSpec, Import, Sign};
 use crate::format::{FormatError, go_on};
 use crate::sculpture::grid::MAX_AXIS_VX;
 
+pub static SPEC: FormatSpec = FormatSpec {
+    signs: &[Sign::At(MAGIC_AT, MAGIC), Sign::Likely(data_set::is_dicom)],
+    folder: Some(folder::has_dicom),
+    ..FormatSpec::new(
+        "DICOM",
+        &["dcm", "dicom"],
+        Import::Scan(|reading| read(reading.path, reading)),
+    )
+};
+
 /// Reads the series that `path` is a file of, or the only one of the folder `path`. Returns it with the length of its
 /// files.
-pub fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
+fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let found = folder::find(path, reading)?;
     let mut notes = found.notes;
     let file = reading.read(&found.files[0])?;

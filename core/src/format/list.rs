@@ -1,0 +1,346 @@
+//! The list of all formats, and what follows from their descriptions: which one a name or the first bytes of a file
+//! belong to, the extensions to choose from, and the errors and texts that name them.
+//!
+//! Takes names and bytes; opens no file but those of a folder that is asked for.
+
+use std::path::Path;
+
+use super::FormatError;
+use super::mesh_in::{glb, obj, ply, stl, three_mf};
+use super::mesh_out::{MeshTraits, MeshWriter};
+use super::options::{ExportForm, MeshUp};
+use super::scan::{dicom, meta, nifti, nrrd, tiff, vti, vtk};
+use super::spec::{Export, Format, Import};
+use super::voxel::{binvox, gox, qb, vox};
+use super::{pvm, raw, vsc};
+use crate::sculpture::history::SurfaceKind;
+use crate::sculpture::orientation::Up;
+
+/// All formats, in the order in which texts list them. Where a file has signs of several formats, the earlier counts:
+/// `.dcm` files may begin with anything, even as `.tif` files do. Meshes are exported to most often as the first.
+static FORMATS: [Format; 19] = [
+    &vsc::SPEC,
+    &pvm::SPEC,
+    &raw::SPEC,
+    &dicom::SPEC,
+    &nifti::SPEC,
+    &nrrd::SPEC,
+    &meta::SPEC,
+    &vti::SPEC,
+    &vtk::SPEC,
+    &tiff::SPEC,
+    &vox::SPEC,
+    &qb::SPEC,
+    &gox::SPEC,
+    &binvox::SPEC,
+    &stl::SPEC,
+    &glb::SPEC,
+    &three_mf::SPEC,
+    &ply::SPEC,
+    &obj::SPEC,
+];
+
+/// Extensions of the files that can be read.
+pub const READ_ENDINGS: [&str; READ_COUNT] = read_endings();
+/// Extensions of the files that can be written.
+pub const WRITE_ENDINGS: [&str; WRITE_COUNT] = written_endings();
+
+const READ_COUNT: usize = {
+    let (mut i, mut count) = (0, 0);
+    while i < FORMATS.len() {
+        count += FORMATS[i].extensions.len();
+        i += 1;
+    }
+    count
+};
+
+const WRITE_COUNT: usize = {
+    let (mut i, mut count) = (0, 0);
+    while i < FORMATS.len() {
+        count += FORMATS[i].write.is_some() as usize;
+        i += 1;
+    }
+    count
+};
+
+const fn read_endings() -> [&'static str; READ_COUNT] {
+    let mut endings = [""; READ_COUNT];
+    let (mut i, mut count) = (0, 0);
+    while i < FORMATS.len() {
+        let mut own = 0;
+        while own < FORMATS[i].extensions.len() {
+            endings[count] = FORMATS[i].extensions[own];
+            (own, count) = (own + 1, count + 1);
+        }
+        i += 1;
+    }
+    endings
+}
+
+const fn written_endings() -> [&'static str; WRITE_COUNT] {
+    let mut endings = [""; WRITE_COUNT];
+    let (mut i, mut count) = (0, 0);
+    while i < FORMATS.len() {
+        if FORMATS[i].write.is_some() {
+            endings[count] = FORMATS[i].extension();
+            count += 1;
+        }
+        i += 1;
+    }
+    endings
+}
+
+/// All formats.
+pub fn formats() -> impl DoubleEndedIterator<Item = Format> {
+    FORMATS.iter().copied()
+}
+
+/// The format of a file by its name.
+pub fn named(path: &Path) -> Result<Format, FormatError> {
+    let ending = path.extension().ok_or_else(|| FormatError::NoEnding(commas(&READ_ENDINGS)))?;
+    formats().find(|format| format.is_named(path)).ok_or_else(|| FormatError::UnknownEnding {
+        ending: format!(".{}", ending.to_string_lossy()),
+        known: commas(&READ_ENDINGS),
+    })
+}
+
+/// The format that a file's first bytes identify.
+pub fn identified(start: &[u8], length: u64) -> Option<Format> {
+    let signs = formats().flat_map(|format| format.signs.iter().map(move |sign| (format, sign)));
+    let found = signs.filter(|(_, sign)| sign.is_in(start, length));
+    // The first of those of one rank.
+    found.min_by_key(|(_, sign)| sign.rank()).map(|(format, _)| format)
+}
+
+/// The format of the files in a folder that are opened together.
+pub fn of_folder(folder: &Path) -> Option<Format> {
+    formats().find(|format| format.folder.is_some_and(|holds| holds(folder)))
+}
+
+/// The format in which a file of that name is written.
+pub fn written(path: &Path) -> Option<Format> {
+    let extension = path.extension()?;
+    let is_own = |format: &Format| extension.eq_ignore_ascii_case(format.extension());
+    formats().find(|format| format.write.is_some() && is_own(format))
+}
+
+/// Whether a file of that name is written as a mesh.
+pub fn is_mesh(path: &Path) -> bool {
+    mesh_traits(path).is_some()
+}
+
+/// Whether a file of that name is written as a volume, whose form can be chosen.
+pub fn is_volume(path: &Path) -> bool {
+    written(path).is_some_and(|format| matches!(format.write, Some(Export::Volume(_))))
+}
+
+/// The format of voxels alone.
+pub fn raw() -> Format {
+    &raw::SPEC
+}
+
+/// Whether the name is that of voxels alone, which a layout has to describe.
+pub fn is_raw(path: &Path) -> bool {
+    raw::SPEC.is_named(path)
+}
+
+/// What a mesh of that name can hold. None if files of that name are not written as meshes.
+pub fn mesh_traits(path: &Path) -> Option<&'static MeshTraits> {
+    mesh_export(path).map(|(_, mesh)| &mesh.traits)
+}
+
+/// The format of meshes that are written under that name, and its writer.
+pub fn mesh_export(path: &Path) -> Option<(Format, &'static MeshWriter)> {
+    let format = written(path)?;
+    match &format.write {
+        Some(Export::Mesh(mesh)) => Some((format, mesh)),
+        _ => None,
+    }
+}
+
+/// The formats to export to, by their names and extensions: meshes, then models, then volumes.
+pub fn exports() -> Vec<(&'static str, &'static str)> {
+    let order = |format: &Format| match format.write {
+        Some(Export::Mesh(_)) => 0,
+        Some(Export::Model(_)) => 1,
+        _ => 2,
+    };
+    let mut exported: Vec<Format> = formats().filter(|f| f.exported_as.is_some()).collect();
+    exported.sort_by_key(order);
+    exported.iter().filter_map(|f| Some((f.exported_as?, f.extension()))).collect()
+}
+
+/// Text that lists the files that can be written: `.vsc, .pvm, or a mesh: .stl, .ply`.
+pub fn written_text() -> String {
+    let is_mesh = |format: &Format| matches!(format.write, Some(Export::Mesh(_)));
+    let (meshes, others): (Vec<Format>, Vec<Format>) =
+        formats().filter(|format| format.write.is_some()).partition(is_mesh);
+    let text =
+        |formats: &[Format]| commas(&formats.iter().map(|f| f.extension()).collect::<Vec<_>>());
+    format!("{}, or a mesh: {}", text(&others), text(&meshes))
+}
+
+/// Text that lists the meshes in which an axis points up unless another is asked for: `.obj and .glb`.
+pub fn meshes_with_up_text(up: MeshUp) -> String {
+    joined(&meshes_with(|traits| traits.up == up), "and")
+}
+
+/// Text that lists the meshes that can hold points alone.
+pub fn meshes_of_points_text() -> String {
+    joined(&meshes_with(|traits| traits.holds_points), "and")
+}
+
+/// Text that lists the meshes whose files are read with an axis pointing up, where they do not say which.
+pub fn meshes_read_with_up_text(up: Up) -> String {
+    joined(&read_with(|import| matches!(import, Import::Mesh(mesh) if mesh.usual_up == up)), "and")
+}
+
+/// Text that lists the models that are shown as cubes.
+pub fn models_of_cubes_text() -> String {
+    let is_of_cubes = |import: &Import| match import {
+        Import::Model(model) => model.surface == SurfaceKind::Cubes,
+        _ => false,
+    };
+    commas(&read_with(is_of_cubes))
+}
+
+/// The error of a name under which nothing is written.
+pub fn not_written(path: &Path) -> FormatError {
+    let why = match named(path) {
+        Ok(_) => return FormatError::ReadOnly(commas(&WRITE_ENDINGS)),
+        Err(FormatError::UnknownEnding { ending, .. }) => {
+            format!("`{ending}` is not the extension")
+        }
+        Err(_) => "the file name has no extension".to_string(),
+    };
+    FormatError::NotWritten { why, written: commas(&WRITE_ENDINGS) }
+}
+
+/// The error of a mesh that is asked for under the name of something else.
+pub fn not_a_mesh() -> FormatError {
+    FormatError::NotAMeshFile(joined(&meshes_with(|_| true), "or"))
+}
+
+/// The error of points that are asked for in a mesh that cannot hold them.
+pub fn no_points() -> FormatError {
+    FormatError::NoPoints(joined(&meshes_with(|traits| traits.holds_points), "or"))
+}
+
+/// The error of a form that is asked for of a file that is no volume.
+pub fn no_forms(export: &Export, form: ExportForm) -> FormatError {
+    let is_volume = |format: &Format| matches!(format.write, Some(Export::Volume(_)));
+    let volumes: Vec<_> = formats().filter(is_volume).map(|format| format.extension()).collect();
+    let volumes = joined(&volumes, "or");
+    match export {
+        Export::Sculpture => FormatError::FormOfVsc { form, volumes },
+        Export::Mesh(_) => FormatError::FormOfMesh { form, volumes },
+        Export::Model(_) | Export::Volume(_) => FormatError::FormOfModel { form, volumes },
+    }
+}
+
+/// Extensions of meshes that are written, and of which `is_so` holds.
+fn meshes_with(is_so: impl Fn(&MeshTraits) -> bool) -> Vec<&'static str> {
+    let is_so = |format: &Format| match &format.write {
+        Some(Export::Mesh(mesh)) => is_so(&mesh.traits),
+        _ => false,
+    };
+    formats().filter(is_so).map(|format| format.extension()).collect()
+}
+
+/// The first extensions of formats of whose readers `is_so` holds.
+fn read_with(is_so: impl Fn(&Import) -> bool) -> Vec<&'static str> {
+    formats().filter(|format| is_so(&format.read)).map(|format| format.extension()).collect()
+}
+
+/// Extensions as `.a, .b, .c`.
+fn commas(extensions: &[&str]) -> String {
+    extensions.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
+}
+
+/// Extensions as `.a, .b or .c`, with `word` before the last.
+fn joined(extensions: &[&str], word: &str) -> String {
+    match extensions {
+        [] | [_] => commas(extensions),
+        [others @ .., last] => format!("{} {word} .{last}", commas(others)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    /// Rust files below a folder.
+    fn sources(folder: &Path) -> Vec<std::path::PathBuf> {
+        let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        entries
+            .flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] })
+            .filter(|path| path.extension().is_some_and(|ending| ending == "rs"))
+            .collect()
+    }
+
+    #[test]
+    fn every_description_is_in_the_list() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/format");
+        let is_described = |path: &std::path::PathBuf| {
+            let text = std::fs::read_to_string(path).unwrap();
+            text.lines().any(|line| line.starts_with("pub static SPEC: FormatSpec"))
+        };
+        let described = sources(&folder).into_iter().filter(is_described).count();
+        assert_eq!(described, FORMATS.len());
+        let names: BTreeMap<_, _> = formats().map(|format| (format.title(), format)).collect();
+        assert_eq!(names.len(), FORMATS.len(), "a format twice");
+    }
+
+    #[test]
+    fn each_extension_belongs_to_one_format() {
+        let mut owners = BTreeMap::new();
+        for format in formats() {
+            assert!(!format.extensions.is_empty(), "{format:?}");
+            for ending in format.extensions.iter().chain(format.parts) {
+                assert_eq!(ending.to_ascii_lowercase(), **ending);
+                assert_eq!(owners.insert(ending, format), None, ".{ending} of {format:?}");
+                assert_eq!(named(Path::new(&format!("a.{ending}"))).unwrap(), format);
+            }
+            let is_exported =
+                matches!(&format.write, Some(export) if !matches!(export, Export::Sculpture));
+            assert_eq!(format.exported_as.is_some(), is_exported, "{format:?}");
+        }
+    }
+
+    #[test]
+    fn signs_of_two_formats_do_not_clash() {
+        let words = |format: Format| {
+            format.signs.iter().filter_map(|sign| match sign {
+                Sign::At(at, magic) => Some((*at, magic.to_vec())),
+                Sign::Word(word) => Some((0, word.to_vec())),
+                Sign::Exact(_) | Sign::Likely(_) => None,
+            })
+        };
+        for format in formats() {
+            for (at, magic) in words(format) {
+                let start = [vec![0; at], magic.clone(), b" and more".to_vec()].concat();
+                assert_eq!(identified(&start, 900), Some(format));
+                assert_ne!(identified(&start[..at + magic.len() - 1], 900), Some(format));
+                for other in formats().filter(|other| *other != format) {
+                    let clashes = |(own, bytes): &(usize, Vec<u8>)| {
+                        *own == at && (bytes.starts_with(&magic) || magic.starts_with(bytes))
+                    };
+                    assert!(!words(other).any(|sign| clashes(&sign)), "{format:?}, {other:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn texts_list_what_the_descriptions_say() {
+        assert_eq!(joined(&["a"], "or"), ".a");
+        assert_eq!(joined(&["a", "b", "c"], "or"), ".a, .b or .c");
+        assert_eq!(models_of_cubes_text(), ".vox, .qb, .gox");
+        assert_eq!(meshes_of_points_text(), ".ply");
+        assert!(written_text().starts_with(".vsc, .pvm, .raw, .vox, .qb, or a mesh: .stl"));
+        assert_eq!(exports().len(), WRITE_ENDINGS.len() - 1);
+        assert_eq!(exports()[0], ("Print (STL)", "stl"));
+    }
+}
