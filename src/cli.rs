@@ -136,8 +136,8 @@ pub enum Job {
     /// Convert a file to another format
     Convert {
         input: PathBuf,
-        /// The file to write (.vsc, .pvm, .raw, .vox, .qb, or a mesh: .stl, .ply, .obj, .glb, .3mf)
-        #[arg(value_parser = named(&format::WRITE_ENDINGS))]
+        #[arg(value_parser = named(&format::WRITE_ENDINGS),
+              help = format!("The file to write ({})", format::written_text()))]
         output: PathBuf,
         /// How voxels are written: auto, densities, rgba or packed
         #[arg(long, default_value_t, value_name = "FORM")]

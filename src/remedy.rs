@@ -103,9 +103,9 @@ impl Remedy for FormatError {
                 "; raise memory.grid_mib or memory.colour_mib in the settings"
             }
             FormatError::ColourMemory { .. } => ", or raise memory.colour_mib in the settings",
-            FormatError::UnknownEnding(_) | FormatError::NoScanHeader => ", given with `--raw`",
+            FormatError::UnknownEnding { .. } | FormatError::NoScanHeader => ", given with `--raw`",
             FormatError::NotDensities { .. } => " (`--colouring`)",
-            FormatError::UpOfGlb => " (`--up`)",
+            FormatError::FixedUp { .. } => " (`--up`)",
             FormatError::TooLargeForMesh(_) | FormatError::TooLargeForGlb(_) => {
                 "; `--triangles` limits them"
             }
@@ -160,6 +160,7 @@ mod tests {
     use glam::UVec3;
 
     use super::*;
+    use crate::format::MeshUp;
     use crate::headless::JobError;
 
     fn grid() -> GridError {
@@ -220,9 +221,15 @@ mod tests {
     #[test]
     fn what_an_argument_lifts_names_it() {
         let cases = [
-            (FormatError::UnknownEnding("xyz".to_string()), "--raw"),
+            (
+                FormatError::UnknownEnding {
+                    ending: ".xyz".to_string(),
+                    known: ".vsc".to_string(),
+                },
+                "--raw",
+            ),
             (FormatError::NoScanHeader, "--raw"),
-            (FormatError::UpOfGlb, "--up"),
+            (FormatError::FixedUp { extension: "glb", up: MeshUp::Y }, "--up"),
             (FormatError::TooLargeForMesh(1 << 33), "--triangles"),
             (FormatError::TooLargeForGlb(1 << 33), "--triangles"),
         ];

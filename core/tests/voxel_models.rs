@@ -219,8 +219,8 @@ fn other_forms_and_formats_are_refused_with_a_remedy() {
     let material = Material::for_grid(&grid, ColourDepth::None, Rgb::STONE);
     let contents = Contents::new(grid, material);
     let save = |name: &str, form| format::save(&folder.path().join(name), &contents, form, &());
-    assert!(matches!(save("a.vox", ExportForm::Rgba), Err(FormatError::FormOfModel(_))));
-    assert!(matches!(save("a.gox", ExportForm::Auto), Err(FormatError::ReadOnly)));
+    assert!(matches!(save("a.vox", ExportForm::Rgba), Err(FormatError::FormOfModel { .. })));
+    assert!(matches!(save("a.gox", ExportForm::Auto), Err(FormatError::ReadOnly(_))));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 

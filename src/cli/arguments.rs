@@ -7,6 +7,7 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 
+use crate::format::meshes_read_with_up_text;
 use crate::format::options::{
     Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize, Ordinal, RawLayout, Region,
 };
@@ -33,8 +34,7 @@ pub struct ImportArgs {
     /// Colour bits per voxel: 0, 8, 16 or 24 (default: as in the file)
     #[arg(long, alias = "color-bits", value_name = "BITS", value_parser = parse_colour_bits)]
     pub colour_bits: Option<ColourDepth>,
-    /// Axis that points up in a file that does not specify it: y, z, -z, -y, x or -x (default: z in .stl and .ply, else y)
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help = upright_help())]
     pub upright: Option<Up>,
     /// Layout of a raw file: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
     #[arg(long, value_name = "LAYOUT")]
@@ -64,6 +64,13 @@ pub struct ImportArgs {
     /// Inside of a mesh: auto (solid, but only the surface of an open mesh), solid or shell
     #[arg(long, default_value_t, value_name = "HOW")]
     pub mesh_fill: MeshFill,
+}
+
+fn upright_help() -> String {
+    let z = meshes_read_with_up_text(Up::Z);
+    format!(
+        "Axis that points up in a file that does not specify it: y, z, -z, -y, x or -x (default: z in {z}, else y)"
+    )
 }
 
 impl ImportArgs {

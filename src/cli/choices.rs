@@ -4,9 +4,9 @@
 
 use std::str::FromStr;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, StyledStr, TypedValueParser};
 
-use crate::format::MeshUp;
+use crate::format::{MeshUp, meshes_with_up_text};
 use crate::mesh::MeshKind;
 use crate::view::StereoLayout;
 
@@ -21,9 +21,12 @@ pub fn surfaces() -> impl TypedValueParser<Value = MeshKind> {
 
 /// The axes that can point up in a mesh.
 pub fn up_axes() -> impl TypedValueParser<Value = MeshUp> {
-    one_of(MeshUp::NAMED, |up| match up {
-        MeshUp::Y => "As in the sculpture, in .glb and mostly in .obj",
-        MeshUp::Z => "As on a printer's bed: the default in .stl, .ply and .3mf",
+    one_of(MeshUp::NAMED, |up| {
+        let meshes = meshes_with_up_text(up);
+        match up {
+            MeshUp::Y => format!("As in the sculpture: the default in {meshes}"),
+            MeshUp::Z => format!("As on a printer's bed: the default in {meshes}"),
+        }
     })
 }
 
@@ -41,9 +44,9 @@ pub fn layouts() -> impl TypedValueParser<Value = StereoLayout> {
 }
 
 /// Takes the names of `values` and nothing else; `help` gives the line for each.
-fn one_of<T, const N: usize>(
+fn one_of<T, const N: usize, H: Into<StyledStr>>(
     values: [(T, &'static str); N],
-    help: fn(T) -> &'static str,
+    help: fn(T) -> H,
 ) -> impl TypedValueParser<Value = T>
 where
     T: FromStr<Err = String> + Clone + Send + Sync + 'static,

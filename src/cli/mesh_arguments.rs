@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 
 use crate::format::options::ExportForm;
-use crate::format::{MeshOptions, MeshUp, is_mesh};
+use crate::format::{MeshOptions, MeshUp, is_mesh, meshes_of_points_text, meshes_with_up_text};
 use crate::headless::MeshRequest;
 use crate::mesh::MeshKind;
 
@@ -20,15 +20,18 @@ pub struct MeshArgs {
     /// Simplify a mesh to this many triangles
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(4..))]
     pub triangles: Option<u64>,
-    /// Write only the vertices of a mesh (.ply)
-    #[arg(long)]
+    #[arg(long, help = format!("Write only the vertices of a mesh ({})", meshes_of_points_text()))]
     pub points: bool,
-    /// Axis that points up in a mesh (default: z in .stl, .ply and .3mf, y in .obj and .glb)
-    #[arg(long, value_parser = choices::up_axes(), value_name = "AXIS")]
+    #[arg(long, value_parser = choices::up_axes(), value_name = "AXIS", help = up_help())]
     pub up: Option<MeshUp>,
     /// Length of a voxel in a mesh in millimetres (default: the sculpture's voxel size)
     #[arg(long, alias = "millimeters", value_name = "MM", allow_negative_numbers = true)]
     pub millimetres: Option<f32>,
+}
+
+fn up_help() -> String {
+    let [z, y] = [MeshUp::Z, MeshUp::Y].map(meshes_with_up_text);
+    format!("Axis that points up in a mesh (default: z in {z}, y in {y})")
 }
 
 impl MeshArgs {

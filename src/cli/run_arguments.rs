@@ -22,8 +22,8 @@ pub struct RunArgs {
     /// Sculpture or volume to start from
     #[arg(long = "in", value_name = "FILE")]
     pub input: Option<PathBuf>,
-    /// Where to save the result (.vsc, .pvm, .raw, .vox, .qb, or a mesh: .stl, .ply, .obj, .glb, .3mf)
-    #[arg(long = "out", value_name = "FILE", value_parser = named(&format::WRITE_ENDINGS))]
+    #[arg(long = "out", value_name = "FILE", value_parser = named(&format::WRITE_ENDINGS),
+          help = format!("Where to save the result ({})", format::written_text()))]
     pub output: Option<PathBuf>,
     /// Also render the result to this picture (.png, .jpg)
     #[arg(long, value_name = "PICTURE", value_parser = named(&picture::ENDINGS))]

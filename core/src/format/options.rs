@@ -72,9 +72,8 @@ pub struct ImportOptions {
     /// Bits of colour of the sculpture; `None`: as the file was written by this program, as the
     /// packed colours have, or 24.
     pub colour_depth: Option<ColourDepth>,
-    /// The axis that points up; `None`: as is usual in the format, z in `.stl`, `.ply`, `.3mf`, `.vox` and `.gox`, else y. Left
-    /// out, and said, for files that say so themselves: sculptures, `.glb`, scans with the patient's axes. Volumes that
-    /// this program has written stand as they were saved.
+    /// The axis that points up; `None`: as is usual in the format. Left out, and said, for files that say so themselves:
+    /// sculptures, glTF, scans with the patient's axes. Volumes that this program has written stand as they were saved.
     pub upright: Option<Up>,
     /// Layout of a raw file; ignored for other files.
     pub raw: Option<RawLayout>,
@@ -116,9 +115,9 @@ pub enum ExportForm {
 /// The axis that points up in a file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum MeshUp {
-    /// As in the sculpture, in .glb and mostly in .obj.
+    /// As in the sculpture.
     Y,
-    /// As on a printer's bed: the default in .stl, .ply and .3mf.
+    /// As on a printer's bed.
     Z,
 }
 
@@ -132,7 +131,7 @@ impl MeshUp {
 pub struct MeshOptions {
     /// Which surface.
     pub kind: MeshKind,
-    /// Only the vertices, for .ply.
+    /// Only the vertices, in formats that can hold them alone.
     pub points_only: bool,
     /// The axis that points up; none for that which is usual in the format.
     pub up: Option<MeshUp>,

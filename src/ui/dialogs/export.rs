@@ -10,7 +10,9 @@ use glam::Vec3;
 
 use crate::command::Command;
 use crate::format::options::{ExportForm, ExportOptions};
-use crate::format::{MeshOptions, MeshUp, is_mesh, usual_surface, usual_up};
+use crate::format::{
+    MeshOptions, MeshTraits, MeshUp, is_mesh, is_volume, mesh_traits, usual_surface,
+};
 use crate::mesh::MeshKind;
 use crate::sculpture::history::SurfaceKind;
 use crate::ui::context::UiContext;
@@ -94,13 +96,11 @@ impl ExportDialog {
         if is_volume(path) {
             return self.form.into();
         }
-        if !is_mesh(path) {
-            return ExportOptions::default();
-        }
+        let Some(traits) = mesh_traits(path) else { return ExportOptions::default() };
         let mesh = MeshOptions {
             kind: self.chosen_kind(),
-            points_only: self.points_only && ends_in(path, "ply"),
-            up: self.up.filter(|_| !ends_in(path, "glb")),
+            points_only: self.points_only && traits.holds_points,
+            up: self.up.filter(|_| !traits.is_up_fixed),
             voxel_mm: self.voxel_mm,
             triangles: self.simplify.then_some(self.triangles),
         };
@@ -129,9 +129,9 @@ impl Dialog for ExportDialog {
             // While a field or a button has the keyboard, Enter is its own.
             let free = ui.memory(|memory| memory.focused().is_none());
             let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
-            match is_mesh(&path) {
-                true => mesh_options(ui, self, &path, context),
-                false => volume_options(ui, self),
+            match mesh_traits(&path) {
+                Some(traits) => mesh_options(ui, self, &path, traits, context),
+                None => volume_options(ui, self),
             }
             ui.add_space(8.0);
             ui.horizontal(|ui| {
@@ -161,7 +161,13 @@ fn volume_options(ui: &mut Ui, dialog: &mut ExportDialog) {
     }
 }
 
-fn mesh_options(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, context: &UiContext) {
+fn mesh_options(
+    ui: &mut Ui,
+    dialog: &mut ExportDialog,
+    path: &Path,
+    traits: &MeshTraits,
+    context: &UiContext,
+) {
     let grid = context.document.grid();
     let own_mm = grid.voxel_size();
     let size_vx = *dialog.size_vx.get_or_insert_with(|| {
@@ -215,8 +221,8 @@ fn mesh_options(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, context: &U
         ui.end_row();
 
         let label = ui.label("Up");
-        let is_fixed = ends_in(path, "glb");
-        let usual = usual_up(path).unwrap_or(MeshUp::Y);
+        let MeshTraits { up: usual, is_up_fixed: is_fixed, holds_points, .. } = *traits;
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let mut up = dialog.up.filter(|_| !is_fixed).unwrap_or(usual);
         ui.add_enabled_ui(!is_fixed, |ui| {
             ui.horizontal(|ui| {
@@ -228,11 +234,11 @@ fn mesh_options(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, context: &U
             })
             .response
             .on_hover_text("The axis of the file that points up")
-            .on_disabled_hover_text("In .glb it is always y");
+            .on_disabled_hover_text(format!("In .{ending} it is always {usual}"));
         });
         ui.end_row();
 
-        if ends_in(path, "ply") {
+        if holds_points {
             ui.label("");
             ui.add(Checkbox::new(&mut dialog.points_only, "Points only")).on_hover_text(
                 "The vertices without triangles, for programs that read point clouds",
@@ -248,13 +254,4 @@ fn help(kind: MeshKind) -> &'static str {
         MeshKind::Greedy => "The same faces, merged into rectangles: far fewer triangles",
         MeshKind::Smooth => "The smooth surface that pictures show, for printing and modelling",
     }
-}
-
-/// Whether the name is that of a volume, whose contents can be chosen.
-fn is_volume(path: &Path) -> bool {
-    ends_in(path, "pvm") || ends_in(path, "raw")
-}
-
-fn ends_in(path: &Path, ending: &str) -> bool {
-    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }

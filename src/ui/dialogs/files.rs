@@ -8,6 +8,7 @@ use egui_file_dialog::{DialogState, FileDialog, Filter};
 
 use crate::command::Command;
 use crate::editor::tool::ToolEdit;
+use crate::format::exports;
 use crate::format::options::{ExportOptions, ImportOptions};
 use crate::ui::dialogs::look;
 use crate::ui::dialogs::shared::{Dialog, FileTask, Opening, Shared};
@@ -15,18 +16,6 @@ use crate::ui::request::UiRequest;
 
 /// The ending of the program's own files.
 const ENDING: &str = "vsc";
-/// The formats to export to with their endings, the most wanted first: the first is proposed the first time.
-const EXPORTS: [(&str, &str); 9] = [
-    ("Print (STL)", "stl"),
-    ("Mesh (glTF)", "glb"),
-    ("Print (3MF)", "3mf"),
-    ("Mesh (PLY)", "ply"),
-    ("Mesh (OBJ)", "obj"),
-    ("MagicaVoxel", "vox"),
-    ("Qubicle", "qb"),
-    ("Volume", "pvm"),
-    ("Raw voxels", "raw"),
-];
 const SIDE_WIDTH: f32 = 170.0;
 
 /// The file dialog and what it is open for.
@@ -35,24 +24,32 @@ pub struct Files {
     task: FileTask,
     /// Where a sculpture was opened or saved last.
     folder: Option<PathBuf>,
-    /// The format exported to last, as an index of [`EXPORTS`].
+    /// The formats to export to with their endings: the first is proposed the first time.
+    exports: Vec<(&'static str, &'static str)>,
+    /// The format exported to last, as an index of them.
     export: usize,
 }
 
 impl Files {
     pub fn new() -> Files {
-        Files { dialog: FileDialog::new(), task: FileTask::Open, folder: None, export: 0 }
+        Files {
+            dialog: FileDialog::new(),
+            task: FileTask::Open,
+            folder: None,
+            exports: exports(),
+            export: 0,
+        }
     }
 
     /// The ending that Export proposes.
     pub fn export_ending(&self) -> &'static str {
-        EXPORTS[self.export].1
+        self.exports[self.export].1
     }
 
     /// Proposes the ending of a file that is exported to from now on, if there is such a format.
     pub fn set_export_ending(&mut self, ending: &str) {
         let known = |(_, own): &(&str, &str)| own.eq_ignore_ascii_case(ending);
-        self.export = EXPORTS.iter().position(known).unwrap_or(self.export);
+        self.export = self.exports.iter().position(known).unwrap_or(self.export);
     }
 
     /// The folder that dialogs open in where no file says another.
@@ -101,12 +98,12 @@ impl Files {
                 .default_save_extension("Sculpture")
                 .default_file_name(&format!("{name}.{ENDING}")),
             FileTask::Export => {
-                let add = |dialog: FileDialog, (name, ending): (&str, &str)| {
+                let add = |dialog: FileDialog, (name, ending): &(&str, &str)| {
                     dialog.add_save_extension(name, ending)
                 };
-                let (chosen, ending) = EXPORTS[self.export];
-                EXPORTS
-                    .into_iter()
+                let (chosen, ending) = self.exports[self.export];
+                self.exports
+                    .iter()
                     .fold(dialog.title("Export"), add)
                     .default_save_extension(chosen)
                     .default_file_name(&format!("{name}.{ending}"))
@@ -136,7 +133,7 @@ impl Dialog for Files {
 
     fn show(&mut self, root: &Ui, shared: &mut Shared) {
         let ask = &mut shared.ask_import;
-        let Files { dialog, task, export, .. } = self;
+        let Files { dialog, task, exports, export, .. } = self;
         // The library draws its search field black on any ground: dark text could not be read there.
         dialog.config_mut().show_search = root.visuals().dark_mode;
         dialog.update_with_right_panel_ui(root.ctx(), &mut |ui, _| {
@@ -193,7 +190,7 @@ impl Dialog for Files {
                 });
             }
             FileTask::Export => {
-                let path = with_ending(path, EXPORTS[*export].1);
+                let path = with_ending(path, exports[*export].1);
                 let ending = path.extension().unwrap_or_default().to_string_lossy();
                 self.set_export_ending(&ending);
                 shared.openings.push(Opening::Export(path));

@@ -19,6 +19,7 @@ use glam::Vec3;
 use crate::command::Command;
 use crate::document::MAX_ARRAY;
 use crate::editor::tool::ToolEdit;
+use crate::format;
 use crate::input::{Action, Panel};
 use crate::sculpture::history::SurfaceKind;
 use crate::ui::context::UiContext;
@@ -208,11 +209,12 @@ fn smooth_surface(
 ) {
     let own = context.document.contents().surface;
     let mut smooth = state.view.smooth_surface && own == SurfaceKind::Smooth;
-    let row = ui.checkbox(&mut smooth, "Smooth surface").on_hover_text(
+    let row = ui.checkbox(&mut smooth, "Smooth surface").on_hover_text(format!(
         "Shows a smooth surface instead of cubes where a voxel covers more than a pixel: always in modes that run \
          entirely on a GPU, and in other modes except points once the picture is refined at rest. Saved with the \
-         sculpture; off at first for models of cubes (.vox, .qb, .gox). Export suggests the same surface",
-    );
+         sculpture; off at first for models of cubes ({}). Export suggests the same surface",
+        format::models_of_cubes_text()
+    ));
     if !row.changed() {
         return;
     }

@@ -250,7 +250,7 @@ fn what_cannot_be_is_refused_with_a_remedy_and_leaves_nothing() {
     let made = save_mesh(&path, &subject(), &plain, &Limits::default(), &report);
     assert!(matches!(made, Err(FormatError::Cancelled)));
     let made = crate::format::save(&path, &subject(), ExportForm::Rgba, &());
-    assert!(matches!(made, Err(FormatError::FormOfMesh(ExportForm::Rgba))));
+    assert!(matches!(made, Err(FormatError::FormOfMesh { form: ExportForm::Rgba, .. })));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     crate::format::save(&path, &subject(), ExportForm::Auto, &()).unwrap();
     assert!(Path::exists(&path));

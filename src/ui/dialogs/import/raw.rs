@@ -6,7 +6,7 @@ use std::path::Path;
 
 use egui::{Key, TextEdit, Ui};
 
-use crate::format::READ_ENDINGS;
+use crate::format::{READ_ENDINGS, is_raw};
 use crate::ui::widgets::{numbers, theme};
 
 const HELP: &str = "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
@@ -14,7 +14,7 @@ const HELP: &str = "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
 
 /// Asks how a raw file is laid out; true if Enter was pressed in the field.
 pub fn layout(ui: &mut Ui, path: &Path, text: &mut String, error: Option<&String>) -> bool {
-    match path.extension().is_some_and(|own| own.eq_ignore_ascii_case("raw")) {
+    match is_raw(path) {
         true => ui.label("A raw file does not describe its contents."),
         false => ui.label(format!(
             "Neither name nor contents identify this file. If it holds only voxels, describe their layout; other \
