@@ -51,23 +51,66 @@ impl Layout {
 
 pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     let mesh = job.mesh;
+    let has_normals = job.options.kind == MeshKind::Smooth;
+    // Normals take a pass over the triangles, and are vectors of the vertices like positions and colours.
+    let (normal_passes, colour_passes) = (u64::from(has_normals), u64::from(mesh.is_coloured()));
+    let mut steps = job.steps(1 + normal_passes + colour_passes, 1 + normal_passes);
+    let normals = if has_normals { Some(normals(job, &mut steps)?) } else { None };
+    let (json, buffer_bytes) = description(job, has_normals);
+    let all = 12 + 8 + json.len() as u64 + 8 + buffer_bytes;
+    let too_large = |_| FormatError::TooLargeForGlb(all);
+    let (all, bytes) = (u32::try_from(all).map_err(too_large)?, buffer_bytes as u32);
+
+    let mut file = create(path)?;
+    for word in [MAGIC, VERSION, all, json.len() as u32, JSON_CHUNK] {
+        file.write_all(&word.to_le_bytes())?;
+    }
+    file.write_all(&json)?;
+    for word in [bytes, BINARY_CHUNK] {
+        file.write_all(&word.to_le_bytes())?;
+    }
+    for position in mesh.positions() {
+        put_vector(&mut file, place(job, position))?;
+        steps.step()?;
+    }
+    for normal in normals.into_iter().flatten() {
+        put_vector(&mut file, normal)?;
+        steps.step()?;
+    }
+    if mesh.is_coloured() {
+        put_colours(job, &mut file, &mut steps)?;
+    }
+    for triangle in mesh.triangles() {
+        let mut bytes = [0; 12];
+        for (to, vertex) in bytes.chunks_exact_mut(4).zip(triangle) {
+            to.copy_from_slice(&vertex.to_le_bytes());
+        }
+        file.write_all(&bytes)?;
+        steps.step()?;
+    }
+    finish(file)
+}
+
+/// Where a vertex lies in the file.
+#[inline(always)]
+fn place(job: &Job, position: Vec3) -> Vec3 {
+    job.space.place(position) * METRES_PER_MM
+}
+
+/// The JSON part of a file, and the bytes of the buffer that it describes.
+fn description(job: &Job, has_normals: bool) -> (Vec<u8>, u64) {
+    let mesh = job.mesh;
     let (vertices, indices) = (mesh.vertex_count(), 3 * mesh.triangle_count());
-    let place = |position: Vec3| job.space.place(position) * METRES_PER_MM;
     let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-    let [low, high] =
-        mesh.positions().map(place).fold(start, |[low, high], p| [low.min(p), high.max(p)]);
+    let places = mesh.positions().map(|position| place(job, position));
+    let [low, high] = places.fold(start, |[low, high], p| [low.min(p), high.max(p)]);
     let mut layout = Layout::default();
     let positions = json!({
         "componentType": FLOAT, "count": vertices, "type": "VEC3",
         "min": low.to_array(), "max": high.to_array()
     });
     let mut attributes = json!({ "POSITION": layout.add(vertices, 12, VERTICES, positions) });
-    let has_normals = job.options.kind == MeshKind::Smooth;
-    // Normals take a pass over the triangles, and are vectors of the vertices like positions and colours.
-    let (normal_passes, colour_passes) = (u64::from(has_normals), u64::from(mesh.is_coloured()));
-    let mut steps = job.steps(1 + normal_passes + colour_passes, 1 + normal_passes);
-    let normals = if has_normals { Some(normals(job, &mut steps)?) } else { None };
-    if normals.is_some() {
+    if has_normals {
         let accessor = json!({ "componentType": FLOAT, "count": vertices, "type": "VEC3" });
         attributes["NORMAL"] = json!(layout.add(vertices, 12, VERTICES, accessor));
     }
@@ -98,48 +141,23 @@ pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     });
     let mut json = json.to_string().into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
-    let all = 12 + 8 + json.len() as u64 + 8 + layout.bytes;
-    let too_large = |_| FormatError::TooLargeForGlb(all);
-    let (all, bytes) = (u32::try_from(all).map_err(too_large)?, layout.bytes as u32);
+    (json, layout.bytes)
+}
 
-    let mut file = create(path)?;
-    for word in [MAGIC, VERSION, all, json.len() as u32, JSON_CHUNK] {
-        file.write_all(&word.to_le_bytes())?;
-    }
-    file.write_all(&json)?;
-    for word in [bytes, BINARY_CHUNK] {
-        file.write_all(&word.to_le_bytes())?;
-    }
-    for position in mesh.positions() {
-        put_vector(&mut file, place(position))?;
-        steps.step()?;
-    }
-    for normal in normals.into_iter().flatten() {
-        put_vector(&mut file, normal)?;
-        steps.step()?;
-    }
-    if mesh.is_coloured() {
-        let table: Vec<[u8; 2]> = (0..=u8::MAX)
-            .map(|channel| ((linear(channel) * 65535.0 + 0.5) as u16).to_le_bytes())
-            .collect();
-        for Rgb(colour) in mesh.colours() {
-            let mut bytes = [0xFF; 8];
-            for (to, channel) in bytes.chunks_exact_mut(2).zip(colour) {
-                to.copy_from_slice(&table[channel as usize]);
-            }
-            file.write_all(&bytes)?;
-            steps.step()?;
-        }
-    }
-    for triangle in mesh.triangles() {
-        let mut bytes = [0; 12];
-        for (to, vertex) in bytes.chunks_exact_mut(4).zip(triangle) {
-            to.copy_from_slice(&vertex.to_le_bytes());
+/// Writes the colours of the vertices, opaque and in linear light.
+fn put_colours(job: &Job, file: &mut impl Write, steps: &mut Steps) -> Result<(), FormatError> {
+    let table: Vec<[u8; 2]> = (0..=u8::MAX)
+        .map(|channel| ((linear(channel) * 65535.0 + 0.5) as u16).to_le_bytes())
+        .collect();
+    for Rgb(colour) in job.mesh.colours() {
+        let mut bytes = [0xFF; 8];
+        for (to, channel) in bytes.chunks_exact_mut(2).zip(colour) {
+            to.copy_from_slice(&table[channel as usize]);
         }
         file.write_all(&bytes)?;
         steps.step()?;
     }
-    finish(file)
+    Ok(())
 }
 
 /// Normals of the vertices: means of their triangles', weighted by area.

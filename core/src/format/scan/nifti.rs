@@ -152,6 +152,8 @@ fn voxels(
 struct Fields<'a> {
     bytes: &'a [u8],
     is_big: bool,
+    /// Of version 2, where they have other places.
+    is_second: bool,
 }
 
 impl Fields<'_> {
@@ -185,8 +187,9 @@ impl Fields<'_> {
     }
 }
 
-impl Header {
-    fn parse(start: &[u8]) -> Result<Header, FormatError> {
+impl<'a> Fields<'a> {
+    /// Those of a header, whose length tells version and byte order.
+    fn of(start: &'a [u8]) -> Result<Fields<'a>, FormatError> {
         let size: [u8; 4] = start
             .first_chunk()
             .copied()
@@ -206,91 +209,145 @@ impl Header {
         if start.len() < HEADER_BYTES[version] {
             return Err(malformed("the header", "the file ends in it"));
         }
-        let f = Fields { bytes: start, is_big };
-        let is_pair = match version {
-            0 => start[344..].starts_with(b"ni1\0") || start[344..].starts_with(&[0; 4]),
-            _ => start[4..].starts_with(b"ni2\0"),
-        };
-        // Places of the fields in both versions.
-        let dim = |i| if version == 0 { f.i16(40 + 2 * i) } else { f.i64(16 + 8 * i) };
-        let pixdim = |i| if version == 0 { f.f32(76 + 4 * i) } else { f.f64(104 + 8 * i) };
-        let real = |one, two| if version == 0 { f.f32(one) } else { f.f64(two) };
-        let code = |one, two| if version == 0 { f.i16(one) } else { f.i32(two) };
+        Ok(Fields { bytes: start, is_big, is_second: version == 1 })
+    }
 
-        let axes = dim(0);
+    /// Whether the voxels lie in a second file.
+    fn is_pair(&self) -> bool {
+        let begins = |place: usize, magic: &[u8]| self.bytes[place..].starts_with(magic);
+        let [first, second] = MAGIC_AT;
+        match self.is_second {
+            false => begins(first, b"ni1\0") || begins(first, &[0; 4]),
+            true => begins(second, b"ni2\0"),
+        }
+    }
+
+    /// The number of axes, or the size of one counted from 1.
+    fn dim(&self, i: usize) -> i64 {
+        if self.is_second { self.i64(16 + 8 * i) } else { self.i16(40 + 2 * i) }
+    }
+
+    /// The length of a voxel along an axis counted from 1, or the sense of the third axis.
+    fn pixdim(&self, i: usize) -> f64 {
+        if self.is_second { self.f64(104 + 8 * i) } else { self.f32(76 + 4 * i) }
+    }
+
+    /// A number at its place in the first and in the second version.
+    fn real(&self, first: usize, second: usize) -> f64 {
+        if self.is_second { self.f64(second) } else { self.f32(first) }
+    }
+
+    /// A code at its place in the first and in the second version.
+    fn code(&self, first: usize, second: usize) -> i64 {
+        if self.is_second { self.i32(second) } else { self.i16(first) }
+    }
+
+    /// The sizes of all axes.
+    fn sizes(&self) -> Result<Vec<i64>, FormatError> {
+        let axes = self.dim(0);
         if !(1..=7).contains(&axes) {
             return Err(malformed(
                 "the header",
                 format!("{axes} dimensions, where 1 to 7 are possible"),
             ));
         }
-        let sizes: Vec<i64> = (1..=axes as usize).map(dim).collect();
-        if let Some(size) = sizes.iter().find(|size| !(1..=i64::from(u32::MAX)).contains(*size)) {
-            return Err(malformed("the header", format!("an axis of {size} voxels")));
+        let sizes: Vec<i64> = (1..=axes as usize).map(|axis| self.dim(axis)).collect();
+        match sizes.iter().find(|size| !(1..=i64::from(u32::MAX)).contains(*size)) {
+            Some(size) => Err(malformed("the header", format!("an axis of {size} voxels"))),
+            None => Ok(sizes),
         }
-        let size = |axis: usize| sizes.get(axis).map_or(1, |size| *size as u32);
-        let volumes = sizes.iter().skip(3).fold(1u64, |n, size| n.saturating_mul(*size as u64));
-        let offset = if version == 0 { f.f32(108) } else { f.i64(168) as f64 };
+    }
+
+    /// Where the voxels begin.
+    fn offset(&self) -> Result<u64, FormatError> {
+        let offset = if self.is_second { self.i64(168) as f64 } else { self.f32(108) };
         if !(0.0..=FARTHEST_OFFSET).contains(&offset) {
             return Err(malformed("the header", format!("voxels that begin at byte {offset}")));
         }
-        let least = if is_pair { 0 } else { HEADER_BYTES[version] as u64 + 4 };
-        let units = if version == 0 { i64::from(start[123]) } else { f.i32(500) };
-        let unit = match units & 7 {
+        let version = usize::from(self.is_second);
+        let least = if self.is_pair() { 0 } else { HEADER_BYTES[version] as u64 + 4 };
+        Ok((offset as u64).max(least))
+    }
+
+    /// Millimetres that a unit of length stands for.
+    fn mm_per_unit(&self) -> f64 {
+        let units = if self.is_second { self.i32(500) } else { i64::from(self.bytes[123]) };
+        match units & 7 {
             1 => 1000.0,
             3 => 0.001,
             _ => 1.0,
-        };
-        let mut notes = Vec::new();
-        let (frame, columns) = match (code(254, 348), code(252, 344)) {
+        }
+    }
+
+    /// How the axes lie in the patient; and the columns of the matrix that says so, if one does.
+    fn frame(&self) -> (Frame, Option<[DVec3; 3]>) {
+        match (self.code(254, 348), self.code(252, 344)) {
             (sform, _) if sform > 0 => {
-                let row = |i: usize| {
-                    DVec3::from([0, 1, 2].map(|j| real(280 + 16 * i + 4 * j, 400 + 32 * i + 8 * j)))
-                };
-                let rows = [0, 1, 2].map(row);
-                let columns = [0, 1, 2].map(|j| DVec3::new(rows[0][j], rows[1][j], rows[2][j]));
+                let real =
+                    |i: usize, j: usize| self.real(280 + 16 * i + 4 * j, 400 + 32 * i + 8 * j);
+                let columns = [0, 1, 2].map(|j| DVec3::from([0, 1, 2].map(|i| real(i, j))));
                 (Frame::Patient(columns), Some(columns))
             }
             (_, qform) if qform > 0 => {
-                let [b, c, d] = [0, 1, 2].map(|i| real(256 + 4 * i, 352 + 8 * i));
+                let [b, c, d] = [0, 1, 2].map(|i| self.real(256 + 4 * i, 352 + 8 * i));
                 let a = (1.0 - b * b - c * c - d * d).max(0.0).sqrt();
                 let turn = DMat3::from_quat(DQuat::from_xyzw(b, c, d, a).normalize());
                 // The sign of the first pixdim says whether the third axis is reversed.
-                let hand = if pixdim(0) < 0.0 { -1.0 } else { 1.0 };
+                let hand = if self.pixdim(0) < 0.0 { -1.0 } else { 1.0 };
                 (Frame::Patient([turn.x_axis, turn.y_axis, turn.z_axis * hand]), None)
             }
             _ => (Frame::Unknown, None),
-        };
+        }
+    }
+
+    /// Slope and intercept of the numbers.
+    fn scale(&self) -> [f64; 2] {
+        let (slope, intercept) = (self.real(112, 176), self.real(116, 184));
+        match slope.is_finite() && slope != 0.0 {
+            true => [slope, if intercept.is_finite() { intercept } else { 0.0 }],
+            false => [1.0, 0.0],
+        }
+    }
+
+    fn description(&self) -> Vec<u8> {
+        let text = &self.bytes[if self.is_second { 240 } else { 148 }..][..80];
+        text.split(|b| *b == 0).next().unwrap_or_default().to_vec()
+    }
+}
+
+impl Header {
+    fn parse(start: &[u8]) -> Result<Header, FormatError> {
+        let fields = Fields::of(start)?;
+        let sizes = fields.sizes()?;
+        let size = |axis: usize| sizes.get(axis).map_or(1, |size| *size as u32);
+        let volumes = sizes.iter().skip(3).fold(1u64, |n, size| n.saturating_mul(*size as u64));
+        let offset = fields.offset()?;
+        let (frame, columns) = fields.frame();
         let length = |axis: usize| {
-            let stored = pixdim(axis + 1).abs();
+            let stored = fields.pixdim(axis + 1).abs();
             let of_column = columns.map_or(f64::NAN, |columns| columns[axis].length());
             [stored, of_column].into_iter().find(|length| length.is_finite() && *length > 0.0)
         };
         let lengths = [0, 1, 2].map(length);
-        if lengths.iter().take(axes as usize).any(Option::is_none) {
+        let mut notes = Vec::new();
+        if lengths.iter().take(sizes.len()).any(Option::is_none) {
             notes.push("the file does not say how large a voxel is; 1 mm was taken".to_string());
         }
+        let unit = fields.mm_per_unit();
         let voxel_size = lengths.map(|length| length.map_or(1.0, |length| (length * unit) as f32));
-        let (slope, intercept) = (real(112, 176), real(116, 184));
-        let is_scaled = slope.is_finite() && slope != 0.0;
-        let text = &start[if version == 0 { 148 } else { 240 }..][..80];
         Ok(Header {
-            version: version as u8 + 1,
-            is_big,
-            is_pair,
+            version: u8::from(fields.is_second) + 1,
+            is_big: fields.is_big,
+            is_pair: fields.is_pair(),
             dims: UVec3::new(size(0), size(1), size(2)),
             volumes,
-            number: number(f.i16(if version == 0 { 70 } else { 12 }))?,
-            offset: (offset as u64).max(least),
-            scale: if is_scaled {
-                [slope, if intercept.is_finite() { intercept } else { 0.0 }]
-            } else {
-                [1.0, 0.0]
-            },
+            number: number(fields.i16(if fields.is_second { 12 } else { 70 }))?,
+            offset,
+            scale: fields.scale(),
             voxel_size: voxel_size.into(),
             frame,
-            is_label: code(68, 504) == INTENT_LABEL,
-            description: text.split(|b| *b == 0).next().unwrap_or_default().to_vec(),
+            is_label: fields.code(68, 504) == INTENT_LABEL,
+            description: fields.description(),
             notes,
         })
     }

@@ -135,13 +135,52 @@ impl Header {
         data_files: Vec<String>,
         bytes: usize,
     ) -> Result<Header, FormatError> {
-        let field = |name: &str| fields.get(name).map(String::as_str);
-        let required = |name: &str| {
-            field(name)
-                .ok_or_else(|| malformed("the header", format!("the field `{name}` is missing")))
-        };
-        let count = parse::<usize>("dimension", required("dimension")?)?;
-        let sizes: Vec<u64> = words("sizes", required("sizes")?)?;
+        let fields = Fields(fields);
+        let mut axes = fields.axes()?;
+        let unknown_units = fields.lengths(&mut axes)?;
+        let number = number(fields.required("type")?)?;
+        let encoding = encoding(fields.required("encoding")?)?;
+        let is_big = fields.is_big(number, encoding)?;
+        let or_zero = |name| fields.get(name).map_or(Ok(0), |text| parse(name, text));
+        let skip = or_zero("byteskip")?;
+        if skip < -1 {
+            return Err(malformed("the header", format!("a byte skip of {skip}")));
+        }
+        Ok(Header {
+            number,
+            has_directions: axes.iter().any(|axis| axis.direction.is_some()),
+            axes,
+            encoding,
+            is_big,
+            space: fields.get("space").map(str::to_ascii_lowercase),
+            byte_skip: skip,
+            line_skip: or_zero("lineskip")?.max(0) as u64,
+            data_files,
+            pairs: HashMap::new(),
+            unknown_units,
+            content: fields.get("content").unwrap_or_default().as_bytes().to_vec(),
+            bytes,
+        })
+    }
+}
+
+/// The fields of a header, by their names in lower case and without spaces.
+struct Fields<'a>(&'a HashMap<String, String>);
+
+impl<'a> Fields<'a> {
+    fn get(&self, name: &str) -> Option<&'a str> {
+        self.0.get(name).map(String::as_str)
+    }
+
+    fn required(&self, name: &str) -> Result<&'a str, FormatError> {
+        let missing = || malformed("the header", format!("the field `{name}` is missing"));
+        self.get(name).ok_or_else(missing)
+    }
+
+    /// The axes, with their sizes alone.
+    fn axes(&self) -> Result<Vec<Axis>, FormatError> {
+        let count = parse::<usize>("dimension", self.required("dimension")?)?;
+        let sizes: Vec<u64> = words("sizes", self.required("sizes")?)?;
         if !(1..=MOST_AXES).contains(&count) || sizes.len() != count {
             return Err(malformed(
                 "the header",
@@ -154,16 +193,18 @@ impl Header {
         if sizes.contains(&0) {
             return Err(malformed("the header", "an axis has no voxels"));
         }
-        let mut axes: Vec<Axis> = sizes
-            .into_iter()
-            .map(|size| Axis { size, mm_per_unit: 1.0, ..Axis::default() })
-            .collect();
-        extents(field, &mut axes)?;
-        if let Some(text) = field("spacings") {
+        let axes = sizes.into_iter();
+        Ok(axes.map(|size| Axis { size, mm_per_unit: 1.0, ..Axis::default() }).collect())
+    }
+
+    /// Adds to the axes what they mean and how long their voxels are. Returns the units that are not known.
+    fn lengths(&self, axes: &mut [Axis]) -> Result<Vec<String>, FormatError> {
+        extents(|name| self.get(name), axes)?;
+        if let Some(text) = self.get("spacings") {
             let spacings: Vec<f64> = words("spacings", text)?;
             axes.iter_mut().zip(spacings).for_each(|(axis, n)| axis.spacing = Some(n));
         }
-        if let Some(text) = field("kinds") {
+        if let Some(text) = self.get("kinds") {
             let kinds = text.split_whitespace();
             axes.iter_mut().zip(kinds).for_each(|(axis, kind)| axis.kind = kind.to_string());
         }
@@ -174,59 +215,44 @@ impl Header {
                 1.0
             })
         };
-        if let Some(text) = field("units") {
+        if let Some(text) = self.get("units") {
             let units = quoted(text).into_iter();
             axes.iter_mut().zip(units).for_each(|(axis, unit)| axis.mm_per_unit = mm(unit));
         }
-        if let Some(text) = field("spacedirections") {
-            let units = field("spaceunits").map(quoted).unwrap_or_default();
+        if let Some(text) = self.get("spacedirections") {
+            let units = self.get("spaceunits").map(quoted).unwrap_or_default();
             let unit = |i: usize| units.get(i).copied().unwrap_or("");
             // Of the axes of the space, not of the file.
             let to_mm = DVec3::from_array([0, 1, 2].map(|i| mm(unit(i))));
             let vectors = directions(text)?.into_iter().map(|v| v.map(|v| v * to_mm));
             axes.iter_mut().zip(vectors).for_each(|(axis, v)| axis.direction = v);
         }
-        let number = number(required("type")?)?;
-        let encoding = match required("encoding")?.to_ascii_lowercase().as_str() {
-            "raw" => Encoding::Raw,
-            "txt" | "text" | "ascii" => Encoding::Text,
-            "hex" => Encoding::Hex,
-            "gz" | "gzip" => Encoding::Gzip,
-            "bz2" | "bzip2" => Encoding::Bzip2,
-            other => {
-                return Err(FormatError::Scan(format!(
-                    "the NRRD encoding `{}` is not supported; use raw, gzip, bzip2, text or hex",
-                    other.escape_debug()
-                )));
-            }
-        };
-        let is_big = match field("endian").map(str::to_ascii_lowercase).as_deref() {
+        Ok(unknown_units)
+    }
+
+    /// Whether the high byte of a number comes first.
+    fn is_big(&self, number: Number, encoding: Encoding) -> Result<bool, FormatError> {
+        match self.get("endian").map(str::to_ascii_lowercase).as_deref() {
             // Text has no order of bytes.
-            Some("big") => encoding != Encoding::Text,
-            Some("little") => false,
-            None if number.bytes() == 1 || encoding == Encoding::Text => false,
-            _ => return Err(malformed("the header", "`endian` must be little or big")),
-        };
-        let or_zero = |name| field(name).map_or(Ok(0), |text| parse(name, text));
-        let skip = or_zero("byteskip")?;
-        if skip < -1 {
-            return Err(malformed("the header", format!("a byte skip of {skip}")));
+            Some("big") => Ok(encoding != Encoding::Text),
+            Some("little") => Ok(false),
+            None if number.bytes() == 1 || encoding == Encoding::Text => Ok(false),
+            _ => Err(malformed("the header", "`endian` must be little or big")),
         }
-        Ok(Header {
-            number,
-            has_directions: axes.iter().any(|axis| axis.direction.is_some()),
-            axes,
-            encoding,
-            is_big,
-            space: field("space").map(str::to_ascii_lowercase),
-            byte_skip: skip,
-            line_skip: or_zero("lineskip")?.max(0) as u64,
-            data_files,
-            pairs: HashMap::new(),
-            unknown_units,
-            content: field("content").unwrap_or_default().as_bytes().to_vec(),
-            bytes,
-        })
+    }
+}
+
+fn encoding(name: &str) -> Result<Encoding, FormatError> {
+    match name.to_ascii_lowercase().as_str() {
+        "raw" => Ok(Encoding::Raw),
+        "txt" | "text" | "ascii" => Ok(Encoding::Text),
+        "hex" => Ok(Encoding::Hex),
+        "gz" | "gzip" => Ok(Encoding::Gzip),
+        "bz2" | "bzip2" => Ok(Encoding::Bzip2),
+        other => Err(FormatError::Scan(format!(
+            "the NRRD encoding `{}` is not supported; use raw, gzip, bzip2, text or hex",
+            other.escape_debug()
+        ))),
     }
 }
 

@@ -40,31 +40,11 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     // The appended data may be any bytes, which XML does not allow.
     let place = file.windows(APPENDED.len()).position(|window| window == APPENDED);
     let (tags, appended) = file.split_at(place.unwrap_or(file.len()));
-    let mut text = std::str::from_utf8(tags)
-        .map_err(|_| {
-            FormatError::Scan(
-                "this is not a VTK file: it is no text; export it as .vti again".to_string(),
-            )
-        })?
-        .to_string();
-    if !appended.is_empty() {
-        text.push_str("</VTKFile>");
-    }
+    let text = text_of(tags, !appended.is_empty())?;
     let xml = Document::parse(&text)
         .map_err(|error| malformed("the XML", printable(&error.to_string())))?;
     let root = xml.root_element();
-    if root.tag_name().name() != "VTKFile" || root.attribute("type") != Some("ImageData") {
-        return Err(FormatError::Scan(
-            "this is not VTK image data; only regular grids (ImageData) are read; resample it to one".to_string(),
-        ));
-    }
-    let compressor = root.attribute("compressor").unwrap_or("");
-    if !matches!(compressor, "" | "vtkZLibDataCompressor") {
-        return Err(FormatError::Scan(format!(
-            "the compressor `{}` is not supported; write it with zlib or without",
-            compressor.escape_debug()
-        )));
-    }
+    let compressor = checked_compressor(root)?;
     let image = child(root, "ImageData")?;
     let pieces: Vec<Node> = image.children().filter(|n| n.has_tag_name("Piece")).collect();
     let parts = parts(&pieces)?;
@@ -94,37 +74,14 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let data = match &parts[..] {
         [whole] => coding.array(whole.array, number, appended)?,
         parts => {
-            let voxel_bytes = number.bytes() as usize;
-            let mut data = vec![0; bytes as usize];
-            let mut is_held = vec![false; bytes as usize / voxel_bytes];
-            for part in parts {
-                go_on(reading.progress)?;
-                let count = part.dims.as_usizevec3().element_product();
-                let coding = Coding { bytes: count * voxel_bytes, ..coding };
-                let own = coding.array(part.array, number, appended)?;
-                let at = (part.low - low).as_uvec3();
-                let row_bytes = part.dims.x as usize * voxel_bytes;
-                for (row, own) in own.chunks_exact(row_bytes).enumerate() {
-                    let (y, z) = (row as u32 % part.dims.y, row as u32 / part.dims.y);
-                    let (y, z) = ((at.y + y) as usize, (at.z + z) as usize);
-                    let row = (z * dims.y as usize + y) * dims.x as usize + at.x as usize;
-                    data[row * voxel_bytes..][..row_bytes].copy_from_slice(own);
-                    is_held[row..row + part.dims.x as usize].fill(true);
-                }
-            }
-            if is_held.contains(&false) {
+            let (data, is_whole) = joined(parts, (low, dims), number, &coding, appended)?;
+            if !is_whole {
                 notes.push("places that are in none of the pieces were taken as 0".to_string());
             }
             data
         }
     };
-    let direction = match image.has_attribute("Direction") {
-        true => numbers::<f64, 9>(image, "Direction")?,
-        false => [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
-    };
-    let column = |i: usize| {
-        DVec3::new(direction[i], direction[3 + i], direction[6 + i]) * spacing[i].signum()
-    };
+    let frame = frame(image, spacing)?;
     let name = array.attribute("Name").unwrap_or_default().as_bytes().to_vec();
     let samples = number.into_samples(data, is_big, [1.0, 0.0]);
     let packing = if coding.is_packed && format != "ascii" { ", packed with zlib" } else { "" };
@@ -136,11 +93,82 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     Ok(Scan {
         volumes,
         volume: volume(dims, voxel_size, samples, name),
-        frame: Frame::World([0, 1, 2].map(column)),
+        frame,
         kind: format!("VTK image data, {format}{packing}{pieces}"),
         is_label: false,
         notes,
     })
+}
+
+/// The tags of a file as XML that is complete, also where data follows that is none.
+fn text_of(tags: &[u8], is_cut: bool) -> Result<String, FormatError> {
+    let no_text = |_| {
+        FormatError::Scan(
+            "this is not a VTK file: it is no text; export it as .vti again".to_string(),
+        )
+    };
+    let mut text = std::str::from_utf8(tags).map_err(no_text)?.to_string();
+    if is_cut {
+        text.push_str("</VTKFile>");
+    }
+    Ok(text)
+}
+
+/// The compressor of image data, empty if there is none. An error if the file holds something else.
+fn checked_compressor<'a>(root: Node<'a, '_>) -> Result<&'a str, FormatError> {
+    if root.tag_name().name() != "VTKFile" || root.attribute("type") != Some("ImageData") {
+        return Err(FormatError::Scan(
+            "this is not VTK image data; only regular grids (ImageData) are read; resample it to one".to_string(),
+        ));
+    }
+    match root.attribute("compressor").unwrap_or("") {
+        known @ ("" | "vtkZLibDataCompressor") => Ok(known),
+        other => Err(FormatError::Scan(format!(
+            "the compressor `{}` is not supported; write it with zlib or without",
+            other.escape_debug()
+        ))),
+    }
+}
+
+/// The numbers of all pieces in the box of the file, by its lowest voxel and its size; and whether they fill it.
+fn joined(
+    parts: &[Part],
+    (low, dims): (I64Vec3, UVec3),
+    number: Number,
+    coding: &Coding,
+    appended: &[u8],
+) -> Result<(Vec<u8>, bool), FormatError> {
+    let voxel_bytes = number.bytes() as usize;
+    let mut data = vec![0; coding.bytes];
+    let mut is_held = vec![false; coding.bytes / voxel_bytes];
+    for part in parts {
+        go_on(coding.reading.progress)?;
+        let count = part.dims.as_usizevec3().element_product();
+        let coding = Coding { bytes: count * voxel_bytes, ..*coding };
+        let own = coding.array(part.array, number, appended)?;
+        let at = (part.low - low).as_uvec3();
+        let row_bytes = part.dims.x as usize * voxel_bytes;
+        for (row, own) in own.chunks_exact(row_bytes).enumerate() {
+            let (y, z) = (row as u32 % part.dims.y, row as u32 / part.dims.y);
+            let (y, z) = ((at.y + y) as usize, (at.z + z) as usize);
+            let row = (z * dims.y as usize + y) * dims.x as usize + at.x as usize;
+            data[row * voxel_bytes..][..row_bytes].copy_from_slice(own);
+            is_held[row..row + part.dims.x as usize].fill(true);
+        }
+    }
+    Ok((data, !is_held.contains(&false)))
+}
+
+/// How the axes lie, one that runs backwards turned.
+fn frame(image: Node, spacing: [f64; 3]) -> Result<Frame, FormatError> {
+    let direction = match image.has_attribute("Direction") {
+        true => numbers::<f64, 9>(image, "Direction")?,
+        false => [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+    };
+    let column = |i: usize| {
+        DVec3::new(direction[i], direction[3 + i], direction[6 + i]) * spacing[i].signum()
+    };
+    Ok(Frame::World([0, 1, 2].map(column)))
 }
 
 fn child<'a, 'b>(node: Node<'a, 'b>, name: &str) -> Result<Node<'a, 'b>, FormatError> {

@@ -121,96 +121,118 @@ fn read(file: &[u8]) -> Result<Vox<'_>, FormatError> {
 }
 
 impl<'a> Chunks<'a> {
-    fn take(&mut self, id: &[u8], mut chunk: Bytes<'a>) -> Result<(), FormatError> {
+    fn take(&mut self, id: &[u8], chunk: Bytes<'a>) -> Result<(), FormatError> {
         match id {
-            b"SIZE" => {
-                let start = chunk;
-                let size = [chunk.u32()?, chunk.u32()?, chunk.u32()?];
-                if size.iter().any(|&edge| edge == 0 || edge > MAX_EDGE_VX) {
-                    let [x, y, z] = size;
-                    let rule = format!("but an axis has 1 to {MAX_EDGE_VX} voxels");
-                    return Err(start.fault(format!("a model of {x}x{y}x{z} voxels, {rule}")));
-                }
-                self.size = Some(I64Vec3::from_array(size.map(i64::from)));
-            }
-            b"XYZI" => {
-                let start = chunk;
-                let size = self.size.take();
-                let size = size.ok_or_else(|| start.fault("voxels without a chunk SIZE before"))?;
-                let count = chunk.count("voxels")?;
-                let (voxels, _) = chunk.take(count.saturating_mul(4))?.as_chunks();
-                let outside = voxels.iter().filter(|v| !is_inside(v, size)).count();
-                if outside > 0 {
-                    let note = "voxels outside of their model, which were left out";
-                    self.notes.push(format!("{note}: {outside}"));
-                }
-                self.parts.push(Part { size, voxels });
-            }
+            b"SIZE" => self.take_size(chunk),
+            b"XYZI" => self.take_voxels(chunk),
             b"RGBA" => {
-                let (colours, _) = chunk.rest().as_chunks::<4>();
-                // The last of 256 stands for nothing, and some programs write those alone that they use.
-                let mut palette = default_palette();
-                // Entry k is colour k + 1; 0 is no voxel.
-                palette[1..].iter_mut().zip(colours).for_each(|(to, from)| {
-                    *to = Rgb([from[0], from[1], from[2]]);
-                });
-                self.palette = Some(palette);
+                self.palette = Some(palette(chunk));
+                Ok(())
             }
-            b"TDCZ" => {
-                return Err(FormatError::Scan(
-                    "its voxels are packed as the game Teardown does (chunk TDCZ), which is not read; save the model anew with MagicaVoxel"
-                        .to_string(),
-                ));
-            }
-            b"nTRN" => {
-                let node = chunk.i32()?;
-                let is_hidden = is_hidden(&dictionary(&mut chunk)?);
-                let (child, _, layer) = (chunk.i32()?, chunk.i32()?, chunk.i32()?);
-                let frames = chunk.count("frames")?;
-                let start = chunk;
-                let frame = if frames > 0 { dictionary(&mut chunk)? } else { HashMap::new() };
-                let turn = Turn::parse(frame.get(&b"_r"[..]).copied())
-                    .ok_or_else(|| start.fault("the rotation is not one"))?;
-                let shift = parse_shift(frame.get(&b"_t"[..]).copied())
-                    .ok_or_else(|| start.fault("the translation is not three whole numbers"))?;
-                let has_frames = frames > 1;
-                let transform =
-                    Node::Transform { child, layer, is_hidden, turn, shift, has_frames };
-                self.nodes.insert(node, transform);
-                self.root.get_or_insert(node);
-            }
-            b"nGRP" => {
-                let node = chunk.i32()?;
-                dictionary(&mut chunk)?;
-                let count = chunk.count("children")?;
-                let (ids, _) = chunk.take(count.saturating_mul(4))?.as_chunks();
-                let children = ids.iter().map(|id| i32::from_le_bytes(*id)).collect();
-                self.nodes.insert(node, Node::Group { children });
-                self.root.get_or_insert(node);
-            }
-            b"nSHP" => {
-                let node = chunk.i32()?;
-                dictionary(&mut chunk)?;
-                let count = chunk.count("models")?;
-                if count == 0 {
-                    return Err(chunk.fault("a shape without a model"));
-                }
-                let start = chunk;
-                let part = chunk.count("as the number of a model")?;
-                self.nodes.insert(node, Node::Shape { part, has_frames: count > 1 });
-                self.root.get_or_insert(node);
-                dictionary(&mut chunk).map_err(|_| start.fault("the shape's text is cut"))?;
-            }
-            b"LAYR" => {
-                let layer = chunk.i32()?;
-                if is_hidden(&dictionary(&mut chunk)?) {
-                    self.hidden_layers.insert(layer);
-                }
-            }
-            _ => {}
+            b"TDCZ" => Err(FormatError::Scan(
+                "its voxels are packed as the game Teardown does (chunk TDCZ), which is not read; save the model anew with MagicaVoxel"
+                    .to_string(),
+            )),
+            b"nTRN" => self.take_node(chunk, transform),
+            b"nGRP" => self.take_node(chunk, group),
+            b"nSHP" => self.take_node(chunk, shape),
+            b"LAYR" => self.take_layer(chunk),
+            _ => Ok(()),
+        }
+    }
+
+    /// The size of the model whose voxels follow.
+    fn take_size(&mut self, mut chunk: Bytes<'a>) -> Result<(), FormatError> {
+        let start = chunk;
+        let size = [chunk.u32()?, chunk.u32()?, chunk.u32()?];
+        if size.iter().any(|&edge| edge == 0 || edge > MAX_EDGE_VX) {
+            let [x, y, z] = size;
+            let rule = format!("but an axis has 1 to {MAX_EDGE_VX} voxels");
+            return Err(start.fault(format!("a model of {x}x{y}x{z} voxels, {rule}")));
+        }
+        self.size = Some(I64Vec3::from_array(size.map(i64::from)));
+        Ok(())
+    }
+
+    fn take_voxels(&mut self, mut chunk: Bytes<'a>) -> Result<(), FormatError> {
+        let size = self.size.take();
+        let size = size.ok_or_else(|| chunk.fault("voxels without a chunk SIZE before"))?;
+        let count = chunk.count("voxels")?;
+        let (voxels, _) = chunk.take(count.saturating_mul(4))?.as_chunks();
+        let outside = voxels.iter().filter(|v| !is_inside(v, size)).count();
+        if outside > 0 {
+            let note = "voxels outside of their model, which were left out";
+            self.notes.push(format!("{note}: {outside}"));
+        }
+        self.parts.push(Part { size, voxels });
+        Ok(())
+    }
+
+    /// A node of the scene, which `read` reads behind its number. The first one is the root.
+    fn take_node(
+        &mut self,
+        mut chunk: Bytes<'a>,
+        read: fn(Bytes<'a>) -> Result<Node, FormatError>,
+    ) -> Result<(), FormatError> {
+        let number = chunk.i32()?;
+        self.nodes.insert(number, read(chunk)?);
+        self.root.get_or_insert(number);
+        Ok(())
+    }
+
+    fn take_layer(&mut self, mut chunk: Bytes<'a>) -> Result<(), FormatError> {
+        let layer = chunk.i32()?;
+        if is_hidden(&dictionary(&mut chunk)?) {
+            self.hidden_layers.insert(layer);
         }
         Ok(())
     }
+}
+
+fn palette(chunk: Bytes<'_>) -> [Rgb; 256] {
+    let (colours, _) = chunk.rest().as_chunks::<4>();
+    // The last of 256 stands for nothing, and some programs write those alone that they use.
+    let mut palette = default_palette();
+    // Entry k is colour k + 1; 0 is no voxel.
+    palette[1..].iter_mut().zip(colours).for_each(|(to, from)| {
+        *to = Rgb([from[0], from[1], from[2]]);
+    });
+    palette
+}
+
+/// A node that moves and turns another.
+fn transform(mut chunk: Bytes<'_>) -> Result<Node, FormatError> {
+    let is_hidden = is_hidden(&dictionary(&mut chunk)?);
+    let (child, _, layer) = (chunk.i32()?, chunk.i32()?, chunk.i32()?);
+    let frames = chunk.count("frames")?;
+    let start = chunk;
+    let frame = if frames > 0 { dictionary(&mut chunk)? } else { HashMap::new() };
+    let turn = Turn::parse(frame.get(&b"_r"[..]).copied())
+        .ok_or_else(|| start.fault("the rotation is not one"))?;
+    let shift = parse_shift(frame.get(&b"_t"[..]).copied())
+        .ok_or_else(|| start.fault("the translation is not three whole numbers"))?;
+    Ok(Node::Transform { child, layer, is_hidden, turn, shift, has_frames: frames > 1 })
+}
+
+fn group(mut chunk: Bytes<'_>) -> Result<Node, FormatError> {
+    dictionary(&mut chunk)?;
+    let count = chunk.count("children")?;
+    let (ids, _) = chunk.take(count.saturating_mul(4))?.as_chunks();
+    let children = ids.iter().map(|id| i32::from_le_bytes(*id)).collect();
+    Ok(Node::Group { children })
+}
+
+/// A node that stands for a model.
+fn shape(mut chunk: Bytes<'_>) -> Result<Node, FormatError> {
+    dictionary(&mut chunk)?;
+    let count = chunk.count("models")?;
+    if count == 0 {
+        return Err(chunk.fault("a shape without a model"));
+    }
+    let start = chunk;
+    let part = chunk.count("as the number of a model")?;
+    dictionary(&mut chunk).map_err(|_| start.fault("the shape's text is cut"))?;
+    Ok(Node::Shape { part, has_frames: count > 1 })
 }
 
 /// Whether a voxel lies in its model.

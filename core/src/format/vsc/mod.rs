@@ -220,35 +220,19 @@ pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> 
         return Err(FormatError::Damaged("its flags are unknown"));
     }
     let (table, texts) = tail.split_at(count as usize * ENTRY_BYTES);
-    let entries = table.as_chunks::<ENTRY_BYTES>().0.iter().map(|entry| {
-        let part = |i: usize| u32::from_le_bytes(std::array::from_fn(|b| entry[4 * i + b]));
-        Entry { packed_bytes: part(0), plain_bytes: part(1), pages: part(2), checksum: part(3) }
-    });
-    let entries: Vec<Entry> = entries.collect();
-    let mut left = bricks as usize;
-    for entry in &entries {
-        let bricks = left.min(chunk_bricks as usize);
-        entry.check(bricks, colour_depth)?;
-        left -= bricks;
-    }
+    let entries = entries(table, bricks as usize, chunk_bricks as usize, colour_depth)?;
     let packed: u64 = entries.iter().map(|entry| u64::from(entry.packed_bytes)).sum();
     let has_mask = flags & FLAG_MASK != 0;
     if packed > body.len() as u64 || (packed < body.len() as u64) != has_mask {
         return Err(FormatError::Damaged("it is shorter or longer than it says"));
     }
-    let pages: u64 = entries.iter().map(|entry| u64::from(entry.pages)).sum();
-    let colours = Material::new(colour_depth, Rgb([r, g, b]), bricks as usize);
-    if pages > 0 && colours.bytes_with(pages) > limits.colour_bytes {
-        return Err(FormatError::ColourMemory {
-            needed_mib: colours.bytes_with(pages).div_ceil(1 << 20),
-            budget_mib: limits.colour_bytes >> 20,
-        });
-    }
+    let base = Rgb([r, g, b]);
+    check_colours(&entries, &Material::new(colour_depth, base, bricks as usize), limits)?;
     Ok(Header {
         dims,
         voxel_size,
         colour_depth,
-        base: Rgb([r, g, b]),
+        base,
         texts: unpacked_texts(texts)?,
         chunk_bricks: chunk_bricks as usize,
         entries,
@@ -258,6 +242,43 @@ pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> 
             0 => SurfaceKind::Smooth,
             _ => SurfaceKind::Cubes,
         },
+    })
+}
+
+/// The rows of the table, each checked against the bricks of its chunk.
+fn entries(
+    table: &[u8],
+    bricks: usize,
+    chunk_bricks: usize,
+    depth: ColourDepth,
+) -> Result<Vec<Entry>, FormatError> {
+    let entries = table.as_chunks::<ENTRY_BYTES>().0.iter().map(|entry| {
+        let part = |i: usize| u32::from_le_bytes(std::array::from_fn(|b| entry[4 * i + b]));
+        Entry { packed_bytes: part(0), plain_bytes: part(1), pages: part(2), checksum: part(3) }
+    });
+    let entries: Vec<Entry> = entries.collect();
+    let mut left = bricks;
+    for entry in &entries {
+        let bricks = left.min(chunk_bricks);
+        entry.check(bricks, depth)?;
+        left -= bricks;
+    }
+    Ok(entries)
+}
+
+/// Checks the memory that `colours` would take with the pages of all chunks.
+fn check_colours(
+    entries: &[Entry],
+    colours: &Material,
+    limits: &Limits,
+) -> Result<(), FormatError> {
+    let pages: u64 = entries.iter().map(|entry| u64::from(entry.pages)).sum();
+    if pages == 0 || colours.bytes_with(pages) <= limits.colour_bytes {
+        return Ok(());
+    }
+    Err(FormatError::ColourMemory {
+        needed_mib: colours.bytes_with(pages).div_ceil(1 << 20),
+        budget_mib: limits.colour_bytes >> 20,
     })
 }
 
