@@ -270,6 +270,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
+    use crate::format::spec::Sign;
 
     /// Rust files below a folder.
     fn sources(folder: &Path) -> Vec<std::path::PathBuf> {
