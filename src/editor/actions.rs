@@ -6,17 +6,25 @@
 use glam::{Quat, UVec3, Vec2, Vec3};
 
 use super::Editor;
-use super::lead::Led;
+use super::draw::{DrawTool, Pressed};
+use super::lead::{Heard, Led};
+use super::marker;
+use super::pointer::PointerUse;
+use super::sizes::gauge_at;
 use super::stroke::{Guide, PointerGuide, PointerLead, Scene};
-use super::tool::{NextPress, ToolKind};
+use super::symmetry::Placed;
+use super::tool::{NextPress, ToolEdit, ToolKind};
+use super::tool_view::ToolView;
 use crate::command::{Area, Command, MaskChange};
-use crate::input::{Action, ToolMode};
+use crate::input::{Action, ActionEvent, DrawKind, ToolMode};
 use crate::picking::Picker;
 use crate::sculpture::Placement;
 use crate::sculpture::orientation::Orientation;
+use crate::sculpture::region::VoxelBox;
 use crate::tools::brush::BrushId;
 use crate::tools::brush::keys::{OUTLINE, RADIUS};
 use crate::tools::brush::spec::Inverse;
+use crate::tools::drawn::MAX_POINTS;
 use crate::tools::symmetry::Parity;
 
 /// Factor on the tool's size for one press of a key.
@@ -45,7 +53,7 @@ impl Editor {
             Action::Brush(brush) => self.tool.kind = ToolKind::Brush(brush),
             Action::Draw(kind) => {
                 self.tool.kind = ToolKind::Draw(kind);
-                self.unfinished = None;
+                self.draw.drop_unfinished();
             }
             Action::Mode(mode) => {
                 self.tool.set_mode(mode);
@@ -58,7 +66,9 @@ impl Editor {
             Action::Shrink => self.resize(-1.0, GROWTH),
             Action::LeadSize => self.begin_leading(Led::Size),
             Action::LeadStrength => self.begin_leading(Led::Strength),
-            Action::ResetTool if self.tool.kind == ToolKind::Marker => self.reset_marker(),
+            Action::ResetTool if self.tool.kind == ToolKind::Marker => {
+                self.mark(marker::first(self.document().grid()));
+            }
             Action::ResetTool => {
                 self.tool.reset_pose(self.document().grid().dims());
                 self.leave_ground();
@@ -70,7 +80,10 @@ impl Editor {
             Action::Stretch(step) => {
                 let side = picker.sight().screen_axes().step(step);
                 match self.tool.kind {
-                    ToolKind::Marker => self.stretch_marker(side),
+                    ToolKind::Marker => {
+                        let marker = self.document().selection().marker();
+                        self.mark(marker::stretched(marker, side));
+                    }
                     ToolKind::Solid => {
                         self.tool.stretch(side, 1.0);
                         self.leave_ground();
@@ -85,8 +98,8 @@ impl Editor {
             Action::Wand => self.wand(picker),
             Action::InvertMask => self.run(Command::Mask(MaskChange::Invert)),
             Action::ClearMask => self.run(Command::Mask(MaskChange::Clear)),
-            Action::MirrorPlane => self.toggle_plane(),
-            Action::Radial => self.toggle_radial(),
+            Action::MirrorPlane => self.toggle_symmetry(Placed::Plane),
+            Action::Radial => self.toggle_symmetry(Placed::Axis),
             Action::Mirror(axis) => {
                 let mut symmetry = self.document().symmetry();
                 let parity = &mut symmetry.axes[axis.index()];
@@ -97,21 +110,18 @@ impl Editor {
                 let super::tool::ArrayOptions { count, step } = self.tool.array;
                 self.run(Command::Array { count, step });
             }
-            _ => self.act_on_area(action, picker),
+            _ => {
+                let document = self.commands.document();
+                let commands = self.marker.act(action, document, &mut self.tool, picker);
+                commands.into_iter().for_each(|command| self.run(command));
+            }
         }
     }
 
     /// Returns the action that a drag or a hold of `action` stands for: a drag of `Sculpt` that began beside the
     /// sculpture rotates it.
     pub fn meant(&self, action: Action) -> Action {
-        match action {
-            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth
-                if self.rotates_instead && !self.lifted =>
-            {
-                Action::TurnSculpture
-            }
-            _ => action,
-        }
+        self.pointer.meant(action)
     }
 
     /// A drag or a hold begins.
@@ -123,14 +133,14 @@ impl Editor {
                     Some(NextPress::Flood) => self.flood(picker),
                     Some(NextPress::Wand) => self.wand(picker),
                     Some(NextPress::Symmetry(what)) => {
-                        if let Some(at) = at.or(self.pointer) {
+                        if let Some(at) = at.or(self.pointer.at) {
                             self.place_symmetry(what, at, picker);
                         }
                     }
                     Some(NextPress::Pick) | None => self.pick_colour(picker),
                 }
             }
-            (Action::Apply, _) if self.has_unfinished() => self.finish_unfinished(),
+            (Action::Apply, _) if self.draw.is_waiting(&self.tool) => self.finish_unfinished(),
             (
                 Action::Sculpt
                 | Action::SculptInverse
@@ -138,16 +148,16 @@ impl Editor {
                 | Action::MoveTool
                 | Action::MoveToolDeep,
                 Some(at),
-            ) if self.has_unfinished() => {
+            ) if self.draw.is_waiting(&self.tool) => {
                 // The rest of the last press does nothing.
-                self.lifted |= self.press_unfinished(at, picker) && action.is_stroke();
+                self.pointer.lifted |= self.press_unfinished(at, picker) && action.is_stroke();
             }
             (Action::Apply, _) => self.apply_tool(picker),
             (Action::PickColour, _) => self.pick_colour(picker),
             (Action::Sculpt | Action::SculptInverse, Some(at))
                 if self.tool.kind == ToolKind::Marker =>
             {
-                self.rotates_instead = !self.begin_marker(at, inverse, picker);
+                self.begin_marker(at, inverse, picker);
             }
             (Action::Sculpt | Action::SculptInverse | Action::SculptSmooth, Some(at)) => {
                 self.begin_sculpting(action, at, picker);
@@ -161,11 +171,11 @@ impl Editor {
             && action != Action::SculptSmooth
         {
             let inverse = action == Action::SculptInverse;
-            self.rotates_instead = !self.begin_drawing(kind, inverse, at, picker);
+            self.pointer.rotates_instead = !self.begin_drawing(kind, inverse, at, picker);
             return;
         }
         let target = self.target(at, picker);
-        self.rotates_instead = target.is_none();
+        self.pointer.rotates_instead = target.is_none();
         let Some(point) = target else { return };
         let tool = &self.tool;
         if let Some(brush) = picture_brush_for(action, tool.kind) {
@@ -183,14 +193,15 @@ impl Editor {
             }
             let inverse = brush.spec().inverse == Inverse::Sense;
             let unpaints = action == Action::SculptInverse && inverse;
-            self.begin_picture_brush(options, unpaints, at, picker);
+            self.stroking().begin_picture_brush(options, unpaints, at, picker);
             return;
         }
         if let Some(brush) = tool.brush() {
             if tool.follow {
                 self.lead_tool_to(at, point, picker);
             }
-            self.begin_clay(brush, action == Action::SculptInverse, Some(at), picker);
+            let inverse = action == Action::SculptInverse;
+            self.stroking().begin_clay(brush, inverse, Some(at), picker);
             return;
         }
         let inverse = action == Action::SculptInverse;
@@ -200,9 +211,9 @@ impl Editor {
         if tool.follow {
             self.lead_tool_to(at, point, picker);
             let guide = |scene: &Scene| Guide::Surface(PointerGuide::new(at, point, scene, picker));
-            self.begin_solid(mode, unpaints, guide);
+            self.stroking().begin_solid(mode, unpaints, guide);
         } else {
-            self.begin_solid(mode, unpaints, |_| Guide::Tool { hovering: None });
+            self.stroking().begin_solid(mode, unpaints, |_| Guide::Tool { hovering: None });
         }
     }
 
@@ -210,24 +221,27 @@ impl Editor {
     fn apply_tool(&mut self, picker: &Picker) {
         match self.tool.kind {
             ToolKind::Solid => {
-                let over = self.pointer.zip(self.ground());
-                self.begin_solid(self.tool.mode, false, |scene| Guide::Tool {
-                    hovering: over.map(|(at, point)| PointerGuide::new(at, point, scene, picker)),
+                let over = self.pointer.at.zip(self.anchor.ground());
+                let mode = self.tool.mode;
+                self.stroking().begin_solid(mode, false, |scene| Guide::Tool {
+                    hovering: over
+                        .map(|(at, ground)| PointerGuide::new(at, ground.point, scene, picker)),
                 });
             }
             ToolKind::Marker => self.act(Action::SelectMarker, picker),
             ToolKind::Brush(brush) if brush.spec().is_in_picture() => {
                 let tool = || picker.sight().pixel_of(self.tool.centre_vx);
-                if let Some(at) = self.pointer.or_else(tool) {
-                    self.begin_picture_brush(*self.tool.brushes.of(brush), false, at, picker);
+                if let Some(at) = self.pointer.at.or_else(tool) {
+                    let options = *self.tool.brushes.of(brush);
+                    self.stroking().begin_picture_brush(options, false, at, picker);
                 }
             }
             ToolKind::Brush(brush) => {
-                let hovering = self.pointer.filter(|_| self.ground().is_some());
-                self.begin_clay(brush, false, hovering, picker);
+                let hovering = self.pointer.at.filter(|_| self.anchor.ground().is_some());
+                self.stroking().begin_clay(brush, false, hovering, picker);
             }
             ToolKind::Draw(kind) => {
-                if let Some(at) = self.pointer {
+                if let Some(at) = self.pointer.at {
                     self.begin_drawing(kind, false, at, picker);
                 }
             }
@@ -237,22 +251,25 @@ impl Editor {
     /// A drag of `by` pixels goes on.
     pub fn drag(&mut self, action: Action, at: Vec2, by: Vec2, picker: &Picker) {
         match action {
-            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth if self.lifted => {}
-            _ if self.drawing.is_some() => self.lead_drawing(at, picker),
+            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth
+                if self.pointer.lifted => {}
+            _ if self.draw.is_dragged() => {
+                self.draw_with_view(|draw, view| draw.lead(at, view, picker));
+            }
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
-                _ if self.unfinished.is_some() => self.lead_unfinished(at, picker),
-                _ if self.marker.drag.is_some() => self.drag_marker(at, picker),
+                _ if self.draw.has_unfinished() => self.lead_unfinished(at, picker),
+                _ if self.marker.is_dragged() => self.drag_marker(at, picker),
                 Some(stroke) if stroke.pointer() != PointerLead::None => {
-                    self.lead_stroke(at, picker);
+                    self.stroking().lead_to(at, picker);
                 }
                 _ => self.drag_tool(by, false, picker),
             },
             Action::PickColour => self.pick_colour(picker),
-            Action::MoveTool | Action::MoveToolDeep if self.has_unfinished() => {
+            Action::MoveTool | Action::MoveToolDeep if self.draw.is_waiting(&self.tool) => {
                 self.lead_unfinished(at, picker);
             }
             Action::MoveTool | Action::MoveToolDeep if self.tool.picture_brush().is_some() => {
-                self.lead_by_pointer(at, picker);
+                self.stroking().lead_by_pointer(at, picker);
             }
             Action::MoveTool => self.drag_tool(by, false, picker),
             Action::MoveToolDeep => self.drag_tool(by, true, picker),
@@ -268,26 +285,25 @@ impl Editor {
     /// and bounded (`stroke::path`).
     pub fn lift(&mut self) {
         let stroke = self.stroke.as_ref().is_some_and(|stroke| stroke.depends_on_picture());
-        let drag = self.marker.drag.take().is_some() | self.drawing.take().is_some();
+        let drag = self.marker.release() | self.draw.drop_drag();
         // A drawing made with several presses goes on in the new view.
-        self.release_unfinished();
+        self.draw.release();
         if stroke {
             self.end_stroke();
         }
         if stroke || drag {
-            self.lifted = true;
+            self.pointer.lifted = true;
             self.note("The view jumped, so the stroke has ended; press again to continue");
         }
     }
 
     /// A drag or a hold is over.
     pub fn end(&mut self, action: Action) {
-        self.release_unfinished();
+        self.draw.release();
         match action {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth | Action::Apply => {
-                self.rotates_instead = false;
-                self.lifted = false;
-                self.marker.drag = None;
+                self.pointer.release();
+                self.marker.release();
                 self.end_drawing();
                 self.end_stroke();
             }
@@ -301,19 +317,29 @@ impl Editor {
         self.tool.turn_by(rotation.inverse() * world_turn * rotation);
     }
 
+    /// The voxel that the pointer points at.
+    fn pointed(&self, picker: &Picker) -> Option<UVec3> {
+        self.pointer.voxel(self.document().grid(), picker)
+    }
+
     /// Takes the colour of the voxel that the pointer points at.
     fn pick_colour(&mut self, picker: &Picker) {
-        let grid = self.document().grid();
-        if let Some(voxel) = self.pointer.and_then(|at| picker.voxel(grid, at)) {
+        if let Some(voxel) = self.pointed(picker) {
             self.take_colour_of(voxel);
         }
     }
 
     /// Recolours the patch that the pointer points at.
     fn flood(&mut self, picker: &Picker) {
-        let grid = self.document().grid();
-        if let Some(voxel) = self.pointer.and_then(|at| picker.voxel(grid, at)) {
+        if let Some(voxel) = self.pointed(picker) {
             self.flood_from(voxel);
+        }
+    }
+
+    /// Protects what hangs together with the voxel that the pointer points at.
+    fn wand(&mut self, picker: &Picker) {
+        if let Some(voxel) = self.pointed(picker) {
+            self.wand_from(voxel);
         }
     }
 
@@ -324,6 +350,12 @@ impl Editor {
         self.run(Command::Flood { at, colour, tolerance });
     }
 
+    /// Protects what hangs together with a voxel of the surface, or releases it.
+    pub(super) fn wand_from(&mut self, at: UVec3) {
+        self.run(self.tool.wand.command(at, self.tool.flood_tolerance));
+    }
+
+    /// Takes the colour of a voxel.
     pub(super) fn take_colour_of(&mut self, voxel: UVec3) {
         let colour = self.document().contents().rgb(voxel);
         if std::mem::replace(&mut self.tool.colour, colour) != colour {
@@ -343,7 +375,10 @@ impl Editor {
             ToolKind::Solid => self.tool.scale_by(factor),
             ToolKind::Brush(brush) => self.tool.brushes.scale(brush, factor),
             ToolKind::Draw(kind) => self.tool.draws.scale(kind, factor),
-            ToolKind::Marker => self.scale_marker(notches),
+            ToolKind::Marker => {
+                let marker = self.document().selection().marker();
+                self.mark(marker::scaled(marker, notches));
+            }
         }
     }
 
@@ -377,9 +412,216 @@ impl Editor {
         self.move_tool(across + second * sight.along(second, -by.y, at), picker);
     }
 
+    /// The tool was moved by something else than the pointer; a stroke that it leads follows.
+    pub(super) fn tool_moved(&mut self, picker: &Picker) {
+        self.stroking().tool_moved(picker);
+        if self.tool.picture_brush().is_some() {
+            // The brush works where the tool would be seen.
+            self.pointer.at = picker.sight().pixel_of(self.tool.centre_vx);
+        }
+    }
+
     /// Moves the sculpture.
     pub fn place(&mut self, placement: Placement) {
         self.execute(&Command::Place(placement));
+    }
+
+    /// The pointer moves with nothing held.
+    pub fn hover(&mut self, at: Vec2, leads_tool: bool, picker: &Picker) {
+        self.gauge(picker);
+        // A brush that a key holds down goes with the pointer.
+        let is_led = self.stroking().lead_by_pointer(at, picker);
+        // So does what is drawn with a key held, or by several presses.
+        self.draw_with_view(|draw, view| draw.lead(at, view, picker));
+        self.lead_unfinished(at, picker);
+        if is_led && self.tool.picture_brush().is_none() {
+            return;
+        }
+        // The tool in a hand at work is not the pointer's.
+        if !self.tool.follow || !leads_tool || self.hand.is_working() {
+            return;
+        }
+        let solid = self.tool.kind == ToolKind::Solid;
+        if solid && self.stroke.as_ref().is_some_and(|stroke| stroke.is_led_over(picker)) {
+            self.stroking().lead_to(at, picker);
+        } else if let Some(point) = self.target(at, picker) {
+            self.lead_tool_to(at, point, picker);
+            if solid {
+                self.stroking().tool_put(at, point, picker);
+            }
+        }
+    }
+
+    /// Notes how large a pixel is where the tool works: under the pointer, or else where the tool is.
+    fn gauge(&mut self, picker: &Picker) {
+        if self.hand.is_leading() {
+            return;
+        }
+        let point = self.pointer.at.and_then(|at| self.target(at, picker));
+        let point = point.unwrap_or(self.tool.centre_vx);
+        let gauge = gauge_at(self.document().grid(), point, picker);
+        self.tool.brushes.set_gauge(gauge);
+    }
+
+    /// Puts the tool at a point of the surface, which is seen at `at`.
+    fn lead_tool_to(&mut self, at: Vec2, point: Vec3, picker: &Picker) {
+        let grid = self.commands.document().grid();
+        self.anchor.lead_tool_to(&mut self.tool, at, point, grid, picker);
+    }
+
+    /// The tool is where it is meant to be, wherever the pointer is.
+    pub fn leave_ground(&mut self) {
+        self.anchor.leave(&self.tool);
+    }
+
+    /// Makes a change of the tool that a panel asks for.
+    pub fn edit_tool(&mut self, edit: ToolEdit) {
+        let placed = matches!(edit, ToolEdit::Place(_));
+        self.tool.edit(edit);
+        if placed {
+            self.leave_ground();
+        }
+    }
+
+    /// Lets the tool follow at once what was chosen about it.
+    pub fn keep_anchor(&mut self, pointer_use: PointerUse, picker: &Picker) {
+        self.gauge(picker);
+        let Some(taken) = self.anchor.choose(&self.tool) else { return };
+        let led = self.stroke.is_some() || self.hand.is_leading();
+        let led = led || !self.tool.follow || !pointer_use.leads_tool;
+        let placed = self.tool.kind == ToolKind::Solid || self.tool.ball_brush().is_some();
+        if !placed || led {
+            return;
+        }
+        match (self.pointer.at.filter(|_| !pointer_use.dragging), self.anchor.ground()) {
+            (Some(at), ground) if taken || ground.is_some() => {
+                self.hover(at, pointer_use.leads_tool, picker);
+            }
+            (None, Some(ground)) => {
+                let grid = self.commands.document().grid();
+                self.anchor.put_tool(&mut self.tool, ground, grid);
+            }
+            _ => {}
+        }
+    }
+
+    /// Whether the pointer leads the size or the strength of the tool.
+    pub fn is_leading(&self) -> bool {
+        self.leading.is_under_way()
+    }
+
+    fn begin_leading(&mut self, what: Led) {
+        if let Err(why) = self.leading.begin(what, self.pointer.at, &mut self.tool) {
+            self.note(why);
+        }
+    }
+
+    /// Takes an event while the pointer leads; true if it means nothing else.
+    pub fn lead_by(&mut self, event: &ActionEvent) -> bool {
+        match self.leading.hear(event, &mut self.tool) {
+            Heard::Other => return false,
+            Heard::Taken => {}
+            Heard::Resize(notches) => self.resize(notches, 2.0),
+        }
+        true
+    }
+
+    /// A press with the marker in hand; beside everything it rotates the sculpture.
+    fn begin_marker(&mut self, at: Vec2, pull: bool, picker: &Picker) {
+        let Editor { commands, tool, anchor, marker, .. } = self;
+        let view = ToolView { document: commands.document(), tool, anchor };
+        let marked = marker.press(at, pull, &view, picker);
+        self.pointer.rotates_instead = !self.marker.is_dragged();
+        marked.into_iter().for_each(|marked| self.mark(marked));
+    }
+
+    fn drag_marker(&mut self, at: Vec2, picker: &Picker) {
+        let marked = self.marker.drag_to(at, &self.view(), picker);
+        marked.into_iter().for_each(|marked| self.mark(marked));
+    }
+
+    /// Moves the marker by as much as a drag moves things at its depth.
+    pub(super) fn shift_marker(&mut self, by: Vec3) {
+        let marked = self.marker.shift(self.document().selection().marker(), by);
+        marked.into_iter().for_each(|marked| self.mark(marked));
+    }
+
+    fn mark(&mut self, marker: VoxelBox) {
+        if self.document().selection().marker() != marker {
+            self.execute(&Command::Mark(marker));
+        }
+    }
+
+    fn toggle_symmetry(&mut self, what: Placed) {
+        let document = self.document();
+        let symmetry = what.toggled(document.symmetry(), document.grid().dims());
+        self.execute(&Command::Symmetry(symmetry));
+    }
+
+    /// Places a part of the symmetry where a press meets the surface.
+    fn place_symmetry(&mut self, what: Placed, at: Vec2, picker: &Picker) {
+        let Some(point) = self.target(at, picker) else {
+            self.note("Press on the surface to place it there");
+            return;
+        };
+        let direction = what.direction_at(point, at, self.document().grid(), picker);
+        self.put_symmetry(what, point, direction);
+    }
+
+    /// Puts a part of the symmetry at a place.
+    pub(super) fn put_symmetry(&mut self, what: Placed, at_vx: Vec3, direction: Vec3) {
+        let before = self.document().symmetry();
+        let symmetry = what.put(before, at_vx, direction);
+        if symmetry != before {
+            self.execute(&Command::Symmetry(symmetry));
+        }
+    }
+
+    /// A drag of a tool that draws begins; false if it would mean nothing there.
+    fn begin_drawing(&mut self, kind: DrawKind, inverse: bool, at: Vec2, picker: &Picker) -> bool {
+        let begin =
+            |draw: &mut DrawTool, view: &ToolView| draw.begin(kind, inverse, at, view, picker);
+        self.is_stroking() || self.draw_with_view(begin)
+    }
+
+    /// Ends the drag: the drawn form is made, unless more presses follow.
+    fn end_drawing(&mut self) {
+        match self.draw_with_view(|draw, view| draw.end(view)) {
+            Some(Err(why)) => self.note(why),
+            drawn => self.carry_out_drawn(drawn.and_then(Result::ok)),
+        }
+    }
+
+    /// The button is pressed at a pixel for what is unfinished; true if that was the last press.
+    fn press_unfinished(&mut self, at: Vec2, picker: &Picker) -> bool {
+        let pressed = self.draw_with_view(|draw, view| draw.press(at, view, picker));
+        match pressed {
+            Some(Pressed::Finished) => self.finish_unfinished(),
+            Some(Pressed::Full) => {
+                self.note(format!("A tube has at most {MAX_POINTS} points: finish this one first"));
+            }
+            Some(Pressed::Added) | None => {}
+        }
+        pressed == Some(Pressed::Finished)
+    }
+
+    fn lead_unfinished(&mut self, at: Vec2, picker: &Picker) {
+        self.draw_with_view(|draw, view| draw.lead_unfinished(at, view, picker));
+    }
+
+    /// Nothing more follows what is unfinished: it is made.
+    fn finish_unfinished(&mut self) {
+        let drawn = self.draw_with_view(|draw, view| draw.finish(view));
+        self.carry_out_drawn(drawn);
+    }
+
+    /// Takes back the last press of what is not finished; false if there is nothing.
+    fn take_back_press(&mut self) -> bool {
+        let is_held = self.draw.is_held();
+        let taken_back = self.draw.take_back_press(&self.tool);
+        // The button that is still pressed does nothing more.
+        self.pointer.lifted |= taken_back && is_held;
+        taken_back
     }
 }
 

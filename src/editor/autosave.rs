@@ -7,14 +7,24 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::Editor;
-use super::job::Then;
 use crate::command::Command;
 use crate::format;
 use crate::format::options::ExportOptions;
+use crate::session::Session;
 
 /// How soon it is tried again where it cannot be done at the moment.
 const SOON: Duration = Duration::from_secs(1);
+
+/// When a file is to be saved.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) enum Due {
+    /// There is nothing to save.
+    Never,
+    /// It is to be asked again after as long.
+    After(Duration),
+    /// Now, by this command. If it fails, it is tried again after as long as it was waited for.
+    Now(Command),
+}
 
 /// The state that is kept from one look to the next.
 #[derive(Default)]
@@ -42,47 +52,39 @@ impl Autosave {
     pub fn begin_anew(&mut self) {
         self.left_alone = None;
     }
-}
 
-impl Editor {
-    /// Writes the sculpture's file if it has had unsaved changes for `every`. Returns when to ask again; none if there is
-    /// nothing to save. `every` none: never. `is_free`: no question is open.
-    pub fn autosave(
+    /// The save that was due has begun.
+    pub fn set_under_way(&mut self) {
+        self.under_way = true;
+    }
+
+    /// Returns when the sculpture's file is to be saved: once it has had unsaved changes for `every`. `every` none: never.
+    /// `is_free`: there is no stroke, other work or question.
+    pub fn due(
         &mut self,
+        session: &Session,
         every: Option<Duration>,
         now: Instant,
         is_free: bool,
-    ) -> Option<Duration> {
-        let path = self.session.path().filter(|path| format::is_sculpture(path));
-        let path = path.map(Path::to_path_buf).filter(|_| self.session.modified());
-        let path = path.filter(|path| {
-            !self.session.is_read_only() && self.autosave.left_alone.as_ref() != Some(path)
-        });
+    ) -> Due {
+        let path = session.path().filter(|path| format::is_sculpture(path));
+        let path = path.map(Path::to_path_buf).filter(|_| session.modified());
+        let path =
+            path.filter(|path| !session.is_read_only() && self.left_alone.as_ref() != Some(path));
         let (Some(every), Some(path)) = (every, path) else {
-            self.autosave.since = None;
-            return None;
+            self.since = None;
+            return Due::Never;
         };
-        let since = *self.autosave.since.get_or_insert(now);
+        let since = *self.since.get_or_insert(now);
         let left = every.saturating_sub(now.saturating_duration_since(since));
         if !left.is_zero() {
-            return Some(left);
+            return Due::After(left);
         }
-        let in_stroke = self.is_stroking() || self.session.document().stroke_open();
-        if in_stroke || self.stroke_in_question || self.is_busy() || !is_free {
-            return Some(SOON);
+        if !is_free {
+            return Due::After(SOON);
         }
-        // If it fails, it is tried again after as long.
-        self.autosave.since = Some(now);
-        let save = Command::Save { path, export: ExportOptions::default() };
-        match self.session.prepare(&save) {
-            Ok(Some(work)) => {
-                self.autosave.under_way = true;
-                self.start_job(work, &save, Then::Stay);
-            }
-            Ok(None) => {}
-            Err(error) => self.tell(&save, error),
-        }
-        Some(every)
+        self.since = Some(now);
+        Due::Now(Command::Save { path, export: ExportOptions::default() })
     }
 }
 
@@ -90,7 +92,8 @@ impl Editor {
 mod tests {
     use super::*;
     use crate::config::Config;
-    use crate::session::{FileAccess, Session};
+    use crate::editor::{Editor, Outcome};
+    use crate::session::FileAccess;
 
     const EVERY: Option<Duration> = Some(Duration::from_secs(60));
 
@@ -180,7 +183,7 @@ mod tests {
                 editor.autosave(EVERY, began + Duration::from_secs(60 * minutes), true);
                 editor.finish_job();
                 for outcome in editor.take_outcomes() {
-                    assert!(matches!(outcome, super::super::Outcome::Notice(_)), "{outcome:?}");
+                    assert!(matches!(outcome, Outcome::Notice(_)), "{outcome:?}");
                     told += 1;
                 }
             }

@@ -1,106 +1,100 @@
 //! How commands are carried out: at once or on a thread, with the questions before work is lost, and
-//! with what is said when one fails.
+//! with what is said when one fails or changes nothing.
+//!
+//! [`CommandRunner`] owns the session and the long work. Takes commands; gives [`Outcome`]s. Knows no tool, no pointer and
+//! no picture.
 
-use super::job::Then;
+use std::time::{Duration, Instant};
+
+use super::autosave::{Autosave, Due};
+use super::idle::{IdleTool, StrokeTally, Trial, Walls, goes_beyond, is_explained};
+use super::job::{Busy, Failure, Jobs, Product, Then};
+use super::outcome::Outcome;
 use super::questions::{ChangedOnDisk, Next, Unkept};
-use super::{Editor, Outcome};
 use crate::command::Command;
-use crate::document::{Applied, CommandError};
+use crate::document::{Applied, CommandError, Document};
 use crate::format;
-use crate::format::options::ExportOptions;
+use crate::notice::Notice;
+use crate::progress::Report;
 use crate::remedy::told;
-use crate::session::SessionError;
+use crate::sculpture::edit::EditStats;
+use crate::session::{Done, Session, SessionError, Work};
 
-impl Editor {
-    /// Writes the sculpture to its file; asks for a name if it has none of the program's own.
-    pub fn save(&mut self, next: Option<Next>) {
-        match self.session.path().map(|p| p.to_path_buf()) {
-            Some(_) if self.session.is_read_only() => {
-                self.note("The file was opened read-only: choose another name");
-                self.outcomes.push(Outcome::NameNeeded(next));
-            }
-            Some(path) if format::is_sculpture(&path) => {
-                let then = next.map_or(Then::Stay, Then::Go);
-                self.run_then(Command::Save { path, export: ExportOptions::default() }, then);
-            }
-            _ => self.outcomes.push(Outcome::NameNeeded(next)),
+/// Carries out commands on the session that it owns.
+pub(super) struct CommandRunner {
+    session: Session,
+    jobs: Jobs,
+    autosave: Autosave,
+    /// A stroke that is over, but cannot be undone: the person is asked whether to keep it.
+    stroke_in_question: bool,
+    /// The effect of the stroke under way; none between strokes.
+    tally: Option<StrokeTally>,
+    walls: Walls,
+    /// Voxels that commands have changed since the start.
+    voxels_changed: u64,
+    /// Another sculpture is there since this was last asked.
+    is_replaced: bool,
+    outcomes: Vec<Outcome>,
+}
+
+impl CommandRunner {
+    pub fn new(session: Session) -> CommandRunner {
+        CommandRunner {
+            session,
+            jobs: Jobs::default(),
+            autosave: Autosave::default(),
+            stroke_in_question: false,
+            tally: None,
+            walls: Walls::default(),
+            voxels_changed: 0,
+            is_replaced: false,
+            outcomes: Vec::new(),
         }
     }
 
-    /// Saves to a file that another program has changed, since the person wants that.
-    pub fn overwrite(&mut self, file: ChangedOnDisk) {
-        let ChangedOnDisk { path, found, next } = file;
-        self.session.accept_change_on_disk(&path, found);
-        let then = next.map_or(Then::Stay, Then::Go);
-        self.run_then(Command::Save { path, export: ExportOptions::default() }, then);
+    pub fn session(&self) -> &Session {
+        &self.session
     }
 
-    /// Carries out a command that was asked for, but asks first if it would lose unsaved work.
-    pub fn run_unless_work_is_lost(&mut self, command: Command) {
-        let replaces = matches!(command, Command::New(_) | Command::Open { .. });
-        if replaces {
-            self.end_stroke();
-        }
-        // While there is long work it is refused anyhow.
-        let idle = !self.jobs.is_busy() && !self.stroke_in_question;
-        if replaces && self.session.modified() && idle {
-            self.outcomes.push(Outcome::Unsaved(Next::Run(command)));
-        } else {
-            self.run(command);
-        }
+    pub fn session_mut(&mut self) -> &mut Session {
+        &mut self.session
     }
 
-    /// Carries out a command that is no part of a stroke; long work runs on another thread.
-    pub fn run(&mut self, command: Command) {
-        self.run_then(command, Then::Stay);
+    pub fn document(&self) -> &Document {
+        self.session.document()
     }
 
-    /// The same, and then what would lose unsaved work.
-    pub fn run_then(&mut self, command: Command, then: Then) {
-        self.end_stroke();
-        // A step of an undo that takes long is a job of its own.
-        let leg = self.session.document().first_leg(&command);
-        match self.session.prepare(&leg) {
-            Ok(Some(_)) if self.jobs.is_busy() => self.refuse(&command),
-            Ok(Some(work)) => {
-                let rest = command.after_steps(1).filter(|_| leg != command);
-                self.start_job(work, &leg, rest.map_or(then, |rest| Then::Go(Next::Run(rest))));
-            }
-            Ok(None) => {
-                if let Some(applied) = self.carry_out(&leg) {
-                    self.continue_steps(&command, applied);
-                }
-            }
-            Err(error) => self.tell(&command, error),
-        }
+    /// Returns the outcomes since the last time, in order.
+    pub fn take_outcomes(&mut self) -> Vec<Outcome> {
+        std::mem::take(&mut self.outcomes)
     }
 
-    /// Carries out what the history cannot keep, since the person wants it.
-    pub fn run_irreversibly(&mut self, command: Command) {
-        if self.jobs.is_busy() {
-            return self.refuse(&command);
-        }
-        self.execute(&Command::Irreversible(true));
-        if command == Command::End {
-            self.stroke_in_question = false;
-            self.execute(&command);
-        } else {
-            self.run(command);
-        }
-        if self.jobs.is_busy() {
-            // Its result is put in place when the job is done.
-            self.jobs.set_irreversible();
-        } else {
-            self.execute(&Command::Irreversible(false));
-        }
+    /// Voxels that commands have changed since the start.
+    pub fn voxels_changed(&self) -> u64 {
+        self.voxels_changed
     }
 
-    /// Takes back a stroke that cannot be undone and that the person has not chosen to keep.
-    pub fn drop_stroke_in_question(&mut self) {
-        if self.stroke_in_question {
-            self.stroke_in_question = false;
-            self.execute(&Command::Cancel);
-        }
+    /// Whether another sculpture is there since the last time.
+    pub fn take_replaced(&mut self) -> bool {
+        std::mem::take(&mut self.is_replaced)
+    }
+
+    /// Adds an outcome.
+    pub fn push(&mut self, outcome: Outcome) {
+        self.outcomes.push(outcome);
+    }
+
+    pub fn note(&mut self, text: impl Into<String>) {
+        self.push(Outcome::Notice(Notice::note(text)));
+    }
+
+    fn error(&mut self, text: impl Into<String>) {
+        self.push(Outcome::Notice(Notice::error(text)));
+    }
+
+    /// Whether a question about a stroke that cannot be undone is open.
+    pub fn has_stroke_in_question(&self) -> bool {
+        self.stroke_in_question
     }
 
     /// Carries out a command that takes no time; says what went wrong. True if it was done.
@@ -112,19 +106,94 @@ impl Editor {
         applied.is_some()
     }
 
+    /// Carries out a command that is no part of a stroke; long work runs on another thread, and `then` follows it. True if
+    /// it was done at once.
+    pub fn run(&mut self, command: &Command, then: Then) -> bool {
+        // A step of an undo that takes long is a job of its own.
+        let leg = self.session.document().first_leg(command);
+        match self.session.prepare(&leg) {
+            Ok(Some(_)) if self.jobs.is_busy() => self.refuse(command),
+            Ok(Some(work)) => {
+                let rest = command.after_steps(1).filter(|_| leg != *command);
+                self.start_job(work, &leg, rest.map_or(then, |rest| Then::Go(Next::Run(rest))));
+            }
+            Ok(None) => {
+                let applied = self.carry_out(&leg);
+                if let Some(applied) = applied {
+                    self.continue_steps(command, applied);
+                }
+                return applied.is_some();
+            }
+            Err(error) => self.tell(command, error),
+        }
+        false
+    }
+
+    /// Carries out commands as one step of the history, or none of them. `adds`: they may add voxels at the walls.
+    pub fn execute_as_one(&mut self, label: &str, adds: bool, commands: &[Command]) -> bool {
+        if !self.open_step(label.into(), adds) {
+            return false;
+        }
+        let all = commands.iter().all(|command| self.execute(command));
+        self.execute(if all { &Command::End } else { &Command::Cancel }) && all
+    }
+
+    fn open_step(&mut self, label: String, adds: bool) -> bool {
+        let is_open = self.execute(&Command::Begin { label });
+        if is_open {
+            self.note_walls(adds);
+        }
+        is_open
+    }
+
+    /// Opens the step of a stroke, whose effect is counted from here on. True if it is open. `adds`: it may add voxels at
+    /// the walls.
+    pub fn begin_stroke(&mut self, label: String, adds: bool) -> bool {
+        let is_open = self.open_step(label, adds);
+        if is_open {
+            self.tally = Some(StrokeTally::default());
+        }
+        is_open
+    }
+
+    /// Closes the step of the stroke. Returns its effect if it is done.
+    pub fn end_stroke(&mut self) -> Option<StrokeTally> {
+        let tally = self.tally.take();
+        tally.filter(|_| self.execute(&Command::End))
+    }
+
+    /// Takes the stroke back.
+    pub fn cancel_stroke(&mut self) {
+        self.tally = None;
+        self.execute(&Command::Cancel);
+    }
+
+    /// Takes back a stroke that cannot be undone and that the person has not chosen to keep.
+    pub fn drop_stroke_in_question(&mut self) {
+        if std::mem::take(&mut self.stroke_in_question) {
+            self.execute(&Command::Cancel);
+        }
+    }
+
+    /// The person keeps a stroke that cannot be undone.
+    pub fn keep_stroke_in_question(&mut self) {
+        self.stroke_in_question = false;
+        self.execute(&Command::End);
+    }
+
     fn carry_out(&mut self, command: &Command) -> Option<Applied> {
         if self.jobs.is_busy() && !matches!(command, Command::Place(_)) {
             self.refuse(command);
             return None;
         }
-        let dims = self.session.document().grid().dims();
+        let dims = self.document().grid().dims();
         match self.session.execute(command, &()) {
             Ok(applied) => {
                 let changed = applied.stats.voxels_changed();
                 self.voxels_changed += changed;
                 self.note_changes(command, changed);
-                if self.session.document().grid().dims() != dims {
-                    self.sculpture_replaced();
+                if self.document().grid().dims() != dims {
+                    self.replaced();
                 }
                 self.tell_journal_error();
                 Some(applied)
@@ -139,7 +208,7 @@ impl Editor {
     /// Goes on with an undo or redo that has stopped before a step that takes long, or that the history
     /// cannot keep; then the person is asked.
     fn continue_steps(&mut self, command: &Command, applied: Applied) {
-        let history = self.session.document().history();
+        let history = self.document().history();
         let there = match command {
             Command::Undo { .. } => history.undo_count(),
             _ => history.redo_count(),
@@ -148,12 +217,54 @@ impl Editor {
             && applied.steps > 0
             && there > 0
         {
-            self.run(rest);
+            self.run(&rest, Then::Stay);
+        }
+    }
+
+    /// Counts what a command has changed: within a stroke for its end, else says why it has changed nothing.
+    fn note_changes(&mut self, command: &Command, changed: u64) {
+        if let Command::Begin { .. } = command {
+            return;
+        }
+        if let Some(tally) = &mut self.tally {
+            return tally.count(command, changed, self.session.document());
+        }
+        if self.document().stroke_open() {
+            return;
+        }
+        match changed {
+            0 if is_explained(command) => {
+                self.explain_idle(std::slice::from_ref(command), IdleTool::default());
+            }
+            0 => {}
+            _ if matches!(command, Command::Paste { .. }) => {
+                self.note_cut_off(goes_beyond(self.document(), command));
+            }
+            _ => {}
+        }
+    }
+
+    /// Says why commands have changed nothing.
+    pub fn explain_idle(&mut self, tried: &[Command], tool: IdleTool) {
+        let why = Trial::new(self.session.document_mut(), tool).explain(tried);
+        self.outcomes.extend(why);
+    }
+
+    /// A step begins: voxels at the walls are noticed at its end. `adds`: it may add some there.
+    pub fn note_walls(&mut self, adds: bool) {
+        self.walls.begin(adds, self.session.document().grid());
+    }
+
+    /// Says, once until a tool is used within the grid again, that what a tool has added was cut off. `beyond`: it is
+    /// known to have gone beyond the walls.
+    pub fn note_cut_off(&mut self, beyond: bool) {
+        if self.walls.is_cut_off_anew(beyond, self.session.document().grid()) {
+            self.note("The grid ends there: everything outside it was left out");
         }
     }
 
     /// Says why a command was not carried out, or asks whether it is wanted all the same.
-    pub(super) fn tell(&mut self, command: &Command, error: SessionError) {
+    fn tell(&mut self, command: &Command, error: SessionError) {
         if let SessionError::Command(CommandError::Irreversible {
             needed_mib, budget_mib, ..
         }) = error
@@ -163,7 +274,7 @@ impl Editor {
             );
             self.stroke_in_question = *command == Command::End;
             let unkept = Unkept { command: command.clone(), why };
-            self.outcomes.push(Outcome::Unkept(unkept));
+            self.push(Outcome::Unkept(unkept));
             return;
         }
         let why = told(&error);
@@ -172,7 +283,7 @@ impl Editor {
     }
 
     /// Says once that the recording has ended, or that the journal or the history cannot be written; the work goes on.
-    pub(super) fn tell_journal_error(&mut self) {
+    fn tell_journal_error(&mut self) {
         if let Some(error) = self.session.take_journal_error() {
             self.error(format!("{error}; the recording ends here, but your work goes on"));
         }
@@ -185,17 +296,244 @@ impl Editor {
     }
 
     /// While long work is under way nothing changes the sculpture.
-    fn refuse(&mut self, command: &Command) {
+    pub fn refuse(&mut self, command: &Command) {
         let verb = command.verb();
         self.note(format!("`{verb}` must wait until the current task has finished"));
     }
 
-    /// Another sculpture is there: the tool begins anew, and so do views of it.
-    pub(super) fn sculpture_replaced(&mut self) {
-        (self.drawing, self.unfinished) = (None, None);
-        self.held_way.clear();
-        self.tool.reset_pose(self.session.document().grid().dims());
-        self.forget_anchor();
-        self.outcomes.push(Outcome::Replaced);
+    /// Another sculpture is there.
+    fn replaced(&mut self) {
+        self.is_replaced = true;
+        self.push(Outcome::Replaced);
+    }
+
+    /// Whether long work is under way.
+    pub fn is_busy(&self) -> bool {
+        self.jobs.is_busy()
+    }
+
+    /// Long work under way, as the interface shows it.
+    pub fn busy(&self) -> Option<Busy> {
+        self.jobs.busy()
+    }
+
+    /// The job under way may do what cannot be undone.
+    pub fn set_job_irreversible(&mut self) {
+        self.jobs.set_irreversible();
+    }
+
+    /// Starts long work; the last is over.
+    fn start_job(&mut self, work: Work, command: &Command, then: Then) {
+        self.start_work(move |report| work.run(report), command, then);
+    }
+
+    /// Runs `work`, the long part of `command`, on a thread; the last is over.
+    pub fn start_work<W>(&mut self, work: W, command: &Command, then: Then)
+    where
+        W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
+    {
+        self.jobs.start_work(work, command, then);
+    }
+
+    /// Runs work that changes nothing of the sculpture on a thread, and tells what it returns unless it is empty. Refused
+    /// while there is other work; returns whether it began.
+    pub fn start_side_work<W>(&mut self, work: W, sign: &'static str) -> bool
+    where
+        W: FnOnce(&Report) -> Result<String, Failure> + Send + 'static,
+    {
+        let begun = self.jobs.start_side_work(work, sign);
+        begun.map_err(|why| self.error(why)).is_ok()
+    }
+
+    /// Runs work on a thread that brings back a session, to go on with instead of this one, with a notice. Refused while
+    /// there is other work.
+    pub fn start_recovery<W>(&mut self, work: W)
+    where
+        W: FnOnce(&Report) -> Result<(Session, Notice), Failure> + Send + 'static,
+    {
+        if let Err(why) = self.jobs.start_recovery(work) {
+            self.error(why);
+        }
+    }
+
+    /// Asks long work to stop where it can.
+    pub fn cancel_job(&mut self) {
+        self.jobs.cancel();
+    }
+
+    /// The program is to be left while work is under way: a save is waited for, anything else is
+    /// given up.
+    pub fn leave_after_job(&mut self) {
+        self.jobs.leave_afterwards();
+    }
+
+    /// Whether long work has come to its end, and waits for its result to be put in place.
+    pub fn is_job_finished(&self) -> bool {
+        self.jobs.is_finished()
+    }
+
+    /// Waits for long work, if there is any, and puts in place what came of it. Returns the command that is to follow.
+    pub fn finish_job(&mut self) -> Option<Command> {
+        let job = self.jobs.finish()?;
+        let by_itself = self.autosave.take_under_way();
+        if !by_itself {
+            self.autosave.begin_anew();
+        }
+        let done = match job.result {
+            Some(Ok(product)) => self.put_in_place(product),
+            Some(Err(Failure::Cancelled)) => {
+                self.note(format!("{}: cancelled", job.sign));
+                job.then == Then::LeaveAnyway
+            }
+            Some(Err(failure)) => {
+                self.tell_failure(failure, by_itself, &job.then);
+                false
+            }
+            None => {
+                // The panic's message is on stderr already.
+                self.error(format!("{}: failed because of an internal error", job.sign));
+                false
+            }
+        };
+        // From here on nothing is done that cannot be undone, unless someone asks for it again.
+        if self.jobs.take_irreversible() {
+            self.execute(&Command::Irreversible(false));
+        }
+        match job.then {
+            Then::Go(Next::Leave) | Then::LeaveAnyway if done => self.push(Outcome::Leave),
+            Then::Go(Next::Run(command)) if done => return Some(command),
+            Then::Go(Next::Recover(number)) if done => self.push(Outcome::Recover(number)),
+            _ => {}
+        }
+        None
+    }
+
+    /// Says why nothing came of long work. `by_itself`: it was an autosave; `then`: the step that was to follow.
+    fn tell_failure(&mut self, failure: Failure, by_itself: bool, then: &Then) {
+        match failure {
+            Failure::Cancelled => {}
+            Failure::ChangedOnDisk(path, _) if by_itself => {
+                self.autosave.leave_alone(&path);
+                self.error(format!(
+                    "Not saved automatically: another program has changed {}; save it yourself to choose what to keep",
+                    path.display()
+                ));
+            }
+            Failure::InUse(path, error) => {
+                tracing::warn!("{error}");
+                if by_itself {
+                    self.autosave.leave_alone(&path);
+                }
+                self.error(error);
+            }
+            Failure::ChangedOnDisk(path, found) => {
+                tracing::warn!("{}: changed on disk, not overwritten", path.display());
+                let next = if let Then::Go(next) = then { Some(next.clone()) } else { None };
+                self.push(Outcome::ChangedOnDisk(ChangedOnDisk { path, found, next }));
+            }
+            Failure::Error(error) => {
+                tracing::warn!("{error}");
+                self.error(error);
+            }
+        }
+    }
+
+    /// Puts in place what came of long work. True if that went well.
+    fn put_in_place(&mut self, product: Product) -> bool {
+        match product {
+            Product::Change(done) => return self.complete(*done),
+            Product::Note(text) => {
+                if !text.is_empty() {
+                    self.note(text);
+                }
+            }
+            Product::Session(session, notice) => {
+                self.go_on_with(*session);
+                self.tell_journal_error();
+                self.push(Outcome::Notice(notice));
+            }
+        }
+        true
+    }
+
+    /// Puts in place what came of the long part of a command. True if that went well.
+    fn complete(&mut self, done: Done) -> bool {
+        let command = done.command().clone();
+        let dims = self.document().grid().dims();
+        let applied = match self.session.complete(done) {
+            Ok(applied) => applied,
+            Err(error) => {
+                self.tell(&command, error);
+                return false;
+            }
+        };
+        if let Command::Repair(_) = command {
+            self.tell_mended(&applied);
+            self.tell_journal_error();
+            return true;
+        }
+        self.push(Outcome::FileUsed(command.clone()));
+        match command {
+            Command::Save { path, .. } if format::is_sculpture(&path) => {
+                self.note(format!("Saved {}", path.display()));
+            }
+            Command::Save { path, .. } => self.note(format!("Exported {}", path.display())),
+            Command::Undo { .. } | Command::Redo { .. }
+                if self.document().grid().dims() == dims => {}
+            _ => self.replaced(),
+        }
+        self.session.take_notes().into_iter().for_each(|note| self.note(note));
+        self.tell_journal_error();
+        true
+    }
+
+    /// Replaces the session and discards its journal: the contents are saved or not wanted.
+    fn go_on_with(&mut self, mut session: Session) {
+        self.drop_stroke_in_question();
+        self.session.discard_journal();
+        session.continue_recording(&mut self.session);
+        let access = self.session.file_access();
+        self.session = session;
+        self.session.set_file_access(access);
+        self.session.keep_meshes();
+        self.replaced();
+    }
+
+    /// Says what has become of a sculpture that was made fit for printing.
+    fn tell_mended(&mut self, applied: &Applied) {
+        let EditStats { voxels_added, voxels_removed, .. } = applied.stats;
+        self.voxels_changed += applied.stats.voxels_changed();
+        match (voxels_added, voxels_removed) {
+            (0, 0) if self.document().selection().limit().is_some() => self.push(Outcome::Limited),
+            (0, 0) => self.note("Nothing changed: there is nothing to mend"),
+            (added, 0) => self.note(format!("{added} voxels added")),
+            (_, removed) => self.note(format!("{removed} voxels removed")),
+        }
+    }
+
+    /// Writes the sculpture's file if it has had unsaved changes for `every`. Returns when to ask again; none if there is
+    /// nothing to save. `every` none: never. `is_free`: no question is open.
+    pub fn autosave(
+        &mut self,
+        every: Option<Duration>,
+        now: Instant,
+        is_free: bool,
+    ) -> Option<Duration> {
+        let in_stroke = self.tally.is_some() || self.document().stroke_open();
+        let is_free = is_free && !in_stroke && !self.stroke_in_question && !self.is_busy();
+        let save = match self.autosave.due(&self.session, every, now, is_free) {
+            Due::Never => return None,
+            Due::After(left) => return Some(left),
+            Due::Now(save) => save,
+        };
+        match self.session.prepare(&save) {
+            Ok(Some(work)) => {
+                self.autosave.set_under_way();
+                self.start_job(work, &save, Then::Stay);
+            }
+            Ok(None) => {}
+            Err(error) => self.tell(&save, error),
+        }
+        every
     }
 }

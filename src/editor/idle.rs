@@ -3,14 +3,15 @@
 //!
 //! Takes the commands that were tried; gives messages. Changes nothing.
 
-use super::tool::ToolKind;
-use super::{Editor, Outcome};
+use super::outcome::Outcome;
+use super::tool::{ToolKind, ToolState};
 use crate::command::{Area, Command, MaskArea, MaskChange};
-use crate::document::Heeds;
-use crate::sculpture::Rgb;
+use crate::document::{Document, Heeds};
+use crate::notice::Notice;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::grid::voxels_at_walls;
 use crate::sculpture::region::{Region, VoxelBox};
+use crate::sculpture::{Grid, Rgb};
 use crate::tools::brush::footprint::Footprint;
 use crate::tools::brush::keys::{REACH, STRENGTH};
 use crate::tools::brush::{Ball, BrushId, BrushUse, Contact};
@@ -18,11 +19,33 @@ use crate::tools::drawn::region::PlacedDrawnSolid;
 use crate::tools::solid::{Primitive, Solid};
 
 /// Most commands that are tried again.
-pub(super) const MOST_TRIED: usize = 16;
+const MOST_TRIED: usize = 16;
 /// The bounds of a solid may be larger than the solid by this much, in voxels.
 const BOUNDS_MARGIN: i32 = 2;
 
-/// The state of commands that change nothing, or meet the walls of the grid.
+/// The effect of a stroke so far.
+#[derive(Default)]
+pub(super) struct StrokeTally {
+    /// Voxels that it has changed.
+    pub changed: u64,
+    /// The first commands, as long as they have changed nothing.
+    pub tried: Vec<Command>,
+    /// It has added, and would have gone on beyond the walls of the grid.
+    pub beyond: bool,
+}
+
+impl StrokeTally {
+    /// Counts what a command of the stroke has changed.
+    pub fn count(&mut self, command: &Command, changed: u64, document: &Document) {
+        self.changed += changed;
+        self.beyond |= changed > 0 && goes_beyond(document, command);
+        if self.changed == 0 && self.tried.len() < MOST_TRIED {
+            self.tried.push(command.clone());
+        }
+    }
+}
+
+/// Whether what is added meets the walls of the grid, and whether that was said.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Walls {
     /// Voxels at the walls before the stroke under way, if it may add some there.
@@ -31,29 +54,78 @@ pub(super) struct Walls {
     said: bool,
 }
 
-impl Editor {
-    /// Says why commands have changed nothing.
-    pub(super) fn explain_idle(&mut self, tried: &[Command]) {
-        let Some(first) = tried.first() else { return };
-        let limited = self.document().selection().limit().is_some();
-        let masked = self.document().mask().is_some();
+impl Walls {
+    /// A stroke begins: voxels that it adds at the walls are noticed at its end. `adds`: it may add some.
+    pub fn begin(&mut self, adds: bool, grid: &Grid) {
+        self.before = adds.then(|| voxels_at_walls(grid));
+    }
+
+    /// Whether it is to be said that what a tool has added was cut off: once, until a tool is used within the grid again.
+    /// `beyond`: it is known to have gone beyond the walls.
+    pub fn is_cut_off_anew(&mut self, beyond: bool, grid: &Grid) -> bool {
+        let before = self.before.take();
+        let met = before.is_some_and(|before| voxels_at_walls(grid) > before);
+        let cut_off = beyond || met;
+        let was_said = std::mem::replace(&mut self.said, cut_off);
+        cut_off && !was_said
+    }
+}
+
+/// Whether a stroke of the tool in hand may add voxels at the walls of the grid before it meets them.
+pub(super) fn may_add(tool: &ToolState) -> bool {
+    tool.brush().is_some_and(|brush| brush.spec().adds)
+}
+
+/// The reasons for which the tool itself may have changed nothing. None of them by default.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct IdleTool {
+    /// It rests on the surface, where the pointer puts it.
+    rests: bool,
+    /// It is a brush of no strength.
+    is_weak: bool,
+}
+
+impl IdleTool {
+    /// Of the tool in hand. `in_hand`: a hand in a headset leads it.
+    pub fn of(tool: &ToolState, in_hand: bool) -> IdleTool {
+        IdleTool {
+            rests: tool.kind == ToolKind::Solid && tool.stand && tool.follow && !in_hand,
+            is_weak: tool.brush_options().is_some_and(|options| options.get(STRENGTH) == 0.0),
+        }
+    }
+}
+
+/// Tries commands that have changed nothing under other conditions.
+pub(super) struct Trial<'a> {
+    document: &'a mut Document,
+    tool: IdleTool,
+}
+
+impl Trial<'_> {
+    pub fn new(document: &mut Document, tool: IdleTool) -> Trial<'_> {
+        Trial { document, tool }
+    }
+
+    /// Says why commands have changed nothing; none if there are no commands.
+    pub fn explain(&mut self, tried: &[Command]) -> Option<Outcome> {
+        let first = tried.first()?;
+        let limited = self.document.selection().limit().is_some();
+        let masked = self.document.mask().is_some();
+        let note = |why: &str| Some(Outcome::Notice(Notice::note(why)));
         if (limited || masked) && self.trial(tried, Heeds::NOTHING).voxels_changed() > 0 {
             let without_limit = Heeds { limit: false, mask: true };
             if limited && self.trial(tried, without_limit).voxels_changed() > 0 || !masked {
-                self.outcomes.push(Outcome::Limited);
-            } else {
-                self.note(
-                    "Nothing changed: the voxels there are masked (Ctrl+Shift+J clears the mask)",
-                );
+                return Some(Outcome::Limited);
             }
-            return;
+            return note(
+                "Nothing changed: the voxels there are masked (Ctrl+Shift+J clears the mask)",
+            );
         }
-        let why = self.why_idle(first);
-        self.note(why);
+        note(&self.why_idle(first))
     }
 
     fn trial(&mut self, commands: &[Command], heeds: Heeds) -> EditStats {
-        self.session.document_mut().would_change(commands, heeds)
+        self.document.would_change(commands, heeds)
     }
 
     /// Whether commands would change something if tools worked everywhere.
@@ -62,11 +134,7 @@ impl Editor {
     }
 
     fn why_idle(&mut self, command: &Command) -> String {
-        let rests = self.tool.kind == ToolKind::Solid
-            && self.tool.stand
-            && self.tool.follow
-            && !self.hand.is_leading();
-        let rest = match rests {
+        let rest = match self.tool.rests {
             true => {
                 "the tool rests on the surface and does not reach into it (Rest on the surface)"
             }
@@ -111,8 +179,8 @@ impl Editor {
             }
             Command::Flood { .. } => HAS_COLOUR.to_string(),
             Command::Paste { at, orientation } => {
-                let inside = self.document().clip().is_some_and(|clip| {
-                    let all = self.whole();
+                let inside = self.document.clip().is_some_and(|clip| {
+                    let all = whole(self.document.grid());
                     !clip.bounds(*at, *orientation).intersect(all).is_empty()
                 });
                 match inside {
@@ -167,7 +235,7 @@ impl Editor {
     }
 
     fn why_ball_is_idle(&mut self, ball: &Ball, idle: &'static str) -> &'static str {
-        if self.tool.brush_options().is_some_and(|options| options.get(STRENGTH) == 0.0) {
+        if self.tool.is_weak {
             return "Nothing changed: the strength of the brush is 0";
         }
         let ball = Primitive {
@@ -179,101 +247,56 @@ impl Editor {
         if !self.meets(&[cut(&ball)]) {
             return "Nothing changed: there is no clay under the brush";
         }
-        match self.goes_beyond(&with_op(&cut(&ball), EditOp::Add(None))) {
+        match goes_beyond(self.document, &with_op(&cut(&ball), EditOp::Add(None))) {
             true => {
                 "Nothing changed: the grid ends here, or the clay already has the shape that the brush makes"
             }
             false => idle,
         }
     }
+}
 
-    fn whole(&self) -> VoxelBox {
-        VoxelBox { min: glam::IVec3::ZERO, max: self.document().grid().dims().as_ivec3() }
-    }
+fn whole(grid: &Grid) -> VoxelBox {
+    VoxelBox { min: glam::IVec3::ZERO, max: grid.dims().as_ivec3() }
+}
 
-    /// Whether a command adds, or would add, beyond the walls of the grid.
-    pub(super) fn goes_beyond(&self, command: &Command) -> bool {
-        let document = self.document();
-        let all = self.whole();
-        let leaves = |bounds: VoxelBox, margin: i32| {
-            (bounds.min + margin).cmplt(all.min).any() || (bounds.max - margin).cmpgt(all.max).any()
-        };
-        let grid = document.grid();
-        match command {
-            Command::Construct { op: EditOp::Add(_), primitive, to_vx } => {
-                let size = grid.voxel_size();
-                document.images().iter().any(|image| {
-                    leaves(primitive.image_in_grid(*to_vx, size, image).bounds_vx(), BOUNDS_MARGIN)
-                })
-            }
-            Command::DrawnSolid { op: EditOp::Add(_), form } => document
-                .images()
-                .iter()
-                .any(|image| PlacedDrawnSolid::new(form, grid, *image).leaves_grid()),
-            Command::Paste { at, orientation } => {
-                document.clip().is_some_and(|clip| leaves(clip.bounds(*at, *orientation), 0))
-            }
-            _ => false,
+/// Whether a command adds, or would add, beyond the walls of the grid.
+pub(super) fn goes_beyond(document: &Document, command: &Command) -> bool {
+    let grid = document.grid();
+    let all = whole(grid);
+    let leaves = |bounds: VoxelBox, margin: i32| {
+        (bounds.min + margin).cmplt(all.min).any() || (bounds.max - margin).cmpgt(all.max).any()
+    };
+    match command {
+        Command::Construct { op: EditOp::Add(_), primitive, to_vx } => {
+            let size = grid.voxel_size();
+            document.images().iter().any(|image| {
+                leaves(primitive.image_in_grid(*to_vx, size, image).bounds_vx(), BOUNDS_MARGIN)
+            })
         }
+        Command::DrawnSolid { op: EditOp::Add(_), form } => document
+            .images()
+            .iter()
+            .any(|image| PlacedDrawnSolid::new(form, grid, *image).leaves_grid()),
+        Command::Paste { at, orientation } => {
+            document.clip().is_some_and(|clip| leaves(clip.bounds(*at, *orientation), 0))
+        }
+        _ => false,
     }
+}
 
-    /// A stroke begins: voxels that it adds at the walls are noticed at its end.
-    pub(super) fn note_walls(&mut self) {
-        let adds = match self.tool.kind {
-            ToolKind::Brush(brush) => brush.spec().adds,
-            _ => false,
-        };
-        self.walls.before = adds.then(|| voxels_at_walls(self.document().grid()));
-    }
-
-    /// Says, once until a tool is used within the grid again, that what a tool has added was cut off. `beyond`: it is
-    /// known to have gone beyond the walls.
-    pub(super) fn note_cut_off(&mut self, beyond: bool) {
-        let before = self.walls.before.take();
-        let met = before.is_some_and(|before| voxels_at_walls(self.document().grid()) > before);
-        let cut_off = beyond || met;
-        if cut_off && !self.walls.said {
-            self.note("The grid ends there: everything outside it was left out");
-        }
-        self.walls.said = cut_off;
-    }
-
-    /// Counts what a command has changed: within a stroke for its end, else says why it has changed nothing.
-    pub(super) fn note_changes(&mut self, command: &Command, changed: u64) {
-        if let Command::Begin { .. } = command {
-            return self.note_walls();
-        }
-        if let Some(mut stroke) = self.stroke.take() {
-            stroke.changed += changed;
-            stroke.beyond |= changed > 0 && self.goes_beyond(command);
-            if stroke.changed == 0 && stroke.tried.len() < MOST_TRIED {
-                stroke.tried.push(command.clone());
-            }
-            self.stroke = Some(stroke);
-            return;
-        }
-        if self.document().stroke_open() {
-            return;
-        }
-        let asked = matches!(
-            command,
-            Command::Fill { area: Area::Marker | Area::Selection, .. }
-                | Command::Clear { area: Area::Marker | Area::Selection }
-                | Command::Dye { area: Area::Marker | Area::Selection, .. }
-                | Command::Flood { .. }
-                | Command::Paste { .. }
-                | Command::Mask(_)
-                | Command::Tint { .. }
-        );
-        match changed {
-            0 if asked => self.explain_idle(std::slice::from_ref(command)),
-            0 => {}
-            _ if matches!(command, Command::Paste { .. }) => {
-                self.note_cut_off(self.goes_beyond(command));
-            }
-            _ => {}
-        }
-    }
+/// Whether a command says so if it has changed nothing, outside of strokes.
+pub(super) fn is_explained(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Fill { area: Area::Marker | Area::Selection, .. }
+            | Command::Clear { area: Area::Marker | Area::Selection }
+            | Command::Dye { area: Area::Marker | Area::Selection, .. }
+            | Command::Flood { .. }
+            | Command::Paste { .. }
+            | Command::Mask(_)
+            | Command::Tint { .. }
+    )
 }
 
 const HAS_COLOUR: &str = "Nothing was painted: it has this colour already";

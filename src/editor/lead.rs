@@ -5,7 +5,6 @@
 
 use glam::Vec2;
 
-use super::Editor;
 use super::tool::{ToolKind, ToolState};
 use crate::input::{Action, ActionEvent};
 use crate::tools::brush::keys::STRENGTH;
@@ -23,9 +22,23 @@ pub(super) enum Led {
     Strength,
 }
 
-/// A change of the tool that is under way.
+/// The effect of an event while the pointer leads.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Heard {
+    /// It is not for the change of the tool.
+    Other,
+    /// It means nothing else.
+    Taken,
+    /// The tool is to become larger by so many notches, each of which doubles its size.
+    Resize(f32),
+}
+
+/// A change of the tool that is under way, if there is one.
+#[derive(Debug, Default)]
+pub(super) struct Leading(Option<State>);
+
 #[derive(Debug)]
-pub(super) enum Leading {
+enum State {
     Led {
         what: Led,
         /// Where the pointer was last, if it was over the picture.
@@ -37,45 +50,56 @@ pub(super) enum Leading {
     Over(Action),
 }
 
-impl Editor {
+impl Leading {
     /// Whether the pointer leads the size or the strength of the tool.
-    pub fn is_leading(&self) -> bool {
-        matches!(self.leading, Some(Leading::Led { .. }))
+    pub fn is_under_way(&self) -> bool {
+        matches!(self.0, Some(State::Led { .. }))
     }
 
-    pub(super) fn begin_leading(&mut self, what: Led) {
-        if self.tool.kind == ToolKind::Marker {
-            self.note("Resize the marker by its faces: Ctrl and the left button");
-            return;
+    /// Begins with the pointer at `at`. Refused for a tool that has no such number, with the reason.
+    pub fn begin(
+        &mut self,
+        what: Led,
+        at: Option<Vec2>,
+        tool: &mut ToolState,
+    ) -> Result<(), &'static str> {
+        if tool.kind == ToolKind::Marker {
+            return Err("Resize the marker by its faces: Ctrl and the left button");
         }
-        if what == Led::Strength && self.with_strength().is_none() {
-            self.note("This tool has no strength");
-            return;
+        if what == Led::Strength && with_strength(tool).is_none() {
+            return Err("This tool has no strength");
         }
-        let before = Box::new(self.tool.clone());
-        self.leading = Some(Leading::Led { what, at: self.pointer, before });
+        self.0 = Some(State::Led { what, at, before: Box::new(tool.clone()) });
+        Ok(())
     }
 
-    /// Takes an event while the pointer leads; true if it means nothing else.
-    pub fn lead_by(&mut self, event: &ActionEvent) -> bool {
-        let (what, at) = match &mut self.leading {
-            None => return false,
-            Some(Leading::Over(action)) => {
+    /// Takes an event.
+    pub fn hear(&mut self, event: &ActionEvent, tool: &mut ToolState) -> Heard {
+        let (what, at) = match &mut self.0 {
+            None => return Heard::Other,
+            Some(State::Over(action)) => {
                 let over = *action;
                 if *event == ActionEvent::End(over) {
-                    self.leading = None;
+                    self.0 = None;
                 }
-                return matches!(event, ActionEvent::Drag { action, .. } | ActionEvent::End(action) if *action == over);
+                return match event {
+                    ActionEvent::Drag { action, .. } | ActionEvent::End(action)
+                        if *action == over =>
+                    {
+                        Heard::Taken
+                    }
+                    _ => Heard::Other,
+                };
             }
-            Some(Leading::Led { what, at, .. }) => (*what, at),
+            Some(State::Led { what, at, .. }) => (*what, at),
         };
         match *event {
             ActionEvent::Hover(to) => {
                 let by_px = at.replace(to).map_or(0.0, |from| to.x - from.x);
                 match what {
-                    Led::Size => self.resize(by_px / DOUBLES_PX, 2.0),
+                    Led::Size => return Heard::Resize(by_px / DOUBLES_PX),
                     Led::Strength => {
-                        if let Some(options) = self.with_strength() {
+                        if let Some(options) = with_strength(tool) {
                             let strength = options.get(STRENGTH) + by_px / FULL_PX;
                             options.set(STRENGTH, strength.clamp(0.01, 1.0));
                         }
@@ -85,32 +109,35 @@ impl Editor {
             ActionEvent::Left => *at = None,
             // Any click with the button that sculpts keeps it.
             ActionEvent::Begin { action, .. } if action.is_stroke() => {
-                self.leading = Some(Leading::Over(action));
+                self.0 = Some(State::Over(action));
             }
             ActionEvent::Begin { action, .. } => {
-                self.give_back();
-                self.leading = Some(Leading::Over(action));
+                self.give_back(tool);
+                self.0 = Some(State::Over(action));
             }
-            ActionEvent::Tap(Action::Cancel) => self.give_back(),
+            ActionEvent::Tap(Action::Cancel) => self.give_back(tool),
             // The same key again, or another action, keeps it.
             ActionEvent::Tap(action) => {
-                self.leading = None;
-                return matches!(action, Action::LeadSize | Action::LeadStrength);
+                self.0 = None;
+                return match action {
+                    Action::LeadSize | Action::LeadStrength => Heard::Taken,
+                    _ => Heard::Other,
+                };
             }
-            _ => return false,
+            _ => return Heard::Other,
         }
-        true
+        Heard::Taken
     }
 
-    fn give_back(&mut self) {
-        if let Some(Leading::Led { before, .. }) = self.leading.take() {
-            self.tool = *before;
+    fn give_back(&mut self, tool: &mut ToolState) {
+        if let Some(State::Led { before, .. }) = self.0.take() {
+            *tool = *before;
         }
     }
+}
 
-    /// The options of the brush in hand, if it has a strength.
-    fn with_strength(&mut self) -> Option<&mut BrushOptions> {
-        let brush = self.tool.brush()?;
-        Some(self.tool.brushes.of_mut(brush)).filter(|options| options.has(STRENGTH))
-    }
+/// The options of the brush in hand, if it has a strength.
+fn with_strength(tool: &mut ToolState) -> Option<&mut BrushOptions> {
+    let brush = tool.brush()?;
+    Some(tool.brushes.of_mut(brush)).filter(|options| options.has(STRENGTH))
 }

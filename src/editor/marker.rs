@@ -1,21 +1,25 @@
 //! The marker under a pointer: drawing a box over the surface, sliding it, pulling its faces; and
 //! everything that keys do with it, the selection and the clipboard.
+//!
+//! Gives boxes to be marked and commands; carries out none.
 
 use glam::{IVec3, Vec2, Vec3};
 
-use super::Editor;
-use super::tool::ToolKind;
+use super::tool::{ToolKind, ToolState};
+use super::tool_view::ToolView;
 use crate::command::{Area, Command, SelectOp};
+use crate::document::Document;
 use crate::input::Action;
 use crate::picking::Picker;
 use crate::picking::geometry::entered_face;
+use crate::sculpture::Grid;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::selection::{SelectedBox, Selection};
 
 /// The effect of a drag on the marker.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum MarkerDrag {
+enum MarkerDrag {
     /// Slides it in the plane of a face; `normal` leads out of it.
     Slide { normal: Vec3, grabbed: Vec3, start: VoxelBox },
     /// Pulls a face along its normal.
@@ -28,29 +32,45 @@ pub(super) enum MarkerDrag {
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct MarkerTool {
     /// The drag under way.
-    pub drag: Option<MarkerDrag>,
+    drag: Option<MarkerDrag>,
     /// The movement by drags that remains after whole voxels are taken off.
     rest: Vec3,
     /// The box that was selected only because tools were to be limited to the marker.
     lent_to_limit: Option<VoxelBox>,
 }
 
-impl Editor {
-    /// A press with the marker in hand; false if it was beside everything.
-    pub(super) fn begin_marker(&mut self, at: Vec2, pull: bool, picker: &Picker) -> bool {
-        let start = self.session.document().selection().marker();
+impl MarkerTool {
+    /// Whether a drag is under way.
+    pub fn is_dragged(&self) -> bool {
+        self.drag.is_some()
+    }
+
+    /// The drag is over. True if there was one.
+    pub fn release(&mut self) -> bool {
+        self.drag.take().is_some()
+    }
+
+    /// A press with the marker in hand: a drag begins unless it was beside everything. Returns the box to be marked.
+    pub fn press(
+        &mut self,
+        at: Vec2,
+        pull: bool,
+        view: &ToolView,
+        picker: &Picker,
+    ) -> Option<VoxelBox> {
+        let start = view.document.selection().marker();
         let rays = picker.sight().rays;
         let direction = rays.direction_at(at.x, at.y);
         let (min, max) = (start.min.as_vec3(), start.max.as_vec3());
         let face = entered_face(rays.origin, direction, min, max);
-        let surface = self.target(at, picker);
+        let surface = view.target(at, picker);
         let depth = |p: Vec3| (p - rays.origin).dot(direction) / direction.length_squared();
         // A face that the sculpture hides cannot be meant, unless its surface lies in the box. The void hides nothing.
-        let seen = surface.filter(|_| self.document().grid().opaque_count() > 0);
+        let seen = surface.filter(|_| view.grid().opaque_count() > 0);
         let hidden = |enter: f32| {
             seen.is_some_and(|p| depth(p) < enter - 1e-3 && !start.contains(p.floor().as_ivec3()))
         };
-        self.marker.drag = match (face.filter(|(enter, _)| !hidden(*enter)), surface) {
+        self.drag = match (face.filter(|(enter, _)| !hidden(*enter)), surface) {
             (Some((enter, normal)), _) => {
                 let grabbed = rays.origin + direction * enter;
                 Some(match pull {
@@ -59,63 +79,57 @@ impl Editor {
                 })
             }
             (None, Some(point)) => {
-                let from = self.voxel_behind(point, at, picker);
-                self.mark(VoxelBox { min: from, max: from + 1 });
+                let from = voxel_behind(point, at, view, picker);
                 Some(MarkerDrag::Span { from })
             }
             (None, None) => None,
         };
-        self.marker.drag.is_some()
-    }
-
-    pub(super) fn drag_marker(&mut self, at: Vec2, picker: &Picker) {
-        let rays = picker.sight().rays;
-        let direction = rays.direction_at(at.x, at.y);
-        match self.marker.drag {
-            Some(MarkerDrag::Slide { normal, grabbed, start }) => {
-                // The point of the face's plane under the pointer.
-                let along = direction.dot(normal);
-                if along.abs() < 1e-6 {
-                    return;
-                }
-                let t = (grabbed - rays.origin).dot(normal) / along;
-                if t > 0.0 {
-                    let by = (rays.origin + direction * t - grabbed).round();
-                    let by = self.reach().slid(start, by - normal * by.dot(normal));
-                    self.mark(VoxelBox { min: start.min + by, max: start.max + by });
-                }
-            }
-            Some(MarkerDrag::Pull { normal, grabbed, start }) => {
-                let Some(pulled) = nearest_on_line(grabbed, normal, rays.origin, direction) else {
-                    return;
-                };
-                let reach = self.reach().longest_vx();
-                let pulled = pulled.round().clamp(-reach, reach) as i32;
-                self.mark(pulled_face(start, normal, pulled));
-            }
-            Some(MarkerDrag::Span { from }) => {
-                if let Some(point) = self.target(at, picker) {
-                    let to = self.voxel_behind(point, at, picker);
-                    self.mark(VoxelBox { min: from.min(to), max: from.max(to) + 1 });
-                }
-            }
-            None => {}
+        match self.drag {
+            Some(MarkerDrag::Span { from }) => Some(VoxelBox { min: from, max: from + 1 }),
+            _ => None,
         }
     }
 
-    /// How far drags lead the marker: rays that almost miss its plane meet it at any distance.
-    fn reach(&self) -> Reach {
-        Reach { dims: self.document().grid().dims().as_vec3() }
+    /// The pointer drags it to a pixel. Returns the box to be marked.
+    pub fn drag_to(&self, at: Vec2, view: &ToolView, picker: &Picker) -> Option<VoxelBox> {
+        let reach = Reach::of(view.grid());
+        let rays = picker.sight().rays;
+        let direction = rays.direction_at(at.x, at.y);
+        match self.drag? {
+            MarkerDrag::Slide { normal, grabbed, start } => {
+                // The point of the face's plane under the pointer.
+                let along = direction.dot(normal);
+                if along.abs() < 1e-6 {
+                    return None;
+                }
+                let t = (grabbed - rays.origin).dot(normal) / along;
+                (t > 0.0).then(|| {
+                    let by = (rays.origin + direction * t - grabbed).round();
+                    let by = reach.slid(start, by - normal * by.dot(normal));
+                    VoxelBox { min: start.min + by, max: start.max + by }
+                })
+            }
+            MarkerDrag::Pull { normal, grabbed, start } => {
+                let pulled = nearest_on_line(grabbed, normal, rays.origin, direction)?;
+                let longest = reach.longest_vx();
+                let pulled = pulled.round().clamp(-longest, longest) as i32;
+                Some(pulled_face(start, normal, pulled))
+            }
+            MarkerDrag::Span { from } => {
+                let to = voxel_behind(view.target(at, picker)?, at, view, picker);
+                Some(VoxelBox { min: from.min(to), max: from.max(to) + 1 })
+            }
+        }
     }
 
     /// The plane that a drag keeps the marker in, as lines of a lattice, or the line along which it pulls a face.
-    pub fn marker_guide(&self) -> Vec<[Vec3; 2]> {
-        let marker = self.session.document().selection().marker();
+    pub fn guide(&self, document: &Document) -> Vec<[Vec3; 2]> {
+        let marker = document.selection().marker();
         let (low, high) = (marker.min.as_vec3(), marker.max.as_vec3());
-        let far = high.max(self.reach().dims);
+        let far = high.max(Reach::of(document.grid()).dims);
         let near = low.min(Vec3::ZERO);
         let outer = |normal: Vec3| if normal.max_element() > 0.5 { high } else { low };
-        match self.marker.drag {
+        match self.drag {
             Some(MarkerDrag::Slide { normal, .. }) => {
                 let plane = outer(normal) * normal.abs();
                 lattice(normal, plane, near, far)
@@ -129,134 +143,137 @@ impl Editor {
         }
     }
 
-    /// Moves the marker as far as a drag of `by` pixels moves things at its depth.
-    pub(super) fn shift_marker(&mut self, by: Vec3) {
-        let moved = self.marker.rest + by;
+    /// Moves the marker by as much as a drag moves things at its depth. Returns the box to be marked.
+    pub fn shift(&mut self, marker: VoxelBox, by: Vec3) -> Option<VoxelBox> {
+        let moved = self.rest + by;
         let whole = moved.round();
-        self.marker.rest = moved - whole;
-        if whole != Vec3::ZERO {
-            let marker = self.session.document().selection().marker();
-            let by = whole.as_ivec3();
-            self.mark(VoxelBox {
-                min: marker.min.saturating_add(by),
-                max: marker.max.saturating_add(by),
-            });
-        }
+        self.rest = moved - whole;
+        let by = whole.as_ivec3();
+        (whole != Vec3::ZERO).then(|| VoxelBox {
+            min: marker.min.saturating_add(by),
+            max: marker.max.saturating_add(by),
+        })
     }
 
-    /// Makes the marker larger by a twentieth on every side, at least by a voxel.
-    pub(super) fn scale_marker(&mut self, notches: f32) {
-        let marker = self.session.document().selection().marker();
-        let by = (marker.size() / 20).max(glam::UVec3::ONE).as_ivec3();
-        let by = by * notches.round().clamp(-8.0, 8.0) as i32;
-        let (mut min, mut max) = (marker.min - by, marker.max + by);
-        for axis in 0..3 {
-            if min[axis] >= max[axis] {
-                let middle = (marker.min[axis] + marker.max[axis]).div_euclid(2);
-                (min[axis], max[axis]) = (middle, middle + 1);
-            }
-        }
-        self.mark(VoxelBox { min, max });
-    }
-
-    /// Makes the marker a voxel longer towards a side.
-    pub(super) fn stretch_marker(&mut self, side: Vec3) {
-        let marker = self.session.document().selection().marker();
-        self.mark(pulled_face(marker, side, 1));
-    }
-
-    /// Back to the middle of the grid.
-    pub(super) fn reset_marker(&mut self) {
-        let dims = self.session.document().grid().dims();
-        self.mark(Selection::new(dims).marker());
-    }
-
-    fn mark(&mut self, marker: VoxelBox) {
-        if self.session.document().selection().marker() != marker {
-            self.execute(&Command::Mark(marker));
-        }
-    }
-
-    /// The voxel whose face a point on the surface lies on.
-    fn voxel_behind(&self, point: Vec3, at: Vec2, picker: &Picker) -> IVec3 {
-        let grid = self.document().grid();
-        let normal = picker.normal(grid, at, self.tool.lean);
-        let dims = grid.dims().as_ivec3();
-        (point - normal * 0.5).floor().as_ivec3().clamp(IVec3::ZERO, dims - 1)
-    }
-
-    /// Does what an action says about the marker, the selection or the copy.
-    pub(super) fn act_on_area(&mut self, action: Action, picker: &Picker) {
-        let marker = self.session.document().selection().marker();
-        let colour = self.tool.colour;
+    /// Returns what an action about the marker, the selection or the copy asks for, as commands; changes the tool
+    /// accordingly.
+    pub fn act(
+        &mut self,
+        action: Action,
+        document: &Document,
+        tool: &mut ToolState,
+        picker: &Picker,
+    ) -> Vec<Command> {
+        let marker = document.selection().marker();
+        let colour = tool.colour;
         let area = Area::Marker;
         match action {
-            Action::Marker => self.tool.kind = ToolKind::Marker,
-            Action::SelectMarker => self.run(Command::Select(SelectOp::Add)),
-            Action::DeselectMarker => self.run(Command::Select(SelectOp::Subtract)),
-            Action::DropBox => self.run(Command::Select(SelectOp::Drop)),
-            Action::ClearSelection => self.run(Command::Select(SelectOp::Clear)),
+            Action::Marker => {
+                tool.kind = ToolKind::Marker;
+                Vec::new()
+            }
+            Action::SelectMarker => vec![Command::Select(SelectOp::Add)],
+            Action::DeselectMarker => vec![Command::Select(SelectOp::Subtract)],
+            Action::DropBox => vec![Command::Select(SelectOp::Drop)],
+            Action::ClearSelection => vec![Command::Select(SelectOp::Clear)],
             Action::ToggleLimit => {
-                let selection = self.session.document().selection();
+                let selection = document.selection();
                 let (limits, empty) = (selection.limits(), selection.boxes().is_empty());
-                let lent = self
-                    .marker
-                    .lent_to_limit
-                    .take()
-                    .map(|bounds| SelectedBox { bounds, adds: true });
+                let lent = self.lent_to_limit.take();
+                let lent = lent.map(|bounds| SelectedBox { bounds, adds: true });
                 let only_lent = lent.is_some_and(|lent| selection.boxes() == [lent]);
                 // A person who limits tools without having selected anything means the marker, and the next time the
                 // marker where it is by then.
+                let limit = Command::Limit(!limits);
                 if !limits && empty {
-                    self.marker.lent_to_limit = Some(marker);
-                    self.run(Command::Select(SelectOp::Add));
+                    self.lent_to_limit = Some(marker);
+                    vec![Command::Select(SelectOp::Add), limit]
                 } else if limits && only_lent {
-                    self.run(Command::Select(SelectOp::Clear));
+                    vec![Command::Select(SelectOp::Clear), limit]
+                } else {
+                    vec![limit]
                 }
-                self.run(Command::Limit(!limits));
             }
             Action::FillMarker => {
-                self.tool.used_colour();
-                self.run(Command::Fill { area, colour: Some(colour) });
+                tool.used_colour();
+                vec![Command::Fill { area, colour: Some(colour) }]
             }
-            Action::ClearMarker => self.run(Command::Clear { area }),
+            Action::ClearMarker => vec![Command::Clear { area }],
             Action::DyeMarker => {
-                self.tool.used_colour();
-                self.run(Command::Dye { area, colour });
+                tool.used_colour();
+                vec![Command::Dye { area, colour }]
             }
             Action::Copy | Action::Cut => {
-                let cut = action == Action::Cut;
-                self.run(if cut { Command::Cut } else { Command::Copy });
-                self.tool.paste_orientation = Orientation::UPRIGHT;
+                tool.paste_orientation = Orientation::UPRIGHT;
+                vec![if action == Action::Cut { Command::Cut } else { Command::Copy }]
             }
             Action::Paste => {
-                let orientation = self.tool.paste_orientation;
-                self.run(Command::Paste { at: marker.min, orientation });
+                let orientation = tool.paste_orientation;
+                vec![Command::Paste { at: marker.min, orientation }]
             }
             Action::TurnClip(axis) => {
                 let turn = Orientation::quarter_turn(axis.index());
-                self.tool.paste_orientation = self.tool.paste_orientation.then(turn);
+                tool.paste_orientation = tool.paste_orientation.then(turn);
+                Vec::new()
             }
             Action::MirrorClip(axis) => {
                 let mirror = Orientation::mirroring(axis.index());
-                self.tool.paste_orientation = self.tool.paste_orientation.then(mirror);
+                tool.paste_orientation = tool.paste_orientation.then(mirror);
+                Vec::new()
             }
             Action::MoveContents(step) => {
                 let by = picker.sight().screen_axes().step(step).as_ivec3();
-                self.run(Command::Move { by, orientation: Orientation::UPRIGHT });
+                vec![Command::Move { by, orientation: Orientation::UPRIGHT }]
             }
-            _ => {}
+            _ => Vec::new(),
         }
     }
 }
 
-/// How far from a grid of this size drags lead the marker: as far as the grid is long.
+/// The voxel whose face a point on the surface lies on.
+fn voxel_behind(point: Vec3, at: Vec2, view: &ToolView, picker: &Picker) -> IVec3 {
+    let grid = view.grid();
+    let normal = picker.normal(grid, at, view.tool.lean);
+    let dims = grid.dims().as_ivec3();
+    (point - normal * 0.5).floor().as_ivec3().clamp(IVec3::ZERO, dims - 1)
+}
+
+/// The marker in the middle of a grid, as at first.
+pub(super) fn first(grid: &Grid) -> VoxelBox {
+    Selection::new(grid.dims()).marker()
+}
+
+/// A marker larger by a twentieth on every side, at least by a voxel.
+pub(super) fn scaled(marker: VoxelBox, notches: f32) -> VoxelBox {
+    let by = (marker.size() / 20).max(glam::UVec3::ONE).as_ivec3();
+    let by = by * notches.round().clamp(-8.0, 8.0) as i32;
+    let (mut min, mut max) = (marker.min - by, marker.max + by);
+    for axis in 0..3 {
+        if min[axis] >= max[axis] {
+            let middle = (marker.min[axis] + marker.max[axis]).div_euclid(2);
+            (min[axis], max[axis]) = (middle, middle + 1);
+        }
+    }
+    VoxelBox { min, max }
+}
+
+/// A marker a voxel longer towards a side.
+pub(super) fn stretched(marker: VoxelBox, side: Vec3) -> VoxelBox {
+    pulled_face(marker, side, 1)
+}
+
+/// How far from a grid of this size drags lead the marker: as far as the grid is long. Rays that almost miss its plane
+/// meet it at any distance.
 #[derive(Clone, Copy)]
 struct Reach {
     dims: Vec3,
 }
 
 impl Reach {
+    fn of(grid: &Grid) -> Reach {
+        Reach { dims: grid.dims().as_vec3() }
+    }
+
     /// The way of a box that is to go `by` voxels. Where it is farther off already it can come back.
     fn slid(self, start: VoxelBox, by: Vec3) -> IVec3 {
         let least = (-self.dims - start.max.as_vec3()).min(Vec3::ZERO);

@@ -3,7 +3,6 @@
 
 use std::borrow::Cow;
 
-use super::Editor;
 use super::pen_use::{PenTool, PenUse};
 use super::tool::{ToolKind, ToolState};
 use crate::input::pen::PenTouch;
@@ -58,6 +57,15 @@ impl Default for Grip {
 }
 
 impl Grip {
+    /// Takes how a pen or a finger touches; none for a mouse, which presses fully.
+    pub fn touch(&mut self, touch: Option<PenTouch>) {
+        let touch = touch.unwrap_or(FULL);
+        if touch.pressure.is_finite() && touch.tilt_deg.is_finite() {
+            let pressure = touch.pressure.clamp(0.0, 1.0);
+            self.now = PenTouch { pressure, ..touch };
+        }
+    }
+
     /// A stroke begins.
     pub fn begin(&mut self) {
         self.used = self.now;
@@ -76,22 +84,6 @@ impl Grip {
                 tilt_deg: from.tilt_deg.lerp(to.tilt_deg, share),
             }
         })
-    }
-}
-
-impl Editor {
-    /// Takes how a pen or a finger touches; none for a mouse, which presses fully.
-    pub fn set_touch(&mut self, touch: Option<PenTouch>) {
-        let touch = touch.unwrap_or(FULL);
-        if touch.pressure.is_finite() && touch.tilt_deg.is_finite() {
-            let pressure = touch.pressure.clamp(0.0, 1.0);
-            self.grip.now = PenTouch { pressure, ..touch };
-        }
-    }
-
-    /// Takes how hard the trigger of a hand is pressed, 0 to 1.
-    pub fn set_pressure(&mut self, pressure: f32) {
-        self.set_touch(Some(PenTouch::of_pressure(pressure)));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where the tool stands on the surface, and with which choices of tool, size and rotation it was put there.
 //!
-//! Knows no pointer and moves no tool.
+//! Takes points of the surface and puts the tool there; knows no pointer and no stroke.
 
 use glam::{Vec2, Vec3};
 
@@ -58,14 +58,28 @@ impl SurfaceAnchor {
         self.ground
     }
 
-    /// The tool is on a point of the surface.
-    pub fn put(&mut self, ground: SurfacePoint) {
-        self.ground = Some(ground);
+    /// Puts the tool at a point of the surface, which is seen at `at`.
+    pub fn lead_tool_to(
+        &mut self,
+        tool: &mut ToolState,
+        at: Vec2,
+        point: Vec3,
+        grid: &Grid,
+        picker: &Picker,
+    ) {
+        let face = picker.normal(grid, at, tool.lean);
+        self.put_tool(tool, SurfacePoint { point, face }, grid);
     }
 
-    /// The choices of the tool have been followed.
-    pub fn note_choices(&mut self, tool: &ToolState) {
-        self.choices = Some(Choices::of(tool));
+    /// Puts the tool on a point of the surface.
+    pub fn put_tool(&mut self, tool: &mut ToolState, ground: SurfacePoint, grid: &Grid) {
+        self.ground = Some(ground);
+        if tool.kind == ToolKind::Solid {
+            tool.place_on(ground.point, ground.face, grid.voxel_size());
+            self.choices = Some(Choices::of(tool));
+        } else if tool.ball_brush().is_some() {
+            tool.centre_vx = ground.point;
+        }
     }
 
     /// Takes the choices of the tool. None if they are those of before, or the first; else whether the tool is another, or

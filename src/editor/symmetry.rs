@@ -1,16 +1,15 @@
 //! Placing the symmetry: a mirror plane where a press meets the surface, an axis of rotation that stands on it, or either
 //! where a hand holds it.
 //!
-//! Each change is a command. A plane or axis that is placed along an axis of the grid, or nearly so, lies exactly along
+//! Takes a symmetry and gives another one. A plane or axis that is placed along an axis of the grid, or nearly so, lies exactly along
 //! it.
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{UVec3, Vec2, Vec3};
 
-use super::Editor;
 use super::surface_guide::normal_around;
-use crate::command::Command;
 use crate::picking::Picker;
-use crate::tools::symmetry::{MirrorPlane, Radial};
+use crate::sculpture::Grid;
+use crate::tools::symmetry::{MirrorPlane, Radial, Symmetry};
 
 /// How far around a press the surface says where an axis points, in units of the smallest edge of a voxel.
 const GROUND: f32 = 6.0;
@@ -28,41 +27,12 @@ pub enum Placed {
     Axis,
 }
 
-impl Editor {
-    /// Puts a mirror plane across the middle of the grid, from left to right, or takes it away.
-    pub(super) fn toggle_plane(&mut self) {
-        let mut symmetry = self.document().symmetry();
-        symmetry.plane = match symmetry.plane {
-            Some(_) => None,
-            None => Some(MirrorPlane { at_vx: self.middle_vx(), normal: Vec3::X }),
-        };
-        self.execute(&Command::Symmetry(symmetry));
-    }
-
-    /// Repeats tools around an upright axis through the middle of the grid, or no longer.
-    pub(super) fn toggle_radial(&mut self) {
-        let mut symmetry = self.document().symmetry();
-        symmetry.radial = match symmetry.radial {
-            Some(_) => None,
-            None => Some(Radial { at_vx: self.middle_vx(), axis: Vec3::Y, count: FIRST_COUNT }),
-        };
-        self.execute(&Command::Symmetry(symmetry));
-    }
-
-    fn middle_vx(&self) -> Vec3 {
-        (self.document().grid().dims() / 2).as_vec3()
-    }
-
-    /// Places it where a press meets the surface: a plane along the line of sight and the vertical of the picture, an axis
-    /// out of the surface.
-    pub(super) fn place_symmetry(&mut self, what: Placed, at: Vec2, picker: &Picker) {
-        let grid = self.document().grid();
-        let Some(point) = self.target(at, picker) else {
-            self.note("Press on the surface to place it there");
-            return;
-        };
+impl Placed {
+    /// The direction of a plane's normal or of an axis that is placed at `point`, which is seen at a pixel: a plane lies
+    /// along the line of sight and the vertical of the picture, an axis stands out of the surface.
+    pub(super) fn direction_at(self, point: Vec3, at: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
-        let direction = match what {
+        match self {
             Placed::Plane => {
                 let rays = &picker.sight().rays;
                 let way = |at: Vec2| (rays.direction_at(at.x, at.y) * edges).normalize_or_zero();
@@ -74,32 +44,45 @@ impl Editor {
                 let around = normal_around(grid, point, GROUND);
                 around.unwrap_or_else(|| picker.normal(grid, at, false)).normalize_or(Vec3::Y)
             }
-        };
-        self.put_symmetry(what, point, direction);
+        }
     }
 
-    /// Puts it where a hand holds it: a plane across the hand, an axis upright in it.
-    pub(super) fn hold_symmetry(&mut self, what: Placed, at_vx: Vec3, rotation: Quat) {
-        let own = match what {
+    /// The direction in a hand that holds it upright: a plane lies across the hand, an axis upright in it.
+    pub(super) fn direction_in_hand(self) -> Vec3 {
+        match self {
             Placed::Plane => Vec3::X,
             Placed::Axis => Vec3::Y,
-        };
-        self.put_symmetry(what, at_vx, rotation * own);
+        }
     }
 
-    fn put_symmetry(&mut self, what: Placed, at_vx: Vec3, direction: Vec3) {
+    /// Returns a symmetry with it at a place.
+    pub(super) fn put(self, mut symmetry: Symmetry, at_vx: Vec3, direction: Vec3) -> Symmetry {
         let (at_vx, direction) = snapped(at_vx, direction);
-        let mut symmetry = self.document().symmetry();
-        match what {
+        match self {
             Placed::Plane => symmetry.plane = Some(MirrorPlane { at_vx, normal: direction }),
             Placed::Axis => {
                 let count = symmetry.radial.map_or(FIRST_COUNT, |radial| radial.count);
                 symmetry.radial = Some(Radial { at_vx, axis: direction, count });
             }
         }
-        if symmetry != self.document().symmetry() {
-            self.execute(&Command::Symmetry(symmetry));
+        symmetry
+    }
+
+    /// Returns a symmetry without it, or if it has none, with a plane across the middle of a grid of `dims` voxels, from
+    /// left to right, or an upright axis through it.
+    pub(super) fn toggled(self, mut symmetry: Symmetry, dims: UVec3) -> Symmetry {
+        let at_vx = (dims / 2).as_vec3();
+        match self {
+            Placed::Plane => {
+                let plane = MirrorPlane { at_vx, normal: Vec3::X };
+                symmetry.plane = symmetry.plane.is_none().then_some(plane);
+            }
+            Placed::Axis => {
+                let radial = Radial { at_vx, axis: Vec3::Y, count: FIRST_COUNT };
+                symmetry.radial = symmetry.radial.is_none().then_some(radial);
+            }
         }
+        symmetry
     }
 }
 

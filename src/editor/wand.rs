@@ -2,9 +2,7 @@
 
 use glam::UVec3;
 
-use super::Editor;
 use crate::command::{Command, MaskArea, MaskChange, PatchRule};
-use crate::picking::Picker;
 
 /// The rule by which voxels hang together with a voxel for the wand.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -35,26 +33,16 @@ impl Default for Wand {
     }
 }
 
-impl Editor {
-    /// Protects what hangs together with the voxel that the pointer points at.
-    pub(super) fn wand(&mut self, picker: &Picker) {
-        let grid = self.document().grid();
-        if let Some(voxel) = self.pointer.and_then(|at| picker.voxel(grid, at)) {
-            self.wand_from(voxel);
-        }
-    }
-
-    /// Protects what hangs together with a voxel of the surface, or releases it.
-    pub(super) fn wand_from(&mut self, at: UVec3) {
-        let Wand { rule, angle_deg, depth_vx, adds } = self.tool.wand;
+impl Wand {
+    /// The command that protects what hangs together with a voxel of the surface, or releases it. `tolerance`: how far
+    /// colours may differ, as a share of the range.
+    pub(super) fn command(&self, at: UVec3, tolerance: f32) -> Command {
+        let Wand { rule, angle_deg, depth_vx, adds } = *self;
         let what = match rule {
-            WandRule::Colour => {
-                let by = PatchRule::Colour(self.tool.flood_tolerance);
-                MaskArea::Patch { at, by, depth_vx }
-            }
+            WandRule::Colour => MaskArea::Patch { at, by: PatchRule::Colour(tolerance), depth_vx },
             WandRule::Flat => MaskArea::Patch { at, by: PatchRule::Flat(angle_deg), depth_vx },
             WandRule::Piece => MaskArea::Piece { at },
         };
-        self.run(Command::Mask(MaskChange::Put { adds, what }));
+        Command::Mask(MaskChange::Put { adds, what })
     }
 }

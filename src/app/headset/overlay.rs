@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use crate::app::overlay::{self, OverlayScene};
 use crate::app::workspace::Workspace;
+use crate::editor::hand::grid_point;
 use crate::render::overlay::{Line, ToolPreview};
 use crate::sculpture::Rgb;
 use crate::view::Room;
@@ -30,17 +31,19 @@ pub fn overlay(
     let scene = OverlayScene { seen: None, pointer: None, ..workspace.overlay_scene() };
     let (preview, mut lines) = (overlay::preview(&scene), overlay::lines(&scene));
     let line = |from, to, colour, width_px, opacity| Line { from, to, colour, width_px, opacity };
-    if let Some(cone) = workspace.editor.cone(room).filter(|_| workspace.ui.view.tool) {
+    let editor = &workspace.editor;
+    let cone = editor.hand.cone(editor.document(), &editor.tool, room);
+    if let Some(cone) = cone.filter(|_| workspace.ui.view.tool) {
         let tip = cone.eye_vx + cone.aim;
         let rim = |i: usize| {
             let (sin, cos) = (TAU * i as f32 / SEGMENTS as f32).sin_cos();
             tip + (cone.across * cos + cone.down * sin) * cone.radius
         };
-        let colour = workspace.editor.tool.colour;
+        let colour = editor.tool.colour;
         lines.extend((0..SEGMENTS).map(|i| line(rim(i), rim(i + 1), colour, 1.4, [0.9, 0.3])));
         lines.push(line(cone.eye_vx, tip, colour, 1.2, [0.6, 0.2]));
     }
-    let at = |point| workspace.editor.grid_point(point, room);
+    let at = |point| grid_point(editor.document(), point, room);
     if let Some([from, to]) = ray {
         lines.push(line(at(from), at(to), RAY, 1.8, [0.8, 0.8]));
     }

@@ -5,63 +5,71 @@
 use glam::Vec3;
 
 use super::drawing::Sketch;
+use super::drawn::Drawn;
+use super::tube;
 use super::view::{chain, circle};
-use super::{DrawKind, Editor, tube};
-use crate::editor::tool::ToolKind;
+use crate::editor::tool::ToolState;
+use crate::editor::tool_view::ToolView;
+use crate::input::DrawKind;
 
 /// Least distance from one place to the next, in voxels.
 const SPACING_VX: f32 = 0.5;
 /// Most places of a way; beyond, it grows no more.
 const MOST_PLACES: usize = 8192;
 
-impl Editor {
-    /// Begins a drawing by the hand at a place of the grid.
-    pub(in crate::editor) fn begin_held_drawing(&mut self, kind: DrawKind, at_vx: Vec3) {
-        match kind.spec().by_hand {
-            true => self.held_way = vec![at_vx],
-            false => {
-                self.note("This tool draws over a picture: in a headset, use the line or the curve")
-            }
+/// Where a hand that draws has been, in voxels; empty while none does.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HeldPath(Vec<Vec3>);
+
+impl HeldPath {
+    /// Begins at a place of the grid.
+    pub fn begin(&mut self, at_vx: Vec3) {
+        self.0 = vec![at_vx];
+    }
+
+    /// Goes on to a place, if it has begun. `is_line`: straight.
+    pub fn lead(&mut self, to_vx: Vec3, is_line: bool) {
+        let way = &mut self.0;
+        let Some(last) = way.last() else { return };
+        if is_line {
+            way.truncate(1);
+            way.push(to_vx);
+        } else if last.distance(to_vx) >= SPACING_VX && way.len() < MOST_PLACES {
+            way.push(to_vx);
         }
     }
 
-    /// Continues the drawing, if there is one.
-    pub(in crate::editor) fn lead_held_drawing(&mut self, to_vx: Vec3) {
-        let line = self.tool.kind == ToolKind::Draw(DrawKind::Line);
-        let Some(last) = self.held_way.last() else { return };
-        if line {
-            self.held_way.truncate(1);
-            self.held_way.push(to_vx);
-        } else if last.distance(to_vx) >= SPACING_VX && self.held_way.len() < MOST_PLACES {
-            self.held_way.push(to_vx);
-        }
+    /// Ends it and returns its tube.
+    pub fn end(&mut self, view: &ToolView) -> Option<Drawn> {
+        let way = std::mem::take(&mut self.0);
+        let ToolState { mode, draws, .. } = view.tool;
+        let form = tube::curve(&way, draws.radii, view.edges())?;
+        Some(Drawn {
+            kind: DrawKind::Curve,
+            mode: *mode,
+            commands: vec![view.tool.change(*mode).by_drawn_solid(form)],
+            floating: Vec::new(),
+        })
     }
 
-    /// Ends the drawing and makes its tube.
-    pub(in crate::editor) fn end_held_drawing(&mut self) {
-        let way = std::mem::take(&mut self.held_way);
-        let voxel_size = self.document().grid().voxel_size();
-        let edges = voxel_size / voxel_size.min_element();
-        if let Some(form) = tube::curve(&way, self.tool.draws.radii, edges) {
-            let mode = self.tool.mode;
-            let commands = vec![self.tool.change(mode).by_drawn_solid(form)];
-            self.carry_out_drawn(DrawKind::Curve, mode, commands);
-        }
+    /// Gives it up; false if there is nothing.
+    pub fn cancel(&mut self) -> bool {
+        !std::mem::take(&mut self.0).is_empty()
     }
 
     /// The ball in the hand, and the way that it has gone.
-    pub(super) fn held_sketch(&self) -> Sketch {
-        let voxel_size = self.document().grid().voxel_size();
-        let edges = voxel_size / voxel_size.min_element();
-        let [start, end] = self.tool.draws.radii;
+    pub fn sketch(&self, view: &ToolView) -> Sketch {
+        let way = &self.0;
+        let edges = view.edges();
+        let [start, end] = view.tool.draws.radii;
         let ball = |at: Vec3, radius: f32| {
             let [x, y, z] = Vec3::AXES.map(|axis| axis * radius / edges);
             [(x, y), (y, z), (z, x)].into_iter().flat_map(move |(a, b)| circle(at, a, b))
         };
-        let radius = if self.held_way.is_empty() { start } else { end };
-        let mut lines: Vec<[Vec3; 2]> = chain(&self.held_way).collect();
-        lines.extend(ball(self.tool.centre_vx, radius));
-        lines.extend(self.held_way.first().into_iter().flat_map(|at| ball(*at, start)));
-        Sketch { mode: self.tool.mode, lines, faint: Vec::new() }
+        let radius = if way.is_empty() { start } else { end };
+        let mut lines: Vec<[Vec3; 2]> = chain(way).collect();
+        lines.extend(ball(view.tool.centre_vx, radius));
+        lines.extend(way.first().into_iter().flat_map(|at| ball(*at, start)));
+        Sketch { mode: view.tool.mode, lines, faint: Vec::new() }
     }
 }

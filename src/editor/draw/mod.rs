@@ -6,6 +6,7 @@
 
 mod block;
 mod drawing;
+mod drawn;
 pub mod glyphs;
 mod held;
 mod lathe;
@@ -20,179 +21,268 @@ mod view;
 
 use glam::{Vec2, Vec3};
 
-use super::Editor;
 use super::surface_guide::normal_around;
-use super::tool::ToolKind;
-use crate::command::Command;
+use super::tool::{ToolKind, ToolState};
+use super::tool_view::ToolView;
 use crate::input::{DrawKind, ToolMode};
 use crate::picking::geometry::surface_point;
 use crate::picking::{Picker, SurfacePoint};
 
-pub use drawing::Sketch;
-pub(super) use drawing::{Drawing, Ground};
-pub use options::DrawOptions;
-pub use unfinished::Progress;
-pub(super) use unfinished::Unfinished;
+use drawing::{Drawing, Ground};
+use held::HeldPath;
+use unfinished::Unfinished;
 use view::View;
 
-impl Editor {
+pub use drawing::Sketch;
+pub(super) use drawn::Drawn;
+pub use options::DrawOptions;
+pub(super) use points::Pressed;
+pub use unfinished::Progress;
+
+/// The drawing under way: by a drag, by several presses or by a hand.
+#[derive(Default)]
+pub(super) struct DrawTool {
+    /// A drag.
+    drawing: Option<Drawing>,
+    /// One by several presses, between them or during one.
+    unfinished: Option<Unfinished>,
+    held: HeldPath,
+}
+
+impl DrawTool {
     /// A drag of a tool that draws begins; false if it would mean nothing there.
-    pub(super) fn begin_drawing(
+    pub fn begin(
         &mut self,
         kind: DrawKind,
         inverse: bool,
         at: Vec2,
+        view: &ToolView,
         picker: &Picker,
     ) -> bool {
-        if self.is_stroking() || self.drawing.is_some() {
+        if self.drawing.is_some() {
             return true;
         }
-        self.drawing = self.started(kind, inverse, at, picker).map(|drawing| {
+        self.drawing = started(kind, inverse, at, view, picker).map(|drawing| {
             let follows = matches!(kind, DrawKind::Line | DrawKind::Curve);
-            match follows && self.tool.draws.on_surface {
-                true => drawing.with_surface(picker, self.document().grid()),
+            match follows && view.tool.draws.on_surface {
+                true => drawing.with_surface(picker, view.grid()),
                 false => drawing,
             }
         });
         self.drawing.is_some()
     }
 
-    /// Returns the drawing that a press at a pixel begins.
-    fn started(&self, kind: DrawKind, inverse: bool, at: Vec2, picker: &Picker) -> Option<Drawing> {
-        let grid = self.document().grid();
-        let view = View::new(picker.sight(), grid);
-        // The inverse of a side is the other side.
-        let inverts = inverse && kind != DrawKind::Plane;
-        let mode = if inverts { self.tool.mode.inverted() } else { self.tool.mode };
-        let ground = self.ground_at(kind, mode, at, picker, &view)?;
-        Some(Drawing::new(kind, mode, inverse, view, ground, at))
-    }
-
-    /// Where a drag begins: on the surface, or else where the tool has a use for it.
-    fn ground_at(
-        &self,
-        kind: DrawKind,
-        mode: ToolMode,
-        at: Vec2,
-        picker: &Picker,
-        view: &View,
-    ) -> Option<Ground> {
-        let grid = self.document().grid();
-        let seen = picker.map().and_then(|map| surface_point(map, grid, at));
-        match kind {
-            DrawKind::Box => {
-                let wall = || block::far_wall(view, at).filter(|_| mode == ToolMode::Add);
-                seen.or_else(wall).map(|SurfacePoint { point, face }| Ground { point, face })
-            }
-            DrawKind::Text => {
-                let point = self.target(at, picker)?;
-                let face = normal_around(grid, point, text::GROUND)
-                    .or(seen.map(|seen| seen.face))
-                    .unwrap_or(Vec3::ZERO);
-                Some(Ground { point, face })
-            }
-            _ => {
-                let middle = || picker.sight().at_depth(at, picker.sight().depth(view.middle()));
-                let point = seen.map_or_else(middle, |seen| seen.point);
-                Some(Ground { point, face: Vec3::ZERO })
-            }
-        }
-    }
-
     /// The drag goes on, if there is one.
-    pub(super) fn lead_drawing(&mut self, at: Vec2, picker: &Picker) {
-        let Some(mut drawing) = self.drawing.take() else { return };
-        if at.is_finite() {
-            if drawing.kind() == DrawKind::Text {
-                let view = drawing.view();
-                let ground = self.ground_at(DrawKind::Text, drawing.mode(), at, picker, view);
-                ground.into_iter().for_each(|ground| drawing.stand_on(ground));
-            }
-            drawing.lead(at, self.document().grid());
+    pub fn lead(&mut self, at: Vec2, view: &ToolView, picker: &Picker) {
+        let Some(drawing) = self.drawing.as_mut().filter(|_| at.is_finite()) else { return };
+        if drawing.kind() == DrawKind::Text {
+            let ground =
+                ground_at(DrawKind::Text, drawing.mode(), at, view, picker, drawing.view());
+            ground.into_iter().for_each(|ground| drawing.stand_on(ground));
         }
-        self.drawing = Some(drawing);
+        drawing.lead(at, view.grid());
     }
 
-    /// Ends the drag: the drawn form is made, unless more presses follow.
-    pub(super) fn end_drawing(&mut self) {
-        let drawing = self.drawing.take().and_then(|drawing| self.leave_unfinished(drawing));
-        let Some(drawing) = drawing else { return };
-        let mode = drawing.mode();
-        let grid = self.document().grid();
+    /// Ends the drag: returns the drawn form, unless there is none or more presses follow, or advice on what to draw
+    /// instead.
+    pub fn end(&mut self, view: &ToolView) -> Option<Result<Drawn, String>> {
+        let drawing = self.drawing.take()?;
+        if let Some(unfinished) = Unfinished::of(&drawing, view.tool) {
+            self.unfinished = Some(unfinished);
+            return None;
+        }
+        let (kind, mode, grid) = (drawing.kind(), drawing.mode(), view.grid());
+        let options = &view.tool.draws;
         let floating = match mode {
-            ToolMode::Add => drawing.floating(&self.tool.draws, grid),
+            ToolMode::Add => drawing.floating(options, grid),
             _ => Vec::new(),
         };
-        match drawing.commands(&self.tool.draws, self.tool.change(mode), grid) {
-            Ok(commands) => self.carry_out_drawn(drawing.kind(), mode, commands),
-            Err(why) => return self.note(why),
+        let commands = drawing.commands(options, view.tool.change(mode), grid);
+        Some(commands.map(|commands| Drawn { kind, mode, commands, floating }))
+    }
+
+    /// Gives up the drag; false if there is none.
+    pub fn drop_drag(&mut self) -> bool {
+        self.drawing.take().is_some()
+    }
+
+    /// Whether the pointer draws with its button.
+    pub fn is_dragged(&self) -> bool {
+        self.drawing.is_some()
+    }
+
+    /// Whether something is being drawn by the pointer.
+    pub fn is_drawing(&self, tool: &ToolState) -> bool {
+        self.drawing.is_some() || self.waiting(tool).is_some()
+    }
+
+    /// The unfinished drawing; none once another tool is in hand.
+    fn waiting(&self, tool: &ToolState) -> Option<&Unfinished> {
+        let in_hand = |drawn: &&Unfinished| tool.kind == ToolKind::Draw(drawn.kind());
+        self.unfinished.as_ref().filter(in_hand)
+    }
+
+    /// How far what is drawn by several presses is, if there is any.
+    pub fn progress(&self, tool: &ToolState) -> Option<Progress> {
+        Some(self.waiting(tool)?.progress(tool.mode))
+    }
+
+    /// Whether something waits for the next press. Another tool in hand gives it up.
+    pub fn is_waiting(&mut self, tool: &ToolState) -> bool {
+        if self.waiting(tool).is_none() {
+            self.unfinished = None;
         }
-        if !floating.is_empty() {
-            let signs: Vec<String> = floating.iter().map(|sign| format!("“{sign}”")).collect();
-            let (signs, verb) =
-                (signs.join(", "), if signs.len() == 1 { "floats" } else { "float" });
-            self.note(format!("{signs} {verb}: there is no surface there"));
+        self.unfinished.is_some()
+    }
+
+    /// Whether there is something unfinished, by whichever tool.
+    pub fn has_unfinished(&self) -> bool {
+        self.unfinished.is_some()
+    }
+
+    /// Gives up what is unfinished.
+    pub fn drop_unfinished(&mut self) {
+        self.unfinished = None;
+    }
+
+    /// The button is pressed at a pixel, for what waits for it. None if nothing does.
+    pub fn press(&mut self, at: Vec2, view: &ToolView, picker: &Picker) -> Option<Pressed> {
+        Some(self.unfinished.as_mut()?.press(at, view, picker))
+    }
+
+    /// The pointer goes to a pixel, with what is unfinished.
+    pub fn lead_unfinished(&mut self, at: Vec2, view: &ToolView, picker: &Picker) {
+        if !at.is_finite() || !self.is_waiting(view.tool) {
+            return;
+        }
+        if let Some(drawn) = &mut self.unfinished {
+            drawn.lead(at, view, picker);
         }
     }
 
-    /// Carries out what was drawn, as one step of the history, and says why nothing has changed if nothing has.
-    fn carry_out_drawn(&mut self, kind: DrawKind, mode: ToolMode, commands: Vec<Command>) {
-        let before = self.voxels_changed;
-        if matches!(mode, ToolMode::Add | ToolMode::Recolour) {
-            self.tool.used_colour();
-        }
-        let done = match &commands[..] {
-            [command] => self.execute(command),
-            _ => self.execute_as_one(kind.name(), &commands),
-        };
-        if done && self.voxels_changed == before {
-            self.explain_idle(&commands);
-        } else if done {
-            let beyond = commands.iter().any(|command| self.goes_beyond(command));
-            self.note_cut_off(beyond);
+    /// The button is released.
+    pub fn release(&mut self) {
+        if let Some(drawn) = &mut self.unfinished {
+            drawn.release();
         }
     }
 
-    /// Carries out commands as one step of the history, or none of them.
-    fn execute_as_one(&mut self, label: &str, commands: &[Command]) -> bool {
-        if !self.execute(&Command::Begin { label: label.into() }) {
+    /// Nothing more follows what is unfinished. Returns it, to be made.
+    pub fn finish(&mut self, view: &ToolView) -> Option<Drawn> {
+        Some(self.unfinished.take()?.finished(view))
+    }
+
+    /// Whether the button holds a point of what is unfinished.
+    pub fn is_held(&self) -> bool {
+        self.unfinished.as_ref().is_some_and(Unfinished::is_held)
+    }
+
+    /// Takes back the last press of what is not finished: the last point of a curve or, if there is no other, all of it.
+    /// False if there is nothing.
+    pub fn take_back_press(&mut self, tool: &ToolState) -> bool {
+        if !self.is_waiting(tool) {
             return false;
         }
-        let all = commands.iter().all(|command| self.execute(command));
-        self.execute(if all { &Command::End } else { &Command::Cancel }) && all
+        self.unfinished.take_if(|drawn| !drawn.take_back());
+        true
     }
 
-    /// Gives up what is being drawn, or what the next press was to do; false if there is neither.
-    pub fn cancel_drawing(&mut self) -> bool {
-        let was_meant = self.tool.next_press.take().is_some();
-        let was_held = !std::mem::take(&mut self.held_way).is_empty();
-        let was_drawn = self.drawing.take().is_some();
-        // The button that is still pressed does nothing more.
-        self.lifted |= was_drawn;
-        let was_unfinished = self.cancel_unfinished();
-        was_drawn || was_unfinished || was_held || was_meant
+    /// Gives up everything; false if there is nothing.
+    pub fn cancel(&mut self, tool: &ToolState) -> bool {
+        let was_drawn = self.drop_drag() | self.held.cancel() | self.is_waiting(tool);
+        self.unfinished = None;
+        was_drawn
     }
 
-    /// Whether something is being drawn.
-    pub fn is_drawing(&self) -> bool {
-        self.drawing.is_some() || self.progress().is_some()
+    /// A drawing by the hand begins at a place of the grid; false if the tool draws over a picture.
+    pub fn begin_in_hand(&mut self, kind: DrawKind, at_vx: Vec3) -> bool {
+        let is_drawn = matches!(kind, DrawKind::Line | DrawKind::Curve);
+        if is_drawn {
+            self.held.begin(at_vx);
+        }
+        is_drawn
     }
 
-    /// Returns the drawing under way, or the one that a press would begin, as lines.
-    pub fn sketch(&self, picker: &Picker) -> Option<Sketch> {
+    /// Continues the drawing by the hand, if there is one.
+    pub fn lead_in_hand(&mut self, to_vx: Vec3, tool: &ToolState) {
+        self.held.lead(to_vx, tool.kind == ToolKind::Draw(DrawKind::Line));
+    }
+
+    /// Ends the drawing by the hand. Returns it, to be made.
+    pub fn end_in_hand(&mut self, view: &ToolView) -> Option<Drawn> {
+        self.held.end(view)
+    }
+
+    /// Returns the drawing under way, or the one that a press would begin, as lines. `pointer`: in pixels; `in_hand`: a hand
+    /// in a headset leads the tool; `stroking`: a stroke is under way.
+    pub fn sketch(
+        &self,
+        pointer: Option<Vec2>,
+        in_hand: bool,
+        stroking: bool,
+        view: &ToolView,
+        picker: &Picker,
+    ) -> Option<Sketch> {
+        let (options, grid) = (&view.tool.draws, view.grid());
         if let Some(drawing) = &self.drawing {
-            return Some(drawing.sketch(&self.tool.draws, self.document().grid()));
+            return Some(drawing.sketch(options, grid));
         }
-        if let Some(sketch) = self.unfinished_sketch(picker) {
-            return Some(sketch);
+        if let Some(drawn) = self.waiting(view.tool) {
+            return Some(drawn.sketch(pointer.is_some(), view, picker));
         }
-        let ToolKind::Draw(kind) = self.tool.kind else { return None };
-        if self.hand.is_leading() {
-            return Some(self.held_sketch());
+        let ToolKind::Draw(kind) = view.tool.kind else { return None };
+        if in_hand {
+            return Some(self.held.sketch(view));
         }
-        let at = self.pointer.filter(|_| !self.is_stroking())?;
-        Some(
-            self.started(kind, false, at, picker)?.sketch(&self.tool.draws, self.document().grid()),
-        )
+        let at = pointer.filter(|_| !stroking)?;
+        Some(started(kind, false, at, view, picker)?.sketch(options, grid))
+    }
+}
+
+/// Returns the drawing that a press at a pixel begins.
+fn started(
+    kind: DrawKind,
+    inverse: bool,
+    at: Vec2,
+    tool_view: &ToolView,
+    picker: &Picker,
+) -> Option<Drawing> {
+    let view = View::new(picker.sight(), tool_view.grid());
+    // The inverse of a side is the other side.
+    let inverts = inverse && kind != DrawKind::Plane;
+    let mode = tool_view.tool.mode;
+    let mode = if inverts { mode.inverted() } else { mode };
+    let ground = ground_at(kind, mode, at, tool_view, picker, &view)?;
+    Some(Drawing::new(kind, mode, inverse, view, ground, at))
+}
+
+/// Where a drag begins: on the surface, or else where the tool has a use for it.
+fn ground_at(
+    kind: DrawKind,
+    mode: ToolMode,
+    at: Vec2,
+    tool_view: &ToolView,
+    picker: &Picker,
+    view: &View,
+) -> Option<Ground> {
+    let grid = tool_view.grid();
+    let seen = picker.map().and_then(|map| surface_point(map, grid, at));
+    match kind {
+        DrawKind::Box => {
+            let wall = || block::far_wall(view, at).filter(|_| mode == ToolMode::Add);
+            seen.or_else(wall).map(|SurfacePoint { point, face }| Ground { point, face })
+        }
+        DrawKind::Text => {
+            let point = tool_view.target(at, picker)?;
+            let face = normal_around(grid, point, text::GROUND)
+                .or(seen.map(|seen| seen.face))
+                .unwrap_or(Vec3::ZERO);
+            Some(Ground { point, face })
+        }
+        _ => {
+            let middle = || picker.sight().at_depth(at, picker.sight().depth(view.middle()));
+            let point = seen.map_or_else(middle, |seen| seen.point);
+            Some(Ground { point, face: Vec3::ZERO })
+        }
     }
 }

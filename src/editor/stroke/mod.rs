@@ -12,8 +12,11 @@ pub mod sweep;
 
 use glam::{Vec2, Vec3};
 
-use super::Editor;
-use crate::command::Command;
+use super::commands::CommandRunner;
+use super::idle::{IdleTool, may_add};
+use super::pressure::Grip;
+use super::surface_anchor::SurfaceAnchor;
+use super::tool::ToolState;
 use crate::input::ToolMode;
 use crate::picking::Picker;
 use crate::tools::brush::BrushId;
@@ -38,21 +41,11 @@ const AGAIN_S: f64 = 0.1;
 /// A stroke that is not finished.
 pub(super) struct Stroke {
     lead: Box<dyn Lead>,
-    /// Voxels that it has changed so far.
-    pub changed: u64,
-    /// The first commands, as long as they have changed nothing.
-    pub tried: Vec<Command>,
-    /// It has added, and would have gone on beyond the walls of the grid.
-    pub beyond: bool,
-    /// Since when it has not been used, on the clock of [`Editor::dwell`], and how often it had been.
+    /// Since when it has not been used, on the clock of [`Stroking::dwell`], and how often it had been.
     idle: Option<(f64, u32)>,
 }
 
 impl Stroke {
-    fn new(lead: Box<dyn Lead>) -> Stroke {
-        Stroke { lead, changed: 0, tried: Vec::new(), beyond: false, idle: None }
-    }
-
     /// The manner in which the pointer leads it.
     pub fn pointer(&self) -> PointerLead {
         self.lead.pointer()
@@ -69,9 +62,18 @@ impl Stroke {
     }
 }
 
-impl Editor {
+/// The stroke in hand, with the part of the editor that it works on.
+pub(super) struct Stroking<'a> {
+    pub stroke: &'a mut Option<Stroke>,
+    pub commands: &'a mut CommandRunner,
+    pub tool: &'a mut ToolState,
+    pub anchor: &'a mut SurfaceAnchor,
+    pub grip: &'a mut Grip,
+}
+
+impl Stroking<'_> {
     /// Opens a stroke of a brush at a point of the picture and uses it there. `unpaints`: it paints the bare colour.
-    pub(super) fn begin_picture_brush(
+    pub fn begin_picture_brush(
         &mut self,
         options: BrushOptions,
         unpaints: bool,
@@ -85,20 +87,14 @@ impl Editor {
 
     /// Opens a stroke of a brush in a hand, and uses it. `cone`: where it works; `spacing_vx`: how far that goes along the
     /// surface before it is used again.
-    pub(super) fn begin_cone(&mut self, options: BrushOptions, cone: Footprint, spacing_vx: f32) {
+    pub fn begin_cone(&mut self, options: BrushOptions, cone: Footprint, spacing_vx: f32) {
         self.begin_brush(options.brush(), None, |_| {
             Box::new(ConeStroke::new(options, cone, spacing_vx))
         });
     }
 
     /// Begins to use a brush that deforms where the tool is. `at`: the pointer that leads it (pixels).
-    pub(super) fn begin_clay(
-        &mut self,
-        brush: BrushId,
-        inverse: bool,
-        at: Option<Vec2>,
-        picker: &Picker,
-    ) {
+    pub fn begin_clay(&mut self, brush: BrushId, inverse: bool, at: Option<Vec2>, picker: &Picker) {
         self.begin_brush(brush, Some(picker), |scene| {
             let options = scene.tool.brushes.ball_options(brush);
             match brush.spec().stroke {
@@ -112,7 +108,7 @@ impl Editor {
 
     /// Opens a stroke of the solid in hand where the tool is and uses it there. `unpaints`: it paints the bare colour;
     /// `guide`: the input that leads it.
-    pub(super) fn begin_solid(
+    pub fn begin_solid(
         &mut self,
         mode: ToolMode,
         unpaints: bool,
@@ -144,68 +140,68 @@ impl Editor {
         picker: Option<&Picker>,
         lead: impl FnOnce(&mut Scene) -> Box<dyn Lead>,
     ) {
-        if self.stroke.is_some() || !self.execute(&Command::Begin { label }) {
+        if self.stroke.is_some() || !self.commands.begin_stroke(label, may_add(self.tool)) {
             return;
         }
         if gives_colour {
             self.tool.used_colour();
         }
         self.grip.begin();
-        let Editor { session, tool, anchor, grip, .. } = self;
-        let lead = lead(&mut Scene { document: session.document(), tool, anchor, grip });
-        self.stroke = Some(Stroke::new(lead));
+        let lead = lead(&mut self.scene());
+        *self.stroke = Some(Stroke { lead, idle: None });
         self.carry_out_due(picker);
     }
 
+    fn scene(&mut self) -> Scene<'_> {
+        let document = self.commands.document();
+        Scene { document, tool: self.tool, anchor: self.anchor, grip: self.grip }
+    }
+
     fn with_lead<T>(&mut self, act: impl FnOnce(&mut dyn Lead, &mut Scene) -> T) -> Option<T> {
-        let Editor { session, tool, anchor, grip, stroke, .. } = self;
+        let Stroking { stroke, commands, tool, anchor, grip } = self;
         let lead = &mut *stroke.as_mut()?.lead;
-        Some(act(lead, &mut Scene { document: session.document(), tool, anchor, grip }))
+        Some(act(lead, &mut Scene { document: commands.document(), tool, anchor, grip }))
     }
 
     fn carry_out_due(&mut self, picker: Option<&Picker>) {
         while let Some(command) = self.with_lead(|lead, scene| lead.next(scene, picker)).flatten() {
-            if !self.execute(&command) {
-                self.cancel_stroke();
+            if !self.commands.execute(&command) {
+                self.cancel();
             }
         }
     }
 
     /// Leads the stroke to a point of the picture.
-    pub(super) fn lead_stroke(&mut self, to: Vec2, picker: &Picker) {
+    pub fn lead_to(&mut self, to: Vec2, picker: &Picker) {
         self.with_lead(|lead, scene| lead.point_at(to, scene, picker));
         self.carry_out_due(Some(picker));
     }
 
     /// Leads the stroke to a point of the picture if the pointer leads it without a button, too. False if it does not.
-    pub(super) fn lead_by_pointer(&mut self, to: Vec2, picker: &Picker) -> bool {
+    pub fn lead_by_pointer(&mut self, to: Vec2, picker: &Picker) -> bool {
         let leads = self.stroke.as_ref().is_some_and(|s| s.pointer() == PointerLead::Always);
         if leads {
-            self.lead_stroke(to, picker);
+            self.lead_to(to, picker);
         }
         leads
     }
 
     /// Leads the stroke of a brush in a hand.
-    pub(super) fn aim_stroke(&mut self, cone: Footprint) {
+    pub fn aim(&mut self, cone: Footprint) {
         self.with_lead(|lead, _| lead.aim(cone));
         self.carry_out_due(None);
     }
 
     /// The pointer has put the tool on `point`, which is seen at `at`: a solid that is held down follows it from here on.
-    pub(super) fn hover_stroke(&mut self, at: Vec2, point: Vec3, picker: &Picker) {
+    pub fn tool_put(&mut self, at: Vec2, point: Vec3, picker: &Picker) {
         self.with_lead(|lead, scene| lead.tool_put(at, point, scene, picker));
         self.carry_out_due(Some(picker));
     }
 
     /// The tool was moved by something else; a stroke that it leads follows.
-    pub(super) fn tool_moved(&mut self, picker: &Picker) {
+    pub fn tool_moved(&mut self, picker: &Picker) {
         self.with_lead(|lead, scene| lead.tool_moved(scene, picker));
         self.carry_out_due(Some(picker));
-        if self.tool.picture_brush().is_some() {
-            // The brush works where the tool would be seen.
-            self.pointer = picker.sight().pixel_of(self.tool.centre_vx);
-        }
     }
 
     /// Does what would be too slow for every event, since a device may speak often. To be called once for each picture.
@@ -233,30 +229,32 @@ impl Editor {
         }
         self.with_lead(|lead, scene| lead.repeat(scene));
         self.carry_out_due(Some(picker));
-        if let Some(stroke) = &mut self.stroke {
+        if let Some(stroke) = self.stroke {
             stroke.idle = Some((now_s, stroke.lead.uses()));
         }
         Some(AGAIN_S)
     }
 
-    pub(super) fn end_stroke(&mut self) {
+    /// Ends the stroke, and says why nothing has changed if nothing has. `in_hand`: a hand in a headset leads the tool.
+    pub fn end(&mut self, in_hand: bool) {
         self.with_lead(|lead, scene| lead.finish(scene));
         self.carry_out_due(None);
-        self.set_touch(None);
+        self.grip.touch(None);
         let Some(stroke) = self.stroke.take() else { return };
-        self.note_worked();
-        if !self.execute(&Command::End) || stroke.lead.is_still() {
+        self.anchor.note_worked(self.tool);
+        let Some(tally) = self.commands.end_stroke().filter(|_| !stroke.lead.is_still()) else {
             return;
-        }
-        match stroke.changed {
-            0 => self.explain_idle(&stroke.tried),
-            _ => self.note_cut_off(stroke.beyond),
+        };
+        match tally.changed {
+            0 => self.commands.explain_idle(&tally.tried, IdleTool::of(self.tool, in_hand)),
+            _ => self.commands.note_cut_off(tally.beyond),
         }
     }
 
-    pub fn cancel_stroke(&mut self) {
+    /// Takes the stroke back.
+    pub fn cancel(&mut self) {
         if self.stroke.take().is_some() {
-            self.execute(&Command::Cancel);
+            self.commands.cancel_stroke();
         }
     }
 }
