@@ -13,6 +13,7 @@ mod floor;
 mod glyphs;
 pub mod headset;
 mod left;
+mod long_work;
 mod main_window;
 mod memory;
 mod overlay;
@@ -28,6 +29,7 @@ mod study;
 mod symmetry_lines;
 mod system_window;
 mod tool_outline;
+mod view_source;
 pub mod workspace;
 
 #[cfg(test)]

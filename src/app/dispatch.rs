@@ -3,23 +3,28 @@
 //!
 //! The parts do not know one another: each returns values, and only this file applies them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use arboard::Clipboard;
 use glam::{Quat, Vec2, Vec3};
 
 use super::workspace::Workspace;
+use super::{paste, references};
 use crate::command::Command;
 use crate::controls::pads::STEP_S;
 use crate::editor::job::Then;
 use crate::editor::questions::{InUse, Next};
+use crate::editor::tool::ToolEdit;
 use crate::editor::{Outcome, PointerUse};
 use crate::input::hands::HandEvent;
 use crate::input::pad::{Glide, PadEvent, PadMode};
+use crate::input::pen::PenTouch;
 use crate::input::{Action, ActionEvent, Side};
 use crate::notice::Notice;
 use crate::render::RenderMode;
 use crate::sculpture::Placement;
 use crate::ui::dialogs::FileTask;
+use crate::ui::dialogs::files::folder_of;
 use crate::ui::tasks::PasteAs;
 use crate::ui::{ScreenshotTo, UiRequest};
 use crate::view::{Room, StereoLayout};
@@ -377,6 +382,50 @@ impl Workspace {
             self.editor.place(Placement { rotation, ..to });
         }
         self.settle();
+    }
+
+    /// Takes how a pen or a finger touches from here on.
+    fn touched(&mut self, touch: Option<PenTouch>) {
+        self.ui.pen.is_used |= touch.is_some();
+        self.ui.pen.touch = touch;
+        let curve = self.ui.pen.curve;
+        let counted = |touch: PenTouch| PenTouch { pressure: curve.of(touch.pressure), ..touch };
+        self.editor.set_touch(touch.map(counted));
+    }
+
+    /// Adds a reference picture, on the side that one looks along.
+    pub(super) fn add_reference(&mut self, path: PathBuf) {
+        let axes = self.picker().sight().axes_in_picture();
+        references::add(&mut self.ui, path, self.editor.document().grid(), &axes);
+    }
+
+    /// Pastes the picture on the clipboard, if that was asked for. The clipboard is opened if it is not.
+    pub fn paste_picture(&mut self, clipboard: &mut Option<Clipboard>) {
+        if let Some(paste) = self.ui.window_tasks.paste.take() {
+            self.use_pasted(paste::picture_file(clipboard), paste);
+        }
+    }
+
+    /// Adds a pasted picture as a reference, or gives it to the tool. `file`: of the picture, or why there is none.
+    pub(super) fn use_pasted(&mut self, file: Result<PathBuf, String>, paste: PasteAs) {
+        match (file, paste) {
+            (Ok(path), PasteAs::Reference) => self.add_reference(path),
+            (Ok(path), PasteAs::ToolPicture) => {
+                self.editor.tool.edit(ToolEdit::Picture(Some(path)));
+            }
+            (Err(text), _) => self.ui.toasts.error(text),
+        }
+    }
+
+    /// A file was opened or saved by a command.
+    fn note_file(&mut self, command: &Command) {
+        if let Command::Open { path, .. } | Command::Save { path, .. } = command {
+            self.ui.known_files.recent.note(command);
+            if let Some(folder) = folder_of(std::path::absolute(path).ok().as_deref()) {
+                self.ui.dialogs.files.set_folder(folder);
+            }
+            self.remember();
+        }
     }
 
     /// Does what a hand in a headset asks for.

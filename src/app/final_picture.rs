@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use glam::{Mat4, UVec2, Vec3};
 
 use super::screenshot;
-use super::workspace::Workspace;
+use super::view_source::ViewSource;
 use crate::editor::job::Failure;
 use crate::picture::{self, FinalOptions, FinalPicture, PictureError, TraceOn};
 use crate::progress::Report;
@@ -25,42 +25,38 @@ const SHOW_SHARE: u32 = 20;
 /// The longest side of what is shown, in pixels.
 const SHOWN_PX: u32 = 640;
 
-impl Workspace {
-    /// Starts a final picture of the view: as the eye of the window, of two the left one, sees it.
-    pub(super) fn start_final_picture(&mut self, wanted: &FinalRequest) {
-        let eyes = self.eyes();
-        let Some(eye) = eyes.first() else { return };
-        let document = self.session().document();
-        let contents = document.share_contents();
-        let up = document.placement().rotation * self.ui.view.up;
-        let eye = of_size(eye, wanted.size);
-        let shot = TraceShot { eye, world_from_grid: document.world_from_grid(), up };
-        let path = screenshot::free_path(self.session().path(), "final", wanted.file.ending());
-        let options = FinalOptions {
-            trace: wanted.trace,
-            smooth_surface: self.ui.view.smooth_surface && !wanted.on_gpu,
-            denoise: wanted.denoise,
-            exposure_ev: wanted.exposure_ev,
-        };
-        let on = match wanted.on_gpu {
-            true => TraceOn::Gpu(self.render_device.clone()),
-            false => TraceOn::Cpu,
-        };
-        let preview = Preview::default();
-        let mut watcher =
-            Watcher { news: preview.news(), exposure_ev: wanted.exposure_ev, due: Instant::now() };
-        let work = move |report: &Report| {
-            let watch = &mut |film: &Film, samples| watcher.watch(film, samples);
-            let picture =
-                FinalPicture { contents: &contents, shot: &shot, options: &options, on: &on };
-            match picture::write_final(picture, &path, report, watch) {
-                Ok(()) => Ok(format!("Saved {}", path.display())),
-                Err(PictureError::Trace(TraceError::Cancelled)) => Err(Failure::Cancelled),
-                Err(error) => Err(Failure::Error(error.to_string())),
-            }
-        };
-        if self.editor.start_side_work(work, "Final picture") {
-            self.ui.dialogs.preview = Some(preview);
+/// Returns the work that makes a final picture of the view. `preview`: shows what is done so far.
+pub(super) fn work(
+    source: &ViewSource,
+    wanted: &FinalRequest,
+    preview: &Preview,
+) -> impl FnOnce(&Report) -> Result<String, Failure> + Send + use<> {
+    let ViewSource { session, view, eye, device } = source;
+    let document = session.document();
+    let contents = document.share_contents();
+    let up = document.placement().rotation * view.up;
+    let eye = of_size(eye, wanted.size);
+    let shot = TraceShot { eye, world_from_grid: document.world_from_grid(), up };
+    let path = screenshot::free_path(session.path(), "final", wanted.file.ending());
+    let options = FinalOptions {
+        trace: wanted.trace,
+        smooth_surface: view.smooth_surface && !wanted.on_gpu,
+        denoise: wanted.denoise,
+        exposure_ev: wanted.exposure_ev,
+    };
+    let on = match wanted.on_gpu {
+        true => TraceOn::Gpu((*device).clone()),
+        false => TraceOn::Cpu,
+    };
+    let mut watcher =
+        Watcher { news: preview.news(), exposure_ev: wanted.exposure_ev, due: Instant::now() };
+    move |report: &Report| {
+        let watch = &mut |film: &Film, samples| watcher.watch(film, samples);
+        let picture = FinalPicture { contents: &contents, shot: &shot, options: &options, on: &on };
+        match picture::write_final(picture, &path, report, watch) {
+            Ok(()) => Ok(format!("Saved {}", path.display())),
+            Err(PictureError::Trace(TraceError::Cancelled)) => Err(Failure::Cancelled),
+            Err(error) => Err(Failure::Error(error.to_string())),
         }
     }
 }

@@ -7,7 +7,6 @@ use std::sync::PoisonError;
 
 use glam::UVec2;
 
-use super::workspace::Workspace;
 use crate::document::Limits;
 use crate::editor::job::Failure;
 use crate::format::options::ImportOptions;
@@ -21,73 +20,69 @@ use crate::sculpture::Digest;
 use crate::session::{self, Recovered, Session};
 use crate::shade::portrait;
 use crate::time_text::utc_text;
-use crate::ui::dialogs::recovery::{LeftSession, LeftWork};
+use crate::ui::dialogs::recovery::{LeftSession, LeftWork, RecoveryDialog};
 
 /// Size of the pictures in the list, in pixels.
 const PICTURE_PX: UVec2 = UVec2::new(128, 96);
 
-impl Workspace {
-    /// Starts to read what earlier sessions have left, if there is anything, for the dialog.
-    pub fn look_for_left(&mut self, journals: JournalOptions) {
+/// The journals in which earlier sessions left work, once it is known where these lie.
+#[derive(Default)]
+pub(super) struct AbandonedWork {
+    /// Where journals of sessions lie and how they are kept.
+    journals: Option<JournalOptions>,
+}
+
+impl AbandonedWork {
+    /// Takes where journals lie. True if there are some that earlier sessions have left.
+    pub fn look_in(&mut self, journals: JournalOptions) -> bool {
         let is_some_left = journals.journal_dir.count_left() > 0;
         self.journals = Some(journals);
-        if is_some_left {
-            self.read_left("");
-        }
+        is_some_left
     }
 
-    /// The same when the person asks for it, with a word if there is nothing.
-    pub(super) fn list_left(&mut self) {
-        self.read_left("There is no unsaved work of earlier sessions");
-    }
-
-    /// `none`: the message if nothing is found.
-    fn read_left(&mut self, none: &'static str) {
-        let Some(journal_dir) = self.journals.as_ref().map(|journals| journals.journal_dir.clone())
-        else {
-            return;
-        };
-        let limits = *self.session().document().limits();
-        let news = self.ui.dialogs.recovery.news();
-        let work = move |report: &Report| {
+    /// Returns the work that reads what was left, for the dialog. `none`: the message if nothing is found.
+    pub fn list(
+        &self,
+        none: &'static str,
+        limits: Limits,
+        dialog: &RecoveryDialog,
+    ) -> Option<impl FnOnce(&Report) -> Result<String, Failure> + Send + use<>> {
+        let journal_dir = self.journals.as_ref()?.journal_dir.clone();
+        let news = dialog.news();
+        Some(move |report: &Report| {
             let found = all_left(&journal_dir, &limits, report)?;
             let text = if found.is_empty() { none } else { "" };
             *news.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
             Ok(text.to_string())
-        };
-        self.editor.start_side_work(work, "Looking for unsaved work");
+        })
     }
 
-    /// Goes on with what was left in the journal of this number.
-    pub(super) fn start_recovery(&mut self, number: u64) {
-        let Some(journals) = self.journals.clone() else { return };
-        let limits = *self.session().document().limits();
-        let keeps = self.session().keeps_journal();
-        let histories = self.session().saved_history_options().cloned();
-        self.ui.dialogs.recovery.close();
-        self.editor.start_recovery(move |report: &Report| {
+    /// Returns the work that brings back what was left in the journal of this number, to go on with instead of `session`.
+    pub fn recovery(
+        &self,
+        number: u64,
+        session: &Session,
+    ) -> Option<impl FnOnce(&Report) -> Result<(Session, Notice), Failure> + Send + use<>> {
+        let journals = self.journals.clone()?;
+        let limits = *session.document().limits();
+        let keeps = session.keeps_journal();
+        let histories = session.saved_history_options().cloned();
+        Some(move |report: &Report| {
             let (mut session, notice) = bring_back(number, &journals, keeps, &limits, report)?;
             if let Some(histories) = histories {
                 session.keep_saved_histories(histories);
             }
             Ok((session, notice))
-        });
+        })
     }
 
-    /// Removes the journal of this number, which nobody wants.
-    pub(super) fn discard_left(&mut self, number: u64) {
-        let Some(journals) = &self.journals else { return };
+    /// Removes the journal of this number, which nobody wants. None if it is not known where journals lie.
+    pub fn discard(&self, number: u64) -> Option<Result<(), String>> {
+        let journal_dir = &self.journals.as_ref()?.journal_dir;
         // Opened, so that nobody's work is removed.
-        let removed = source_of(&journals.journal_dir, number).and_then(|_locked| {
-            journals
-                .journal_dir
-                .remove(number)
-                .map_err(|error| failure(&journals.journal_dir, number, &error))
-        });
-        match removed {
-            Ok(()) => self.ui.dialogs.recovery.remove(number),
-            Err(text) => self.ui.toasts.error(text),
-        }
+        Some(source_of(journal_dir, number).and_then(|_locked| {
+            journal_dir.remove(number).map_err(|error| failure(journal_dir, number, &error))
+        }))
     }
 }
 

@@ -1,27 +1,29 @@
 //! The file with the state that is restored at the next start.
 //!
 //! It is written when the state has changed: after a file was opened or saved, at intervals while the
-//! program is idle, and at the end. Without [`Workspace::remember_in`] nothing is read or written, as in tests.
+//! program is idle, and at the end. Without [`Memory::open`] nothing is read or written, as in tests.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::workspace::Workspace;
-use crate::command::Command;
+use crate::editor::tool::ToolState;
 use crate::folders;
 use crate::format::store::write_atomically;
 use crate::sculpture::orientation::Up;
-use crate::ui::dialogs::files::folder_of;
-use crate::ui::{WindowOptions, memory};
+use crate::ui::{UiState, WindowOptions, memory};
 
 /// A longer file is not one of this program.
 const LONGEST_BYTES: u64 = 1 << 20;
 /// Shortest interval of writes while idle.
 const EVERY: Duration = Duration::from_secs(30);
 
+/// Where it is remembered how the program was left, if anywhere.
+#[derive(Default)]
+pub(super) struct Memory(Option<MemoryFile>);
+
 /// The file and its contents.
-pub(super) struct MemoryFile {
+struct MemoryFile {
     path: PathBuf,
     window: WindowOptions,
     written: String,
@@ -30,49 +32,35 @@ pub(super) struct MemoryFile {
     complained: bool,
 }
 
-impl Workspace {
+impl Memory {
     /// Restores the state in the file, if there is one, and from now on saves the state there.
-    pub fn remember_in(&mut self, path: PathBuf, window: &WindowOptions) {
+    pub fn open(
+        &mut self,
+        path: PathBuf,
+        window: &WindowOptions,
+        ui: &mut UiState,
+        tool: &mut ToolState,
+    ) {
         let read = read(&path);
         match &read {
-            Ok(Some(text)) => memory::recall(text, &mut self.ui, &mut self.editor.tool, window),
+            Ok(Some(text)) => memory::recall(text, ui, tool, window),
             Ok(None) => {}
             Err(error) => tracing::warn!("cannot read {}: {error}", path.display()),
         }
-        self.read_references();
-        self.editor.leave_ground();
-        let session = self.editor.session();
-        if let Some(path) = session.path() {
-            self.ui.known_files.recent.note_open(path, session.assumed_up());
-        }
         let written = read.ok().flatten().unwrap_or_default();
         let window = window.clone();
-        self.memory =
-            Some(MemoryFile { path, window, written, at: Instant::now(), complained: false });
+        self.0 = Some(MemoryFile { path, window, written, at: Instant::now(), complained: false });
     }
 
-    /// A file was opened or saved by a command.
-    pub(super) fn note_file(&mut self, command: &Command) {
-        if let Command::Open { path, .. } | Command::Save { path, .. } = command {
-            self.ui.known_files.recent.note(command);
-            if let Some(folder) = folder_of(std::path::absolute(path).ok().as_deref()) {
-                self.ui.dialogs.files.set_folder(folder);
-            }
-            self.remember();
-        }
-    }
-
-    /// Saves the state, if some time has passed since the last time.
-    pub fn remember_at_rest(&mut self) {
-        if self.memory.as_ref().is_some_and(|memory| memory.at.elapsed() >= EVERY) {
-            self.remember();
-        }
+    /// Whether some time has passed since the state was last looked at.
+    pub fn is_due(&self) -> bool {
+        self.0.as_ref().is_some_and(|memory| memory.at.elapsed() >= EVERY)
     }
 
     /// Saves the state, if it has changed.
-    pub fn remember(&mut self) {
-        let Some(file) = &mut self.memory else { return };
-        let text = memory::to_text(&self.ui, &self.editor.tool, &file.window);
+    pub fn save(&mut self, ui: &UiState, tool: &ToolState) {
+        let Some(file) = &mut self.0 else { return };
+        let text = memory::to_text(ui, tool, &file.window);
         file.at = Instant::now();
         if text == file.written {
             return;

@@ -8,16 +8,18 @@ use ash::vk;
 use glam::Vec3;
 
 use super::floor;
-use super::overlay::{self, OverlayScene};
+use super::overlay;
+use super::references;
 use super::workspace::Workspace;
 use crate::gpu::{Device, GpuError, Recorder, Result};
 use crate::render::renderer::{FrameDesc, Pictures};
-use crate::render::{Background, Fallback, FrameReport, Renderer, SmoothSurface, Video, VideoView};
+use crate::render::{Background, Renderer, SmoothSurface, Video, VideoView};
 use crate::sculpture::Rgb;
 use crate::shade::ground::GROUND_COLOUR;
 use crate::shade::{Ground, Pixels};
-use crate::ui::Theme;
+use crate::ui::{Theme, UiState, ViewState};
 use crate::video::VideoOptions;
+use crate::viewpoint::Viewpoint;
 
 /// How long a picture may be held up by the normals of a sculpture that was opened.
 const PATIENCE: Duration = Duration::from_millis(6);
@@ -55,7 +57,7 @@ impl Painter {
                 (overlay::preview(&scene), lines)
             }
         };
-        if !is_screenshot && workspace.shows_floor() {
+        if !is_screenshot && shows_floor(&workspace.ui.view, &workspace.viewpoint) {
             let dims = workspace.editor.document().grid().dims();
             let (up, theme) = (workspace.ui.view.up, workspace.ui.appearance.theme);
             lines.extend(floor::lines(dims, up, theme));
@@ -77,7 +79,7 @@ impl Painter {
             lighting: workspace.ui.view.lighting(),
             show_mask: workspace.ui.view.mask && !is_screenshot,
             background: background(workspace.ui.appearance.theme),
-            ground: workspace.ground(video.is_some()),
+            ground: ground(&workspace.ui.view, workspace.ui.appearance.theme, video.is_some()),
             smooth_edges: workspace.ui.view.smooth_edges,
             video,
             previews: preview.as_slice(),
@@ -114,7 +116,8 @@ impl Painter {
         }
         match self.renderer.set_references(recorder, slot, &pictures) {
             Err(reason @ (GpuError::OutOfMemory(_) | GpuError::Limit { .. })) => {
-                workspace.hide_references(&reason.to_string());
+                let UiState { references, toasts, .. } = &mut workspace.ui;
+                references::hide(references, toasts, &reason.to_string());
                 Ok(())
             }
             result => result,
@@ -134,69 +137,25 @@ impl Painter {
     }
 }
 
-impl Workspace {
-    /// Returns the values that the overlay of the next picture is drawn from.
-    pub(super) fn overlay_scene(&self) -> OverlayScene<'_> {
-        let document = self.editor.document();
-        let (grid, picker) = (document.grid(), self.picker());
-        let target = self.editor.pointer().and_then(|at| self.editor.target(at, &picker));
-        OverlayScene {
-            tool: &self.editor.tool,
-            document,
-            view: &self.ui.view,
-            theme: self.ui.appearance.theme,
-            seen: self.viewpoint.pick_map(),
-            pointer: self.editor.pointer(),
-            stroking: self.editor.is_stroking(),
-            sketch: self.editor.sketch(&picker),
-            marker_guide: self.editor.marker_guide(),
-            depth: picker.sight().depth(target.unwrap_or(grid.dims().as_vec3() * 0.5)),
-        }
-    }
+/// Whether the next picture has a floor grid: not in a video, which shows a real one, and not with a ground, which
+/// has lines of its own.
+fn shows_floor(view: &ViewState, viewpoint: &Viewpoint) -> bool {
+    view.floor && !view.ground && viewpoint.video(&view.video).is_none()
+}
 
-    /// Whether the next picture has a floor grid: not in a video, which shows a real one, and not with a ground, which
-    /// has lines of its own.
-    fn shows_floor(&self) -> bool {
-        let view = &self.ui.view;
-        view.floor && !view.ground && self.viewpoint.video(&view.video).is_none()
-    }
-
-    /// The ground of the next picture; in a video only the shadow on the ground that it shows.
-    fn ground(&self, in_video: bool) -> Option<Ground> {
-        let view = &self.ui.view;
-        view.ground.then(|| Ground {
-            up: view.up,
-            colour: match self.ui.appearance.theme {
-                // Quieter before a dark background.
-                Theme::Dark => Rgb::new(0x90, 0x93, 0x98),
-                Theme::Light => GROUND_COLOUR,
-            },
-            shadow_only: in_video,
-            sun_deg: view.light.sun_deg,
-            sample: 0,
-        })
-    }
-
-    /// Takes what the renderer reports of the window's picture.
-    pub fn take_report(&mut self, report: FrameReport) {
-        let FrameReport { pick_maps, times, fallbacks, .. } = report;
-        self.take_fallbacks(&fallbacks);
-        if let Some(map) = pick_maps.get(self.viewpoint.pointing_eye).or(pick_maps.first()) {
-            self.viewpoint.set_pick_map(map.clone());
-        }
-        self.display.times.sample_ms = times.sample_ms;
-        self.display.times.shade_ms = times.shade_ms;
-    }
-
-    /// Uses from now on the modes that were fallen back to, and says so.
-    pub(super) fn take_fallbacks(&mut self, fallbacks: &[Fallback]) {
-        for Fallback { reason, to } in fallbacks {
-            let text = format!("{reason}; switched to {}", to.label());
-            tracing::warn!("{text}");
-            self.ui.toasts.error(text);
-            self.ui.view.mode = *to;
-        }
-    }
+/// The ground of the next picture; in a video only the shadow on the ground that it shows.
+fn ground(view: &ViewState, theme: Theme, in_video: bool) -> Option<Ground> {
+    view.ground.then(|| Ground {
+        up: view.up,
+        colour: match theme {
+            // Quieter before a dark background.
+            Theme::Dark => Rgb::new(0x90, 0x93, 0x98),
+            Theme::Light => GROUND_COLOUR,
+        },
+        shadow_only: in_video,
+        sun_deg: view.light.sun_deg,
+        sample: 0,
+    })
 }
 
 /// Quiet greys, lighter above, that let any colour of stone stand out.
@@ -220,7 +179,7 @@ mod tests {
     use super::*;
     use crate::config::Config;
     use crate::input::Bindings;
-    use crate::render::RenderMode;
+    use crate::render::{Fallback, RenderMode};
     use crate::session::Session;
     use crate::ui::widgets::toasts::Tone;
 

@@ -1,6 +1,6 @@
 //! Pictures from the system's clipboard: each is kept as a file, since reference pictures and tools name files.
 //!
-//! Takes what the clipboard gives; adds a reference picture, or gives the tool a picture. Knows no window.
+//! Takes what the clipboard gives, and returns the file. Knows no window.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Cursor;
@@ -9,46 +9,28 @@ use std::path::{Path, PathBuf};
 use arboard::{Clipboard, ImageData};
 use image::{ImageFormat, RgbaImage};
 
-use super::workspace::Workspace;
-use crate::editor::tool::ToolEdit;
 use crate::folders;
 use crate::format::store;
-use crate::ui::tasks::PasteAs;
 
 /// Folder of the pictures, among the program's state.
 const FOLDER: &str = "pasted";
 const NO_PICTURE: &str = "The clipboard has no picture; copy one in another program first";
 
-impl Workspace {
-    /// Pastes the picture on the clipboard, if that was asked for. The clipboard is opened if it is not.
-    pub fn paste_picture(&mut self, clipboard: &mut Option<Clipboard>) {
-        let Some(paste) = self.ui.window_tasks.paste.take() else { return };
-        let opened = match clipboard {
-            Some(clipboard) => Ok(clipboard),
-            none => Clipboard::new().map(|new| none.insert(new)),
-        };
-        let picture = opened.and_then(Clipboard::get_image);
-        self.take_pasted(picture, paste, &folders::state_folder().join(FOLDER));
-    }
+/// Keeps the picture on the clipboard, which is opened if it is not. Returns the picture's file, or the reason why there
+/// is none.
+pub(super) fn picture_file(clipboard: &mut Option<Clipboard>) -> Result<PathBuf, String> {
+    let opened = match clipboard {
+        Some(clipboard) => Ok(clipboard),
+        none => Clipboard::new().map(|new| none.insert(new)),
+    };
+    kept(opened.and_then(Clipboard::get_image), &folders::state_folder().join(FOLDER))
+}
 
-    fn take_pasted(
-        &mut self,
-        picture: Result<ImageData, arboard::Error>,
-        paste: PasteAs,
-        folder: &Path,
-    ) {
-        let kept = match picture {
-            Ok(picture) => keep(folder, picture),
-            Err(arboard::Error::ContentNotAvailable) => Err(NO_PICTURE.to_string()),
-            Err(error) => Err(format!("The clipboard cannot be read: {error}")),
-        };
-        match (kept, paste) {
-            (Ok(path), PasteAs::Reference) => self.add_reference(path),
-            (Ok(path), PasteAs::ToolPicture) => {
-                self.editor.tool.edit(ToolEdit::Picture(Some(path)));
-            }
-            (Err(text), _) => self.ui.toasts.error(text),
-        }
+fn kept(picture: Result<ImageData, arboard::Error>, folder: &Path) -> Result<PathBuf, String> {
+    match picture {
+        Ok(picture) => keep(folder, picture),
+        Err(arboard::Error::ContentNotAvailable) => Err(NO_PICTURE.to_string()),
+        Err(error) => Err(format!("The clipboard cannot be read: {error}")),
     }
 }
 
@@ -77,9 +59,11 @@ fn keep(folder: &Path, picture: ImageData) -> Result<PathBuf, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::workspace::Workspace;
     use crate::config::Config;
     use crate::input::{Action, Bindings};
     use crate::session::Session;
+    use crate::ui::tasks::PasteAs;
 
     fn workspace() -> Workspace {
         let mut config = Config::default();
@@ -98,14 +82,14 @@ mod tests {
         let folder = folder.path().join("not there yet");
         let mut workspace = workspace();
         for level in [9, 9, 200] {
-            workspace.take_pasted(Ok(picture(level)), PasteAs::Reference, &folder);
+            workspace.use_pasted(kept(Ok(picture(level)), &folder), PasteAs::Reference);
         }
         let list = &workspace.ui.references;
         assert_eq!(list.len(), 3);
         assert!(list[0].path == list[1].path && list[0].path != list[2].path);
         assert_eq!(list[2].pixels.as_ref().unwrap().rgba[5], [200; 4]);
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2);
-        workspace.take_pasted(Ok(picture(9)), PasteAs::ToolPicture, &folder);
+        workspace.use_pasted(kept(Ok(picture(9)), &folder), PasteAs::ToolPicture);
         assert_eq!(workspace.editor.tool.picture, Some(workspace.ui.references[0].path.clone()));
     }
 
@@ -114,7 +98,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut workspace = workspace();
         (0..12).for_each(|level| {
-            workspace.take_pasted(Ok(picture(level)), PasteAs::Reference, folder.path());
+            workspace.use_pasted(kept(Ok(picture(level)), folder.path()), PasteAs::Reference);
         });
         assert_eq!(workspace.ui.references.len(), crate::render::MAX_REFERENCES);
         assert!(workspace.ui.toasts.texts().any(|(_, text)| text.contains("remove one")));
@@ -127,14 +111,14 @@ mod tests {
         let short = ImageData { width: 3, height: 2, bytes: vec![1].into() };
         for picture in [Ok(empty), Ok(short), Err(arboard::Error::ContentNotAvailable)] {
             let mut workspace = workspace();
-            workspace.take_pasted(picture, PasteAs::Reference, folder.path());
+            workspace.use_pasted(kept(picture, folder.path()), PasteAs::Reference);
             assert!(workspace.ui.toasts.texts().any(|(_, text)| text == NO_PICTURE));
             assert!(workspace.ui.references.is_empty());
         }
         let file = folder.path().join("file");
         std::fs::write(&file, "in the way").unwrap();
         let mut workspace = workspace();
-        workspace.take_pasted(Ok(picture(1)), PasteAs::Reference, &file);
+        workspace.use_pasted(kept(Ok(picture(1)), &file), PasteAs::Reference);
         let named = file.display().to_string();
         assert!(workspace.ui.toasts.texts().any(|(_, text)| text.contains(&named)));
     }

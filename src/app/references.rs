@@ -3,64 +3,66 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::Vec3;
 use image::{DynamicImage, ImageReader, Limits};
 
-use super::workspace::Workspace;
 use crate::input::Side;
 use crate::render::{MAX_REFERENCES, ReferencePicture};
+use crate::sculpture::Grid;
 use crate::shade::Pixels;
+use crate::ui::UiState;
 use crate::ui::references::{Reference, side_seen};
+use crate::ui::widgets::toasts::Toasts;
 
 /// The longest side of a file that is read, in pixels.
 const MAX_FILE_SIDE: u32 = 16_384;
 /// The longest side that is shown; larger ones are made smaller.
 const MAX_SIDE: u32 = 2048;
 
-impl Workspace {
-    /// Adds a picture on the side that one looks along, else the front. A file that cannot be read is said.
-    pub(super) fn add_reference(&mut self, path: PathBuf) {
-        if self.ui.references.len() >= MAX_REFERENCES {
-            return self.ui.toasts.error(format!(
-                "There are {MAX_REFERENCES} reference pictures already; remove one of them first"
-            ));
-        }
-        match read(&path) {
-            Ok(pixels) => {
-                let side = side_seen(self.ui.view.up, &self.picker().sight().axes_in_picture());
-                let height = self.editor.document().grid().dims().max_element() as f32;
-                let side = side.unwrap_or(Side::Front);
-                let reference = Reference::new(path, Some(pixels), side, height);
-                self.ui.references.push(reference);
-                self.ui.dialogs.references.open = true;
-            }
-            Err(text) => self.ui.toasts.error(text),
-        }
+/// Adds a picture on the side that one looks along, else the front. A file that cannot be read is said. `axes`: those of
+/// the grid in the picture.
+pub(super) fn add(ui: &mut UiState, path: PathBuf, grid: &Grid, axes: &[Vec3; 3]) {
+    if ui.references.len() >= MAX_REFERENCES {
+        return ui.toasts.error(format!(
+            "There are {MAX_REFERENCES} reference pictures already; remove one of them first"
+        ));
     }
+    match read(&path) {
+        Ok(pixels) => {
+            let side = side_seen(ui.view.up, axes).unwrap_or(Side::Front);
+            let height = grid.dims().max_element() as f32;
+            ui.references.push(Reference::new(path, Some(pixels), side, height));
+            ui.dialogs.references.open = true;
+        }
+        Err(text) => ui.toasts.error(text),
+    }
+}
 
-    /// Reads the files of pictures that were remembered.
-    pub(super) fn read_references(&mut self) {
-        for reference in &mut self.ui.references {
-            match read(&reference.path) {
-                Ok(pixels) => reference.pixels = Some(pixels),
-                Err(text) => self.ui.toasts.error(text),
-            }
+/// Reads the files of pictures that were remembered.
+pub(super) fn read_remembered(list: &mut [Reference], toasts: &mut Toasts) {
+    for reference in list {
+        match read(&reference.path) {
+            Ok(pixels) => reference.pixels = Some(pixels),
+            Err(text) => toasts.error(text),
         }
     }
+}
 
-    /// Returns the reference pictures of the window's next picture.
-    pub(super) fn reference_pictures(&self) -> Vec<ReferencePicture> {
-        let grid = self.editor.document().grid();
-        let axes = self.picker().sight().axes_in_picture();
-        let up = self.ui.view.up;
-        let list = self.ui.references.iter();
-        list.filter_map(|one| one.placed(grid.dims(), grid.voxel_size(), up, &axes)).collect()
-    }
+/// Returns the reference pictures of the window's next picture. `axes`: those of the grid in it.
+pub(super) fn pictures(
+    list: &[Reference],
+    grid: &Grid,
+    up: Vec3,
+    axes: &[Vec3; 3],
+) -> Vec<ReferencePicture> {
+    let placed = |one: &Reference| one.placed(grid.dims(), grid.voxel_size(), up, axes);
+    list.iter().filter_map(placed).collect()
+}
 
-    /// The device has no memory for them: none is shown any more.
-    pub(super) fn hide_references(&mut self, reason: &str) {
-        self.ui.references.iter_mut().for_each(|reference| reference.pixels = None);
-        self.ui.toasts.error(format!("The reference pictures cannot be shown: {reason}"));
-    }
+/// The device has no memory for them: none is shown any more.
+pub(super) fn hide(list: &mut [Reference], toasts: &mut Toasts, reason: &str) {
+    list.iter_mut().for_each(|reference| reference.pixels = None);
+    toasts.error(format!("The reference pictures cannot be shown: {reason}"));
 }
 
 /// Reads a PNG or JPEG file, made smaller if it is large.
@@ -85,6 +87,7 @@ fn read(path: &Path) -> Result<Arc<Pixels>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::workspace::Workspace;
     use crate::config::Config;
     use crate::input::{Action, Bindings};
     use crate::session::Session;
@@ -121,7 +124,7 @@ mod tests {
         workspace.add_reference(path.clone());
         assert!(workspace.ui.references.is_empty());
         workspace.ui.references.push(Reference::new(path, None, Side::Left, 9.0));
-        workspace.read_references();
+        read_remembered(&mut workspace.ui.references, &mut workspace.ui.toasts);
         assert_eq!(workspace.ui.references.len(), 1);
         assert!(workspace.reference_pictures().is_empty());
         let errors = workspace

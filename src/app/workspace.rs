@@ -5,30 +5,33 @@
 //! it can be tested without either.
 
 mod key_focus;
-mod pens;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use egui::{CursorIcon, Id, Rect, Sense, Ui};
+use egui::{Context, CursorIcon, Id, Rect, Sense, Ui};
 use glam::{Affine3A, Vec2};
 
-use super::memory::MemoryFile;
+use super::left::AbandonedWork;
+use super::memory::Memory;
+use super::overlay::OverlayScene;
+use super::references;
 use crate::config::Config;
 use crate::controls::Controls;
 use crate::editor::{Editor, job};
 use crate::gpu::DeviceOptions;
 use crate::input::events::{Viewport as InputArea, device_events};
 use crate::input::pad::device::PadNews;
-use crate::input::pen::PenTrack;
-use crate::input::{Action, ActionEvent, Bindings, Panel, Side};
+use crate::input::pen::{PenSample, PenTrack};
+use crate::input::{Action, ActionEvent, Bindings, Buttons, Panel, Side, Trigger};
 use crate::persist::journal::JournalOptions;
 use crate::picking::Picker;
+use crate::render::{Fallback, FrameReport, ReferencePicture};
 use crate::screen::headset::Blend;
 use crate::session::Session;
 use crate::shade::ground::line_spacing_vx;
-use crate::ui::{self, FrameTimes, UiContext, UiRequest, UiState};
+use crate::ui::{self, FrameTimes, UiContext, UiRequest, UiState, WindowOptions};
 use crate::view::Eye;
 use crate::viewpoint::ar::Ar;
 use crate::viewpoint::head::{Head, Monitor};
@@ -60,18 +63,18 @@ pub struct Workspace {
     pub ui: UiState,
     pub display: Display,
     /// The acts of pens over the main window.
-    pub(super) pens: PenTrack,
+    pens: PenTrack,
     /// The owner of the keyboard in the main window, and in those of panels.
     key_focus: BTreeMap<Option<Panel>, KeyFocus>,
-    /// Where it is remembered how the program was left, if anywhere.
-    pub(super) memory: Option<MemoryFile>,
+    /// Where it is remembered how the program was left.
+    memory: Memory,
     pub(super) leaving: bool,
     /// The settings that films and pictures without a window start from.
     pub(super) config: Config,
     /// The device that these make.
     pub render_device: DeviceOptions,
-    /// Where journals of sessions lie and how they are kept, once [`Workspace::look_for_left`] was told.
-    pub(super) journals: Option<JournalOptions>,
+    /// The work that earlier sessions left, once [`Workspace::look_for_left`] was told where.
+    pub(super) abandoned: AbandonedWork,
 }
 
 impl Workspace {
@@ -95,11 +98,11 @@ impl Workspace {
             },
             pens: PenTrack::default(),
             key_focus: BTreeMap::new(),
-            memory: None,
+            memory: Memory::default(),
             leaving: false,
             config: config.clone(),
             render_device: DeviceOptions::default(),
-            journals: None,
+            abandoned: AbandonedWork::default(),
         };
         workspace.look_from(Side::Corner);
         workspace.settle();
@@ -155,18 +158,6 @@ impl Workspace {
         self.act(Action::Quit);
     }
 
-    /// Waits for long work, if there is any, and puts in place what came of it.
-    pub fn finish_job(&mut self) {
-        self.editor.finish_job();
-        self.settle();
-    }
-
-    /// Takes what long work has come to.
-    pub(super) fn follow_job(&mut self) {
-        self.editor.follow_job();
-        self.settle();
-    }
-
     /// Takes the newest frame of the camera.
     pub(super) fn follow_camera(&mut self) {
         let notice = self.viewpoint.follow_camera(&self.ui.view.video);
@@ -188,6 +179,40 @@ impl Workspace {
     /// Takes where the program's window is on the screen.
     pub fn on_screen(&mut self, monitor: Option<Monitor>) {
         self.viewpoint.head.set_monitor(monitor);
+    }
+
+    /// Restores the state in the file, if there is one, and from now on saves the state there.
+    pub fn remember_in(&mut self, path: PathBuf, window: &WindowOptions) {
+        self.memory.open(path, window, &mut self.ui, &mut self.editor.tool);
+        references::read_remembered(&mut self.ui.references, &mut self.ui.toasts);
+        self.editor.leave_ground();
+        let session = self.editor.session();
+        if let Some(path) = session.path() {
+            self.ui.known_files.recent.note_open(path, session.assumed_up());
+        }
+    }
+
+    /// Saves the state, if some time has passed since the last time.
+    pub fn remember_at_rest(&mut self) {
+        if self.memory.is_due() {
+            self.remember();
+        }
+    }
+
+    /// Saves the state, if it has changed.
+    pub fn remember(&mut self) {
+        self.memory.save(&self.ui, &self.editor.tool);
+    }
+
+    /// Takes what pens have done over the main window, in its pixels. Their pointer comes with the events of the window.
+    pub fn hear_pens(&mut self, samples: &[PenSample]) {
+        self.ui.pen.is_used |= !samples.is_empty();
+        samples.iter().for_each(|sample| self.pens.push(sample));
+    }
+
+    /// Takes which tablets and pens there are.
+    pub fn know_pens(&mut self, names: Vec<String>) {
+        self.ui.pen.devices = names;
     }
 
     /// Polls trackers and the marker. Once a picture, before the interface.
@@ -424,6 +449,16 @@ impl Workspace {
         }
     }
 
+    /// A trigger that is awaited may be a button of a pen, which is another one to egui.
+    fn hear_pen_buttons(&mut self, ctx: &Context) {
+        let Some(button) = self.pens.take_heard() else { return };
+        if self.ui.dialogs.keys.is_catching() {
+            let modifiers = ctx.input(|input| input.modifiers).into();
+            let buttons = Buttons::NONE.with(button);
+            self.ui.dialogs.keys.hear(Some(Trigger::Mouse { buttons, modifiers }));
+        }
+    }
+
     fn cursor(&self, root: &Ui) -> CursorIcon {
         if self.controls.is_dragging() {
             return match self.editor.is_stroking() || self.editor.is_drawing() {
@@ -442,6 +477,53 @@ impl Workspace {
         match at.and_then(|at| self.editor.target(at, &self.picker())) {
             Some(_) => CursorIcon::Crosshair,
             None => CursorIcon::Grab,
+        }
+    }
+
+    /// Returns the values that the overlay of the next picture is drawn from.
+    pub(super) fn overlay_scene(&self) -> OverlayScene<'_> {
+        let document = self.editor.document();
+        let (grid, picker) = (document.grid(), self.picker());
+        let target = self.editor.pointer().and_then(|at| self.editor.target(at, &picker));
+        OverlayScene {
+            tool: &self.editor.tool,
+            document,
+            view: &self.ui.view,
+            theme: self.ui.appearance.theme,
+            seen: self.viewpoint.pick_map(),
+            pointer: self.editor.pointer(),
+            stroking: self.editor.is_stroking(),
+            sketch: self.editor.sketch(&picker),
+            marker_guide: self.editor.marker_guide(),
+            depth: picker.sight().depth(target.unwrap_or(grid.dims().as_vec3() * 0.5)),
+        }
+    }
+
+    /// Returns the reference pictures of the window's next picture.
+    pub(super) fn reference_pictures(&self) -> Vec<ReferencePicture> {
+        let axes = self.picker().sight().axes_in_picture();
+        let grid = self.editor.document().grid();
+        references::pictures(&self.ui.references, grid, self.ui.view.up, &axes)
+    }
+
+    /// Takes what the renderer reports of the window's picture.
+    pub fn take_report(&mut self, report: FrameReport) {
+        let FrameReport { pick_maps, times, fallbacks, .. } = report;
+        self.take_fallbacks(&fallbacks);
+        if let Some(map) = pick_maps.get(self.viewpoint.pointing_eye).or(pick_maps.first()) {
+            self.viewpoint.set_pick_map(map.clone());
+        }
+        self.display.times.sample_ms = times.sample_ms;
+        self.display.times.shade_ms = times.shade_ms;
+    }
+
+    /// Uses from now on the modes that were fallen back to, and says so.
+    pub(super) fn take_fallbacks(&mut self, fallbacks: &[Fallback]) {
+        for Fallback { reason, to } in fallbacks {
+            let text = format!("{reason}; switched to {}", to.label());
+            tracing::warn!("{text}");
+            self.ui.toasts.error(text);
+            self.ui.view.mode = *to;
         }
     }
 }

@@ -196,7 +196,7 @@ impl DrawTool {
 
     /// A drawing by the hand begins at a place of the grid; false if the tool draws over a picture.
     pub fn begin_in_hand(&mut self, kind: DrawKind, at_vx: Vec3) -> bool {
-        let is_drawn = matches!(kind, DrawKind::Line | DrawKind::Curve);
+        let is_drawn = kind.spec().by_hand;
         if is_drawn {
             self.held.begin(at_vx);
         }
