@@ -10,7 +10,7 @@ use super::view_source::ViewSource;
 use super::workspace::Workspace;
 use super::{film, final_picture, print_check, study};
 use crate::format::options::ImportOptions;
-use crate::journal::JournalOptions;
+use crate::persist::journal::JournalOptions;
 use crate::print_check::CheckOptions;
 use crate::ui::dialogs::final_picture::Preview;
 use crate::ui::pictures::{FilmRequest, FinalRequest};

@@ -25,7 +25,6 @@ use crate::input::events::{Viewport as InputArea, device_events};
 use crate::input::pad::device::PadNews;
 use crate::input::pen::{PenSample, PenTrack};
 use crate::input::{Action, ActionEvent, Bindings, Buttons, Panel, Side, Trigger};
-use crate::persist::journal::JournalOptions;
 use crate::picking::Picker;
 use crate::render::{Fallback, FrameReport, ReferencePicture};
 use crate::screen::headset::Blend;

@@ -10,7 +10,7 @@ use crate::config::Config;
 use crate::folders;
 use crate::format;
 use crate::headless::RunJob;
-use crate::journal::JournalOptions;
+use crate::persist::journal::JournalOptions;
 use crate::picture;
 
 /// A script to run.
