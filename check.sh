@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Checks the house rules that need no test run: formatting, lints, the length of files, where `unsafe` may
-# stand, the generated reference of the brushes, and the licences, sources, duplicates and advisories of the dependencies.
+# Checks the house rules that need no test run: formatting, lints, in how many files the methods of a type stand, where
+# `unsafe` may stand, the generated reference of the brushes, and the licences, sources, duplicates and advisories of the dependencies.
 # Usage: check.sh [--no-lints]   (--no-lints leaves out clippy and the reference, which compile the workspace)
 set -euo pipefail
 cd "$(dirname "$0")"
 PATH="$PATH:$HOME/.cargo/bin"
-max_lines=500
+max_files=3
 failed=()
 
 lints=true
@@ -17,9 +17,24 @@ esac
 
 cargo fmt --all --check || failed+=(formatting)
 
-long=$(git ls-files '*.rs' '*.wgsl' | xargs wc -l |
-    awk -v max=$max_lines '$2 != "total" && $1 > max { print "  " $2 ": " $1 }')
-[ -z "$long" ] || { printf 'check: files of more than %d lines:\n%s\n' "$max_lines" "$long" >&2; failed+=(length); }
+# Counts the files beside the one that defines the type, which is known by its room (the folder or file below src) and its
+# name. Document is still to be divided.
+scattered=$(git ls-files 'src/*.rs' 'core/src/*.rs' 'tracking/src/*.rs' | xargs awk -v max=$max_files '
+    FNR == 1 { room = FILENAME; sub(/^.*src\//, "", room); sub(/[\/.].*$/, "", room); tests = 0 }
+    /^#\[cfg\(test\)\]/ { tests = 1 }
+    !tests && match($0, /^impl(<[^>]*>)? [A-Z][A-Za-z0-9]*(<[^>]*>)? \{/) {
+        name = substr($0, RSTART, RLENGTH); sub(/^impl(<[^>]*>)? /, "", name); sub(/[<{ ].*$/, "", name)
+        type = room " " name
+        if (!here[name, FILENAME] && !seen[type, FILENAME]++) { count[type]++; files[type] = files[type] "\n    " FILENAME }
+    }
+    match($0, /^(pub(\([a-z]+\))? )?(struct|enum|union) [A-Za-z0-9]+/) {
+        name = substr($0, RSTART, RLENGTH); sub(/^.* /, "", name); here[name, FILENAME] = 1
+    }
+    END { for (type in count) if (count[type] >= max && type != "document Document") print "  " type ":" files[type] }')
+[ -z "$scattered" ] || {
+    printf 'check: methods of a type in more than %d files; these and its own:\n%s\n' "$max_files" "$scattered" >&2
+    failed+=(scattered)
+}
 
 stray=$(git ls-files 'src/*.rs' 'core/src/*.rs' 'tracking/src/*.rs' | grep -vE '^src/(gpu|screen)/' |
     xargs grep -nE '\bunsafe (\{|fn|impl|extern|trait)' || true)

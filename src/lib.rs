@@ -2,6 +2,7 @@
 //!
 //! ARCHITECTURE.md is the map of the rooms below.
 
+#![cfg_attr(not(test), warn(clippy::too_many_lines))]
 // They panic where nobody reads: see `terminal`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

@@ -77,20 +77,7 @@ impl Editor {
             Action::Nudge(step) => {
                 self.move_tool(picker.sight().screen_axes().step(step), picker);
             }
-            Action::Stretch(step) => {
-                let side = picker.sight().screen_axes().step(step);
-                match self.tool.kind {
-                    ToolKind::Marker => {
-                        let marker = self.document().selection().marker();
-                        self.mark(marker::stretched(marker, side));
-                    }
-                    ToolKind::Solid => {
-                        self.tool.stretch(side, 1.0);
-                        self.leave_ground();
-                    }
-                    ToolKind::Brush(_) | ToolKind::Draw(_) => {}
-                }
-            }
+            Action::Stretch(step) => self.stretch(picker.sight().screen_axes().step(step)),
             Action::ToggleFollow => self.tool.follow = !self.tool.follow,
             Action::ToggleSnap => self.tool.snap = !self.tool.snap,
             Action::PickHere => self.pick_colour(picker),
@@ -115,6 +102,21 @@ impl Editor {
                 let commands = self.marker.act(action, document, &mut self.tool, picker);
                 commands.into_iter().for_each(|command| self.run(command));
             }
+        }
+    }
+
+    /// Makes the tool, or the marker, one voxel longer on a side.
+    fn stretch(&mut self, side: Vec3) {
+        match self.tool.kind {
+            ToolKind::Marker => {
+                let marker = self.document().selection().marker();
+                self.mark(marker::stretched(marker, side));
+            }
+            ToolKind::Solid => {
+                self.tool.stretch(side, 1.0);
+                self.leave_ground();
+            }
+            ToolKind::Brush(_) | ToolKind::Draw(_) => {}
         }
     }
 

@@ -9,6 +9,8 @@
 //! Knows no Vulkan and no window. Only the threads of the sources read a clock: elsewhere time is a value,
 //! seconds on the host's monotonic clock ([`HostClock`]).
 
+#![cfg_attr(not(test), warn(clippy::too_many_lines))]
+
 pub mod calibration;
 mod channel;
 pub mod controls;

@@ -220,31 +220,36 @@ fn mesh_options(
             .on_hover_text("Width, height and depth of the sculpture");
         ui.end_row();
 
-        let label = ui.label("Up");
-        let MeshTraits { up: usual, is_up_fixed: is_fixed, holds_points, .. } = *traits;
-        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let mut up = dialog.up.filter(|_| !is_fixed).unwrap_or(usual);
-        ui.add_enabled_ui(!is_fixed, |ui| {
-            ui.horizontal(|ui| {
-                for (axis, name) in MeshUp::NAMED {
-                    if ui.radio_value(&mut up, axis, name).labelled_by(label.id).changed() {
-                        dialog.up = (up != usual).then_some(up);
-                    }
-                }
-            })
-            .response
-            .on_hover_text("The axis of the file that points up")
-            .on_disabled_hover_text(format!("In .{ending} it is always {usual}"));
-        });
+        up_axis(ui, dialog, path, traits);
         ui.end_row();
 
-        if holds_points {
+        if traits.holds_points {
             ui.label("");
             ui.add(Checkbox::new(&mut dialog.points_only, "Points only")).on_hover_text(
                 "The vertices without triangles, for programs that read point clouds",
             );
             ui.end_row();
         }
+    });
+}
+
+/// Shows the axis of the file that points up.
+fn up_axis(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, traits: &MeshTraits) {
+    let label = ui.label("Up");
+    let MeshTraits { up: usual, is_up_fixed: is_fixed, .. } = *traits;
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let mut up = dialog.up.filter(|_| !is_fixed).unwrap_or(usual);
+    ui.add_enabled_ui(!is_fixed, |ui| {
+        ui.horizontal(|ui| {
+            for (axis, name) in MeshUp::NAMED {
+                if ui.radio_value(&mut up, axis, name).labelled_by(label.id).changed() {
+                    dialog.up = (up != usual).then_some(up);
+                }
+            }
+        })
+        .response
+        .on_hover_text("The axis of the file that points up")
+        .on_disabled_hover_text(format!("In .{ending} it is always {usual}"));
     });
 }
 
