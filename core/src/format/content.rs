@@ -135,7 +135,7 @@ fn content_of(start: &[u8], length: u64) -> Content {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::{mesh_in, pvm};
+    use crate::format::pvm;
 
     #[test]
     fn contents_are_told_by_their_first_bytes() {
@@ -149,7 +149,7 @@ mod tests {
         let mut stl = b"PVM\n ply\n and whatever a program writes".to_vec();
         stl.resize(80, b' ');
         stl.extend([1, 0, 0, 0]);
-        assert_eq!(content_of(&stl, 134), Content::Known(&mesh_in::stl::SPEC));
+        assert_eq!(content_of(&stl, 134), Content::Known(list::named(Path::new("a.stl")).unwrap()));
         assert_eq!(content_of(&stl, 135), Content::Known(&pvm::SPEC));
     }
 }

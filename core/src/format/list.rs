@@ -6,39 +6,40 @@
 use std::path::Path;
 
 use super::FormatError;
-use super::mesh_in::{glb, obj, ply, stl, three_mf};
 use super::mesh_out::{MeshTraits, MeshWriter};
 use super::options::{ExportForm, MeshUp};
-use super::scan::{dicom, meta, nifti, nrrd, tiff, vti, vtk};
 use super::spec::{Export, Format, Import};
-use super::voxel::{binvox, gox, qb, vox};
-use super::{pvm, raw, vsc};
+use super::{mesh_in, pvm, raw, scan, voxel, vsc};
 use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::Up;
 
-/// All formats, in the order in which texts list them. Where a file has signs of several formats, the earlier counts:
-/// `.dcm` files may begin with anything, even as `.tif` files do. Meshes are exported to most often as the first.
-static FORMATS: [Format; 19] = [
-    &vsc::SPEC,
-    &pvm::SPEC,
-    &raw::SPEC,
-    &dicom::SPEC,
-    &nifti::SPEC,
-    &nrrd::SPEC,
-    &meta::SPEC,
-    &vti::SPEC,
-    &vtk::SPEC,
-    &tiff::SPEC,
-    &vox::SPEC,
-    &qb::SPEC,
-    &gox::SPEC,
-    &binvox::SPEC,
-    &stl::SPEC,
-    &glb::SPEC,
-    &three_mf::SPEC,
-    &ply::SPEC,
-    &obj::SPEC,
-];
+/// All formats, in the order in which texts list them. If a file has signs of several formats, the earlier counts.
+static LISTS: [&[Format]; 4] =
+    [&[&vsc::SPEC, &pvm::SPEC, &raw::SPEC], scan::FORMATS, voxel::FORMATS, mesh_in::FORMATS];
+static FORMATS: [Format; COUNT] = one_list();
+
+const COUNT: usize = {
+    let (mut i, mut count) = (0, 0);
+    while i < LISTS.len() {
+        count += LISTS[i].len();
+        i += 1;
+    }
+    count
+};
+
+const fn one_list() -> [Format; COUNT] {
+    let mut formats = [LISTS[0][0]; COUNT];
+    let (mut i, mut count) = (0, 0);
+    while i < LISTS.len() {
+        let mut own = 0;
+        while own < LISTS[i].len() {
+            formats[count] = LISTS[i][own];
+            (own, count) = (own + 1, count + 1);
+        }
+        i += 1;
+    }
+    formats
+}
 
 /// Extensions of the files that can be read.
 pub const READ_ENDINGS: [&str; READ_COUNT] = read_endings();

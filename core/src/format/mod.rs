@@ -55,7 +55,8 @@ pub use self::list::{
     meshes_of_points_text, meshes_read_with_up_text, meshes_with_up_text, models_of_cubes_text,
     written_text,
 };
-pub use self::mesh_out::{MeshSummary, MeshTraits, save_mesh, save_mesh_again, usual_surface};
+pub use self::mesh_out::MeshTraits;
+pub use self::mesh_out::save::{MeshSummary, save_mesh, save_mesh_again, usual_surface};
 use self::options::{Colouring, Existence, ExportForm, ExportOptions, ImportOptions};
 pub use self::options::{MeshOptions, MeshUp};
 pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};

@@ -10,7 +10,7 @@ use super::budget::check_budget;
 use super::dds::{self, Stream};
 use super::error::excerpt;
 use super::limits::{HEADER_LIMIT, TEXTS_LIMIT};
-use super::scan::{Reading, Scan};
+use super::scan::reading::{Reading, Scan};
 use super::spec::{Export, FormatSpec, Import, Sign};
 use super::volume::{Samples, Texts, Volume};
 use super::{FormatError, go_on};

@@ -3,7 +3,7 @@
 use glam::UVec3;
 
 use super::options::RawLayout;
-use super::scan::{Reading, Scan};
+use super::scan::reading::{Reading, Scan};
 use super::spec::{Export, FormatSpec, Import};
 use super::volume::{Texts, Volume};
 use super::{FormatError, budget_bytes, store};

@@ -1,17 +1,17 @@
 //! The description of a file format: the names of its files, the bytes that identify it, and how it is read and written.
 //!
-//! Each format has one, `SPEC`, in its own file, and a row in `list.rs`; everything else that depends on the format
-//! follows from it. What an import or an export asks follows from the kind of reader and writer. Knows no format.
+//! Each format has one, `SPEC`, in its own file, and a row in the list of its folder (`FORMATS`), of which `list.rs` makes
+//! one; everything else that depends on the format follows from it. What an import or an export asks follows from the kind of reader and writer. Knows no format.
 
 use std::fmt;
 use std::path::Path;
 
 use super::FormatError;
-use super::mesh_in::MeshReader;
+use super::mesh_in::imported::MeshReader;
 use super::mesh_out::MeshWriter;
-use super::scan::{Reading, Scan};
+use super::scan::reading::{Reading, Scan};
 use super::volume::Volume;
-use super::voxel::{ModelReader, ModelWriter};
+use super::voxel::model::{ModelReader, ModelWriter};
 use crate::progress::Progress;
 
 /// A format, as the list holds it.

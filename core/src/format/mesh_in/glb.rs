@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use super::glb_json::{Glb, MAGIC, fault, whole};
 use super::gltf_files::Beside;
-use super::{Imported, MeshReader};
+use super::imported::{Imported, MeshReader};
 use crate::format::FormatError;
 use crate::format::error::excerpt;
 use crate::format::mesh_out::{self, MeshTraits, MeshWriter};

@@ -4,7 +4,7 @@
 use std::cell::Cell;
 use std::path::Path;
 
-use super::within;
+use super::imported::within;
 use crate::format::error::excerpt;
 use crate::format::scan::base64;
 use crate::format::{FormatError, store};

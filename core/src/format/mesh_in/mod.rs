@@ -5,153 +5,20 @@
 //! the file. `crate::voxelise` makes voxels of them. Corners that are no numbers stay; the voxeliser leaves their
 //! triangles out.
 
-pub mod glb;
+mod glb;
 mod glb_json;
 mod gltf_files;
+pub mod imported;
 mod mtl;
-pub mod obj;
-pub mod ply;
+mod obj;
+mod ply;
 mod ply_header;
-pub mod stl;
-pub mod three_mf;
+mod stl;
+mod three_mf;
 mod three_mf_parts;
 
-use std::path::{Component, Path, PathBuf};
+pub use self::imported::{Imported, MeshReader, load};
+use super::spec::Format;
 
-use super::options::ImportOptions;
-use super::{FormatError, budget_bytes, store, voxel};
-use crate::progress::Progress;
-use crate::sculpture::Limits;
-use crate::sculpture::history::Contents;
-use crate::sculpture::orientation::Up;
-use crate::voxelise::{Findings, Frame, Mesh, to_contents};
-
-/// Memory that a mesh takes, at most, for each byte of its file.
-const BYTES_PER_BYTE: u64 = 12;
-
-/// A file to be read.
-pub struct MeshFile<'a> {
-    bytes: &'a [u8],
-    path: &'a Path,
-    /// Memory that its parts or neighbours may take together.
-    rest_bytes: u64,
-    progress: &'a dyn Progress,
-}
-
-/// How meshes of a format are read.
-#[derive(Debug)]
-pub struct MeshReader {
-    read: fn(&MeshFile) -> Result<Imported, FormatError>,
-    /// The axis that points up, as programs mostly write the format.
-    pub usual_up: Up,
-    /// Whether the format itself says so.
-    pub knows_up: bool,
-    /// Millimetres that a unit of length stands for.
-    mm_per_unit: f64,
-}
-
-impl MeshReader {
-    /// A format that says nothing about its unit of length, mostly millimetres, or about the axis that points up.
-    const fn new(usual_up: Up, read: fn(&MeshFile) -> Result<Imported, FormatError>) -> MeshReader {
-        MeshReader { read, usual_up, knows_up: false, mm_per_unit: 1.0 }
-    }
-
-    /// The axis that is taken for the one that points up: as chosen, or as is usual.
-    pub fn up(&self, options: &ImportOptions) -> Up {
-        options.upright.filter(|_| !self.knows_up).unwrap_or(self.usual_up)
-    }
-
-    /// Millimetres that a unit of length stands for.
-    pub fn mm_per_unit(&self) -> f64 {
-        self.mm_per_unit
-    }
-}
-
-/// A mesh, and what is said about it.
-#[derive(Debug, Default)]
-pub struct Imported {
-    pub mesh: Mesh,
-    /// The reader of its format; none only while the mesh is read.
-    of: Option<&'static MeshReader>,
-    /// Such as `STL, binary`.
-    pub kind: String,
-    /// Notes on what was left out, for the user.
-    pub notes: Vec<String>,
-}
-
-/// Reads a file, materials and textures from its folder.
-pub fn load(
-    path: &Path,
-    reader: &'static MeshReader,
-    limits: &Limits,
-    progress: &dyn Progress,
-) -> Result<Imported, FormatError> {
-    let budget = budget_bytes(limits) / BYTES_PER_BYTE;
-    let file = store::read(path, budget, |_| Ok(()), progress)?;
-    let rest_bytes = budget - file.len() as u64;
-    let mut imported = (reader.read)(&MeshFile { bytes: &file, path, rest_bytes, progress })?;
-    if imported.mesh.triangles.is_empty() {
-        return Err(FormatError::NoTriangles);
-    }
-    imported.of = Some(reader);
-    Ok(imported)
-}
-
-impl Imported {
-    /// The grid that the mesh becomes.
-    pub fn frame(&self, options: &ImportOptions) -> Result<Frame, FormatError> {
-        let up = self.of.map_or(Up::default(), |reader| reader.up(options));
-        let mm_per_unit = self.of.map_or(1.0, MeshReader::mm_per_unit);
-        Ok(Frame::around(&self.mesh, options.mesh_size, up, mm_per_unit)?)
-    }
-
-    /// Makes a sculpture, with what there is to say about the mesh.
-    pub fn into_contents(
-        mut self,
-        options: &ImportOptions,
-        limits: &Limits,
-        progress: &dyn Progress,
-    ) -> Result<(Contents, Vec<String>), FormatError> {
-        let depth = voxel::colour_depth(options)?;
-        let frame = self.frame(options)?;
-        let (mesh, fill) = (&self.mesh, options.mesh_fill);
-        let (contents, findings) = to_contents(mesh, &frame, fill, depth, limits, progress)?;
-        self.notes.extend(note_of(&findings));
-        Ok((contents, self.notes))
-    }
-}
-
-/// The note on a mesh that was voxelised, if there is anything to say.
-fn note_of(findings: &Findings) -> Option<String> {
-    let percent = 100.0 * findings.open_share;
-    match (findings.open_share > 0.0, findings.is_shell) {
-        (true, true) => Some(format!(
-            "the mesh is open ({percent:.1} % of the rays through it fall through holes), so its surface alone was \
-             taken; ask for a solid to fill it"
-        )),
-        (true, false) => Some(format!(
-            "the mesh has holes ({percent:.2} % of the rays through it), which were closed"
-        )),
-        (false, _) => None,
-    }
-}
-
-/// An error in a text, at a line counted from 0.
-fn at_line(line: usize, what: impl Into<String>) -> FormatError {
-    FormatError::Malformed { place: format!("line {}", line + 1), what: what.into() }
-}
-
-/// A number of a text.
-fn number(word: Option<&str>, line: usize) -> Result<f32, FormatError> {
-    let word = word.ok_or_else(|| at_line(line, "a number is missing"))?;
-    let shown = super::error::excerpt(word.as_bytes());
-    word.parse().map_err(|_| at_line(line, format!("`{shown}` is not a number")))
-}
-
-/// The path of a file in the folder of the mesh or below. None for any other.
-fn within(folder: &Path, name: &str) -> Option<PathBuf> {
-    let name = name.replace('\\', "/");
-    let relative = Path::new(&name);
-    let is_plain = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
-    (!name.is_empty() && relative.components().all(is_plain)).then(|| folder.join(relative))
-}
+/// The formats, as texts list them: those to which is exported most often come first.
+pub static FORMATS: &[Format] = &[&stl::SPEC, &glb::SPEC, &three_mf::SPEC, &ply::SPEC, &obj::SPEC];

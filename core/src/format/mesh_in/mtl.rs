@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::within;
+use super::imported::within;
 use crate::format::picture::load_picture;
 use crate::format::store;
 use crate::progress::Progress;

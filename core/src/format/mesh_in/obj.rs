@@ -8,8 +8,8 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
+use super::imported::{Imported, MeshReader, at_line, number};
 use super::mtl::Materials;
-use super::{Imported, MeshReader, at_line, number};
 use crate::format::FormatError;
 use crate::format::error::excerpt;
 use crate::format::mesh_out::{self, MeshTraits, MeshWriter};

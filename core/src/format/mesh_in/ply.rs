@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
+use super::imported::{Imported, MeshReader, at_line};
 use super::ply_header::{self, Element, Encoding, Header, Scalar};
-use super::{Imported, MeshReader, at_line};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;

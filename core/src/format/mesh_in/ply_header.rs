@@ -1,6 +1,6 @@
 //! The header of a `.ply`: which elements follow, how many, and of which properties.
 
-use super::at_line;
+use super::imported::at_line;
 use crate::format::FormatError;
 
 /// Longest header.

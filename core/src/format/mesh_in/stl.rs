@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Imported, MeshReader, at_line, number};
+use super::imported::{Imported, MeshReader, at_line, number};
 use crate::format::FormatError;
 use crate::format::mesh_out::{self, MeshTraits, MeshWriter};
 use crate::format::options::MeshUp;

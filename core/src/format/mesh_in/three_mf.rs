@@ -12,8 +12,8 @@ use roxmltree::{Document, Node};
 use zip::ZipArchive;
 
 use super::glb_json::fault;
+use super::imported::{Imported, MeshReader};
 use super::three_mf_parts::{PLACES, Parts};
-use super::{Imported, MeshReader};
 use crate::format::FormatError;
 use crate::format::budget::check_budget;
 use crate::format::error::{excerpt, printable};

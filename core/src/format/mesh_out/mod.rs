@@ -7,7 +7,7 @@
 pub mod glb;
 pub mod obj;
 pub mod ply;
-mod save;
+pub mod save;
 pub mod stl;
 #[cfg(test)]
 mod tests;
@@ -18,7 +18,6 @@ use std::path::Path;
 
 use glam::{Mat3, Vec3};
 
-pub use self::save::{MeshSummary, save_mesh, save_mesh_again, usual_surface};
 use super::options::{MeshOptions, MeshUp};
 use super::store::AtomicFile;
 use super::{FormatError, go_on};

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::{MeshOptions, MeshSummary, MeshUp, linear, save_mesh};
+use super::save::{MeshSummary, save_mesh};
+use super::{MeshOptions, MeshUp, linear};
 use crate::format::FormatError;
 use crate::format::options::ExportForm;
 use crate::mesh::tests::check::{check, welded};

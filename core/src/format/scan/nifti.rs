@@ -10,8 +10,8 @@ use glam::{DMat3, DQuat, DVec3, UVec3, Vec3};
 
 use super::frame::Frame;
 use super::numbers::{Number, volume};
+use super::reading::{Reading, Scan};
 use super::unpack::{cut, exactly, malformed};
-use super::{Reading, Scan};
 use crate::format::FormatError;
 use crate::format::spec::{FormatSpec, Import, Packing, Sign};
 

@@ -7,8 +7,8 @@ use glam::{UVec3, Vec3};
 
 use super::frame::Frame;
 use super::numbers::{Number, volume};
+use super::reading::{Reading, Scan};
 use super::unpack::{cut, malformed};
-use super::{Reading, Scan};
 use crate::format::FormatError;
 use crate::format::error::excerpt;
 use crate::format::spec::{FormatSpec, Import, Sign};

@@ -65,7 +65,7 @@ impl MeshStudy {
 
     /// The grid that the mesh would lie in.
     pub fn frame(&self, options: &ImportOptions) -> Result<Frame, FormatError> {
-        let (up, mm) = (self.up(options), self.format.mm_per_unit());
+        let (up, mm) = (self.up(options), self.format.mm_per_unit);
         Ok(Frame::of_bounds(self.bounds, options.mesh_size, up, mm)?)
     }
 

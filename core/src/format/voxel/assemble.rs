@@ -4,7 +4,7 @@
 
 use glam::{I64Vec3, UVec3, Vec3};
 
-use super::Model;
+use super::model::Model;
 use crate::format::options::{Colouring, ImportOptions, MeshSize};
 use crate::format::volume::Samples;
 use crate::format::{FormatError, go_on};

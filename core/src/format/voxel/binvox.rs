@@ -2,7 +2,7 @@
 
 use glam::I64Vec3;
 
-use super::{Model, ModelReader, Sink};
+use super::model::{Model, ModelReader, Sink};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;

@@ -7,7 +7,7 @@ use glam::I64Vec3;
 use image::{ImageFormat, ImageReader, Limits};
 
 use super::gox_layer::{self, Layer};
-use super::{Model, ModelReader, Sink};
+use super::model::{Model, ModelReader, Sink};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;

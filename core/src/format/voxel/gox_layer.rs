@@ -5,7 +5,7 @@
 
 use glam::{DMat4, DVec3, I64Vec3};
 
-use super::Sink;
+use super::model::{Sink, upright};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::sculpture::Rgb;
@@ -140,7 +140,7 @@ fn place(i: i64) -> I64Vec3 {
 }
 
 fn put(v: I64Vec3, [r, g, b, opacity]: [u8; 4], sink: &mut Sink<'_>) -> Result<(), FormatError> {
-    if opacity >= OPAQUE { sink(super::upright(v), Rgb([r, g, b])) } else { Ok(()) }
+    if opacity >= OPAQUE { sink(upright(v), Rgb([r, g, b])) } else { Ok(()) }
 }
 
 /// The voxels of the box around what a matrix makes of another, with the matrix back.

@@ -2,8 +2,8 @@
 
 use glam::I64Vec3;
 
+use super::model::{Model, ModelReader, Sink};
 use super::qb_write::{self, RUN, SLICE_END};
-use super::{Model, ModelReader, Sink};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::spec::{Export, FormatSpec, Import};

@@ -8,10 +8,11 @@ use std::collections::{HashMap, HashSet};
 
 use glam::I64Vec3;
 
+use super::model::{Model, ModelReader, Sink, upright, upright_box};
 use super::palette::default_palette;
 use super::scene::{self, Instance, Node, Turn};
 use super::vox_write::{self, MAGIC, MAX_EDGE_VX};
-use super::{Model, ModelReader, Sink, upright, upright_box, voxlap};
+use super::voxlap;
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::spec::{Export, FormatSpec, Import, Sign};

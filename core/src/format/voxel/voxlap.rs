@@ -3,7 +3,7 @@
 
 use glam::I64Vec3;
 
-use super::{Model, Sink};
+use super::model::{Model, Sink};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;

@@ -5,11 +5,12 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::super::reading::Reading;
 use super::data_set::{self, DataSet, Part};
+use super::frames;
 use super::pixels::Layout;
 use super::plane::Plane;
 use super::tags;
-use super::{Reading, frames};
 use crate::format::{FormatError, Texts, go_on, store};
 
 /// Bytes at the beginning of a file that tell whether it is DICOM, and those that say what it holds.

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use super::super::Reading;
+use super::super::reading::Reading;
 use super::plane::{Plane, SAME_PLACE_MM};
 use crate::format::{FormatError, Volumes};
 

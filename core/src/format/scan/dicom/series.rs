@@ -3,7 +3,7 @@
 //! Takes the first bytes of files; gives slices in the order of their places along the normal, on a regular grid, with
 //! notes on what is missing, doubled or of unequal distances. Knows no pixels.
 
-use super::super::Reading;
+use super::super::reading::Reading;
 use super::phases;
 use super::plane::{Plane, SAME_PLACE_MM};
 use crate::format::{FormatError, Volumes};

@@ -11,8 +11,8 @@ use roxmltree::{Document, Node};
 use tiff::decoder::ifd::Value;
 use tiff::tags::Tag;
 
+use super::super::reading::{OTHER_CHANNEL, OTHER_TIME, Reading};
 use super::super::unit::mm_per_unit;
-use super::super::{OTHER_CHANNEL, OTHER_TIME, Reading};
 use super::Pages;
 use crate::format::options::ImportOptions;
 use crate::format::{FormatError, Volumes};

@@ -1,0 +1,108 @@
+//! What a reader of a scan is given, and what it gives back. The files that belong to the one to be read are found only in
+//! its folder or below. Knows no format.
+
+use std::path::{Component, Path, PathBuf};
+
+use glam::{UVec3, Vec3};
+
+use super::frame::Frame;
+use crate::format::options::ImportOptions;
+use crate::format::{FormatError, Volume, Volumes, budget_bytes, error, prepare, store};
+use crate::progress::Progress;
+use crate::sculpture::{Grid, Limits};
+
+/// A scan as it was read.
+pub struct Scan {
+    pub volume: Volume,
+    pub frame: Frame,
+    /// Format and packing, for people.
+    pub kind: String,
+    /// Whether the file says that its numbers are labels.
+    pub is_label: bool,
+    /// Which of several volumes it is.
+    pub volumes: Volumes,
+    /// Notes on what was left out or interpreted otherwise, for people.
+    pub notes: Vec<String>,
+}
+
+impl Scan {
+    /// A volume of a file that says nothing but its voxels.
+    pub fn bare(volume: Volume, kind: String, volumes: Volumes) -> Scan {
+        Scan { volume, frame: Frame::Unknown, kind, is_label: false, volumes, notes: Vec::new() }
+    }
+}
+
+/// How it is said which option takes another of several volumes.
+pub const OTHER_TIME: &str = "the option `time` takes another";
+pub const OTHER_CHANNEL: &str = "the option `channel` takes another";
+
+/// The input of a reader besides the bytes.
+pub struct Reading<'a> {
+    pub path: &'a Path,
+    pub options: &'a ImportOptions,
+    pub limits: &'a Limits,
+    pub progress: &'a dyn Progress,
+}
+
+impl Reading<'_> {
+    /// An error if no grid can hold what becomes of such a volume.
+    pub fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
+        let (dims, voxel_size) = prepare::prepared(dims, voxel_size, self.options)?;
+        Ok(Grid::check(dims, voxel_size, self.limits.grid_bytes)?)
+    }
+
+    /// Which volume is read of a file that has so many times and one channel.
+    pub fn volumes(&self, times: u64) -> Result<Volumes, FormatError> {
+        Volumes::of(self.options, 1, times)
+    }
+
+    /// Note that the first of several volumes was read, unless one was asked for.
+    pub fn first_of(&self, volumes: u64) -> Option<String> {
+        let is_open = volumes > 1 && self.options.time.is_none();
+        is_open.then(|| format!("first of {volumes} volumes taken; {OTHER_TIME}"))
+    }
+
+    /// Memory that is left beside a file of that length.
+    pub fn rest_bytes(&self, file_bytes: u64) -> u64 {
+        budget_bytes(self.limits).saturating_sub(file_bytes)
+    }
+
+    /// A whole file.
+    pub fn read(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
+        store::read(path, budget_bytes(self.limits), |_| Ok(()), self.progress)
+    }
+
+    /// What `read` makes of a whole file, and the length of the file.
+    pub fn read_whole(
+        &self,
+        path: &Path,
+        read: impl FnOnce(Vec<u8>) -> Result<Scan, FormatError>,
+    ) -> Result<(Scan, u64), FormatError> {
+        let file = self.read(path)?;
+        let file_bytes = file.len() as u64;
+        Ok((read(file)?, file_bytes))
+    }
+
+    /// Another file that belongs to this one.
+    pub fn read_beside(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
+        let name = error::excerpt(path.file_name().unwrap_or_default().as_encoded_bytes());
+        self.read(path).map_err(|error| match error {
+            FormatError::Io(error) => FormatError::Scan(format!(
+                "its voxels are in {name}, which cannot be read: {error}; keep both files in one folder"
+            )),
+            error => error,
+        })
+    }
+
+    /// The path of a file that a header names: in the same folder or below, wherever else the name points.
+    pub fn beside(&self, name: &str) -> Result<PathBuf, FormatError> {
+        let is_below = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+        if name.is_empty() || !Path::new(name).components().all(is_below) {
+            return Err(FormatError::Scan(format!(
+                "the header says that its voxels are in `{}`; put it beside the header: only files in its own folder or below are read",
+                name.escape_debug()
+            )));
+        }
+        Ok(self.path.parent().unwrap_or(Path::new("")).join(name))
+    }
+}
