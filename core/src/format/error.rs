@@ -8,6 +8,7 @@ use thiserror::Error;
 use super::options::{Colouring, ExportForm, MeshUp, Region};
 use super::volume::Samples;
 use crate::mesh::MeshError;
+use crate::progress::Progress;
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
 use crate::tools::pieces::PiecesError;
@@ -411,6 +412,11 @@ impl From<VoxeliseError> for FormatError {
             error => FormatError::Voxelise(error),
         }
     }
+}
+
+/// An error if the work has been cancelled.
+pub(super) fn go_on(progress: &dyn Progress) -> Result<(), FormatError> {
+    if progress.is_cancelled() { Err(FormatError::Cancelled) } else { Ok(()) }
 }
 
 /// A message of a library, without control characters of the file that it may quote.

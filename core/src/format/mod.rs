@@ -46,8 +46,10 @@ use std::ffi::OsStr;
 use std::io::BufWriter;
 use std::path::Path;
 
+use self::budget::budget_bytes;
 pub use self::content::needs_layout;
 pub use self::error::FormatError;
+use self::error::go_on;
 pub use self::histogram::Histogram;
 pub use self::info::{Densities, Info, info, info_with};
 pub use self::list::{
@@ -278,16 +280,6 @@ pub fn save_with(
     progress.end();
     written?;
     Ok(Vec::new())
-}
-
-/// An error if the work has been cancelled.
-fn go_on(progress: &dyn Progress) -> Result<(), FormatError> {
-    if progress.is_cancelled() { Err(FormatError::Cancelled) } else { Ok(()) }
-}
-
-/// Bytes that a file and its volume together may take.
-fn budget_bytes(limits: &Limits) -> u64 {
-    limits.grid_bytes.saturating_add(limits.colour_bytes)
 }
 
 fn read_file(
