@@ -56,20 +56,7 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let frames = frames(&data)?;
     let planes = match frames {
         1 => found.planes,
-        _ => {
-            let planes: Vec<Plane> = (0..frames).map(|frame| Plane::of(&data, 0, frame)).collect();
-            let first = planes[0].clone();
-            let all = planes.len();
-            let parallel: Vec<Plane> =
-                planes.into_iter().filter(|plane| plane.is_parallel(&first)).collect();
-            if parallel.len() < all {
-                notes.push(format!(
-                    "frames left out, of another direction: {}",
-                    all - parallel.len()
-                ));
-            }
-            parallel
-        }
+        _ => parallel_planes(&data, frames, &mut notes),
     };
     let layers = series::layers(planes, found.named, reading)?;
     notes.extend(layers.notes);
@@ -131,6 +118,19 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let volume = volume(dims, voxel_size, samples, description);
     let volumes = layers.volumes;
     Ok((Scan { volume, frame, kind, is_label: false, volumes, notes }, file_bytes))
+}
+
+/// The planes of the frames of a file that are parallel to the first.
+fn parallel_planes(data: &DataSet, frames: usize, notes: &mut Vec<String>) -> Vec<Plane> {
+    let planes: Vec<Plane> = (0..frames).map(|frame| Plane::of(data, 0, frame)).collect();
+    let first = planes[0].clone();
+    let all = planes.len();
+    let parallel: Vec<Plane> =
+        planes.into_iter().filter(|plane| plane.is_parallel(&first)).collect();
+    if parallel.len() < all {
+        notes.push(format!("frames left out, of another direction: {}", all - parallel.len()));
+    }
+    parallel
 }
 
 /// The number of frames of a file.
