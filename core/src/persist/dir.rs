@@ -1,10 +1,10 @@
-//! A folder of files of one kind, named `STEM.ENDING`, as journals, saved histories and the files for undo steps lie in:
-//! how files are named, listed, numbered, begun, published, and removed when they are old or were left.
+//! A folder of files of one kind, named `STEM.ENDING`, in which journals, saved histories and the files for undo steps
+//! lie: how files are named, listed, numbered, begun, published, and removed when they are old or were left.
 //!
 //! A file of [`FileDir`] is written as `N.new`, locked, and takes its name once it is whole and on the disk; an `N.new`
-//! without a lock was left by a session that was killed. The files of [`spill`](super::spill) are never published, and
-//! who removes one that was left holds its lock until it is gone, so that they share names and numbers, but not the
-//! type. Knows no contents; which ending stands for what, and what an error means, is the matter of the callers.
+//! without a lock was left by a session that was killed. The files of [`spill`](super::spill) share only
+//! [`path_in`], [`has_ending`] and [`create_numbered`]: they are never published, an empty one may be in use, and one
+//! that was left stays locked until it is removed. Knows no contents; callers say which ending stands for what.
 
 use std::cmp::Reverse;
 use std::fmt::Display;

@@ -1,5 +1,5 @@
-//! What a session leaves on the disk beside the sculptures that a person saves: its journal, the undo histories of saved
-//! files, and the undo steps that memory has no room for.
+//! What a session leaves on the disk beside the sculptures that a person saves: its journal, the undo histories of
+//! saved files, and the undo steps that memory has no room for.
 //!
 //! Journals and saved histories share their bytes on the disk: `frame` is the framing of records, `payload` the numbers
 //! and texts in them, `sculpture_file` a record that both have. `files` is the file layer, `dir` a folder of such

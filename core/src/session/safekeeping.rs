@@ -1,7 +1,7 @@
 //! What keeps the work of a session safe, for its owner to switch on and to ask: the journal, the undo histories on the
 //! disk, and the locks of the sculptures' files.
 //!
-//! Passes on to the types that own these ([`JournalKeeper`], `Histories`, `Access`), with the parts of the session that
+//! Passes on to the types that own these (`JournalKeeper`, `Histories`, `Access`), with the parts of the session that
 //! they need. Executes no command.
 
 use std::path::{Path, PathBuf};

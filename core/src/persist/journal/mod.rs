@@ -4,7 +4,8 @@
 //! A journal begins with a **checkpoint**: all that the session began with, by content. It is followed by
 //! **entries**: the commands that were executed, and the files that they read. `entry` and `checkpoint` define the
 //! meaning of records, `writer` is the thread that writes, `growing` is its file, `live` knows all journals of this
-//! process, `dir` is the folder in which journals lie, and `reader` reads one. Knows documents, but no session: the session replays journals.
+//! process, `dir` is the folder in which journals lie, and `reader` reads one. Knows documents, but no session: the
+//! session replays journals.
 
 mod checkpoint;
 mod dir;

@@ -1,6 +1,7 @@
 //! The file into which a session's history goes, as the few operations that it needs, behind traits so that
-//! tests can let each of them fail. [`Folder`] is the real one. The traits are not those of [`files`](super::super::files):
-//! bytes are written and read anywhere, nothing is synced, and nothing outlives the session.
+//! tests can let each of them fail. [`Folder`] is the real one. The traits are not those of
+//! [`files`](crate::persist::files): bytes are written and read anywhere, nothing is synced, and nothing outlives the
+//! session.
 //!
 //! A file `N.history` in a folder, which only its owner can read, is locked while its session runs and removed
 //! when that ends. A file that a killed session has left is removed by the next one.

@@ -3,8 +3,8 @@
 //! A thread of its own packs the steps (`format::history`) and writes them to one file; until then they stay in
 //! memory, and their size is bounded. Packing and unpacking go in parts, each with a CRC-32. Where the disk is
 //! full or fails, a message says so, steps are refused, and every further step tries again.
-//! `file` is the file, `parts` are the parts of steps in it, `part_writer` writes them, `space` tracks which parts of the file are in use, and
-//! `spilled_step` stands for a step. Knows no document.
+//! `file` is the file, `parts` are the parts of steps in it, `part_writer` writes them, `space` tracks which parts of
+//! the file are in use, and `spilled_step` stands for a step. Knows no document.
 
 mod file;
 mod part_writer;

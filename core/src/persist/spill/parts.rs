@@ -1,8 +1,8 @@
 //! A packed step in the file, in parts: neither packing nor unpacking has more than one of them in memory.
 //!
-//! Each part has a place of its own, and a checksum that is looked at before anything in it is used. The file holds packed
-//! bytes alone, without frames of records: it ends with the session, which has places, lengths and checksums in memory.
-//! `part_writer` writes them.
+//! Each part has a place of its own, and a checksum that is looked at before anything in it is used. The file holds
+//! packed bytes alone, without frames of records: it ends with the session, which has places, lengths and checksums in
+//! memory. `part_writer` writes them.
 
 use std::io::{BufRead, Error, Read, Result};
 
