@@ -72,6 +72,7 @@ fn drawn_out(i: usize, base: f32) -> (f32, f32) {
     (base + (0.62 - base) * t + 0.06 * rise, 0.86 - 0.5 * rise)
 }
 
+#[expect(clippy::too_many_lines, reason = "a table")]
 fn lines(brush: BrushId) -> Vec<Line> {
     match brush {
         BrushId::Paint => vec![

@@ -15,10 +15,13 @@ use crate::sculpture::orientation::{Orientation, Up};
 /// Takes a voxel: its place, y up, and its colour. An error ends the walk.
 pub type Sink<'a> = dyn FnMut(I64Vec3, Rgb) -> Result<(), FormatError> + 'a;
 
+/// Reads a file as far as its structure.
+pub type ReadModel = for<'a> fn(&'a [u8]) -> Result<Box<dyn Model + 'a>, FormatError>;
+
 /// How models of a format are read.
 pub struct ModelReader {
     /// Reads a file as far as its structure; damage of the voxels themselves is found by the walk.
-    pub read: for<'a> fn(&'a [u8]) -> Result<Box<dyn Model + 'a>, FormatError>,
+    pub read: ReadModel,
     /// The form in which the models are shown: what was built of cubes stays so; what was a mesh is smooth.
     pub surface: SurfaceKind,
 }

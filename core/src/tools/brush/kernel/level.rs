@@ -140,6 +140,15 @@ struct Shares {
     staying: Vec<f32>,
 }
 
+/// A row of voxels in whose spans candidates are sought.
+struct RowOfVoxels<'a> {
+    first: IVec3,
+    block: &'a BitBlock,
+    along_x: &'a Places,
+    /// The cells along x, each with its voxels of the row.
+    spans: &'a [(usize, Range<usize>)],
+}
+
 impl<'a> Work<'a> {
     /// None where the footprint meets nothing.
     fn new(level: Level, footprint: &'a Footprint, grid: &'a Grid) -> Option<Work<'a>> {
@@ -222,21 +231,19 @@ impl<'a> Work<'a> {
                     .get_or_insert_with(|| BitBlock::of_grid(self.grid, bounds.min, bounds.max));
                 for (z, y) in span_z.clone().flat_map(|z| span_y.clone().map(move |y| (z, y))) {
                     let first = bounds.min + IVec3::new(0, y as i32, z as i32);
-                    self.add_row(first, block, along_x, &spans, &mut shares, &mut found);
+                    let row = RowOfVoxels { first, block, along_x, spans: &spans };
+                    self.add_row(&row, &mut shares, &mut found);
                 }
             }
         }
         found
     }
 
-    /// Adds the candidates of a row of voxels, from `first` on, in some spans of it.
+    /// Adds the candidates of a row of voxels.
     #[inline(always)]
     fn add_row(
         &self,
-        first: IVec3,
-        block: &BitBlock,
-        along_x: &Places,
-        spans: &[(usize, Range<usize>)],
+        &RowOfVoxels { first, block, along_x, spans }: &RowOfVoxels,
         Shares { adding, staying }: &mut Shares,
         found: &mut Candidates,
     ) {
