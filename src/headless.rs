@@ -34,7 +34,7 @@ use crate::session::{Session, SessionError};
 use crate::shade::Ground;
 use crate::shade::ground::line_spacing_vx;
 use crate::terminal::{self, OutputError};
-use crate::trace::TraceShot;
+use crate::trace::TraceCamera;
 use crate::view::StereoLayout;
 
 pub use check::check;
@@ -251,12 +251,13 @@ pub fn render_final(
 ) -> Result<(), JobError> {
     let session = context.open_session(file, import)?;
     let (view, document) = (request.view(context.config), session.document());
-    let shot = view.shot(document);
-    let shot = TraceShot { eye: shot.eye, world_from_grid: shot.world_from_grid, up: view.up };
+    let placement = view.placement(document);
+    let camera =
+        TraceCamera { eye: placement.eye, world_from_grid: placement.world_from_grid, up: view.up };
     let on = if on_gpu { TraceOn::Gpu(context.device.clone()) } else { TraceOn::Cpu };
     let options = FinalOptions { smooth_surface: view.smooth_surface, ..*options };
     let contents = document.contents();
-    let picture = FinalPicture { contents, shot: &shot, options: &options, on: &on };
+    let picture = FinalPicture { contents, camera: &camera, options: &options, on: &on };
     picture::write_final(picture, out, context.progress, &mut |_, _| {})?;
     let UVec2 { x, y } = view.size;
     terminal::print_done(format_args!("wrote {} ({x}x{y})", out.display()));

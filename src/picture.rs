@@ -117,8 +117,8 @@ pub struct CameraPlacement {
 }
 
 impl View {
-    /// The shot that frames the sculpture of `document`.
-    pub fn shot(&self, document: &Document) -> CameraPlacement {
+    /// Returns the placement of the camera that frames the sculpture of `document`.
+    pub fn placement(&self, document: &Document) -> CameraPlacement {
         let world_from_grid = Affine3A::from_quat(Quat::from_axis_angle(self.up, self.turn_rad))
             * document.world_from_grid();
         let mut corners = outline(document.grid());
@@ -202,7 +202,7 @@ pub fn render(
     view: &View,
     options: &PictureOptions,
 ) -> Result<Vec<RgbImage>, PictureError> {
-    PictureMaker::new(options).make(document, view, &view.shot(document))
+    PictureMaker::new(options).make(document, view, &view.placement(document))
 }
 
 /// One picture of those of two eyes, unless the layout keeps them apart.

@@ -197,12 +197,12 @@ impl Session {
         let mut rest = command.clone();
         let mut done = Applied::default();
         loop {
-            let leg = self.document.first_leg(&rest);
-            match self.execute_leg(&leg, progress) {
+            let step = self.document.first_step(&rest);
+            match self.execute_step(&step, progress) {
                 Ok(applied) => {
                     done = Applied { steps: done.steps + applied.steps, ..applied };
                     match rest.after_steps(applied.steps) {
-                        Some(next) if leg != rest && applied.steps > 0 => rest = next,
+                        Some(next) if step != rest && applied.steps > 0 => rest = next,
                         _ => return Ok(done),
                     }
                 }
@@ -213,7 +213,7 @@ impl Session {
         }
     }
 
-    fn execute_leg(
+    fn execute_step(
         &mut self,
         command: &Command,
         progress: &dyn Progress,
@@ -256,7 +256,7 @@ impl Session {
 
     /// The long part of a command, to run separately. None for commands without one, which
     /// [`Session::execute`] executes at once. Of an undo or redo it is that of the next step alone:
-    /// see [`Document::first_leg`].
+    /// see [`Document::first_step`].
     pub fn prepare(&mut self, command: &Command) -> Result<Option<Work>, SessionError> {
         let limits = *self.document.limits();
         if matches!(command, Command::New(_) | Command::Open { .. }) {

@@ -13,7 +13,7 @@ use crate::editor::job::Failure;
 use crate::picture::{self, FinalOptions, FinalPicture, PictureError, TraceOn};
 use crate::progress::Report;
 use crate::shade::Pixels;
-use crate::trace::{Film, TraceError, TraceShot, preview_pixels};
+use crate::trace::{Film, TraceCamera, TraceError, preview_pixels};
 use crate::ui::dialogs::final_picture::Preview;
 use crate::ui::pictures::FinalRequest;
 use crate::view::Eye;
@@ -36,7 +36,7 @@ pub(super) fn work(
     let contents = document.share_contents();
     let up = document.placement().rotation * view.up;
     let eye = of_size(eye, wanted.size);
-    let shot = TraceShot { eye, world_from_grid: document.world_from_grid(), up };
+    let camera = TraceCamera { eye, world_from_grid: document.world_from_grid(), up };
     let path = screenshot::free_path(session.path(), "final", wanted.file.ending());
     let options = FinalOptions {
         trace: wanted.trace,
@@ -52,7 +52,8 @@ pub(super) fn work(
         Watcher { news: preview.news(), exposure_ev: wanted.exposure_ev, due: Instant::now() };
     move |report: &Report| {
         let watch = &mut |film: &Film, samples| watcher.watch(film, samples);
-        let picture = FinalPicture { contents: &contents, shot: &shot, options: &options, on: &on };
+        let picture =
+            FinalPicture { contents: &contents, camera: &camera, options: &options, on: &on };
         match picture::write_final(picture, &path, report, watch) {
             Ok(()) => Ok(format!("Saved {}", path.display())),
             Err(PictureError::Trace(TraceError::Cancelled)) => Err(Failure::Cancelled),

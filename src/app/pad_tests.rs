@@ -100,7 +100,7 @@ fn left(x: f32, y: f32) -> PadState {
 }
 
 #[test]
-fn the_tool_bites_on_its_way_and_is_felt() {
+fn the_tool_cuts_as_it_moves_and_is_felt() {
     let mut desk = Desk::new("[gamepad]\nrumble_limit = 0.5\nrumble_voxels = 40", 60.0);
     let (full, start) = (desk.voxels(), desk.workspace.editor.tool.centre_vx);
     let history = desk.workspace.session().document().history().undo_count();
@@ -109,9 +109,9 @@ fn the_tool_bites_on_its_way_and_is_felt() {
     desk.keep(PadState::default(), 0.1);
     let ball = 4.0 / 3.0 * std::f32::consts::PI * desk.workspace.editor.tool.half().x.powi(3);
     assert!(full - desk.voxels() > 2 * ball as u64, "a groove, not a hole");
-    let way = desk.workspace.editor.tool.centre_vx - start;
+    let moved = desk.workspace.editor.tool.centre_vx - start;
     let right = desk.workspace.picker().sight().screen_axes().right;
-    assert!(way.dot(right) > 2.0 && way.reject_from(right).length() < 1e-3, "{way} {right}");
+    assert!(moved.dot(right) > 2.0 && moved.reject_from(right).length() < 1e-3, "{moved} {right}");
     assert_eq!(desk.workspace.session().document().history().undo_count(), history + 1, "one step");
     let felt = desk.felt();
     assert!(felt.iter().any(|strength| *strength > 0.2), "{felt:?}");
@@ -129,7 +129,7 @@ fn the_tool_bites_on_its_way_and_is_felt() {
 }
 
 #[test]
-fn the_way_is_the_same_at_every_rate_of_pictures() {
+fn the_movement_is_the_same_at_every_rate_of_pictures() {
     let end = |rate: f64| {
         let mut desk = Desk::new("", rate);
         let mut pull = left(0.7, -0.5);

@@ -145,10 +145,10 @@ mod tests {
                 // Some way inwards and outwards: along all axes and diagonals one leads in.
                 let near = |distance: f64| {
                     (0..27).any(|i| {
-                        let way = glam::DVec3::from(
+                        let direction = glam::DVec3::from(
                             [i % 3, i / 3 % 3, i / 9].map(|v| f64::from(v) - 1.0),
                         );
-                        shape.contains(at + way * distance)
+                        shape.contains(at + direction * distance)
                     })
                 };
                 let out = at + at.normalize() * 0.02;

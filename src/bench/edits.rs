@@ -173,12 +173,12 @@ fn holes() -> Vec<Command> {
 
 /// A curve that winds upwards.
 fn coil(centre: Vec3) -> DrawnSolid {
-    let bead = |i: u8| {
+    let control_point = |i: u8| {
         let turn = f32::from(i) * 1.3;
         let at = Vec3::new(64.0 * turn.cos(), f32::from(i) * 16.0 - 64.0, 64.0 * turn.sin());
         ControlPoint { at_vx: centre + at, radius: 12.0 }
     };
-    DrawnSolid::Tube { control_points: (0..9).map(bead).collect() }
+    DrawnSolid::Tube { control_points: (0..9).map(control_point).collect() }
 }
 
 /// A wavy profile about 64 voxels wide and 128 high.

@@ -11,7 +11,7 @@ use super::Suite;
 use crate::document::Document;
 use crate::sculpture::Limits;
 use crate::shade::{LevelSet, NormalField, ShadeSource};
-use crate::trace::{self, TraceError, TraceOptions, TraceShot};
+use crate::trace::{self, TraceCamera, TraceError, TraceOptions};
 use crate::view::Eye;
 
 /// Times of one picture, in seconds.
@@ -34,10 +34,11 @@ pub fn final_picture(
     suite: Suite,
 ) -> Result<FinalReport, TraceError> {
     let (grid, material) = (document.grid(), document.material());
-    let shot = TraceShot { eye: *eye, world_from_grid: document.world_from_grid(), up: Vec3::Y };
+    let camera =
+        TraceCamera { eye: *eye, world_from_grid: document.world_from_grid(), up: Vec3::Y };
     let begun = Instant::now();
     let normals = NormalField::of(grid);
-    let rays = shot.eye.pixel_rays(&shot.world_from_grid);
+    let rays = camera.eye.pixel_rays(&camera.world_from_grid);
     let levels = LevelSet::shows(grid, &rays)
         .then(|| LevelSet::new(grid, Limits::default().grid_bytes).ok())
         .flatten()
@@ -49,7 +50,7 @@ pub fn final_picture(
     let source = ShadeSource { grid, material, normals: &normals, mask: None };
     let options = TraceOptions { samples: suite.final_samples(), ..TraceOptions::default() };
     let begun = Instant::now();
-    let film = trace::trace((&source, levels.as_ref()), &shot, &options, &())?;
+    let film = trace::trace((&source, levels.as_ref()), &camera, &options, &())?;
     let trace_s = begun.elapsed().as_secs_f64();
     let begun = Instant::now();
     std::hint::black_box(trace::denoise(film));

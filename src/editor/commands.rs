@@ -110,15 +110,15 @@ impl CommandRunner {
     /// it was done at once.
     pub fn run(&mut self, command: &Command, then: Then) -> bool {
         // A step of an undo that takes long is a job of its own.
-        let leg = self.session.document().first_leg(command);
-        match self.session.prepare(&leg) {
+        let step = self.session.document().first_step(command);
+        match self.session.prepare(&step) {
             Ok(Some(_)) if self.jobs.is_busy() => self.refuse(command),
             Ok(Some(work)) => {
-                let rest = command.after_steps(1).filter(|_| leg != *command);
-                self.start_job(work, &leg, rest.map_or(then, |rest| Then::Go(Next::Run(rest))));
+                let rest = command.after_steps(1).filter(|_| step != *command);
+                self.start_job(work, &step, rest.map_or(then, |rest| Then::Go(Next::Run(rest))));
             }
             Ok(None) => {
-                let applied = self.carry_out(&leg);
+                let applied = self.carry_out(&step);
                 if let Some(applied) = applied {
                     self.continue_steps(command, applied);
                 }
@@ -468,7 +468,7 @@ impl CommandRunner {
             }
         };
         if let Command::Repair(_) = command {
-            self.tell_mended(&applied);
+            self.report_repairs(&applied);
             self.tell_journal_error();
             return true;
         }
@@ -500,7 +500,7 @@ impl CommandRunner {
     }
 
     /// Says what has become of a sculpture that was made fit for printing.
-    fn tell_mended(&mut self, applied: &Applied) {
+    fn report_repairs(&mut self, applied: &Applied) {
         let EditStats { voxels_added, voxels_removed, .. } = applied.stats;
         self.voxels_changed += applied.stats.voxels_changed();
         match (voxels_added, voxels_removed) {

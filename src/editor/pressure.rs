@@ -72,7 +72,7 @@ impl Grip {
     }
 
     /// How it is touched at each of `count` uses on the way to where it is now.
-    pub fn on_way(&mut self, count: usize) -> impl Iterator<Item = PenTouch> + use<> {
+    pub fn along_path(&mut self, count: usize) -> impl Iterator<Item = PenTouch> + use<> {
         let (from, to) = (self.used, self.now);
         if count > 0 {
             self.used = to;
@@ -125,12 +125,12 @@ mod tests {
         let mut grip = Grip { now: PenTouch::of_pressure(0.2), used: FULL };
         grip.begin();
         grip.now = PenTouch::of_pressure(1.0);
-        assert_eq!(grip.on_way(0).count(), 0, "nothing was used");
-        let pressures: Vec<f32> = grip.on_way(4).map(|touch| touch.pressure).collect();
+        assert_eq!(grip.along_path(0).count(), 0, "nothing was used");
+        let pressures: Vec<f32> = grip.along_path(4).map(|touch| touch.pressure).collect();
         for (found, expected) in pressures.iter().zip([0.4, 0.6, 0.8, 1.0]) {
             assert!((found - expected).abs() < 1e-6, "{pressures:?}");
         }
         grip.now = PenTouch::of_pressure(0.5);
-        assert_eq!(grip.on_way(1).next(), Some(PenTouch::of_pressure(0.5)));
+        assert_eq!(grip.along_path(1).next(), Some(PenTouch::of_pressure(0.5)));
     }
 }

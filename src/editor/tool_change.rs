@@ -66,7 +66,7 @@ impl ToolState {
         }
     }
 
-    /// Returns the command of a solid on one leg of its way. An image is put down where the leg ends.
+    /// Returns the command of a solid along one segment of its path. An image is stamped where the segment ends.
     pub fn command(&self, mode: ToolMode, segment: &SweepSegment) -> Command {
         let at =
             |centre_vx| Primitive { centre_vx, rotation: segment.rotation, ..self.primitive() };

@@ -202,11 +202,11 @@ mod tests {
     proptest! {
         #[test]
         fn exact_corners_give_the_exact_pose(
-            tilt in 0.15f64..1.2, way in -3.1f64..3.1, spin in -3.1f64..3.1,
+            tilt in 0.15f64..1.2, azimuth in -3.1f64..3.1, spin in -3.1f64..3.1,
             x in -0.1f64..0.1, y in -0.1f64..0.1, z in 0.15f64..1.5,
         ) {
             // The marker faces the camera up to a tilt.
-            let axis = DVec3::new(way.cos(), way.sin(), 0.0);
+            let axis = DVec3::new(azimuth.cos(), azimuth.sin(), 0.0);
             let rotation = DQuat::from_axis_angle(axis, tilt) * DQuat::from_rotation_z(spin);
             let truth = MarkerPose { rotation, translation_m: DVec3::new(x, y, -z), error_px: 0.0 };
             let corners = [(-0.04, 0.04), (0.04, 0.04), (0.04, -0.04), (-0.04, -0.04)].map(|(x, y)| {

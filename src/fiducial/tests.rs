@@ -8,7 +8,7 @@ use crate::video::Intrinsics;
 const SIZE_M: f64 = 0.08;
 
 /// A picture of a marker, and what is known of it.
-struct Shot {
+struct Snapshot {
     lens: Intrinsics,
     truth: MarkerPose,
     blur: bool,
@@ -26,9 +26,9 @@ fn wide_lens() -> Intrinsics {
     Intrinsics { k1: -0.28, k2: 0.09, p1: 0.0008, p2: -0.0006, cx: 325.0, cy: 232.0, ..lens() }
 }
 
-fn pose(tilt_deg: f64, way_deg: f64, spin_deg: f64, place_m: [f64; 3]) -> MarkerPose {
-    let way = way_deg.to_radians();
-    let axis = DVec3::new(way.cos(), way.sin(), 0.0);
+fn pose(tilt_deg: f64, azimuth_deg: f64, spin_deg: f64, place_m: [f64; 3]) -> MarkerPose {
+    let azimuth = azimuth_deg.to_radians();
+    let axis = DVec3::new(azimuth.cos(), azimuth.sin(), 0.0);
     MarkerPose {
         rotation: DQuat::from_axis_angle(axis, tilt_deg.to_radians())
             * DQuat::from_rotation_z(spin_deg.to_radians()),
@@ -54,9 +54,9 @@ impl Dice {
     }
 }
 
-impl Shot {
-    fn new(lens: Intrinsics, truth: MarkerPose) -> Shot {
-        Shot { lens, truth, blur: true, noise: 2.0, ink: [30.0, 215.0] }
+impl Snapshot {
+    fn new(lens: Intrinsics, truth: MarkerPose) -> Snapshot {
+        Snapshot { lens, truth, blur: true, noise: 2.0, ink: [30.0, 215.0] }
     }
 
     /// Brightness that comes from a direction: marker on a sheet of paper on a chequered table.
@@ -154,7 +154,7 @@ fn markers_are_found_and_registered_within_two_pixels() {
     ];
     for (id, truth) in (0..).zip(places) {
         for lens in [lens(), wide_lens()] {
-            Shot::new(lens, truth).check(id * 7, 2.0);
+            Snapshot::new(lens, truth).check(id * 7, 2.0);
         }
     }
 }
@@ -162,10 +162,10 @@ fn markers_are_found_and_registered_within_two_pixels() {
 #[test]
 fn dim_light_and_noise_are_borne() {
     let truth = pose(45.0, 10.0, 30.0, [0.02, -0.03, -0.4]);
-    let shot = Shot::new(lens(), truth);
-    Shot { ink: [40.0, 95.0], noise: 3.0, ..shot }.check(11, 2.0);
-    let shot = Shot::new(lens(), truth);
-    Shot { noise: 9.0, blur: false, ..shot }.check(5, 2.0);
+    let snapshot = Snapshot::new(lens(), truth);
+    Snapshot { ink: [40.0, 95.0], noise: 3.0, ..snapshot }.check(11, 2.0);
+    let snapshot = Snapshot::new(lens(), truth);
+    Snapshot { noise: 9.0, blur: false, ..snapshot }.check(5, 2.0);
 }
 
 #[test]
@@ -192,13 +192,13 @@ fn nothing_is_found_where_nothing_is() {
 #[test]
 fn a_wrong_square_and_a_cut_marker_are_not_markers() {
     let truth = pose(20.0, 0.0, 0.0, [0.0, 0.0, -0.3]);
-    let shot = Shot::new(lens(), truth);
+    let snapshot = Snapshot::new(lens(), truth);
     // A plain black square: all cells dark.
-    let mut grey = shot.take(0);
+    let mut grey = snapshot.take(0);
     for pixel in &mut grey.pixels {
         *pixel = if *pixel < 128 { 0 } else { 255 };
     }
-    assert_eq!(detect(&grey, &shot.lens).len(), 1, "still a marker in black and white");
+    assert_eq!(detect(&grey, &snapshot.lens).len(), 1, "still a marker in black and white");
     let filled = |value: u8| {
         let mut grey = grey.clone();
         for y in 150..330 {
@@ -208,7 +208,7 @@ fn a_wrong_square_and_a_cut_marker_are_not_markers() {
         }
         grey
     };
-    assert_eq!(detect(&filled(0), &shot.lens), []);
+    assert_eq!(detect(&filled(0), &snapshot.lens), []);
     let off = pose(20.0, 0.0, 0.0, [0.19, 0.0, -0.3]);
-    assert_eq!(detect(&Shot::new(lens(), off).take(0), &shot.lens), [], "cut by the rim");
+    assert_eq!(detect(&Snapshot::new(lens(), off).take(0), &snapshot.lens), [], "cut by the rim");
 }

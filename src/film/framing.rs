@@ -30,7 +30,7 @@ impl Framing {
     pub fn new(view: &View, document: &Document, spins: bool) -> Framing {
         let (placement, up) = (*document.placement(), view.up);
         if !spins {
-            let CameraPlacement { eye, distance, .. } = view.shot(document);
+            let CameraPlacement { eye, distance, .. } = view.placement(document);
             return Framing { eye, distance, placement, up, pivot: Vec3::ZERO };
         }
         let world_from_grid = document.world_from_grid();
@@ -42,8 +42,8 @@ impl Framing {
         Framing { eye, distance, placement, up, pivot }
     }
 
-    /// The shot of a frame in which the sculpture is `document`.
-    pub fn shot(&self, document: &Document, turn_rad: f32) -> CameraPlacement {
+    /// Returns the placement of the camera for a frame in which the sculpture is `document`.
+    pub fn placement(&self, document: &Document, turn_rad: f32) -> CameraPlacement {
         let grid = document.grid();
         let turn = Affine3A::from_translation(self.pivot)
             * Affine3A::from_quat(Quat::from_axis_angle(self.up, turn_rad))
@@ -133,10 +133,10 @@ mod tests {
     }
 
     /// The greatest distance of the sculpture from the centre of the picture; 1 is at the edge.
-    fn reach(shot: &CameraPlacement, document: &Document) -> f32 {
-        let eye = &shot.eye;
+    fn reach(placement: &CameraPlacement, document: &Document) -> f32 {
+        let eye = &placement.eye;
         let points = outline(document.grid()).into_iter().map(|point| {
-            let world = shot.world_from_grid.transform_point3(point);
+            let world = placement.world_from_grid.transform_point3(point);
             let clip = eye.projection * eye.eye_from_world.transform_point3(world).extend(1.0);
             assert!(clip.w > 0.0, "in front of the eye");
             (clip.x.abs() / clip.w).max(clip.y.abs() / clip.w)
@@ -151,7 +151,10 @@ mod tests {
             let framing = Framing::new(&view(up), &document, true);
             let reaches: Vec<f32> = (0..90)
                 .map(|frame| {
-                    reach(&framing.shot(&document, (4.0 * frame as f32).to_radians()), &document)
+                    reach(
+                        &framing.placement(&document, (4.0 * frame as f32).to_radians()),
+                        &document,
+                    )
                 })
                 .collect();
             let most = reaches.iter().copied().fold(0.0, f32::max);
@@ -165,7 +168,7 @@ mod tests {
         let view = View { orthographic: true, ..view(Vec3::Y) };
         let framing = Framing::new(&view, &document, true);
         let turns = (0..36).map(|frame| (10.0 * frame as f32).to_radians());
-        let most = turns.map(|turn| reach(&framing.shot(&document, turn), &document));
+        let most = turns.map(|turn| reach(&framing.placement(&document, turn), &document));
         let most = most.fold(0.0, f32::max);
         assert!((0.86..0.935).contains(&most), "{most}");
     }
@@ -175,7 +178,7 @@ mod tests {
         let document = document();
         let framing = Framing::new(&view(Vec3::Y), &document, true);
         let middle = outline_middle(document.grid());
-        let at = |turn| framing.shot(&document, turn).world_from_grid.transform_point3(middle);
+        let at = |turn| framing.placement(&document, turn).world_from_grid.transform_point3(middle);
         for turn in [0.0, 1.0, 2.5, 6.0] {
             assert!(at(turn).abs_diff_eq(at(0.3), 1e-3), "{turn}: {} {}", at(turn), at(0.3));
         }
@@ -185,7 +188,7 @@ mod tests {
     fn a_film_without_a_turn_is_framed_as_a_picture_is() {
         let document = document();
         let view = view(Vec3::Z);
-        let shot = Framing::new(&view, &document, false).shot(&document, view.turn_rad);
-        assert_eq!(shot, view.shot(&document));
+        let placement = Framing::new(&view, &document, false).placement(&document, view.turn_rad);
+        assert_eq!(placement, view.placement(&document));
     }
 }

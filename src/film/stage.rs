@@ -144,8 +144,8 @@ impl<'a> Stage<'a> {
         {
             return Ok(picture.clone());
         }
-        let shot = self.framing.shot(self.scene.document(), turn_rad);
-        let pictures = self.maker.make(self.scene.document_mut(), &self.view, &shot);
+        let placement = self.framing.placement(self.scene.document(), turn_rad);
+        let pictures = self.maker.make(self.scene.document_mut(), &self.view, &placement);
         let mut pictures = pictures.map_err(JobError::from)?;
         // No layout but `layers`, which films refuse, makes more.
         let picture = Arc::new(pictures.swap_remove(0));

@@ -1,6 +1,6 @@
 //! `recover`: the work left by sessions that did not end as they should have, without a window.
 //!
-//! Takes a shelf of journals; lists them, as text or as JSON for programs, writes the sculpture of one to a new
+//! Takes the folder of the journals; lists them, as text or as JSON for programs, writes the sculpture of one to a new
 //! file, or removes one. Journals of sessions that are still running are not shown.
 
 use std::path::{Path, PathBuf};

@@ -17,7 +17,7 @@ pub const LONGEST_STEP_S: f64 = 0.1;
 
 /// Whether a hand or a head can move from one position to the other within `dt_s`. False for a
 /// position that is not finite.
-pub fn is_way(from: Vec3, to: Vec3, dt_s: f64) -> bool {
+pub fn is_plausible_step(from: Vec3, to: Vec3, dt_s: f64) -> bool {
     from.distance(to) <= LIMIT_M_S * dt_s as f32 + SLACK_M
 }
 
@@ -33,7 +33,7 @@ impl Pace {
     /// Follows the hand, if it is tracked, to its present position. True if it has jumped.
     pub fn step(&mut self, to: Option<Vec3>, now_s: f64, dt_s: f64) -> bool {
         let from = std::mem::replace(&mut self.at, to);
-        let jumped = from.zip(to).is_some_and(|(from, to)| !is_way(from, to, dt_s));
+        let jumped = from.zip(to).is_some_and(|(from, to)| !is_plausible_step(from, to, dt_s));
         if jumped {
             self.doubted_until_s = now_s + CALM_S;
         }
@@ -77,7 +77,7 @@ impl ViewPace {
         }
         self.last = Some((kind, to, now_s));
         let dt_s = (now_s - since_s).clamp(0.0, LONGEST_STEP_S);
-        former != kind || !is_way(from, to, dt_s)
+        former != kind || !is_plausible_step(from, to, dt_s)
     }
 }
 

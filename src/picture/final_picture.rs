@@ -1,6 +1,6 @@
 //! The final picture of a sculpture as a file: traced, denoised, and written as PNG, JPEG or OpenEXR.
 //!
-//! Takes contents, a shot and options, so that it can run on any thread; writes nothing unless all of it went well.
+//! Takes contents, a camera and options, so that it can run on any thread; writes nothing unless all of it went well.
 //! Knows no documents and no windows.
 
 use std::path::Path;
@@ -16,7 +16,7 @@ use crate::render::{DeviceTraceError, trace_on_device};
 use crate::sculpture::history::{Contents, SurfaceKind};
 use crate::sculpture::{Grid, Limits};
 use crate::shade::{LevelSet, NormalField, ShadeSource};
-use crate::trace::{self, Film, PixelSum, TraceError, TraceOptions, TraceShot};
+use crate::trace::{self, Film, PixelSum, TraceCamera, TraceError, TraceOptions};
 
 /// The extension of pictures of linear light.
 pub const LINEAR_ENDING: &str = "exr";
@@ -55,7 +55,7 @@ impl Default for FinalOptions {
 #[derive(Clone, Copy)]
 pub struct FinalPicture<'a> {
     pub contents: &'a Contents,
-    pub shot: &'a TraceShot,
+    pub camera: &'a TraceCamera,
     pub options: &'a FinalOptions,
     pub on: &'a TraceOn,
 }
@@ -68,7 +68,7 @@ pub fn write_final(
     progress: &dyn Progress,
     watch: &mut dyn FnMut(&Film, u32),
 ) -> Result<(), PictureError> {
-    let FinalPicture { contents, shot, options, on } = picture;
+    let FinalPicture { contents, camera, options, on } = picture;
     let is_smooth = options.smooth_surface && contents.surface == SurfaceKind::Smooth;
     if is_smooth && matches!(on, TraceOn::Gpu(_)) {
         return Err(PictureError::SmoothOnDevice);
@@ -78,13 +78,13 @@ pub fn write_final(
     let source = ShadeSource { grid, material, normals: &normals, mask: None };
     let mut film = match on {
         TraceOn::Cpu => {
-            let rays = shot.eye.pixel_rays(&shot.world_from_grid);
+            let rays = camera.eye.pixel_rays(&camera.world_from_grid);
             let is_smooth = is_smooth && LevelSet::shows(grid, &rays);
             let levels = if is_smooth { smooth_surface(grid, &normals) } else { None };
             let subject = (&source, levels.as_ref());
-            trace::trace_watched(subject, shot, &options.trace, progress, watch)?
+            trace::trace_watched(subject, camera, &options.trace, progress, watch)?
         }
-        TraceOn::Gpu(device) => on_device(&source, shot, &options.trace, device, progress)?,
+        TraceOn::Gpu(device) => on_device(&source, camera, &options.trace, device, progress)?,
     };
     if options.denoise {
         progress.begin("removing noise");
@@ -105,17 +105,19 @@ pub fn write_final(
 
 fn on_device(
     source: &ShadeSource,
-    shot: &TraceShot,
+    camera: &TraceCamera,
     options: &TraceOptions,
     device: &DeviceOptions,
     progress: &dyn Progress,
 ) -> Result<Film, PictureError> {
     let device = Device::new(&mut Headless, device).map_err(PictureError::TraceDevice)?;
     let film =
-        trace_on_device(&device, source, shot, options, progress).map_err(|error| match error {
-            DeviceTraceError::Gpu(error) => PictureError::TraceDevice(error),
-            DeviceTraceError::Trace(error) => PictureError::Trace(error),
-        })?;
+        trace_on_device(&device, source, camera, options, progress).map_err(
+            |error| match error {
+                DeviceTraceError::Gpu(error) => PictureError::TraceDevice(error),
+                DeviceTraceError::Trace(error) => PictureError::Trace(error),
+            },
+        )?;
     match device.validation_messages() {
         messages if messages.is_empty() => Ok(film),
         messages => Err(PictureError::Validation(messages.join("\n"))),
@@ -182,12 +184,12 @@ mod tests {
     use crate::sculpture::{ColourDepth, Material, Rgb};
     use crate::view::Camera;
 
-    fn subject() -> (Contents, TraceShot) {
+    fn subject() -> (Contents, TraceCamera) {
         let grid = crate::scenes::solid_cube(16).unwrap();
         let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(200, 100, 50));
         let eye = Camera::framing(14.0, Vec3::ONE, Vec3::Y).eye(UVec2::new(24, 18));
         let world_from_grid = Affine3A::from_translation(Vec3::splat(-8.0));
-        (Contents::new(grid, material), TraceShot { eye, world_from_grid, up: Vec3::Y })
+        (Contents::new(grid, material), TraceCamera { eye, world_from_grid, up: Vec3::Y })
     }
 
     fn write(
@@ -196,8 +198,8 @@ mod tests {
         on: &TraceOn,
         progress: &dyn Progress,
     ) -> Result<(), PictureError> {
-        let (contents, shot) = subject();
-        let picture = FinalPicture { contents: &contents, shot: &shot, options, on };
+        let (contents, camera) = subject();
+        let picture = FinalPicture { contents: &contents, camera: &camera, options, on };
         write_final(picture, path, progress, &mut |_, _| {})
     }
 
@@ -209,13 +211,13 @@ mod tests {
     #[test]
     fn the_linear_file_has_the_light_that_the_other_shows() {
         let folder = tempfile::tempdir().unwrap();
-        let (_, shot) = subject();
+        let (_, camera) = subject();
         let [png, exr] = ["a.png", "a.EXR"].map(|name| folder.path().join(name));
         for path in [&png, &exr] {
             write(path, &options(4), &TraceOn::Cpu, &()).unwrap();
         }
         let (size, channels) = exr::tests::read(&std::fs::read(&exr).unwrap());
-        assert_eq!(size, shot.eye.size);
+        assert_eq!(size, camera.eye.size);
         let shown = image::open(&png).unwrap().to_rgb8();
         let middle = (size.x / 2 + size.y / 2 * size.x) as usize;
         let pixel = shown.get_pixel(size.x / 2, size.y / 2).0;
@@ -230,7 +232,7 @@ mod tests {
         }
         assert_eq!(channels["sculpture.A"][middle], 1.0);
         assert!((channels["albedo.R"][middle] - 0.578).abs() < 0.01);
-        let expected = f64::from(shot.eye.position().length()) - 14.0;
+        let expected = f64::from(camera.eye.position().length()) - 14.0;
         assert!((channels["Z"][middle] - expected).abs() < 3.0, "{}", channels["Z"][middle]);
     }
 
@@ -248,15 +250,15 @@ mod tests {
     #[test]
     fn each_pass_is_shown_and_the_last_is_the_picture() {
         let folder = tempfile::tempdir().unwrap();
-        let (contents, shot) = subject();
+        let (contents, camera) = subject();
         let options = FinalOptions { denoise: false, ..options(3) };
         let path = folder.path().join("a.png");
         let mut shown = Vec::new();
         let watch = &mut |film: &Film, samples| {
             shown.push((samples, trace::preview_pixels(film, samples, 0.0)));
         };
-        let (contents, shot, on) = (&contents, &shot, &TraceOn::Cpu);
-        let picture = FinalPicture { contents, shot, options: &options, on };
+        let (contents, camera, on) = (&contents, &camera, &TraceOn::Cpu);
+        let picture = FinalPicture { contents, camera, options: &options, on };
         write_final(picture, &path, &(), watch).unwrap();
         assert_eq!(shown.iter().map(|(samples, _)| *samples).collect::<Vec<_>>(), [1, 2, 3]);
         let file = image::open(&path).unwrap().to_rgb8();

@@ -34,20 +34,24 @@ impl PictureMaker {
         PictureMaker { options: options.clone(), followed, painter: None }
     }
 
-    /// Renders `document` as `shot` says: one picture, or with [`StereoLayout::Layers`] one for each eye. Of `view`
-    /// all counts but what has become part of the shot.
+    /// Renders `document` as seen from `placement`: one picture, or with [`StereoLayout::Layers`] one for each eye. Of
+    /// `view` everything counts except the fields that `placement` replaces.
     pub fn make(
         &mut self,
         document: &mut Document,
         view: &View,
-        shot: &CameraPlacement,
+        placement: &CameraPlacement,
     ) -> Result<Vec<RgbImage>, PictureError> {
         let PictureMaker { options, followed, painter } = self;
         let eyes = match view.stereo {
-            StereoLayout::Mono => vec![shot.eye],
-            _ => options.stereo.rig(shot.distance.max(f32::MIN_POSITIVE)).eyes(&shot.eye).to_vec(),
+            StereoLayout::Mono => vec![placement.eye],
+            _ => options
+                .stereo
+                .rig(placement.distance.max(f32::MIN_POSITIVE))
+                .eyes(&placement.eye)
+                .to_vec(),
         };
-        let seen = PlacedEyes { eyes: &eyes, world_from_grid: shot.world_from_grid };
+        let seen = PlacedEyes { eyes: &eyes, world_from_grid: placement.world_from_grid };
         let pictures = if view.mode.needs_device() {
             let painter = match painter {
                 Some(painter) => painter,

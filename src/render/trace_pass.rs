@@ -1,6 +1,6 @@
 //! Final pictures on the device: the twin of [`crate::trace::trace`], pass by pass in a compute shader.
 //!
-//! Takes a sculpture, a shot and options; gives the film, whose pixels differ from those of the CPU by rounding, and
+//! Takes a sculpture, a camera and options; gives the film, whose pixels differ from those of the CPU by rounding, and
 //! where a rounding makes a path take another way. It uploads its own copies of bits, colours and normals and is done
 //! with them at the end, so it shares nothing with what draws windows. The work is submitted in bands of rows, so that no
 //! submission takes long, and cancelling is possible between them.
@@ -21,7 +21,7 @@ use crate::gpu::{
 use crate::progress::Progress;
 use crate::shade::ShadeSource;
 use crate::trace::{
-    Film, MAX_FINAL_SAMPLES, MAX_PIXELS, PixelSum, Prepared, TraceError, TraceOptions, TraceShot,
+    Film, MAX_FINAL_SAMPLES, MAX_PIXELS, PixelSum, Prepared, TraceCamera, TraceError, TraceOptions,
     pass_rays, prepare,
 };
 use crate::view::PixelRays;
@@ -48,21 +48,21 @@ pub enum DeviceTraceError {
 pub fn trace_on_device(
     device: &Arc<Device>,
     source: &ShadeSource,
-    shot: &TraceShot,
+    camera: &TraceCamera,
     options: &TraceOptions,
     progress: &dyn Progress,
 ) -> Result<Film, DeviceTraceError> {
-    let size = shot.eye.size;
+    let size = camera.eye.size;
     let count = u64::from(size.x) * u64::from(size.y);
     if !(1..=MAX_PIXELS).contains(&count) {
         return Err(TraceError::TooLarge(size.x, size.y).into());
     }
     progress.begin("uploading the sculpture");
-    let tracer = DeviceTracer::new(device, source, shot, options, count)?;
+    let tracer = DeviceTracer::new(device, source, camera, options, count)?;
     progress.end();
     progress.begin("tracing light");
     let samples = options.samples.clamp(1, MAX_FINAL_SAMPLES);
-    let traced = tracer.trace(shot, samples, progress);
+    let traced = tracer.trace(camera, samples, progress);
     progress.end();
     traced?;
     let sums = tracer.read_back(count)?;
@@ -86,7 +86,7 @@ impl DeviceTracer {
     fn new(
         device: &Arc<Device>,
         source: &ShadeSource,
-        shot: &TraceShot,
+        camera: &TraceCamera,
         options: &TraceOptions,
         pixels: u64,
     ) -> Result<DeviceTracer, GpuError> {
@@ -106,7 +106,7 @@ impl DeviceTracer {
         let colours = colours.transpose()?;
         let normals = Normals::new(device, normals)?;
 
-        let prepared = prepare(source, shot, options);
+        let prepared = prepare(source, camera, options);
         let scene = TraceScene {
             base: material.base().0.map(|channel| f32::from(channel) / 255.0),
             dims: grid.dims().to_array(),
@@ -163,14 +163,14 @@ impl DeviceTracer {
 
     fn trace(
         &self,
-        shot: &TraceShot,
+        camera: &TraceCamera,
         samples: u32,
         progress: &dyn Progress,
     ) -> Result<(), DeviceTraceError> {
-        let rows = (BAND_PIXELS / shot.eye.size.x).max(1).next_multiple_of(SQUARE_PX);
+        let rows = (BAND_PIXELS / camera.eye.size.x).max(1).next_multiple_of(SQUARE_PX);
         for index in 0..samples {
-            let rays = pass_rays(shot, index);
-            for first_row in (0..shot.eye.size.y).step_by(rows as usize) {
+            let rays = pass_rays(camera, index);
+            for first_row in (0..camera.eye.size.y).step_by(rows as usize) {
                 if progress.is_cancelled() {
                     return Err(TraceError::Cancelled.into());
                 }

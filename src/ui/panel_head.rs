@@ -13,7 +13,7 @@ use crate::input::{Action, Panel};
 
 const BUTTON: f32 = theme::LEAST_TARGET;
 
-/// The line at the top of a panel, with the button that tears it off or puts it back.
+/// The line at the top of a panel, with the button that detaches or docks it.
 pub fn head(
     ui: &mut Ui,
     panel: Panel,
@@ -31,7 +31,7 @@ pub fn head(
     detach_button(ui, place, panel, layout, context, requests);
 }
 
-/// The button that tears a panel off or puts it back, at `place`.
+/// The button that detaches or docks a panel, at `place`.
 pub fn detach_button(
     ui: &mut Ui,
     place: Rect,
@@ -41,7 +41,7 @@ pub fn detach_button(
     requests: &mut Vec<UiRequest>,
 ) -> Response {
     let detached = layout.detached.contains(&panel);
-    let response = ui.interact(place, ui.id().with(("tear off", panel)), Sense::click());
+    let response = ui.interact(place, ui.id().with(("detach", panel)), Sense::click());
     response.widget_info(|| {
         let name = panel.title();
         let text = if detached { format!("Dock: {name}") } else { format!("Detach: {name}") };

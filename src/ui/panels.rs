@@ -1,4 +1,4 @@
-//! Owns how a panel fills a window of its own, and the way back while all panels are hidden.
+//! Owns how a panel fills a window of its own, and shows the button that brings them back while all panels are hidden.
 //!
 //! Knows no window: the owner of the windows makes one for each panel in [`crate::ui::layout::PanelLayout::detached`] and
 //! has it filled by [`show`].
@@ -14,13 +14,18 @@ use crate::ui::widgets::buttons::action_button;
 use crate::ui::widgets::{numbers, theme};
 use crate::ui::{history, options, panel_head, toolbox};
 
-/// Height of the strip along the top of the picture in which the pointer brings up the way back.
-const WAY_BACK_HEIGHT: f32 = 64.0;
+/// Height of the strip along the top of the picture in which the pointer brings up the button.
+const STRIP_HEIGHT: f32 = 64.0;
 
 /// A button in the upper left corner of `within` that shows the hidden panels again, for those who
 /// have no keys. It is there while the pointer is near the top, so that it is in no picture.
-pub fn way_back(root: &Ui, context: &UiContext, requests: &mut Vec<UiRequest>, within: Rect) {
-    let strip = Rect::from_min_size(within.min, vec2(within.width(), WAY_BACK_HEIGHT));
+pub fn show_panels_button(
+    root: &Ui,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+    within: Rect,
+) {
+    let strip = Rect::from_min_size(within.min, vec2(within.width(), STRIP_HEIGHT));
     let near = root.input(|input| input.pointer.hover_pos().is_some_and(|at| strip.contains(at)));
     if !near {
         return;

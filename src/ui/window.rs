@@ -41,7 +41,7 @@ pub fn show(
         })
         .inner;
     if state.layout.hidden {
-        panels::way_back(root, context, requests, picture.rect);
+        panels::show_panels_button(root, context, requests, picture.rect);
     } else if state.view.gizmo {
         gizmo::show(root, state, context, requests, picture.rect);
     }

@@ -26,7 +26,7 @@ pub fn is_inside(grid: &Grid, eye: &Eye, world_from_grid: &Affine3A) -> bool {
 
 /// How far an eye inside the sculpture goes straight back until there is as much room as `gap` behind the last voxel;
 /// none if it is not inside.
-pub fn way_out(grid: &Grid, eye: &Eye, world_from_grid: &Affine3A, gap: f32) -> Option<f32> {
+pub fn exit_distance(grid: &Grid, eye: &Eye, world_from_grid: &Affine3A, gap: f32) -> Option<f32> {
     if !is_inside(grid, eye, world_from_grid) {
         return None;
     }

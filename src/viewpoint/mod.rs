@@ -188,7 +188,7 @@ impl Viewpoint {
         let (grid, placement) = (document.grid(), document.placement());
         let (eye, world_from_grid) = (self.turntable.eye(), document.world_from_grid());
         let gap = self.turntable.gap();
-        if let Some(back) = approach::way_out(grid, &eye, &world_from_grid, gap) {
+        if let Some(back) = approach::exit_distance(grid, &eye, &world_from_grid, gap) {
             let middle = self.turntable.middle();
             return Some(self.turntable.advanced(placement, -back, middle));
         }

@@ -10,7 +10,7 @@ use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Material, Placement, Rgb};
 use virtual_sculpture::shade::{NormalField, ShadeSource};
 use virtual_sculpture::trace::{
-    AreaLight, Film, Ground, Lens, LightOptions, Sun, TraceError, TraceOptions, TraceShot, trace,
+    AreaLight, Film, Ground, Lens, LightOptions, Sun, TraceCamera, TraceError, TraceOptions, trace,
 };
 use virtual_sculpture::view::Camera;
 
@@ -20,7 +20,7 @@ struct Subject {
     grid: Grid,
     material: Material,
     normals: NormalField,
-    shot: TraceShot,
+    shot: TraceCamera,
 }
 
 const WHITE: Rgb = Rgb::new(255, 255, 255);
@@ -37,7 +37,7 @@ fn subject(grid: Grid, colour: Rgb, painted: bool) -> Subject {
     let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
     let radius = 0.5 * (grid.dims().as_vec3() * grid.voxel_size()).length();
     let eye = Camera::framing(radius, Vec3::new(0.8, 0.6, 1.0), Vec3::Y).eye(SIZE);
-    Subject { grid, material, normals, shot: TraceShot { eye, world_from_grid, up: Vec3::Y } }
+    Subject { grid, material, normals, shot: TraceCamera { eye, world_from_grid, up: Vec3::Y } }
 }
 
 impl Subject {

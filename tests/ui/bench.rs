@@ -87,14 +87,14 @@ pub fn press(harness: &mut Bench, pos: Pos2) {
     }
 }
 
-pub fn drag(harness: &mut Bench, button: PointerButton, modifiers: Modifiers, way: &[Pos2]) {
+pub fn drag(harness: &mut Bench, button: PointerButton, modifiers: Modifiers, path: &[Pos2]) {
     let press = |pos, pressed| Event::PointerButton { pos, button, pressed, modifiers };
-    send(harness, Event::PointerMoved(way[0]));
-    send(harness, press(way[0], true));
-    for &pos in way {
+    send(harness, Event::PointerMoved(path[0]));
+    send(harness, press(path[0], true));
+    for &pos in path {
         send(harness, Event::PointerMoved(pos));
     }
-    send(harness, press(way[way.len() - 1], false));
+    send(harness, press(path[path.len() - 1], false));
     look(harness);
 }
 

@@ -26,29 +26,29 @@ pub fn press(harness: &mut Bench, modifiers: Modifiers, pos: Pos2, pressed: bool
     send(harness, Event::PointerButton { pos, button, pressed, modifiers });
 }
 
-/// Presses where a way begins and goes along it, without a release.
-pub fn draw_half(harness: &mut Bench, modifiers: Modifiers, way: &[Pos2]) {
-    send(harness, Event::PointerMoved(way[0]));
-    press(harness, modifiers, way[0], true);
-    way.iter().for_each(|pos| send(harness, Event::PointerMoved(*pos)));
+/// Presses where a path begins and goes along it, without a release.
+pub fn draw_half(harness: &mut Bench, modifiers: Modifiers, path: &[Pos2]) {
+    send(harness, Event::PointerMoved(path[0]));
+    press(harness, modifiers, path[0], true);
+    path.iter().for_each(|pos| send(harness, Event::PointerMoved(*pos)));
 }
 
-pub fn draw_with(harness: &mut Bench, modifiers: Modifiers, way: &[Pos2]) {
-    draw_half(harness, modifiers, way);
-    press(harness, modifiers, way[way.len() - 1], false);
+pub fn draw_with(harness: &mut Bench, modifiers: Modifiers, path: &[Pos2]) {
+    draw_half(harness, modifiers, path);
+    press(harness, modifiers, path[path.len() - 1], false);
     look(harness);
 }
 
-pub fn draw(harness: &mut Bench, way: &[Pos2]) {
-    draw_with(harness, Modifiers::NONE, way);
+pub fn draw(harness: &mut Bench, path: &[Pos2]) {
+    draw_with(harness, Modifiers::NONE, path);
 }
 
-/// A way between places of the grid, in small steps.
+/// A path between places of the grid, in small steps.
 pub fn through(harness: &Bench, places: &[[f32; 3]]) -> Vec<Pos2> {
     let places: Vec<Vec3> = places.iter().map(|p| Vec3::from(*p)).collect();
     let step = |pair: &[Vec3], i: u32| pair[0].lerp(pair[1], i as f32 / 12.0);
-    let legs = places.windows(2).flat_map(|pair| (0..=12).map(move |i| step(pair, i)));
-    legs.map(|place| screen(harness, place)).collect()
+    let steps = places.windows(2).flat_map(|pair| (0..=12).map(move |i| step(pair, i)));
+    steps.map(|place| screen(harness, place)).collect()
 }
 
 pub fn has(harness: &Bench, v: [i32; 3]) -> bool {
@@ -109,11 +109,11 @@ fn every_tool_is_taken_by_its_button_and_by_its_key() {
 fn a_lasso_and_a_rectangle_cut_through_all_that_lies_behind_them() {
     for kind in [DrawKind::Lasso, DrawKind::Rectangle] {
         let mut harness = front(kind, ToolMode::Subtract);
-        let way = match kind {
+        let path = match kind {
             DrawKind::Lasso => square(&harness, 8.0),
             _ => through(&harness, &[[24.0, 24.0, 64.0], [40.0, 40.0, 64.0]]),
         };
-        draw(&mut harness, &way);
+        draw(&mut harness, &path);
         assert!((0..64).all(|z| !has(&harness, [32, 32, z])), "a hole through all");
         assert!(!has(&harness, [25, 38, 63]) && has(&harness, [22, 32, 63]));
         let gone = FULL - voxels(&harness);
@@ -127,8 +127,8 @@ fn a_lasso_and_a_rectangle_cut_through_all_that_lies_behind_them() {
 fn a_lasso_paints_and_its_inverse_adds_a_slab() {
     let mut harness = front(DrawKind::Lasso, ToolMode::Recolour);
     harness.state_mut().editor.tool.colour = Rgb::new(9, 8, 7);
-    let way = square(&harness, 8.0);
-    draw(&mut harness, &way);
+    let path = square(&harness, 8.0);
+    draw(&mut harness, &path);
     let colour = |harness: &Bench, v: [u32; 3]| {
         harness.state().session().document().contents().rgb(v.into())
     };
@@ -137,8 +137,8 @@ fn a_lasso_paints_and_its_inverse_adds_a_slab() {
 
     run(&mut harness, "subtract cuboid at=32,32,48 half=32,32,16");
     harness.state_mut().editor.tool.draws.thickness = 8.0;
-    let way = through(&harness, &[[20.0, 20.0, 32.0], [44.0, 20.0, 32.0], [32.0, 44.0, 32.0]]);
-    draw_with(&mut harness, Modifiers::COMMAND, &way);
+    let path = through(&harness, &[[20.0, 20.0, 32.0], [44.0, 20.0, 32.0], [32.0, 44.0, 32.0]]);
+    draw_with(&mut harness, Modifiers::COMMAND, &path);
     assert!(has(&harness, [32, 30, 35]) && !has(&harness, [32, 30, 37]), "half before the face");
 }
 
@@ -147,8 +147,8 @@ fn a_plane_takes_the_hatched_side_and_with_ctrl_the_other() {
     for (modifiers, low_stays) in [(Modifiers::NONE, false), (Modifiers::COMMAND, true)] {
         let mut harness = front(DrawKind::Plane, ToolMode::Subtract);
         // From left to right: what is below goes.
-        let way = through(&harness, &[[-20.0, 32.0, 32.0], [80.0, 32.0, 32.0]]);
-        draw_with(&mut harness, modifiers, &way);
+        let path = through(&harness, &[[-20.0, 32.0, 32.0], [80.0, 32.0, 32.0]]);
+        draw_with(&mut harness, modifiers, &path);
         assert_eq!(
             (has(&harness, [32, 10, 32]), has(&harness, [32, 50, 32])),
             (low_stays, !low_stays)
@@ -164,8 +164,8 @@ fn a_box_grows_out_of_the_face_or_into_it() {
     let mut harness = front(DrawKind::Box, ToolMode::Subtract);
     let draws = &mut harness.state_mut().editor.tool.draws;
     (draws.height_by_pointer, draws.height) = (false, 5.0);
-    let way = through(&harness, &[[20.5, 20.5, 64.0], [29.5, 24.5, 64.0]]);
-    draw(&mut harness, &way);
+    let path = through(&harness, &[[20.5, 20.5, 64.0], [29.5, 24.5, 64.0]]);
+    draw(&mut harness, &path);
     assert_eq!(FULL - voxels(&harness), 10 * 5 * 5);
     assert!(
         !has(&harness, [20, 20, 63]) && !has(&harness, [29, 24, 59]) && has(&harness, [29, 24, 58])
@@ -175,8 +175,8 @@ fn a_box_grows_out_of_the_face_or_into_it() {
     run(&mut harness, "subtract cuboid at=32,32,48 half=32,32,16");
     run(&mut harness, "symmetry x=even");
     let before = voxels(&harness);
-    let way = through(&harness, &[[10.5, 20.5, 32.0], [11.5, 20.5, 32.0]]);
-    draw_with(&mut harness, Modifiers::COMMAND, &way);
+    let path = through(&harness, &[[10.5, 20.5, 32.0], [11.5, 20.5, 32.0]]);
+    draw_with(&mut harness, Modifiers::COMMAND, &path);
     assert_eq!(voxels(&harness) - before, 2 * 2 * 5);
     assert!(
         has(&harness, [10, 20, 36]) && has(&harness, [53, 20, 36]) && !has(&harness, [53, 20, 37])
@@ -188,8 +188,8 @@ fn a_box_is_added_to_an_empty_grid_on_the_wall_that_is_seen() {
     let mut harness = front(DrawKind::Box, ToolMode::Add);
     harness.state_mut().editor.tool.draws.height_by_pointer = false;
     run(&mut harness, "clear");
-    let way = through(&harness, &[[20.5, 20.5, 0.0], [24.5, 22.5, 0.0]]);
-    draw(&mut harness, &way);
+    let path = through(&harness, &[[20.5, 20.5, 0.0], [24.5, 22.5, 0.0]]);
+    draw(&mut harness, &path);
     assert_eq!(voxels(&harness), 5 * 3 * 12);
     assert!(has(&harness, [20, 20, 0]) && has(&harness, [24, 22, 11]));
 }
@@ -198,8 +198,8 @@ fn a_box_is_added_to_an_empty_grid_on_the_wall_that_is_seen() {
 fn a_line_is_a_rod_from_surface_to_surface_and_a_click_a_ball() {
     let mut harness = front(DrawKind::Line, ToolMode::Subtract);
     harness.state_mut().editor.tool.draws.radii = [3.0, 3.0];
-    let way = through(&harness, &[[12.0, 32.0, 64.0], [52.0, 32.0, 64.0]]);
-    draw(&mut harness, &way);
+    let path = through(&harness, &[[12.0, 32.0, 64.0], [52.0, 32.0, 64.0]]);
+    draw(&mut harness, &path);
     assert!((12..52).all(|x| !has(&harness, [x, 32, 62]) && has(&harness, [x, 32, 60])));
     assert!(!has(&harness, [10, 32, 63]) && has(&harness, [7, 32, 63]), "round ends");
     is_one_step(&mut harness, FULL);
@@ -218,9 +218,9 @@ fn a_curve_follows_the_surface_tapers_and_is_mirrored() {
     run(&mut harness, "symmetry y=even");
     harness.state_mut().editor.tool.draws.radii = [4.0, 2.0];
     let before = voxels(&harness);
-    let way = through(&harness, &[[8.0, 48.0, 48.0], [30.0, 48.0, 48.0]]);
+    let path = through(&harness, &[[8.0, 48.0, 48.0], [30.0, 48.0, 48.0]]);
     let on = through(&harness, &[[36.0, 48.0, 32.0], [58.0, 48.0, 32.0]]);
-    draw(&mut harness, &[way, on].concat());
+    draw(&mut harness, &[path, on].concat());
     assert!(has(&harness, [12, 48, 50]) && has(&harness, [54, 48, 32]), "on both levels");
     assert!(!has(&harness, [54, 48, 35]), "thinner at its end");
     assert!(has(&harness, [12, 15, 50]) && has(&harness, [54, 15, 32]), "mirrored");
@@ -229,8 +229,8 @@ fn a_curve_follows_the_surface_tapers_and_is_mirrored() {
     assert_eq!(voxels(&harness), before);
     // In the plane of the view it goes straight on.
     harness.state_mut().editor.tool.draws.on_surface = false;
-    let way = through(&harness, &[[8.0, 48.0, 48.0], [58.0, 48.0, 48.0]]);
-    draw(&mut harness, &way);
+    let path = through(&harness, &[[8.0, 48.0, 48.0], [58.0, 48.0, 48.0]]);
+    draw(&mut harness, &path);
     assert!(has(&harness, [56, 48, 48]), "over the step");
 }
 
@@ -243,8 +243,8 @@ fn a_profile_is_turned_about_the_vertical_through_the_press() {
     // A cylinder of radius 12 and height 20 around x = 32, in the plane z = 40 of the face it begins on.
     run(&mut harness, "add cuboid at=32,4.5,39.5 half=0.5");
     let profile = [[32.0, 5.0, 40.0], [44.0, 5.0, 40.0], [44.0, 25.0, 40.0], [32.0, 25.0, 40.0]];
-    let way = through(&harness, &profile);
-    draw(&mut harness, &way);
+    let path = through(&harness, &profile);
+    draw(&mut harness, &path);
     let solid = voxels(&harness) - before;
     let ideal = std::f32::consts::PI * 144.0 * 20.0;
     assert!((solid as f32 - ideal).abs() < 0.06 * ideal, "{solid}");
@@ -285,18 +285,18 @@ fn letters_stand_on_the_face_and_are_one_step() {
 fn escape_gives_up_and_the_button_does_nothing_more() {
     for kind in DrawKind::ALL {
         let mut harness = front(kind, ToolMode::Subtract);
-        let way = square(&harness, 8.0);
-        draw_half(&mut harness, Modifiers::NONE, &way);
+        let path = square(&harness, 8.0);
+        draw_half(&mut harness, Modifiers::NONE, &path);
         assert!(harness.state().editor.is_drawing(), "{kind:?}");
         key(&mut harness, Modifiers::NONE, Key::Escape);
         assert!(!harness.state().editor.is_drawing());
         let placed = *harness.state().session().document().placement();
-        send(&mut harness, Event::PointerMoved(way[0] + vec2(50.0, 0.0)));
-        press(&mut harness, Modifiers::NONE, way[0], false);
+        send(&mut harness, Event::PointerMoved(path[0] + vec2(50.0, 0.0)));
+        press(&mut harness, Modifiers::NONE, path[0], false);
         assert_eq!((voxels(&harness), steps(&harness).len()), (FULL, 0), "{kind:?}");
         assert_eq!(*harness.state().session().document().placement(), placed);
         // The next drag draws again.
-        draw_half(&mut harness, Modifiers::NONE, &way);
+        draw_half(&mut harness, Modifiers::NONE, &path);
         assert!(harness.state().editor.is_drawing(), "{kind:?}");
     }
 }
@@ -323,20 +323,20 @@ fn beside_the_sculpture_lines_are_drawn_in_the_air_and_boxes_rotate_it() {
     run(&mut harness, "clear");
     run(&mut harness, "add cuboid at=32,32,32 half=4");
     let before = voxels(&harness);
-    let way = through(&harness, &[[10.0, 10.0, 32.0], [20.0, 10.0, 32.0]]);
-    draw(&mut harness, &way);
+    let path = through(&harness, &[[10.0, 10.0, 32.0], [20.0, 10.0, 32.0]]);
+    draw(&mut harness, &path);
     assert!(has(&harness, [15, 10, 32]) && voxels(&harness) > before, "at the depth of the middle");
     let placed = *harness.state().session().document().placement();
     let tool = &mut harness.state_mut().editor.tool;
     (tool.kind, tool.mode) = (ToolKind::Draw(DrawKind::Box), ToolMode::Subtract);
-    draw(&mut harness, &[way[0] - vec2(0.0, 90.0), way[0] - vec2(40.0, 90.0)]);
+    draw(&mut harness, &[path[0] - vec2(0.0, 90.0), path[0] - vec2(40.0, 90.0)]);
     assert_ne!(*harness.state().session().document().placement(), placed);
 }
 
 #[test]
 fn a_key_held_draws_with_the_hovering_pointer() {
     let mut harness = front(DrawKind::Curve, ToolMode::Subtract);
-    let way = through(&harness, &[[12.0, 32.0, 64.0], [52.0, 32.0, 64.0]]);
+    let path = through(&harness, &[[12.0, 32.0, 64.0], [52.0, 32.0, 64.0]]);
     let space = |pressed| Event::Key {
         key: Key::Space,
         physical_key: None,
@@ -344,9 +344,9 @@ fn a_key_held_draws_with_the_hovering_pointer() {
         repeat: false,
         modifiers: Modifiers::NONE,
     };
-    send(&mut harness, Event::PointerMoved(way[0]));
+    send(&mut harness, Event::PointerMoved(path[0]));
     send(&mut harness, space(true));
-    way.iter().for_each(|pos| send(&mut harness, Event::PointerMoved(*pos)));
+    path.iter().for_each(|pos| send(&mut harness, Event::PointerMoved(*pos)));
     send(&mut harness, space(false));
     assert!((14..50).all(|x| !has(&harness, [x, 32, 62])));
     is_one_step(&mut harness, FULL);
@@ -383,8 +383,8 @@ fn a_mug_is_made_in_few_acts() {
         [39.0, 15.0, 32.0],
         [28.0, 15.0, 32.0],
     ];
-    let way = through(&harness, &profile);
-    draw(&mut harness, &way);
+    let path = through(&harness, &profile);
+    draw(&mut harness, &path);
     acts += 1;
     assert!(!has(&harness, [28, 30, 32]) && has(&harness, [28, 13, 32]), "hollow, with a bottom");
     assert!(has(&harness, [41, 30, 32]) && has(&harness, [15, 30, 32]), "a wall around");
@@ -401,8 +401,8 @@ fn a_mug_is_made_in_few_acts() {
         [50.0, 20.0, 32.0],
         [42.0, 19.0, 32.0],
     ];
-    let way = through(&harness, &handle);
-    draw(&mut harness, &way);
+    let path = through(&harness, &handle);
+    draw(&mut harness, &path);
     acts += 1;
     // It begins where the wall is seen: a little before its middle.
     assert!([[50, 43, 34], [54, 32, 34], [46, 20, 34]].iter().all(|v| has(&harness, *v)));

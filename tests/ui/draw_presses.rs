@@ -53,8 +53,8 @@ fn shown(harness: &Bench) -> [Vec3; 2] {
 
 /// Drags the base of a box over the top face at this height, of 10 by 5 voxels.
 fn drag_base(harness: &mut Bench, modifiers: Modifiers, y: f32) {
-    let way = through(harness, &[[20.5, y, 20.5], [29.5, y, 24.5]]);
-    draw_with(harness, modifiers, &way);
+    let path = through(harness, &[[20.5, y, 20.5], [29.5, y, 24.5]]);
+    draw_with(harness, modifiers, &path);
 }
 
 /// Records from the beginning; gives the folder with the script.
@@ -137,9 +137,9 @@ fn a_box_that_cuts_or_paints_goes_into_the_face() {
 #[test]
 fn a_box_on_a_face_that_looks_at_the_eye_is_raised_by_going_up() {
     let mut harness = front(DrawKind::Box, ToolMode::Subtract);
-    let way = through(&harness, &[[20.5, 20.5, 64.0], [29.5, 24.5, 64.0]]);
-    draw(&mut harness, &way);
-    let end = way[way.len() - 1];
+    let path = through(&harness, &[[20.5, 20.5, 64.0], [29.5, 24.5, 64.0]]);
+    draw(&mut harness, &path);
+    let end = path[path.len() - 1];
     let voxel_px = at(&harness, [30.5, 24.5, 64.0]).x - at(&harness, [29.5, 24.5, 64.0]).x;
     let deep = end + vec2(0.0, 5.0 * voxel_px);
     hover(&mut harness, deep);
@@ -152,8 +152,8 @@ fn a_box_on_a_face_that_looks_at_the_eye_is_raised_by_going_up() {
 #[test]
 fn the_view_may_be_turned_before_a_box_is_ended() {
     let mut harness = front(DrawKind::Box, ToolMode::Subtract);
-    let way = through(&harness, &[[20.5, 20.5, 64.0], [29.5, 24.5, 64.0]]);
-    draw(&mut harness, &way);
+    let path = through(&harness, &[[20.5, 20.5, 64.0], [29.5, 24.5, 64.0]]);
+    draw(&mut harness, &path);
     harness.state_mut().act(Action::LookFrom(Side::Corner));
     look(&mut harness);
     let button = PointerButton::Secondary;
@@ -308,8 +308,8 @@ fn points_are_taken_back_and_a_curve_is_given_up() {
     assert_eq!((progress(&harness), voxels(&harness)), (None, FULL));
     assert_eq!(steps(&harness).len(), 0);
     // A drag draws by hand as it always did.
-    let way = through(&harness, &[[12.0, 32.0, 64.0], [52.0, 32.0, 64.0]]);
-    draw(&mut harness, &way);
+    let path = through(&harness, &[[12.0, 32.0, 64.0], [52.0, 32.0, 64.0]]);
+    draw(&mut harness, &path);
     assert!((14..50).all(|x| !has(&harness, [x, 32, 62])) && progress(&harness).is_none());
 }
 

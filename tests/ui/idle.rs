@@ -22,8 +22,8 @@ fn front(full: bool) -> Bench {
     harness
 }
 
-fn use_at(harness: &mut Bench, modifiers: Modifiers, way: &[Pos2]) {
-    drag(harness, PointerButton::Primary, modifiers, way);
+fn use_at(harness: &mut Bench, modifiers: Modifiers, path: &[Pos2]) {
+    drag(harness, PointerButton::Primary, modifiers, path);
 }
 
 /// Forgets what has been said; does something; what was said then.

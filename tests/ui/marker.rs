@@ -142,8 +142,8 @@ fn a_pointer_almost_along_the_plane_leads_the_marker_no_farther_than_the_grid_is
     act(&mut harness, Action::LookFrom(Side::Front));
     // Seen from in front and a little above, so that the horizon of the upper face is in the picture.
     let beside = harness.state().picture().min + vec2(60.0, 200.0);
-    let way = [beside, beside + vec2(0.0, 25.0)];
-    drag(&mut harness, PointerButton::Secondary, Modifiers::NONE, &way);
+    let path = [beside, beside + vec2(0.0, 25.0)];
+    drag(&mut harness, PointerButton::Secondary, Modifiers::NONE, &path);
     run(&mut harness, "mark at=24,20,24 size=16,4,16");
     let taken = screen(&harness, Vec3::new(32.0, 24.0, 32.0));
     send(&mut harness, Event::PointerMoved(taken));

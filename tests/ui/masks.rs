@@ -41,8 +41,8 @@ fn at(harness: &Bench, x: f32, y: f32) -> Pos2 {
 }
 
 fn stroke(harness: &mut Bench, modifiers: Modifiers, from: [f32; 2], to: [f32; 2]) {
-    let way = [from, to].map(|[x, y]| at(harness, x, y));
-    drag(harness, PointerButton::Primary, modifiers, &way);
+    let path = [from, to].map(|[x, y]| at(harness, x, y));
+    drag(harness, PointerButton::Primary, modifiers, &path);
 }
 
 #[test]
@@ -85,8 +85,8 @@ fn solids_protect_and_release() {
     press(&mut harness, middle);
     assert!(is_masked(&harness, [32, 32, 63]) && voxels(&harness) == FULL);
     let before = masked(&harness);
-    let way = [[30.0, 32.0], [31.0, 32.0]];
-    stroke(&mut harness, Modifiers::COMMAND, way[0], way[1]);
+    let path = [[30.0, 32.0], [31.0, 32.0]];
+    stroke(&mut harness, Modifiers::COMMAND, path[0], path[1]);
     assert!(masked(&harness) < before, "with the modifier it releases");
     // The mode comes round by its key, and is never left as `Release`.
     for wanted in [ToolMode::Subtract, ToolMode::Add, ToolMode::Recolour, ToolMode::Protect] {

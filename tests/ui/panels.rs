@@ -43,9 +43,9 @@ fn a_drag_on_the_sculpture_is_one_step_that_neither_digs_nor_depends_on_the_pace
         let mut harness = bench();
         let from = middle(&harness) - vec2(80.0, 40.0);
         let to = middle(&harness) + vec2(80.0, 40.0);
-        let way: Vec<Pos2> =
+        let path: Vec<Pos2> =
             (0..=events).map(|i| from.lerp(to, i as f32 / events as f32)).collect();
-        drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &way);
+        drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &path);
         assert_eq!(undo_count(&harness), 1);
         voxels(&harness)
     };
@@ -429,7 +429,7 @@ fn scripts_say_what_the_mouse_does() {
 }
 
 #[test]
-fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
+fn a_detached_panel_does_the_same_in_a_window_of_its_own() {
     let mut harness = bench();
     harness.get_by_label("Detach: Toolbox").click();
     rest(&mut harness);

@@ -211,8 +211,8 @@ fn in_panels_a_pen_is_a_mouse_and_the_mouse_beside_it_presses_fully() {
     session.execute(&"undo 1".parse().unwrap(), &()).unwrap();
     look(&mut harness);
     let before = voxels(&harness);
-    let way: Vec<Pos2> = (0..=8).map(|i| start + vec2(5.0 * i as f32, 0.0)).collect();
-    super::bench::drag(&mut harness, egui::PointerButton::Primary, Modifiers::NONE, &way);
+    let path: Vec<Pos2> = (0..=8).map(|i| start + vec2(5.0 * i as f32, 0.0)).collect();
+    super::bench::drag(&mut harness, egui::PointerButton::Primary, Modifiers::NONE, &path);
     let by_mouse = before - voxels(&harness);
     assert_eq!(by_mouse, removed(PenUse::default(), 1.0, Vec2::ZERO));
     harness.event(Event::PointerGone);

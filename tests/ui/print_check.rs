@@ -1,4 +1,4 @@
-//! The window of the print check: it checks when it is opened, marks what it finds, and mends it.
+//! The window of the print check: it checks when it is opened, marks the faults and repairs them.
 
 use egui::{Key, Modifiers};
 use virtual_sculpture::print_check::Kind;
@@ -18,7 +18,7 @@ fn lines(harness: &Bench) -> usize {
 }
 
 #[test]
-fn what_is_found_is_listed_marked_and_mended() {
+fn faults_are_listed_marked_and_repaired() {
     let mut harness = bench();
     for line in [
         "clear",

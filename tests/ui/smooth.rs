@@ -62,11 +62,11 @@ fn a_nub_as_large_as_the_brush_is_levelled_by_eight_scrubs_and_the_floor_stays()
         let far = rim.x - middle.x;
         for aside in [0.35, -0.35, 0.9, -0.9] {
             for flip in [false, true] {
-                let way = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|along| {
+                let path = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|along| {
                     let offset = vec2(along, aside) * far;
                     middle + if flip { offset.yx() } else { offset }
                 });
-                drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &way);
+                drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &path);
             }
         }
         assert!(height(&harness) <= 4, "{unit:?}: {} of 20 voxels are left", height(&harness));

@@ -277,14 +277,14 @@ fn is_opaque(harness: &Bench, x: i32, y: i32, z: i32) -> bool {
 fn a_leap_of_the_hovering_pointer_with_the_key_held_cuts_what_a_drag_cuts() {
     let (above, below) = (Vec3::new(16.0, 32.0, 64.0), Vec3::new(54.0, 32.0, 8.0));
     let mut dragged = cliff();
-    let way = [screen(&dragged, above), screen(&dragged, below)];
-    drag(&mut dragged, PointerButton::Primary, Modifiers::NONE, &way);
+    let path = [screen(&dragged, above), screen(&dragged, below)];
+    drag(&mut dragged, PointerButton::Primary, Modifiers::NONE, &path);
 
     let mut held = cliff();
-    hover(&mut held, way[0]);
+    hover(&mut held, path[0]);
     space(&mut held, true);
     assert!(held.state().editor.is_stroking());
-    hover(&mut held, way[1]);
+    hover(&mut held, path[1]);
     space(&mut held, false);
     assert!(!held.state().editor.is_stroking() && bench::undo_count(&held) == 2);
 

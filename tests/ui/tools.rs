@@ -22,25 +22,25 @@ fn front() -> Bench {
     harness
 }
 
-fn drag_with(harness: &mut Bench, modifiers: Modifiers, way: &[Pos2]) {
+fn drag_with(harness: &mut Bench, modifiers: Modifiers, path: &[Pos2]) {
     let press = |pos, pressed| Event::PointerButton {
         pos,
         button: PointerButton::Primary,
         pressed,
         modifiers,
     };
-    send(harness, Event::PointerMoved(way[0]));
-    send(harness, press(way[0], true));
-    for &pos in way {
+    send(harness, Event::PointerMoved(path[0]));
+    send(harness, press(path[0], true));
+    for &pos in path {
         send(harness, Event::PointerMoved(pos));
         look(harness);
     }
-    send(harness, press(way[way.len() - 1], false));
+    send(harness, press(path[path.len() - 1], false));
     look(harness);
 }
 
-fn drag(harness: &mut Bench, way: &[Pos2]) {
-    drag_with(harness, Modifiers::NONE, way);
+fn drag(harness: &mut Bench, path: &[Pos2]) {
+    drag_with(harness, Modifiers::NONE, path);
 }
 
 fn click(harness: &mut Bench, label: &str) {
@@ -102,8 +102,8 @@ fn a_stroke_of_the_devourer_does_not_dig_where_it_overlaps() {
         assert!(options.get(ONCE_PER_STROKE));
         options.set(ONCE_PER_STROKE, once);
         let at = middle(&harness);
-        let way: Vec<Pos2> = (0..12).map(|i| at + vec2((i % 2) as f32 * 30.0, 0.0)).collect();
-        drag(&mut harness, &way);
+        let path: Vec<Pos2> = (0..12).map(|i| at + vec2((i % 2) as f32 * 30.0, 0.0)).collect();
+        drag(&mut harness, &path);
         let grid = harness.state().session().document().grid();
         (0..64).filter(|z| !grid.get(IVec3::new(32, 32, *z))).count()
     };
@@ -124,8 +124,8 @@ fn modifiers_invert_smooth_and_pick() {
     assert!(voxels(&harness) < FULL, "the opposite of clay is the devourer");
     // Over the edge of what it has cut: its ground is flat.
     harness.state_mut().editor.tool.brushes.of_mut(BrushId::Smooth).set(STRENGTH, 1.0);
-    let way = [0.0, 20.0, 40.0, 60.0].map(|right| at + vec2(right, 0.0));
-    drag_with(&mut harness, Modifiers::SHIFT, &way);
+    let path = [0.0, 20.0, 40.0, 60.0].map(|right| at + vec2(right, 0.0));
+    drag_with(&mut harness, Modifiers::SHIFT, &path);
     assert_eq!(labels(&harness).last().unwrap(), "smooth");
 
     run(&mut harness, "dye marker colour=#123456");
@@ -169,9 +169,9 @@ fn the_marker_is_drawn_slid_pulled_and_typed() {
     // Pulled towards the viewer from the side.
     run(&mut harness, "mark at=20,20,60 size=24,24,6");
     run(&mut harness, "place turn=0,50,0");
-    let way = [[32.0, 32.0, 66.0], [32.0, 32.0, 70.0], [32.0, 32.0, 76.2]];
-    let way = way.map(|p| screen(&harness, p.into()));
-    drag_with(&mut harness, Modifiers::COMMAND, &way);
+    let path = [[32.0, 32.0, 66.0], [32.0, 32.0, 70.0], [32.0, 32.0, 76.2]];
+    let path = path.map(|p| screen(&harness, p.into()));
+    drag_with(&mut harness, Modifiers::COMMAND, &path);
     let pulled = VoxelBox { min: IVec3::new(20, 20, 60), max: IVec3::new(44, 44, 76) };
     assert_eq!(marker(&harness), pulled);
 }

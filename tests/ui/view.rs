@@ -69,8 +69,8 @@ fn brushes_do_in_an_orthographic_view_what_they_do_in_perspective() {
         let before = voxels(&harness);
         key(&mut harness, Modifiers::NONE, Key::D);
         let at = middle(&harness);
-        let way = [at - vec2(60.0, 0.0), at, at + vec2(60.0, 30.0)];
-        drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &way);
+        let drawn = [at - vec2(60.0, 0.0), at, at + vec2(60.0, 30.0)];
+        drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &drawn);
         assert_eq!(undo_count(&harness), 1);
         (before - voxels(&harness)) as f32
     };

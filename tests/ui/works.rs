@@ -138,12 +138,12 @@ impl Sculptor {
                 self.apply();
                 return true;
             }
-            ["press" | "drag", ref way @ ..] => {
-                self.stroke(Modifiers::NONE, way);
+            ["press" | "drag", ref path @ ..] => {
+                self.stroke(Modifiers::NONE, path);
                 return true;
             }
-            ["ctrl-press" | "ctrl-drag", ref way @ ..] => {
-                self.stroke(Modifiers::COMMAND, way);
+            ["ctrl-press" | "ctrl-drag", ref path @ ..] => {
+                self.stroke(Modifiers::COMMAND, path);
                 return true;
             }
             _ => panic!("`{line}` is not understood"),
@@ -183,24 +183,24 @@ impl Sculptor {
         }
     }
 
-    fn stroke(&mut self, modifiers: Modifiers, way: &[&str]) {
+    fn stroke(&mut self, modifiers: Modifiers, path: &[&str]) {
         self.strokes += 1;
-        let way: Vec<Vec3> = way.iter().map(|place| point(place)).collect();
+        let path: Vec<Vec3> = path.iter().map(|place| point(place)).collect();
         if let Hand::Tracked { .. } = self.hand {
-            self.hold(way[0], 0.0, 15);
-            self.hold(way[0], 1.0, 3);
-            self.hold(way[way.len() - 1], 0.0, 3);
+            self.hold(path[0], 0.0, 15);
+            self.hold(path[0], 1.0, 3);
+            self.hold(path[path.len() - 1], 0.0, 3);
             return;
         }
-        let way: Vec<_> = way.iter().map(|place| screen(&self.harness, *place)).collect();
+        let path: Vec<_> = path.iter().map(|place| screen(&self.harness, *place)).collect();
         let press = |pos, pressed| {
             let button = PointerButton::Primary;
             Event::PointerButton { pos, button, pressed, modifiers }
         };
-        send(&mut self.harness, Event::PointerMoved(way[0]));
+        send(&mut self.harness, Event::PointerMoved(path[0]));
         look(&mut self.harness);
-        send(&mut self.harness, press(way[0], true));
-        for pair in way.windows(2) {
+        send(&mut self.harness, press(path[0], true));
+        for pair in path.windows(2) {
             // As a hand would lead it: not in leaps.
             let steps = (pair[0].distance(pair[1]) / 6.0).ceil().max(1.0);
             for i in 1..=steps as u32 {
@@ -208,7 +208,7 @@ impl Sculptor {
                 send(&mut self.harness, Event::PointerMoved(at));
             }
         }
-        send(&mut self.harness, press(way[way.len() - 1], false));
+        send(&mut self.harness, press(path[path.len() - 1], false));
         look(&mut self.harness);
         self.harness.step();
     }

@@ -51,8 +51,8 @@ fn grabbed_clay_goes_along_with_the_pointer_as_one_step() {
     assert_eq!(before.differing(&shot(&program, "clay-5-back").part(PICTURE)), 0);
 
     // Once more in several steps: one undo takes it back, redo gives it again.
-    let way = [[0, 0], [0, 15], [5, 30], [10, 45], [20, 60]];
-    program.drag(LEFT, &way.map(|[x, y]| [TOP[0] + x, TOP[1] + y]));
+    let path = [[0, 0], [0, 15], [5, 30], [10, 45], [20, 60]];
+    program.drag(LEFT, &path.map(|[x, y]| [TOP[0] + x, TOP[1] + y]));
     tool_home(&program);
     let pulled = shot(&program, "clay-6-pulled").part(PICTURE);
     assert!(before.differing(&pulled) > 1500, "{}", before.differing(&pulled));
@@ -161,7 +161,7 @@ fn clay_is_drawn_creased_pinched_twisted_and_smeared() {
     let program = start(&display, &["--record", recording.to_str().unwrap()]);
     program.key(&["7"]);
     let shift = |key: &str| program.key(&["Shift_L", key]);
-    let stroke = |key: &str, way: &[[i16; 2]]| {
+    let stroke = |key: &str, path: &[[i16; 2]]| {
         // The face of the block is that of the grid, so that nothing can be raised out of it.
         let invert = |up: u8| {
             if key == "f" {
@@ -172,7 +172,7 @@ fn clay_is_drawn_creased_pinched_twisted_and_smeared() {
         tool_home(&program);
         let before = shot(&program, &format!("brushes-{key}-before")).part(UPPER);
         invert(0);
-        program.drag(LEFT, way);
+        program.drag(LEFT, path);
         invert(1);
         tool_home(&program);
         let after = shot(&program, &format!("brushes-{key}-done")).part(UPPER);

@@ -19,20 +19,20 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
         program.settle();
     };
     // Draws, with a picture before the button is released, and gives that before it was pressed.
-    let base = |name: &str, way: &[[i16; 2]]| {
+    let base = |name: &str, path: &[[i16; 2]]| {
         let before = shot(&program, &format!("draw-{name}-0")).part(PICTURE);
-        device(MOTION, 0, way[0]);
+        device(MOTION, 0, path[0]);
         shot(&program, &format!("draw-{name}-1-before"));
-        device(BUTTON, LEFT, way[0]);
-        way.iter().for_each(|at| device(MOTION, 0, *at));
+        device(BUTTON, LEFT, path[0]);
+        path.iter().for_each(|at| device(MOTION, 0, *at));
         let during = shot(&program, &format!("draw-{name}-2-during")).part(PICTURE);
-        device(BUTTON + 1, LEFT, way[way.len() - 1]);
+        device(BUTTON + 1, LEFT, path[path.len() - 1]);
         assert!(before.differing(&during) > 100, "{name} shows nothing while it is drawn");
         before
     };
     // The same, with a picture after it.
-    let draw = |name: &str, way: &[[i16; 2]]| {
-        let before = base(name, way);
+    let draw = |name: &str, path: &[[i16; 2]]| {
+        let before = base(name, path);
         program.leave_picture();
         let after = shot(&program, &format!("draw-{name}-3-after")).part(PICTURE);
         assert!(before.differing(&after) > 300, "{name} changes nothing");

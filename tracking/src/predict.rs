@@ -31,10 +31,10 @@ pub fn predict(
     options: &PredictionOptions,
 ) -> Placement {
     let dt_s = ahead_s.clamp(-options.max_ahead_s, options.max_ahead_s);
-    let way = (velocity.linear_m_s * dt_s).clamp_length_max(options.max_distance_m);
+    let displacement = (velocity.linear_m_s * dt_s).clamp_length_max(options.max_distance_m);
     let turn = (velocity.angular_rad_s * dt_s).clamp_length_max(options.max_turn_rad);
     Placement {
-        position_m: placement.position_m + way,
+        position_m: placement.position_m + displacement,
         orientation: (DQuat::from_scaled_axis(turn) * placement.orientation).normalize(),
     }
 }

@@ -51,7 +51,7 @@ impl Document {
     /// The part of an undo or redo that is carried out in one go: the steps before one for which the
     /// history keeps no values, so that the sculpture must be laid another way, or that step alone.
     /// Other commands are a whole.
-    pub fn first_leg(&self, command: &Command) -> Command {
+    pub fn first_step(&self, command: &Command) -> Command {
         match (command, self.next_computed(command)) {
             (Command::Undo { .. }, Some((before, ..))) => {
                 Command::Undo { steps: Some(before.max(1)) }

@@ -1,6 +1,6 @@
 //! The final picture: path tracing of the sculpture with sun, sky, a square lamp and a lens.
 //!
-//! From a sculpture, a shot and options to a [`Film`] of linear light: `scene` says what rays meet, `path` what
+//! From a sculpture, a camera and options to a [`Film`] of linear light: `scene` says what rays meet, `path` what
 //! light comes along them, `environment` where it comes from, `sampling` which of many directions is tried. A
 //! picture is the mean of passes, each with one ray a pixel. All rays of a pass are shifted by the same part of a
 //! pixel, so that without a lens the sampler of whole pictures finds what the eye sees. `denoise` removes the
@@ -102,7 +102,7 @@ impl Default for TraceOptions {
 
 /// Where a picture is taken from.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct TraceShot {
+pub struct TraceCamera {
     /// The eye.
     pub eye: Eye,
     /// The placement of the grid.
@@ -127,31 +127,31 @@ pub enum TraceError {
 /// Makes a final picture of the smooth surface, or of voxels if there are no `levels`; `source` has all its normals.
 pub fn trace(
     (source, levels): (&ShadeSource, Option<&LevelSet>),
-    shot: &TraceShot,
+    camera: &TraceCamera,
     options: &TraceOptions,
     progress: &dyn Progress,
 ) -> Result<Film, TraceError> {
-    trace_watched((source, levels), shot, options, progress, &mut |_, _| {})
+    trace_watched((source, levels), camera, options, progress, &mut |_, _| {})
 }
 
 /// [`trace`], which shows the sums so far and their number of samples after each pass.
 pub fn trace_watched(
     (source, levels): (&ShadeSource, Option<&LevelSet>),
-    shot: &TraceShot,
+    camera: &TraceCamera,
     options: &TraceOptions,
     progress: &dyn Progress,
     watch: &mut dyn FnMut(&Film, u32),
 ) -> Result<Film, TraceError> {
-    let size = shot.eye.size;
+    let size = camera.eye.size;
     let mut film = Film::new(size).ok_or(TraceError::TooLarge(size.x, size.y))?;
-    let tracer = tracer((source, levels), shot, options);
-    let rays = shot.eye.pixel_rays(&shot.world_from_grid);
+    let tracer = tracer((source, levels), camera, options);
+    let rays = camera.eye.pixel_rays(&camera.world_from_grid);
     let mut map = IndexMap::new(rays);
-    let pupil = pupil(&tracer.scene, shot, &rays, &options.lens);
+    let pupil = pupil(&tracer.scene, camera, &rays, &options.lens);
     progress.begin("tracing light");
     let passes = options.samples.clamp(1, MAX_FINAL_SAMPLES);
     for index in 0..passes {
-        let rays = pass_rays(shot, index);
+        let rays = pass_rays(camera, index);
         match (pupil, levels) {
             (Some(_), _) => map.forget(rays),
             (None, None) => raycast::sample(source.grid, &rays, &mut map),
@@ -176,21 +176,21 @@ pub fn trace_watched(
 
 fn tracer<'a>(
     (source, levels): (&ShadeSource<'a>, Option<&'a LevelSet>),
-    shot: &TraceShot,
+    camera: &TraceCamera,
     options: &TraceOptions,
 ) -> Tracer<'a> {
     let (low, high) = source.grid.opaque_bounds().unwrap_or((UVec3::ZERO, source.grid.dims()));
     let bounds = (low.as_vec3(), high.as_vec3());
-    let up = shot.up.normalize_or(Vec3::Y);
-    let world = |point: Vec3| shot.world_from_grid.transform_point3(point);
+    let up = camera.up.normalize_or(Vec3::Y);
+    let world = |point: Vec3| camera.world_from_grid.transform_point3(point);
     let middle = world((bounds.0 + bounds.1) * 0.5);
     let radius = middle.distance(world(bounds.1));
-    let to_viewer = shot.eye.position() - middle;
+    let to_viewer = camera.eye.position() - middle;
     let at = Standpoint { up, to_viewer, middle, radius };
     let environment = Environment::new(&options.light, &at);
-    let lowest = lowest_along(source, &shot.world_from_grid, up);
+    let lowest = lowest_along(source, &camera.world_from_grid, up);
     let scene =
-        Scene::new((*source, levels), shot.world_from_grid, up, bounds, lowest, options.ground);
+        Scene::new((*source, levels), camera.world_from_grid, up, bounds, lowest, options.ground);
     let open_ground = scene.ground_albedo() * (FRAC_1_PI * environment.open_irradiance(up));
     Tracer { scene, environment, open_ground, bounces: options.bounces }
 }
@@ -217,7 +217,7 @@ fn lowest_along(source: &ShadeSource, world_from_grid: &Affine3A, up: Vec3) -> f
 }
 
 /// The pupil of a lens with an opening.
-fn pupil(scene: &Scene, shot: &TraceShot, rays: &PixelRays, lens: &Lens) -> Option<Pupil> {
+fn pupil(scene: &Scene, camera: &TraceCamera, rays: &PixelRays, lens: &Lens) -> Option<Pupil> {
     if lens.aperture <= 0.0 {
         return None;
     }
@@ -225,7 +225,7 @@ fn pupil(scene: &Scene, shot: &TraceShot, rays: &PixelRays, lens: &Lens) -> Opti
     let along = rays.direction_at(at.x, at.y);
     let first = scene.first(rays.origin, along);
     let (met, t) = scene.seen(rays.origin, along, first, &mut CellCache::default());
-    let grid_from_eye = (shot.eye.eye_from_world * shot.world_from_grid).inverse();
+    let grid_from_eye = (camera.eye.eye_from_world * camera.world_from_grid).inverse();
     let focus = match met {
         Met::Nothing => -grid_from_eye.inverse().transform_point3(scene.middle).z,
         _ => t,

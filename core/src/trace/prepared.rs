@@ -7,7 +7,7 @@ use glam::{Affine3A, Mat3, Vec3};
 
 use super::environment::{Gradient, Lamp, SunDisc};
 use super::lens::Pupil;
-use super::{TraceOptions, TraceShot, pupil, tracer};
+use super::{TraceCamera, TraceOptions, pupil, tracer};
 use crate::shade::ShadeSource;
 use crate::view::{PixelRays, sample_offset_px};
 
@@ -56,10 +56,10 @@ pub struct PreparedGround {
 }
 
 /// The numbers of a final picture of voxels; `source` has all its normals.
-pub fn prepare(source: &ShadeSource, shot: &TraceShot, options: &TraceOptions) -> Prepared {
-    let tracer = tracer((source, None), shot, options);
+pub fn prepare(source: &ShadeSource, camera: &TraceCamera, options: &TraceOptions) -> Prepared {
+    let tracer = tracer((source, None), camera, options);
     let (scene, environment) = (&tracer.scene, &tracer.environment);
-    let rays = shot.eye.pixel_rays(&shot.world_from_grid);
+    let rays = camera.eye.pixel_rays(&camera.world_from_grid);
     Prepared {
         world_from_grid: scene.world_from_grid,
         grid_from_world: scene.grid_from_world,
@@ -74,11 +74,11 @@ pub fn prepare(source: &ShadeSource, shot: &TraceShot, options: &TraceOptions) -
         towards_sun: environment.towards_sun,
         sky: environment.gradient,
         lamp: environment.lamp,
-        pupil: pupil(scene, shot, &rays, &options.lens),
+        pupil: pupil(scene, camera, &rays, &options.lens),
     }
 }
 
 /// The rays of a pass.
-pub fn pass_rays(shot: &TraceShot, index: u32) -> PixelRays {
-    shot.eye.shifted_by_px(sample_offset_px(index)).pixel_rays(&shot.world_from_grid)
+pub fn pass_rays(camera: &TraceCamera, index: u32) -> PixelRays {
+    camera.eye.shifted_by_px(sample_offset_px(index)).pixel_rays(&camera.world_from_grid)
 }

@@ -13,7 +13,7 @@ pub(super) struct Subject {
     pub grid: Grid,
     pub material: Material,
     pub normals: NormalField,
-    pub shot: TraceShot,
+    pub camera: TraceCamera,
 }
 
 pub(super) fn subject(grid: Grid, colour: Rgb, size: UVec2) -> Subject {
@@ -22,8 +22,8 @@ pub(super) fn subject(grid: Grid, colour: Rgb, size: UVec2) -> Subject {
     let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
     let radius = 0.5 * (grid.dims().as_vec3() * grid.voxel_size()).length();
     let eye = Camera::framing(radius, Vec3::new(0.8, 0.6, 1.0), Vec3::Y).eye(size);
-    let shot = TraceShot { eye, world_from_grid, up: Vec3::Y };
-    Subject { grid, material, normals, shot }
+    let camera = TraceCamera { eye, world_from_grid, up: Vec3::Y };
+    Subject { grid, material, normals, camera }
 }
 
 impl Subject {
@@ -37,7 +37,7 @@ impl Subject {
     }
 
     pub fn trace(&self, options: &TraceOptions) -> Film {
-        trace((&self.source(), None), &self.shot, options, &()).unwrap()
+        trace((&self.source(), None), &self.camera, options, &()).unwrap()
     }
 }
 
@@ -106,7 +106,7 @@ fn the_furnace_is_white_from_afar() {
     let mut subject = subject(cheese(), WHITE, UVec2::splat(40));
     let eye = Vec3::new(0.8, 0.6, 1.0).normalize() * 240_000.0;
     let camera = Camera { eye, fov_y_rad: 120.0 / 240_000.0, near: 100.0, ..Camera::default() };
-    subject.shot.eye = camera.eye(UVec2::splat(40));
+    subject.camera.eye = camera.eye(UVec2::splat(40));
     let light = LightOptions::Uniform(Vec3::ONE);
     let options =
         TraceOptions { samples: 4, bounces: 4000, light, ground: None, ..TraceOptions::default() };
@@ -140,12 +140,12 @@ fn a_surface_in_the_open_is_as_bright_as_its_light_says() {
     let mut grid = Grid::new(UVec3::new(64, 8, 64), Vec3::ONE, 1 << 20).unwrap();
     grid.fill_bricks(|_| crate::sculpture::Brick::FULL);
     let mut subject = subject(grid, WHITE, UVec2::splat(16));
-    subject.shot.eye = Camera::framing(8.0, Vec3::Y, Vec3::Z).eye(UVec2::splat(16));
+    subject.camera.eye = Camera::framing(8.0, Vec3::Y, Vec3::Z).eye(UVec2::splat(16));
     let sun = Sun { azimuth_deg: 30.0, elevation_deg: 50.0, size_deg: 1.0, strength: 1.0 };
     let light = LightOptions::Outdoors { sun, sky: 1.0, area_light: None };
     let options = TraceOptions { samples: 64, light, ground: None, ..TraceOptions::default() };
     let film = subject.trace(&options);
-    let tracer = tracer((&subject.source(), None), &subject.shot, &options);
+    let tracer = tracer((&subject.source(), None), &subject.camera, &options);
     let expected = tracer.environment.open_irradiance(Vec3::Y) * FRAC_1_PI;
     for pixel in film.pixels() {
         let ratio = pixel.radiance / expected;
@@ -155,7 +155,7 @@ fn a_surface_in_the_open_is_as_bright_as_its_light_says() {
     let sun = Sun { strength: 2.0, ..sun };
     let light = LightOptions::Outdoors { sun, sky: 0.0, area_light: None };
     let options = TraceOptions { light, ..options };
-    let facing = self::tracer((&subject.source(), None), &subject.shot, &options);
+    let facing = self::tracer((&subject.source(), None), &subject.camera, &options);
     let facing = facing.environment.sun.unwrap();
     let expected = facing.irradiance * 50f32.to_radians().sin() * FRAC_1_PI;
     for pixel in subject.trace(&options).pixels() {
@@ -231,7 +231,7 @@ fn what_lies_in_focus_is_sharp_and_the_rest_is_not() {
         target: Vec3::new(0.0, 0.0, 40.0),
         ..Camera::default()
     };
-    subject.shot.eye = camera.eye(size);
+    subject.camera.eye = camera.eye(size);
     let options = TraceOptions { samples: 32, bounces: 0, ground: None, ..TraceOptions::default() };
     let sharp = subject.trace(&options);
     let near: Vec<bool> = (0..96 * 96).map(|i| (70..90).contains(&(i / 96))).collect();
@@ -288,11 +288,11 @@ fn a_cancelled_picture_is_none_and_too_large_ones_are_refused() {
     let report = Report::default();
     report.cancel();
     let options = TraceOptions::default();
-    let cancelled = trace((&subject.source(), None), &subject.shot, &options, &report);
+    let cancelled = trace((&subject.source(), None), &subject.camera, &options, &report);
     assert_eq!(cancelled.unwrap_err(), TraceError::Cancelled);
-    let mut shot = subject.shot;
-    shot.eye.size = UVec2::new(16384, 16384);
-    let refused = trace((&subject.source(), None), &shot, &options, &()).unwrap_err();
+    let mut camera = subject.camera;
+    camera.eye.size = UVec2::new(16384, 16384);
+    let refused = trace((&subject.source(), None), &camera, &options, &()).unwrap_err();
     assert_eq!(refused, TraceError::TooLarge(16384, 16384));
     assert!(refused.to_string().contains("67108864"));
 }
@@ -302,7 +302,7 @@ fn an_empty_sculpture_and_an_eye_within_one_have_pictures() {
     let grid = Grid::new(UVec3::splat(16), Vec3::ONE, 1 << 20).unwrap();
     let empty = subject(grid, WHITE, UVec2::splat(8));
     let mut within = subject(scenes::solid_cube(32).unwrap(), WHITE, UVec2::splat(8));
-    within.shot.eye =
+    within.camera.eye =
         Camera { eye: Vec3::ZERO, target: Vec3::X, ..Camera::default() }.eye(UVec2::splat(8));
     for subject in [empty, within] {
         for aperture in [0.0, 0.1] {

@@ -216,7 +216,7 @@ mod tests {
     /// A base on each face that is seen well enough, from its middle outwards.
     fn bases(view: &View) -> Vec<Base> {
         let faces = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
-        let near = |face: &Vec3| -view.way(view.sight.rays.size.as_vec2() * 0.5).dot(*face);
+        let near = |face: &Vec3| -view.direction(view.sight.rays.size.as_vec2() * 0.5).dot(*face);
         let base = |face: Vec3| {
             let middle = view.middle().round() + 0.5 * (Vec3::ONE - face.abs());
             let from = SurfacePoint { point: middle, face };

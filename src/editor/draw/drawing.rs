@@ -54,7 +54,7 @@ pub struct Drawing {
     view: View,
     ground: Ground,
     /// Where the pointer has been, in pixels: all of it, or the first and the last point.
-    way: Vec<Vec2>,
+    pointer_px: Vec<Vec2>,
     /// Where a line or a curve leads, in voxels.
     places: Vec<Vec3>,
     /// The distance of the last of them from the eye plane, for where there is no surface.
@@ -72,7 +72,7 @@ impl Drawing {
     ) -> Drawing {
         let depth = view.sight.depth(ground.point);
         let places = vec![ground.point];
-        Drawing { kind, mode, inverse, view, ground, way: vec![at], places, depth }
+        Drawing { kind, mode, inverse, view, ground, pointer_px: vec![at], places, depth }
     }
 
     /// The same, led by the surface as it is seen now.
@@ -120,7 +120,7 @@ impl Drawing {
                 self.depth = self.view.sight.depth(self.ground.point);
                 let place = self.place_at(at, grid);
                 self.places.truncate(1);
-                if at.distance(self.way[0]) >= SPACING_PX {
+                if at.distance(self.pointer_px[0]) >= SPACING_PX {
                     self.places.push(place);
                 }
             }
@@ -132,19 +132,19 @@ impl Drawing {
 
     fn go_on(&mut self, at: Vec2) {
         if self.last().distance(at) >= SPACING_PX {
-            self.way.push(at);
+            self.pointer_px.push(at);
         }
-        halve(&mut self.way);
+        halve(&mut self.pointer_px);
     }
 
     fn go_to(&mut self, at: Vec2) {
-        self.way.truncate(1);
-        self.way.push(at);
+        self.pointer_px.truncate(1);
+        self.pointer_px.push(at);
     }
 
     /// The last pixel.
     fn last(&self) -> Vec2 {
-        self.way.last().copied().unwrap_or(Vec2::ZERO)
+        self.pointer_px.last().copied().unwrap_or(Vec2::ZERO)
     }
 
     /// The place that a pixel shows: on the surface where it leads, else as far from the eye as the last one.
@@ -162,7 +162,7 @@ impl Drawing {
 
     /// Whether the pointer has stayed where it was pressed.
     pub fn is_click(&self) -> bool {
-        self.way.iter().all(|at| at.distance(self.way[0]) <= CLICK_PX)
+        self.pointer_px.iter().all(|at| at.distance(self.pointer_px[0]) <= CLICK_PX)
     }
 
     /// The base of a box as it has been dragged so far.
@@ -187,8 +187,8 @@ impl Drawing {
     /// The outline over the picture.
     fn outline(&self) -> Vec<Vec2> {
         match self.kind {
-            DrawKind::Rectangle => outline::rectangle(self.way[0], self.last()).to_vec(),
-            _ => self.way.clone(),
+            DrawKind::Rectangle => outline::rectangle(self.pointer_px[0], self.last()).to_vec(),
+            _ => self.pointer_px.clone(),
         }
     }
 
@@ -212,7 +212,7 @@ impl Drawing {
                     .map(one)
             }
             DrawKind::Plane => {
-                outline::half_space(view, self.way[0], self.last(), self.inverse).map(one)
+                outline::half_space(view, self.pointer_px[0], self.last(), self.inverse).map(one)
             }
             DrawKind::Box => self
                 .corners(options)
@@ -223,7 +223,7 @@ impl Drawing {
             }
             DrawKind::Curve => tube::curve(&self.places, options.radii, view.edges).map(one),
             DrawKind::Lathe => Axis::new(view, point, options.upright)
-                .and_then(|axis| axis.turned(view, &self.way))
+                .and_then(|axis| axis.turned(view, &self.pointer_px))
                 .map(one),
             DrawKind::Text => {
                 let letters = glyphs::letters(&options.text, options.font, options.text_height)?;
@@ -254,14 +254,14 @@ impl Drawing {
         let (lines, faint) = match self.kind {
             DrawKind::Lasso | DrawKind::Rectangle => {
                 let places: Vec<Vec3> = self.outline().into_iter().map(place).collect();
-                let closing = [self.last(), self.way[0]].map(place);
+                let closing = [self.last(), self.pointer_px[0]].map(place);
                 match self.kind {
                     DrawKind::Lasso => (chain(&places).collect(), vec![closing]),
                     _ => (chain(&places).chain([[places[3], places[0]]]).collect(), Vec::new()),
                 }
             }
             DrawKind::Plane => {
-                let (from, to) = (self.way[0], self.last());
+                let (from, to) = (self.pointer_px[0], self.last());
                 let far = (to - from).normalize_or_zero() * view.sight.rays.size.as_vec2().length();
                 let mut lines = vec![[from, to].map(place)];
                 let hatching = outline::hatching(from, to, self.inverse);
@@ -277,7 +277,7 @@ impl Drawing {
                 (tube::sketch(view, &self.places, options.radii), Vec::new())
             }
             DrawKind::Lathe => Axis::new(view, self.ground.point, options.upright)
-                .map(|axis| axis.sketch(view, &self.way))
+                .map(|axis| axis.sketch(view, &self.pointer_px))
                 .unwrap_or_default(),
             DrawKind::Text => {
                 let letters = glyphs::letters(&options.text, options.font, options.text_height);

@@ -14,7 +14,7 @@ use crate::input::DrawKind;
 
 /// Least distance from one place to the next, in voxels.
 const SPACING_VX: f32 = 0.5;
-/// Most places of a way; beyond, it grows no more.
+/// Most places of a path; beyond, it grows no more.
 const MOST_PLACES: usize = 8192;
 
 /// Where a hand that draws has been, in voxels; empty while none does.
@@ -29,21 +29,21 @@ impl HeldPath {
 
     /// Goes on to a place, if it has begun. `is_line`: straight.
     pub fn lead(&mut self, to_vx: Vec3, is_line: bool) {
-        let way = &mut self.0;
-        let Some(last) = way.last() else { return };
+        let path = &mut self.0;
+        let Some(last) = path.last() else { return };
         if is_line {
-            way.truncate(1);
-            way.push(to_vx);
-        } else if last.distance(to_vx) >= SPACING_VX && way.len() < MOST_PLACES {
-            way.push(to_vx);
+            path.truncate(1);
+            path.push(to_vx);
+        } else if last.distance(to_vx) >= SPACING_VX && path.len() < MOST_PLACES {
+            path.push(to_vx);
         }
     }
 
     /// Ends it and returns its tube.
     pub fn end(&mut self, view: &ToolView) -> Option<Drawn> {
-        let way = std::mem::take(&mut self.0);
+        let path = std::mem::take(&mut self.0);
         let ToolState { mode, draws, .. } = view.tool;
-        let form = tube::curve(&way, draws.radii, view.edges())?;
+        let form = tube::curve(&path, draws.radii, view.edges())?;
         Some(Drawn {
             kind: DrawKind::Curve,
             mode: *mode,
@@ -57,19 +57,19 @@ impl HeldPath {
         !std::mem::take(&mut self.0).is_empty()
     }
 
-    /// The ball in the hand, and the way that it has gone.
+    /// The ball in the hand, and the path that it has gone.
     pub fn sketch(&self, view: &ToolView) -> Sketch {
-        let way = &self.0;
+        let path = &self.0;
         let edges = view.edges();
         let [start, end] = view.tool.draws.radii;
         let ball = |at: Vec3, radius: f32| {
             let [x, y, z] = Vec3::AXES.map(|axis| axis * radius / edges);
             [(x, y), (y, z), (z, x)].into_iter().flat_map(move |(a, b)| circle(at, a, b))
         };
-        let radius = if way.is_empty() { start } else { end };
-        let mut lines: Vec<[Vec3; 2]> = chain(way).collect();
+        let radius = if path.is_empty() { start } else { end };
+        let mut lines: Vec<[Vec3; 2]> = chain(path).collect();
         lines.extend(ball(view.tool.centre_vx, radius));
-        lines.extend(way.first().into_iter().flat_map(|at| ball(*at, start)));
+        lines.extend(path.first().into_iter().flat_map(|at| ball(*at, start)));
         Sketch { mode: view.tool.mode, lines, faint: Vec::new() }
     }
 }

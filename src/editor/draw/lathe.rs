@@ -39,10 +39,10 @@ impl Axis {
     /// The point of the profile at a pixel: distance from the axis, below 0 on its left, and height; none where the pixel
     /// does not show the plane.
     fn point(&self, view: &View, at: Vec2) -> Option<Vec2> {
-        let (eye, way) = (view.eye(), view.way(at));
+        let (eye, direction) = (view.eye(), view.direction(at));
         let origin = self.at_vx * view.edges;
-        let t = (origin - eye).dot(self.near) / way.dot(self.near);
-        let offset = eye + way * t - origin;
+        let t = (origin - eye).dot(self.near) / direction.dot(self.near);
+        let offset = eye + direction * t - origin;
         let point = Vec2::new(offset.dot(self.right), offset.dot(self.up));
         // The horizon of the plane is far beyond every grid.
         (t > 0.0 && point.abs().max_element() < 1e5).then_some(point)
@@ -91,7 +91,7 @@ impl Axis {
         let (low, high) = (profile.iter().min_by(by_height), profile.iter().max_by(by_height));
         for ring in [widest, low, high, profile.last()].into_iter().flatten() {
             let centre = self.place(view, Vec2::new(0.0, ring.y), 1.0);
-            let [across, deep] = [self.right, self.near].map(|way| way * ring.x / view.edges);
+            let [across, deep] = [self.right, self.near].map(|axis| axis * ring.x / view.edges);
             faint.extend(circle(centre, across, deep));
         }
         (lines, faint)
@@ -138,9 +138,9 @@ mod tests {
         let view = &views()[0];
         let start = view.sight.pixel_of(view.middle()).unwrap();
         let axis = Axis::new(view, view.middle(), true).unwrap();
-        let way = [[0.0, 0.0], [15.0, 0.0], [15.0, -12.0], [4.0, -20.0]].map(Vec2::from);
+        let path = [[0.0, 0.0], [15.0, 0.0], [15.0, -12.0], [4.0, -20.0]].map(Vec2::from);
         let [right, left] = [1.0, -1.0].map(|side| {
-            let drawn = way.map(|p| start + p * Vec2::new(side, 1.0));
+            let drawn = path.map(|p| start + p * Vec2::new(side, 1.0));
             let Some(DrawnSolid::Lathe { profile, .. }) = axis.turned(view, &drawn) else {
                 panic!()
             };

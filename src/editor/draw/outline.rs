@@ -59,9 +59,9 @@ pub fn prism(
     let outline: Option<Arc<[Vec2]>> = outline
         .iter()
         .map(|&at| {
-            let way = view.way(at);
-            let along = way.dot(ahead);
-            let point = way * (distance / along) + origin - centre;
+            let direction = view.direction(at);
+            let along = direction.dot(ahead);
+            let point = direction * (distance / along) + origin - centre;
             (along > 1e-3).then(|| Vec2::new(point.dot(right), point.dot(up)))
         })
         .collect();
@@ -86,10 +86,10 @@ pub fn half_space(view: &View, from: Vec2, to: Vec2, other: bool) -> Option<Draw
     if from.distance(to) < LEAST_LINE_PX {
         return None;
     }
-    let (a, b) = (view.way(from), view.way(to));
+    let (a, b) = (view.direction(from), view.direction(to));
     let normal = a.cross(b).try_normalize()?;
     let aside = side(from, to, other);
-    let there = view.way(from.lerp(to, 0.5) + aside * 8.0).dot(normal);
+    let there = view.direction(from.lerp(to, 0.5) + aside * 8.0).dot(normal);
     let normal = if there < 0.0 { -normal } else { normal };
     // A point of the plane near the grid, where numbers are exact.
     let (eye, middle) = (view.eye(), view.middle() * view.edges);
@@ -99,19 +99,19 @@ pub fn half_space(view: &View, from: Vec2, to: Vec2, other: bool) -> Option<Draw
 
 /// To the right of a line in the picture, or to its left; of length 1.
 fn side(from: Vec2, to: Vec2, other: bool) -> Vec2 {
-    let way = (to - from).normalize_or_zero();
+    let along = (to - from).normalize_or_zero();
     // The y axis of pixels points down.
-    let right = Vec2::new(-way.y, way.x);
+    let right = Vec2::new(-along.y, along.x);
     if other { -right } else { right }
 }
 
 /// Lines that show which side of a line goes, as pairs of pixels.
 pub fn hatching(from: Vec2, to: Vec2, other: bool) -> Vec<[Vec2; 2]> {
-    let way = (to - from).normalize_or_zero();
-    let slanted = (side(from, to, other) - way * 0.6).normalize_or_zero() * HATCH_PX[1];
+    let along = (to - from).normalize_or_zero();
+    let slanted = (side(from, to, other) - along * 0.6).normalize_or_zero() * HATCH_PX[1];
     let count = (from.distance(to) / HATCH_PX[0]).min(400.0) as u32;
     (0..=count)
-        .map(|i| from + way * (i as f32 * HATCH_PX[0]))
+        .map(|i| from + along * (i as f32 * HATCH_PX[0]))
         .map(|at| [at, at + slanted])
         .collect()
 }

@@ -257,7 +257,7 @@ mod tests {
         let line = letters("Lä", Font::Light, 12.0).unwrap();
         for view in views() {
             let at = view.sight.pixel_of(view.middle()).unwrap();
-            let near = -view.way(at);
+            let near = -view.direction(at);
             for axis in Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
                 if axis.dot(near) < 0.3 {
                     continue;

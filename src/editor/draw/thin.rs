@@ -1,14 +1,14 @@
-//! Ways of a hand made simple: fewer points that lie as near as is asked, and less trembling.
+//! Simplifies paths of a hand: fewer points within a tolerance, and less tremor.
 //!
 //! Pure geometry, in the unit of the points.
 
 use glam::{Vec2, Vec3};
 
-/// Most passes that even a way out.
+/// Most passes of smoothing.
 const MOST_PASSES: u32 = 64;
 
-/// The ends of a way and as few of its points between them as keep all others within `tolerance` of the lines from one to
-/// the next (Ramer 1972; Douglas and Peucker 1973).
+/// Returns the ends of a path and as few points between them as keep all others within `tolerance` of the lines that join
+/// them (Ramer 1972; Douglas and Peucker 1973).
 pub fn thinned(points: &[Vec3], tolerance: f32) -> Vec<Vec3> {
     let Some(last) = points.len().checked_sub(1) else { return Vec::new() };
     let mut kept = vec![false; points.len()];
@@ -25,7 +25,7 @@ pub fn thinned(points: &[Vec3], tolerance: f32) -> Vec<Vec3> {
     points.iter().zip(kept).filter_map(|(p, keep)| keep.then_some(*p)).collect()
 }
 
-/// The same with at most `most` points, at least two, however large the tolerance must be for that.
+/// Like [`thinned`], with at most `most` points (at least two): raises the tolerance as needed.
 pub fn thinned_to(points: &[Vec3], tolerance: f32, most: usize) -> Vec<Vec3> {
     let mut tolerance = tolerance;
     loop {
@@ -37,26 +37,26 @@ pub fn thinned_to(points: &[Vec3], tolerance: f32, most: usize) -> Vec<Vec3> {
     }
 }
 
-/// The same in the plane.
+/// Like [`thinned_to`], in the plane.
 pub fn thinned_flat(points: &[Vec2], tolerance: f32, most: usize) -> Vec<Vec2> {
     let points: Vec<Vec3> = points.iter().map(|p| p.extend(0.0)).collect();
     thinned_to(&points, tolerance, most).into_iter().map(Vec3::truncate).collect()
 }
 
-/// Returns the distance of the point `p` from the line between two others.
+/// Returns the distance of `p` from the line between `a` and `b`.
 fn distance(p: Vec3, a: Vec3, b: Vec3) -> f32 {
-    let (way, offset) = (b - a, p - a);
-    let length_squared = way.length_squared();
-    let share = if length_squared > 0.0 { offset.dot(way) / length_squared } else { 0.0 };
-    (offset - way * share.clamp(0.0, 1.0)).length()
+    let (line, offset) = (b - a, p - a);
+    let length_squared = line.length_squared();
+    let share = if length_squared > 0.0 { offset.dot(line) / length_squared } else { 0.0 };
+    (offset - line * share.clamp(0.0, 1.0)).length()
 }
 
-/// The length of a way.
+/// Returns the length of a path.
 pub fn length(points: &[Vec3]) -> f32 {
     points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
-/// A way in even steps of about `step`, with the same ends and the trembling of about the length `over` taken out.
+/// Returns a path in even steps of about `step` with the same ends, without tremor of about the length `over`.
 pub fn evened(points: &[Vec3], step: f32, over: f32) -> Vec<Vec3> {
     let total = length(points);
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return Vec::new() };
@@ -64,18 +64,18 @@ pub fn evened(points: &[Vec3], step: f32, over: f32) -> Vec<Vec3> {
     let mut even = vec![*first];
     let mut gone = 0.0;
     for pair in points.windows(2) {
-        let leg = pair[0].distance(pair[1]);
+        let length = pair[0].distance(pair[1]);
         while even.len() < count {
             let due = total * even.len() as f32 / count as f32;
-            if due > gone + leg {
+            if due > gone + length {
                 break;
             }
-            even.push(pair[0].lerp(pair[1], ((due - gone) / leg).clamp(0.0, 1.0)));
+            even.push(pair[0].lerp(pair[1], ((due - gone) / length).clamp(0.0, 1.0)));
         }
-        gone += leg;
+        gone += length;
     }
     even.push(*last);
-    // Means of three, again and again: their widths add up as squares do.
+    // Repeated means of three: the squares of their widths add up.
     let passes = (2.0 * (over * count as f32 / total.max(f32::MIN_POSITIVE)).powi(2)).round();
     for _ in 0..(passes as u32).min(MOST_PASSES) {
         let before = even.clone();
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_straight_way_keeps_its_ends_and_a_corner_stays() {
+    fn a_straight_path_keeps_its_ends_and_a_corner_stays() {
         let line: Vec<Vec3> = (0..50).map(|i| Vec3::X * i as f32).collect();
         assert_eq!(thinned(&line, 0.1), [Vec3::ZERO, Vec3::X * 49.0]);
         let corner: Vec<Vec3> = line.iter().copied().chain([Vec3::new(49.0, 30.0, 0.0)]).collect();

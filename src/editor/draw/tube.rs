@@ -1,6 +1,6 @@
 //! Lines and curves: tubes along what the pointer or a hand has drawn, or through points.
 //!
-//! Takes places of the grid in voxels; gives a [`DrawnSolid::Tube`] with few beads, so that its command is short, and the lines
+//! Takes places of the grid in voxels; gives a [`DrawnSolid::Tube`] with few control points, since its command lists them, and the lines
 //! that show it.
 
 use std::sync::Arc;
@@ -9,21 +9,21 @@ use glam::Vec3;
 
 use super::thin::{evened, length, thinned_to};
 use super::view::{View, chain};
-use crate::tools::drawn::curve::way_of_tube;
+use crate::tools::drawn::curve::tube_path;
 use crate::tools::drawn::{ControlPoint, DrawnSolid};
 
-/// Most beads of a curve.
-const MOST_BEADS: usize = 256;
-/// How much of a hand's trembling goes, as a share of the radius; at most and at least so much, in units of the smallest
-/// edge. Steps from voxel to voxel go with it.
+/// Most control points of a curve.
+const MOST_CONTROL_POINTS: usize = 256;
+/// Length over which tremor of the hand is smoothed, as a share of the radius, and its range in units of the smallest edge.
+/// It smooths the steps from voxel to voxel, too.
 const EVEN_OVER: f32 = 0.6;
 const EVEN_RANGE: std::ops::RangeInclusive<f32> = 0.7..=4.0;
-/// How far a bead may lie from the way, as a share of the radius.
+/// How far the path may be from the control points, as a share of the radius.
 const TOLERANCE: f32 = 0.06;
-/// Least distance from one bead to the next, in units of the smallest edge.
+/// Least distance from one control point to the next, in units of the smallest edge.
 const LEAST_STEP: f32 = 1e-2;
 
-/// A straight tube between two places; a ball if they are the same.
+/// Returns a straight tube between two places; a ball if they are the same.
 pub fn line(from_vx: Vec3, to_vx: Vec3, radii: [f32; 2]) -> DrawnSolid {
     let ends = [(from_vx, radii[0]), (to_vx, radii[1])]
         .map(|(at_vx, radius)| ControlPoint { at_vx, radius });
@@ -31,22 +31,22 @@ pub fn line(from_vx: Vec3, to_vx: Vec3, radii: [f32; 2]) -> DrawnSolid {
     DrawnSolid::Tube { control_points: ends.into_iter().take(count).collect() }
 }
 
-/// A tube along a way (voxels), its radius changing evenly from one end to the other. `edges`: of a voxel, in units of the
+/// Returns a tube along a path (voxels), its radius changing evenly from one end to the other. `edges`: of a voxel, in units of the
 /// smallest.
-pub fn curve(way_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<DrawnSolid> {
-    let (first, last) = (*way_vx.first()?, *way_vx.last()?);
+pub fn curve(path_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<DrawnSolid> {
+    let (first, last) = (*path_vx.first()?, *path_vx.last()?);
     let thick = 0.5 * (radii[0] + radii[1]);
-    let way: Vec<Vec3> = way_vx.iter().map(|p| *p * edges).collect();
-    if length(&way) < 0.5 {
+    let path: Vec<Vec3> = path_vx.iter().map(|p| *p * edges).collect();
+    if length(&path) < 0.5 {
         return Some(line(first, last, radii));
     }
-    let even = even(&way, thick);
-    let mut thin = thinned_to(&even, (TOLERANCE * thick).max(0.2), MOST_BEADS);
+    let even = even(&path, thick);
+    let mut thin = thinned_to(&even, (TOLERANCE * thick).max(0.2), MOST_CONTROL_POINTS);
     thin.dedup_by(|a, b| a.distance(*b) < LEAST_STEP);
     Some(DrawnSolid::Tube { control_points: control_points(&thin, radii, edges) })
 }
 
-/// A tube along a smooth curve through places (voxels), its radius changing evenly from the first to the last; none
+/// Returns a tube along a smooth curve through places (voxels), its radius changing evenly from the first to the last; none
 /// without a place.
 pub fn through(places_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<DrawnSolid> {
     let mut places: Vec<Vec3> = places_vx.iter().map(|p| *p * edges).collect();
@@ -55,7 +55,7 @@ pub fn through(places_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<Drawn
         .then(|| DrawnSolid::Tube { control_points: control_points(&places, radii, edges) })
 }
 
-/// Beads at places (units of the smallest edge), their radii by their shares of the way.
+/// Returns control points at places (units of the smallest edge), the radii interpolated along the path.
 fn control_points(places: &[Vec3], radii: [f32; 2], edges: Vec3) -> Arc<[ControlPoint]> {
     let total = length(places).max(f32::MIN_POSITIVE);
     let mut gone = 0.0;
@@ -68,16 +68,16 @@ fn control_points(places: &[Vec3], radii: [f32; 2], edges: Vec3) -> Arc<[Control
     places.iter().map(control_point).collect()
 }
 
-/// A way (units of the smallest edge) for a tube of a radius without the trembling of a hand.
-fn even(way: &[Vec3], radius: f32) -> Vec<Vec3> {
+/// Returns a path (units of the smallest edge) without the tremor of a hand, for a tube of that radius.
+fn even(path: &[Vec3], radius: f32) -> Vec<Vec3> {
     let over = (EVEN_OVER * radius).clamp(*EVEN_RANGE.start(), *EVEN_RANGE.end());
-    evened(way, 0.5 * over, over)
+    evened(path, 0.5 * over, over)
 }
 
-/// Returns the lines that show a tube while it is drawn along a way: its middle line and, beside it, its outline.
-pub fn sketch(view: &View, way_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
-    let way: Vec<Vec3> = way_vx.iter().map(|p| *p * view.edges).collect();
-    let even = even(&way, 0.5 * (radii[0] + radii[1]));
+/// Returns the lines that show a tube while it is drawn along a path: its middle line and, beside it, its outline.
+pub fn sketch(view: &View, path_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
+    let path: Vec<Vec3> = path_vx.iter().map(|p| *p * view.edges).collect();
+    let even = even(&path, 0.5 * (radii[0] + radii[1]));
     let count = even.len() as f32 - 1.0;
     let control_point = |(i, p): (usize, &Vec3)| ControlPoint {
         at_vx: *p / view.edges,
@@ -91,16 +91,16 @@ pub fn sketch(view: &View, way_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
 pub fn sketch_through(view: &View, places_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
     match through(places_vx, radii, view.edges) {
         Some(DrawnSolid::Tube { control_points }) => {
-            outline(view, &way_of_tube(&control_points, view.edges))
+            outline(view, &tube_path(&control_points, view.edges))
         }
         _ => Vec::new(),
     }
 }
 
-/// The middle line of a tube, its ends, and its outline as the viewer sees it.
-fn outline(view: &View, way: &[ControlPoint]) -> Vec<[Vec3; 2]> {
-    let (Some(first), Some(last)) = (way.first(), way.last()) else { return Vec::new() };
-    let middle: Vec<Vec3> = way.iter().map(|control_point| control_point.at_vx).collect();
+/// Returns the middle line of a tube, its ends, and its outline as the viewer sees it.
+fn outline(view: &View, path: &[ControlPoint]) -> Vec<[Vec3; 2]> {
+    let (Some(first), Some(last)) = (path.first(), path.last()) else { return Vec::new() };
+    let middle: Vec<Vec3> = path.iter().map(|control_point| control_point.at_vx).collect();
     let mut lines: Vec<[Vec3; 2]> = chain(&middle).collect();
     lines.extend(view.circle(first.at_vx, first.radius));
     lines.extend(view.circle(last.at_vx, last.radius));
@@ -112,7 +112,7 @@ fn outline(view: &View, way: &[ControlPoint]) -> Vec<[Vec3; 2]> {
             [(a, pair[0].radius), (b, pair[1].radius)]
                 .map(|(p, radius)| (p + out * radius) / view.edges)
         };
-        way.windows(2).flat_map(at).collect()
+        path.windows(2).flat_map(at).collect()
     };
     for side in [-1.0, 1.0] {
         lines.extend(chain(&rim(side)));
@@ -134,8 +134,8 @@ mod tests {
         assert_eq!(control_points[..], [ControlPoint { at_vx: at, radius: 2.0 }]);
         let DrawnSolid::Tube { control_points } = line(at, at + 1.0, [2.0, 3.0]) else { panic!() };
         assert_eq!((control_points.len(), control_points[1].radius), (2, 3.0));
-        for way in [vec![at], vec![at; 9], vec![at, at + 0.1]] {
-            curve(&way, [1.0, 2.0], Vec3::ONE).unwrap().check().unwrap();
+        for path in [vec![at], vec![at; 9], vec![at, at + 0.1]] {
+            curve(&path, [1.0, 2.0], Vec3::ONE).unwrap().check().unwrap();
         }
         assert_eq!(curve(&[], [1.0, 1.0], Vec3::ONE), None);
     }
@@ -224,13 +224,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_way_makes_a_valid_tube(
-            way in prop::collection::vec(prop::array::uniform3(-100f32..100.0), 1..80),
+        fn every_path_makes_a_valid_tube(
+            path in prop::collection::vec(prop::array::uniform3(-100f32..100.0), 1..80),
             radii in prop::array::uniform2(0.5f32..200.0),
             edges in prop::array::uniform3(1f32..4.0),
         ) {
-            let way: Vec<Vec3> = way.into_iter().map(Vec3::from).collect();
-            let form = curve(&way, radii, Vec3::from(edges)).unwrap();
+            let path: Vec<Vec3> = path.into_iter().map(Vec3::from).collect();
+            let form = curve(&path, radii, Vec3::from(edges)).unwrap();
             prop_assert_eq!(form.check(), Ok(()));
         }
     }

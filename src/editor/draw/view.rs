@@ -51,7 +51,7 @@ impl View {
     }
 
     /// Where the ray through a pixel goes, in units of the smallest edge, of length 1 (or 0 if there is none).
-    pub fn way(&self, at: Vec2) -> Vec3 {
+    pub fn direction(&self, at: Vec2) -> Vec3 {
         (self.sight.rays.direction_at(at.x, at.y) * self.edges).normalize_or_zero()
     }
 
@@ -62,8 +62,8 @@ impl View {
 
     /// Across, up and towards the viewer at a pixel: of length 1, at right angles, in units of the smallest edge.
     pub fn frame(&self, at: Vec2) -> Option<[Vec3; 3]> {
-        let ahead = self.way(at);
-        let right = self.way(at + Vec2::X) - ahead;
+        let ahead = self.direction(at);
+        let right = self.direction(at + Vec2::X) - ahead;
         let right = (right - ahead * right.dot(ahead)).try_normalize()?;
         Some([right, right.cross(ahead), -ahead])
     }

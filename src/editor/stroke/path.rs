@@ -134,13 +134,13 @@ mod tests {
         /// A path ends wherever it goes, with few samples, all of them finite.
         #[test]
         fn a_path_ends_wherever_it_goes(
-            ways in prop::collection::vec(prop::array::uniform3(prop::num::f32::ANY), 1..20),
+            places in prop::collection::vec(prop::array::uniform3(prop::num::f32::ANY), 1..20),
             spacing in prop::num::f32::ANY,
         ) {
             let mut path = Path::new(Vec3::ZERO, spacing, Vec3::ONE);
-            for way in ways {
+            for place in places {
                 let mut out = Vec::new();
-                path.line_to(Vec3::from(way), |sample| out.push(sample));
+                path.line_to(Vec3::from(place), |sample| out.push(sample));
                 prop_assert!(out.len() <= MOST_SAMPLES as usize);
                 prop_assert!(out.iter().all(|sample| sample.is_finite()), "{out:?}");
                 prop_assert!(path.end().is_finite());

@@ -49,7 +49,7 @@ impl PictureStroke {
 
     /// The brush is to be used at points of the picture.
     fn use_at(&mut self, stops: &[Vec3], scene: &mut Scene) {
-        self.due.extend(stops.iter().copied().zip(scene.grip.on_way(stops.len())));
+        self.due.extend(stops.iter().copied().zip(scene.grip.along_path(stops.len())));
     }
 }
 

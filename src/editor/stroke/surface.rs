@@ -78,7 +78,7 @@ impl SurfaceStroke {
 
     /// The brush is to be used at places, in voxels.
     fn use_at(&mut self, stops: &[Vec3], scene: &mut Scene) {
-        self.due.extend(stops.iter().copied().zip(scene.grip.on_way(stops.len())));
+        self.due.extend(stops.iter().copied().zip(scene.grip.along_path(stops.len())));
     }
 
     /// The normal that it uses.

@@ -1,70 +1,71 @@
-//! The way of a solid that is led through the grid: straight pieces that it sweeps exactly ([`SweepSegment`]), however the hand
-//! moved and however often the device spoke.
+//! Divides the path of a solid through the grid into straight segments that it sweeps exactly ([`SweepSegment`]). The
+//! segments do not depend on how often the device reports.
 //!
-//! From places and rotations of the tool to legs. Knows no voxels and no document.
+//! Takes positions and rotations of the tool; gives segments. Knows no voxels and no document.
 
 use glam::{Quat, Vec3};
 
 use crate::tools::solid::{Primitive, Solid};
 
-/// How far the tool may have gone beside its way when it goes straight on, in edges of the smallest voxel edge.
+/// Largest distance of the tool from a straight segment, in lengths of the smallest voxel edge.
 const BESIDE: f32 = 0.15;
-/// How far the tool may lag behind the hand, as a share of its smallest half extent: legs are no shorter without need.
+/// How far the tool may lag behind the hand, as a share of its smallest half extent. Only turns and bends make segments
+/// shorter.
 const LAG: f32 = 0.2;
-/// How far the furthest points of a tool that turns go from one use to the next, in edges of the smallest voxel edge.
+/// How far the outermost points of a turning tool move from one use to the next, in lengths of the smallest voxel edge.
 const TURN: f32 = 0.6;
-/// Most uses for one turn: beyond that the hand has leapt.
+/// Most uses for one turn: a larger turn is a jump.
 const MOST_TURNS: f32 = 16.0;
-/// Longest way that a tool sweeps, in edges of the smallest voxel edge; beyond that something has leapt, and the tool is
+/// Longest distance that a tool sweeps at once, in lengths of the smallest voxel edge. A larger one is a jump: the tool is
 /// lifted.
 const FURTHEST: f32 = 4096.0;
 
-/// A straight piece of the way, or a place.
+/// A straight segment of the path, or a single position.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SweepSegment {
-    /// Where the tool is at first, in voxels.
+    /// Where the tool starts, in voxels.
     pub from: Vec3,
-    /// Where it goes; none if it stays.
+    /// Where it ends; `None` if it stays.
     pub to: Option<Vec3>,
-    /// How it is turned.
+    /// Rotation of the tool.
     pub rotation: Quat,
 }
 
 impl SweepSegment {
-    /// The place where a tool is.
+    /// Returns the segment of a tool that stays.
     pub fn place(tool: &Primitive) -> SweepSegment {
         SweepSegment { from: tool.centre_vx, to: None, rotation: tool.rotation }
     }
 
-    /// Where it ends.
+    /// Returns where it ends.
     pub fn end(&self) -> Vec3 {
         self.to.unwrap_or(self.from)
     }
 }
 
-/// A way that is being drawn.
+/// The path of a tool that is in use.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Sweep {
-    /// Where the last leg ended, and how the tool was turned there.
+    /// Where the last segment ended, and the rotation there.
     used: Vec3,
     rotation: Quat,
     /// Where the tool is.
     at: Vec3,
-    /// The direction of the way since the last leg, in edges; none yet while the tool stays.
+    /// Direction since the last segment, in edges; `None` while the tool stays.
     heading: Option<Vec3>,
     /// Length of a voxel edge on each axis, in edges of the smallest.
     edges: Vec3,
 }
 
 impl Sweep {
-    /// A way from where `tool` is, and has been used. `edges`: length of a voxel edge on each axis.
+    /// Begins a path at `tool`, which has been used there. `edges`: length of a voxel edge on each axis.
     pub fn new(tool: &Primitive, edges: Vec3) -> Sweep {
         let (at, rotation) = (tool.centre_vx, tool.rotation);
         Sweep { used: at, rotation, at, heading: None, edges }
     }
 
-    /// Leads `tool` straight to where it is now and gives the legs that are due. Jumps to a place that is too far for
-    /// any movement, and ignores a place that is not finite.
+    /// Moves straight to `tool` and gives the segments that are due. Jumps if it is too far away for a movement, and
+    /// ignores a position that is not finite.
     pub fn lead(&mut self, tool: &Primitive, mut segment: impl FnMut(SweepSegment)) {
         let to = tool.centre_vx;
         if !to.is_finite() {
@@ -75,14 +76,16 @@ impl Sweep {
             self.jump(tool, segment);
             return;
         }
-        let way = (to - self.used) * self.edges;
+        let displacement = (to - self.used) * self.edges;
         match self.heading {
-            Some(heading) if !is_straight_on(heading, (self.at - self.used) * self.edges, way) => {
+            Some(heading)
+                if !is_straight_on(heading, (self.at - self.used) * self.edges, displacement) =>
+            {
                 self.finish(tool, &mut segment);
                 self.heading = ((to - self.at) * self.edges).try_normalize();
             }
             Some(_) => {}
-            None => self.heading = way.try_normalize(),
+            None => self.heading = displacement.try_normalize(),
         }
         self.at = to;
         let length = ((to - self.used) * self.edges).length();
@@ -91,7 +94,7 @@ impl Sweep {
         }
     }
 
-    /// Gives the legs to where the tool has been led, without waiting for more.
+    /// Gives the segments up to the position of the tool, without waiting for more.
     pub fn finish(&mut self, tool: &Primitive, mut segment: impl FnMut(SweepSegment)) {
         let (from, to) = (self.used, self.at);
         let (before, after) = (self.rotation, tool.rotation);
@@ -103,7 +106,7 @@ impl Sweep {
         let mut last = from;
         for i in 1..=count as u32 {
             let share = i as f32 / count;
-            // Not a bit beside the last one.
+            // Exactly the last one.
             let (next, rotation) = match share < 1.0 {
                 true => (from.lerp(to, share), before.slerp(after, share).normalize()),
                 false => (to, after),
@@ -114,18 +117,18 @@ impl Sweep {
         (self.used, self.rotation, self.heading) = (to, after, None);
     }
 
-    /// Goes on where `tool` is without the way there, and uses it there.
+    /// Continues at `tool` without sweeping there, and uses it there.
     pub fn jump(&mut self, tool: &Primitive, mut segment: impl FnMut(SweepSegment)) {
         *self = Sweep::new(tool, self.edges);
         segment(SweepSegment::place(tool));
     }
 
-    /// Distance from where the tool has been led, in edges of the smallest voxel edge.
+    /// Returns the distance from the position of the tool, in lengths of the smallest voxel edge.
     pub fn distance(&self, to: Vec3) -> f32 {
         ((to - self.at) * self.edges).length()
     }
 
-    /// How many uses the turn of `tool` since the last leg needs.
+    /// Returns how many uses the turn of `tool` since the last segment needs.
     fn turns(&self, tool: &Primitive) -> f32 {
         let ball = tool.solid == Solid::Ellipsoid && tool.half == Vec3::splat(tool.half.x);
         match ball || tool.rotation == self.rotation {
@@ -135,7 +138,7 @@ impl Sweep {
     }
 }
 
-/// Whether a way that has begun along `heading` and was at `at` goes straight on to `to`; both from its beginning.
+/// Whether a path that began along `heading` and was at `at` goes straight on to `to`, both relative to its start.
 fn is_straight_on(heading: Vec3, at: Vec3, to: Vec3) -> bool {
     let ahead = to.dot(heading);
     ahead >= at.dot(heading) && (to - heading * ahead).length() <= BESIDE
@@ -156,7 +159,7 @@ mod tests {
         }
     }
 
-    /// The legs of a way through points, and to its end.
+    /// Returns the segments of a path through points, up to its end.
     fn segments(points: &[Vec3], half: f32, edges: Vec3) -> Vec<SweepSegment> {
         let at = |centre_vx| Primitive { centre_vx, ..tool(half) };
         let mut sweep = Sweep::new(&at(points[0]), edges);
@@ -169,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_straight_way_is_a_leg_for_each_lag() {
+    fn a_straight_path_is_a_segment_for_each_lag() {
         let points: Vec<Vec3> = (0..=100).map(|i| Vec3::X * i as f32 * 0.5).collect();
         let out = segments(&points, 10.0, Vec3::ONE);
         assert_eq!(out.len(), 25);
@@ -214,10 +217,10 @@ mod tests {
         assert_eq!(out.len(), 5);
         assert!(out.iter().all(|segment| segment.from == Vec3::ZERO && segment.to.is_none()));
         assert_eq!(out[4].rotation, turned(4.0, Solid::Cuboid).rotation);
-        // A ball is what it is.
+        // Turning a ball changes nothing.
         let mut ball = Sweep::new(&turned(0.0, Solid::Ellipsoid), Vec3::ONE);
         ball.lead(&turned(90.0, Solid::Ellipsoid), |segment| panic!("{segment:?}"));
-        // On the way turns are spread evenly.
+        // Turns are spread evenly over a movement.
         let moved = Primitive { centre_vx: Vec3::X * 10.0, ..turned(0.0, Solid::Cuboid) };
         out.clear();
         sweep.lead(&moved, |segment| out.push(segment));
@@ -226,10 +229,10 @@ mod tests {
     }
 
     proptest! {
-        /// Legs follow one another without a gap, no point of the way is further beside them than twice the tolerance,
-        /// and they end where it does.
+        /// Segments join without a gap, stay within twice the tolerance of every point of the path, and end where it
+        /// does.
         #[test]
-        fn legs_are_the_way(
+        fn segments_follow_the_path(
             steps in prop::collection::vec(prop::array::uniform3(prop_oneof![-6f32..6.0, -0.2f32..0.2, Just(0.0)]), 1..40),
             half in prop_oneof![Just(1.0f32), 2f32..80.0],
             long in 1f32..3.0,
@@ -249,25 +252,25 @@ mod tests {
             prop_assert!(out.len() <= points.len());
             for point in &points {
                 let beside = out.iter().map(|segment| {
-                    let (way, p) = ((segment.end() - segment.from) * edges, (*point - segment.from) * edges);
-                    let share = (p.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
-                    (p - way * share).length()
+                    let (segment_edges, p) = ((segment.end() - segment.from) * edges, (*point - segment.from) * edges);
+                    let share = (p.dot(segment_edges) / segment_edges.length_squared().max(1e-12)).clamp(0.0, 1.0);
+                    (p - segment_edges * share).length()
                 });
                 let nearest = beside.fold(f32::INFINITY, f32::min);
                 prop_assert!(out.is_empty() || nearest <= 2.0 * BESIDE + 1e-4, "{} beside", nearest);
             }
         }
 
-        /// A way ends wherever it goes, with few legs whose ends are all finite.
+        /// Any input gives few segments, and all their ends are finite.
         #[test]
-        fn a_way_ends_wherever_it_goes(
-            ways in prop::collection::vec(prop::array::uniform3(prop::num::f32::ANY), 1..20),
+        fn a_path_ends_wherever_it_goes(
+            places in prop::collection::vec(prop::array::uniform3(prop::num::f32::ANY), 1..20),
             half in prop::num::f32::POSITIVE,
         ) {
             let mut sweep = Sweep::new(&tool(half), Vec3::ONE);
             let mut count = 0;
-            for way in ways {
-                sweep.lead(&Primitive { centre_vx: way.into(), ..tool(half) }, |segment| {
+            for place in places {
+                sweep.lead(&Primitive { centre_vx: place.into(), ..tool(half) }, |segment| {
                     assert!(segment.from.is_finite() && segment.end().is_finite(), "{segment:?}");
                     count += 1;
                 });

@@ -7,7 +7,7 @@
 use glam::Quat;
 
 use super::{HandSide, HandsState};
-use crate::input::pace::is_way;
+use crate::input::pace::is_plausible_step;
 use crate::view::{Pose, Similarity};
 
 /// Hands closer than this give no direction, in metres.
@@ -40,7 +40,7 @@ impl Grab {
         // a jump of tracking.
         let pair = |i: usize| {
             let (from, to) = (before[i]?, now[i]?);
-            is_way(from.position, to.position, dt_s).then_some((from, to))
+            is_plausible_step(from.position, to.position, dt_s).then_some((from, to))
         };
         let moved = match (pair(0), pair(1)) {
             (Some(left), Some(right)) => between(left, right),

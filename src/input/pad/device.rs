@@ -128,7 +128,7 @@ fn came(gilrs: &mut Gilrs, id: GamepadId) -> PadNews {
 
 fn state_of(pad: &Gamepad) -> PadState {
     let stick = |x, y| Vec2::new(pad.value(x), pad.value(y));
-    let way = |button| pad.button_data(button).map_or(0.0, |data| data.value());
+    let deflection = |button| pad.button_data(button).map_or(0.0, |data| data.value());
     // A D-pad is four buttons on some pads and two axes on others.
     let cross = [
         (PadButton::DpadLeft, Axis::DPadX, -1.0),
@@ -150,7 +150,7 @@ fn state_of(pad: &Gamepad) -> PadState {
     PadState {
         left: stick(Axis::LeftStickX, Axis::LeftStickY),
         right: stick(Axis::RightStickX, Axis::RightStickY),
-        triggers: Vec2::new(way(Button::LeftTrigger2), way(Button::RightTrigger2)),
+        triggers: Vec2::new(deflection(Button::LeftTrigger2), deflection(Button::RightTrigger2)),
         held,
     }
 }

@@ -313,8 +313,8 @@ impl PadMapper {
         if self.mode == PadMode::OnlyMouse {
             return (left.extend(0.0), Vec3::ZERO);
         }
-        let pull = |button: PadButton, way: f32| {
-            if self.bound.contains(button) { 0.0 } else { self.response.pull(way) }
+        let pull = |button: PadButton, deflection: f32| {
+            if self.bound.contains(button) { 0.0 } else { self.response.pull(deflection) }
         };
         let down = |button| f32::from(u8::from(state.held.contains(button)));
         let near = pull(PadButton::LeftTrigger, state.triggers.x)

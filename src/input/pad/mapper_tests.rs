@@ -38,30 +38,30 @@ fn shift(events: &[PadEvent]) -> Vec3 {
 proptest! {
     /// However often pictures are drawn, the stick moves something equally far.
     #[test]
-    fn the_way_does_not_depend_on_the_rate_of_pictures(
+    fn the_displacement_does_not_depend_on_the_rate_of_pictures(
         pushes in prop::collection::vec((-1.0f32..1.0, -1.0f32..1.0, 0.01f64..0.3), 1..12),
         rates in prop::collection::vec(3.0f64..240.0, 2..4),
     ) {
         let bindings = bindings();
-        let ways: Vec<Vec3> = rates.iter().map(|rate| {
+        let displacements: Vec<Vec3> = rates.iter().map(|rate| {
             let mut mapper = mapper(PadMode::UseTool);
-            let (mut now_s, mut picture_s, mut way) = (1.0, 1.0, Vec3::ZERO);
+            let (mut now_s, mut picture_s, mut displacement) = (1.0, 1.0, Vec3::ZERO);
             let states = pushes.iter().map(|&(x, y, s)| (pushing(x, y), s));
             for (state, lasts_s) in states.chain([(PadState::default(), 1.0)]) {
                 mapper.update(PAD, state, now_s, &bindings);
                 now_s += lasts_s;
                 while picture_s < now_s {
-                    way += shift(&mapper.take(picture_s, &bindings));
+                    displacement += shift(&mapper.take(picture_s, &bindings));
                     picture_s += 1.0 / rate;
                 }
             }
-            way
+            displacement
         }).collect();
         let expected: Vec3 = pushes.iter()
             .map(|&(x, y, s)| (RESPONSE.speed(Vec2::new(x, y)) * s as f32).extend(0.0))
             .sum();
-        for way in ways {
-            prop_assert!(way.abs_diff_eq(expected, 1e-3), "{} {}", way, expected);
+        for displacement in displacements {
+            prop_assert!(displacement.abs_diff_eq(expected, 1e-3), "{} {}", displacement, expected);
         }
     }
 }
@@ -101,8 +101,11 @@ fn the_tool_moves_before_between_and_after_press_and_release() {
     else {
         panic!("{events:?}")
     };
-    let ways = [before, during, after].map(|glide| glide.shift.x);
-    assert!(std::iter::zip(ways, [0.1, 0.1, 0.2]).all(|(a, b): (f32, f32)| (a - b).abs() < 1e-4));
+    let displacements = [before, during, after].map(|glide| glide.shift.x);
+    assert!(
+        std::iter::zip(displacements, [0.1, 0.1, 0.2])
+            .all(|(a, b): (f32, f32)| (a - b).abs() < 1e-4)
+    );
     mapper.update(PAD, PadState::default(), 1.4, &bindings);
     assert!(!mapper.is_active(), "a pad at rest needs no pictures");
     assert_eq!(mapper.take(9.0, &bindings), []);
@@ -234,8 +237,8 @@ fn a_long_pause_between_pictures_does_not_fling_the_tool_away() {
         let x = if i % 2 == 0 { 1.0 } else { 1.0 - f32::EPSILON };
         mapper.update(PAD, pushing(x, 0.0), 1.0 + f64::from(i) * 0.2, &bindings);
     }
-    let way = shift(&mapper.take(21.0, &bindings));
-    assert!((way.x - 0.5).abs() < 1e-3, "{way}");
-    let way = shift(&mapper.take(21.1, &bindings));
-    assert!((way.x - 0.1).abs() < 1e-3, "{way}");
+    let displacement = shift(&mapper.take(21.0, &bindings));
+    assert!((displacement.x - 0.5).abs() < 1e-3, "{displacement}");
+    let displacement = shift(&mapper.take(21.1, &bindings));
+    assert!((displacement.x - 0.1).abs() < 1e-3, "{displacement}");
 }

@@ -18,20 +18,20 @@ impl Response {
     /// edge of the dead zone, so that nothing jumps; a push into a corner is no faster than one
     /// straight ahead.
     pub fn speed(&self, stick: Vec2) -> Vec2 {
-        let way = stick.length();
-        if !way.is_finite() || way <= self.dead_zone {
+        let deflection = stick.length();
+        if !deflection.is_finite() || deflection <= self.dead_zone {
             return Vec2::ZERO;
         }
-        stick / way * self.shaped(way)
+        stick / deflection * self.shaped(deflection)
     }
 
     /// The speed of a trigger, 0 to 1, from its travel 0 to 1.
-    pub fn pull(&self, way: f32) -> f32 {
-        if way > self.dead_zone { self.shaped(way) } else { 0.0 }
+    pub fn pull(&self, deflection: f32) -> f32 {
+        if deflection > self.dead_zone { self.shaped(deflection) } else { 0.0 }
     }
 
-    fn shaped(&self, way: f32) -> f32 {
-        let behind = (way.min(1.0) - self.dead_zone) / (1.0 - self.dead_zone);
+    fn shaped(&self, deflection: f32) -> f32 {
+        let behind = (deflection.min(1.0) - self.dead_zone) / (1.0 - self.dead_zone);
         behind.max(0.0).powf(self.curve)
     }
 }
@@ -45,8 +45,8 @@ mod tests {
         (0.0f32..0.9, 0.25f32..5.0).prop_map(|(dead_zone, curve)| Response { dead_zone, curve })
     }
 
-    fn at(angle: f32, way: f32) -> Vec2 {
-        Vec2::from_angle(angle) * way
+    fn at(angle: f32, deflection: f32) -> Vec2 {
+        Vec2::from_angle(angle) * deflection
     }
 
     proptest! {
@@ -54,9 +54,9 @@ mod tests {
         fn the_dead_zone_gives_exactly_nothing(
             response in response(), angle in -4.0f32..4.0, share in 0.0f32..0.999,
         ) {
-            let way = response.dead_zone * share;
-            prop_assert_eq!(response.speed(at(angle, way)), Vec2::ZERO);
-            prop_assert_eq!(response.pull(way), 0.0);
+            let deflection = response.dead_zone * share;
+            prop_assert_eq!(response.speed(at(angle, deflection)), Vec2::ZERO);
+            prop_assert_eq!(response.pull(deflection), 0.0);
         }
 
         #[test]
@@ -64,7 +64,7 @@ mod tests {
             response in response(), angle in -4.0f32..4.0, a in 0.0f32..1.5, b in 0.0f32..1.5,
         ) {
             let (less, more) = (a.min(b), a.max(b));
-            let speed = |way| response.speed(at(angle, way)).length();
+            let speed = |deflection| response.speed(at(angle, deflection)).length();
             prop_assert!(speed(less) <= speed(more) + 1e-5);
             prop_assert!(speed(more) <= 1.0 + 1e-5);
             prop_assert!((speed(1.2) - 1.0).abs() < 1e-5);
@@ -73,9 +73,9 @@ mod tests {
 
         #[test]
         fn speed_is_the_same_in_all_directions_and_along_the_push(
-            response in response(), one in -4.0f32..4.0, other in -4.0f32..4.0, way in 0.0f32..1.0,
+            response in response(), one in -4.0f32..4.0, other in -4.0f32..4.0, deflection in 0.0f32..1.0,
         ) {
-            let (a, b) = (response.speed(at(one, way)), response.speed(at(other, way)));
+            let (a, b) = (response.speed(at(one, deflection)), response.speed(at(other, deflection)));
             prop_assert!((a.length() - b.length()).abs() < 2e-3, "{} {}", a, b);
             prop_assert!(a.perp_dot(at(one, 1.0)).abs() < 1e-4 && a.dot(at(one, 1.0)) >= 0.0);
         }
@@ -83,14 +83,14 @@ mod tests {
         /// Motion starts at 0, and a small step of the stick is a small step of speed.
         #[test]
         fn nothing_jumps(
-            dead_zone in 0.0f32..0.9, curve in 1.0f32..5.0, angle in -4.0f32..4.0, way in 0.0f32..1.0,
+            dead_zone in 0.0f32..0.9, curve in 1.0f32..5.0, angle in -4.0f32..4.0, deflection in 0.0f32..1.0,
         ) {
             let response = Response { dead_zone, curve };
             let step = 1e-3;
-            let speed = |way| response.speed(at(angle, way)).length();
+            let speed = |deflection| response.speed(at(angle, deflection)).length();
             // The slope is at most that at the end of the curve.
             let most = curve / (1.0 - dead_zone) * step;
-            prop_assert!(speed(way + step) - speed(way) <= most * 1.01 + 1e-4);
+            prop_assert!(speed(deflection + step) - speed(deflection) <= most * 1.01 + 1e-4);
             prop_assert!(speed(dead_zone + 1e-4) <= 1e-4 / (1.0 - dead_zone) + 1e-5);
         }
     }

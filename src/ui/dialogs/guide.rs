@@ -213,7 +213,7 @@ pub fn strip(root: &mut Ui, guide: &mut Guide, context: &UiContext, requests: &m
                 guide.open &= !close.clicked();
                 again(ui, guide);
                 if let Some(at) = step {
-                    ways_on(ui, guide, context, requests, at);
+                    navigation_buttons(ui, guide, context, requests, at);
                 }
             });
         });
@@ -262,7 +262,7 @@ impl Dialog for Guide {
                     Some(at) => {
                         say(ui, context, at);
                         ui.horizontal(|ui| {
-                            ways_on(ui, self, context, requests, at);
+                            navigation_buttons(ui, self, context, requests, at);
                             again(ui, self);
                         });
                     }
@@ -336,7 +336,7 @@ fn height(ui: &Ui, texts: &[RichText]) -> f32 {
 }
 
 /// Buttons that lead on without what is asked for.
-fn ways_on(
+fn navigation_buttons(
     ui: &mut Ui,
     guide: &mut Guide,
     context: &UiContext,

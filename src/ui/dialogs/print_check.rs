@@ -1,4 +1,4 @@
-//! The window of the print check: the demands on a print, the findings, and buttons that mend the print.
+//! The window of the print check: the demands on a print, the findings, and buttons that repair it.
 //!
 //! Asks with [`UiRequest::PrintCheck`]; the result comes from a thread through [`PrintCheck::news`]. Gives the lines
 //! that show the findings in the view. Changes no sculpture.

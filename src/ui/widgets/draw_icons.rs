@@ -13,10 +13,10 @@ pub fn draw(painter: &Painter, rect: Rect, kind: DrawKind, colour: Color32) {
     let points = |points: &[(f32, f32)]| -> Vec<Pos2> {
         points.iter().map(|(x, y)| at(rect, *x, *y)).collect()
     };
-    let path = |way: &[(f32, f32)], stroke: Stroke| {
-        painter.line(points(way), stroke);
+    let path = |corners: &[(f32, f32)], stroke: Stroke| {
+        painter.line(points(corners), stroke);
     };
-    let dashed = |way: Vec<Pos2>| painter.extend(Shape::dashed_line(&way, line, 4.0, 2.5));
+    let dashed = |corners: Vec<Pos2>| painter.extend(Shape::dashed_line(&corners, line, 4.0, 2.5));
     match kind {
         DrawKind::Lasso => {
             let rim = |i: i32| {

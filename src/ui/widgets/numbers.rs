@@ -37,12 +37,12 @@ struct Typed {
     selected: Range<usize>,
 }
 
-/// How what is typed reaches a field.
+/// How typed text changes a field.
 #[derive(PartialEq, Debug)]
-enum Way {
-    /// In place of what is selected.
+enum Edit {
+    /// Replaces the selection.
     Insert(String),
-    /// In place of all.
+    /// Replaces all text.
     Replace(String),
 }
 
@@ -147,14 +147,14 @@ impl Typed {
     /// Takes what is typed; the events that write it into the field.
     fn hear(&mut self, text: &str, event: impl Fn(String) -> Event) -> Vec<Event> {
         match self.write(text) {
-            Way::Insert(text) => vec![event(text)],
+            Edit::Insert(text) => vec![event(text)],
             // An input method ends what it has begun.
-            Way::Replace(text) => vec![event(String::new()), select_all(), Event::Text(text)],
+            Edit::Replace(text) => vec![event(String::new()), select_all(), Event::Text(text)],
         }
     }
 
     /// Takes what is typed.
-    fn write(&mut self, text: &str) -> Way {
+    fn write(&mut self, text: &str) -> Edit {
         let length = self.shown.chars().count();
         let Range { start, end } = self.selected;
         let text = text.replace(['\r', '\n'], "");
@@ -167,15 +167,15 @@ impl Typed {
             false => inserted(&text),
         };
         let shown = plain(&self.raw).unwrap_or_else(|| self.raw.clone());
-        let ways = [text.clone(), text.replace(',', ".")];
-        let way = ways.into_iter().find(|text| inserted(text) == shown);
-        let cursor = match &way {
+        let texts = [text.clone(), text.replace(',', ".")];
+        let inserted_text = texts.into_iter().find(|text| inserted(text) == shown);
+        let cursor = match &inserted_text {
             Some(text) => start + text.chars().count(),
             None => shown.chars().count(),
         };
         self.selected = cursor..cursor;
         self.shown = shown;
-        way.map_or_else(|| Way::Replace(self.shown.clone()), Way::Insert)
+        inserted_text.map_or_else(|| Edit::Replace(self.shown.clone()), Edit::Insert)
     }
 
     /// Takes a key that changes what is selected or written, between two events of typing in one pass.
@@ -234,7 +234,7 @@ fn joined(number: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Id, Key, Modifiers, Typed, Way, plain};
+    use super::{Edit, Id, Key, Modifiers, Typed, plain};
 
     #[test]
     fn a_number_is_read_in_the_only_way_or_not_at_all() {
@@ -285,8 +285,8 @@ mod tests {
         let mut field = String::new();
         let step = |c: char| {
             match typed.write(&c.to_string()) {
-                Way::Insert(text) => field.push_str(&text),
-                Way::Replace(text) => field = text,
+                Edit::Insert(text) => field.push_str(&text),
+                Edit::Replace(text) => field = text,
             }
             assert_eq!(field, typed.shown);
             field.clone()
@@ -310,13 +310,13 @@ mod tests {
         typed.write("1.234,5");
         assert_eq!(typed.shown, "1234.5");
         typed.press(Key::Backspace, Modifiers::NONE);
-        assert_eq!(typed.write("75"), Way::Insert("75".to_string()));
+        assert_eq!(typed.write("75"), Edit::Insert("75".to_string()));
         assert_eq!(typed.shown, "1234.75");
         typed.press(Key::Home, Modifiers::NONE);
-        assert_eq!(typed.write("-"), Way::Insert("-".to_string()));
+        assert_eq!(typed.write("-"), Edit::Insert("-".to_string()));
         assert_eq!(typed.shown, "-1234.75");
         typed.press(Key::A, Modifiers::COMMAND);
-        assert_eq!(typed.write("2,5"), Way::Insert("2.5".to_string()));
+        assert_eq!(typed.write("2,5"), Edit::Insert("2.5".to_string()));
         assert_eq!(typed.shown, "2.5");
     }
 }

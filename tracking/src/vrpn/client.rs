@@ -265,7 +265,7 @@ impl Shared {
         (&link.tcp).write_all(&COOKIE)?;
         self.read_cookie(&link.tcp)?;
 
-        let way = match &link.udp {
+        let udp_address = match &link.udp {
             Some(udp) => {
                 udp.set_read_timeout(Some(TICK))?;
                 let address = udp.local_addr()?;
@@ -273,8 +273,10 @@ impl Shared {
             }
             None => None,
         };
-        let greeting = lock(&self.session)
-            .greeting(way.as_ref().map(|(ip, port)| (ip.as_str(), *port)), self.clock.now_s());
+        let greeting = lock(&self.session).greeting(
+            udp_address.as_ref().map(|(ip, port)| (ip.as_str(), *port)),
+            self.clock.now_s(),
+        );
         (&link.tcp).write_all(&greeting)?;
         lock(&self.session).counters.connections += 1;
         self.set_state(SourceState::Running);

@@ -72,21 +72,21 @@ impl Link {
         for report in reports {
             let fast = report.kind().is_low_latency();
             match udp {
-                Some(way) if fast => {
-                    self.add_to_datagram(&mut datagram, way, device, report, stamp)
+                Some(target) if fast => {
+                    self.add_to_datagram(&mut datagram, target, device, report, stamp)
                 }
                 _ => self.add_to_stream(device, report, stamp, fast, missed),
             }
         }
-        if let Some(way) = udp {
-            send_datagram(&mut datagram, way);
+        if let Some(target) = udp {
+            send_datagram(&mut datagram, target);
         }
     }
 
     fn add_to_datagram(
         &self,
         datagram: &mut Vec<u8>,
-        way: (&UdpSocket, SocketAddr),
+        target: (&UdpSocket, SocketAddr),
         device: usize,
         report: &Message,
         stamp: Stamp,
@@ -95,7 +95,7 @@ impl Link {
         let mut frame = Vec::new();
         writer.message(&mut frame, stamp, device, report);
         if datagram.len() + frame.len() > MAX_DATAGRAM_BYTES {
-            send_datagram(datagram, way);
+            send_datagram(datagram, target);
         }
         datagram.append(&mut frame);
     }

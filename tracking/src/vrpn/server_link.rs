@@ -138,7 +138,7 @@ fn serve_client(
 
 /// Queues the greeting and adds the link to those that receive reports, atomically.
 fn greet(shared: &Shared, link: &Arc<Link>) -> io::Result<()> {
-    let way = match &link.udp {
+    let udp_address = match &link.udp {
         Some(udp) => {
             let address = udp.local_addr()?;
             Some((address.ip().to_string(), address.port()))
@@ -148,8 +148,8 @@ fn greet(shared: &Shared, link: &Arc<Link>) -> io::Result<()> {
     let mut state = shared.state();
     let mut outbox = link.outbox();
     let Outbox { bytes, writer } = &mut *outbox;
-    let way = way.as_ref().map(|(ip, port)| (ip.as_str(), *port));
-    writer.greeting(bytes, way, &state.devices, wall_clock());
+    let udp_address = udp_address.as_ref().map(|(ip, port)| (ip.as_str(), *port));
+    writer.greeting(bytes, udp_address, &state.devices, wall_clock());
     drop(outbox);
     let writing = link.clone();
     let thread =

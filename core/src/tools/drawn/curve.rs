@@ -71,7 +71,7 @@ pub fn pieces(balls: &[DVec4]) -> Vec<Piece> {
 
 /// The path of the ball that sweeps a tube, for displaying the tube: straight lines from bead to bead that are as near
 /// to its curve as those of its voxels. `edges`: of a voxel, in units of the smallest. Neighbours must differ in place.
-pub fn way_of_tube(control_points: &[ControlPoint], edges: Vec3) -> Vec<ControlPoint> {
+pub fn tube_path(control_points: &[ControlPoint], edges: Vec3) -> Vec<ControlPoint> {
     let ball = |control_point: &ControlPoint| {
         (control_point.at_vx * edges).as_dvec3().extend(f64::from(control_point.radius))
     };
@@ -159,7 +159,7 @@ mod tests {
             control_point(20.0, 10.0, 2.0),
             control_point(40.0, 0.0, 1.0),
         ];
-        let way = way_of_tube(&control_points, Vec3::new(1.0, 2.0, 1.0));
+        let way = tube_path(&control_points, Vec3::new(1.0, 2.0, 1.0));
         assert!(
             way.len() > 10
                 && control_points.iter().all(|control_point| way.contains(control_point)),
@@ -167,9 +167,9 @@ mod tests {
         );
         let straight = |p: &ControlPoint| p.at_vx.y == 10.0 - (p.at_vx.x - 20.0).abs() * 0.5;
         assert!(!way.iter().all(straight));
-        assert_eq!(way_of_tube(&control_points[..2], Vec3::ONE), control_points[..2]);
-        assert_eq!(way_of_tube(&control_points[..1], Vec3::ONE), control_points[..1]);
-        assert_eq!(way_of_tube(&[], Vec3::ONE), []);
+        assert_eq!(tube_path(&control_points[..2], Vec3::ONE), control_points[..2]);
+        assert_eq!(tube_path(&control_points[..1], Vec3::ONE), control_points[..1]);
+        assert_eq!(tube_path(&[], Vec3::ONE), []);
     }
 
     proptest! {
