@@ -322,7 +322,7 @@ impl App {
         }
     }
 
-    /// When the next window is to be redrawn.
+    /// Returns when the next window is to be redrawn.
     fn wake(&self) -> Option<Instant> {
         let main = self.view.as_ref().and_then(|view| view.pane.wake());
         main.into_iter().chain(self.detached.wake()).min()

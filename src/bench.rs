@@ -318,7 +318,7 @@ fn measure_scene(
     })
 }
 
-/// The name of a mode on the command line and in the settings.
+/// Returns the name of a mode on the command line and in the settings.
 fn mode_name(mode: RenderMode) -> String {
     mode.to_possible_value().map_or_else(String::new, |value| value.get_name().to_string())
 }

@@ -236,8 +236,8 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Err
     Cli::from_arg_matches(&matches)
 }
 
-/// The message for a first word that is neither a job nor a file, but similar to a job. clap takes
-/// it for the file to open, and complains about the words after it, if at all.
+/// Returns the message for a first word that is neither a job nor a file, but similar to a job. clap takes it for the
+/// file to open, and complains about the words after it, if at all.
 fn misspelt_job(command: &clap::Command, arguments: &[OsString]) -> Option<String> {
     let lenient = command.clone().ignore_errors(true).disable_help_flag(true);
     let matches = lenient.try_get_matches_from(arguments).ok()?;
@@ -285,7 +285,7 @@ fn refuse(words: &clap::Error) -> ExitCode {
     }
 }
 
-/// How journals are kept by these settings.
+/// Returns how journals are kept by these settings.
 fn journal_options(config: &Config) -> JournalOptions {
     let journal_dir = JournalDir::new(&folders::journal_folder());
     JournalOptions { max_bytes: config.journal.max_bytes(), ..JournalOptions::new(journal_dir) }

@@ -82,7 +82,7 @@ impl Config {
         Config::load_over(None, path)
     }
 
-    /// The same over the settings of a profile.
+    /// Returns the same over the settings of a profile.
     pub fn load_over(profile: Option<Profile>, path: Option<&Path>) -> Result<Config, ConfigError> {
         let own = folders::personal_file();
         let path = match (path, &own) {
@@ -151,12 +151,12 @@ impl Config {
         Ok(())
     }
 
-    /// The lighting of a picture.
+    /// Returns the lighting of a picture.
     pub fn lighting(&self) -> Lighting {
         self.render.finish().of(self.light.lighting())
     }
 
-    /// The device to render with. `pipeline_cache`: the folder of compiled pipelines.
+    /// Returns the device to render with. `pipeline_cache`: the folder of compiled pipelines.
     pub fn device_options(&self, pipeline_cache: Option<PathBuf>) -> DeviceOptions {
         self.gpu.device_options(pipeline_cache)
     }
@@ -183,12 +183,12 @@ impl Config {
         }
     }
 
-    /// The block that a session begins with.
+    /// Returns the block that a session begins with.
     pub fn new_sculpture(&self) -> NewSculpture {
         self.new.sculpture()
     }
 
-    /// The memory limits of a document.
+    /// Returns the memory limits of a document.
     pub fn limits(&self) -> Limits {
         self.memory.limits()
     }

@@ -5,7 +5,7 @@ use crate::folders::{self, personal_file};
 use crate::gpu;
 use crate::screen::{headset, pen};
 
-/// The facts that any report of a fault needs: the program, the system and the folders, a line each.
+/// Returns the facts that any report of a fault needs: the program, the system and the folders, a line each.
 pub fn system() -> Vec<String> {
     vec![
         format!(
@@ -63,7 +63,7 @@ fn memory() -> String {
     }
 }
 
-/// A line for each thing that the program can use.
+/// Returns a line for each thing that the program can use.
 pub fn report() -> String {
     let mut lines = system();
     lines.push(match personal_file() {

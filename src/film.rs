@@ -78,7 +78,7 @@ impl FilmJob {
         matches!(self.subject, Subject::Steps { .. }) || self.file().is_some_and(is_script)
     }
 
-    /// The file of the subject, if it has one.
+    /// Returns the file of the subject, if it has one.
     fn file(&self) -> Option<&PathBuf> {
         match &self.subject {
             Subject::File(file) => Some(file),

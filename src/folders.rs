@@ -9,13 +9,13 @@ fn project() -> Option<ProjectDirs> {
     ProjectDirs::from("", "", "virtual-sculpture")
 }
 
-/// The folder of the user's settings; on Linux as in the XDG base directory specification.
+/// Returns the folder of the user's settings; on Linux as in the XDG base directory specification.
 pub fn personal_folder() -> Option<PathBuf> {
     project().map(|project| project.config_dir().to_path_buf())
 }
 
-/// The folder for state that is no setting, such as recovered work: on systems without such a folder
-/// the one for local data, and without a home folder the temporary one.
+/// Returns the folder for state that is no setting, such as recovered work: on systems without such a folder the one
+/// for local data, and without a home folder the temporary one.
 pub fn state_folder() -> PathBuf {
     let of = |project: ProjectDirs| {
         project.state_dir().unwrap_or(project.data_local_dir()).to_path_buf()
@@ -23,22 +23,22 @@ pub fn state_folder() -> PathBuf {
     project().map_or_else(std::env::temp_dir, of)
 }
 
-/// The folder of the journals of sessions, and of the undo steps that memory has no room for.
+/// Returns the folder of the journals of sessions, and of the undo steps that memory has no room for.
 pub fn journal_folder() -> PathBuf {
     state_folder().join("journals")
 }
 
-/// The folder of the undo histories of saved files.
+/// Returns the folder of the undo histories of saved files.
 pub fn saved_history_folder() -> PathBuf {
     state_folder().join("histories")
 }
 
-/// The folder for what can be made again. None without a home folder.
+/// Returns the folder for what can be made again. None without a home folder.
 pub fn cache_folder() -> Option<PathBuf> {
     project().map(|project| project.cache_dir().to_path_buf())
 }
 
-/// The user's settings file.
+/// Returns the user's settings file.
 pub fn personal_file() -> Option<PathBuf> {
     personal_folder().map(|folder| folder.join("config.toml"))
 }

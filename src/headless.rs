@@ -88,12 +88,12 @@ pub struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// A session with the new sculpture of the settings.
+    /// Returns a session with the new sculpture of the settings.
     pub fn new_session(&self) -> Result<Session, SessionError> {
         Session::new(&self.config.new_sculpture(), self.config.limits())
     }
 
-    /// A session with the contents of a file.
+    /// Returns a session with the contents of a file.
     pub fn open_session(
         &self,
         file: &Path,
@@ -134,7 +134,7 @@ impl PictureRequest {
     /// From the upper right in front: the view in which most shapes are easiest to read.
     pub const THREE_QUARTER: Vec3 = Vec3::new(0.8, 0.6, 1.0);
 
-    /// The view, with what the request leaves to the settings.
+    /// Returns the view, with what the request leaves to the settings.
     pub fn view(&self, config: &Config) -> picture::View {
         picture::View {
             size: self.size,
@@ -344,12 +344,12 @@ pub fn commands() -> Result<(), JobError> {
     Ok(())
 }
 
-/// The text of a script.
+/// Returns the text of a script.
 pub fn read_script(path: &Path) -> Result<String, JobError> {
     store::read_text(path).map_err(|error| JobError::ReadScript { path: path.to_path_buf(), error })
 }
 
-/// The commands of a script, with their lines; `path` is for messages.
+/// Returns the commands of a script, with their lines; `path` is for messages.
 pub fn script_commands(text: &str, path: &Path) -> Result<Vec<(usize, Command)>, JobError> {
     parse_script(text).map_err(|error| JobError::Script { path: path.to_path_buf(), error })
 }

@@ -20,8 +20,8 @@ says how to work with them, [Scripts](scripting.md#scripts) what the arguments o
 
 ";
 
-/// The page about all brushes, with the keys of the preset that the program begins with. An error if the presets that come
-/// with the program cannot be read.
+/// Returns the page about all brushes, with the keys of the preset that the program begins with. An error if the
+/// presets that come with the program cannot be read.
 pub fn brushes() -> Result<String, BindingsError> {
     let presets = Bindings::presets()?;
     let page = presets.first().map(|bindings| BrushReference { bindings }.to_string());
@@ -93,7 +93,7 @@ fn options(f: &mut fmt::Formatter<'_>, spec: &BrushSpec) -> fmt::Result {
     Ok(())
 }
 
-/// The values that an option can have.
+/// Returns the values that an option can have.
 fn values(param: &Param) -> String {
     match param.domain {
         Domain::Radius => "px or vx".to_string(),

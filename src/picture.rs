@@ -132,12 +132,12 @@ impl View {
         }
     }
 
-    /// The lighting of the options, with the sky where this view has it.
+    /// Returns the lighting of the options, with the sky where this view has it.
     fn lighting(&self, options: &PictureOptions) -> Lighting {
         Lighting { up: self.up, ..options.lighting }
     }
 
-    /// The camera that frames points of the world, where voxels have edges of this length.
+    /// Returns the camera that frames points of the world, where voxels have edges of this length.
     pub fn camera(&self, points: &[Vec3], voxel_edge: f32) -> Camera {
         let direction = Quat::from_rotation_arc(Vec3::Y, self.up) * self.direction;
         let aspect = self.size.x as f32 / self.size.y as f32;
@@ -149,8 +149,8 @@ impl View {
         }
     }
 
-    /// The orthographic camera that looks as `camera` does and frames the same points: with parallel rays those behind
-    /// the middle look as large as those before it.
+    /// Returns the orthographic camera that looks as `camera` does and frames the same points: with parallel rays those
+    /// behind the middle look as large as those before it.
     fn orthographic_camera(&self, camera: &Camera, points: &[Vec3], voxel_edge: f32) -> Camera {
         let Eye { eye_from_world, projection, .. } = camera.eye(self.size);
         let scale = Vec2::new(projection.x_axis.x, projection.y_axis.y).abs();
@@ -166,13 +166,13 @@ impl View {
     }
 }
 
-/// The mean length of a voxel's edges in the world.
+/// Returns the mean length of a voxel's edges in the world.
 pub fn voxel_edge(world_from_grid: &Affine3A) -> f32 {
     world_from_grid.matrix3.determinant().abs().cbrt().max(f32::MIN_POSITIVE)
 }
 
-/// Points around the sculpture, in grid coordinates: the corners of the first and the last brick in
-/// use of every row, clipped to the bounding box. The corners of the grid if it is empty.
+/// Returns points around the sculpture, in grid coordinates: the corners of the first and the last brick in use of
+/// every row, clipped to the bounding box. The corners of the grid if it is empty.
 pub fn outline(grid: &Grid) -> Vec<Vec3> {
     let (min, max) = grid.opaque_bounds().unwrap_or((UVec3::ZERO, grid.dims()));
     let corners = |low: UVec3, high: UVec3| {
@@ -205,7 +205,7 @@ pub fn render(
     PictureMaker::new(options).make(document, view, &view.placement(document))
 }
 
-/// One picture of those of two eyes, unless the layout keeps them apart.
+/// Returns one picture of those of two eyes, unless the layout keeps them apart.
 fn compose_eyes(pictures: Vec<RgbImage>, view: &View) -> Vec<RgbImage> {
     match (view.stereo, pictures.as_slice()) {
         (StereoLayout::Mono | StereoLayout::Layers, _) => pictures,
@@ -240,7 +240,7 @@ pub fn render_to_file(
     Ok(names)
 }
 
-/// The bytes of a picture file of this extension.
+/// Returns the bytes of a picture file of this extension.
 pub fn encoded(picture: &RgbImage, ending: &str) -> Result<Vec<u8>, ImageError> {
     let mut file = std::io::Cursor::new(Vec::new());
     match ending.to_ascii_lowercase().as_str() {
@@ -381,7 +381,7 @@ fn render_on_device(
     Ok(means.iter().map(Mean::picture).collect())
 }
 
-/// The centre of the bounding box, in grid coordinates.
+/// Returns the centre of the bounding box, in grid coordinates.
 pub fn outline_middle(grid: &Grid) -> Vec3 {
     let (min, max) = grid.opaque_bounds().unwrap_or((UVec3::ZERO, grid.dims()));
     (min.as_vec3() + max.as_vec3()) * 0.5

@@ -16,7 +16,7 @@ use crate::tools::pieces::PiecesError;
 use crate::tools::repair::RepairError;
 use crate::voxelise::VoxeliseError;
 
-/// The message of an error, with the setting or flag that lifts it.
+/// Returns the message of an error, with the setting or flag that lifts it.
 pub fn told(error: &(impl Remedy + ?Sized)) -> String {
     format!("{error}{}", error.remedy())
 }

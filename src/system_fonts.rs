@@ -33,7 +33,7 @@ pub struct Face {
     pub letters: BTreeSet<char>,
 }
 
-/// The folders in which this system keeps fonts, the person's own first.
+/// Returns the folders in which this system keeps fonts, the person's own first.
 pub fn folders() -> Vec<PathBuf> {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
     let within = |name: &str, parts: &[&str]| {
@@ -132,7 +132,7 @@ fn unlikeliness(path: &Path) -> usize {
     WORDS.iter().filter(|(word, _)| name.contains(word)).map(|(_, weight)| weight).sum()
 }
 
-/// The face of a file that has most of the letters; none if it has none of them.
+/// Returns the face of a file that has most of the letters; none if it has none of them.
 fn best_face(path: &Path, letters: &BTreeSet<char>) -> Result<Option<Face>> {
     let mut file = File::open(path)?;
     let mut best: Option<Face> = None;
@@ -145,7 +145,7 @@ fn best_face(path: &Path, letters: &BTreeSet<char>) -> Result<Option<Face>> {
     Ok(best)
 }
 
-/// Where the faces of a file begin.
+/// Returns where the faces of a file begin.
 fn face_starts(file: &mut File) -> Result<Vec<u32>> {
     let head: [u8; 12] = read_at(file, 0)?;
     match &head[..4] {
@@ -205,7 +205,7 @@ mod tests {
         text.chars().collect()
     }
 
-    /// A collection of two faces, each a whole font.
+    /// Returns a collection of two faces, each a whole font.
     fn collection(fonts: [&[u8]; 2]) -> Vec<u8> {
         let mut bytes = b"ttcf\0\x01\0\0\0\0\0\x02".to_vec();
         let starts = [20, 20 + fonts[0].len() as u32];

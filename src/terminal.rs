@@ -41,7 +41,7 @@ pub fn print_notice(text: impl Display) {
     let _ = line(std::io::stderr().lock(), text);
 }
 
-/// A single write, so that lines of several processes do not mix.
+/// Returns a single write, so that lines of several processes do not mix.
 fn line(mut to: impl Write, text: impl Display) -> std::io::Result<()> {
     to.write_all(format!("{text}\n").as_bytes())?;
     to.flush()

@@ -32,7 +32,7 @@ fn lens() -> Intrinsics {
     Intrinsics { fx: FOCAL_PX, fy: FOCAL_PX, ..even }
 }
 
-/// A frame with the marker straight before the camera, its middle at `middle` in pixels, or without.
+/// Returns a frame with the marker straight before the camera, its middle at `middle` in pixels, or without.
 fn frame(sequence: u64, middle: Option<(f64, f64)>) -> Arc<Frame> {
     let mut pixels = Vec::new();
     for (x, y) in (0..480).flat_map(|y| (0..640).map(move |x| (x, y))) {
@@ -60,7 +60,7 @@ fn see(workspace: &mut Workspace, frame: &Arc<Frame>, now_s: f64) {
     }
 }
 
-/// Where a point of the grid is in the picture of the camera, in pixels.
+/// Returns where a point of the grid is in the picture of the camera, in pixels.
 fn pixel(workspace: &Workspace, voxel: Vec3) -> Vec2 {
     let eye = workspace.eye();
     let clip = eye.clip_from_grid(&workspace.world_from_grid()) * voxel.extend(1.0);

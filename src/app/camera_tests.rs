@@ -19,12 +19,12 @@ fn workspace(source: &str) -> Workspace {
     Workspace::new(session, &config, Bindings::presets().unwrap())
 }
 
-/// The frame behind the sculpture and its lens.
+/// Returns the frame behind the sculpture and its lens.
 fn video(workspace: &Workspace) -> Option<(&Arc<Frame>, Option<Intrinsics>)> {
     workspace.viewpoint.video(&workspace.ui.view.video)
 }
 
-/// A folder of `count` pictures of one colour each.
+/// Returns a folder of `count` pictures of one colour each.
 fn film(count: u8) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for i in 0..count {

@@ -92,7 +92,7 @@ impl DetachedPanels {
         self.windows.iter().map(|window| window.pane.pen_key())
     }
 
-    /// The window that a pen is over.
+    /// Returns the window that a pen is over.
     pub fn with_pen(&mut self, key: WindowKey) -> Option<&mut PanelWindow> {
         self.windows.iter_mut().find(|window| window.pane.pen_key() == Some(key))
     }
@@ -123,7 +123,7 @@ impl DetachedPanels {
         Ok(touched)
     }
 
-    /// When the next window is to be updated without an event.
+    /// Returns when the next window is to be updated without an event.
     pub fn wake(&self) -> Option<Instant> {
         self.windows.iter().filter_map(|window| window.pane.wake()).min()
     }
@@ -134,7 +134,7 @@ impl DetachedPanels {
         places.extend(windows.map(|window| (window.panel, place_of(window.pane.window()))));
     }
 
-    /// Whether a window is about to be drawn.
+    /// Returns whether a window is about to be drawn.
     pub fn is_pending(&self) -> bool {
         self.windows.iter().any(|window| window.pane.is_pending())
     }
@@ -151,7 +151,7 @@ fn place_of(window: &Window) -> PanelPlace {
     PanelPlace { corner_px, size_px: window.inner_size().into() }
 }
 
-/// The initial position of a panel's window: over the main one, where the panel was docked.
+/// Returns the initial position of a panel's window: over the main one, where the panel was docked.
 fn first_place(main: &Window, panel: Panel, scale: f32) -> PanelPlace {
     let (width, height) = match panel {
         Panel::Toolbox => (theme::TOOLBOX_WIDTH + 20.0, 620.0),
@@ -178,7 +178,7 @@ fn first_place(main: &Window, panel: Panel, scale: f32) -> PanelPlace {
     PanelPlace { corner_px: corner, size_px: size.into() }
 }
 
-/// Whether a corner is on a connected screen.
+/// Returns whether a corner is on a connected screen.
 fn is_on_screen(event_loop: &ActiveEventLoop, corner: [i32; 2]) -> bool {
     event_loop.available_monitors().any(|screen| {
         let (at, size) = (screen.position(), screen.size());
@@ -276,7 +276,7 @@ impl PanelWindow {
         Ok(())
     }
 
-    /// False if the window cannot show it now.
+    /// Returns false if the window cannot show it now.
     fn show(&mut self, interface: &Interface) -> Result<bool, GpuError> {
         let Some(mut frame) = self.pane.begin(Duration::ZERO)? else { return Ok(false) };
         self.pane.draw(&mut frame, interface)?;

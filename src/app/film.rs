@@ -69,7 +69,7 @@ pub(super) fn work(
     })
 }
 
-/// The picture of each frame: from where the view stands.
+/// Returns the picture of each frame: from where the view stands.
 fn picture_request(source: &ViewSource, wanted: &FilmRequest) -> PictureRequest {
     let ViewSource { session, view, eye, .. } = source;
     let document = session.document();

@@ -62,7 +62,7 @@ pub(super) fn work(
     }
 }
 
-/// An eye that sees as much of the world from top to bottom in a picture of another size.
+/// Returns an eye that sees as much of the world from top to bottom in a picture of another size.
 fn of_size(eye: &Eye, size: UVec2) -> Eye {
     let aspect = |size: UVec2| size.x as f32 / size.y.max(1) as f32;
     let wider = Vec3::new(aspect(eye.size) / aspect(size), 1.0, 1.0);
@@ -88,7 +88,7 @@ impl Watcher {
     }
 }
 
-/// Every second, third or further pixel of a picture that is larger than what is shown.
+/// Returns every second, third or further pixel of a picture that is larger than what is shown.
 fn reduced(pixels: Pixels) -> Pixels {
     let step = pixels.size.max_element().div_ceil(SHOWN_PX).max(1);
     let mut out = Pixels::new(pixels.size.map(|edge| edge.div_ceil(step)));

@@ -14,8 +14,8 @@ const MAJOR: i32 = 5;
 /// The plane's distance below the grid, in voxels, so that it never lies in a face of the sculpture.
 const BELOW_VX: f32 = 0.5;
 
-/// The lines below a grid of `dims` voxels whose axis `up` points up. They reach half as far beyond the
-/// grid as it is large, and one is at its lower corner.
+/// Returns the lines below a grid of `dims` voxels whose axis `up` points up. They reach half as far beyond the grid as
+/// it is large, and one is at its lower corner.
 pub fn lines(dims: UVec3, up: Vec3, theme: Theme) -> Vec<Line> {
     let axis = up.abs().max_position();
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -137,7 +137,7 @@ impl Glyphs {
     }
 }
 
-/// The bytes of a font, if there is room for them and they are those of a font throughout.
+/// Returns the bytes of a font, if there is room for them and they are those of a font throughout.
 fn read(face: Face, room: &mut usize) -> Option<Found> {
     let Face { path, index, letters } = face;
     let bytes = path.metadata().ok()?.len();
@@ -152,7 +152,7 @@ fn read(face: Face, room: &mut usize) -> Option<Found> {
     Some(Found { name: format!("{} {index}", path.display()), bytes, index })
 }
 
-/// Whether a letter is more than a space or a sign for text layout.
+/// Returns whether a letter is more than a space or a sign for text layout.
 fn is_drawn(letter: char) -> bool {
     let is_joiner = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}');
     let is_variation =
@@ -161,7 +161,7 @@ fn is_drawn(letter: char) -> bool {
     !(letter.is_whitespace() || letter.is_control() || is_joiner || is_variation || is_private)
 }
 
-/// Whether a font that the program brings along has a letter: one for all texts, or that of numbers.
+/// Returns whether a font that the program brings along has a letter: one for all texts, or that of numbers.
 fn is_own(letter: char, numbers: bool) -> bool {
     use epaint_default_fonts::{EMOJI_ICON, HACK_REGULAR, NOTO_EMOJI_REGULAR, UBUNTU_LIGHT};
     [UBUNTU_LIGHT, NOTO_EMOJI_REGULAR, EMOJI_ICON]
@@ -183,8 +183,8 @@ mod tests {
 
     use super::*;
 
-    /// A font with outlines for one letter of Chinese, all of them the glyph of "A" of another font: its table of
-    /// letters is written anew.
+    /// Returns a font with outlines for one letter of Chinese, all of them the glyph of "A" of another font: its table
+    /// of letters is written anew.
     fn font_with(letter: char) -> Vec<u8> {
         let source = epaint_default_fonts::UBUNTU_LIGHT;
         let glyph = FontRef::new(source).unwrap().charmap().map('A').unwrap().to_u32();

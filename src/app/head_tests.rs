@@ -65,7 +65,7 @@ impl Desk {
         }
     }
 
-    /// Where on the screen, in metres from its centre, a point of the world is seen.
+    /// Returns where on the screen, in metres from its centre, a point of the world is seen.
     fn seen_m(&self, world: Vec3) -> Vec2 {
         let eye = self.workspace.eye();
         let clip = eye.projection * eye.eye_from_world.transform_point3(world).extend(1.0);

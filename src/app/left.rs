@@ -100,7 +100,8 @@ fn source_of(journal_dir: &JournalDir, number: u64) -> Result<Source, String> {
     }
 }
 
-/// All that was left, the latest first. Sessions that had changed nothing, or whose file holds all, are forgotten.
+/// Returns all that was left, the latest first. Sessions that had changed nothing, or whose file holds all, are
+/// forgotten.
 fn all_left(
     journal_dir: &JournalDir,
     limits: &Limits,
@@ -146,14 +147,14 @@ fn all_left(
     Ok(found)
 }
 
-/// Whether there is nothing to lose: there is no step, and the sculpture can be made or read again.
+/// Returns whether there is nothing to lose: there is no step, and the sculpture can be made or read again.
 fn is_untouched(session: &Session) -> bool {
     let history = session.document().history();
     !session.modified() && history.undo_count() + history.redo_count() == 0
 }
 
-/// Whether the sculpture was saved, and its file still holds it: a program that is ended from outside then leaves no more
-/// than one that is quit.
+/// Returns whether the sculpture was saved, and its file still holds it: a program that is ended from outside then
+/// leaves no more than one that is quit.
 fn is_in_its_file(recovered: &Recovered, limits: &Limits, report: &Report) -> bool {
     let Recovered { session, report: replay } = recovered;
     let Some(path) = session.path().filter(|_| !session.modified()) else { return false };

@@ -52,7 +52,7 @@ impl Memory {
         self.0 = Some(MemoryFile { path, window, written, at: Instant::now(), complained: false });
     }
 
-    /// Whether some time has passed since the state was last looked at.
+    /// Returns whether some time has passed since the state was last looked at.
     pub fn is_due(&self) -> bool {
         self.0.as_ref().is_some_and(|memory| memory.at.elapsed() >= EVERY)
     }
@@ -77,13 +77,13 @@ impl Memory {
     }
 }
 
-/// The axis that was last chosen to point up for files of that format.
+/// Returns the axis that was last chosen to point up for files of that format.
 pub fn remembered_up(path: &Path) -> Option<Up> {
     let text = read(&folders::state_folder().join("state.toml"));
     text.ok().flatten().and_then(|text| memory::upright(&text).of(path))
 }
 
-/// The file's text; none if there is no file.
+/// Returns the file's text; none if there is no file.
 fn read(path: &Path) -> std::io::Result<Option<String>> {
     use std::io::{Error, ErrorKind};
     let metadata = match std::fs::metadata(path) {

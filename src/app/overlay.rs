@@ -51,7 +51,7 @@ pub struct OverlayScene<'a> {
     pub depth: f32,
 }
 
-/// The tool as a shell of the colour that it gives, or red where it cuts; the marker as a box.
+/// Returns the tool as a shell of the colour that it gives, or red where it cuts; the marker as a box.
 pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
     let voxel_size = scene.document.grid().voxel_size();
     match scene.tool.kind {
@@ -85,7 +85,7 @@ pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
     }
 }
 
-/// The lines of a picture, as far as the person wants to see them.
+/// Returns the lines of a picture, as far as the person wants to see them.
 pub fn lines(scene: &OverlayScene) -> Vec<Line> {
     let &OverlayScene { tool, document, view, .. } = scene;
     let (grid, selection) = (document.grid(), document.selection());
@@ -189,7 +189,7 @@ fn sketched(scene: &OverlayScene) -> Vec<Line> {
     lines
 }
 
-/// The rope on which the pointer leads a brush.
+/// Returns the rope on which the pointer leads a brush.
 fn rope(scene: &OverlayScene) -> Option<(Vec3, Vec3)> {
     let tool = scene.tool;
     let (map, at) = scene.seen.zip(scene.pointer)?;
@@ -198,7 +198,7 @@ fn rope(scene: &OverlayScene) -> Option<(Vec3, Vec3)> {
     (scene.stroking && is_steady).then_some((tool.centre_vx, end))
 }
 
-/// The colour of a brush's outline. `own`: the colour in hand.
+/// Returns the colour of a brush's outline. `own`: the colour in hand.
 fn tint(tint: Tint, own: Rgb) -> Rgb {
     match tint {
         Tint::Cut => CUT,
@@ -208,7 +208,7 @@ fn tint(tint: Tint, own: Rgb) -> Rgb {
     }
 }
 
-/// The rim of a brush's footprint, laid into the picture at the depth of what it points at.
+/// Returns the rim of a brush's footprint, laid into the picture at the depth of what it points at.
 fn footprint_edges(scene: &OverlayScene, options: &BrushOptions) -> Vec<(Vec3, Vec3)> {
     let (Some(map), Some(at)) = (scene.seen, scene.pointer) else { return Vec::new() };
     let radius_px = scene.tool.brushes.radius_px(options.get(RADIUS), None);

@@ -137,13 +137,13 @@ impl Painter {
     }
 }
 
-/// Whether the next picture has a floor grid: not in a video, which shows a real one, and not with a ground, which
-/// has lines of its own.
+/// Returns whether the next picture has a floor grid: not in a video, which shows a real one, and not with a ground,
+/// which has lines of its own.
 fn shows_floor(view: &ViewState, viewpoint: &Viewpoint) -> bool {
     view.floor && !view.ground && viewpoint.video(&view.video).is_none()
 }
 
-/// The ground of the next picture; in a video only the shadow on the ground that it shows.
+/// Returns the ground of the next picture; in a video only the shadow on the ground that it shows.
 fn ground(view: &ViewState, theme: Theme, in_video: bool) -> Option<Ground> {
     view.ground.then(|| Ground {
         up: view.up,

@@ -82,7 +82,7 @@ pub struct Interface {
 }
 
 impl Pane {
-    /// A pane for `window`, whose surface is `surface`.
+    /// Returns a pane for `window`, whose surface is `surface`.
     pub fn new(
         window: Arc<Window>,
         surface: Surface,
@@ -124,7 +124,7 @@ impl Pane {
         self.window
     }
 
-    /// The position of the window on its monitor, if the system knows it.
+    /// Returns the position of the window on its monitor, if the system knows it.
     pub fn monitor(&self) -> Option<Monitor> {
         let window = self.window();
         let monitor = window.current_monitor()?;
@@ -155,7 +155,7 @@ impl Pane {
         &self.screen
     }
 
-    /// The slot of the frame begun last ([`Frames::slot`]).
+    /// Returns the slot of the frame begun last ([`Frames::slot`]).
     pub fn slot(&self) -> usize {
         self.frames.slot()
     }
@@ -200,21 +200,21 @@ impl Pane {
         self.pending = None;
     }
 
-    /// When the screen can show another picture, if that is after `now`. Without this, pictures would go
-    /// to the mailbox as fast as the device can draw.
+    /// Returns when the screen can show another picture, if that is after `now`. Without this, pictures would go to the
+    /// mailbox as fast as the device can draw.
     pub fn is_early(&self, now: Instant) -> Option<Instant> {
         let begun = self.begun.filter(|_| !self.screen.is_paced())?;
         let rate = self.window.current_monitor().and_then(|m| m.refresh_rate_millihertz());
         Some(begun + period(rate)).filter(|due| *due > now)
     }
 
-    /// Whether the window is not visible: the requested redraw does not come.
+    /// Returns whether the window is not visible: the requested redraw does not come.
     pub fn is_unseen(&self, now: Instant) -> bool {
         self.pending.is_some_and(|since| since + UNSEEN_AFTER <= now)
     }
 
-    /// Whether the last picture was not presented, so that the window system still waits for it before
-    /// it asks for another.
+    /// Returns whether the last picture was not presented, so that the window system still waits for it before it asks
+    /// for another.
     pub fn has_missed(&self) -> bool {
         self.missed
     }
@@ -224,13 +224,13 @@ impl Pane {
         self.wake = wake;
     }
 
-    /// When the pane is to be updated without an event.
+    /// Returns when the pane is to be updated without an event.
     pub fn wake(&self) -> Option<Instant> {
         let unseen = self.pending.map(|since| since + UNSEEN_AFTER);
         self.wake.into_iter().chain(unseen).min()
     }
 
-    /// Whether a redraw was requested and has not come.
+    /// Returns whether a redraw was requested and has not come.
     pub fn is_pending(&self) -> bool {
         self.pending.is_some()
     }
@@ -242,12 +242,12 @@ impl Pane {
         self.screen.set_layered(layout == StereoLayout::Layers);
     }
 
-    /// The eye whose picture the pointer is in: 0 for the left one or both.
+    /// Returns the eye whose picture the pointer is in: 0 for the left one or both.
     pub fn pointing_eye(&self) -> usize {
         self.pointing_eye
     }
 
-    /// The event with its position mapped to the picture of the eye that is seen there.
+    /// Returns the event with its position mapped to the picture of the eye that is seen there.
     fn unfold(&mut self, event: &WindowEvent) -> Option<WindowEvent> {
         let size: [u32; 2] = self.window.inner_size().into();
         let mut unfold = |at: PhysicalPosition<f64>| {
@@ -338,7 +338,7 @@ impl Pane {
         }
     }
 
-    /// Whether textures wait for the next picture.
+    /// Returns whether textures wait for the next picture.
     pub fn has_textures(&self) -> bool {
         !self.textures.is_empty()
     }
@@ -413,15 +413,14 @@ fn put_candidates_at_the_cursor(output: &mut egui::PlatformOutput) {
     }
 }
 
-/// The shortest time between two pictures at a refresh rate.
+/// Returns the shortest time between two pictures at a refresh rate.
 fn period(millihertz: Option<u32>) -> Duration {
     let rate = millihertz.filter(|rate| (10_000..=1_000_000).contains(rate));
     let period = rate.map_or(USUAL_PERIOD, |rate| Duration::from_secs(1000) / rate);
     period.saturating_sub(SLACK)
 }
 
-/// Whether the key of pasting was pressed: V, or the key at its position on keyboards without Latin
-/// letters.
+/// Returns whether the key of pasting was pressed: V, or the key at its position on keyboards without Latin letters.
 fn is_paste_key(event: &WindowEvent) -> bool {
     let WindowEvent::KeyboardInput { event, is_synthetic: false, .. } = event else { return false };
     let latin = match &event.logical_key {

@@ -50,7 +50,7 @@ pub fn copy(
     Ok(format!("Copied a picture of {width} × {height} pixels"))
 }
 
-/// The pictures of the eyes in one, from left to right.
+/// Returns the pictures of the eyes in one, from left to right.
 fn side_by_side(format: vk::Format, eyes: &[Pixels]) -> RgbImage {
     let width = eyes.iter().map(|pixels| pixels.size.x).sum();
     let height = eyes.iter().map(|pixels| pixels.size.y).max().unwrap_or(0);
@@ -82,7 +82,7 @@ pub fn free_path(sculpture: Option<&Path>, kind: &str, ending: &str) -> PathBuf 
     (1..MOST).map(path).find(|path| !path.exists()).unwrap_or_else(|| path(MOST))
 }
 
-/// The folder for pictures of a sculpture, and how their names begin.
+/// Returns the folder for pictures of a sculpture, and how their names begin.
 fn place(sculpture: Option<&Path>) -> (PathBuf, String) {
     let beside = sculpture.and_then(Path::parent).filter(|folder| *folder != Path::new(""));
     let folder = beside.map_or_else(pictures_folder, Path::to_path_buf);
@@ -116,7 +116,7 @@ fn pictures_folder() -> PathBuf {
     UserDirs::new().map_or_else(|| PathBuf::from("."), of)
 }
 
-/// The picture in the order of a file. Windows have their own orders of the channels.
+/// Returns the picture in the order of a file. Windows have their own orders of the channels.
 fn picture(format: vk::Format, pixels: &Pixels) -> RgbImage {
     let ten_bits = |word: u32, at: u32| (((word >> at & 0x3ff) * 255 + 511) / 1023) as u8;
     let rgb = |pixel: [u8; 4]| {

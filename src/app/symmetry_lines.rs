@@ -18,7 +18,7 @@ const SPOKE: f32 = 0.12;
 /// The colour of all that symmetry makes.
 pub const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 
-/// All lines.
+/// Returns all lines.
 pub fn lines(document: &Document) -> Vec<Line> {
     let (grid, symmetry) = (document.grid(), document.symmetry());
     let dims = grid.dims();
@@ -33,7 +33,7 @@ pub fn lines(document: &Document) -> Vec<Line> {
     pairs.into_iter().map(line).collect()
 }
 
-/// The rim of a mirror plane and a cross in it.
+/// Returns the rim of a mirror plane and a cross in it.
 fn plane_edges(axis: usize, plane: f32, dims: UVec3) -> Vec<(Vec3, Vec3)> {
     let dims = dims.as_vec3();
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -49,7 +49,7 @@ fn plane_edges(axis: usize, plane: f32, dims: UVec3) -> Vec<(Vec3, Vec3)> {
     (0..4).map(|i| (rim[i], rim[(i + 1) % 4])).chain(cross).collect()
 }
 
-/// The frame of a plane about the point that is nearest to the grid's centre, its cross and its normal.
+/// Returns the frame of a plane about the point that is nearest to the grid's centre, its cross and its normal.
 fn of_plane(plane: &MirrorPlane, dims: UVec3, stretch: Vec3) -> Vec<(Vec3, Vec3)> {
     let Some(normal) = plane.normal.try_normalize() else { return Vec::new() };
     let (middle, diagonal) = (dims.as_vec3() * 0.5 * stretch, (dims.as_vec3() * stretch).length());
@@ -63,7 +63,7 @@ fn of_plane(plane: &MirrorPlane, dims: UVec3, stretch: Vec3) -> Vec<(Vec3, Vec3)
     frame.chain(cross).chain([(foot / stretch, tip)]).collect()
 }
 
-/// The axis, and a spoke for each image.
+/// Returns the axis, and a spoke for each image.
 fn of_axis(radial: &Radial, dims: UVec3, stretch: Vec3) -> Vec<(Vec3, Vec3)> {
     let Some(axis) = radial.axis.try_normalize() else { return Vec::new() };
     let (middle, diagonal) = (dims.as_vec3() * 0.5 * stretch, (dims.as_vec3() * stretch).length());

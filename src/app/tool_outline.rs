@@ -17,7 +17,7 @@ pub const SEGMENTS: usize = 40;
 /// rounds it.
 type Point = (Vec3, Vec3);
 
-/// The edges of a solid in voxel coordinates.
+/// Returns the edges of a solid in voxel coordinates.
 pub fn outline_of(primitive: &Primitive, grid: &Grid) -> Vec<(Vec3, Vec3)> {
     let shrink = grid.voxel_size().min_element() / grid.voxel_size();
     let linear = Mat3::from_diagonal(shrink)
@@ -57,7 +57,7 @@ fn edges(body: &Body) -> Vec<(Point, Point)> {
     }
 }
 
-/// The edges of flat faces, each once.
+/// Returns the edges of flat faces, each once.
 fn face_edges(corners: &[Vec3], faces: &[&[usize]]) -> Vec<(Point, Point)> {
     let around = |face: &&[usize]| -> Vec<[usize; 2]> {
         let ends = face.iter().zip(face.iter().cycle().skip(1));
@@ -68,7 +68,7 @@ fn face_edges(corners: &[Vec3], faces: &[&[usize]]) -> Vec<(Point, Point)> {
     edges.map(|ends| ends.map(|i| (Vec3::ZERO, corners[i])).into()).collect()
 }
 
-/// The lines of a profile in the half plane of a side, but for the caps.
+/// Returns the lines of a profile in the half plane of a side, but for the caps.
 fn meridian(profile: &'static [Stretch], side: Vec3) -> Vec<(Point, Point)> {
     let place = move |p: ProfilePoint| {
         let at = |p: Vec2| side * p.x + Vec3::Y * p.y;
@@ -90,13 +90,13 @@ fn meridian(profile: &'static [Stretch], side: Vec3) -> Vec<(Point, Point)> {
     chain.windows(2).map(|pair| (pair[0], pair[1])).collect()
 }
 
-/// The edges between the points that `at` gives for a circle's.
+/// Returns the edges between the points that `at` gives for a circle's.
 fn circle(at: impl Fn(Vec2) -> Point) -> impl Iterator<Item = (Point, Point)> {
     let point = move |i: usize| at(Vec2::from_angle(TAU * i as f32 / SEGMENTS as f32));
     (0..SEGMENTS).map(move |i| (point(i), point(i + 1)))
 }
 
-/// The twelve edges of a box.
+/// Returns the twelve edges of a box.
 pub fn box_edges(min: Vec3, max: Vec3) -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..3).flat_map(move |axis| {
         (0..4).map(move |corner| {

@@ -123,17 +123,17 @@ impl Workspace {
         self.editor.session_mut()
     }
 
-    /// The area of the picture in points.
+    /// Returns the area of the picture in points.
     pub fn picture(&self) -> Rect {
         self.display.picture
     }
 
-    /// The eyes of the next picture: one, or the left and the right one.
+    /// Returns the eyes of the next picture: one, or the left and the right one.
     pub fn eyes(&self) -> Vec<Eye> {
         self.viewpoint.eyes(self.editor.document(), &self.ui.view.stereo)
     }
 
-    /// The eye whose picture the pointer is in.
+    /// Returns the eye whose picture the pointer is in.
     pub fn eye(&self) -> Eye {
         self.viewpoint.eye(self.editor.document(), &self.ui.view.stereo)
     }
@@ -147,7 +147,7 @@ impl Workspace {
         self.viewpoint.picker(self.editor.document(), &self.ui.view.stereo)
     }
 
-    /// Whether the person has left the program.
+    /// Returns whether the person has left the program.
     pub fn is_leaving(&self) -> bool {
         self.leaving
     }
@@ -399,7 +399,7 @@ impl Workspace {
         });
     }
 
-    /// Which keys of a window are meant for the sculpture rather than for a dialog or a field.
+    /// Returns which keys of a window are meant for the sculpture rather than for a dialog or a field.
     fn hear_keys(&mut self, panel: Option<Panel>, root: &Ui, hovered: bool) -> Heard {
         let dialogs = &self.ui.dialogs;
         let around = Around {
@@ -527,7 +527,7 @@ impl Workspace {
     }
 }
 
-/// Whether a person does more than to move the pointer over a panel.
+/// Returns whether a person does more than to move the pointer over a panel.
 fn is_touched(input: &egui::InputState) -> bool {
     input.events.iter().any(|event| match event {
         egui::Event::PointerMoved(_) => input.pointer.any_down(),

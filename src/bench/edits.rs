@@ -44,7 +44,7 @@ const BLOCK_VX: u32 = 512;
 /// A piece of a stroke of a solid of half edge 64, as the editor makes them.
 const SWEEP_VX: Vec3 = Vec3::new(9.0, 7.0, 6.0);
 
-/// The measured commands, each on a full block.
+/// Returns the measured commands, each on a full block.
 pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError> {
     let mut document = block(ColourDepth::None, limits)?;
     let turn = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
@@ -160,7 +160,7 @@ fn meshes_made_anew(document: &mut Document, runs: usize) -> Result<Vec<EditRepo
     Ok(reports)
 }
 
-/// The 2000 spheres of the cheese.
+/// Returns the 2000 spheres of the cheese.
 fn holes() -> Vec<Command> {
     let mut random = Random(1);
     let sphere = |_| {
@@ -171,7 +171,7 @@ fn holes() -> Vec<Command> {
     (0..2000).map(sphere).collect()
 }
 
-/// A curve that winds upwards.
+/// Returns a curve that winds upwards.
 fn coil(centre: Vec3) -> DrawnSolid {
     let control_point = |i: u8| {
         let turn = f32::from(i) * 1.3;
@@ -181,7 +181,7 @@ fn coil(centre: Vec3) -> DrawnSolid {
     DrawnSolid::Tube { control_points: (0..9).map(control_point).collect() }
 }
 
-/// A wavy profile about 64 voxels wide and 128 high.
+/// Returns a wavy profile about 64 voxels wide and 128 high.
 fn vase(points: u16) -> Arc<[Vec2]> {
     let point = |i: u16| {
         let share = f32::from(i) / f32::from(points - 1);
@@ -190,7 +190,7 @@ fn vase(points: u16) -> Arc<[Vec2]> {
     (0..points).map(point).collect()
 }
 
-/// The 2000 spheres of the cheese as commands of one stroke, with undo and redo.
+/// Returns the 2000 spheres of the cheese as commands of one stroke, with undo and redo.
 fn carves(document: &mut Document, runs: usize) -> Result<Vec<EditReport>, CommandError> {
     let spheres = holes();
     let mut voxels = 0;
@@ -235,7 +235,7 @@ pub(super) fn take_back(document: &mut Document) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// A full block.
+/// Returns a full block.
 pub(super) fn block(colour_depth: ColourDepth, limits: Limits) -> Result<Document, CommandError> {
     let new = NewSculpture {
         dims: UVec3::splat(BLOCK_VX),

@@ -55,7 +55,7 @@ fn vectors() -> String {
     level.split('(').next().unwrap_or_default().to_lowercase()
 }
 
-/// The fastest of some copies between two buffers larger than any cache.
+/// Returns the fastest of some copies between two buffers larger than any cache.
 fn copy_bytes_per_s() -> f64 {
     const BYTES: usize = 128 << 20;
     let from = vec![1u64; BYTES / 8];

@@ -52,7 +52,7 @@ impl Spread {
         [mean, self.degrees.get(rank).copied().unwrap_or_default()]
     }
 
-    /// The largest standard deviation of brightness among places at equal angle (in tenths of its cosine), in
+    /// Returns the largest standard deviation of brightness among places at equal angle (in tenths of its cosine), in
     /// per cent of the range of brightness.
     fn ring(&self) -> f32 {
         let deviation = |tenth: usize| {
@@ -68,7 +68,7 @@ impl Spread {
     }
 }
 
-/// The table, as text.
+/// Returns the table, as text.
 pub fn report(progress: &dyn Progress) -> Result<String, GridError> {
     progress.begin("measuring normals");
     let mut random = Random(1);
@@ -94,7 +94,7 @@ pub fn report(progress: &dyn Progress) -> Result<String, GridError> {
     Ok(text)
 }
 
-/// A grid of the voxels whose middles are `inside`, and its field.
+/// Returns a grid of the voxels whose middles are `inside`, and its field.
 fn grid_of(edge_vx: u32, inside: &(dyn Fn(Vec3) -> bool + Sync)) -> Result<Grid, GridError> {
     let mut grid = Grid::new(UVec3::splat(edge_vx), Vec3::ONE, 1 << 30)?;
     grid.fill_bricks(|b| {
@@ -151,7 +151,7 @@ fn offset(random: &mut Random) -> Vec3 {
     Vec3::new(random.unit(), random.unit(), random.unit())
 }
 
-/// Whether a place is far enough from the borders of a grid of [`GRID_VX`] * 2.
+/// Returns whether a place is far enough from the borders of a grid of [`GRID_VX`] * 2.
 fn is_inner(p: Vec3) -> bool {
     (p - GRID_VX as f32).abs().max_element() < LOOK_VX
 }

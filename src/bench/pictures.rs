@@ -101,12 +101,12 @@ impl Pictures {
         }
     }
 
-    /// The rays of the first eye.
+    /// Returns the rays of the first eye.
     pub fn rays(&self) -> &PixelRays {
         &self.rays
     }
 
-    /// A whole picture.
+    /// Returns a whole picture.
     pub fn whole(&mut self, document: &mut Document) -> Result<StageTimes> {
         match &mut self.maker {
             Maker::Renderer(rendered) => rendered.whole(document),
@@ -122,7 +122,7 @@ impl Pictures {
         }
     }
 
-    /// The picture after an edit, from the same position as the last one.
+    /// Returns the picture after an edit, from the same position as the last one.
     pub fn after_edit(&mut self, document: &mut Document) -> Result<AfterEdit> {
         match &mut self.maker {
             Maker::Renderer(rendered) => rendered.after_edit(document),

@@ -195,7 +195,7 @@ impl Report {
         Ok(())
     }
 
-    /// A column for each feature that any mode has.
+    /// Returns a column for each feature that any mode has.
     fn write_features(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let modes = || self.scenes.iter().flat_map(|s| s.modes.iter().map(move |mode| (s, mode)));
         let mut names: Vec<&str> = Vec::new();

@@ -49,7 +49,7 @@ impl Subject {
         }
     }
 
-    /// The path of its file, if it is one.
+    /// Returns the path of its file, if it is one.
     pub fn path(&self) -> Option<&Path> {
         match self {
             Subject::File(path) => Some(path),
@@ -81,9 +81,8 @@ fn without_colour(grid: Result<Grid, GridError>) -> Result<Contents, FormatError
     Ok(Contents::new(grid, material))
 }
 
-/// The eye at a fixed position relative to the sculpture, with a vertical field of view of 45
-/// degrees: 1.9 times its longest edge from the centre, in the direction (0.8, 0.6, 1). `size`: of
-/// the picture, in pixels.
+/// Returns the eye at a fixed position relative to the sculpture, with a vertical field of view of 45 degrees: 1.9
+/// times its longest edge from the centre, in the direction (0.8, 0.6, 1). `size`: of the picture, in pixels.
 pub fn eye_of(document: &Document, size: UVec2) -> Eye {
     let grid = document.grid();
     let edge = (grid.dims().as_vec3() * grid.voxel_size()).max_element();

@@ -27,7 +27,7 @@ const HOLLOW_VX: f32 = 64.0;
 const PICTURE: &str = "stripes";
 const PAINT: Rgb = Rgb::new(190, 30, 60);
 
-/// The measured uses.
+/// Returns the measured uses.
 pub fn uses(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError> {
     let mut document = block(ColourDepth::Bits24, limits)?;
     if let Some(stripes) = stripes() {
@@ -81,7 +81,8 @@ pub fn uses(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError
 /// The radius of the brushes, in voxels.
 const RADIUS_VX: f32 = 48.0;
 
-/// A brush with its first options, as a hand uses it: under an outline over the hollow, or in a ball at its rim.
+/// Returns a brush with its first options, as a hand uses it: under an outline over the hollow, or in a ball at its
+/// rim.
 fn used(brush: BrushId) -> Option<BrushUse> {
     let spec = brush.spec();
     let options = BrushOptions::first(brush).with(RADIUS, RADIUS_VX);
@@ -104,7 +105,7 @@ fn used(brush: BrushId) -> Option<BrushUse> {
     (spec.dab)(&Dab { options: &options, place }).map(|used| used.on(BrushSurface::Now))
 }
 
-/// A voxel a ray.
+/// Returns a voxel a ray.
 fn from_above() -> Footprint {
     Footprint {
         eye_vx: TOP_VX + Vec3::Y * 256.0,

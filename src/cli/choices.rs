@@ -10,7 +10,7 @@ use crate::format::{MeshUp, meshes_with_up_text};
 use crate::mesh::MeshKind;
 use crate::view::StereoLayout;
 
-/// The surfaces of a mesh.
+/// Returns the surfaces of a mesh.
 pub fn surfaces() -> impl TypedValueParser<Value = MeshKind> {
     one_of(MeshKind::NAMED, |kind| match kind {
         MeshKind::Faces => "Each exposed face of a voxel",
@@ -19,7 +19,7 @@ pub fn surfaces() -> impl TypedValueParser<Value = MeshKind> {
     })
 }
 
-/// The axes that can point up in a mesh.
+/// Returns the axes that can point up in a mesh.
 pub fn up_axes() -> impl TypedValueParser<Value = MeshUp> {
     one_of(MeshUp::NAMED, |up| {
         let meshes = meshes_with_up_text(up);
@@ -30,7 +30,7 @@ pub fn up_axes() -> impl TypedValueParser<Value = MeshUp> {
     })
 }
 
-/// The layouts of two pictures on a screen.
+/// Returns the layouts of two pictures on a screen.
 pub fn layouts() -> impl TypedValueParser<Value = StereoLayout> {
     one_of(StereoLayout::ALL.map(|layout| (layout, layout.name())), |layout| match layout {
         StereoLayout::Mono => "One picture for both eyes",

@@ -67,7 +67,7 @@ pub enum ProgramError {
 }
 
 impl ProgramError {
-    /// The exit code that the header of [`crate::cli`] documents.
+    /// Returns the exit code that the header of [`crate::cli`] documents.
     pub fn exit_code(&self) -> u8 {
         match self {
             ProgramError::Job(error) | ProgramError::Film(FilmError::Job(error)) => job_code(error),
@@ -101,7 +101,7 @@ impl ProgramError {
         }
     }
 
-    /// Whether nothing failed, but the reader of standard output has closed it.
+    /// Returns whether nothing failed, but the reader of standard output has closed it.
     pub fn is_reader_gone(&self) -> bool {
         let error = match self {
             ProgramError::Output(error)

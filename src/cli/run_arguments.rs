@@ -48,7 +48,7 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    /// The job, by the settings; `journal`: how they keep journals.
+    /// Returns the job, by the settings; `journal`: how they keep journals.
     pub fn job(self, config: &Config, journal: JournalOptions) -> Result<RunJob, ArgumentError> {
         Ok(RunJob {
             script: self.script,

@@ -65,7 +65,7 @@ impl JournalSettings {
         require_in(1..=1 << 24, "max_mib", self.max_mib, "must be 1 to 16777216 MiB")
     }
 
-    /// Size from which on a journal is begun anew.
+    /// Returns size from which on a journal is begun anew.
     pub fn max_bytes(&self) -> u64 {
         self.max_mib << 20
     }
@@ -89,7 +89,7 @@ impl SavedHistorySettings {
         require_in(1..=1 << 24, "max_mib", self.max_mib, "must be 1 to 16777216 MiB")
     }
 
-    /// How histories are kept by these settings, in the folder for state.
+    /// Returns how histories are kept by these settings, in the folder for state.
     pub fn options(&self) -> SavedHistoryOptions {
         SavedHistoryOptions::new(&folders::saved_history_folder(), self.max_mib << 20)
     }
@@ -138,7 +138,7 @@ impl NewOptions {
         )
     }
 
-    /// A solid block.
+    /// Returns a solid block.
     pub(super) fn sculpture(&self) -> NewSculpture {
         NewSculpture {
             dims: self.dims.into(),

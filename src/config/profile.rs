@@ -21,7 +21,7 @@ pub enum Profile {
 impl Profile {
     pub const ALL: [Profile; 3] = [Profile::Desktop, Profile::Hmd, Profile::Ar];
 
-    /// The name of its file, for messages.
+    /// Returns the name of its file, for messages.
     pub const fn file(self) -> &'static str {
         match self {
             Profile::Desktop => "desktop.toml",
@@ -39,8 +39,8 @@ impl Profile {
     }
 }
 
-/// The settings of a profile, overridden by the user's (text and path of the file). Errors name the
-/// file at fault.
+/// Returns the settings of a profile, overridden by the user's (text and path of the file). Errors name the file at
+/// fault.
 pub(super) fn layered(profile: Profile, own: Option<(&str, &Path)>) -> Result<Config, ConfigError> {
     let below = Path::new(profile.file());
     let base = Config::parse(profile.text(), below)?;

@@ -50,34 +50,34 @@ impl Controls {
         }
     }
 
-    /// The tables to choose from.
+    /// Returns the tables to choose from.
     pub fn presets(&self) -> &[Bindings] {
         &self.presets
     }
 
-    /// The key tables as shipped.
+    /// Returns the key tables as shipped.
     pub fn pristine(&self) -> &[Bindings] {
         &self.pristine
     }
 
-    /// The table in use.
+    /// Returns the table in use.
     pub fn bindings(&self) -> Option<&Bindings> {
         self.presets.get(self.preset)
     }
 
-    /// Whether a drag over the picture is in progress.
+    /// Returns whether a drag over the picture is in progress.
     pub fn is_dragging(&self) -> bool {
         self.mapper.captures_pointer()
     }
 
-    /// Whether the tool follows the pointer: in a table without `Sculpt` only drags move it.
+    /// Returns whether the tool follows the pointer: in a table without `Sculpt` only drags move it.
     pub fn tool_follows_pointer(&self) -> bool {
         let table = self.bindings();
         table.is_some_and(|bindings| bindings.triggers(Action::Sculpt).next().is_some())
     }
 
-    /// The action events for the device events of a window: a panel's, or the main one. Each window has
-    /// its own held keys, so that losing the focus releases only those.
+    /// Returns the action events for the device events of a window: a panel's, or the main one. Each window has its own
+    /// held keys, so that losing the focus releases only those.
     pub fn handle(&mut self, panel: Option<Panel>, events: &[DeviceEvent]) -> Vec<ActionEvent> {
         let Some(bindings) = self.presets.get(self.preset) else { return Vec::new() };
         let mapper = match panel {
@@ -100,7 +100,7 @@ impl Controls {
         actions
     }
 
-    /// The action bound to a tap of Shift, once for each tap.
+    /// Returns the action bound to a tap of Shift, once for each tap.
     pub fn take_shift_taps(&mut self, events: &[egui::Event]) -> Vec<Action> {
         let taps = events.iter().filter(|event| self.shift_tap.feed(event)).count();
         let action = self.bindings().and_then(|bindings| bindings.action(Trigger::ShiftTap));
@@ -112,7 +112,7 @@ impl Controls {
         self.pads.handle(news, now_s, self.presets.get(self.preset), catching)
     }
 
-    /// The gamepads' events up to `now_s`, in order.
+    /// Returns the gamepads' events up to `now_s`, in order.
     pub fn take_pad_events(&mut self, now_s: f64) -> Vec<PadEvent> {
         let bindings = self.presets.get(self.preset);
         bindings.map_or(Vec::new(), |bindings| self.pads.take(now_s, bindings))

@@ -60,7 +60,7 @@ impl Pads {
         }
     }
 
-    /// The state of the active pad for the interface.
+    /// Returns the state of the active pad for the interface.
     pub fn status(&self) -> Option<PadStatus<'_>> {
         let (id, name) = self.mapper.leader()?;
         let rumbles = self.motors.iter().any(|(motor, _)| *motor == id);
@@ -110,7 +110,7 @@ impl Pads {
         self.mapper.set_listening(listening);
     }
 
-    /// Whether the pad needs frames even if nothing else happens.
+    /// Returns whether the pad needs frames even if nothing else happens.
     pub fn is_active(&self) -> bool {
         self.mapper.is_active() || self.rumble.is_shaking()
     }
@@ -128,12 +128,12 @@ impl Pads {
         self.settings.rumble
     }
 
-    /// The pads' events up to `now_s`, in order.
+    /// Returns the pads' events up to `now_s`, in order.
     pub fn take(&mut self, now_s: f64, bindings: &Bindings) -> Vec<PadEvent> {
         self.mapper.take(now_s, bindings)
     }
 
-    /// The response curve and speeds of the sticks.
+    /// Returns the response curve and speeds of the sticks.
     pub fn settings(&self) -> &GamepadOptions {
         &self.settings
     }
@@ -171,7 +171,7 @@ impl Pads {
         self.draws_pointer = !follows;
     }
 
-    /// The position of the pad's pointer, in points; `start` if there was no pointer yet. If the mouse has
+    /// Returns the position of the pad's pointer, in points; `start` if there was no pointer yet. If the mouse has
     /// moved since, its position counts.
     fn pointer_at(&mut self, ctx: &Context, start: Pos2) -> Pos2 {
         let latest = ctx.input(|input| input.pointer.latest_pos());

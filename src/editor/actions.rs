@@ -319,7 +319,7 @@ impl Editor {
         self.tool.turn_by(rotation.inverse() * world_turn * rotation);
     }
 
-    /// The voxel that the pointer points at.
+    /// Returns the voxel that the pointer points at.
     fn pointed(&self, picker: &Picker) -> Option<UVec3> {
         self.pointer.voxel(self.document().grid(), picker)
     }
@@ -507,7 +507,7 @@ impl Editor {
         }
     }
 
-    /// Whether the pointer leads the size or the strength of the tool.
+    /// Returns whether the pointer leads the size or the strength of the tool.
     pub fn is_leading(&self) -> bool {
         self.leading.is_under_way()
     }
@@ -627,7 +627,7 @@ impl Editor {
     }
 }
 
-/// The brush under an outline in the picture that an action uses with a tool in hand, if it uses one.
+/// Returns the brush under an outline in the picture that an action uses with a tool in hand, if it uses one.
 fn picture_brush_for(action: Action, kind: ToolKind) -> Option<BrushId> {
     let brush = match (action, kind) {
         (Action::SculptSmooth, _) => BrushId::Smooth,

@@ -38,7 +38,7 @@ pub(super) struct Autosave {
 }
 
 impl Autosave {
-    /// Whether the save that has just ended was one of these.
+    /// Returns whether the save that has just ended was one of these.
     pub fn take_under_way(&mut self) -> bool {
         std::mem::take(&mut self.under_way)
     }
@@ -97,7 +97,7 @@ mod tests {
 
     const EVERY: Option<Duration> = Some(Duration::from_secs(60));
 
-    /// The editor of a new sculpture of 16 voxels' edge.
+    /// Returns the editor of a new sculpture of 16 voxels' edge.
     fn editor() -> Editor {
         let mut config = Config::default();
         config.new.dims = [16; 3];
@@ -109,7 +109,7 @@ mod tests {
         editor.finish_job();
     }
 
-    /// The editor of a sculpture in the file at `path`, with unsaved changes.
+    /// Returns the editor of a sculpture in the file at `path`, with unsaved changes.
     fn changed(path: &Path) -> Editor {
         let mut editor = editor();
         run(&mut editor, &format!("save {path:?}"));

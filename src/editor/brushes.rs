@@ -47,7 +47,7 @@ impl Brushes {
             .for_each(|options| options.set(RADIUS, change(options.get(RADIUS))));
     }
 
-    /// The options of a brush that deforms, where they work: the radius in units of the smallest edge.
+    /// Returns the options of a brush that deforms, where they work: the radius in units of the smallest edge.
     pub fn ball_options(&self, brush: BrushId) -> BrushOptions {
         self.of(brush).with(RADIUS, self.ball_radius(brush))
     }
@@ -59,7 +59,7 @@ impl Brushes {
         }
     }
 
-    /// A radius in pixels, where a pixel is as large as `gauge`, or as where they work.
+    /// Returns a radius in pixels, where a pixel is as large as `gauge`, or as where they work.
     pub fn radius_px(&self, radius: f32, gauge: Option<f32>) -> f32 {
         let pixels = match self.unit {
             SizeUnit::Screen => radius,
@@ -68,7 +68,7 @@ impl Brushes {
         pixels.clamp(1.0, MAX_FOOTPRINT)
     }
 
-    /// The radius of the ball of a brush that deforms clay, in units of the smallest edge.
+    /// Returns the radius of the ball of a brush that deforms clay, in units of the smallest edge.
     pub fn ball_radius(&self, brush: BrushId) -> f32 {
         let radius = self.radius(brush);
         let units = match self.unit {
@@ -78,7 +78,7 @@ impl Brushes {
         units.clamp(MIN_RADIUS, MAX_RADIUS)
     }
 
-    /// A usual radius, which is one on the screen, in the unit in use.
+    /// Returns a usual radius, which is one on the screen, in the unit in use.
     pub fn usual_radius(&self, radius_px: f32) -> f32 {
         let (least, most) = self.unit.radii().into_inner();
         match self.unit {

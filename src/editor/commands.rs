@@ -74,7 +74,7 @@ impl CommandRunner {
         self.voxels_changed
     }
 
-    /// Whether another sculpture is there since the last time.
+    /// Returns whether another sculpture is there since the last time.
     pub fn take_replaced(&mut self) -> bool {
         std::mem::take(&mut self.is_replaced)
     }
@@ -92,7 +92,7 @@ impl CommandRunner {
         self.push(Outcome::Notice(Notice::error(text)));
     }
 
-    /// Whether a question about a stroke that cannot be undone is open.
+    /// Returns whether a question about a stroke that cannot be undone is open.
     pub fn has_stroke_in_question(&self) -> bool {
         self.stroke_in_question
     }
@@ -307,7 +307,7 @@ impl CommandRunner {
         self.push(Outcome::Replaced);
     }
 
-    /// Whether long work is under way.
+    /// Returns whether long work is under way.
     pub fn is_busy(&self) -> bool {
         self.jobs.is_busy()
     }
@@ -367,7 +367,7 @@ impl CommandRunner {
         self.jobs.leave_afterwards();
     }
 
-    /// Whether long work has come to its end, and waits for its result to be put in place.
+    /// Returns whether long work has come to its end, and waits for its result to be put in place.
     pub fn is_job_finished(&self) -> bool {
         self.jobs.is_finished()
     }

@@ -31,12 +31,12 @@ pub struct HandTool {
 }
 
 impl HandTool {
-    /// Whether the hand uses the tool.
+    /// Returns whether the hand uses the tool.
     pub fn is_working(&self) -> bool {
         self.stroke || self.marker.is_some() || self.symmetry.is_some()
     }
 
-    /// Whether the tool goes with the hand.
+    /// Returns whether the tool goes with the hand.
     pub fn is_leading(&self) -> bool {
         self.pose.is_some()
     }
@@ -46,7 +46,7 @@ impl HandTool {
         self.pose = None;
     }
 
-    /// The voxel that the tool in the hand touches, or else points at.
+    /// Returns the voxel that the tool in the hand touches, or else points at.
     pub(super) fn voxel(&self, document: &Document, room: &Room) -> Option<UVec3> {
         let pose = &self.pose?;
         let at = grid_point(document, pose.position, room);
@@ -59,7 +59,7 @@ impl HandTool {
         }
     }
 
-    /// The cone in which the brush in the hand works, if it holds one that does.
+    /// Returns the cone in which the brush in the hand works, if it holds one that does.
     pub fn cone(&self, document: &Document, tool: &ToolState, room: &Room) -> Option<Footprint> {
         let options = tool.brushes.of(tool.picture_brush()?);
         let pose = self.pose?;
@@ -78,7 +78,7 @@ impl HandTool {
     }
 }
 
-/// How large what stands for a pixel is in a hand, in units of the smallest edge.
+/// Returns how large what stands for a pixel is in a hand, in units of the smallest edge.
 pub(super) fn hand_gauge(document: &Document, pose: &Pose, room: &Room) -> f32 {
     let size = document.grid().voxel_size();
     let at = |own: Vec3| grid_point(document, pose.at(own * SPRAY_REACH_M), room);
@@ -86,13 +86,13 @@ pub(super) fn hand_gauge(document: &Document, pose: &Pose, room: &Room) -> f32 {
     across.length() * SPRAY_STEP
 }
 
-/// A point of the room in grid coordinates.
+/// Returns a point of the room in grid coordinates.
 pub fn grid_point(document: &Document, point: Vec3, room: &Room) -> Vec3 {
     let world = room.room_from_world.inverse().apply(point);
     grid_from_world(document).transform_point3(world)
 }
 
-/// A pose of the room in the grid: position in voxels, rotation about axes of the grid.
+/// Returns a pose of the room in the grid: position in voxels, rotation about axes of the grid.
 pub(super) fn in_grid(document: &Document, pose: &Pose, room: &Room) -> Pose {
     let world = room.in_world(pose);
     let rotation: Quat = document.placement().rotation.inverse();

@@ -60,8 +60,8 @@ impl Walls {
         self.before = adds.then(|| voxels_at_walls(grid));
     }
 
-    /// Whether it is to be said that what a tool has added was cut off: once, until a tool is used within the grid again.
-    /// `beyond`: it is known to have gone beyond the walls.
+    /// Returns whether it is to be said that what a tool has added was cut off: once, until a tool is used within the
+    /// grid again. `beyond`: it is known to have gone beyond the walls.
     pub fn is_cut_off_anew(&mut self, beyond: bool, grid: &Grid) -> bool {
         let before = self.before.take();
         let met = before.is_some_and(|before| voxels_at_walls(grid) > before);
@@ -71,7 +71,7 @@ impl Walls {
     }
 }
 
-/// Whether a stroke of the tool in hand may add voxels at the walls of the grid before it meets them.
+/// Returns whether a stroke of the tool in hand may add voxels at the walls of the grid before it meets them.
 pub(super) fn may_add(tool: &ToolState) -> bool {
     tool.brush().is_some_and(|brush| brush.spec().adds)
 }
@@ -128,7 +128,7 @@ impl Trial<'_> {
         self.document.would_change(commands, heeds)
     }
 
-    /// Whether commands would change something if tools worked everywhere.
+    /// Returns whether commands would change something if tools worked everywhere.
     fn meets(&mut self, commands: &[Command]) -> bool {
         self.trial(commands, Heeds::NOTHING).voxels_changed() > 0
     }
@@ -260,7 +260,7 @@ fn whole(grid: &Grid) -> VoxelBox {
     VoxelBox { min: glam::IVec3::ZERO, max: grid.dims().as_ivec3() }
 }
 
-/// Whether a command adds, or would add, beyond the walls of the grid.
+/// Returns whether a command adds, or would add, beyond the walls of the grid.
 pub(super) fn goes_beyond(document: &Document, command: &Command) -> bool {
     let grid = document.grid();
     let all = whole(grid);
@@ -285,7 +285,7 @@ pub(super) fn goes_beyond(document: &Document, command: &Command) -> bool {
     }
 }
 
-/// Whether a command says so if it has changed nothing, outside of strokes.
+/// Returns whether a command says so if it has changed nothing, outside of strokes.
 pub(super) fn is_explained(command: &Command) -> bool {
     matches!(
         command,
@@ -315,7 +315,7 @@ fn bite(footprint: &Footprint) -> Command {
     Command::Brush(BrushUse::under(BrushId::Devour, *footprint).with(REACH, 0.0))
 }
 
-/// The same solid with another operation.
+/// Returns the same solid with another operation.
 fn with_op(command: &Command, op: EditOp) -> Command {
     match command.clone() {
         Command::Construct { primitive, to_vx, .. } => Command::Construct { op, primitive, to_vx },

@@ -147,7 +147,7 @@ impl Jobs {
         self.irreversible = true;
     }
 
-    /// Whether the job that has just ended might do what cannot be undone.
+    /// Returns whether the job that has just ended might do what cannot be undone.
     pub fn take_irreversible(&mut self) -> bool {
         std::mem::take(&mut self.irreversible)
     }
@@ -209,7 +209,7 @@ impl Jobs {
         }
     }
 
-    /// Whether work has come to its end, and waits for its result to be put in place.
+    /// Returns whether work has come to its end, and waits for its result to be put in place.
     pub fn is_finished(&self) -> bool {
         self.job.as_ref().is_some_and(|job| job.thread.is_finished())
     }

@@ -51,7 +51,7 @@ enum State {
 }
 
 impl Leading {
-    /// Whether the pointer leads the size or the strength of the tool.
+    /// Returns whether the pointer leads the size or the strength of the tool.
     pub fn is_under_way(&self) -> bool {
         matches!(self.0, Some(State::Led { .. }))
     }
@@ -136,7 +136,7 @@ impl Leading {
     }
 }
 
-/// The options of the brush in hand, if it has a strength.
+/// Returns the options of the brush in hand, if it has a strength.
 fn with_strength(tool: &mut ToolState) -> Option<&mut BrushOptions> {
     let brush = tool.brush()?;
     Some(tool.brushes.of_mut(brush)).filter(|options| options.has(STRENGTH))

@@ -40,7 +40,7 @@ pub(super) struct MarkerTool {
 }
 
 impl MarkerTool {
-    /// Whether a drag is under way.
+    /// Returns whether a drag is under way.
     pub fn is_dragged(&self) -> bool {
         self.drag.is_some()
     }
@@ -122,7 +122,8 @@ impl MarkerTool {
         }
     }
 
-    /// The plane that a drag keeps the marker in, as lines of a lattice, or the line along which it pulls a face.
+    /// Returns the plane that a drag keeps the marker in, as lines of a lattice, or the line along which it pulls a
+    /// face.
     pub fn guide(&self, document: &Document) -> Vec<[Vec3; 2]> {
         let marker = document.selection().marker();
         let (low, high) = (marker.min.as_vec3(), marker.max.as_vec3());
@@ -230,7 +231,7 @@ impl MarkerTool {
     }
 }
 
-/// The voxel whose face a point on the surface lies on.
+/// Returns the voxel whose face a point on the surface lies on.
 fn voxel_behind(point: Vec3, at: Vec2, view: &ToolView, picker: &Picker) -> IVec3 {
     let grid = view.grid();
     let normal = picker.normal(grid, at, view.tool.lean);
@@ -238,12 +239,12 @@ fn voxel_behind(point: Vec3, at: Vec2, view: &ToolView, picker: &Picker) -> IVec
     (point - normal * 0.5).floor().as_ivec3().clamp(IVec3::ZERO, dims - 1)
 }
 
-/// The marker in the middle of a grid, as at first.
+/// Returns the marker in the middle of a grid, as at first.
 pub(super) fn first(grid: &Grid) -> VoxelBox {
     Selection::new(grid.dims()).marker()
 }
 
-/// A marker larger by a twentieth on every side, at least by a voxel.
+/// Returns a marker larger by a twentieth on every side, at least by a voxel.
 pub(super) fn scaled(marker: VoxelBox, notches: f32) -> VoxelBox {
     let by = (marker.size() / 20).max(glam::UVec3::ONE).as_ivec3();
     let by = by * notches.round().clamp(-8.0, 8.0) as i32;
@@ -257,7 +258,7 @@ pub(super) fn scaled(marker: VoxelBox, notches: f32) -> VoxelBox {
     VoxelBox { min, max }
 }
 
-/// A marker a voxel longer towards a side.
+/// Returns a marker a voxel longer towards a side.
 pub(super) fn stretched(marker: VoxelBox, side: Vec3) -> VoxelBox {
     pulled_face(marker, side, 1)
 }
@@ -274,20 +275,20 @@ impl Reach {
         Reach { dims: grid.dims().as_vec3() }
     }
 
-    /// The way of a box that is to go `by` voxels. Where it is farther off already it can come back.
+    /// Returns the way of a box that is to go `by` voxels. Where it is farther off already it can come back.
     fn slid(self, start: VoxelBox, by: Vec3) -> IVec3 {
         let least = (-self.dims - start.max.as_vec3()).min(Vec3::ZERO);
         let most = (2.0 * self.dims - start.min.as_vec3()).max(Vec3::ZERO);
         by.clamp(least, most).as_ivec3()
     }
 
-    /// Most voxels that a face is pulled by at once.
+    /// Returns most voxels that a face is pulled by at once.
     fn longest_vx(self) -> f32 {
         3.0 * self.dims.max_element()
     }
 }
 
-/// Lines at equal distances in a plane across `normal`, an axis, within a box.
+/// Returns lines at equal distances in a plane across `normal`, an axis, within a box.
 fn lattice(normal: Vec3, plane: Vec3, low: Vec3, high: Vec3) -> Vec<[Vec3; 2]> {
     const FIELDS: u32 = 8;
     let across = Vec3::AXES.into_iter().filter(|axis| axis.dot(normal) == 0.0);
@@ -303,7 +304,7 @@ fn lattice(normal: Vec3, plane: Vec3, low: Vec3, high: Vec3) -> Vec<[Vec3; 2]> {
     lines
 }
 
-/// A box with one face moved by `by` voxels along its normal, at least a voxel long.
+/// Returns a box with one face moved by `by` voxels along its normal, at least a voxel long.
 fn pulled_face(start: VoxelBox, normal: Vec3, by: i32) -> VoxelBox {
     let mut marker = start;
     let axis = (0..3).find(|axis| normal[*axis] != 0.0).unwrap_or(0);
@@ -315,8 +316,8 @@ fn pulled_face(start: VoxelBox, normal: Vec3, by: i32) -> VoxelBox {
     marker
 }
 
-/// How far along a line (through `point` along the unit vector `axis`) it is nearest to a ray;
-/// none if they are almost parallel.
+/// Returns how far along a line (through `point` along the unit vector `axis`) it is nearest to a ray; none if they are
+/// almost parallel.
 fn nearest_on_line(point: Vec3, axis: Vec3, origin: Vec3, direction: Vec3) -> Option<f32> {
     let direction = direction.try_normalize()?;
     let across = axis.dot(direction);

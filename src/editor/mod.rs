@@ -120,7 +120,7 @@ impl Editor {
         self.commands.take_outcomes()
     }
 
-    /// Where the pointer is, in pixels of the picture.
+    /// Returns where the pointer is, in pixels of the picture.
     pub fn pointer(&self) -> Option<Vec2> {
         self.pointer.at
     }
@@ -144,8 +144,8 @@ impl Editor {
         ToolView { document: self.commands.document(), tool: &self.tool, anchor: &self.anchor }
     }
 
-    /// The point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the plane of the
-    /// view in which the tool was used last.
+    /// Returns the point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the
+    /// plane of the view in which the tool was used last.
     pub fn target(&self, at: Vec2, picker: &Picker) -> Option<Vec3> {
         self.view().target(at, picker)
     }
@@ -248,7 +248,7 @@ impl Editor {
         self.commands.drop_stroke_in_question();
     }
 
-    /// Whether long work is under way.
+    /// Returns whether long work is under way.
     pub fn is_busy(&self) -> bool {
         self.commands.is_busy()
     }
@@ -322,12 +322,12 @@ impl Editor {
         self.commands.autosave(every, now, is_free)
     }
 
-    /// Whether voxels are being changed by a stroke that is not finished.
+    /// Returns whether voxels are being changed by a stroke that is not finished.
     pub fn is_stroking(&self) -> bool {
         self.stroke.is_some()
     }
 
-    /// The stroke in hand, with what it works on.
+    /// Returns the stroke in hand, with what it works on.
     fn stroking(&mut self) -> Stroking<'_> {
         let Editor { stroke, commands, tool, anchor, grip, .. } = self;
         Stroking { stroke, commands, tool, anchor, grip }
@@ -380,12 +380,12 @@ impl Editor {
         was_drawn || was_meant
     }
 
-    /// Whether something is being drawn.
+    /// Returns whether something is being drawn.
     pub fn is_drawing(&self) -> bool {
         self.draw.is_drawing(&self.tool)
     }
 
-    /// How far what is drawn by several presses is, if there is any.
+    /// Returns how far what is drawn by several presses is, if there is any.
     pub fn progress(&self) -> Option<Progress> {
         self.draw.progress(&self.tool)
     }
@@ -396,7 +396,8 @@ impl Editor {
         self.draw.sketch(self.pointer.at, in_hand, stroking, &self.view(), picker)
     }
 
-    /// The plane that a drag keeps the marker in, as lines of a lattice, or the line along which it pulls a face.
+    /// Returns the plane that a drag keeps the marker in, as lines of a lattice, or the line along which it pulls a
+    /// face.
     pub fn marker_guide(&self) -> Vec<[Vec3; 2]> {
         self.marker.guide(self.document())
     }

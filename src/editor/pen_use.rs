@@ -48,7 +48,7 @@ pub enum PenTool {
 }
 
 impl PenTool {
-    /// All of them.
+    /// Returns all of them.
     pub fn all() -> impl Iterator<Item = PenTool> {
         let brushes = BrushId::ALL.iter().filter(|brush| !brush.spec().is_held());
         std::iter::once(PenTool::Solid).chain(brushes.map(|brush| PenTool::Brush(*brush)))
@@ -61,7 +61,7 @@ impl PenTool {
         }
     }
 
-    /// Whether there is a strength that pressure can lead.
+    /// Returns whether there is a strength that pressure can lead.
     pub fn has_strength(self) -> bool {
         match self {
             PenTool::Solid => false,
@@ -69,7 +69,7 @@ impl PenTool {
         }
     }
 
-    /// The lead that a pen has before the person has chosen.
+    /// Returns the lead that a pen has before the person has chosen.
     pub fn usual(self) -> PenUse {
         PenUse { strength: self.has_strength(), ..PenUse::default() }
     }

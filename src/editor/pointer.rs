@@ -46,7 +46,7 @@ impl Pointer {
         (self.rotates_instead, self.lifted) = (false, false);
     }
 
-    /// The voxel that it points at.
+    /// Returns the voxel that it points at.
     pub fn voxel(&self, grid: &Grid, picker: &Picker) -> Option<UVec3> {
         self.at.and_then(|at| picker.voxel(grid, at))
     }

@@ -14,8 +14,8 @@ use crate::tools::brush::options::BrushOptions;
 pub(super) const FULL: PenTouch = PenTouch { pressure: 1.0, tilt_deg: glam::Vec2::ZERO };
 
 impl ToolState {
-    /// The tool as it is used when it is touched so: a solid is as large as the pen says. `bare`: the colour that it gives in
-    /// place of its own, since it takes paint away.
+    /// Returns the tool as it is used when it is touched so: a solid is as large as the pen says. `bare`: the colour
+    /// that it gives in place of its own, since it takes paint away.
     pub(super) fn in_use(&self, touch: PenTouch, bare: Option<Rgb>) -> Cow<'_, ToolState> {
         let size = match self.kind {
             ToolKind::Solid => self.pens.of(PenTool::Solid).size(touch),
@@ -34,7 +34,7 @@ impl ToolState {
     }
 }
 
-/// The options with which a brush is used that is touched so.
+/// Returns the options with which a brush is used that is touched so.
 pub(super) fn touched(options: &BrushOptions, by: PenUse, touch: PenTouch) -> BrushOptions {
     let mut options = *options;
     if let Some(key) = options.brush().spec().pressure {
@@ -71,7 +71,7 @@ impl Grip {
         self.used = self.now;
     }
 
-    /// How it is touched at each of `count` uses on the way to where it is now.
+    /// Returns how it is touched at each of `count` uses on the way to where it is now.
     pub fn along_path(&mut self, count: usize) -> impl Iterator<Item = PenTouch> + use<> {
         let (from, to) = (self.used, self.now);
         if count > 0 {

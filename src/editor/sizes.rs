@@ -25,7 +25,7 @@ pub enum SizeUnit {
 impl SizeUnit {
     pub const ALL: [SizeUnit; 2] = [SizeUnit::Screen, SizeUnit::Sculpture];
 
-    /// Its name in what is remembered.
+    /// Returns its name in what is remembered.
     pub const fn name(self) -> &'static str {
         match self {
             SizeUnit::Screen => "screen",
@@ -33,7 +33,7 @@ impl SizeUnit {
         }
     }
 
-    /// The sign that stands behind a size.
+    /// Returns the sign that stands behind a size.
     pub const fn suffix(self) -> &'static str {
         match self {
             SizeUnit::Screen => " px",
@@ -41,7 +41,7 @@ impl SizeUnit {
         }
     }
 
-    /// The radii that a brush may have.
+    /// Returns the radii that a brush may have.
     pub const fn radii(self) -> RangeInclusive<f32> {
         match self {
             SizeUnit::Screen => 1.0..=MAX_FOOTPRINT,
@@ -53,7 +53,7 @@ impl SizeUnit {
 /// How large a pixel is before anything tells, in units of the smallest edge.
 pub(super) const FIRST_GAUGE: f32 = 0.25;
 
-/// How large a pixel is at a place, in units of the smallest edge.
+/// Returns how large a pixel is at a place, in units of the smallest edge.
 pub(super) fn gauge_at(grid: &Grid, point: Vec3, picker: &Picker) -> f32 {
     let (sight, size) = (picker.sight(), grid.voxel_size());
     let depth = sight.depth(point);

@@ -39,21 +39,22 @@ impl Choices {
         Choices { kind, solid, half: tool.half(), turn_deg, follow, snap, stand }
     }
 
-    /// Whether the tool is another than before, or begins to follow.
+    /// Returns whether the tool is another than before, or begins to follow.
     fn is_taken_anew(&self, before: &Choices) -> bool {
         (self.kind, self.solid, self.follow) != (before.kind, before.solid, before.follow)
     }
 }
 
 impl SurfaceAnchor {
-    /// The point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the plane of the
-    /// view in which the tool was used last.
+    /// Returns the point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the
+    /// plane of the view in which the tool was used last.
     pub fn target(&self, grid: &Grid, at: Vec2, picker: &Picker) -> Option<Vec3> {
         let middle = grid.dims().as_vec3() * 0.5;
         picker.target(grid, at, self.worked_at.unwrap_or(middle))
     }
 
-    /// The point and the face of the surface that the pointer has put the tool on; none once something else has moved it.
+    /// Returns the point and the face of the surface that the pointer has put the tool on; none once something else has
+    /// moved it.
     pub fn ground(&self) -> Option<SurfacePoint> {
         self.ground
     }

@@ -37,7 +37,7 @@ impl SurfaceGuide {
         SurfaceGuide { seen, at, depth: picker.sight().depth(point) }
     }
 
-    /// Whether the view is still the one in which the surface was seen.
+    /// Returns whether the view is still the one in which the surface was seen.
     pub fn is_of(&self, picker: &Picker) -> bool {
         self.seen.as_ref().map(|seen| seen.rays) == picker.map().map(|map| map.rays)
     }
@@ -63,7 +63,7 @@ impl SurfaceGuide {
         self.at = to;
     }
 
-    /// The point that lies under `look` (pixels).
+    /// Returns the point that lies under `look` (pixels).
     fn point_at(&mut self, look: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
         let sight = picker.sight();
         let found = self.seen.as_ref().and_then(|map| surface_point(map, grid, look));
@@ -73,14 +73,15 @@ impl SurfaceGuide {
     }
 }
 
-/// Where a pointer at `from` goes whose rope is led to `to`: it stays while the rope hangs, so that a hand that trembles
-/// draws an even line.
+/// Returns where a pointer at `from` goes whose rope is led to `to`: it stays while the rope hangs, so that a hand that
+/// trembles draws an even line.
 fn on_rope(from: Vec2, to: Vec2, length_px: f32) -> Vec2 {
     let left = (to.distance(from) - length_px).max(0.0);
     from.move_towards(to, left)
 }
 
-/// The direction out of the clay in a ball: away from the middle of what is there. None where nothing is, or all.
+/// Returns the direction out of the clay in a ball: away from the middle of what is there. None where nothing is, or
+/// all.
 pub(super) fn normal_around(grid: &Grid, centre: Vec3, radius: f32) -> Option<Vec3> {
     let edges = grid.voxel_size() / grid.voxel_size().min_element();
     let reach = radius.max(2.0);

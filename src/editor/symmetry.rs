@@ -28,8 +28,8 @@ pub enum Placed {
 }
 
 impl Placed {
-    /// The direction of a plane's normal or of an axis that is placed at `point`, which is seen at a pixel: a plane lies
-    /// along the line of sight and the vertical of the picture, an axis stands out of the surface.
+    /// Returns the direction of a plane's normal or of an axis that is placed at `point`, which is seen at a pixel: a
+    /// plane lies along the line of sight and the vertical of the picture, an axis stands out of the surface.
     pub(super) fn direction_at(self, point: Vec3, at: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         match self {
@@ -47,7 +47,7 @@ impl Placed {
         }
     }
 
-    /// The direction in a hand that holds it upright: a plane lies across the hand, an axis upright in it.
+    /// Returns the direction in a hand that holds it upright: a plane lies across the hand, an axis upright in it.
     pub(super) fn direction_in_hand(self) -> Vec3 {
         match self {
             Placed::Plane => Vec3::X,

@@ -148,7 +148,7 @@ pub enum ToolEdit {
 }
 
 impl ToolState {
-    /// A ball that cuts, in the middle of a grid of `dims` voxels.
+    /// Returns a ball that cuts, in the middle of a grid of `dims` voxels.
     pub fn new(dims: UVec3) -> ToolState {
         let mut tool = ToolState {
             kind: ToolKind::Solid,
@@ -259,7 +259,7 @@ impl ToolState {
         self.rotation
     }
 
-    /// The rotation as degrees about x, then y, then z of the grid, as scripts write it.
+    /// Returns the rotation as degrees about x, then y, then z of the grid, as scripts write it.
     pub fn turn_deg(&self) -> Vec3 {
         self.turn_deg
     }
@@ -288,7 +288,7 @@ impl ToolState {
         }
     }
 
-    /// A place, or the middle of the voxel there.
+    /// Returns a place, or the middle of the voxel there.
     pub(super) fn snapped(&self, centre_vx: Vec3) -> Vec3 {
         if self.snap { centre_vx.floor() + 0.5 } else { centre_vx }
     }
@@ -311,7 +311,7 @@ impl ToolState {
         }
     }
 
-    /// How far the tool reaches from its centre against `normal`, in voxels.
+    /// Returns how far the tool reaches from its centre against `normal`, in voxels.
     fn extent_along(&self, normal: Vec3, voxel_size: Vec3) -> f32 {
         let tool_from_vx = DMat3::from_quat(self.rotation.as_dquat()).transpose();
         let direction = tool_from_vx * -normal.as_dvec3() * self.half.as_dvec3();
@@ -331,7 +331,7 @@ impl ToolState {
         self.centre_vx += side * (self.half[axis] - before);
     }
 
-    /// The brush in hand, if it is one.
+    /// Returns the brush in hand, if it is one.
     pub fn brush(&self) -> Option<BrushId> {
         match self.kind {
             ToolKind::Brush(brush) => Some(brush),
@@ -339,17 +339,17 @@ impl ToolState {
         }
     }
 
-    /// The options of the brush in hand.
+    /// Returns the options of the brush in hand.
     pub fn brush_options(&self) -> Option<&BrushOptions> {
         self.brush().map(|brush| self.brushes.of(brush))
     }
 
-    /// The brush in hand, if it works under an outline in the picture.
+    /// Returns the brush in hand, if it works under an outline in the picture.
     pub fn picture_brush(&self) -> Option<BrushId> {
         self.brush().filter(|brush| brush.spec().is_in_picture())
     }
 
-    /// The brush in hand, if it works in a ball of clay.
+    /// Returns the brush in hand, if it works in a ball of clay.
     pub fn ball_brush(&self) -> Option<BrushId> {
         self.brush().filter(|brush| !brush.spec().is_in_picture())
     }
@@ -380,7 +380,7 @@ impl ToolState {
         }
     }
 
-    /// The image that the tool in hand paints with.
+    /// Returns the image that the tool in hand paints with.
     pub fn picture_in_use(&self) -> Option<&PathBuf> {
         match self.kind {
             ToolKind::Brush(brush) => {
@@ -390,7 +390,7 @@ impl ToolState {
         }
     }
 
-    /// The use of a brush under a footprint. `uses`: of the stroke before it.
+    /// Returns the use of a brush under a footprint. `uses`: of the stroke before it.
     pub fn brush_under(
         &self,
         options: &BrushOptions,
@@ -405,7 +405,7 @@ impl ToolState {
         (spec.dab)(&Dab { options, place }).map(Command::Brush)
     }
 
-    /// The tool in hand, if a pen can lead something of it.
+    /// Returns the tool in hand, if a pen can lead something of it.
     pub fn pen_tool(&self) -> Option<PenTool> {
         match self.kind {
             ToolKind::Solid => Some(PenTool::Solid),
@@ -414,7 +414,7 @@ impl ToolState {
         }
     }
 
-    /// The ball of a brush that deforms clay, where the tool is.
+    /// Returns the ball of a brush that deforms clay, where the tool is.
     pub fn ball(&self, brush: BrushId) -> Primitive {
         Primitive {
             solid: Solid::Ellipsoid,

@@ -26,7 +26,8 @@ impl From<EditOp> for ToolChange {
 }
 
 impl ToolChange {
-    /// As a command about the voxels of a solid, or of what it sweeps on the straight way of its centre to `to_vx`.
+    /// Returns a command about the voxels of a solid, or of what it sweeps on the straight way of its centre to
+    /// `to_vx`.
     pub fn by_solid(self, primitive: Primitive, to_vx: Option<Vec3>) -> Command {
         match self {
             ToolChange::Voxels(op) => Command::Construct { op, primitive, to_vx },
@@ -34,7 +35,7 @@ impl ToolChange {
         }
     }
 
-    /// As a command about the voxels of a solid that is drawn.
+    /// Returns a command about the voxels of a solid that is drawn.
     pub fn by_drawn_solid(self, form: DrawnSolid) -> Command {
         match self {
             ToolChange::Voxels(op) => Command::DrawnSolid { op, form },

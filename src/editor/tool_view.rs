@@ -28,8 +28,8 @@ impl<'a> ToolView<'a> {
         size / size.min_element()
     }
 
-    /// The point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the plane of the
-    /// view in which the tool was used last.
+    /// Returns the point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the
+    /// plane of the view in which the tool was used last.
     pub fn target(&self, at: Vec2, picker: &Picker) -> Option<Vec3> {
         self.anchor.target(self.grid(), at, picker)
     }

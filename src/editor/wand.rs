@@ -34,8 +34,8 @@ impl Default for Wand {
 }
 
 impl Wand {
-    /// The command that protects what hangs together with a voxel of the surface, or releases it. `tolerance`: how far
-    /// colours may differ, as a share of the range.
+    /// Returns the command that protects what hangs together with a voxel of the surface, or releases it. `tolerance`:
+    /// how far colours may differ, as a share of the range.
     pub(super) fn command(&self, at: UVec3, tolerance: f32) -> Command {
         let Wand { rule, angle_deg, depth_vx, adds } = *self;
         let what = match rule {

@@ -57,7 +57,7 @@ pub fn outlines(
     found
 }
 
-/// The border of the region whose uppermost, leftmost pixel is `start`.
+/// Returns the border of the region whose uppermost, leftmost pixel is `start`.
 fn follow(dark: &[bool], width: usize, height: usize, start: usize) -> Vec<(i32, i32)> {
     let is_dark = |x: i32, y: i32| {
         x >= 0

@@ -25,8 +25,8 @@ const LEAST_CONTRAST: f64 = 20.0;
 /// Cells of the rim that may look white, such as in a glint.
 const MAX_RIM_WRONG: usize = 2;
 
-/// The markers of the family in a picture, each number once: where it is largest. `lens` is that of
-/// the camera; it is scaled to the size of the picture.
+/// Returns the markers of the family in a picture, each number once: where it is largest. `lens` is that of the camera;
+/// it is scaled to the size of the picture.
 pub fn detect(grey: &Grey, lens: &Intrinsics) -> Vec<Sighting> {
     let (Ok(width), Ok(height)) = (u32::try_from(grey.width), u32::try_from(grey.height)) else {
         return Vec::new();
@@ -96,7 +96,7 @@ fn read(grey: &Grey, lens: &Intrinsics, corners: [DVec2; 4]) -> Option<Sighting>
     Some(Sighting { id: reading.id, corners: upright, wrong: reading.wrong })
 }
 
-/// The centre of a cell in the square from -1 to 1.
+/// Returns the centre of a cell in the square from -1 to 1.
 fn place(x: i32, y: i32) -> DVec2 {
     (DVec2::new(f64::from(x), f64::from(y)) + 0.5) * (2.0 / CELLS as f64) - 1.0
 }

@@ -50,8 +50,8 @@ const CODES: [u64; 30] = [
 /// Number of markers; ids are below it.
 pub const COUNT: u32 = CODES.len() as u32;
 
-/// Whether a cell of the whole marker is white; `x` to the right and `y` down from 0 to 7. None for
-/// an unknown number or cell.
+/// Returns whether a cell of the whole marker is white; `x` to the right and `y` down from 0 to 7. None for an unknown
+/// number or cell.
 pub fn is_white(id: u32, x: usize, y: usize) -> Option<bool> {
     let code = *CODES.get(id as usize)?;
     if x >= CELLS || y >= CELLS {
@@ -72,8 +72,7 @@ pub struct Reading {
     pub wrong: u32,
 }
 
-/// The marker nearest to a pattern of 6 x 6 cells, with bits as in the family; None if none is
-/// close enough.
+/// Returns the marker nearest to a pattern of 6 x 6 cells, with bits as in the family; None if none is close enough.
 pub fn read(pattern: u64) -> Option<Reading> {
     let mut turned = pattern;
     let mut best: Option<Reading> = None;
@@ -89,7 +88,7 @@ pub fn read(pattern: u64) -> Option<Reading> {
     best
 }
 
-/// The pattern rotated counter-clockwise by a quarter.
+/// Returns the pattern rotated counter-clockwise by a quarter.
 fn turned_back(pattern: u64) -> u64 {
     let mut out = 0;
     for y in 0..CODE_CELLS {

@@ -67,8 +67,8 @@ impl Grey {
         Grey { width: w, height: h, pixels }
     }
 
-    /// The pixels darker by more than `margin` than the mean of those up to `reach` pixels away (D.
-    /// Bradley, G. Roth: "Adaptive Thresholding using the Integral Image", 2007).
+    /// Returns the pixels darker by more than `margin` than the mean of those up to `reach` pixels away (D. Bradley, G.
+    /// Roth: "Adaptive Thresholding using the Integral Image", 2007).
     pub fn dark(&self, reach: usize, margin: u32) -> Vec<bool> {
         let (w, h) = (self.width, self.height);
         // sums[y * (w + 1) + x] is the sum of all pixels above and left of (x, y).

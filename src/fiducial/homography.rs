@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// The map from (-1, -1), (1, -1), (1, 1), (-1, 1) to `corners`; None if three of them are
-/// collinear. (P. Heckbert: "Fundamentals of Texture Mapping and Image Warping", 1989.)
+/// Returns the map from (-1, -1), (1, -1), (1, 1), (-1, 1) to `corners`; None if three of them are collinear. (P.
+/// Heckbert: "Fundamentals of Texture Mapping and Image Warping", 1989.)
 pub fn from_square(corners: &[DVec2; 4]) -> Option<DMat3> {
     let [a, b, c, d] = *corners;
     // First from the unit square.
@@ -25,7 +25,7 @@ pub fn from_square(corners: &[DVec2; 4]) -> Option<DMat3> {
     map.is_finite().then_some(map)
 }
 
-/// The image of a point.
+/// Returns the image of a point.
 pub fn project(map: &DMat3, point: DVec2) -> DVec2 {
     let p = *map * point.extend(1.0);
     p.truncate() / p.z

@@ -27,9 +27,9 @@ impl MarkerPose {
 /// Largest number of refinement steps.
 const STEPS: usize = 30;
 
-/// The poses of a marker `size_m` metres wide for its corners (rays at depth 1: upper left, upper
-/// right, lower right, lower left), the better one first; empty if the corners are not those of a
-/// square. `focal_px` scales rays to pixels for the errors.
+/// Returns the poses of a marker `size_m` metres wide for its corners (rays at depth 1: upper left, upper right, lower
+/// right, lower left), the better one first; empty if the corners are not those of a square. `focal_px` scales rays to
+/// pixels for the errors.
 pub fn poses(corners: &[DVec2; 4], size_m: f64, focal_px: f64) -> Vec<MarkerPose> {
     let Some(first) = first_guess(corners, 0.5 * size_m) else { return Vec::new() };
     let first = refine(first, corners, 0.5 * size_m, focal_px);

@@ -18,7 +18,7 @@ const ROUNDS: usize = 3;
 /// Least change of brightness across an edge.
 const LEAST_CONTRAST: f64 = 12.0;
 
-/// The corners of a convex outline with four sides, clockwise as seen, in pixels.
+/// Returns the corners of a convex outline with four sides, clockwise as seen, in pixels.
 pub fn corners(outline: &[(i32, i32)]) -> Option<[DVec2; 4]> {
     let points: Vec<DVec2> =
         outline.iter().map(|&(x, y)| DVec2::new(f64::from(x), f64::from(y))).collect();
@@ -72,8 +72,7 @@ fn split(points: &[DVec2], from: usize, to: usize, tolerance: f64, found: &mut V
     }
 }
 
-/// The corners as rays, from the edges between dark inside and bright outside. None if an edge is
-/// not found.
+/// Returns the corners as rays, from the edges between dark inside and bright outside. None if an edge is not found.
 pub fn refine(grey: &Grey, lens: &Intrinsics, corners_px: [DVec2; 4]) -> Option<[DVec2; 4]> {
     let mut rays = [DVec2::ZERO; 4];
     for (ray, pixel) in rays.iter_mut().zip(corners_px) {
@@ -97,7 +96,7 @@ pub fn refine(grey: &Grey, lens: &Intrinsics, corners_px: [DVec2; 4]) -> Option<
     sound.then_some(rays)
 }
 
-/// The edge near the line from `a` to `b`: a point on it and its direction, as rays.
+/// Returns the edge near the line from `a` to `b`: a point on it and its direction, as rays.
 fn edge(
     grey: &Grey,
     lens: &Intrinsics,
@@ -135,7 +134,7 @@ fn edge(
     (points.len() * 2 >= count).then(|| fit(&points))
 }
 
-/// The line with the least sum of squared distances: a point and a unit vector.
+/// Returns the line with the least sum of squared distances: a point and a unit vector.
 fn fit(points: &[DVec2]) -> (DVec2, DVec2) {
     let middle = points.iter().copied().sum::<DVec2>() / points.len() as f64;
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);

@@ -14,7 +14,7 @@ pub fn side_mm(size_mm: f64) -> f64 {
     size_mm * (CELLS + 2 * PAPER_CELLS) as f64 / CELLS as f64
 }
 
-/// A drawing of marker `id` whose black rim is `size_mm` wide. None for an unknown number.
+/// Returns a drawing of marker `id` whose black rim is `size_mm` wide. None for an unknown number.
 pub fn svg(id: u32, size_mm: f64) -> Option<String> {
     family::is_white(id, 0, 0)?;
     let cell = size_mm / CELLS as f64;
@@ -40,7 +40,7 @@ pub fn svg(id: u32, size_mm: f64) -> Option<String> {
     Some(out)
 }
 
-/// The same as a PNG with its print size. None for an unknown number.
+/// Returns the same as a PNG with its print size. None for an unknown number.
 pub fn png(id: u32, size_mm: f64) -> Option<Vec<u8>> {
     family::is_white(id, 0, 0)?;
     let side = (CELLS + 2 * PAPER_CELLS) as u32 * CELL_PX;
@@ -73,7 +73,7 @@ fn with_resolution(png: &[u8], px_per_m: u32) -> Option<Vec<u8>> {
     Some(out)
 }
 
-/// The checksum of PNG chunks (PNG specification, third edition, annex D).
+/// Returns the checksum of PNG chunks (PNG specification, third edition, annex D).
 fn crc32(bytes: &[u8]) -> u32 {
     let turn = |crc: u32, byte: &u8| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| {

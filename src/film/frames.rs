@@ -31,7 +31,7 @@ pub struct Format {
 pub type NextPicture<'a> = dyn FnMut(u32) -> Result<Arc<RgbImage>, FilmError> + 'a;
 
 impl Format {
-    /// The file of a frame: counted from 1, with digits enough for the whole film, at least four.
+    /// Returns the file of a frame: counted from 1, with digits enough for the whole film, at least four.
     pub fn frame_path(&self, folder: &Path, frame: u32) -> PathBuf {
         let digits = self.frames.to_string().len().max(4);
         folder.join(format!("frame-{:0digits$}.png", frame + 1))

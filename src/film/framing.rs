@@ -53,7 +53,7 @@ impl Framing {
     }
 }
 
-/// Points around what `points` sweep when they turn about an axis.
+/// Returns points around what `points` sweep when they turn about an axis.
 fn swept(points: impl Iterator<Item = Vec3> + Clone, axis: Vec3, pivot: Vec3) -> Vec<Vec3> {
     let height = |point: Vec3| (point - pivot).dot(axis);
     let (low, high) = points
@@ -114,7 +114,7 @@ mod tests {
         }
     }
 
-    /// A long bar in a corner of the grid, which is turned and moved.
+    /// Returns a long bar in a corner of the grid, which is turned and moved.
     fn document() -> Document {
         let new = NewSculpture {
             dims: UVec3::new(96, 64, 48),
@@ -132,7 +132,7 @@ mod tests {
         document
     }
 
-    /// The greatest distance of the sculpture from the centre of the picture; 1 is at the edge.
+    /// Returns the greatest distance of the sculpture from the centre of the picture; 1 is at the edge.
     fn reach(placement: &CameraPlacement, document: &Document) -> f32 {
         let eye = &placement.eye;
         let points = outline(document.grid()).into_iter().map(|point| {

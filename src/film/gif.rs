@@ -52,7 +52,7 @@ fn size(format: &Format) -> Result<[u16; 2], &'static str> {
     Ok([side(format.size.x)?, side(format.size.y)?])
 }
 
-/// How long a frame is shown: rounded so that the error never adds up.
+/// Returns how long a frame is shown: rounded so that the error never adds up.
 fn delay_cs(frame: u32, fps: u16) -> u16 {
     let begins = |frame: u64| (100 * frame + u64::from(fps) / 2) / u64::from(fps);
     (begins(u64::from(frame) + 1) - begins(frame.into())) as u16

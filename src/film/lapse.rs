@@ -26,7 +26,7 @@ impl Lapse {
         Ok(Lapse::new(path, headless::script_commands(&text, path)?))
     }
 
-    /// The steps of a session of which so many can be undone: back to the first, then forward one by one.
+    /// Returns the steps of a session of which so many can be undone: back to the first, then forward one by one.
     pub fn of_steps(undos: usize) -> Lapse {
         let back = Command::Undo { steps: Some(u32::try_from(undos).unwrap_or(u32::MAX)) };
         let forward = Command::Redo { steps: Some(1) };
@@ -55,7 +55,7 @@ impl Lapse {
         Lapse { path: path.to_path_buf(), commands, ends }
     }
 
-    /// The files that its commands read.
+    /// Returns the files that its commands read.
     pub fn inputs(&self) -> impl Iterator<Item = &Path> {
         self.commands.iter().filter_map(|(_, command)| match command {
             Command::Open { path, .. } => Some(path.as_path()),
@@ -63,8 +63,8 @@ impl Lapse {
         })
     }
 
-    /// How many commands are executed in a frame, counted from 0, of `frames`: the first shows the beginning, the
-    /// last one all.
+    /// Returns how many commands are executed in a frame, counted from 0, of `frames`: the first shows the beginning,
+    /// the last one all.
     pub fn commands_at(&self, frame: u32, frames: u32) -> usize {
         let (steps, last) = (self.ends.len() as u64 - 1, u64::from(frames) - 1);
         let step = match last {
@@ -75,7 +75,7 @@ impl Lapse {
     }
 }
 
-/// Whether a command changes what is seen.
+/// Returns whether a command changes what is seen.
 fn is_step(command: &Command) -> bool {
     match command {
         Command::New(_)

@@ -57,7 +57,7 @@ impl Form {
         }
     }
 
-    /// The files that a film consists of.
+    /// Returns the files that a film consists of.
     pub fn paths(self, path: &Path, format: &Format) -> Vec<PathBuf> {
         match self {
             Form::Folder => format.part.clone().map(|f| format.frame_path(path, f)).collect(),

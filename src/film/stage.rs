@@ -69,7 +69,7 @@ pub struct Stage<'a> {
     last: Option<(usize, f32, Arc<RgbImage>)>,
 }
 
-/// The sculpture of a turntable, or the one that a script starts from.
+/// Returns the sculpture of a turntable, or the one that a script starts from.
 pub fn begin(job: &FilmJob, context: &Context) -> Result<Scene, FilmError> {
     let file = match &job.subject {
         Subject::Sculpture { contents, placement } => {
@@ -126,7 +126,7 @@ impl<'a> Stage<'a> {
         Ok(Stage { scene, lapse, executed: 0, view, timing, framing, maker, progress, last: None })
     }
 
-    /// The picture of a frame, counted from 0, which is not before that of the last call.
+    /// Returns the picture of a frame, counted from 0, which is not before that of the last call.
     pub fn picture(&mut self, frame: u32) -> Result<Arc<RgbImage>, FilmError> {
         go_on(self.progress)?;
         if let Some(lapse) = &self.lapse {

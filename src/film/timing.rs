@@ -15,7 +15,7 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// The angle by which the sculpture is turned in a frame, counted from 0.
+    /// Returns the angle by which the sculpture is turned in a frame, counted from 0.
     pub fn turn_rad(&self, frame: u32) -> f32 {
         let share = f64::from(frame) / f64::from(self.frames);
         let turn_deg = f64::from(self.turn_deg) + f64::from(self.spin_deg) * share;
@@ -35,7 +35,7 @@ pub struct FrameRange {
 }
 
 impl FrameRange {
-    /// Its frames counted from 0, if a film of that many has all of them.
+    /// Returns its frames counted from 0, if a film of that many has all of them.
     pub fn within(&self, frames: u32) -> Option<Range<u32>> {
         let (first, last) = (self.first.unwrap_or(1), self.last.unwrap_or(frames));
         (1 <= first && first <= last && last <= frames).then(|| first - 1..last)

@@ -50,7 +50,7 @@ impl Candidate {
     }
 }
 
-/// The usable devices, best first, and for every other device the reason why it is not.
+/// Returns the usable devices, best first, and for every other device the reason why it is not.
 pub(super) fn candidates(
     instance: &Instance,
     host: &mut dyn Host,
@@ -95,8 +95,8 @@ pub(super) fn candidates(
     Ok((usable, refused))
 }
 
-/// The result of `make` for the first candidate that it succeeds with, or an error that gives the
-/// reason for every candidate and for those in `refused`.
+/// Returns the result of `make` for the first candidate that it succeeds with, or an error that gives the reason for
+/// every candidate and for those in `refused`.
 pub(super) fn first_that_works<C, D>(
     usable: Vec<C>,
     mut refused: Vec<String>,
@@ -123,7 +123,7 @@ fn broken(name: &str, error: &GpuError) -> String {
     reason
 }
 
-/// Every device of the computer with its name, in the loader's order; an error if there is none.
+/// Returns every device of the computer with its name, in the loader's order; an error if there is none.
 fn all_devices(instance: &Instance) -> Result<(Vec<vk::PhysicalDevice>, Vec<String>)> {
     // SAFETY: plain query.
     let all = match unsafe { instance.raw().enumerate_physical_devices() } {
@@ -143,7 +143,7 @@ fn name_of(instance: &Instance, physical: vk::PhysicalDevice) -> String {
     device_name(&unsafe { instance.raw().get_physical_device_properties(physical) })
 }
 
-/// The version of Vulkan that a device offers, and its driver.
+/// Returns the version of Vulkan that a device offers, and its driver.
 fn driver_of(instance: &Instance, physical: vk::PhysicalDevice) -> String {
     // SAFETY: a handle of this instance, which was listed.
     let properties = unsafe { instance.raw().get_physical_device_properties(physical) };
@@ -165,8 +165,8 @@ fn driver_of(instance: &Instance, physical: vk::PhysicalDevice) -> String {
     }
 }
 
-/// The name, version and driver of every device of the computer, in the order of [`DeviceChoice::Index`], with the
-/// reason if it cannot be used.
+/// Returns the name, version and driver of every device of the computer, in the order of [`DeviceChoice::Index`], with
+/// the reason if it cannot be used.
 pub fn survey() -> Result<Vec<(String, Option<String>)>> {
     let mut host = super::host::Headless;
     let instance = Instance::new(&mut host, super::instance::Validation::Off)?;
@@ -193,7 +193,7 @@ fn rank(kind: vk::PhysicalDeviceType) -> u32 {
     }
 }
 
-/// The device with the queue family to use, or what it lacks, in words.
+/// Returns the device with the queue family to use, or what it lacks, in words.
 fn candidate(
     instance: &Instance,
     host: &dyn Host,
@@ -243,9 +243,8 @@ fn candidate(
     Ok(Err(format!("{name} has no queue that draws, computes and serves {}", host.name())))
 }
 
-/// The extensions to enable: all that are `wanted`, or an error naming those that the device lacks;
-/// and on a device with an incomplete Vulkan the portability extension, which must be enabled
-/// there.
+/// Returns the extensions to enable: all that are `wanted`, or an error naming those that the device lacks; and on a
+/// device with an incomplete Vulkan the portability extension, which must be enabled there.
 fn device_extensions<'a>(
     wanted: &[&'static CStr],
     offered: impl Iterator<Item = &'a CStr>,

@@ -94,8 +94,8 @@ impl Use {
         vk::ImageLayout::GENERAL,
     );
 
-    /// The same use with its contents discarded: no layout to keep, but still ordered after the
-    /// former use, whose writes must finish before others to the same memory.
+    /// Returns the same use with its contents discarded: no layout to keep, but still ordered after the former use,
+    /// whose writes must finish before others to the same memory.
     pub const fn discarded(self) -> Use {
         Use::new(self.stage, self.access, vk::ImageLayout::UNDEFINED)
     }
@@ -454,8 +454,8 @@ impl Frames {
         Recorder::begin(&self.device, pool.buffer)
     }
 
-    /// The slot of the current frame, 0..[`FRAMES_IN_FLIGHT`]. Other resources with one copy per
-    /// slot are free to be written, too.
+    /// Returns the slot of the current frame, 0..[`FRAMES_IN_FLIGHT`]. Other resources with one copy per slot are free
+    /// to be written, too.
     pub fn slot(&self) -> usize {
         self.current
     }

@@ -128,7 +128,7 @@ impl DescriptorSets {
         Ok(made)
     }
 
-    /// The `index`-th set.
+    /// Returns the `index`-th set.
     pub fn set(&self, index: usize) -> vk::DescriptorSet {
         self.sets[index]
     }

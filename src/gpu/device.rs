@@ -166,7 +166,7 @@ impl Device {
         })
     }
 
-    /// The surface of a further window; that of the first one was made with the device.
+    /// Returns the surface of a further window; that of the first one was made with the device.
     pub fn surface<W>(&self, window: Arc<W>) -> Result<Surface>
     where
         W: HasDisplayHandle + HasWindowHandle + 'static,
@@ -194,7 +194,7 @@ impl Device {
         self.candidate.queue_family
     }
 
-    /// Number of valid bits of the queue's time stamps; 0 if it has none.
+    /// Returns number of valid bits of the queue's time stamps; 0 if it has none.
     pub fn time_stamp_bits(&self) -> u32 {
         self.candidate.time_stamp_bits
     }
@@ -207,17 +207,17 @@ impl Device {
         self.candidate.name()
     }
 
-    /// Whether this is a software renderer, whose copies cross no bus.
+    /// Returns whether this is a software renderer, whose copies cross no bus.
     pub fn is_software(&self) -> bool {
         self.candidate.properties.device_type == vk::PhysicalDeviceType::CPU
     }
 
-    /// The pipeline cache for new pipelines.
+    /// Returns the pipeline cache for new pipelines.
     pub(super) fn pipeline_cache(&self) -> vk::PipelineCache {
         self.pipelines.as_ref().map_or(vk::PipelineCache::null(), PipelineCache::handle)
     }
 
-    /// How many pipelines have been created so far, without those of libraries.
+    /// Returns how many pipelines have been created so far, without those of libraries.
     pub fn pipelines_created(&self) -> usize {
         self.pipelines_created.load(Ordering::Relaxed)
     }
@@ -228,8 +228,7 @@ impl Device {
         tracing::debug!("created pipeline \"{name}\" in {:.1} ms", taken.as_secs_f64() * 1e3);
     }
 
-    /// The allocator, for libraries that allocate themselves. The `Arc` must be dropped before the
-    /// device.
+    /// Returns the allocator, for libraries that allocate themselves. The `Arc` must be dropped before the device.
     pub fn allocator(&self) -> Result<Arc<Mutex<Allocator>>> {
         self.allocator
             .clone()
@@ -241,7 +240,7 @@ impl Device {
         self.instance.validation_log().messages()
     }
 
-    /// The log itself, which outlives the device.
+    /// Returns the log itself, which outlives the device.
     pub fn validation_log(&self) -> &Arc<ValidationLog> {
         self.instance.validation_log()
     }
@@ -310,7 +309,7 @@ impl Device {
         }
     }
 
-    /// Whether a submission has finished.
+    /// Returns whether a submission has finished.
     pub fn is_done(&self, serial: Serial) -> Result<bool> {
         Ok(self.reached()? >= serial.0)
     }

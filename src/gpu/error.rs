@@ -51,7 +51,7 @@ pub enum GpuError {
 }
 
 impl GpuError {
-    /// A Vulkan result of the step "to ...".
+    /// Returns a Vulkan result of the step "to ...".
     pub fn vulkan(doing: &'static str, result: vk::Result) -> GpuError {
         match result {
             vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {

@@ -32,7 +32,7 @@ impl<W: HasDisplayHandle + HasWindowHandle + 'static> WindowHost<W> {
         WindowHost { window, surface: None }
     }
 
-    /// The surface, after `Device::new` has returned.
+    /// Returns the surface, after `Device::new` has returned.
     pub fn into_surface(self) -> Result<Surface> {
         self.surface.ok_or_else(|| GpuError::Host("the window has no surface yet".to_string()))
     }
@@ -79,7 +79,7 @@ trait Handles: HasDisplayHandle + HasWindowHandle {}
 impl<W: HasDisplayHandle + HasWindowHandle> Handles for W {}
 
 impl Surface {
-    /// The surface of `window`.
+    /// Returns the surface of `window`.
     pub(super) fn of_window<W>(instance: &Arc<Instance>, window: Arc<W>) -> Result<Surface>
     where
         W: HasDisplayHandle + HasWindowHandle + 'static,
@@ -111,7 +111,7 @@ impl Surface {
         Ok(())
     }
 
-    /// Whether a queue family of a device of the same instance can present to it.
+    /// Returns whether a queue family of a device of the same instance can present to it.
     pub(super) fn can_show(&self, device: vk::PhysicalDevice, queue_family: u32) -> Result<bool> {
         // SAFETY: device and surface are of the same instance.
         unsafe {

@@ -50,12 +50,12 @@ pub trait Host {
         Ok(())
     }
 
-    /// The device that the host prescribes, if it does.
+    /// Returns the device that the host prescribes, if it does.
     fn prescribed_device(&mut self, _instance: &Instance) -> Result<Option<vk::PhysicalDevice>> {
         Ok(None)
     }
 
-    /// Whether the host can present images of this queue family.
+    /// Returns whether the host can present images of this queue family.
     fn can_show(&self, _device: vk::PhysicalDevice, _queue_family: u32) -> Result<bool> {
         Ok(true)
     }
@@ -154,17 +154,17 @@ impl Instance {
         &self.entry
     }
 
-    /// The messages of the validation layers; outlives the instance.
+    /// Returns the messages of the validation layers; outlives the instance.
     pub fn validation_log(&self) -> &Arc<ValidationLog> {
         &self.log
     }
 
-    /// Whether the validation layers are on.
+    /// Returns whether the validation layers are on.
     pub fn validated(&self) -> bool {
         self.validation
     }
 
-    /// Whether objects can be given names.
+    /// Returns whether objects can be given names.
     pub fn debug_names(&self) -> bool {
         self.debug_names
     }

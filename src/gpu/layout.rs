@@ -376,7 +376,7 @@ shared! {
 mod tests {
     use super::*;
 
-    /// The members of a struct in the source of a stage, as (name, offset, size), without padding.
+    /// Returns the members of a struct in the source of a stage, as (name, offset, size), without padding.
     fn wgsl_members(text: &str, name: &str) -> (Vec<(String, usize, usize)>, usize) {
         let module = naga::front::wgsl::parse_str(text).unwrap();
         let context = module.to_ctx();

@@ -32,7 +32,7 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Both halves of the range.
+    /// Returns both halves of the range.
     pub fn halves(self) -> [Piece; 2] {
         let bytes = self.bytes / 2;
         [Piece { bytes, ..self }, Piece { offset: self.offset + bytes, bytes, ..self }]
@@ -78,18 +78,18 @@ impl Buffer {
         self.bytes
     }
 
-    /// All of it.
+    /// Returns all of it.
     pub fn whole(&self) -> Piece {
         Piece { buffer: self.handle, offset: 0, bytes: self.bytes }
     }
 
-    /// The mapped bytes; empty for a buffer that the CPU cannot access.
+    /// Returns the mapped bytes; empty for a buffer that the CPU cannot access.
     pub fn mapped(&self) -> &[u8] {
         let bytes = self.memory.as_ref().and_then(Allocation::mapped_slice);
         bytes.map_or(&[], |bytes| &bytes[..self.bytes as usize])
     }
 
-    /// The mapped bytes; empty for a buffer that the CPU cannot access.
+    /// Returns the mapped bytes; empty for a buffer that the CPU cannot access.
     pub fn mapped_mut(&mut self) -> &mut [u8] {
         let bytes = self.memory.as_mut().and_then(Allocation::mapped_slice_mut);
         match bytes {
@@ -131,7 +131,7 @@ pub struct ImageInfo<'a> {
 }
 
 impl<'a> ImageInfo<'a> {
-    /// A 2D image of one layer.
+    /// Returns a 2D image of one layer.
     pub fn plane(
         name: &'a str,
         size: [u32; 2],
@@ -224,18 +224,18 @@ impl Image {
         self.handle
     }
 
-    /// A number that no other image has had, to detect that a descriptor names a former image:
-    /// Vulkan reuses its handles.
+    /// Returns a number that no other image has had, to detect that a descriptor names a former image: Vulkan reuses
+    /// its handles.
     pub fn id(&self) -> u64 {
         self.id
     }
 
-    /// The view of all layers.
+    /// Returns the view of all layers.
     pub fn view(&self) -> vk::ImageView {
         self.views[0]
     }
 
-    /// The 2D view of one layer; `layer` must be below [`Image::layers`].
+    /// Returns the 2D view of one layer; `layer` must be below [`Image::layers`].
     pub fn layer_view(&self, layer: u32) -> vk::ImageView {
         if self.layers > 1 { self.views[1 + layer as usize] } else { self.views[0] }
     }
@@ -253,7 +253,7 @@ impl Image {
         self.format
     }
 
-    /// All of it, for barriers and copies.
+    /// Returns all of it, for barriers and copies.
     pub fn whole(&self) -> ImagePart {
         ImagePart {
             image: self.handle,
@@ -263,7 +263,7 @@ impl Image {
         }
     }
 
-    /// One layer, for barriers and copies.
+    /// Returns one layer, for barriers and copies.
     pub fn layer(&self, layer: u32) -> ImagePart {
         ImagePart { layer, layers: 1, ..self.whole() }
     }
@@ -288,7 +288,7 @@ pub struct ImagePart {
 }
 
 impl ImagePart {
-    /// One colour layer of an image that this room does not own.
+    /// Returns one colour layer of an image that this room does not own.
     pub fn colour(image: vk::Image, layer: u32) -> ImagePart {
         ImagePart { image, aspect: vk::ImageAspectFlags::COLOR, layer, layers: 1 }
     }
@@ -349,8 +349,7 @@ fn memory_of(memory: &Allocation) -> vk::DeviceMemory {
     unsafe { memory.memory() }
 }
 
-/// An allocation in a shared block, or if no further block can be had, one of its own made by
-/// `alone`.
+/// Returns an allocation in a shared block, or if no further block can be had, one of its own made by `alone`.
 fn allocate(
     device: &Device,
     name: &str,

@@ -135,7 +135,7 @@ pub struct Graphics<'a> {
 }
 
 impl<'a> Graphics<'a> {
-    /// A pass that overwrites all pixels of a target of `format`; draw 3 vertices.
+    /// Returns a pass that overwrites all pixels of a target of `format`; draw 3 vertices.
     pub fn screen(
         name: &'a str,
         fragment: &'a [u32],
@@ -281,7 +281,7 @@ impl Drop for Pipeline {
     }
 }
 
-/// The map entries of specialization constants from number 0 on.
+/// Returns the map entries of specialization constants from number 0 on.
 fn constant_entries(constants: &[u32]) -> Vec<vk::SpecializationMapEntry> {
     let size = size_of::<u32>();
     let entry = |number: usize| vk::SpecializationMapEntry {

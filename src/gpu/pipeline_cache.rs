@@ -77,7 +77,7 @@ impl PipelineCache {
     }
 }
 
-/// The file's name: different for each driver, driver version and device.
+/// Returns the file's name: different for each driver, driver version and device.
 fn file_name(of: &vk::PhysicalDeviceProperties) -> String {
     let uuid: String = of.pipeline_cache_uuid.iter().map(|byte| format!("{byte:02x}")).collect();
     let (vendor, device, driver) = (of.vendor_id, of.device_id, of.driver_version);
@@ -90,7 +90,7 @@ fn checksum(data: &[u8]) -> u64 {
     hasher.finish()
 }
 
-/// The contents of an undamaged file.
+/// Returns the contents of an undamaged file.
 fn read(path: &Path) -> Option<Vec<u8>> {
     let mut file = match std::fs::File::open(path) {
         Ok(file) => file.take(MOST_BYTES + HEADER_BYTES as u64),
@@ -105,7 +105,7 @@ fn read(path: &Path) -> Option<Vec<u8>> {
     undamaged
 }
 
-/// The data behind an undamaged header.
+/// Returns the data behind an undamaged header.
 fn unwrap(bytes: &[u8]) -> Option<&[u8]> {
     let (header, data) = bytes.split_at_checked(HEADER_BYTES)?;
     header_of(data).eq(header).then_some(data)

@@ -69,7 +69,7 @@ impl RetireQueue {
         self.recording.pop().or_else(|| self.waiting.pop_front().map(|(_, object)| object))
     }
 
-    /// Number of objects that wait.
+    /// Returns number of objects that wait.
     pub fn len(&self) -> usize {
         self.recording.len() + self.waiting.len()
     }

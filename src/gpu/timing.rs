@@ -80,8 +80,8 @@ impl<const PARTS: usize> Timer<PARTS> {
         slot.recorded |= 1 << part;
     }
 
-    /// The times of the parts of the current frame in milliseconds, for a caller that has waited
-    /// for it. None for parts that were not recorded or have not finished.
+    /// Returns the times of the parts of the current frame in milliseconds, for a caller that has waited for it. None
+    /// for parts that were not recorded or have not finished.
     pub fn latest(&self) -> Result<[Option<f32>; PARTS]> {
         let slot = &self.slots[self.slot];
         if slot.recorded == 0 {

@@ -25,12 +25,12 @@ struct Messages {
 }
 
 impl ValidationLog {
-    /// Number of warnings and errors.
+    /// Returns number of warnings and errors.
     pub fn count(&self) -> usize {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner).count
     }
 
-    /// The messages kept, oldest first.
+    /// Returns the messages kept, oldest first.
     pub fn messages(&self) -> Vec<String> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner).kept.clone()
     }
@@ -44,7 +44,7 @@ impl ValidationLog {
     }
 }
 
-/// The messenger that writes to `log`, which must live as long as the messenger.
+/// Returns the messenger that writes to `log`, which must live as long as the messenger.
 pub(super) fn messenger_info(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'_> {
     vk::DebugUtilsMessengerCreateInfoEXT::default()
         .message_severity(

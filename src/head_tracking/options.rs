@@ -74,7 +74,7 @@ impl<'de> Deserialize<'de> for SourceAddress {
 }
 
 impl SourceAddress {
-    /// The name under which its poses come ([`tracking::HeadPose::source`]).
+    /// Returns the name under which its poses come ([`tracking::HeadPose::source`]).
     pub fn label(&self) -> String {
         match self {
             SourceAddress::None => "none".to_owned(),
@@ -145,7 +145,7 @@ impl Default for TrackingOptions {
 }
 
 impl TrackingOptions {
-    /// The calibration of these options. A calibration file replaces all of it but the eye position.
+    /// Returns the calibration of these options. A calibration file replaces all of it but the eye position.
     pub fn calibration(&self) -> Calibration {
         let given = Calibration::from_values(
             self.translation_m.into(),
@@ -155,7 +155,7 @@ impl TrackingOptions {
         Calibration { sensor_from_eyes: self.eyes(), ..given.unwrap_or_default() }
     }
 
-    /// The point between the eyes in the space of the sensor.
+    /// Returns the point between the eyes in the space of the sensor.
     pub fn eyes(&self) -> Placement {
         Placement { position_m: self.eyes_m.into(), orientation: DQuat::IDENTITY }
     }
@@ -164,7 +164,7 @@ impl TrackingOptions {
         Signs { inverted: AXES.map(|axis| self.invert.iter().any(|given| given == axis)) }
     }
 
-    /// The options of the tracked head.
+    /// Returns the options of the tracked head.
     pub fn body(&self, rest_m: DVec3, calibration: Calibration) -> BodyOptions {
         let channel = ChannelOptions {
             calibration,
@@ -195,7 +195,7 @@ impl TrackingOptions {
         }
     }
 
-    /// The device with the buttons and analogs, if it is not the tracker itself.
+    /// Returns the device with the buttons and analogs, if it is not the tracker itself.
     pub fn controls(&self) -> Option<DeviceAddress> {
         self.controls.parse().ok()
     }

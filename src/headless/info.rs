@@ -26,7 +26,7 @@ pub fn info(
     Ok(())
 }
 
-/// The same facts as in the text. A fact that the file does not state is null.
+/// Returns the same facts as in the text. A fact that the file does not state is null.
 fn value_of(info: &Info) -> Value {
     let Info { kind, file_bytes, dims, voxel_size, samples, texts, densities, signature, .. } =
         info;

@@ -46,7 +46,7 @@ struct Answer<'a> {
     modified: bool,
 }
 
-/// Whether the job reads its commands from standard input.
+/// Returns whether the job reads its commands from standard input.
 pub fn reads_input(job: &RunJob) -> bool {
     job.script == Path::new(STANDARD_INPUT)
 }

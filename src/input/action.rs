@@ -149,7 +149,7 @@ macro_rules! actions {
         ];
 
         impl Action {
-            /// Its description.
+            /// Returns its description.
             pub fn help(self) -> ActionSpec {
                 match self {
                     Action::Solid(solid) => {
@@ -403,7 +403,7 @@ actions! {
     Quit { "quit" Tap Program "Quit" "exit leave end close program"; }
 }
 
-/// The description of the action that takes a tool in hand.
+/// Returns the description of the action that takes a tool in hand.
 const fn of_tool(name: &'static str, text: &'static str, synonyms: &'static str) -> ActionSpec {
     ActionSpec { name, kind: Kind::Tap, group: Group::Tools, text, synonyms, flags: &[] }
 }
@@ -425,7 +425,7 @@ const SOLIDS: [(Action, bool); Solid::ALL.len()] = rows_of!(Solid, Solid::ALL);
 const DRAWN: [(Action, bool); DrawKind::ALL.len()] = rows_of!(Draw, DrawKind::ALL);
 const BRUSHES: [(Action, bool); BrushId::ALL.len()] = rows_of!(Brush, BrushId::ALL);
 
-/// The listed actions in order, as far as there is room, and their number.
+/// Returns the listed actions in order, as far as there is room, and their number.
 const fn listed<const N: usize>() -> ([Action; N], usize) {
     let mut all = [Action::Quit; N];
     let (mut n, mut variant) = (0, 0);
@@ -452,19 +452,19 @@ impl Action {
     /// Every action, in the order of the controls window.
     pub const ALL: &[Action] = &LISTED;
 
-    /// Whether the action repeats while the key is held.
+    /// Returns whether the action repeats while the key is held.
     pub fn repeats(self) -> bool {
         self.help().flags.contains(&Flag::Repeats)
     }
 
-    /// Whether a drag keeps its action from press to release, so that a modifier pressed during it
-    /// does not change it.
+    /// Returns whether a drag keeps its action from press to release, so that a modifier pressed during it does not
+    /// change it.
     pub fn is_stroke(self) -> bool {
         use Action::{PickColour, Sculpt, SculptInverse, SculptSmooth};
         matches!(self, Sculpt | SculptInverse | SculptSmooth | PickColour)
     }
 
-    /// The action with a name in key tables.
+    /// Returns the action with a name in key tables.
     pub fn named(name: &str) -> Option<Action> {
         Action::ALL.iter().copied().find(|action| action.help().name == name)
     }

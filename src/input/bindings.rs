@@ -77,7 +77,7 @@ struct Raw {
 }
 
 impl Bindings {
-    /// The presets of the program; the first one is the default.
+    /// Returns the presets of the program; the first one is the default.
     pub fn presets() -> Result<Vec<Bindings>, BindingsError> {
         PRESETS.into_iter().map(|(_, toml)| Bindings::parse(toml)).collect()
     }
@@ -143,13 +143,13 @@ impl Bindings {
         Ok(Bindings { name: self.name.clone(), text: self.text.clone(), table })
     }
 
-    /// The action of a trigger.
+    /// Returns the action of a trigger.
     pub fn action(&self, trigger: Trigger) -> Option<Action> {
         self.table.iter().find(|(bound, _)| *bound == trigger).map(|(_, action)| *action)
     }
 
-    /// The action of a key: by its label or, if that is bound to nothing, by its place among Latin letters. Greek and
-    /// Hebrew keyboards have signs in the place of some letters.
+    /// Returns the action of a key: by its label or, if that is bound to nothing, by its place among Latin letters.
+    /// Greek and Hebrew keyboards have signs in the place of some letters.
     pub fn action_of_key(
         &self,
         key: Key,
@@ -161,12 +161,12 @@ impl Bindings {
         by(key).or_else(|| letter.and_then(by))
     }
 
-    /// The triggers of an action.
+    /// Returns the triggers of an action.
     pub fn triggers(&self, action: Action) -> impl Iterator<Item = Trigger> {
         self.table.iter().filter(move |(_, bound)| *bound == action).map(|(trigger, _)| *trigger)
     }
 
-    /// The first trigger of an action, as shown to people.
+    /// Returns the first trigger of an action, as shown to people.
     pub fn shortcut(&self, action: Action) -> Option<String> {
         self.triggers(action).next().map(|trigger| trigger.to_string())
     }

@@ -33,7 +33,7 @@ impl Button {
         Button::PenThird,
     ];
 
-    /// The name in key tables.
+    /// Returns the name in key tables.
     pub const fn name(self) -> &'static str {
         match self {
             Button::Left => "left",
@@ -48,7 +48,7 @@ impl Button {
         }
     }
 
-    /// The words that people read, without the word button.
+    /// Returns the words that people read, without the word button.
     pub(super) const fn label(self) -> &'static str {
         match self {
             Button::Eraser => "pen's eraser",
@@ -59,7 +59,7 @@ impl Button {
         }
     }
 
-    /// Whether it is on the barrel of a pen.
+    /// Returns whether it is on the barrel of a pen.
     pub const fn is_on_barrel(self) -> bool {
         matches!(self, Button::PenLower | Button::PenUpper | Button::PenThird)
     }
@@ -108,7 +108,7 @@ impl Buttons {
         Button::ALL.into_iter().filter(move |button| self.has(*button))
     }
 
-    /// Whether it is one button on the barrel of a pen, which may trigger what a key does.
+    /// Returns whether it is one button on the barrel of a pen, which may trigger what a key does.
     pub fn is_on_barrel(self) -> bool {
         self.count() == 1 && self.iter().all(Button::is_on_barrel)
     }

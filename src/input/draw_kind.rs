@@ -32,7 +32,7 @@ macro_rules! draw_kinds {
             /// All of them, in the order in which interfaces offer them.
             pub const ALL: [DrawKind; [$(DrawKind::$id),*].len()] = [$(DrawKind::$id),*];
 
-            /// Its description.
+            /// Returns its description.
             pub const fn spec(self) -> &'static DrawSpec {
                 match self {
                     $(DrawKind::$id => &DrawSpec { $($field: $value),* }),*
@@ -118,7 +118,7 @@ draw_kinds! {
 }
 
 impl DrawKind {
-    /// Its name in key tables and files.
+    /// Returns its name in key tables and files.
     pub const fn name(self) -> &'static str {
         self.spec().name
     }

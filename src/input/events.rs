@@ -217,7 +217,7 @@ fn follow_pen(event: &Event, viewport: &Viewport, pens: &mut PenTrack) -> Option
     }
 }
 
-/// A key with ctrl that the window system has translated to an event of its own.
+/// Returns a key with ctrl that the window system has translated to an event of its own.
 fn shortcut(key: Key, modifiers: Modifiers) -> DeviceEvent {
     let modifiers = Modifiers { ctrl: true, ..modifiers };
     DeviceEvent::KeyPressed { key, place: None, modifiers, repeat: false }

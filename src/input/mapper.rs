@@ -66,12 +66,12 @@ struct Drag {
 }
 
 impl Mapper {
-    /// Whether a button that was pressed in the viewport is still down.
+    /// Returns whether a button that was pressed in the viewport is still down.
     pub fn captures_pointer(&self) -> bool {
         self.buttons != Buttons::NONE
     }
 
-    /// Whether anything is held.
+    /// Returns whether anything is held.
     pub fn is_holding(&self) -> bool {
         self.drag.is_some() || self.chord.is_some() || !self.keys.is_empty()
     }
@@ -203,7 +203,7 @@ impl Mapper {
     }
 }
 
-/// Whether a running drag may change to `next`.
+/// Returns whether a running drag may change to `next`.
 fn is_glide(next: Action, now: Action) -> bool {
     next != now && next.help().kind == Kind::Drag && !next.is_stroke()
 }

@@ -15,8 +15,8 @@ const CALM_S: f64 = 0.1;
 /// Longest pause between two poses that counts, in seconds.
 pub const LONGEST_STEP_S: f64 = 0.1;
 
-/// Whether a hand or a head can move from one position to the other within `dt_s`. False for a
-/// position that is not finite.
+/// Returns whether a hand or a head can move from one position to the other within `dt_s`. False for a position that is
+/// not finite.
 pub fn is_plausible_step(from: Vec3, to: Vec3, dt_s: f64) -> bool {
     from.distance(to) <= LIMIT_M_S * dt_s as f32 + SLACK_M
 }
@@ -40,7 +40,7 @@ impl Pace {
         jumped
     }
 
-    /// Whether its positions can be trusted.
+    /// Returns whether its positions can be trusted.
     pub fn is_calm(&self, now_s: f64) -> bool {
         now_s >= self.doubted_until_s
     }

@@ -11,7 +11,7 @@ pub enum Panel {
 impl Panel {
     pub const ALL: [Panel; 3] = [Panel::Toolbox, Panel::Options, Panel::History];
 
-    /// The name in the interface.
+    /// Returns the name in the interface.
     pub const fn title(self) -> &'static str {
         match self {
             Panel::Toolbox => "Toolbox",

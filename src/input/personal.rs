@@ -66,7 +66,7 @@ impl Personal {
         Ok(Personal { tables, in_use })
     }
 
-    /// The text that `parse` reads back with the same `presets`.
+    /// Returns the text that `parse` reads back with the same `presets`.
     pub fn to_toml(&self, presets: &[Bindings]) -> String {
         let mut text = String::from(HEAD);
         let mut section = |head: &str, lines: &Lines| {

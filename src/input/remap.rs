@@ -58,7 +58,7 @@ impl Bindings {
         check_kind(action.help().kind, trigger).map_err(|needs| Unfit { trigger, needs })
     }
 
-    /// The other action that `trigger` is bound to.
+    /// Returns the other action that `trigger` is bound to.
     pub fn conflict(&self, trigger: Trigger, action: Action) -> Option<Action> {
         self.action(trigger).filter(|other| *other != action)
     }
@@ -90,12 +90,12 @@ impl Bindings {
         super::bindings::sort(&mut self.table);
     }
 
-    /// Whether the triggers of `action` differ from those in `preset`.
+    /// Returns whether the triggers of `action` differ from those in `preset`.
     pub fn differs(&self, action: Action, preset: &Bindings) -> bool {
         !self.triggers(action).eq(preset.triggers(action))
     }
 
-    /// The lines that turn `preset` into this table; an action without triggers has an empty line.
+    /// Returns the lines that turn `preset` into this table; an action without triggers has an empty line.
     pub fn lines_since(&self, preset: &Bindings) -> Lines {
         let changed = Action::ALL.iter().filter(|action| self.differs(**action, preset));
         changed

@@ -18,7 +18,7 @@ impl ToolMode {
     pub const ALL: [ToolMode; 4] =
         [ToolMode::Add, ToolMode::Subtract, ToolMode::Recolour, ToolMode::Protect];
 
-    /// The next mode when cycling.
+    /// Returns the next mode when cycling.
     pub fn next(self) -> ToolMode {
         match self {
             ToolMode::Subtract => ToolMode::Add,
@@ -28,7 +28,7 @@ impl ToolMode {
         }
     }
 
-    /// The mode while the modifier that inverts the tool is held.
+    /// Returns the mode while the modifier that inverts the tool is held.
     pub fn inverted(self) -> ToolMode {
         match self {
             ToolMode::Add => ToolMode::Subtract,

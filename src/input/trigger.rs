@@ -88,7 +88,7 @@ fn parse_key(word: &str) -> Result<Key, String> {
 }
 
 impl Trigger {
-    /// The text that `parse` reads.
+    /// Returns the text that `parse` reads.
     pub fn code(self) -> String {
         let modifiers = self.modifiers();
         let held = [(modifiers.ctrl, "ctrl"), (modifiers.shift, "shift"), (modifiers.alt, "alt")];

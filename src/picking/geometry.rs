@@ -18,11 +18,11 @@ pub struct SurfacePoint {
     pub face: Vec3,
 }
 
-/// Where the ray through the point `at` (pixels) meets the face that is seen there.
+/// Returns where the ray through the point `at` (pixels) meets the face that is seen there.
 ///
-/// The picture has one ray a pixel, through its middle: that one says which face it is. The ray
-/// through `at` may pass that face by, or come from behind a neighbour; then it is the point of the
-/// face that is nearest to where it meets the face's plane.
+/// The picture has one ray a pixel, through its middle: that one says which face it is. The ray through `at` may pass
+/// that face by, or come from behind a neighbour; then it is the point of the face that is nearest to where it meets
+/// the face's plane.
 pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<SurfacePoint> {
     let voxel = grid.voxel_coords(voxel_at(map, grid, at)?);
     let low = voxel.as_vec3();
@@ -40,9 +40,8 @@ pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<SurfacePoi
     Some(SurfacePoint { point, face: Vec3::AXES[axis] * outwards })
 }
 
-/// The axis of the face by which a ray comes to a voxel that it sees: the last plane that it
-/// crosses of those whose faces lie open. A ray that rounding has brought to the voxel crosses
-/// them in nearly the same order.
+/// Returns the axis of the face by which a ray comes to a voxel that it sees: the last plane that it crosses of those
+/// whose faces lie open. A ray that rounding has brought to the voxel crosses them in nearly the same order.
 fn seen_face(grid: &Grid, voxel: UVec3, origin: Vec3, direction: Vec3) -> usize {
     let enter = |axis: usize| {
         let near = voxel[axis] as f32 + if direction[axis] < 0.0 { 1.0 } else { 0.0 };
@@ -62,7 +61,7 @@ fn seen_face(grid: &Grid, voxel: UVec3, origin: Vec3, direction: Vec3) -> usize 
     axes.into_iter().find(|axis| direction[*axis] != 0.0 && is_open(*axis)).unwrap_or(axes[0])
 }
 
-/// The point of the ray through `at` as far from the eye as `last`, or the nearest one in the grid's box.
+/// Returns the point of the ray through `at` as far from the eye as `last`, or the nearest one in the grid's box.
 pub fn box_point(sight: &Sight, dims: UVec3, at: Vec2, last: Vec3) -> Option<Vec3> {
     let rays = &sight.rays;
     let direction = rays.direction_at(at.x, at.y);
@@ -71,8 +70,8 @@ pub fn box_point(sight: &Sight, dims: UVec3, at: Vec2, last: Vec3) -> Option<Vec
     Some(sight.at_depth(at, depth))
 }
 
-/// The index of the voxel seen at `at` (pixels). Where only the device knows what is seen, the
-/// pixel's ray is cast into the grid.
+/// Returns the index of the voxel seen at `at` (pixels). Where only the device knows what is seen, the pixel's ray is
+/// cast into the grid.
 pub fn voxel_at(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<u32> {
     if at.cmplt(Vec2::ZERO).any() || at.cmpge(map.rays.size.as_vec2()).any() {
         return None;
@@ -85,7 +84,7 @@ pub fn voxel_at(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<u32> {
     Some(grid.voxel_index(hit.voxel))
 }
 
-/// A map that keeps what is seen now, whatever becomes of the grid.
+/// Returns a map that keeps what is seen now, whatever becomes of the grid.
 pub fn lasting(map: &Arc<IndexMap>, grid: &Grid) -> Arc<IndexMap> {
     if map.is_known() {
         return map.clone();
@@ -95,8 +94,8 @@ pub fn lasting(map: &Arc<IndexMap>, grid: &Grid) -> Arc<IndexMap> {
     Arc::new(known)
 }
 
-/// Where a ray from outside enters a box, in lengths of its direction, and the face that it
-/// enters by, as a unit vector out of the box.
+/// Returns where a ray from outside enters a box, in lengths of its direction, and the face that it enters by, as a
+/// unit vector out of the box.
 pub fn entered_face(origin: Vec3, direction: Vec3, min: Vec3, max: Vec3) -> Option<(f32, Vec3)> {
     let (enter, _) = enter_box(origin, direction, min, max).filter(|(enter, _)| *enter > 0.0)?;
     let entered = ((min - origin) / direction).min((max - origin) / direction);
@@ -104,7 +103,7 @@ pub fn entered_face(origin: Vec3, direction: Vec3, min: Vec3, max: Vec3) -> Opti
     Some((enter, Vec3::AXES[axis] * -direction[axis].signum()))
 }
 
-/// Where a ray enters and leaves a box, in lengths of its direction; `None` if it misses it.
+/// Returns where a ray enters and leaves a box, in lengths of its direction; `None` if it misses it.
 fn enter_box(origin: Vec3, direction: Vec3, min: Vec3, max: Vec3) -> Option<(f32, f32)> {
     let (a, b) = ((min - origin) / direction, (max - origin) / direction);
     let enter = a.min(b).max_element();
@@ -122,7 +121,7 @@ pub struct ScreenAxes {
 }
 
 impl ScreenAxes {
-    /// The axis and sense of a step.
+    /// Returns the axis and sense of a step.
     pub fn step(&self, step: Step) -> Vec3 {
         match step {
             Step::Left => -self.right,
@@ -152,31 +151,31 @@ impl Sight {
         }
     }
 
-    /// Where the axes of the grid point in the picture, as unit vectors: x right, y up, z to the viewer.
+    /// Returns where the axes of the grid point in the picture, as unit vectors: x right, y up, z to the viewer.
     pub fn axes_in_picture(&self) -> [Vec3; 3] {
         let m = self.eye_from_grid.matrix3;
         [m.x_axis, m.y_axis, m.z_axis].map(|column| Vec3::from(column).normalize_or_zero())
     }
 
-    /// Distance of a point of the grid from the eye plane, in world units.
+    /// Returns distance of a point of the grid from the eye plane, in world units.
     pub fn depth(&self, point: Vec3) -> f32 {
         -self.eye_from_grid.transform_point3(point).z
     }
 
-    /// The pixel at which a point of the grid is seen; none behind the eye.
+    /// Returns the pixel at which a point of the grid is seen; none behind the eye.
     pub fn pixel_of(&self, point: Vec3) -> Option<Vec2> {
         let clip = self.clip_from_grid * point.extend(1.0);
         let seen = clip.w > 0.0;
         seen.then(|| (clip.xy() / clip.w * 0.5 + 0.5) * self.rays.size.as_vec2())
     }
 
-    /// The point of the grid seen at `at` (pixels) in the plane `depth` before the eye.
+    /// Returns the point of the grid seen at `at` (pixels) in the plane `depth` before the eye.
     pub fn at_depth(&self, at: Vec2, depth: f32) -> Vec3 {
         self.rays.origin + self.rays.direction_at(at.x, at.y) * depth
     }
 
-    /// The assignment of grid axes to screen axes that fits best: of the six, the one with the
-    /// largest sum of cosines.
+    /// Returns the assignment of grid axes to screen axes that fits best: of the six, the one with the largest sum of
+    /// cosines.
     pub fn screen_axes(&self) -> ScreenAxes {
         let columns = self.axes_in_picture();
         let cosine = |grid: usize, screen: usize| columns[grid][screen];
@@ -195,8 +194,8 @@ impl Sight {
         ScreenAxes { right: axis(0), up: axis(1), near: axis(2) }
     }
 
-    /// How far along an axis of the grid a drag of `pixels` moves something at `point`, in
-    /// voxels: as far as the pointer moves at that depth.
+    /// Returns how far along an axis of the grid a drag of `pixels` moves something at `point`, in voxels: as far as
+    /// the pointer moves at that depth.
     pub fn along(&self, axis: Vec3, pixels: f32, point: Vec3) -> f32 {
         let world_per_pixel = {
             let step = self.eye_from_grid.transform_vector3(self.rays.step_y);

@@ -28,18 +28,18 @@ impl Picker {
         Picker { sight, map }
     }
 
-    /// The view of the grid that the next picture will have.
+    /// Returns the view of the grid that the next picture will have.
     pub fn sight(&self) -> &Sight {
         &self.sight
     }
 
-    /// The voxels of the last picture.
+    /// Returns the voxels of the last picture.
     pub fn map(&self) -> Option<&Arc<IndexMap>> {
         self.map.as_ref()
     }
 
-    /// The point of the grid under a pixel: on the surface that was seen, or, while the grid is empty, in the plane of the
-    /// view through `last`, as far as that lies in the grid.
+    /// Returns the point of the grid under a pixel: on the surface that was seen, or, while the grid is empty, in the
+    /// plane of the view through `last`, as far as that lies in the grid.
     pub fn target(&self, grid: &Grid, at: Vec2, last: Vec3) -> Option<Vec3> {
         if grid.opaque_count() == 0 {
             return geometry::box_point(&self.sight, grid.dims(), at, last);
@@ -47,13 +47,13 @@ impl Picker {
         Some(geometry::surface_point(self.map.as_ref()?, grid, at)?.point)
     }
 
-    /// The voxel under a pixel.
+    /// Returns the voxel under a pixel.
     pub fn voxel(&self, grid: &Grid, at: Vec2) -> Option<UVec3> {
         Some(grid.voxel_coords(geometry::voxel_at(self.map.as_ref()?, grid, at)?))
     }
 
-    /// The direction out of the surface under a pixel: of the face of the voxel, or with `smooth`
-    /// of the surface around it. Zero beside the surface.
+    /// Returns the direction out of the surface under a pixel: of the face of the voxel, or with `smooth` of the
+    /// surface around it. Zero beside the surface.
     pub fn normal(&self, grid: &Grid, at: Vec2, smooth: bool) -> Vec3 {
         let Some(map) = &self.map else { return Vec3::ZERO };
         let voxel = self.voxel(grid, at).filter(|_| smooth);

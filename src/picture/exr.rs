@@ -26,7 +26,7 @@ const VERSION: u32 = 2;
 /// The largest finite half float.
 const MAX_HALF: f32 = 65_504.0;
 
-/// The bytes of a file; every channel has a value for each of the pixels of `size`.
+/// Returns the bytes of a file; every channel has a value for each of the pixels of `size`.
 pub fn encoded(size: UVec2, mut channels: Vec<Channel>) -> Vec<u8> {
     // The order that the format requires.
     channels.sort_by_key(|channel| channel.name);
@@ -118,7 +118,7 @@ impl Samples {
     }
 }
 
-/// The nearest half float, even at ties; a value that is too large becomes the largest finite one.
+/// Returns the nearest half float, even at ties; a value that is too large becomes the largest finite one.
 fn half(value: f32) -> u16 {
     let sign = (value.to_bits() >> 16) as u16 & 0x8000;
     if value.is_nan() {
@@ -145,7 +145,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// A half float as a number, by its definition.
+    /// Returns a half float as a number, by its definition.
     fn number(half: u16) -> f64 {
         let (exponent, mantissa) = (i32::from(half >> 10 & 31), f64::from(half & 0x3FF));
         let size = match exponent {

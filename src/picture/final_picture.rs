@@ -133,7 +133,7 @@ fn normals_of(contents: &Contents, progress: &dyn Progress) -> Result<NormalFiel
     if normals.is_complete() { Ok(normals) } else { Err(TraceError::Cancelled) }
 }
 
-/// The smooth surface; none of a grid that is too large for it, as in pictures of the window.
+/// Returns the smooth surface; none of a grid that is too large for it, as in pictures of the window.
 fn smooth_surface(grid: &Grid, normals: &NormalField) -> Option<LevelSet> {
     let made = LevelSet::new(grid, Limits::default().grid_bytes);
     let mut levels =

@@ -75,8 +75,8 @@ pub(super) struct FollowedNormals {
 }
 
 impl FollowedNormals {
-    /// All normals of the document as it is now, and if `smooth`, its smooth surface. A grid that is too large for it
-    /// has none.
+    /// Returns all normals of the document as it is now, and if `smooth`, its smooth surface. A grid that is too large
+    /// for it has none.
     pub fn of(
         &mut self,
         document: &mut Document,

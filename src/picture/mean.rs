@@ -31,7 +31,7 @@ impl Mean {
         self.count += 1;
     }
 
-    /// The mean of what was added.
+    /// Returns the mean of what was added.
     pub fn picture(&self) -> RgbImage {
         let share = 1.0 / f64::from(self.count.max(1));
         RgbImage::from_fn(self.size.x, self.size.y, |x, y| {

@@ -111,13 +111,13 @@ impl Beams {
         Ok(starts.image())
     }
 
-    /// The image of [`Beams::record`].
+    /// Returns the image of [`Beams::record`].
     pub fn starts(&self) -> Option<&Image> {
         self.starts.as_ref().map(EyeImage::image)
     }
 }
 
-/// The push constants of passes that follow `rays` through `volume`.
+/// Returns the push constants of passes that follow `rays` through `volume`.
 pub(super) fn march_view(rays: &PixelRays, volume: &Volume) -> MarchView {
     MarchView {
         origin: rays.origin.to_array(),

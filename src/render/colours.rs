@@ -113,7 +113,7 @@ impl Colours {
         self.kind.depth.bytes() as u32
     }
 
-    /// Whether protected voxels are tinted: then these are the colours of a look, too.
+    /// Returns whether protected voxels are tinted: then these are the colours of a look, too.
     pub fn shows_mask(&self) -> bool {
         self.kind.shows_mask
     }
@@ -126,7 +126,7 @@ impl Colours {
         BRICK_VOXELS as usize * self.kind.depth.bytes()
     }
 
-    /// The offset of a page in the buffer, in bytes.
+    /// Returns the offset of a page in the buffer, in bytes.
     fn place(&self, page: u32) -> u64 {
         (self.table.len() * 4 + (page as usize - 1) * self.page_bytes()) as u64
     }
@@ -144,7 +144,7 @@ impl Colours {
         self.upload_pages_at_once(shown, &mut chunk)
     }
 
-    /// A staging buffer for an upload that is waited for.
+    /// Returns a staging buffer for an upload that is waited for.
     fn chunk(&self) -> Result<Buffer> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let location = MemoryLocation::CpuToGpu;
@@ -322,8 +322,8 @@ impl Colours {
     }
 }
 
-/// A buffer for the table of `bricks` bricks and `pages` pages of `page_bytes`, and its capacity in
-/// pages: with some reserve, as far as the device can address it.
+/// Returns a buffer for the table of `bricks` bricks and `pages` pages of `page_bytes`, and its capacity in pages: with
+/// some reserve, as far as the device can address it.
 fn make_buffer(
     device: &Arc<Device>,
     bricks: usize,

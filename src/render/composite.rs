@@ -81,8 +81,8 @@ impl Composite {
         self.staging.begin(slot);
     }
 
-    /// The pictures of all eyes, `size` pixels each, for a pass that shades on the device. Before
-    /// rendering begins; that pass leaves them in the layout of [`crate::gpu::Use::SHADER_READ`].
+    /// Returns the pictures of all eyes, `size` pixels each, for a pass that shades on the device. Before rendering
+    /// begins; that pass leaves them in the layout of [`crate::gpu::Use::SHADER_READ`].
     pub fn pictures(&mut self, size: UVec2) -> Result<&mut EyeImage> {
         if self.pictures.as_ref().is_some_and(|pictures| pictures.size() != size) {
             self.pictures = None;

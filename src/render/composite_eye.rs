@@ -42,7 +42,7 @@ pub struct CompositeEye {
 }
 
 impl CompositeEye {
-    /// The pixels of the target that correspond to pixels of the map: x, y, width, height.
+    /// Returns the pixels of the target that correspond to pixels of the map: x, y, width, height.
     pub(super) fn pixels_of(&self, rect: PixelRect) -> [u32; 4] {
         let (size, map) = (self.size.as_u64vec2(), self.rays.size.as_u64vec2().max(U64Vec2::ONE));
         let (min, max) = (rect.min.as_u64vec2(), rect.max.as_u64vec2());
@@ -53,14 +53,13 @@ impl CompositeEye {
         [x, y, width, height]
     }
 
-    /// The scissor of the sculpture: x, y, width, height.
+    /// Returns the scissor of the sculpture: x, y, width, height.
     pub(super) fn scissor(&self) -> [u32; 4] {
         self.pixels_of(self.visible.intersect(self.scissor))
     }
 }
 
-/// The push constants of a pass that draws `view` over its background. `linear`: the target encodes
-/// its input.
+/// Returns the push constants of a pass that draws `view` over its background. `linear`: the target encodes its input.
 pub(super) fn constants(view: &CompositeEye, linear: bool) -> CompositeView {
     let rays = &view.rays;
     let scale = rays.size.as_vec2() / view.size.as_vec2();
@@ -92,7 +91,7 @@ pub(super) fn constants(view: &CompositeEye, linear: bool) -> CompositeView {
     }
 }
 
-/// Whether the device encodes linear input for `format`.
+/// Returns whether the device encodes linear input for `format`.
 pub fn is_srgb(format: vk::Format) -> bool {
     matches!(
         format,

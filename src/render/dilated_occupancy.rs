@@ -49,12 +49,12 @@ impl DilatedOccupancy {
         changed
     }
 
-    /// One word per block.
+    /// Returns one word per block.
     pub fn words(&self) -> &[u64] {
         &self.words
     }
 
-    /// Size of the words along each axis.
+    /// Returns size of the words along each axis.
     pub fn dims(&self) -> UVec3 {
         self.dims
     }
@@ -95,7 +95,7 @@ impl DilatedOccupancy {
     }
 }
 
-/// A word dilated along `axis`; `before` and `after` are its neighbours.
+/// Returns a word dilated along `axis`; `before` and `after` are its neighbours.
 fn spread(axis: usize, before: u64, here: u64, after: u64) -> u64 {
     let (lowest, highest, distance) = AXES[axis];
     here | (here & !highest) << distance

@@ -66,7 +66,7 @@ impl DilatedOccupancyImage {
         self.upload(recorder, slabs, Use::SHADER_READ)
     }
 
-    /// One texel per block of 4^3 bricks, from one block below the grid to one above it.
+    /// Returns one texel per block of 4^3 bricks, from one block below the grid to one above it.
     pub fn image(&self) -> &Image {
         &self.image
     }

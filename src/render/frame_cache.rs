@@ -30,7 +30,7 @@ struct SampleKey {
 }
 
 impl SampleKey {
-    /// Whether both differ by edits of the sculpture only.
+    /// Returns whether both differ by edits of the sculpture only.
     fn differs_by_edits_only(&self, other: &SampleKey) -> bool {
         *self == SampleKey { revision: self.revision, ..*other }
     }
@@ -49,8 +49,8 @@ pub(super) struct FrameCache {
 }
 
 impl FrameCache {
-    /// The key of the pictures of `desc`, reusing the allocations of a former one.
-    /// `smooth`: they show the smooth surface.
+    /// Returns the key of the pictures of `desc`, reusing the allocations of a former one. `smooth`: they show the
+    /// smooth surface.
     pub fn new(
         former: Option<FrameCache>,
         document: &Document,
@@ -77,13 +77,14 @@ impl FrameCache {
         }
     }
 
-    /// Whether pictures of `desc`, of the voxels, differ from these by edits of the sculpture only, and by some.
+    /// Returns whether pictures of `desc`, of the voxels, differ from these by edits of the sculpture only, and by
+    /// some.
     pub fn is_edited_only(&self, document: &Document, desc: &FrameDesc) -> bool {
         let sample = sample_key(document, desc, false);
         self.sample != sample && self.sample.differs_by_edits_only(&sample)
     }
 
-    /// Whether pictures of `desc` show the same places of the sculpture as these.
+    /// Returns whether pictures of `desc` show the same places of the sculpture as these.
     pub fn is_of(&self, document: &Document, desc: &FrameDesc) -> bool {
         self.sample == sample_key(document, desc, self.sample.smooth)
     }
@@ -110,13 +111,13 @@ pub(super) struct RedrawPlan {
 }
 
 impl RedrawPlan {
-    /// Whether the pictures stay as they are.
+    /// Returns whether the pictures stay as they are.
     pub fn is_nothing(&self) -> bool {
         let RedrawPlan { sample, shade, compose } = self;
         sample.is_none() && shade.is_none() && compose.is_none()
     }
 
-    /// The plan from the pictures of `before` to those of `desc`. `changes_known`: it is known which bricks
+    /// Returns the plan from the pictures of `before` to those of `desc`. `changes_known`: it is known which bricks
     /// have changed since. `smooth`: [`super::level_stage::LevelStage::state`].
     pub fn new(
         before: Option<&FrameCache>,
@@ -166,9 +167,8 @@ impl RedrawPlan {
     }
 }
 
-/// The pixels of `eye`, which has `rays`, to repeat for [`Redraw::Changed`]: where tools or lines
-/// differ from those of `before`, or where the voxel or its shade may have changed with the
-/// `changed` bricks.
+/// Returns the pixels of `eye`, which has `rays`, to repeat for [`Redraw::Changed`]: where tools or lines differ from
+/// those of `before`, or where the voxel or its shade may have changed with the `changed` bricks.
 pub(super) fn pixels_to_compose(
     before: &FrameCache,
     document: &Document,

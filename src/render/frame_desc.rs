@@ -30,7 +30,7 @@ impl SmoothSurface {
         if asked_for { SmoothSurface::AtRest } else { SmoothSurface::Never }
     }
 
-    /// When pictures of `mode` show it on a device, which is a GPU or `software`.
+    /// Returns when pictures of `mode` show it on a device, which is a GPU or `software`.
     fn of_mode(self, mode: RenderMode, software: bool) -> SmoothSurface {
         match self {
             _ if !mode.can_be_smooth() => SmoothSurface::Never,
@@ -82,7 +82,7 @@ pub(super) struct MaskShown {
 }
 
 impl MaskShown {
-    /// The colours that shaders on a device look up; without a mask those of the voxels, which looks replace.
+    /// Returns the colours that shaders on a device look up; without a mask those of the voxels, which looks replace.
     pub fn colours(mask: Option<MaskShown>, contents: &Contents) -> ShownColours<'_> {
         let Contents { grid, material, .. } = contents;
         let instead = mask.and_then(|mask| mask.instead);
@@ -92,7 +92,7 @@ impl MaskShown {
 }
 
 impl FrameDesc<'_> {
-    /// The document's mask, if there is one and pictures show it.
+    /// Returns the document's mask, if there is one and pictures show it.
     pub(super) fn mask_shown(&self, document: &Document) -> Option<MaskShown> {
         let one_colour = self.mode.shades_on_device() && !self.mode.needs_colours();
         let base = || one_colour.then(|| document.material().base());
@@ -111,7 +111,8 @@ impl FrameDesc<'_> {
         ShadeSource { grid, material, normals, mask: mask.as_deref().filter(|_| self.show_mask) }
     }
 
-    /// Whether pictures of `contents` that show the smooth surface `when` do so on a device, a GPU or `software`.
+    /// Returns whether pictures of `contents` that show the smooth surface `when` do so on a device, a GPU or
+    /// `software`.
     pub(super) fn is_smooth(
         &self,
         when: SmoothSurface,
@@ -128,12 +129,12 @@ impl FrameDesc<'_> {
         ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: self.world_from_grid }
     }
 
-    /// How far from a changed voxel those are whose shade may differ, where that is local.
+    /// Returns how far from a changed voxel those are whose shade may differ, where that is local.
     pub(super) fn reach_vx(&self) -> u32 {
         self.lighting.reach_vx().unwrap_or(NORMAL_REACH_VX)
     }
 
-    /// The surface of the document's sculpture in one colour. `estimates`: see [`Surface::estimates`].
+    /// Returns the surface of the document's sculpture in one colour. `estimates`: see [`Surface::estimates`].
     pub(super) fn surface(&self, document: &Document, estimates: bool, eye: &Eye) -> Surface<'_> {
         Surface {
             dims: document.grid().dims(),

@@ -156,7 +156,7 @@ impl Gui {
         Ok(())
     }
 
-    /// The error since the last call, if memory was lacking: a part of the interface is not shown.
+    /// Returns the error since the last call, if memory was lacking: a part of the interface is not shown.
     pub fn take_lack(&mut self) -> Option<GpuError> {
         self.lack.take()
     }

@@ -44,17 +44,17 @@ impl Layers {
         })
     }
 
-    /// The format of the pictures.
+    /// Returns the format of the pictures.
     pub fn format(&self) -> vk::Format {
         self.format
     }
 
-    /// The pictures, made to fit `eyes`.
+    /// Returns the pictures, made to fit `eyes`.
     pub fn fit_pictures(&mut self, eyes: &[Eye]) -> Result<&mut Pictures> {
         pictures(&self.device, &mut self.pictures, self.format, eyes)
     }
 
-    /// Whether these are the reference pictures already.
+    /// Returns whether these are the reference pictures already.
     pub fn shows_references(&self, pictures: &[ReferencePicture]) -> bool {
         let shown = self.overlay.references.as_ref().map_or(&[][..], |known| &known.shown);
         shown == &pictures[..pictures.len().min(MAX_REFERENCES)]
@@ -205,7 +205,7 @@ impl Layers {
     }
 }
 
-/// The rectangles of a `picture` whose colours depend on those of `areas` once edges are smooth.
+/// Returns the rectangles of a `picture` whose colours depend on those of `areas` once edges are smooth.
 fn with_edges(areas: &PixelRects, picture: PixelRect) -> PixelRects {
     let mut grown = PixelRects::NONE;
     for area in areas.as_slice().iter().filter(|area| !area.is_empty()) {

@@ -141,27 +141,28 @@ impl LevelStage {
         Ok(true)
     }
 
-    /// Whether the picture shows the smooth surface; if so, whether it differs from that of the last picture.
+    /// Returns whether the picture shows the smooth surface; if so, whether it differs from that of the last picture.
     pub fn state(&self) -> Option<bool> {
         self.active.then_some(!self.changed.is_empty())
     }
 
-    /// Whether pictures will show the smooth surface once it is complete.
+    /// Returns whether pictures will show the smooth surface once it is complete.
     pub fn is_pending(&self) -> bool {
         self.pending
     }
 
-    /// Whether the picture shows the smooth surface, and the device finds it.
+    /// Returns whether the picture shows the smooth surface, and the device finds it.
     pub fn is_on_device(&self) -> bool {
         self.active && self.copy.is_some()
     }
 
-    /// The bricks whose levels or normals differ from those of the last picture.
+    /// Returns the bricks whose levels or normals differ from those of the last picture.
     pub fn changed(&self) -> &[u32] {
         &self.changed
     }
 
-    /// The surface, if the picture shows it, for a sample of antialiased pictures ([`super::FrameDesc::sample`]).
+    /// Returns the surface, if the picture shows it, for a sample of antialiased pictures
+    /// ([`super::FrameDesc::sample`]).
     pub fn surface<'a>(
         &'a mut self,
         normals: &'a NormalField,
@@ -208,7 +209,7 @@ impl LevelStage {
         Ok(())
     }
 
-    /// Whether the device was asked for anything since the last march.
+    /// Returns whether the device was asked for anything since the last march.
     pub fn has_tasks(&self) -> bool {
         self.tasks.iter().any(Option::is_some)
     }
@@ -224,12 +225,12 @@ pub(super) struct SampledLevels<'a> {
 }
 
 impl SampledLevels<'_> {
-    /// Whether the device finds it, and not the methods that sample.
+    /// Returns whether the device finds it, and not the methods that sample.
     pub fn is_on_device(&self) -> bool {
         self.is_on_device
     }
 
-    /// The pixels in which anything can be seen.
+    /// Returns the pixels in which anything can be seen.
     pub fn visible(&self, rays: &PixelRays) -> PixelRect {
         pixels_of_grid(self.levels.cells(), &LevelSet::rays_of_cells(rays))
     }
@@ -259,7 +260,7 @@ impl SampledLevels<'_> {
     }
 }
 
-/// The pixels that see levels of `changed` bricks.
+/// Returns the pixels that see levels of `changed` bricks.
 pub(super) fn changed_levels(grid: &Grid, changed: &[u32], rays: &PixelRays) -> PixelRects {
     changed_pixels(grid, changed, rays, LEVEL_REACH_VX)
 }

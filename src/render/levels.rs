@@ -96,13 +96,13 @@ impl Levels {
         self.pages.buffer()
     }
 
-    /// The bits of the cells.
+    /// Returns the bits of the cells.
     pub fn cells(&self) -> &Volume {
         &self.cells
     }
 }
 
-/// The entry of a brick in the table.
+/// Returns the entry of a brick in the table.
 fn entry(grid: &Grid, levels: &LevelSet, brick: u32) -> u32 {
     match levels.table()[brick as usize] {
         NO_PAGE if grid.brick_kind(brick as usize) == BrickKind::Full => FULL_BRICK,

@@ -146,7 +146,7 @@ impl Default for LightOptions {
 }
 
 impl LightOptions {
-    /// The input of the shaders.
+    /// Returns the input of the shaders.
     pub fn lighting(&self) -> Lighting {
         let mut lights = [None; MAX_LIGHTS];
         for (light, lamp) in lights.iter_mut().zip(&self.lamps) {

@@ -66,9 +66,9 @@ impl RenderMode {
         RenderMode::Quickstep,
     ];
 
-    /// The default mode of a device. On a GPU nothing goes through the CPU, which is too slow for a
-    /// headset: the software shader takes 0.3 s for its two pictures. A software device shares the
-    /// CPU, where the software shader is the fastest.
+    /// Returns the default mode of a device. On a GPU nothing goes through the CPU, which is too slow for a headset:
+    /// the software shader takes 0.3 s for its two pictures. A software device shares the CPU, where the software
+    /// shader is the fastest.
     pub fn usual(software: bool) -> RenderMode {
         if software { RenderMode::Slicing } else { RenderMode::MarchGpu }
     }
@@ -94,27 +94,27 @@ impl RenderMode {
         }
     }
 
-    /// Whether the mode reads the voxels' colours on the device.
+    /// Returns whether the mode reads the voxels' colours on the device.
     pub fn needs_colours(self) -> bool {
         matches!(self, RenderMode::GpuColour | RenderMode::MarchGpu)
     }
 
-    /// Whether the mode can show the smooth surface: a point stands for a voxel and its box.
+    /// Returns whether the mode can show the smooth surface: a point stands for a voxel and its box.
     pub fn can_be_smooth(self) -> bool {
         self.shading() != Shading::Points
     }
 
-    /// Whether what is seen never leaves the device.
+    /// Returns whether what is seen never leaves the device.
     pub fn shades_on_device(self) -> bool {
         matches!(self.shading(), Shading::Device | Shading::Within)
     }
 
-    /// Whether a picture without a screen needs Vulkan.
+    /// Returns whether a picture without a screen needs Vulkan.
     pub fn needs_device(self) -> bool {
         !matches!(self, RenderMode::Ray | RenderMode::Quickstep)
     }
 
-    /// The mode to use when a sculpture is too large for the device in this one.
+    /// Returns the mode to use when a sculpture is too large for the device in this one.
     pub fn fallback(self) -> Option<RenderMode> {
         match self {
             RenderMode::GpuColour => Some(RenderMode::Gpu),
@@ -127,7 +127,7 @@ impl RenderMode {
         }
     }
 
-    /// The name in the interface.
+    /// Returns the name in the interface.
     pub fn label(self) -> &'static str {
         match self {
             RenderMode::Gpu => "GPU only, one colour",

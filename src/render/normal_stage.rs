@@ -65,12 +65,12 @@ impl NormalStage {
         self.finish(changed, had_estimates)
     }
 
-    /// Whether [`NormalStage::update_seen`] will put off what is not seen.
+    /// Returns whether [`NormalStage::update_seen`] will put off what is not seen.
     pub fn can_defer(&self) -> bool {
         !self.field.has_estimates()
     }
 
-    /// Whether bricks were put off.
+    /// Returns whether bricks were put off.
     pub fn has_deferred(&self) -> bool {
         self.field.deferred() > 0
     }
@@ -151,12 +151,12 @@ impl NormalStage {
         &self.field
     }
 
-    /// The bricks to shade again.
+    /// Returns the bricks to shade again.
     pub fn reshaded(&self) -> &[u32] {
         &self.reshaded
     }
 
-    /// The device's copy, after [`NormalStage::upload`] for a mode that uses it.
+    /// Returns the device's copy, after [`NormalStage::upload`] for a mode that uses it.
     pub fn copy(&self) -> Option<&Normals> {
         self.copy.as_ref()
     }

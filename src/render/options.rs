@@ -69,7 +69,7 @@ impl RenderOptions {
         require_in(1.0..=170.0, "fov_deg", self.fov_deg, "must be 1 to 170 degrees")
     }
 
-    /// The finish of the shading.
+    /// Returns the finish of the shading.
     pub fn finish(&self) -> Finish {
         Finish {
             smooth_normals: self.smooth_normals,

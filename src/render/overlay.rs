@@ -212,7 +212,7 @@ impl Overlay {
         }
     }
 
-    /// Whether there is anything of `scene` to draw.
+    /// Returns whether there is anything of `scene` to draw.
     pub fn draws(&self, scene: &Scene) -> bool {
         let Scene { previews, lines, .. } = scene;
         self.references.is_some() || !(previews.is_empty() && lines.is_empty())

@@ -60,7 +60,7 @@ impl PictureOfGrid {
         self.pixels_about(&[line.from, line.to], reach)
     }
 
-    /// The bounding pixels of points in the grid, grown by `reach_px`.
+    /// Returns the bounding pixels of points in the grid, grown by `reach_px`.
     fn pixels_about(&self, points: &[Vec3], reach_px: f32) -> PixelRect {
         let clip = |point: &Vec3| self.clip_from_grid * point.extend(1.0);
         // Clip z is the near distance everywhere: reversed depth without a far plane.
@@ -89,7 +89,7 @@ impl PictureOfGrid {
     }
 }
 
-/// The elements of two lists that differ at the same position.
+/// Returns the elements of two lists that differ at the same position.
 fn differing<'a, T: PartialEq>(
     before: &'a [T],
     now: &'a [T],

@@ -39,7 +39,7 @@ pub struct ToolPreview {
 }
 
 impl ToolPreview {
-    /// How far the surface of the voxels that it makes may lie from it.
+    /// Returns how far the surface of the voxels that it makes may lie from it.
     pub(super) fn steps_vx(&self) -> f32 {
         let Primitive { solid, centre_vx, half, rotation } = self.primitive;
         let half_vx = half * self.voxel_size.min_element() / self.voxel_size;
@@ -64,7 +64,7 @@ pub struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// The factor on depths that is `usual` for views of usual angles.
+    /// Returns the factor on depths that is `usual` for views of usual angles.
     pub(super) fn nearer(&self, usual: f32) -> f32 {
         let half_height = self.projection.y_axis.y.abs().recip();
         1.0 + (usual - 1.0) * (half_height / NARROW).min(1.0)

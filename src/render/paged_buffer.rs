@@ -66,7 +66,7 @@ impl PagedBuffer {
         Ok(made)
     }
 
-    /// Whether it has room for a table and units of these numbers.
+    /// Returns whether it has room for a table and units of these numbers.
     pub fn has_room(&self, entries: usize, units: usize) -> bool {
         self.entries == entries && units <= self.room
     }
@@ -101,7 +101,7 @@ impl PagedBuffer {
         &self.buffer
     }
 
-    /// The offset of a unit in the buffer, in bytes.
+    /// Returns the offset of a unit in the buffer, in bytes.
     fn offset(&self, unit: usize) -> u64 {
         table_bytes(self.kind, self.entries) + (unit * self.kind.unit_bytes) as u64
     }
@@ -162,7 +162,7 @@ fn table_bytes(kind: PagedKind, entries: usize) -> u64 {
     (entries * 4).next_multiple_of(kind.unit_bytes) as u64
 }
 
-/// A buffer for a table and `units`, with some reserve as far as the device can address it; and its capacity in
+/// Returns a buffer for a table and `units`, with some reserve as far as the device can address it; and its capacity in
 /// units.
 fn make_buffer(
     device: &Arc<Device>,

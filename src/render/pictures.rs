@@ -78,7 +78,7 @@ impl Pictures {
     }
 }
 
-/// The images for pictures of `eyes`.
+/// Returns the images for pictures of `eyes`.
 pub(super) fn pictures<'a>(
     device: &Arc<Device>,
     pictures: &'a mut Option<Pictures>,

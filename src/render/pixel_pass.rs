@@ -30,7 +30,7 @@ pub enum PixelStage {
 impl PixelStage {
     pub const ALL: [PixelStage; 2] = [PixelStage::Compute, PixelStage::Fragment];
 
-    /// The faster one on `device`.
+    /// Returns the faster one on `device`.
     pub fn of(device: &Device) -> PixelStage {
         if device.is_software() { PixelStage::Fragment } else { PixelStage::Compute }
     }
@@ -42,7 +42,7 @@ impl PixelStage {
         }
     }
 
-    /// The bindings of a pass: `inputs`, and the storage image that a compute shader writes.
+    /// Returns the bindings of a pass: `inputs`, and the storage image that a compute shader writes.
     pub(super) fn bindings(
         self,
         inputs: &[(u32, vk::DescriptorType)],
@@ -54,7 +54,7 @@ impl PixelStage {
         all.map(|(binding, kind)| (binding, kind, self.flags())).collect()
     }
 
-    /// How the image is used while a pass writes it.
+    /// Returns how the image is used while a pass writes it.
     pub(super) fn target_usage(self) -> vk::ImageUsageFlags {
         match self {
             PixelStage::Compute => vk::ImageUsageFlags::STORAGE,

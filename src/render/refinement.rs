@@ -49,12 +49,12 @@ impl Refinement {
         *self = Refinement { samples, at_once, mean, ..Refinement::default() };
     }
 
-    /// How many samples are wanted, and whether at once.
+    /// Returns how many samples are wanted, and whether at once.
     pub fn policy(&self) -> (u32, bool) {
         (self.samples, self.at_once)
     }
 
-    /// The mean of the samples so far, once it is better than the unshifted picture.
+    /// Returns the mean of the samples so far, once it is better than the unshifted picture.
     pub fn pictures(&self) -> Option<&Pictures> {
         self.buffers.images.pictures.as_ref().filter(|_| self.taken > 1)
     }
@@ -64,7 +64,7 @@ impl Refinement {
         self.buffers.images.pictures.as_mut().filter(|_| self.taken > 1)
     }
 
-    /// Whether the next frame of the same pictures has nothing to add.
+    /// Returns whether the next frame of the same pictures has nothing to add.
     pub fn is_complete(&self) -> bool {
         !self.possible || self.taken >= self.samples
     }

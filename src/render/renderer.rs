@@ -117,12 +117,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// The pictures painted last.
+    /// Returns the pictures painted last.
     pub fn pictures(&mut self) -> Option<&mut Pictures> {
         self.stages.refinement.pictures_mut().or(self.passes.layers.pictures.as_mut())
     }
 
-    /// The pixels of the pictures painted last, once the recording has been submitted. Waits.
+    /// Returns the pixels of the pictures painted last, once the recording has been submitted. Waits.
     pub fn read_back(&self) -> Result<Vec<Pixels>> {
         let pictures = self.stages.refinement.pictures().or(self.passes.layers.pictures.as_ref());
         let Some(pictures) = pictures else { return Ok(Vec::new()) };
@@ -136,7 +136,7 @@ impl Renderer {
         (0..pictures.colour.eyes()).map(read).collect()
     }
 
-    /// The index maps of the pictures painted last.
+    /// Returns the index maps of the pictures painted last.
     pub fn maps(&self) -> &[Arc<IndexMap>] {
         &self.cpu.maps
     }
@@ -146,7 +146,7 @@ impl Renderer {
         self.stages.times
     }
 
-    /// All times of the picture painted last, for a caller that has waited for it.
+    /// Returns all times of the picture painted last, for a caller that has waited for it.
     pub fn times_when_done(&mut self) -> Result<RenderTimes> {
         let Stages { cache, times, timer, .. } = &mut self.stages;
         if let Some(mode) = cache.as_ref().map(FrameCache::mode) {
@@ -184,7 +184,7 @@ impl Renderer {
         self.stages.normals.patience = patience;
     }
 
-    /// Whether the last pictures have all normals. If not, the next ones have more.
+    /// Returns whether the last pictures have all normals. If not, the next ones have more.
     pub fn is_complete(&self) -> bool {
         self.stages.has_all_normals()
     }

@@ -83,7 +83,7 @@ impl<'a> SampledFrame<'a> {
         FrameEye { eye, map, rects, surface: self.surface(eye), scene, view }
     }
 
-    /// The surface of the sculpture in one colour.
+    /// Returns the surface of the sculpture in one colour.
     pub fn surface(&self, eye: &Eye) -> Surface<'a> {
         let estimates = !self.normals.field().is_complete();
         self.desc.surface(self.document, estimates, eye)

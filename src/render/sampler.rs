@@ -50,7 +50,7 @@ pub(super) struct EyeRows {
 }
 
 impl EyeRows {
-    /// Their pixels.
+    /// Returns their pixels.
     pub fn rect(&self) -> PixelRect {
         let EyeRows { rays, rows, .. } = self;
         PixelRect { min: UVec2::new(0, rows.start), max: UVec2::new(rays.size.x, rows.end) }
@@ -116,7 +116,7 @@ impl Sampler {
         })
     }
 
-    /// The maps on the device, ready for shaders. `maps` are those of the last sampling.
+    /// Returns the maps on the device, ready for shaders. `maps` are those of the last sampling.
     pub fn maps(
         &mut self,
         recorder: &mut Recorder,
@@ -148,14 +148,13 @@ impl Sampler {
         Ok(target)
     }
 
-    /// The maps on the device, and the copy of the document, once it was sampled in a mode that
-    /// needs them.
+    /// Returns the maps on the device, and the copy of the document, once it was sampled in a mode that needs them.
     pub fn on_device(&mut self) -> Option<(&mut IndexTarget, &Volume, Option<&Colours>)> {
         let copy = self.copy.as_ref()?;
         Some((self.maps.as_mut()?, &copy.volume, copy.colours.as_ref()))
     }
 
-    /// The maps on the device, for the pass that finds the smooth surface there.
+    /// Returns the maps on the device, for the pass that finds the smooth surface there.
     pub(super) fn smooth_maps(&mut self, maps: &[Arc<IndexMap>]) -> Result<&mut IndexTarget> {
         target(&self.device, &mut self.maps, maps, true)
     }
@@ -167,12 +166,12 @@ impl Sampler {
         std::mem::swap(&mut self.visible, &mut other.visible);
     }
 
-    /// The visible rect of each eye.
+    /// Returns the visible rect of each eye.
     pub fn visible(&self) -> [PixelRect; MAX_EYES] {
         self.visible
     }
 
-    /// The copy of the document, once it was sampled in a mode that needs it.
+    /// Returns the copy of the document, once it was sampled in a mode that needs it.
     pub fn copy(&self) -> Option<(&Volume, Option<&Colours>)> {
         let copy = self.copy.as_ref()?;
         Some((&copy.volume, copy.colours.as_ref()))
@@ -323,7 +322,7 @@ impl Sampler {
         Ok(())
     }
 
-    /// The parts of `maps` to sample on the device: all, or those that may see `changed` bricks.
+    /// Returns the parts of `maps` to sample on the device: all, or those that may see `changed` bricks.
     fn tasks(
         &self,
         grid: &Grid,
@@ -361,15 +360,14 @@ impl Sampler {
         Ok(())
     }
 
-    /// The time of reading back the maps sampled last, in milliseconds; none if they were not read
-    /// back.
+    /// Returns the time of reading back the maps sampled last, in milliseconds; none if they were not read back.
     pub fn read_back_ms(&self) -> Option<f32> {
         self.read_back_ms
     }
 
-    /// The device's time for the maps, in milliseconds, without upload and readback: for those
-    /// sampled last, or if they stay on the device, for the last that it is known to have finished.
-    /// None if it does not sample or has no time stamps.
+    /// Returns the device's time for the maps, in milliseconds, without upload and readback: for those sampled last, or
+    /// if they stay on the device, for the last that it is known to have finished. None if it does not sample or has no
+    /// time stamps.
     pub fn device_ms(&self) -> Option<f32> {
         self.device_ms
     }
@@ -433,7 +431,7 @@ impl SamplingPasses {
     }
 }
 
-/// The target for maps of the number and size of `maps`, with normals or without.
+/// Returns the target for maps of the number and size of `maps`, with normals or without.
 fn target<'a>(
     device: &Arc<Device>,
     target: &'a mut Option<IndexTarget>,

@@ -79,7 +79,7 @@ impl ScreenPass {
         self.eyes
     }
 
-    /// Whether the target stores linear values, which the device encodes.
+    /// Returns whether the target stores linear values, which the device encodes.
     pub fn is_linear(&self) -> bool {
         is_srgb(self.format)
     }
@@ -88,7 +88,7 @@ impl ScreenPass {
         &self.sets
     }
 
-    /// The index of the descriptor set of `eye` in this frame.
+    /// Returns the index of the descriptor set of `eye` in this frame.
     pub fn set(&self, eye: u32) -> usize {
         self.slot * self.eyes as usize + eye as usize
     }
@@ -107,7 +107,7 @@ impl ScreenPass {
         }
     }
 
-    /// The description of a pipeline of this pass: a fragment shader over all pixels of the target.
+    /// Returns the description of a pipeline of this pass: a fragment shader over all pixels of the target.
     pub fn graphics<'a>(&'a self, fragment: &'a [u32], depth: Depth) -> Graphics<'a> {
         Graphics::screen(self.name, fragment, &self.layout, self.format, Some(depth))
     }

@@ -45,7 +45,7 @@ pub struct Surface<'a> {
 pub(super) const KIND_CONSTANTS: usize = 6;
 
 impl Surface<'_> {
-    /// The features of the shader that lights it (shaders/kind.wgsl).
+    /// Returns the features of the shader that lights it (shaders/kind.wgsl).
     pub(super) fn kind(&self) -> [u32; KIND_CONSTANTS] {
         [
             self.lighting.lights.iter().flatten().count() as u32,
@@ -110,7 +110,7 @@ impl Uniforms {
         Ok(())
     }
 
-    /// The device's copy of a matcap. Waits for its upload when it is first used.
+    /// Returns the device's copy of a matcap. Waits for its upload when it is first used.
     fn matcap(&mut self, matcap: Matcap) -> Result<&Buffer> {
         let place = match self.matcaps.iter().position(|(known, _)| *known == matcap) {
             Some(place) => place,

@@ -85,7 +85,7 @@ impl Slicing {
         })
     }
 
-    /// The same pass with layers of 1, 2, 4 or 8 voxels. Those of 2005 have 1.
+    /// Returns the same pass with layers of 1, 2, 4 or 8 voxels. Those of 2005 have 1.
     pub fn with_thickness(mut self, thickness_vx: u32) -> Slicing {
         self.thickness = Some(thickness_vx).filter(|t| matches!(t, 1 | 2 | 4 | 8));
         self
@@ -151,7 +151,7 @@ fn instance(rect: &LayerRect) -> SliceInstance {
     }
 }
 
-/// How far the device may draw a corner off its position, in pixels: its sub-pixel precision.
+/// Returns how far the device may draw a corner off its position, in pixels: its sub-pixel precision.
 pub(super) fn corner_margin_px(device: &Device) -> f32 {
     0.5f32.powi(device.limits().sub_pixel_precision_bits as i32)
 }

@@ -20,8 +20,8 @@ pub(super) struct SoftwareComposite {
     staging: Staging,
 }
 
-/// How pixels of a format are stored: whether blue comes first, and whether the device encodes them. None of formats
-/// that are not stored in a byte for each channel.
+/// Returns how pixels of a format are stored: whether blue comes first, and whether the device encodes them. None of
+/// formats that are not stored in a byte for each channel.
 pub(super) fn layout_of(format: vk::Format) -> Option<(bool, bool)> {
     let is_bgra = match format {
         vk::Format::R8G8B8A8_UNORM

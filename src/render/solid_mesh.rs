@@ -33,13 +33,13 @@ impl Vertex {
         Vertex { core: core.to_array(), offset: offset.to_array(), normal: normal.to_array() }
     }
 
-    /// A vertex of a solid without a core, or of a ball around a point of one.
+    /// Returns a vertex of a solid without a core, or of a ball around a point of one.
     fn on_ball(core: Vec3, offset: Vec3) -> Vertex {
         Vertex::new(core, offset, offset)
     }
 }
 
-/// The surface of a solid: three vertices a triangle, counter-clockwise seen from outside.
+/// Returns the surface of a solid: three vertices a triangle, counter-clockwise seen from outside.
 pub fn triangles(body: &Body) -> Vec<[Vertex; 3]> {
     match body {
         Body::Faces { corners, faces } => faces
@@ -54,7 +54,7 @@ pub fn triangles(body: &Body) -> Vec<[Vertex; 3]> {
     }
 }
 
-/// How far the triangles lie within the solid at most, in tool space.
+/// Returns how far the triangles lie within the solid at most, in tool space.
 pub fn sagitta(body: &Body) -> f32 {
     match body {
         Body::Faces { .. } => 0.0,
@@ -66,7 +66,7 @@ pub fn sagitta(body: &Body) -> f32 {
 /// A point of a profile with its normal.
 type ProfileStep = (ProfilePoint, Vec2);
 
-/// The steps of a profile; arcs about different points are connected.
+/// Returns the steps of a profile; arcs about different points are connected.
 fn steps(profile: &[Stretch]) -> Vec<[ProfileStep; 2]> {
     let mut out: Vec<[ProfileStep; 2]> = Vec::new();
     for stretch in profile {
@@ -114,7 +114,8 @@ fn revolved(profile: &[[ProfileStep; 2]]) -> Vec<[Vertex; 3]> {
     out
 }
 
-/// The axes of the six faces of a cube: outwards, and two along the face that make a right-handed frame with it.
+/// Returns the axes of the six faces of a cube: outwards, and two along the face that make a right-handed frame with
+/// it.
 fn faces() -> impl Iterator<Item = [Vec3; 3]> {
     (0..3).flat_map(|axis| {
         [-1.0, 1.0].map(|sign| {
@@ -123,7 +124,8 @@ fn faces() -> impl Iterator<Item = [Vec3; 3]> {
     })
 }
 
-/// The faces of a cube, each bent over its edges up to where it meets its neighbours, a corner of the core at a time.
+/// Returns the faces of a cube, each bent over its edges up to where it meets its neighbours, a corner of the core at a
+/// time.
 fn rounded_cuboid() -> Vec<[Vertex; 3]> {
     // Tangents of the angles from the face's middle, and which side of the core they belong to.
     let stops: Vec<(f32, f32)> = [-1.0, 1.0]

@@ -18,7 +18,7 @@ impl<const N: usize, P> Specialised<N, P> {
         Specialised { made: Vec::new() }
     }
 
-    /// The pipeline with `constants`, made by `make` if it does not exist.
+    /// Returns the pipeline with `constants`, made by `make` if it does not exist.
     pub fn get(
         &mut self,
         constants: [u32; N],

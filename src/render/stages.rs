@@ -68,14 +68,15 @@ impl Stages {
         })
     }
 
-    /// Whether there are normals to compute, and those of bricks that the next picture does not show are put off.
+    /// Returns whether there are normals to compute, and those of bricks that the next picture does not show are put
+    /// off.
     pub fn defers_normals(&self, document: &Document, desc: &FrameDesc) -> bool {
         (!self.changed.is_empty() || self.normals.has_deferred())
             && self.can_defer_normals(document, desc)
     }
 
-    /// Whether the normals of bricks that the next picture does not show can be put off: where the CPU shades the voxels
-    /// of index maps in memory.
+    /// Returns whether the normals of bricks that the next picture does not show can be put off: where the CPU shades
+    /// the voxels of index maps in memory.
     fn can_defer_normals(&self, document: &Document, desc: &FrameDesc) -> bool {
         let smooth =
             desc.is_smooth(SmoothSurface::Always, document.contents(), self.device.is_software());
@@ -95,12 +96,12 @@ impl Stages {
         self.timer.begin(recorder, slot, mode, &mut self.times.device)
     }
 
-    /// Whether the last pictures have all normals.
+    /// Returns whether the last pictures have all normals.
     pub fn has_all_normals(&self) -> bool {
         self.normals.field().is_complete()
     }
 
-    /// Whether the last pictures have all normals, and the smooth surface if they are to show it.
+    /// Returns whether the last pictures have all normals, and the smooth surface if they are to show it.
     pub fn is_complete(&self) -> bool {
         self.has_all_normals() && !self.levels.is_pending()
     }
@@ -139,7 +140,7 @@ impl Stages {
         LevelWish { wanted, device, patience: self.normals.patience }
     }
 
-    /// How pictures of `mode` are shaded: where the device finds the smooth surface, from an index map there.
+    /// Returns how pictures of `mode` are shaded: where the device finds the smooth surface, from an index map there.
     pub fn shading(&self, mode: RenderMode) -> Shading {
         if self.levels.is_on_device() { Shading::Device } else { mode.shading() }
     }

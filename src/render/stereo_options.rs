@@ -36,7 +36,7 @@ impl Default for StereoOptions {
 }
 
 impl StereoOptions {
-    /// The eyes for a sculpture whose centre is `distance` away, in world units.
+    /// Returns the eyes for a sculpture whose centre is `distance` away, in world units.
     pub fn rig(&self, distance: f32) -> StereoRig {
         let convergence = distance * self.convergence_percent / 100.0;
         StereoRig {

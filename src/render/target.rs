@@ -25,7 +25,7 @@ pub struct EyeTask {
 }
 
 impl EyeTask {
-    /// All pixels, with a visible rect of the whole picture.
+    /// Returns all pixels, with a visible rect of the whole picture.
     pub fn whole(eye: u32, rays: PixelRays) -> EyeTask {
         let scissor = PixelRect::of_picture(rays.size);
         EyeTask { eye, rays, scissor, visible: scissor }
@@ -72,7 +72,7 @@ impl IndexTarget {
         Ok(IndexTarget { index, depth, has_normals })
     }
 
-    /// Whether maps have normals beside voxels.
+    /// Returns whether maps have normals beside voxels.
     pub fn has_normals(&self) -> bool {
         self.has_normals
     }
@@ -86,7 +86,7 @@ impl IndexTarget {
         self.index.eyes()
     }
 
-    /// The voxel indices.
+    /// Returns the voxel indices.
     pub fn index(&self) -> &EyeImage {
         &self.index
     }
@@ -122,7 +122,7 @@ impl IndexTarget {
         recorder.end_rendering();
     }
 
-    /// The voxel indices, for a pass that writes all of an eye's layer.
+    /// Returns the voxel indices, for a pass that writes all of an eye's layer.
     pub fn index_mut(&mut self) -> &mut EyeImage {
         &mut self.index
     }

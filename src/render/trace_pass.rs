@@ -225,7 +225,7 @@ impl DeviceTracer {
     }
 }
 
-/// The specialization constants of shaders/kind.wgsl and shaders/trace_kind.wgsl.
+/// Returns the specialization constants of shaders/kind.wgsl and shaders/trace_kind.wgsl.
 fn kind(prepared: &Prepared, bounces: u32, colour_bytes: u32) -> [u32; 13] {
     let Prepared { sun, lamp, ground, pupil, .. } = prepared;
     let mut constants = [0; 13];

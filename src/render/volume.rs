@@ -104,12 +104,12 @@ impl Volume {
         &self.image
     }
 
-    /// The image of the dilated occupancy.
+    /// Returns the image of the dilated occupancy.
     pub fn dilated_occupancy(&self) -> &Image {
         self.dilated.image()
     }
 
-    /// Size of the grid in voxels.
+    /// Returns size of the grid in voxels.
     pub fn dims(&self) -> UVec3 {
         self.dims
     }
@@ -220,7 +220,7 @@ fn make_image(device: &Arc<Device>, grid: &Grid) -> Result<Image> {
     )
 }
 
-/// A copy from `offset` of a buffer to a box of bricks.
+/// Returns a copy from `offset` of a buffer to a box of bricks.
 fn copy(offset: usize, first: UVec3, size: UVec3) -> vk::BufferImageCopy {
     let words = BRICK_WORDS as u32;
     vk::BufferImageCopy::default()

@@ -109,7 +109,7 @@ impl WarmUp {
     }
 }
 
-/// A solid cube.
+/// Returns a solid cube.
 fn document(depth: ColourDepth) -> Result<Document> {
     let limits = Limits::default();
     let mut grid = Grid::new(UVec3::splat(EDGE_VX), Vec3::ONE, limits.grid_bytes)

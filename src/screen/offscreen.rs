@@ -64,7 +64,7 @@ impl Offscreen {
         recorder.end_rendering();
     }
 
-    /// The picture of `eye`, once the recording has been submitted. Waits for it.
+    /// Returns the picture of `eye`, once the recording has been submitted. Waits for it.
     pub fn read_back(&self, eye: u32) -> Result<Pixels> {
         let image = self.colour.image();
         let part = image.layer(eye);

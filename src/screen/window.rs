@@ -37,17 +37,17 @@ pub struct Target {
 }
 
 impl Target {
-    /// The image for barriers, with all layers.
+    /// Returns the image for barriers, with all layers.
     pub fn part(&self) -> ImagePart {
         ImagePart { layers: self.layers, ..ImagePart::colour(self.image, 0) }
     }
 
-    /// Number of layers: 2 in a quad-buffered window.
+    /// Returns number of layers: 2 in a quad-buffered window.
     pub fn layers(&self) -> u32 {
         self.layers
     }
 
-    /// The view for an eye's picture: 0 is the left eye, and the only one without layers.
+    /// Returns the view for an eye's picture: 0 is the left eye, and the only one without layers.
     pub fn view(&self, eye: usize) -> vk::ImageView {
         self.views[eye.min(1)]
     }
@@ -56,14 +56,14 @@ impl Target {
     /// been waited for, and the contents may be discarded.
     pub const FIRST: Use = Use::COPY_TARGET.discarded();
 
-    /// The semaphore that a submission waits for before it copies or draws to the image.
+    /// Returns the semaphore that a submission waits for before it copies or draws to the image.
     pub fn wait(&self) -> vk::SemaphoreSubmitInfo<'static> {
         let stages =
             vk::PipelineStageFlags2::COPY | vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT;
         vk::SemaphoreSubmitInfo::default().semaphore(self.acquired).stage_mask(stages)
     }
 
-    /// The semaphore that the submission signals which finishes the image.
+    /// Returns the semaphore that the submission signals which finishes the image.
     pub fn signal(&self) -> vk::SemaphoreSubmitInfo<'static> {
         vk::SemaphoreSubmitInfo::default()
             .semaphore(self.finished)
@@ -134,7 +134,7 @@ impl WindowScreen {
         self.format.format
     }
 
-    /// Whether images become available only as fast as the screen shows them.
+    /// Returns whether images become available only as fast as the screen shows them.
     pub fn is_paced(&self) -> bool {
         self.mode == vk::PresentModeKHR::FIFO
     }
@@ -145,9 +145,9 @@ impl WindowScreen {
         self.size = size;
     }
 
-    /// The next image to draw to, waiting up to `patience`; none while the window is minimised or
-    /// hidden, or the window system is busy with it. `slot` is that of the current frame
-    /// ([`crate::gpu::Frames::slot`]), whose semaphore is free again.
+    /// Returns the next image to draw to, waiting up to `patience`; none while the window is minimised or hidden, or
+    /// the window system is busy with it. `slot` is that of the current frame ([`crate::gpu::Frames::slot`]), whose
+    /// semaphore is free again.
     pub fn acquire(&mut self, slot: usize, patience: Duration) -> Result<Option<Target>> {
         // A swapchain that is out of date at once is made again, but not forever.
         for _ in 0..3 {
@@ -254,8 +254,8 @@ impl WindowScreen {
         Ok(recovery)
     }
 
-    /// Whether window and swapchain differ in size. A swapchain may be suboptimal for other
-    /// reasons, which a new one would not change.
+    /// Returns whether window and swapchain differ in size. A swapchain may be suboptimal for other reasons, which a
+    /// new one would not change.
     fn has_another_size(&self) -> bool {
         let size = self.capabilities().map(|of| choices::extent(&of, self.size));
         match (size, &self.swapchain) {
@@ -300,7 +300,7 @@ impl WindowScreen {
         }
     }
 
-    /// Whether the window's images can have a layer per eye (`maxImageArrayLayers`).
+    /// Returns whether the window's images can have a layer per eye (`maxImageArrayLayers`).
     pub fn can_layer(&self) -> bool {
         self.can_layer
     }
@@ -448,7 +448,7 @@ fn make_semaphore(device: &Device, name: &str) -> Result<vk::Semaphore> {
     Ok(semaphore)
 }
 
-/// The format to draw in.
+/// Returns the format to draw in.
 fn choose_format(device: &Device, surface: &Surface) -> Result<vk::SurfaceFormatKHR> {
     // SAFETY: device and surface are of the same instance.
     let formats = unsafe {
@@ -460,7 +460,7 @@ fn choose_format(device: &Device, surface: &Surface) -> Result<vk::SurfaceFormat
     })
 }
 
-/// Whether pictures can be drawn, blended, sampled and copied in a format.
+/// Returns whether pictures can be drawn, blended, sampled and copied in a format.
 fn can_draw_in(device: &Device, format: vk::Format) -> bool {
     use vk::FormatFeatureFlags as Feature;
     let needed = Feature::COLOR_ATTACHMENT_BLEND
@@ -473,7 +473,7 @@ fn can_draw_in(device: &Device, format: vk::Format) -> bool {
     properties.optimal_tiling_features.contains(needed)
 }
 
-/// The present mode.
+/// Returns the present mode.
 fn choose_mode(device: &Device, surface: &Surface) -> Result<vk::PresentModeKHR> {
     let (loader, handle) = (surface.loader(), surface.handle());
     // SAFETY: device and surface are of the same instance.

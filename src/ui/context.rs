@@ -72,12 +72,12 @@ pub struct UiContext<'a> {
 }
 
 impl UiContext<'_> {
-    /// The bindings in use.
+    /// Returns the bindings in use.
     pub fn bindings(&self) -> Option<&Bindings> {
         self.presets.get(self.preset)
     }
 
-    /// The first key or button for an action, as a person reads it; none in a headset.
+    /// Returns the first key or button for an action, as a person reads it; none in a headset.
     pub fn shortcut(&self, action: Action) -> Option<String> {
         self.bindings().filter(|_| !self.in_headset).and_then(|b| b.shortcut(action))
     }

@@ -48,7 +48,7 @@ fn row(ui: &mut Ui, button: Button) -> bool {
     ui.add(button.min_size(size).truncate()).clicked()
 }
 
-/// A label, which is of the words of scripts, in those of the toolbox.
+/// Returns a label, which is of the words of scripts, in those of the toolbox.
 pub fn words(label: &str) -> String {
     match label.split_once(' ').unwrap_or((label, "")) {
         ("subtract", what) => format!("Cut {what}"),

@@ -31,7 +31,7 @@ pub fn head(
     detach_button(ui, place, panel, layout, context, requests);
 }
 
-/// The button that detaches or docks a panel, at `place`.
+/// Returns the button that detaches or docks a panel, at `place`.
 pub fn detach_button(
     ui: &mut Ui,
     place: Rect,

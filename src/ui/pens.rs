@@ -23,7 +23,7 @@ impl PenState {
         PenState { curve: usual, usual, ..PenState::default() }
     }
 
-    /// Whether there is a pen whose options are worth showing.
+    /// Returns whether there is a pen whose options are worth showing.
     pub fn is_there(&self) -> bool {
         self.is_used || !self.devices.is_empty()
     }

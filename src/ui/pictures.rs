@@ -28,7 +28,7 @@ impl FilmForm {
     pub const ALL: [FilmForm; 4] =
         [FilmForm::AnimatedPng, FilmForm::Gif, FilmForm::Y4m, FilmForm::Folder];
 
-    /// The ending of its name; empty for a folder.
+    /// Returns the ending of its name; empty for a folder.
     pub const fn ending(self) -> &'static str {
         match self {
             FilmForm::AnimatedPng => "apng",
@@ -85,7 +85,7 @@ pub enum FinalFile {
 impl FinalFile {
     pub const ALL: [FinalFile; 3] = [FinalFile::Png, FinalFile::Jpeg, FinalFile::Exr];
 
-    /// The ending of its name.
+    /// Returns the ending of its name.
     pub const fn ending(self) -> &'static str {
         match self {
             FinalFile::Png => "png",

@@ -44,7 +44,7 @@ pub fn menu(ui: &mut Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     });
 }
 
-/// A name that fits into a menu.
+/// Returns a name that fits into a menu.
 fn shortened(name: &str) -> String {
     const MOST: usize = 40;
     match name.chars().count() {

@@ -81,8 +81,8 @@ impl Reference {
         }
     }
 
-    /// The picture as it is drawn for an eye that sees the axes of the grid in the directions `axes_in_picture`; none
-    /// before its file was read.
+    /// Returns the picture as it is drawn for an eye that sees the axes of the grid in the directions
+    /// `axes_in_picture`; none before its file was read.
     pub fn placed(
         &self,
         dims: UVec3,
@@ -118,7 +118,7 @@ impl Reference {
         self.shown && (!self.locked || looks_along(frame, axes_in_picture))
     }
 
-    /// The name of its file.
+    /// Returns the name of its file.
     pub fn name(&self) -> String {
         let name = self.path.file_name().map(|name| name.to_string_lossy().into_owned());
         name.unwrap_or_else(|| self.path.display().to_string())
@@ -131,12 +131,12 @@ fn looks_along(frame: &Mat3, axes_in_picture: &[Vec3; 3]) -> bool {
     seen.z > ALONG
 }
 
-/// The side from which one looks, up to 5 degrees.
+/// Returns the side from which one looks, up to 5 degrees.
 pub fn side_seen(up: Vec3, axes_in_picture: &[Vec3; 3]) -> Option<Side> {
     sides().find(|side| looks_along(&side_frame(*side, up), axes_in_picture))
 }
 
-/// The sides that pictures can be on.
+/// Returns the sides that pictures can be on.
 pub fn sides() -> impl Iterator<Item = Side> {
     Side::ALL.into_iter().filter(|side| *side != Side::Corner)
 }

@@ -89,7 +89,7 @@ pub struct UiOptions<'a> {
 }
 
 impl UiState {
-    /// The state at the start.
+    /// Returns the state at the start.
     pub fn new(options: &UiOptions) -> UiState {
         let finish = options.render.finish();
         let mut dialogs = Dialogs::new(&options.new);

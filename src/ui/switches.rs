@@ -17,7 +17,7 @@ const RUMBLE_WIDTH: f32 = 66.0;
 const LIGHTS_WIDTH: f32 = 66.0;
 const HELP_AND_MENU: f32 = 104.0;
 
-/// Whether the rest of the bar has room for them.
+/// Returns whether the rest of the bar has room for them.
 pub fn fit(ui: &Ui, context: &UiContext) -> bool {
     if context.in_headset {
         return ui.available_width() >= LIGHTS_WIDTH + HELP_AND_MENU;

@@ -60,7 +60,7 @@ pub struct FilmAddress {
 }
 
 impl FilmAddress {
-    /// The opened file, and its name for messages.
+    /// Returns the opened file, and its name for messages.
     pub(super) fn open_file(&self) -> Result<(File, String), VideoError> {
         let subject = self.path.display().to_string();
         // Checked before opening, since opening a pipe waits for its other end.
@@ -208,7 +208,7 @@ fn yes_or_no(text: &str) -> Result<bool, String> {
     }
 }
 
-/// The common names, or any V4L2 fourcc.
+/// Returns the common names, or any V4L2 fourcc.
 fn format(text: &str) -> Result<[u8; 4], String> {
     let upper = text.to_ascii_uppercase();
     let code = match upper.as_str() {

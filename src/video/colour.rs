@@ -54,7 +54,7 @@ pub struct ColourChoice {
 }
 
 impl ColourChoice {
-    /// The choice if there is one, otherwise `said`.
+    /// Returns the choice if there is one, otherwise `said`.
     pub fn over(self, said: Colour) -> Colour {
         Colour {
             matrix: self.matrix.unwrap_or(said.matrix),

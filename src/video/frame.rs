@@ -30,7 +30,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// An empty frame: 0 x 0.
+    /// Returns an empty frame: 0 x 0.
     pub fn empty() -> Frame {
         Frame {
             width: 0,

@@ -42,12 +42,12 @@ impl Framing {
         Framing { scale, offset: 0.5 * (Vec2::ONE - scale) }
     }
 
-    /// The position in the frame of a position on the screen.
+    /// Returns the position in the frame of a position on the screen.
     pub fn picture_from_screen(&self, screen: Vec2) -> Vec2 {
         screen * self.scale + self.offset
     }
 
-    /// The position on the screen of a position in the frame.
+    /// Returns the position on the screen of a position in the frame.
     pub fn screen_from_picture(&self, picture: Vec2) -> Vec2 {
         (picture - self.offset) / self.scale
     }

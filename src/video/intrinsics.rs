@@ -61,7 +61,7 @@ impl Intrinsics {
         Ok(intrinsics)
     }
 
-    /// A lens without distortion, with its axis in the centre, from the vertical field of view.
+    /// Returns a lens without distortion, with its axis in the centre, from the vertical field of view.
     pub fn pinhole(width: u32, height: u32, fov_y_rad: f64) -> Intrinsics {
         let (w, h) = (f64::from(width), f64::from(height));
         let focal = 0.5 * h / (0.5 * fov_y_rad).tan();
@@ -106,13 +106,13 @@ impl Intrinsics {
         Ok(())
     }
 
-    /// The pixel of a ray.
+    /// Returns the pixel of a ray.
     pub fn pixel_from_ray(&self, ray: DVec2) -> DVec2 {
         let (distorted, _) = self.distort(ray);
         distorted * DVec2::new(self.fx, self.fy) + DVec2::new(self.cx, self.cy)
     }
 
-    /// The ray of a pixel: its undistorted position. None where the lens sends no light, which
+    /// Returns the ray of a pixel: its undistorted position. None where the lens sends no light, which
     /// [`Intrinsics::check`] rules out within the picture.
     pub fn ray_from_pixel(&self, pixel: DVec2) -> Option<DVec2> {
         let focal = DVec2::new(self.fx, self.fy);
@@ -156,7 +156,7 @@ impl Intrinsics {
         None
     }
 
-    /// The distorted position of a ray and its derivative.
+    /// Returns the distorted position of a ray and its derivative.
     fn distort(&self, ray: DVec2) -> (DVec2, DMat2) {
         let Intrinsics { k1, k2, p1, p2, k3, .. } = *self;
         let (x, y) = (ray.x, ray.y);
@@ -182,8 +182,8 @@ impl Intrinsics {
         (self.pixel_from_ray(ray) + 0.5) / size
     }
 
-    /// The texture position for each pixel of an undistorted picture (this lens with k and p zero,
-    /// scaled to `width` x `height`), row by row. Outside 0 to 1 the camera saw nothing.
+    /// Returns the texture position for each pixel of an undistorted picture (this lens with k and p zero, scaled to
+    /// `width` x `height`), row by row. Outside 0 to 1 the camera saw nothing.
     pub fn undistort_map(&self, width: u32, height: u32) -> Vec<Vec2> {
         let ideal = self.scaled(width, height);
         let (focal, centre) = (DVec2::new(ideal.fx, ideal.fy), DVec2::new(ideal.cx, ideal.cy));
@@ -196,8 +196,8 @@ impl Intrinsics {
             .collect()
     }
 
-    /// The same lens for a picture of another size. Only valid where the camera scales its picture
-    /// and does not crop it.
+    /// Returns the same lens for a picture of another size. Only valid where the camera scales its picture and does not
+    /// crop it.
     pub fn scaled(&self, width: u32, height: u32) -> Intrinsics {
         let x = f64::from(width) / f64::from(self.width.max(1));
         let y = f64::from(height) / f64::from(self.height.max(1));
@@ -213,8 +213,7 @@ impl Intrinsics {
         }
     }
 
-    /// The frustum of the undistorted picture, for the projection of an eye that sees what the
-    /// camera sees.
+    /// Returns the frustum of the undistorted picture, for the projection of an eye that sees what the camera sees.
     pub fn frustum(&self) -> Frustum {
         let (w, h) = (f64::from(self.width), f64::from(self.height));
         let (x, y) = (self.cx + 0.5, self.cy + 0.5);

@@ -202,7 +202,7 @@ impl Splitter {
         self.outside
     }
 
-    /// Number of damaged pictures since the last call.
+    /// Returns number of damaged pictures since the last call.
     pub fn take_broken(&mut self) -> u64 {
         std::mem::take(&mut self.broken)
     }

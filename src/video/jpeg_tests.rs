@@ -7,7 +7,7 @@ use super::frame::Frame;
 use super::jpeg::{Splitter, decode};
 use super::reader::Decoded;
 
-/// A soft picture, other for each `seed`, that compresses with little loss.
+/// Returns a soft picture, other for each `seed`, that compresses with little loss.
 fn pixels(width: u16, height: u16, seed: u8) -> Vec<u8> {
     let mut rgb = Vec::new();
     for y in 0..u32::from(height) {
@@ -37,7 +37,7 @@ fn plain(seed: u8) -> Vec<u8> {
     encoded(48, 32, seed, |_| ())
 }
 
-/// The picture without its Huffman tables, as webcams send it.
+/// Returns the picture without its Huffman tables, as webcams send it.
 fn without_tables(jpeg: &[u8]) -> Vec<u8> {
     let (mut out, mut at) = (jpeg[..2].to_vec(), 2);
     while jpeg[at + 1] != 0xDA {
@@ -51,7 +51,7 @@ fn without_tables(jpeg: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Everything that a splitter finds in bytes which come in pieces.
+/// Returns everything that a splitter finds in bytes which come in pieces.
 fn cut(bytes: &[u8], piece: usize) -> (Vec<Vec<u8>>, u64) {
     let (mut splitter, mut found) = (Splitter::new(), Vec::new());
     for mut bytes in bytes.chunks(piece.max(1)) {

@@ -27,8 +27,8 @@ impl Stand {
             * Affine3A::from_translation(Vec3::new(0.0, -self.ground, 0.0))
     }
 
-    /// The eye of a camera. `camera_from_marker` in metres, with the camera's axes x right, y up
-    /// and z backwards; `near` in world units; `size` in pixels.
+    /// Returns the eye of a camera. `camera_from_marker` in metres, with the camera's axes x right, y up and z
+    /// backwards; `near` in world units; `size` in pixels.
     pub fn eye(
         &self,
         camera_from_marker: Affine3A,
@@ -45,8 +45,7 @@ impl Stand {
     }
 }
 
-/// The frustum of the screen if that of the frame is `whole`. A mirrored frame swaps left and
-/// right.
+/// Returns the frustum of the screen if that of the frame is `whole`. A mirrored frame swaps left and right.
 fn framed(whole: &Frustum, framing: &Framing) -> Frustum {
     let (low, high) =
         (framing.picture_from_screen(Vec2::ZERO), framing.picture_from_screen(Vec2::ONE));

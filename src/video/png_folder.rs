@@ -163,7 +163,7 @@ fn natural_order(a: &str, b: &str) -> Ordering {
     }
 }
 
-/// The longest prefix of characters that satisfy `is`.
+/// Returns the longest prefix of characters that satisfy `is`.
 fn prefix(text: &str, is: impl Fn(char) -> bool) -> &str {
     text.find(|c| !is(c)).map_or(text, |end| &text[..end])
 }

@@ -67,8 +67,8 @@ impl Reader for Scripted {
     }
 }
 
-/// A source whose readers follow the scripts in turn; when there are none left, opening fails.
-/// Each opening waits for a word over the channel, so that what came before can be looked at.
+/// Returns a source whose readers follow the scripts in turn; when there are none left, opening fails. Each opening
+/// waits for a word over the channel, so that what came before can be looked at.
 fn source(scripts: &[&[Act]], play: Play) -> (VideoSource, Sender<()>) {
     let mut scripts: VecDeque<Vec<Act>> = scripts.iter().map(|acts| acts.to_vec()).collect();
     let (go, gate) = mpsc::channel();

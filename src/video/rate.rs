@@ -29,7 +29,7 @@ impl Rate {
         (self.frames, self.seconds)
     }
 
-    /// When frame number `index`, counted from 0, is due.
+    /// Returns when frame number `index`, counted from 0, is due.
     pub fn time_of(self, index: u64) -> Duration {
         let nanos =
             u128::from(index) * u128::from(self.seconds) * 1_000_000_000 / u128::from(self.frames);

@@ -22,7 +22,7 @@ pub enum State {
 }
 
 impl State {
-    /// The reason for [`State::Lost`] and [`State::Failed`].
+    /// Returns the reason for [`State::Lost`] and [`State::Failed`].
     pub fn error(&self) -> Option<&VideoError> {
         match self {
             State::Lost(error) | State::Failed(error) => Some(error),
@@ -81,7 +81,7 @@ impl Slot {
     }
 }
 
-/// The slot, even if a thread panicked while holding it: every change to it is complete.
+/// Returns the slot, even if a thread panicked while holding it: every change to it is complete.
 pub fn lock(slot: &Mutex<Slot>) -> MutexGuard<'_, Slot> {
     slot.lock().unwrap_or_else(PoisonError::into_inner)
 }

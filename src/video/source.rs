@@ -109,8 +109,7 @@ impl VideoSource {
         })
     }
 
-    /// The new frame, if one has come since the last call, without blocking. Also updates state and
-    /// statistics.
+    /// Returns the new frame, if one has come since the last call, without blocking. Also updates state and statistics.
     pub fn poll(&mut self) -> Option<&Frame> {
         let mut slot = match self.slot.try_lock() {
             Ok(slot) => slot,
@@ -125,7 +124,7 @@ impl VideoSource {
         fresh.then_some(&self.front)
     }
 
-    /// The last frame of [`VideoSource::poll`], also after the camera is gone.
+    /// Returns the last frame of [`VideoSource::poll`], also after the camera is gone.
     pub fn frame(&self) -> Option<&Frame> {
         (self.front.sequence > 0).then_some(&self.front)
     }

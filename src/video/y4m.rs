@@ -115,7 +115,7 @@ impl Reader for Y4m {
     }
 }
 
-/// A line without its end, None at the end of the file.
+/// Returns a line without its end, None at the end of the file.
 fn read_line(file: &mut impl BufRead, subject: &str) -> Result<Option<Vec<u8>>, VideoError> {
     let mut line = Vec::new();
     file.take(MAX_LINE as u64)

@@ -41,7 +41,7 @@ pub struct Planes<'a> {
 }
 
 impl Layout {
-    /// The smallest line stride of the first plane, in bytes.
+    /// Returns the smallest line stride of the first plane, in bytes.
     pub fn least_stride(self, width: usize) -> usize {
         match self {
             Layout::Yuyv | Layout::Uyvy => width.div_ceil(2) * 4,
@@ -51,7 +51,7 @@ impl Layout {
         }
     }
 
-    /// Size of a picture in bytes. None if it overflows a `usize`.
+    /// Returns size of a picture in bytes. None if it overflows a `usize`.
     pub fn byte_len(self, height: usize, stride: usize) -> Option<usize> {
         let luma = stride.checked_mul(height)?;
         let colour = match self {

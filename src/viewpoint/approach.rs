@@ -9,7 +9,8 @@ use crate::sculpture::Grid;
 use crate::surface::raycast;
 use crate::view::Eye;
 
-/// How far the surface at the pixel `at` is from the eye plane; none where there is no surface, 0 inside the sculpture.
+/// Returns how far the surface at the pixel `at` is from the eye plane; none where there is no surface, 0 inside the
+/// sculpture.
 pub fn surface_depth(grid: &Grid, eye: &Eye, world_from_grid: &Affine3A, at: Vec2) -> Option<f32> {
     let rays = eye.pixel_rays(world_from_grid);
     let direction = rays.direction_at(at.x, at.y);
@@ -18,14 +19,14 @@ pub fn surface_depth(grid: &Grid, eye: &Eye, world_from_grid: &Affine3A, at: Vec
     Some((-point.transform_point3(rays.origin + direction * hit.t).z).max(0.0))
 }
 
-/// Whether the eye is inside the sculpture, where nothing but darkness is seen.
+/// Returns whether the eye is inside the sculpture, where nothing but darkness is seen.
 pub fn is_inside(grid: &Grid, eye: &Eye, world_from_grid: &Affine3A) -> bool {
     let origin = eye.pixel_rays(world_from_grid).origin;
     origin.is_finite() && grid.get(origin.floor().as_ivec3())
 }
 
-/// How far an eye inside the sculpture goes straight back until there is as much room as `gap` behind the last voxel;
-/// none if it is not inside.
+/// Returns how far an eye inside the sculpture goes straight back until there is as much room as `gap` behind the last
+/// voxel; none if it is not inside.
 pub fn exit_distance(grid: &Grid, eye: &Eye, world_from_grid: &Affine3A, gap: f32) -> Option<f32> {
     if !is_inside(grid, eye, world_from_grid) {
         return None;

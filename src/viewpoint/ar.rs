@@ -145,7 +145,7 @@ pub struct Ar {
     now_s: f64,
 }
 
-/// Where the marker is taken to be while it is not seen: on a table before the camera.
+/// Returns where the marker is taken to be while it is not seen: on a table before the camera.
 pub fn rest() -> Placement {
     Placement {
         position_m: DVec3::new(0.0, -0.06, -0.45),
@@ -172,7 +172,7 @@ impl Ar {
         self.finder.is_some()
     }
 
-    /// Whether the program begins with it.
+    /// Returns whether the program begins with it.
     pub fn wanted(&self) -> bool {
         self.settings.on
     }
@@ -196,12 +196,12 @@ impl Ar {
         }
     }
 
-    /// Where the marker is taken to be, relative to the camera.
+    /// Returns where the marker is taken to be, relative to the camera.
     pub fn placement(&self) -> Placement {
         self.fade.place(self.guide(), self.now_s)
     }
 
-    /// Where the camera is relative to the marker, in metres, while the marker is tracked.
+    /// Returns where the camera is relative to the marker, in metres, while the marker is tracked.
     pub fn camera_position_m(&self) -> Option<Vec3> {
         let tracked = self.is_on() && self.live && self.shown.is_some();
         let Placement { position_m, orientation } = self.placement();
@@ -298,8 +298,8 @@ impl Ar {
         finder.give(frame.clone(), lens.scaled(frame.width, frame.height));
     }
 
-    /// The frame that belongs to the eye, while the sculpture stands on the marker: the one to be
-    /// shown behind it, without the lens's distortion.
+    /// Returns the frame that belongs to the eye, while the sculpture stands on the marker: the one to be shown behind
+    /// it, without the lens's distortion.
     pub fn frame(&self) -> Option<&Arc<Frame>> {
         self.shown.as_ref().filter(|_| self.is_on()).map(|(frame, _)| frame)
     }

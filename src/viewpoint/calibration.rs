@@ -106,7 +106,7 @@ impl Calibrating {
         }
     }
 
-    /// Corners touched so far.
+    /// Returns corners touched so far.
     pub fn taken(&self) -> usize {
         self.touches.len()
     }

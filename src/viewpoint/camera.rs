@@ -57,7 +57,7 @@ impl Camera {
         VideoStatus { state: self.state.clone(), size, stats }
     }
 
-    /// How soon to look for another frame.
+    /// Returns how soon to look for another frame.
     pub fn repaint_after(&self) -> Option<Duration> {
         let moving =
             matches!(self.source.as_ref()?.state(), State::Opening | State::Live | State::Lost(_));
@@ -141,7 +141,7 @@ impl Camera {
         (self.frame.clone().map(|frame| (frame, look)), notice)
     }
 
-    /// The newest frame.
+    /// Returns the newest frame.
     pub fn frame(&self) -> Option<&Arc<Frame>> {
         self.frame.as_ref()
     }
@@ -154,7 +154,7 @@ impl Camera {
         &self.state
     }
 
-    /// Whether a camera or film is open.
+    /// Returns whether a camera or film is open.
     pub fn is_open(&self) -> bool {
         self.source.is_some()
     }

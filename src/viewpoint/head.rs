@@ -109,7 +109,7 @@ impl Head {
         self.tracking.is_some()
     }
 
-    /// Whether the program begins with it.
+    /// Returns whether the program begins with it.
     pub fn wanted(&self) -> bool {
         self.settings.on
     }
@@ -192,26 +192,25 @@ impl Head {
         self.controls.wheels(at, self.time.elapsed_s)
     }
 
-    /// When the next picture is needed, with nothing else going on.
+    /// Returns when the next picture is needed, with nothing else going on.
     pub fn repaint_after(&self) -> Option<Duration> {
         self.tracking.as_ref()?;
         let here = self.shown.presence != Presence::Absent || self.is_calibrating();
         Some(if here { Duration::ZERO } else { SEEK_EVERY })
     }
 
-    /// Where the head is before the screen, in metres, while it is tracked.
+    /// Returns where the head is before the screen, in metres, while it is tracked.
     pub fn position_m(&self) -> Option<Vec3> {
         let tracked = matches!(self.shown.presence, Presence::Tracked | Presence::Returning);
         (self.is_on() && tracked).then(|| self.shown.placement.position_m.as_vec3())
     }
 
-    /// The part of the screen in which the picture is.
+    /// Returns the part of the screen in which the picture is.
     pub fn plane(&self, viewport: Viewport) -> ScreenPlane {
         self.screen.plane(viewport)
     }
 
-    /// The left and the right eye of the head, `eye_distance_m` metres apart, while the view follows
-    /// it.
+    /// Returns the left and the right eye of the head, `eye_distance_m` metres apart, while the view follows it.
     pub fn eyes(
         &self,
         viewport: Viewport,
@@ -237,12 +236,12 @@ impl Head {
         Some(plane.eyes(&head, &world, turntable.eye().size, near))
     }
 
-    /// Where the head is shown, on the screen's axes.
+    /// Returns where the head is shown, on the screen's axes.
     pub fn placement(&self) -> Placement {
         self.shown.placement
     }
 
-    /// The head that a headset reports to this tracker, if it is to.
+    /// Returns the head that a headset reports to this tracker, if it is to.
     pub fn session_head(&self) -> Option<&SessionHead> {
         self.session_head.as_ref()
     }

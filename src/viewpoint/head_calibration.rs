@@ -26,7 +26,7 @@ impl HeadCalibration {
         HeadCalibration { now: settings.calibration(), file: None, under_way: None }
     }
 
-    /// The calibration in use.
+    /// Returns the calibration in use.
     pub fn now(&self) -> Calibration {
         self.now
     }

@@ -40,12 +40,12 @@ impl HeadScreen {
         self.monitor = monitor;
     }
 
-    /// Where a head is taken to be that is not tracked.
+    /// Returns where a head is taken to be that is not tracked.
     pub fn rest(&self) -> Placement {
         Placement { position_m: DVec3::from(self.options.rest_m), orientation: DQuat::IDENTITY }
     }
 
-    /// The whole screen, and whether its size is a guess.
+    /// Returns the whole screen, and whether its size is a guess.
     pub fn whole(&self) -> (ScreenPlane, bool) {
         let [width_m, height_m] = self.options.size_m;
         if width_m > 0.0 {
@@ -56,7 +56,7 @@ impl HeadScreen {
         (ScreenPlane::new(size.x, size.y), true)
     }
 
-    /// The part of the screen in which the picture is.
+    /// Returns the part of the screen in which the picture is.
     pub fn plane(&self, viewport: Viewport) -> ScreenPlane {
         let (whole, _) = self.whole();
         let Some(monitor) = self.monitor else { return whole };

@@ -85,8 +85,8 @@ impl Viewpoint {
         self.viewport
     }
 
-    /// The eyes of the next picture: one, or the left and the right one. They are those of the
-    /// camera before the printed marker, of the head before the screen, or of the turntable's camera.
+    /// Returns the eyes of the next picture: one, or the left and the right one. They are those of the camera before
+    /// the printed marker, of the head before the screen, or of the turntable's camera.
     pub fn eyes(&self, document: &Document, stereo: &StereoOptions) -> Vec<Eye> {
         let is_mono = stereo.layout == StereoLayout::Mono;
         if let Some(eye) = self.camera_eye(document) {
@@ -107,26 +107,26 @@ impl Viewpoint {
         stereo.rig(depth.max(self.turntable.near())).eyes(&mono).to_vec()
     }
 
-    /// The eye whose picture the pointer is in.
+    /// Returns the eye whose picture the pointer is in.
     pub fn eye(&self, document: &Document, stereo: &StereoOptions) -> Eye {
         let eyes = self.eyes(document, stereo);
         eyes[self.pointing_eye.min(eyes.len() - 1)]
     }
 
-    /// The left and the right eye of the tracked head, `eye_distance_m` metres apart, while the view
-    /// follows it.
+    /// Returns the left and the right eye of the tracked head, `eye_distance_m` metres apart, while the view follows
+    /// it.
     pub fn tracked_eyes(&self, eye_distance_m: f32) -> Option<[Eye; 2]> {
         self.head.eyes(self.viewport, &self.turntable, eye_distance_m)
     }
 
-    /// The eye of the camera, while the sculpture stands on the printed marker.
+    /// Returns the eye of the camera, while the sculpture stands on the printed marker.
     fn camera_eye(&self, document: &Document) -> Option<Eye> {
         let dims = document.grid().dims().as_vec3();
         self.ar.eye(&document.world_from_grid(), dims, self.turntable.eye().size)
     }
 
-    /// Whether the tracking behind the view has leapt, was lost or found since the last call: that of
-    /// the camera before the printed marker, or of the head before the screen.
+    /// Returns whether the tracking behind the view has leapt, was lost or found since the last call: that of the
+    /// camera before the printed marker, or of the head before the screen.
     pub fn has_leapt(&mut self, now_s: f64) -> bool {
         let tracked = match self.ar.is_on() {
             true => self.ar.camera_position_m().map(|at| (Tracked::Camera, at)),
@@ -146,7 +146,7 @@ impl Viewpoint {
         self.pick_map = Some(map);
     }
 
-    /// The index map of the last picture.
+    /// Returns the index map of the last picture.
     pub fn pick_map(&self) -> Option<&IndexMap> {
         self.pick_map.as_deref()
     }
@@ -156,14 +156,14 @@ impl Viewpoint {
         self.pick_map = None;
     }
 
-    /// The placement that shows a side of the sculpture, from where all of it is seen.
+    /// Returns the placement that shows a side of the sculpture, from where all of it is seen.
     pub fn look_from(&mut self, side: Side, up: Vec3, document: &Document) -> Placement {
         let placement = self.turntable.looking_from(side, up, document.placement());
         self.turntable.show_all(document.grid(), &placement);
         placement
     }
 
-    /// The placement that a drag of `by` pixels leads to; none if the action moves no sculpture.
+    /// Returns the placement that a drag of `by` pixels leads to; none if the action moves no sculpture.
     pub fn dragged(
         &self,
         action: Action,
@@ -196,8 +196,8 @@ impl Viewpoint {
         Some(self.turntable.zoomed(placement, notches, at, surface))
     }
 
-    /// The placement that brings the sculpture nearer by as much as a drag of `pixels` would move it, but not onto the
-    /// camera.
+    /// Returns the placement that brings the sculpture nearer by as much as a drag of `pixels` would move it, but not
+    /// onto the camera.
     pub fn brought_nearer(
         &mut self,
         document: &Document,
@@ -210,7 +210,7 @@ impl Viewpoint {
         self.turntable.brought_nearer(placement, pixels, surface)
     }
 
-    /// Whether the camera is inside the sculpture, where nothing is seen.
+    /// Returns whether the camera is inside the sculpture, where nothing is seen.
     pub fn is_inside(&self, document: &Document) -> bool {
         let eye = self.turntable.eye();
         !self.ar.is_on() && approach::is_inside(document.grid(), &eye, &document.world_from_grid())
@@ -227,15 +227,15 @@ impl Viewpoint {
         notice
     }
 
-    /// The frame to be shown behind the sculpture, and its lens: the one that the eye belongs to,
-    /// or the newest.
+    /// Returns the frame to be shown behind the sculpture, and its lens: the one that the eye belongs to, or the
+    /// newest.
     pub fn video(&self, settings: &VideoOptions) -> Option<(&Arc<Frame>, Option<Intrinsics>)> {
         let wished = settings.on || self.ar.is_on();
         let frame = self.ar.frame().or(self.camera.frame()).filter(|_| wished)?;
         Some((frame, self.camera.lens()))
     }
 
-    /// The soonest time after which trackers or cameras need another picture.
+    /// Returns the soonest time after which trackers or cameras need another picture.
     pub fn repaint_after(&self) -> Option<Duration> {
         let news =
             [self.head.repaint_after(), self.ar.repaint_after(), self.camera.repaint_after()];

@@ -37,7 +37,7 @@ pub struct Turntable {
 }
 
 impl Turntable {
-    /// A camera that shows the whole of `grid`.
+    /// Returns a camera that shows the whole of `grid`.
     pub fn new(grid: &Grid, fov_deg: f32, size: UVec2) -> Turntable {
         let mut turntable = Turntable {
             distance: 1.0,
@@ -74,7 +74,7 @@ impl Turntable {
         }
     }
 
-    /// Distance of the near plane of a camera among what is seen.
+    /// Returns distance of the near plane of a camera among what is seen.
     pub fn near(&self) -> f32 {
         self.distance.min(self.radius) * 1e-3
     }
@@ -83,12 +83,12 @@ impl Turntable {
         self.camera().eye(self.size)
     }
 
-    /// The middle of the picture, in pixels.
+    /// Returns the middle of the picture, in pixels.
     pub fn middle(&self) -> Vec2 {
         self.size.as_vec2() * 0.5
     }
 
-    /// Height of what is seen at the distance of the origin, in world units.
+    /// Returns height of what is seen at the distance of the origin, in world units.
     pub fn window_height(&self) -> f32 {
         2.0 * (0.5 * self.fov_y_rad).tan() * self.distance
     }
@@ -103,7 +103,7 @@ impl Turntable {
         self.distance = MARGIN * self.radius / half_angle.atan().sin();
     }
 
-    /// The placement that shows a side of the grid in the middle, `up` of the grid upwards.
+    /// Returns the placement that shows a side of the grid in the middle, `up` of the grid upwards.
     pub fn looking_from(&self, side: Side, up: Vec3, placement: &Placement) -> Placement {
         Placement { rotation: facing(side, up), translation: Vec3::ZERO, ..*placement }
     }
@@ -114,7 +114,7 @@ impl Turntable {
         self.turned_by(placement, by * (TURN_PER_HEIGHT_RAD / self.size.y as f32), up)
     }
 
-    /// The same by angles in radians: to the right, and down.
+    /// Returns the same by angles in radians: to the right, and down.
     pub fn turned_by(&self, placement: &Placement, angle: Vec2, up: Vec3) -> Placement {
         let axis = placement.rotation * up;
         // Seen upside down the sculpture must still follow the hand.
@@ -124,7 +124,7 @@ impl Turntable {
         Placement { rotation: (tilt * spin * placement.rotation).normalize(), ..*placement }
     }
 
-    /// The turn of a drag about the screen's axes, in world coordinates, for tools.
+    /// Returns the turn of a drag about the screen's axes, in world coordinates, for tools.
     pub fn turn_of(&self, by: Vec2) -> Quat {
         let angle = by * (TURN_PER_HEIGHT_RAD / self.size.y as f32);
         Quat::from_rotation_x(angle.y) * Quat::from_rotation_y(angle.x)
@@ -160,7 +160,7 @@ impl Turntable {
         Placement { translation: placement.translation.with_z(to), ..*placement }
     }
 
-    /// How near the camera comes to a surface, in world units.
+    /// Returns how near the camera comes to a surface, in world units.
     pub fn gap(&self) -> f32 {
         self.radius * NEAREST
     }
@@ -208,13 +208,13 @@ impl Turntable {
     }
 }
 
-/// The side from which one looks against an axis of the grid, `up` of the grid upwards.
+/// Returns the side from which one looks against an axis of the grid, `up` of the grid upwards.
 pub fn side_facing(axis: Vec3, up: Vec3) -> Option<Side> {
     let sides = Side::ALL.into_iter().filter(|side| *side != Side::Corner);
     sides.into_iter().find(|side| (facing(*side, up) * axis).z > 0.99)
 }
 
-/// The rotation that turns a side of the grid to the viewer, `up` of the grid upwards.
+/// Returns the rotation that turns a side of the grid to the viewer, `up` of the grid upwards.
 fn facing(side: Side, up: Vec3) -> Quat {
     Quat::from_mat3(&side_frame(side, up).transpose()).normalize()
 }

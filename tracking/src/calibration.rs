@@ -82,7 +82,7 @@ impl Calibration {
         self.rotation * (tracker_m * self.scale) + self.translation_m
     }
 
-    /// The eyes in screen axes, from the sensor in tracker axes.
+    /// Returns the eyes in screen axes, from the sensor in tracker axes.
     pub fn apply(&self, sensor: Placement) -> Placement {
         let turned = (self.rotation * sensor.orientation).normalize();
         Placement {
@@ -91,7 +91,7 @@ impl Calibration {
         }
     }
 
-    /// The velocity that belongs to [`Self::apply`] of the same sensor.
+    /// Returns the velocity that belongs to [`Self::apply`] of the same sensor.
     pub fn apply_velocity(&self, sensor: Placement, velocity: Velocity) -> Velocity {
         let angular_rad_s = self.rotation * velocity.angular_rad_s;
         let arm_m = self.rotation * sensor.orientation * self.sensor_from_eyes.position_m;
@@ -115,13 +115,13 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// A touch with a tip at `tip_m` in sensor axes.
+    /// Returns a touch with a tip at `tip_m` in sensor axes.
     pub fn with_tip(sensor: Placement, tip_m: DVec3, screen_m: DVec3) -> Self {
         Self { tracker_m: sensor.position_m + sensor.orientation * tip_m, screen_m }
     }
 }
 
-/// The corners to touch, in order: top left, top right, bottom right, bottom left.
+/// Returns the corners to touch, in order: top left, top right, bottom right, bottom left.
 pub fn screen_corners_m(width_m: f64, height_m: f64) -> [DVec3; 4] {
     let (x, y) = (width_m / 2.0, height_m / 2.0);
     [DVec3::new(-x, y, 0.0), DVec3::new(x, y, 0.0), DVec3::new(x, -y, 0.0), DVec3::new(-x, -y, 0.0)]
@@ -138,14 +138,14 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The largest residual, metres.
+    /// Returns the largest residual, metres.
     pub fn max_m(&self) -> f64 {
         self.residuals_m.iter().copied().fold(0.0, f64::max)
     }
 }
 
-/// The rigid transform, with scale if `with_scale`, that fits the touches' tracker points to their screen points
-/// by least squares. Needs three or more touches that are not collinear; the corners of a screen, which are
+/// Returns the rigid transform, with scale if `with_scale`, that fits the touches' tracker points to their screen
+/// points by least squares. Needs three or more touches that are not collinear; the corners of a screen, which are
 /// coplanar, are enough.
 ///
 /// B. K. P. Horn: "Closed-form solution of absolute orientation using unit quaternions", 1987.

@@ -161,7 +161,7 @@ impl Channel {
         self.raw = Some(pose.clone());
     }
 
-    /// Whether the sensor reports.
+    /// Returns whether the sensor reports.
     pub(crate) fn is_live(&self, now_s: f64) -> bool {
         !self.gone
             && self
@@ -170,7 +170,7 @@ impl Channel {
                 .is_some_and(|pose| now_s - pose.time_s <= self.options.lost_after_s)
     }
 
-    /// The placement predicted for `time_s`; None before the first report.
+    /// Returns the placement predicted for `time_s`; None before the first report.
     pub(crate) fn at(&self, time_s: f64) -> Option<Placement> {
         let pose = self.smooth.as_ref()?;
         let ahead_s = time_s - pose.time_s;

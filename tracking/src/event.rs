@@ -73,7 +73,7 @@ pub enum Event {
 }
 
 impl Event {
-    /// Whether a later event of the same kind supersedes this one.
+    /// Returns whether a later event of the same kind supersedes this one.
     fn is_stream(&self) -> bool {
         matches!(
             self,
@@ -126,7 +126,7 @@ impl Inbox {
         events.extend(queue.events.drain(..));
     }
 
-    /// Number of events dropped so far because they were not fetched.
+    /// Returns number of events dropped so far because they were not fetched.
     pub fn dropped(&self) -> u64 {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner).dropped
     }

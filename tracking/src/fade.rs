@@ -40,7 +40,7 @@ impl Fade {
     pub const DONE: Self =
         Self { offset_m: DVec3::ZERO, offset_turn: DVec3::ZERO, start_s: 0.0, length_s: 0.0 };
 
-    /// A fade from `shown`, at or before `start_s`, to a guide that is at `guide` then, over `length_s`.
+    /// Returns a fade from `shown`, at or before `start_s`, to a guide that is at `guide` then, over `length_s`.
     pub fn start(shown: Placement, guide: Placement, start_s: f64, length_s: f64) -> Self {
         Self {
             offset_m: shown.position_m - guide.position_m,
@@ -59,7 +59,7 @@ impl Fade {
         x * x * (3.0 - 2.0 * x)
     }
 
-    /// The placement to show at `time_s`, when the guide is at `guide`.
+    /// Returns the placement to show at `time_s`, when the guide is at `guide`.
     pub fn place(&self, guide: Placement, time_s: f64) -> Placement {
         let left = 1.0 - self.share(time_s);
         if left == 0.0 {

@@ -133,7 +133,7 @@ mod tests {
         Placement { position_m: DVec3::new(x, 0.0, 0.0), orientation: DQuat::from_rotation_y(x) }
     }
 
-    /// The filter for a single number, as the reference.
+    /// Returns the filter for a single number, as the reference.
     fn scalar_reference(samples: &[(f64, f64)], o: OneEuroOptions) -> Vec<f64> {
         let alpha = |fc: f64, te: f64| 1.0 / (1.0 + 1.0 / (2.0 * std::f64::consts::PI * fc) / te);
         let (mut x_hat, mut dx_hat, mut previous, mut out) = (0.0, 0.0, (0.0, 0.0), Vec::new());

@@ -118,7 +118,7 @@ impl Opentrack {
         Ok(Self { name, address, shared, thread: Some(thread) })
     }
 
-    /// The address that it listens at.
+    /// Returns the address that it listens at.
     pub fn address(&self) -> SocketAddr {
         self.address
     }

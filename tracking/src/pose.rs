@@ -50,7 +50,7 @@ impl Placement {
     }
 }
 
-/// The rotation vector: axis times angle in radians, the angle at most pi.
+/// Returns the rotation vector: axis times angle in radians, the angle at most pi.
 pub fn rotation_vector(rotation: DQuat) -> DVec3 {
     let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
     let axis = DVec3::new(rotation.x, rotation.y, rotation.z) * sign;

@@ -22,8 +22,8 @@ impl Default for PredictionOptions {
     }
 }
 
-/// The placement `ahead_s` later (or earlier, if negative) at constant velocity. Time, distance and
-/// rotation are each clamped to the options, keeping their direction.
+/// Returns the placement `ahead_s` later (or earlier, if negative) at constant velocity. Time, distance and rotation
+/// are each clamped to the options, keeping their direction.
 pub fn predict(
     placement: Placement,
     velocity: Velocity,

@@ -97,8 +97,8 @@ impl Script {
         self.entries.last().map_or(0.0, |(time_s, _)| *time_s)
     }
 
-    /// The placement of a sensor at a time from the start, interpolated; None before its first pose and while it
-    /// is lost. After the last pose it stays.
+    /// Returns the placement of a sensor at a time from the start, interpolated; None before its first pose and while
+    /// it is lost. After the last pose it stays.
     pub fn at(&self, sensor: u32, time_s: f64) -> Option<(Placement, f64)> {
         let next = self.entries.partition_point(|(entry_s, _)| *entry_s <= time_s);
         let mine = |(entry_s, entry): &(f64, Entry)| match *entry {
@@ -307,7 +307,7 @@ impl Source for Scripted {
     }
 }
 
-/// The time of an event of a script.
+/// Returns the time of an event of a script.
 fn time_of(event: &Event) -> f64 {
     match event {
         Event::Pose(pose) => pose.time_s,

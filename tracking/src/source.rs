@@ -52,7 +52,7 @@ impl Counters {
 
 /// A source of poses. None of these calls blocks: a source waits on a thread of its own.
 pub trait Source: Send {
-    /// A description for people: what it is and where.
+    /// Returns a description for people: what it is and where.
     fn name(&self) -> &str;
 
     /// Appends the events since the last call, oldest first. `now_s` is the host's clock.
@@ -62,7 +62,7 @@ pub trait Source: Send {
 
     fn counters(&self) -> Counters;
 
-    /// The pose that the source itself predicts for `display_time_s`; it replaces filter and prediction. For
+    /// Returns the pose that the source itself predicts for `display_time_s`; it replaces filter and prediction. For
     /// runtimes (OpenXR) that predict better than this crate can.
     fn located(&mut self, _sensor: u32, _display_time_s: f64) -> Option<HeadPose> {
         None

@@ -123,7 +123,7 @@ impl Tracker {
         }
     }
 
-    /// The head's last report after calibration and filter, in screen axes.
+    /// Returns the head's last report after calibration and filter, in screen axes.
     pub fn latest(&self) -> Option<&HeadPose> {
         self.latest_of(BodyId::HEAD)
     }
@@ -134,12 +134,12 @@ impl Tracker {
         body.channels[body.guide?].smooth()
     }
 
-    /// The last report of each channel as the tracker sent it, for calibrating.
+    /// Returns the last report of each channel as the tracker sent it, for calibrating.
     pub fn raw_of(&self, body: BodyId) -> impl Iterator<Item = Option<&HeadPose>> {
         self.bodies.get(body.0).into_iter().flat_map(|body| body.channels.iter().map(Channel::raw))
     }
 
-    /// Where the head will be when the frame is seen.
+    /// Returns where the head will be when the frame is seen.
     pub fn predicted(&mut self, display_time_s: f64) -> Predicted {
         self.bodies[0].predicted(display_time_s, &mut self.sources)
     }
@@ -172,7 +172,7 @@ impl Tracker {
 }
 
 impl Body {
-    /// The guide's placement for `time_s`.
+    /// Returns the guide's placement for `time_s`.
     fn guide_at(&self, time_s: f64, sources: &mut [Box<dyn Source>]) -> Placement {
         let Some(channel) = self.guide.map(|index| &self.channels[index]) else {
             return self.rest;

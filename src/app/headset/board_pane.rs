@@ -53,7 +53,7 @@ impl BoardPane {
         self.ui.handle(event);
     }
 
-    /// Whether another pass is due at `now_s`.
+    /// Returns whether another pass is due at `now_s`.
     pub fn is_due(&self, now_s: f64) -> bool {
         self.ui.is_due(now_s)
     }

@@ -39,8 +39,8 @@ impl BoardPanel {
         self.pane.handle(event);
     }
 
-    /// The board's place in the room, while it is visible: when it is open, or `modal`, since a
-    /// dialog waits for an answer.
+    /// Returns the board's place in the room, while it is visible: when it is open, or `modal`, since a dialog waits
+    /// for an answer.
     pub fn quad(&self, hands: Option<&HandsState>, main: HandSide, modal: bool) -> Option<Board> {
         let hand = hands?.hand(main.other());
         let grip = hand.grip.filter(|_| self.open || modal)?;

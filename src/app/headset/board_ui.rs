@@ -143,8 +143,7 @@ impl BoardUi {
         }
     }
 
-    /// Whether the pointer acts on the keyboard: not during a drag that began on a widget, wherever it
-    /// goes.
+    /// Returns whether the pointer acts on the keyboard: not during a drag that began on a widget, wherever it goes.
     fn is_on_keyboard(&self) -> bool {
         match self.press_target {
             Some(target) => target == PressTarget::Keyboard,
@@ -166,12 +165,12 @@ impl BoardUi {
         }
     }
 
-    /// Width and height in points, at the chosen text size.
+    /// Returns width and height in points, at the chosen text size.
     fn size_points(&self) -> Vec2 {
         self.size_px.as_vec2() / (self.pixels_per_point * self.context.zoom_factor())
     }
 
-    /// Whether another pass is due at `now_s`.
+    /// Returns whether another pass is due at `now_s`.
     pub fn is_due(&self, now_s: f64) -> bool {
         let due_s = self.keyboard.due_s().map_or(self.due_s, |due_s| due_s.min(self.due_s));
         self.stale || !self.events.is_empty() || now_s >= due_s

@@ -384,7 +384,7 @@ fn draggable_widgets_are_dragged_beyond_a_small_distance() {
     assert!(hand.has_keyboard());
 }
 
-/// The whole board with a sculpture in a folder of its own.
+/// Returns the whole board with a sculpture in a folder of its own.
 fn desk(folder: &std::path::Path) -> Hand<Workspace> {
     let mut config = Config::default();
     config.new.dims = [16; 3];

@@ -82,7 +82,7 @@ impl ConnectAttempts {
         Ok(())
     }
 
-    /// The result of the attempt, once. The session is started: its events go to the sink.
+    /// Returns the result of the attempt, once. The session is started: its events go to the sink.
     pub fn take_result(&self) -> Option<ConnectResult> {
         let connected = self.thread.as_ref()?.take_result()?;
         let (connection, sink) = (self.connection, self.sink.clone());

@@ -90,22 +90,22 @@ impl XrFrameLoop {
         Ok(of.run(&mut self.renderer)?)
     }
 
-    /// The names of runtime and headset.
+    /// Returns the names of runtime and headset.
     pub fn name(&self) -> &str {
         self.session.name()
     }
 
-    /// Whether its device is a software renderer.
+    /// Returns whether its device is a software renderer.
     pub fn is_software(&self) -> bool {
         self.session.device().is_software()
     }
 
-    /// The available blend modes.
+    /// Returns the available blend modes.
     pub fn blends(&self) -> Vec<Blend> {
         self.session.blends()
     }
 
-    /// Whether pictures are visible in the headset.
+    /// Returns whether pictures are visible in the headset.
     pub fn is_showing(&self) -> bool {
         self.health.is_showing()
     }
@@ -133,7 +133,7 @@ impl XrFrameLoop {
         self.placement.recentre();
     }
 
-    /// Whether the sculpture has been placed in the room.
+    /// Returns whether the sculpture has been placed in the room.
     pub fn is_placed(&self) -> bool {
         self.placement.is_placed()
     }
@@ -336,7 +336,7 @@ impl Drop for XrFrameLoop {
     }
 }
 
-/// The head: half way between the eyes, with their mean orientation.
+/// Returns the head: half way between the eyes, with their mean orientation.
 fn head_between(views: &[RoomView; 2]) -> Pose {
     let [left, right] = views.map(|view| view.pose);
     Pose {

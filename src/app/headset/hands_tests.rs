@@ -329,7 +329,7 @@ fn pose() -> impl Strategy<Value = Option<Pose>> {
     prop_oneof![20 => pose.prop_map(Some), 1 => Just(None)]
 }
 
-/// The state of a hand.
+/// Returns the state of a hand.
 fn hand() -> impl Strategy<Value = HandState> {
     (
         pose(),

@@ -27,7 +27,7 @@ impl HapticFeedback {
         }
     }
 
-    /// The strength of 0 to 1 to set at `now_s`; None where the hand does not vibrate and did not.
+    /// Returns the strength of 0 to 1 to set at `now_s`; None where the hand does not vibrate and did not.
     /// `total_voxels`: changed by tools so far; `working`: the hand uses its tool.
     pub fn step(&mut self, now_s: f64, total_voxels: u64, working: bool) -> Option<f32> {
         let dt_s = self.last_s.replace(now_s).map_or(0.0, |last| (now_s - last).clamp(0.0, 1.0));

@@ -138,17 +138,17 @@ impl Headset {
         }
     }
 
-    /// Whether pictures are visible in the headset.
+    /// Returns whether pictures are visible in the headset.
     pub fn is_showing(&self) -> bool {
         matches!(&self.state, State::Connected(frames) if frames.is_showing())
     }
 
-    /// Whether the person has exited the program in the headset.
+    /// Returns whether the person has exited the program in the headset.
     pub fn has_exited(&self) -> bool {
         matches!(self.state, State::Exited)
     }
 
-    /// The number of messages of the validation layers so far.
+    /// Returns the number of messages of the validation layers so far.
     pub fn validation_messages(&self) -> usize {
         let count = |log: Arc<ValidationLog>| log.messages().len();
         match &self.state {

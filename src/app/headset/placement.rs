@@ -17,7 +17,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The longest side in world units.
+    /// Returns the longest side in world units.
     fn longest(&self) -> f32 {
         (self.dims.as_vec3() * self.voxel_size).max_element()
     }
@@ -52,7 +52,7 @@ impl RoomPlacement {
         RoomPlacement { size_m, distance_m, drop_m, room: None, recentring: false, placed }
     }
 
-    /// The room, once there was a head to place the sculpture before.
+    /// Returns the room, once there was a head to place the sculpture before.
     pub fn room(&self) -> Option<Room> {
         self.room.map(|(room, _)| room)
     }

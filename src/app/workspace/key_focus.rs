@@ -101,12 +101,12 @@ impl After {
     }
 }
 
-/// Whether a key is pressed that presses a button.
+/// Returns whether a key is pressed that presses a button.
 fn confirms(input: &egui::InputState) -> bool {
     input.key_pressed(Key::Enter) || input.key_pressed(Key::Space)
 }
 
-/// Whether the pointer does more than to rest.
+/// Returns whether the pointer does more than to rest.
 fn is_used(input: &egui::InputState) -> bool {
     input.events.iter().any(|event| {
         matches!(event, Event::PointerButton { pressed: true, .. } | Event::MouseWheel { .. })

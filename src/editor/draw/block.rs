@@ -48,12 +48,13 @@ impl Base {
         Some(Base { low, high, face, end })
     }
 
-    /// The index of the axis of the face.
+    /// Returns the index of the axis of the face.
     fn axis(&self) -> usize {
         self.face.abs().max_position()
     }
 
-    /// The lowest and the highest corner of the box that reaches so many voxels out of the face, or, below 0, into it.
+    /// Returns the lowest and the highest corner of the box that reaches so many voxels out of the face, or, below 0,
+    /// into it.
     pub fn raised(&self, layers: f32) -> [Vec3; 2] {
         let axis = self.axis();
         let Base { mut low, mut high, .. } = *self;
@@ -62,10 +63,10 @@ impl Base {
         [low, high]
     }
 
-    /// The height to which a pixel leads the box, in voxels out of the face (below 0: into it), within the grid: there the
-    /// normal through the end of the base's drag is seen nearest to the pixel, so that the edge under the pointer stays
-    /// under it. If the normal nearly points at the eye: as far as the pixel is above that end, or below it. None behind
-    /// the eye.
+    /// Returns the height to which a pixel leads the box, in voxels out of the face (below 0: into it), within the
+    /// grid: there the normal through the end of the base's drag is seen nearest to the pixel, so that the edge under
+    /// the pointer stays under it. If the normal nearly points at the eye: as far as the pixel is above that end, or
+    /// below it. None behind the eye.
     pub fn layers_at(&self, view: &View, at: Vec2) -> Option<i32> {
         let sight = &view.sight;
         let axis = self.axis();
@@ -120,14 +121,14 @@ impl Raised {
     }
 }
 
-/// The lowest and the highest corner of the box on a base; `height` (in units of the smallest edge of a voxel) outwards,
-/// or inwards.
+/// Returns the lowest and the highest corner of the box on a base; `height` (in units of the smallest edge of a voxel)
+/// outwards, or inwards.
 pub fn corners(view: &View, base: &Base, height: f32, outwards: bool) -> [Vec3; 2] {
     let layers = (height / view.edges[base.axis()]).round().max(1.0);
     base.raised(if outwards { layers } else { -layers })
 }
 
-/// The cuboid between two corners. `edges`: of a voxel, in units of the smallest.
+/// Returns the cuboid between two corners. `edges`: of a voxel, in units of the smallest.
 pub fn cuboid(edges: Vec3, [low, high]: [Vec3; 2]) -> Primitive {
     Primitive {
         solid: Solid::Cuboid,
@@ -137,7 +138,7 @@ pub fn cuboid(edges: Vec3, [low, high]: [Vec3; 2]) -> Primitive {
     }
 }
 
-/// The twelve edges of the box between two corners.
+/// Returns the twelve edges of the box between two corners.
 pub fn edges_of([low, high]: [Vec3; 2]) -> Vec<[Vec3; 2]> {
     let corner = |i: u32| {
         let pick = |bit: u32, axis: usize| if i >> bit & 1 == 0 { low[axis] } else { high[axis] };
@@ -147,7 +148,8 @@ pub fn edges_of([low, high]: [Vec3; 2]) -> Vec<[Vec3; 2]> {
     pairs.filter(|(a, b)| a != b).map(|(a, b)| [corner(a), corner(b)]).collect()
 }
 
-/// The wall of the grid's box that is seen from inside at a pixel, and its side that faces the inside; none beside it.
+/// Returns the wall of the grid's box that is seen from inside at a pixel, and its side that faces the inside; none
+/// beside it.
 pub fn far_wall(view: &View, at: Vec2) -> Option<SurfacePoint> {
     let rays = &view.sight.rays;
     let direction = rays.direction_at(at.x, at.y);
@@ -213,7 +215,7 @@ mod tests {
         assert_eq!(far_wall(view, Vec2::new(-1e4, 0.0)), None);
     }
 
-    /// A base on each face that is seen well enough, from its middle outwards.
+    /// Returns a base on each face that is seen well enough, from its middle outwards.
     fn bases(view: &View) -> Vec<Base> {
         let faces = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
         let near = |face: &Vec3| -view.direction(view.sight.rays.size.as_vec2() * 0.5).dot(*face);

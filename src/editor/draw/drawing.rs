@@ -75,7 +75,7 @@ impl Drawing {
         Drawing { kind, mode, inverse, view, ground, pointer_px: vec![at], places, depth }
     }
 
-    /// The same, led by the surface as it is seen now.
+    /// Returns the same, led by the surface as it is seen now.
     pub fn with_surface(mut self, picker: &Picker, grid: &Grid) -> Drawing {
         self.view = self.view.with_surface(picker, grid);
         self
@@ -142,12 +142,12 @@ impl Drawing {
         self.pointer_px.push(at);
     }
 
-    /// The last pixel.
+    /// Returns the last pixel.
     fn last(&self) -> Vec2 {
         self.pointer_px.last().copied().unwrap_or(Vec2::ZERO)
     }
 
-    /// The place that a pixel shows: on the surface where it leads, else as far from the eye as the last one.
+    /// Returns the place that a pixel shows: on the surface where it leads, else as far from the eye as the last one.
     fn place_at(&mut self, at: Vec2, grid: &Grid) -> Vec3 {
         let seen = self.view.surface(grid, at).map(|seen| seen.point);
         let place = seen.unwrap_or_else(|| self.view.sight.at_depth(at, self.depth));
@@ -155,22 +155,22 @@ impl Drawing {
         place
     }
 
-    /// Where it begins, in voxels.
+    /// Returns where it begins, in voxels.
     pub fn start(&self) -> Vec3 {
         self.ground.point
     }
 
-    /// Whether the pointer has stayed where it was pressed.
+    /// Returns whether the pointer has stayed where it was pressed.
     pub fn is_click(&self) -> bool {
         self.pointer_px.iter().all(|at| at.distance(self.pointer_px[0]) <= CLICK_PX)
     }
 
-    /// The base of a box as it has been dragged so far.
+    /// Returns the base of a box as it has been dragged so far.
     pub fn base(&self) -> Option<Base> {
         self.base_to(self.last())
     }
 
-    /// The base of a box that goes to a pixel.
+    /// Returns the base of a box that goes to a pixel.
     fn base_to(&self, at: Vec2) -> Option<Base> {
         let from = SurfacePoint { point: self.ground.point, face: self.ground.face };
         Base::new(&self.view, &from, at)
@@ -184,7 +184,7 @@ impl Drawing {
         Some(block::corners(&self.view, &base, height, self.mode == ToolMode::Add))
     }
 
-    /// The outline over the picture.
+    /// Returns the outline over the picture.
     fn outline(&self) -> Vec<Vec2> {
         match self.kind {
             DrawKind::Rectangle => outline::rectangle(self.pointer_px[0], self.last()).to_vec(),
@@ -237,7 +237,7 @@ impl Drawing {
         made.ok_or_else(|| self.kind.spec().advice.to_string())
     }
 
-    /// The letters of a text that would float, since there is no surface under them.
+    /// Returns the letters of a text that would float, since there is no surface under them.
     pub fn floating(&self, options: &DrawOptions, grid: &Grid) -> Vec<char> {
         let stand = || Stand::new(&self.view, self.ground.point, self.ground.face);
         let letters = || glyphs::letters(&options.text, options.font, options.text_height).ok();
@@ -246,7 +246,7 @@ impl Drawing {
         line.map_or_else(Vec::new, |(stand, letters)| stand.floating(grid, &letters))
     }
 
-    /// The lines that show it.
+    /// Returns the lines that show it.
     pub fn sketch(&self, options: &DrawOptions, grid: &Grid) -> Sketch {
         let view = &self.view;
         let depth = view.sight.depth(self.ground.point);

@@ -31,7 +31,7 @@ pub enum Font {
 impl Font {
     pub const ALL: [Font; 3] = [Font::Bold, Font::Light, Font::Mono];
 
-    /// Its name in files.
+    /// Returns its name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Font::Bold => "bold",
@@ -58,7 +58,8 @@ pub struct Letter {
     pub middle: f32,
 }
 
-/// The letters of a line of text whose capitals are `height` high, its middle at the origin. Spaces have no letter.
+/// Returns the letters of a line of text whose capitals are `height` high, its middle at the origin. Spaces have no
+/// letter.
 pub fn letters(text: &str, font: Font, height: f32) -> Result<Vec<Letter>, String> {
     let unreadable = || "The letters of this font cannot be read".to_string();
     let file = FontRef::new(font.bytes()).map_err(|_| unreadable())?;
@@ -98,7 +99,7 @@ pub fn letters(text: &str, font: Font, height: f32) -> Result<Vec<Letter>, Strin
     Ok(letters)
 }
 
-/// The outlines of a glyph and how far the next one is from it, in a font of `size` units an em.
+/// Returns the outlines of a glyph and how far the next one is from it, in a font of `size` units an em.
 fn glyph_outlines(font: &FontRef, glyph: GlyphId, size: f32) -> Option<(Vec<Vec<Vec2>>, f32)> {
     let size_of = Size::new(size);
     let advance = font.glyph_metrics(size_of, LocationRef::default()).advance_width(glyph)?;
@@ -121,8 +122,8 @@ fn glyph_outlines(font: &FontRef, glyph: GlyphId, size: f32) -> Option<(Vec<Vec<
     }
 }
 
-/// The parts of a letter: each outline that is no hole, with the holes in it. Accents that touch a letter would be holes
-/// of it where they overlap.
+/// Returns the parts of a letter: each outline that is no hole, with the holes in it. Accents that touch a letter would
+/// be holes of it where they overlap.
 fn parts(outlines: Vec<Vec<Vec2>>, sign: char, middle: f32) -> Vec<Letter> {
     // Fonts turn the outlines of holes the other way.
     let (solid, holes): (Vec<_>, Vec<_>) =
@@ -138,13 +139,13 @@ fn parts(outlines: Vec<Vec<Vec2>>, sign: char, middle: f32) -> Vec<Letter> {
     parts
 }
 
-/// The area in an outline, counter-clockwise positive.
+/// Returns the area in an outline, counter-clockwise positive.
 fn area(outline: &[Vec2]) -> f32 {
     let next = outline.iter().cycle().skip(1);
     outline.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f32>() * 0.5
 }
 
-/// Whether an outline goes around a point.
+/// Returns whether an outline goes around a point.
 fn contains(outline: &[Vec2], p: Vec2) -> bool {
     let next = outline.iter().cycle().skip(1);
     let crosses = |(a, b): &(&Vec2, &Vec2)| {
@@ -153,7 +154,7 @@ fn contains(outline: &[Vec2], p: Vec2) -> bool {
     outline.iter().zip(next).filter(crosses).count() % 2 == 1
 }
 
-/// An outline of a font, which has its letter on the right, moved to its left.
+/// Returns an outline of a font, which has its letter on the right, moved to its left.
 fn widened(outline: &[Vec2], by: f32) -> Vec<Vec2> {
     let count = outline.len();
     let left = |i: usize| (outline[(i + 1) % count] - outline[i]).normalize_or_zero().perp();
@@ -184,7 +185,7 @@ impl Pen {
         }
     }
 
-    /// A curve of which `bend` is how far its controls are from those of a line.
+    /// Returns a curve of which `bend` is how far its controls are from those of a line.
     fn curve(&mut self, bend: f32, at: impl Fn(f32) -> Vec2) {
         let count = (bend / self.tolerance).sqrt().ceil().clamp(1.0, 24.0) as u32;
         (1..=count).for_each(|i| self.push(at(i as f32 / count as f32)));
@@ -223,7 +224,7 @@ impl OutlinePen for Pen {
 mod tests {
     use super::*;
 
-    /// The number of turns of outlines around a point, and of crossings of a ray from it.
+    /// Returns the number of turns of outlines around a point, and of crossings of a ray from it.
     fn around(outlines: &[Vec<Vec2>], p: Vec2) -> (i32, u32) {
         let (mut winding, mut crossings) = (0, 0);
         for outline in outlines {

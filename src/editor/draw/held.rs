@@ -57,7 +57,7 @@ impl HeldPath {
         !std::mem::take(&mut self.0).is_empty()
     }
 
-    /// The ball in the hand, and the path that it has gone.
+    /// Returns the ball in the hand, and the path that it has gone.
     pub fn sketch(&self, view: &ToolView) -> Sketch {
         let path = &self.0;
         let edges = view.edges();

@@ -36,8 +36,8 @@ impl Axis {
         Some(Axis { at_vx, up, right, near: right.cross(up) })
     }
 
-    /// The point of the profile at a pixel: distance from the axis, below 0 on its left, and height; none where the pixel
-    /// does not show the plane.
+    /// Returns the point of the profile at a pixel: distance from the axis, below 0 on its left, and height; none where
+    /// the pixel does not show the plane.
     fn point(&self, view: &View, at: Vec2) -> Option<Vec2> {
         let (eye, direction) = (view.eye(), view.direction(at));
         let origin = self.at_vx * view.edges;
@@ -48,13 +48,14 @@ impl Axis {
         (t > 0.0 && point.abs().max_element() < 1e5).then_some(point)
     }
 
-    /// The profile that was drawn: distances from the axis and heights. A part that crosses the axis is folded back.
+    /// Returns the profile that was drawn: distances from the axis and heights. A part that crosses the axis is folded
+    /// back.
     pub fn profile(&self, view: &View, drawn: &[Vec2]) -> Vec<Vec2> {
         let points = drawn.iter().filter_map(|at| self.point(view, *at));
         points.map(|p| Vec2::new(p.x.abs(), p.y)).collect()
     }
 
-    /// The solid; none if the profile has hardly an extent.
+    /// Returns the solid; none if the profile has hardly an extent.
     pub fn turned(&self, view: &View, drawn: &[Vec2]) -> Option<DrawnSolid> {
         let profile = thinned_flat(&self.profile(view, drawn), TOLERANCE, MOST_POINTS);
         let widest = profile.iter().map(|p| p.x).fold(0.0, f32::max);
@@ -70,7 +71,7 @@ impl Axis {
         })
     }
 
-    /// A point of the profile as a place of the grid, on the right or the left of the axis.
+    /// Returns a point of the profile as a place of the grid, on the right or the left of the axis.
     fn place(&self, view: &View, point: Vec2, side: f32) -> Vec3 {
         self.at_vx + (self.right * (point.x * side) + self.up * point.y) / view.edges
     }

@@ -106,28 +106,28 @@ impl DrawTool {
         self.drawing.take().is_some()
     }
 
-    /// Whether the pointer draws with its button.
+    /// Returns whether the pointer draws with its button.
     pub fn is_dragged(&self) -> bool {
         self.drawing.is_some()
     }
 
-    /// Whether something is being drawn by the pointer.
+    /// Returns whether something is being drawn by the pointer.
     pub fn is_drawing(&self, tool: &ToolState) -> bool {
         self.drawing.is_some() || self.waiting(tool).is_some()
     }
 
-    /// The unfinished drawing; none once another tool is in hand.
+    /// Returns the unfinished drawing; none once another tool is in hand.
     fn waiting(&self, tool: &ToolState) -> Option<&Unfinished> {
         let in_hand = |drawn: &&Unfinished| tool.kind == ToolKind::Draw(drawn.kind());
         self.unfinished.as_ref().filter(in_hand)
     }
 
-    /// How far what is drawn by several presses is, if there is any.
+    /// Returns how far what is drawn by several presses is, if there is any.
     pub fn progress(&self, tool: &ToolState) -> Option<Progress> {
         Some(self.waiting(tool)?.progress(tool.mode))
     }
 
-    /// Whether something waits for the next press. Another tool in hand gives it up.
+    /// Returns whether something waits for the next press. Another tool in hand gives it up.
     pub fn is_waiting(&mut self, tool: &ToolState) -> bool {
         if self.waiting(tool).is_none() {
             self.unfinished = None;
@@ -135,7 +135,7 @@ impl DrawTool {
         self.unfinished.is_some()
     }
 
-    /// Whether there is something unfinished, by whichever tool.
+    /// Returns whether there is something unfinished, by whichever tool.
     pub fn has_unfinished(&self) -> bool {
         self.unfinished.is_some()
     }
@@ -172,7 +172,7 @@ impl DrawTool {
         Some(self.unfinished.take()?.finished(view))
     }
 
-    /// Whether the button holds a point of what is unfinished.
+    /// Returns whether the button holds a point of what is unfinished.
     pub fn is_held(&self) -> bool {
         self.unfinished.as_ref().is_some_and(Unfinished::is_held)
     }
@@ -256,7 +256,7 @@ fn started(
     Some(Drawing::new(kind, mode, inverse, view, ground, at))
 }
 
-/// Where a drag begins: on the surface, or else where the tool has a use for it.
+/// Returns where a drag begins: on the surface, or else where the tool has a use for it.
 fn ground_at(
     kind: DrawKind,
     mode: ToolMode,

@@ -22,12 +22,12 @@ const MOST_POINTS: usize = 512;
 /// Distance and length of the lines that show a side, in pixels.
 const HATCH_PX: [f32; 2] = [14.0, 12.0];
 
-/// The rectangle between two corners.
+/// Returns the rectangle between two corners.
 pub fn rectangle(a: Vec2, b: Vec2) -> [Vec2; 4] {
     [a, Vec2::new(b.x, a.y), b, Vec2::new(a.x, b.y)]
 }
 
-/// Whether an outline has an inside. One that crosses itself counts with all its loops.
+/// Returns whether an outline has an inside. One that crosses itself counts with all its loops.
 pub fn is_meant(outline: &[Vec2]) -> bool {
     let [Some(low), Some(high)] = [Vec2::min, Vec2::max].map(|f| outline.iter().copied().reduce(f))
     else {
@@ -105,7 +105,7 @@ fn side(from: Vec2, to: Vec2, other: bool) -> Vec2 {
     if other { -right } else { right }
 }
 
-/// Lines that show which side of a line goes, as pairs of pixels.
+/// Returns lines that show which side of a line goes, as pairs of pixels.
 pub fn hatching(from: Vec2, to: Vec2, other: bool) -> Vec<[Vec2; 2]> {
     let along = (to - from).normalize_or_zero();
     let slanted = (side(from, to, other) - along * 0.6).normalize_or_zero() * HATCH_PX[1];

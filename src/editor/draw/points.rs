@@ -45,7 +45,7 @@ impl Points {
         1 + self.others.len()
     }
 
-    /// Whether the button is down.
+    /// Returns whether the button is down.
     pub fn is_held(&self) -> bool {
         self.held
     }
@@ -54,7 +54,8 @@ impl Points {
         self.others.last().copied().unwrap_or(self.first)
     }
 
-    /// The place that a pixel means: on the surface that is `seen` there, else as far from the eye as the last point.
+    /// Returns the place that a pixel means: on the surface that is `seen` there, else as far from the eye as the last
+    /// point.
     fn place(&self, view: &View, at: Vec2, seen: Option<Vec3>) -> Vec3 {
         seen.unwrap_or_else(|| view.sight.at_depth(at, view.sight.depth(self.last())))
     }
@@ -94,12 +95,12 @@ impl Points {
         self.others.pop().is_some()
     }
 
-    /// The points, in order.
+    /// Returns the points, in order.
     pub fn places(&self) -> Vec<Vec3> {
         [self.first].into_iter().chain(self.others.iter().copied()).collect()
     }
 
-    /// The tube through them and, if the pointer is `there`, on to it; and marks on the points.
+    /// Returns the tube through them and, if the pointer is `there`, on to it; and marks on the points.
     pub fn sketch(
         &self,
         view: &View,

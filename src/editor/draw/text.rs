@@ -53,13 +53,13 @@ impl Stand {
         Some(Stand { at_vx, axes: Mat3::from_cols(right, up, normal) })
     }
 
-    /// The place of a point of the plane (units of the smallest edge), in voxels.
+    /// Returns the place of a point of the plane (units of the smallest edge), in voxels.
     fn place(&self, p: Vec2, edges: Vec3) -> Vec3 {
         self.at_vx + self.axes * p.extend(0.0) / edges
     }
 
-    /// The stand of a letter that is `by` farther along the line than this one: where the surface of `grid` is there,
-    /// within `reach` of this plane (units of the smallest edge). None where it is not.
+    /// Returns the stand of a letter that is `by` farther along the line than this one: where the surface of `grid` is
+    /// there, within `reach` of this plane (units of the smallest edge). None where it is not.
     fn along(&self, grid: &Grid, by: f32, reach: f32) -> Option<Stand> {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let normal = self.axes.z_axis;
@@ -76,13 +76,14 @@ impl Stand {
         (turned.dot(normal) > 0.0).then(|| Stand { at_vx, axes: Mat3::from_quat(turn) * self.axes })
     }
 
-    /// Whether a stand on the same surface is in this plane, as far as voxels can tell: `x` farther along the line.
+    /// Returns whether a stand on the same surface is in this plane, as far as voxels can tell: `x` farther along the
+    /// line.
     fn has_in_plane(&self, other: &Stand, x: f32, edges: Vec3) -> bool {
         let off = (other.at_vx - self.place(Vec2::new(x, 0.0), edges)) * edges;
         off.length() < 1.0 && other.axes.z_axis.dot(self.axes.z_axis) > NEARLY
     }
 
-    /// Where each letter of a line stands, its own middle at the origin of the stand.
+    /// Returns where each letter of a line stands, its own middle at the origin of the stand.
     fn of_letters(&self, grid: &Grid, letters: &[Letter]) -> Vec<Placed> {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let flat = |x: f32, floats: bool| Placed {
@@ -122,7 +123,7 @@ impl Stand {
         placed
     }
 
-    /// The solids of letters that reach `depth` out of the surface, and as deep into it.
+    /// Returns the solids of letters that reach `depth` out of the surface, and as deep into it.
     pub fn forms(&self, grid: &Grid, letters: &[Letter], depth: f32) -> Vec<DrawnSolid> {
         let placed = self.of_letters(grid, letters);
         let form = |(letter, placed): (&Letter, &Placed)| {
@@ -135,7 +136,7 @@ impl Stand {
         letters.iter().zip(&placed).map(form).collect()
     }
 
-    /// The letters that have no surface under them, in their order.
+    /// Returns the letters that have no surface under them, in their order.
     pub fn floating(&self, grid: &Grid, letters: &[Letter]) -> Vec<char> {
         let placed = self.of_letters(grid, letters);
         let floats = letters.iter().zip(&placed).filter(|(_, placed)| placed.floats);
@@ -144,7 +145,7 @@ impl Stand {
         signs.into_iter().map(|(_, sign)| sign).collect()
     }
 
-    /// The outlines of the letters on the surface.
+    /// Returns the outlines of the letters on the surface.
     pub fn sketch(&self, grid: &Grid, letters: &[Letter]) -> Vec<[Vec3; 2]> {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let placed = self.of_letters(grid, letters);
@@ -167,7 +168,7 @@ struct Placed {
     floats: bool,
 }
 
-/// The outlines of a letter about its own middle.
+/// Returns the outlines of a letter about its own middle.
 fn own(letter: &Letter) -> impl Iterator<Item = impl Iterator<Item = Vec2>> {
     let middle = Vec2::new(letter.middle, 0.0);
     letter.outlines.iter().map(move |outline| outline.iter().map(move |p| *p - middle))
@@ -194,7 +195,7 @@ mod tests {
         grid
     }
 
-    /// A line along x in the plane of the front.
+    /// Returns a line along x in the plane of the front.
     fn before(at_vx: Vec3) -> Stand {
         Stand { at_vx, axes: Mat3::IDENTITY }
     }

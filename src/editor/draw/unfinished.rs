@@ -65,7 +65,7 @@ impl Unfinished {
         if self.inverse { tool.inverted() } else { tool }
     }
 
-    /// How far it is.
+    /// Returns how far it is.
     pub fn progress(&self, tool: ToolMode) -> Progress {
         match &self.what {
             What::Box(raised) => Progress::Raised(raised.layers(self.goes_out(tool))),
@@ -73,7 +73,7 @@ impl Unfinished {
         }
     }
 
-    /// Whether a box goes out of its face where the pointer does not say so.
+    /// Returns whether a box goes out of its face where the pointer does not say so.
     fn goes_out(&self, tool: ToolMode) -> bool {
         self.mode(tool) == ToolMode::Add
     }
@@ -106,7 +106,7 @@ impl Unfinished {
         }
     }
 
-    /// Whether the button holds a point of it.
+    /// Returns whether the button holds a point of it.
     pub fn is_held(&self) -> bool {
         matches!(&self.what, What::Curve(points) if points.is_held())
     }
@@ -138,7 +138,7 @@ impl Unfinished {
         Drawn { kind: self.kind(), mode, commands, floating: Vec::new() }
     }
 
-    /// The lines that show it. `is_pointed`: the pointer is over the picture.
+    /// Returns the lines that show it. `is_pointed`: the pointer is over the picture.
     pub fn sketch(&self, is_pointed: bool, tool_view: &ToolView, picker: &Picker) -> Sketch {
         let tool = tool_view.tool;
         let view = View::new(picker.sight(), tool_view.grid());
@@ -152,7 +152,7 @@ impl Unfinished {
     }
 }
 
-/// The view of the moment, and the place on the surface at a pixel where surfaces lead.
+/// Returns the view of the moment, and the place on the surface at a pixel where surfaces lead.
 fn seen_at(at: Vec2, tool_view: &ToolView, picker: &Picker) -> (View, Option<Vec3>) {
     let grid = tool_view.grid();
     let map = picker.map().filter(|_| tool_view.tool.draws.on_surface);

@@ -34,28 +34,28 @@ impl View {
         }
     }
 
-    /// The same with the surface as it is seen now.
+    /// Returns the same with the surface as it is seen now.
     pub fn with_surface(mut self, picker: &Picker, grid: &Grid) -> View {
         self.seen = picker.map().map(|map| lasting(map, grid));
         self
     }
 
-    /// The surface at a pixel, if it was kept.
+    /// Returns the surface at a pixel, if it was kept.
     pub fn surface(&self, grid: &Grid, at: Vec2) -> Option<SurfacePoint> {
         surface_point(self.seen.as_ref()?, grid, at)
     }
 
-    /// The eye, in units of the smallest edge of a voxel.
+    /// Returns the eye, in units of the smallest edge of a voxel.
     pub fn eye(&self) -> Vec3 {
         self.sight.rays.origin * self.edges
     }
 
-    /// Where the ray through a pixel goes, in units of the smallest edge, of length 1 (or 0 if there is none).
+    /// Returns where the ray through a pixel goes, in units of the smallest edge, of length 1 (or 0 if there is none).
     pub fn direction(&self, at: Vec2) -> Vec3 {
         (self.sight.rays.direction_at(at.x, at.y) * self.edges).normalize_or_zero()
     }
 
-    /// The middle of the grid, in voxels.
+    /// Returns the middle of the grid, in voxels.
     pub fn middle(&self) -> Vec3 {
         self.dims.as_vec3() * 0.5
     }
@@ -68,7 +68,7 @@ impl View {
         Some([right, right.cross(ahead), -ahead])
     }
 
-    /// A circle around a place (voxels) that faces the viewer, as lines between places.
+    /// Returns a circle around a place (voxels) that faces the viewer, as lines between places.
     pub fn circle(&self, around_vx: Vec3, radius: f32) -> Vec<[Vec3; 2]> {
         let Some(at) = self.sight.pixel_of(around_vx) else { return Vec::new() };
         let Some([right, up, _]) = self.frame(at) else { return Vec::new() };
@@ -76,7 +76,7 @@ impl View {
     }
 }
 
-/// A circle as lines, from its centre and two of its radii.
+/// Returns a circle as lines, from its centre and two of its radii.
 pub fn circle(centre: Vec3, across: Vec3, up: Vec3) -> Vec<[Vec3; 2]> {
     const SEGMENTS: u32 = 32;
     let at = |i: u32| {
@@ -86,7 +86,7 @@ pub fn circle(centre: Vec3, across: Vec3, up: Vec3) -> Vec<[Vec3; 2]> {
     (0..SEGMENTS).map(|i| [at(i), at(i + 1)]).collect()
 }
 
-/// The lines from each point to the next.
+/// Returns the lines from each point to the next.
 pub fn chain(points: &[Vec3]) -> impl Iterator<Item = [Vec3; 2]> {
     points.windows(2).map(|pair| [pair[0], pair[1]])
 }
@@ -99,7 +99,7 @@ pub mod tests {
     use crate::sculpture::Placement;
     use crate::view::Camera;
 
-    /// A grid turned before an eye, in a picture of 200 x 100 pixels.
+    /// Returns a grid turned before an eye, in a picture of 200 x 100 pixels.
     pub fn view(rotation: Quat, dims: UVec3, voxel_size: Vec3) -> View {
         let size = dims.as_vec3() * voxel_size;
         let eye = Camera { eye: Vec3::new(0.0, 0.0, 2.0 * size.length()), ..Camera::default() }

@@ -23,7 +23,8 @@ pub struct ConeStroke {
 }
 
 impl ConeStroke {
-    /// A stroke from where the cone is. `spacing_vx`: how far that goes along the surface before the brush is used again.
+    /// Returns a stroke from where the cone is. `spacing_vx`: how far that goes along the surface before the brush is
+    /// used again.
     pub fn new(options: BrushOptions, cone: Footprint, spacing_vx: f32) -> ConeStroke {
         let path = Path::new(cone.eye_vx + cone.aim, spacing_vx, Vec3::ONE);
         ConeStroke { options, path, cone, is_due: true, uses: 0 }

@@ -122,7 +122,7 @@ impl Lead for HeldStroke {
     }
 }
 
-/// The point seen at `at` (pixels) in the plane of the view through `point`.
+/// Returns the point seen at `at` (pixels) in the plane of the view through `point`.
 fn in_plane_of(point: Vec3, at: Vec2, picker: &Picker) -> Vec3 {
     let sight = picker.sight();
     sight.at_depth(at, sight.depth(point))

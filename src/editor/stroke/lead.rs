@@ -34,13 +34,13 @@ impl Scene<'_> {
         size / size.min_element()
     }
 
-    /// The colour that nothing has been painted over.
+    /// Returns the colour that nothing has been painted over.
     pub fn bare_colour(&self) -> Rgb {
         self.document.contents().material.base()
     }
 
-    /// The direction out of the clay around a place, of length 1. `radius`: of the ball that is looked at, in units of the
-    /// smallest edge; `at`: where the place is seen (pixels), if it is.
+    /// Returns the direction out of the clay around a place, of length 1. `radius`: of the ball that is looked at, in
+    /// units of the smallest edge; `at`: where the place is seen (pixels), if it is.
     pub fn normal_at(&self, place: Vec3, radius: f32, at: Option<Vec2>, picker: &Picker) -> Vec3 {
         let grid = self.grid();
         normal_around(grid, place, radius)
@@ -72,7 +72,7 @@ pub trait Lead {
         self.catch_up();
     }
 
-    /// Whether it is used again where it is held. `in_hand`: a hand in a headset holds it.
+    /// Returns whether it is used again where it is held. `in_hand`: a hand in a headset holds it.
     fn repeats(&self, _in_hand: bool) -> bool {
         false
     }
@@ -83,21 +83,21 @@ pub trait Lead {
     /// Uses of the tool so far.
     fn uses(&self) -> u32;
 
-    /// The next command that is due. `picker`: the last picture, for those that work in it.
+    /// Returns the next command that is due. `picker`: the last picture, for those that work in it.
     fn next(&mut self, scene: &mut Scene, picker: Option<&Picker>) -> Option<Command>;
 
-    /// The manner in which the pointer leads it.
+    /// Returns the manner in which the pointer leads it.
     fn pointer(&self) -> PointerLead;
 
-    /// Whether the pointer, as the picture is now, leads a solid over the surface.
+    /// Returns whether the pointer, as the picture is now, leads a solid over the surface.
     fn is_led_over(&self, _picker: &Picker) -> bool {
         false
     }
 
-    /// Whether where it goes depends on what the picture shows under the pointer.
+    /// Returns whether where it goes depends on what the picture shows under the pointer.
     fn depends_on_picture(&self) -> bool;
 
-    /// Whether it has taken hold of clay and not moved it.
+    /// Returns whether it has taken hold of clay and not moved it.
     fn is_still(&self) -> bool {
         false
     }

@@ -46,17 +46,17 @@ pub(super) struct Stroke {
 }
 
 impl Stroke {
-    /// The manner in which the pointer leads it.
+    /// Returns the manner in which the pointer leads it.
     pub fn pointer(&self) -> PointerLead {
         self.lead.pointer()
     }
 
-    /// Whether the pointer, as the picture is now, leads a solid over the surface.
+    /// Returns whether the pointer, as the picture is now, leads a solid over the surface.
     pub fn is_led_over(&self, picker: &Picker) -> bool {
         self.lead.is_led_over(picker)
     }
 
-    /// Whether where it goes depends on what the picture shows under the pointer.
+    /// Returns whether where it goes depends on what the picture shows under the pointer.
     pub fn depends_on_picture(&self) -> bool {
         self.lead.depends_on_picture()
     }

@@ -20,8 +20,8 @@ pub struct Path {
 }
 
 impl Path {
-    /// A path from `start` (voxels) with samples every `spacing`, measured in units of which a
-    /// voxel has `edges`. The start itself counts as sampled.
+    /// Returns a path from `start` (voxels) with samples every `spacing`, measured in units of which a voxel has
+    /// `edges`. The start itself counts as sampled.
     pub fn new(start: Vec3, spacing: f32, edges: Vec3) -> Path {
         let spacing = if spacing.is_finite() { spacing.max(1e-3) } else { 1e-3 };
         Path { at: start, since: 0.0, spacing, whole: spacing, edges }
@@ -69,12 +69,12 @@ impl Path {
         sample(to);
     }
 
-    /// Where the path ends, in voxels.
+    /// Returns where the path ends, in voxels.
     pub fn end(&self) -> Vec3 {
         self.at
     }
 
-    /// Distance from the end of the path to `to`, in the units of the spacing.
+    /// Returns distance from the end of the path to `to`, in the units of the spacing.
     pub fn distance(&self, to: Vec3) -> f32 {
         ((to - self.at) * self.edges).length()
     }

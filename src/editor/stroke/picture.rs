@@ -28,7 +28,7 @@ pub struct PictureStroke {
 }
 
 impl PictureStroke {
-    /// A stroke from `at` (pixels).
+    /// Returns a stroke from `at` (pixels).
     pub fn new(
         options: BrushOptions,
         unpaints: bool,
@@ -115,7 +115,7 @@ impl Lead for PictureStroke {
     }
 }
 
-/// The radius of a brush where the picture shows the surface at `at`, in pixels.
+/// Returns the radius of a brush where the picture shows the surface at `at`, in pixels.
 fn radius_px(options: &BrushOptions, at: Vec2, scene: &Scene, picker: &Picker) -> f32 {
     let point = scene.anchor.target(scene.grid(), at, picker);
     let gauge = point.map(|point| gauge_at(scene.grid(), point, picker));

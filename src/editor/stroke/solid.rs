@@ -49,7 +49,7 @@ pub struct SolidStroke {
 }
 
 impl SolidStroke {
-    /// A stroke from where the tool is. `unpaints`: it paints the bare colour.
+    /// Returns a stroke from where the tool is. `unpaints`: it paints the bare colour.
     pub fn new(mode: ToolMode, unpaints: bool, guide: Guide, scene: &Scene) -> SolidStroke {
         let tool = scene.tool.primitive();
         let sweep = Sweep::new(&tool, scene.edges());
@@ -136,7 +136,7 @@ impl Lead for SolidStroke {
     }
 }
 
-/// The solid in hand with its centre at a place, or in the middle of the voxel there.
+/// Returns the solid in hand with its centre at a place, or in the middle of the voxel there.
 fn at(tool: &ToolState, centre_vx: Vec3) -> Primitive {
     Primitive { centre_vx: tool.snapped(centre_vx), ..tool.primitive() }
 }

@@ -46,8 +46,8 @@ pub struct SurfaceStroke {
 }
 
 impl SurfaceStroke {
-    /// A stroke from where the tool is. `options`: with the radius in units of the smallest edge; `at`: the pointer that
-    /// leads it (pixels).
+    /// Returns a stroke from where the tool is. `options`: with the radius in units of the smallest edge; `at`: the
+    /// pointer that leads it (pixels).
     pub fn new(
         options: BrushOptions,
         inverse: bool,
@@ -81,7 +81,7 @@ impl SurfaceStroke {
         self.due.extend(stops.iter().copied().zip(scene.grip.along_path(stops.len())));
     }
 
-    /// The normal that it uses.
+    /// Returns the normal that it uses.
     fn normal_used(&self) -> SurfaceNormal {
         match self.options.brush().spec().stroke {
             BrushStroke::Surface { normal, .. } => normal,
@@ -89,7 +89,7 @@ impl SurfaceStroke {
         }
     }
 
-    /// The brush that it is, or that the modifier makes of it, and the sense in which that works.
+    /// Returns the brush that it is, or that the modifier makes of it, and the sense in which that works.
     fn brush_and_sense(&self) -> (BrushId, f32) {
         let brush = self.options.brush();
         match brush.spec().inverse {
@@ -99,7 +99,7 @@ impl SurfaceStroke {
         }
     }
 
-    /// The use of the brush at a place, in voxels. None where it does nothing.
+    /// Returns the use of the brush at a place, in voxels. None where it does nothing.
     fn command(&self, at: Vec3, touch: PenTouch) -> Option<Command> {
         let (brush, sense) = self.brush_and_sense();
         let options = touched(&self.options, self.pen, touch);

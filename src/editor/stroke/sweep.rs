@@ -138,7 +138,8 @@ impl Sweep {
     }
 }
 
-/// Whether a path that began along `heading` and was at `at` goes straight on to `to`, both relative to its start.
+/// Returns whether a path that began along `heading` and was at `at` goes straight on to `to`, both relative to its
+/// start.
 fn is_straight_on(heading: Vec3, at: Vec3, to: Vec3) -> bool {
     let ahead = to.dot(heading);
     ahead >= at.dot(heading) && (to - heading * ahead).length() <= BESIDE

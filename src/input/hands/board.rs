@@ -34,26 +34,26 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Whether it is within the board.
+    /// Returns whether it is within the board.
     fn is_inside(&self) -> bool {
         self.at.cmpge(Vec2::ZERO).all() && self.at.cmple(Vec2::ONE).all()
     }
 }
 
 impl Board {
-    /// A board of `size_m` attached to the hand with this grip pose.
+    /// Returns a board of `size_m` attached to the hand with this grip pose.
     pub fn on_hand(grip: &Pose, size_m: Vec2) -> Board {
         let foot = Pose { position: ABOVE_HAND_M, rotation: Quat::from_rotation_x(LEAN_RAD) };
         let middle = Pose { position: Vec3::Y * (0.5 * size_m.y), rotation: Quat::IDENTITY };
         Board { pose: grip.then(&foot).then(&middle), size_m }
     }
 
-    /// Where the ray of a hand hits the front of the board, if it does.
+    /// Returns where the ray of a hand hits the front of the board, if it does.
     pub fn hit(&self, aim: &Pose) -> Option<Hit> {
         self.hit_plane(aim).filter(Hit::is_inside)
     }
 
-    /// Where the ray of a hand hits the plane of the board's front, also outside of the board.
+    /// Returns where the ray of a hand hits the plane of the board's front, also outside of the board.
     fn hit_plane(&self, aim: &Pose) -> Option<Hit> {
         let (origin, direction) = (self.pose.own(aim.position), aim.forward());
         let direction = self.pose.rotation.inverse() * direction;
@@ -86,8 +86,8 @@ impl Pointing {
     /// Travel of the trigger at which a pull begins.
     const BEGUN: f32 = 0.05;
 
-    /// Where the hand points on `board`. `travel`: of the trigger, 0 to 1; `change`: of its switch;
-    /// `down`: the present state of its switch.
+    /// Returns where the hand points on `board`. `travel`: of the trigger, 0 to 1; `change`: of its switch; `down`: the
+    /// present state of its switch.
     pub fn step(
         &mut self,
         board: &Board,

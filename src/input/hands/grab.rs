@@ -20,13 +20,13 @@ pub struct Grab {
 }
 
 impl Grab {
-    /// Whether a hand holds the sculpture.
+    /// Returns whether a hand holds the sculpture.
     pub fn is_holding(&self) -> bool {
         self.held.iter().any(Option::is_some)
     }
 
-    /// The movement of the sculpture since the last call, `dt_s` ago. `gripping`: which hands hold
-    /// it now, by [`HandSide::index`].
+    /// Returns the movement of the sculpture since the last call, `dt_s` ago. `gripping`: which hands hold it now, by
+    /// [`HandSide::index`].
     pub fn step(
         &mut self,
         gripping: [bool; 2],
@@ -52,8 +52,8 @@ impl Grab {
     }
 }
 
-/// The similarity that follows the span between two hands: its middle, direction and length, and
-/// half of the twist of each hand about it.
+/// Returns the similarity that follows the span between two hands: its middle, direction and length, and half of the
+/// twist of each hand about it.
 fn between(left: (Pose, Pose), right: (Pose, Pose)) -> Similarity {
     let (old, new) = (right.0.position - left.0.position, right.1.position - left.1.position);
     let middle = (left.0.position + right.0.position) * 0.5;

@@ -94,7 +94,7 @@ impl Flick {
     const PUSHED: f32 = 0.7;
     const BACK: f32 = 0.4;
 
-    /// The side that was triggered, -1 or 1.
+    /// Returns the side that was triggered, -1 or 1.
     fn feed(&mut self, deflection: f32, now_s: f64) -> Option<f32> {
         match self.held {
             None if deflection.abs() >= Self::PUSHED => {
@@ -192,12 +192,12 @@ impl HandMapper {
         *self = HandMapper::new(self.settings);
     }
 
-    /// Whether a hand holds the sculpture.
+    /// Returns whether a hand holds the sculpture.
     pub fn is_carrying(&self) -> bool {
         self.grab.is_holding()
     }
 
-    /// The events since the last update. `board`: where the board is, while it is visible.
+    /// Returns the events since the last update. `board`: where the board is, while it is visible.
     pub fn update(&mut self, state: &HandsState, board: Option<&Board>) -> Vec<HandEvent> {
         let mut events = Vec::new();
         let mut state = state.plausible();
@@ -288,7 +288,7 @@ impl HandMapper {
         }
     }
 
-    /// True while the trigger of the off hand has been held long enough to carry the sculpture.
+    /// Returns true while the trigger of the off hand has been held long enough to carry the sculpture.
     fn update_off_trigger(&mut self, travel: f32, now_s: f64, events: &mut Vec<HandEvent>) -> bool {
         let hold = &mut self.off_trigger;
         match hold.switch.feed(travel) {
@@ -304,7 +304,7 @@ impl HandMapper {
         hold.since_s.is_some_and(|since| now_s - since >= TAP_S)
     }
 
-    /// The tool's pose for this pointing pose of a hand.
+    /// Returns the tool's pose for this pointing pose of a hand.
     fn tool_of(&self, aim: &Pose) -> Pose {
         let position = aim.position + aim.forward() * self.settings.reach_m;
         Pose { position, rotation: aim.rotation }

@@ -32,7 +32,7 @@ impl HandSide {
         self as usize
     }
 
-    /// The name in the interface.
+    /// Returns the name in the interface.
     pub const fn label(self) -> &'static str {
         match self {
             HandSide::Left => "left hand",
@@ -67,7 +67,7 @@ pub struct HandState {
 }
 
 impl HandState {
-    /// The same without invalid values: poses that are not finite, sticks out of range.
+    /// Returns the same without invalid values: poses that are not finite, sticks out of range.
     fn plausible(&self) -> HandState {
         let valid = |x: f32| if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
         HandState {
@@ -89,7 +89,7 @@ pub struct HandsState {
 }
 
 impl HandsState {
-    /// The same without invalid values.
+    /// Returns the same without invalid values.
     fn plausible(&self) -> HandsState {
         HandsState { hands: self.hands.map(|hand| hand.plausible()), ..*self }
     }
@@ -129,7 +129,7 @@ impl Switch {
         change
     }
 
-    /// How far it is pressed beyond where it is released, 0 to 1; 1 while it is not.
+    /// Returns how far it is pressed beyond where it is released, 0 to 1; 1 while it is not.
     fn pressure(&self, travel: f32) -> f32 {
         match self.down {
             true => ((travel - Self::RELEASE) / (1.0 - Self::RELEASE)).clamp(0.0, 1.0),

@@ -52,7 +52,7 @@ impl PadButton {
         PadButton::DpadDown,
     ];
 
-    /// The name in key tables.
+    /// Returns the name in key tables.
     pub const fn name(self) -> &'static str {
         match self {
             PadButton::South => "pad-south",
@@ -74,7 +74,7 @@ impl PadButton {
         }
     }
 
-    /// The text shown to people.
+    /// Returns the text shown to people.
     pub const fn label(self) -> &'static str {
         match self {
             PadButton::South => "gamepad A",
@@ -96,7 +96,7 @@ impl PadButton {
         }
     }
 
-    /// The button with a name in key tables.
+    /// Returns the button with a name in key tables.
     pub fn named(name: &str) -> Option<PadButton> {
         PadButton::ALL.into_iter().find(|button| button.name() == name)
     }
@@ -117,7 +117,7 @@ impl PadButtons {
         self.0 & 1 << button as u8 != 0
     }
 
-    /// The buttons of this set that are not in another.
+    /// Returns the buttons of this set that are not in another.
     pub fn without(self, other: PadButtons) -> impl Iterator<Item = PadButton> {
         let rest = PadButtons(self.0 & !other.0);
         PadButton::ALL.into_iter().filter(move |button| rest.contains(*button))

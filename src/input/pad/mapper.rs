@@ -32,7 +32,7 @@ pub struct Glide {
 }
 
 impl Glide {
-    /// The same movement in equal parts of at most `step_s` seconds at full speed.
+    /// Returns the same movement in equal parts of at most `step_s` seconds at full speed.
     pub fn parts(self, step_s: f32) -> impl Iterator<Item = Glide> {
         let length = self.shift.abs().max(self.turn.abs()).max_element();
         let count = (length / step_s).ceil().max(1.0);
@@ -113,13 +113,13 @@ impl PadMapper {
         self.mode
     }
 
-    /// The pad used last, or else the first one, with its name.
+    /// Returns the pad used last, or else the first one, with its name.
     pub fn leader(&self) -> Option<(PadId, &str)> {
         let leader = self.leader?;
         self.pads.iter().find(|pad| pad.id == leader).map(|pad| (pad.id, pad.name.as_str()))
     }
 
-    /// Whether something moves over time, so that frames are needed.
+    /// Returns whether something moves over time, so that frames are needed.
     pub fn is_active(&self) -> bool {
         !self.events.is_empty()
             || self.repeat.is_some()
@@ -129,7 +129,7 @@ impl PadMapper {
             })
     }
 
-    /// Whether the pad uses the tool or clicks, so that it should rumble.
+    /// Returns whether the pad uses the tool or clicks, so that it should rumble.
     pub fn is_holding(&self) -> bool {
         self.presses || self.holds.iter().any(|(_, action)| *action == Action::Apply)
     }
@@ -155,7 +155,7 @@ impl PadMapper {
         Some(name)
     }
 
-    /// The buttons that are down in `state` and were up before.
+    /// Returns the buttons that are down in `state` and were up before.
     pub fn newly_down(&self, id: PadId, state: &PadState) -> impl Iterator<Item = PadButton> {
         let before = self.pads.iter().find(|pad| pad.id == id).map(|pad| pad.state.held);
         state.held.without(before.unwrap_or(state.held))
@@ -221,7 +221,7 @@ impl PadMapper {
         }
     }
 
-    /// The events up to `now_s` seconds, in order.
+    /// Returns the events up to `now_s` seconds, in order.
     pub fn take(&mut self, now_s: f64, bindings: &Bindings) -> Vec<PadEvent> {
         self.count(now_s, bindings);
         self.since_s = now_s;

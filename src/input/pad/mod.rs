@@ -48,7 +48,7 @@ pub enum PadMode {
 }
 
 impl PadMode {
-    /// The next mode when cycling.
+    /// Returns the next mode when cycling.
     pub fn next(self) -> PadMode {
         match self {
             PadMode::OnlyMouse => PadMode::UseTool,
@@ -57,7 +57,7 @@ impl PadMode {
         }
     }
 
-    /// The text in the status line.
+    /// Returns the text in the status line.
     pub const fn label(self) -> &'static str {
         match self {
             PadMode::OnlyMouse => "Pointer mode",

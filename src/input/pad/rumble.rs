@@ -31,8 +31,8 @@ pub struct Rumble {
 }
 
 impl Rumble {
-    /// The strength from now on, 0 to the limit. `bite`: voxels changed since the last call, `dt_s`
-    /// ago; `None` while no tool is used: it stops at once.
+    /// Returns the strength from now on, 0 to the limit. `bite`: voxels changed since the last call, `dt_s` ago; `None`
+    /// while no tool is used: it stops at once.
     pub fn step(&mut self, bite: Option<u64>, dt_s: f32, curve: &RumbleCurve) -> f32 {
         let dt_s = dt_s.max(0.0);
         if self.strength > 0.0 {
@@ -58,7 +58,7 @@ impl Rumble {
         self.strength
     }
 
-    /// Whether it rumbles now, so that it must be updated.
+    /// Returns whether it rumbles now, so that it must be updated.
     pub fn is_shaking(&self) -> bool {
         self.strength > 0.0
     }

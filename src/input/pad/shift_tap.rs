@@ -11,7 +11,7 @@ pub struct ShiftTap {
 }
 
 impl ShiftTap {
-    /// True if `event` completes a tap.
+    /// Returns true if `event` completes a tap.
     pub fn feed(&mut self, event: &Event) -> bool {
         match *event {
             Event::Key { key: Key::ShiftLeft, pressed: true, repeat, modifiers, .. } => {

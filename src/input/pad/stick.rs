@@ -14,9 +14,8 @@ pub struct Response {
 }
 
 impl Response {
-    /// The speed of a stick, of length 0 to 1, in the direction of its push. It starts at 0 at the
-    /// edge of the dead zone, so that nothing jumps; a push into a corner is no faster than one
-    /// straight ahead.
+    /// Returns the speed of a stick, of length 0 to 1, in the direction of its push. It starts at 0 at the edge of the
+    /// dead zone, so that nothing jumps; a push into a corner is no faster than one straight ahead.
     pub fn speed(&self, stick: Vec2) -> Vec2 {
         let deflection = stick.length();
         if !deflection.is_finite() || deflection <= self.dead_zone {
@@ -25,7 +24,7 @@ impl Response {
         stick / deflection * self.shaped(deflection)
     }
 
-    /// The speed of a trigger, 0 to 1, from its travel 0 to 1.
+    /// Returns the speed of a trigger, 0 to 1, from its travel 0 to 1.
     pub fn pull(&self, deflection: f32) -> f32 {
         if deflection > self.dead_zone { self.shaped(deflection) } else { 0.0 }
     }

@@ -43,7 +43,7 @@ pub struct PenSample {
 }
 
 impl PenSample {
-    /// The button that the end of the pen is.
+    /// Returns the button that the end of the pen is.
     pub fn tip(&self) -> Button {
         match self.end {
             PenEnd::Tip => Button::Left,
@@ -51,12 +51,12 @@ impl PenSample {
         }
     }
 
-    /// Whether the pen touches the tablet.
+    /// Returns whether the pen touches the tablet.
     pub fn is_down(&self) -> bool {
         self.buttons.has(Button::Left) || self.buttons.has(Button::Eraser)
     }
 
-    /// The sample, or none if a driver has sent what is no number.
+    /// Returns the sample, or none if a driver has sent what is no number.
     pub fn checked(self) -> Option<PenSample> {
         let limit = Vec2::splat(MOST_TILT_DEG);
         let tilt_deg = if self.tilt_deg.is_finite() { self.tilt_deg } else { Vec2::ZERO };
@@ -68,7 +68,7 @@ impl PenSample {
         })
     }
 
-    /// How it touches, if it does.
+    /// Returns how it touches, if it does.
     pub fn touch(&self) -> Option<PenTouch> {
         let pressure = self.pressure.unwrap_or(1.0);
         self.is_down().then_some(PenTouch { pressure, tilt_deg: self.tilt_deg })
@@ -85,19 +85,19 @@ pub struct PenTouch {
 }
 
 impl PenTouch {
-    /// A touch of which nothing but the pressure is known.
+    /// Returns a touch of which nothing but the pressure is known.
     pub fn of_pressure(pressure: f32) -> PenTouch {
         PenTouch { pressure, tilt_deg: Vec2::ZERO }
     }
 
-    /// How far the pen leans, whichever way, in degrees from upright.
+    /// Returns how far the pen leans, whichever way, in degrees from upright.
     pub fn lean_deg(&self) -> f32 {
         let slope = Vec2::new(slope(self.tilt_deg.x), slope(self.tilt_deg.y)).length();
         slope.atan().to_degrees()
     }
 }
 
-/// The slope of an axis that leans by an angle in degrees.
+/// Returns the slope of an axis that leans by an angle in degrees.
 fn slope(tilt_deg: f32) -> f32 {
     tilt_deg.clamp(-89.0, 89.0).to_radians().tan()
 }

@@ -25,7 +25,7 @@ impl Default for PenCurve {
 }
 
 impl PenCurve {
-    /// The value that a pressure of 0 to 1 counts for, 0 to 1. It never falls as the pressure grows.
+    /// Returns the value that a pressure of 0 to 1 counts for, 0 to 1. It never falls as the pressure grows.
     pub fn of(&self, pressure: f32) -> f32 {
         let pressure = if pressure.is_nan() { 1.0 } else { pressure.clamp(0.0, 1.0) };
         (pressure / self.full_at.clamp(*FULL.start(), *FULL.end())).min(1.0).powf(self.exponent)

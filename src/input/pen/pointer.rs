@@ -24,7 +24,7 @@ pub struct PenPointer {
 }
 
 impl PenPointer {
-    /// The events that a sample causes, with the modifier keys that are held.
+    /// Returns the events that a sample causes, with the modifier keys that are held.
     pub fn events(
         &mut self,
         sample: &PenSample,
@@ -51,7 +51,7 @@ impl PenPointer {
     }
 }
 
-/// The button of a pen that may be behind one of a pointer. X11 numbers those of the barrel in another order.
+/// Returns the button of a pen that may be behind one of a pointer. X11 numbers those of the barrel in another order.
 pub(super) fn behind(button: PointerButton, held: impl Fn(Button) -> bool) -> Option<Button> {
     let own = match button {
         PointerButton::Primary => [Button::Left, Button::Eraser, Button::Eraser],

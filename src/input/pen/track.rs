@@ -57,7 +57,7 @@ impl PenTrack {
         self.steps.push_back(Step { sample, pressed, age: 0 });
     }
 
-    /// The button pressed last, once. The tip is none: it is the left button to everybody.
+    /// Returns the button pressed last, once. The tip is none: it is the left button to everybody.
     pub fn take_heard(&mut self) -> Option<Button> {
         self.heard.take().filter(|button| *button != Button::Left)
     }
@@ -94,13 +94,13 @@ impl PenTrack {
         Some(self.pressed.remove(held).1)
     }
 
-    /// How the pen touches where the pointer has come to; none if it hovers or there is none.
+    /// Returns how the pen touches where the pointer has come to; none if it hovers or there is none.
     pub fn touch(&self) -> Option<PenTouch> {
         let is_held = |(_, own): &(PointerButton, Button)| !own.is_on_barrel();
         self.pressed.iter().any(is_held).then_some(self.at?.touch()).flatten()
     }
 
-    /// How the pen touches now, if that was not said before.
+    /// Returns how the pen touches now, if that was not said before.
     pub fn news(&mut self) -> Option<Option<PenTouch>> {
         let now = self.touch();
         (std::mem::replace(&mut self.said, now) != now).then_some(now)

@@ -187,7 +187,7 @@ impl Actions {
         })
     }
 
-    /// The predicted state of both hands at `time`, in the space `room`.
+    /// Returns the predicted state of both hands at `time`, in the space `room`.
     pub fn read(&self, room: &xr::Space, time: xr::Time) -> Result<HandsState> {
         const DOING: &str = "read the controllers";
         self.session.sync_actions(&[(&self.set).into()]).doing(DOING)?;
@@ -246,7 +246,7 @@ impl Actions {
         Ok(())
     }
 
-    /// The interaction profile of a hand, for the log.
+    /// Returns the interaction profile of a hand, for the log.
     pub fn profile(&self, side: HandSide) -> Option<String> {
         let path = self.session.current_interaction_profile(self.hands[side.index()]).ok()?;
         if path == xr::Path::NULL {
@@ -257,7 +257,7 @@ impl Actions {
     }
 }
 
-/// The pose, if the runtime knows it and it is plausible.
+/// Returns the pose, if the runtime knows it and it is plausible.
 fn valid_pose(location: xr::SpaceLocation) -> Option<Pose> {
     use xr::SpaceLocationFlags as Flags;
     let valid = Flags::ORIENTATION_VALID | Flags::POSITION_VALID;

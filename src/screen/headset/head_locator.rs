@@ -59,7 +59,7 @@ impl HeadLocator {
         })
     }
 
-    /// The head pose at `time_s`.
+    /// Returns the head pose at `time_s`.
     pub fn locate(&self, time_s: f64) -> Result<HeadLocation> {
         let now = self.instance.now().doing("read its clock")?;
         let ahead_s =
@@ -100,7 +100,7 @@ impl HeadLocator {
         }))
     }
 
-    /// The runtime's prediction, if it tracks the head.
+    /// Returns the runtime's prediction, if it tracks the head.
     pub fn predict(&self, time_s: f64) -> Option<HeadPose> {
         match self.locate(time_s) {
             Ok(HeadLocation::Tracked(pose)) => Some(pose),

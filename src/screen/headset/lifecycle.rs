@@ -52,12 +52,12 @@ impl Lifecycle {
         }
     }
 
-    /// Whether the frame loop runs: frames are waited for, begun and ended, visible or not.
+    /// Returns whether the frame loop runs: frames are waited for, begun and ended, visible or not.
     pub fn is_running(&self) -> bool {
         self.running
     }
 
-    /// Whether the program has the input focus: not while the runtime's own menu is open.
+    /// Returns whether the program has the input focus: not while the runtime's own menu is open.
     pub fn is_focused(&self) -> bool {
         self.state == SessionState::FOCUSED
     }

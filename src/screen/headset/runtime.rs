@@ -26,7 +26,7 @@ pub enum Blend {
 }
 
 impl Blend {
-    /// The text in the interface.
+    /// Returns the text in the interface.
     pub const fn label(self) -> &'static str {
         match self {
             Blend::Auto => "automatic",
@@ -36,7 +36,7 @@ impl Blend {
         }
     }
 
-    /// The option for a blend mode of the runtime, if there is one.
+    /// Returns the option for a blend mode of the runtime, if there is one.
     pub(super) fn of(mode: xr::EnvironmentBlendMode) -> Option<Blend> {
         match mode {
             xr::EnvironmentBlendMode::OPAQUE => Some(Blend::Opaque),
@@ -46,7 +46,7 @@ impl Blend {
         }
     }
 
-    /// The available mode closest to this option.
+    /// Returns the available mode closest to this option.
     pub fn nearest(self, offered: &[Blend]) -> Option<Blend> {
         use Blend::{Additive, Alpha, Opaque};
         let order = match self {
@@ -57,7 +57,7 @@ impl Blend {
         order.into_iter().find(|blend| offered.contains(blend))
     }
 
-    /// The mode to request, of those that the runtime has.
+    /// Returns the mode to request, of those that the runtime has.
     pub(super) fn choose(
         self,
         offered: &[xr::EnvironmentBlendMode],
@@ -96,7 +96,7 @@ pub(super) fn create_instance(
     Ok((instance, system, name))
 }
 
-/// The description of the program for the runtime.
+/// Returns the description of the program for the runtime.
 fn application() -> xr::ApplicationInfo<'static> {
     xr::ApplicationInfo {
         application_name: "Virtual Sculpture",
@@ -107,7 +107,7 @@ fn application() -> xr::ApplicationInfo<'static> {
     }
 }
 
-/// The names of runtime and headset.
+/// Returns the names of runtime and headset.
 fn name_of(instance: &xr::Instance, system: xr::SystemId) -> Result<String> {
     let properties = instance.properties().doing("report the name of the runtime")?;
     let headset =
@@ -195,7 +195,7 @@ pub(super) struct Runtime {
 }
 
 impl Runtime {
-    /// The properties of the runtime and its headset.
+    /// Returns the properties of the runtime and its headset.
     fn new(connection: RuntimeConnection, system: xr::SystemId, blend: Blend) -> Result<Runtime> {
         let RuntimeConnection { instance, offered, converts_time } = connection;
         let name = name_of(&instance, system)?;

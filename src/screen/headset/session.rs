@@ -156,22 +156,22 @@ impl XrSession {
         &self.device
     }
 
-    /// The names of runtime and headset.
+    /// Returns the names of runtime and headset.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Size of each eye's picture, in pixels.
+    /// Returns size of each eye's picture, in pixels.
     pub fn eye_size(&self) -> UVec2 {
         self.targets.colour.size
     }
 
-    /// Whether the surroundings are visible where the pictures are transparent.
+    /// Returns whether the surroundings are visible where the pictures are transparent.
     pub fn is_see_through(&self) -> bool {
         self.blending.mode != xr::EnvironmentBlendMode::OPAQUE
     }
 
-    /// The available blend modes.
+    /// Returns the available blend modes.
     pub fn blends(&self) -> Vec<Blend> {
         self.blending.offered.iter().filter_map(|mode| Blend::of(*mode)).collect()
     }
@@ -186,7 +186,7 @@ impl XrSession {
         self.responses.note();
     }
 
-    /// How long the runtime has not answered.
+    /// Returns how long the runtime has not answered.
     pub fn unresponsive_for(&self) -> Duration {
         self.responses.last.elapsed()
     }

@@ -60,7 +60,7 @@ impl LocatorThread {
         Ok(LocatorThread { queries: Some(queries), answers, late: false, thread })
     }
 
-    /// The head pose at `time_s`; not tracked while the runtime does not answer.
+    /// Returns the head pose at `time_s`; not tracked while the runtime does not answer.
     fn locate(&mut self, time_s: f64) -> Result<HeadLocation> {
         if self.late && self.answers.try_recv().is_err() {
             return Ok(HeadLocation::NotTracked);
@@ -92,8 +92,8 @@ impl SessionHead {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Shares a session of the runtime and headset called `name` until the result is dropped.
-    /// `converts_time`: the runtime's clock can be converted to the program's.
+    /// Returns shares a session of the runtime and headset called `name` until the result is dropped. `converts_time`:
+    /// the runtime's clock can be converted to the program's.
     pub(super) fn share<G: xr::Graphics>(
         &self,
         session: &xr::Session<G>,

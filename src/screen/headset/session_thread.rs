@@ -54,7 +54,7 @@ pub struct XrFrame {
 }
 
 impl XrFrame {
-    /// When it will be displayed, in seconds of a monotonic clock.
+    /// Returns when it will be displayed, in seconds of a monotonic clock.
     pub fn display_time_s(&self) -> f64 {
         self.display.as_nanos() as f64 * 1e-9
     }
@@ -216,7 +216,7 @@ impl SessionThread {
         })
     }
 
-    /// True if the frame has ended.
+    /// Returns true if the frame has ended.
     fn handle(&mut self, request: Request, frame: Option<&XrFrame>) -> Result<bool> {
         match (request, frame) {
             (Request::Vibrate(side, strength), _) => self.actions.vibrate(side, strength)?,
@@ -242,7 +242,7 @@ impl SessionThread {
         Ok(false)
     }
 
-    /// The views of the eyes at a time. None while the head is not tracked.
+    /// Returns the views of the eyes at a time. None while the head is not tracked.
     fn views(&self, display: xr::Time) -> Result<Option<[RoomView; 2]>> {
         let (flags, views) =
             self.session.locate_views(VIEWS, display, &self.room).doing("locate the eyes")?;

@@ -94,7 +94,7 @@ impl Swapchain {
         }
     }
 
-    /// A layer of the image released last.
+    /// Returns a layer of the image released last.
     pub fn sub_image(&self, layer: u32) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
         let size = self.images.size;
         let extent = xr::Extent2Di { width: size.x as i32, height: size.y as i32 };

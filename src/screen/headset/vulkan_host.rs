@@ -66,7 +66,7 @@ impl Host for XrVulkanHost<'_> {
     }
 }
 
-/// The loader's entry point, in the type of the openxr crate.
+/// Returns the loader's entry point, in the type of the openxr crate.
 fn proc_addr(entry: &ash::Entry) -> xr::sys::platform::VkGetInstanceProcAddr {
     let function = entry.static_fn().get_instance_proc_addr;
     // SAFETY: both are Vulkan's vkGetInstanceProcAddr; the crates differ only in how they spell
@@ -78,7 +78,7 @@ fn proc_addr(entry: &ash::Entry) -> xr::sys::platform::VkGetInstanceProcAddr {
     }
 }
 
-/// The handle that the runtime has created, or the error of the runtime or of Vulkan.
+/// Returns the handle that the runtime has created, or the error of the runtime or of Vulkan.
 fn checked<T>(
     result: xr::Result<std::result::Result<T, xr::sys::platform::VkResult>>,
     doing: &'static str,

@@ -29,7 +29,7 @@ use crate::input::pen::PenSample;
 pub struct WindowKey(u64);
 
 impl WindowKey {
-    /// The key of a window; none on systems without a back end.
+    /// Returns the key of a window; none on systems without a back end.
     pub fn of(window: &impl HasWindowHandle) -> Option<WindowKey> {
         match window.window_handle().ok()?.as_raw() {
             RawWindowHandle::Wayland(handle) => {
@@ -46,7 +46,7 @@ impl WindowKey {
         WindowKey(number)
     }
 
-    /// The number of a window of X11.
+    /// Returns the number of a window of X11.
     #[cfg(target_os = "linux")]
     fn xid(self) -> Option<u32> {
         u32::try_from(self.0).ok()
@@ -110,7 +110,7 @@ impl Pens {
         }
     }
 
-    /// All that pens have done since the last call, in order.
+    /// Returns all that pens have done since the last call, in order.
     pub fn take(&mut self) -> Vec<PenReport> {
         match &mut self.backend {
             Some(Backend::Wayland(pens)) => pens.take(),
@@ -119,7 +119,7 @@ impl Pens {
         }
     }
 
-    /// The names of the tablets and pens, if they have changed since the last call.
+    /// Returns the names of the tablets and pens, if they have changed since the last call.
     pub fn take_names(&mut self) -> Option<Vec<String>> {
         match &mut self.backend {
             Some(Backend::Wayland(pens)) => pens.take_names(),
@@ -128,7 +128,7 @@ impl Pens {
         }
     }
 
-    /// Whether positions are in points, and no other events of a pointer come for a pen.
+    /// Returns whether positions are in points, and no other events of a pointer come for a pen.
     pub fn are_in_points(&self) -> bool {
         matches!(self.backend, Some(Backend::Wayland(_)))
     }
@@ -165,7 +165,7 @@ impl Pens {
     pub fn show_cursor(&mut self, _icon: egui::CursorIcon) {}
 }
 
-/// The offer of the session for pens, in a line.
+/// Returns the offer of the session for pens, in a line.
 #[cfg(target_os = "linux")]
 pub fn survey() -> String {
     let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
@@ -181,7 +181,7 @@ pub fn survey() -> String {
     }
 }
 
-/// The offer of the session for pens, in a line.
+/// Returns the offer of the session for pens, in a line.
 #[cfg(not(target_os = "linux"))]
 pub fn survey() -> String {
     "pressure, where the system reports pens as touches".to_string()

@@ -56,7 +56,7 @@ pub struct Desk {
 }
 
 impl Compositor {
-    /// A server, with or without tablets, and the socket of its client.
+    /// Returns a server, with or without tablets, and the socket of its client.
     pub fn start(has_tablets: bool) -> (Compositor, UnixStream) {
         let (own, clients) = UnixStream::pair().unwrap();
         let (acts, todo) = channel::<Act>();

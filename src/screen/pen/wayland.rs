@@ -165,7 +165,7 @@ fn would_block(error: &WaylandError) -> bool {
     matches!(error, WaylandError::Io(error) if error.kind() == std::io::ErrorKind::WouldBlock)
 }
 
-/// The offer of the session's compositor, in a line.
+/// Returns the offer of the session's compositor, in a line.
 pub fn survey() -> Result<String, WaylandPenError> {
     let connection = Connection::connect_to_env()?;
     let inbox = Inbox::default();
@@ -192,7 +192,7 @@ struct Cursor {
 }
 
 impl Cursor {
-    /// True if it is to be sent.
+    /// Returns true if it is to be sent.
     fn choose(&mut self, icon: CursorIcon) -> bool {
         std::mem::replace(&mut self.icon, icon) != icon && self.send()
     }
@@ -424,7 +424,7 @@ impl Dispatch<ZwpTabletToolV2, ()> for State {
     }
 }
 
-/// The key of the window whose surface it is.
+/// Returns the key of the window whose surface it is.
 fn key_of(surface: &wl_surface::WlSurface) -> WindowKey {
     WindowKey::numbered(surface.id().as_ptr() as usize as u64)
 }

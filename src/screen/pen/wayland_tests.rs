@@ -77,7 +77,7 @@ fn until<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// The reports of so many frames.
+/// Returns the reports of so many frames.
 fn reports(pens: &mut WaylandPens, wakes: &Receiver<()>, count: usize) -> Vec<PenReport> {
     let mut all = Vec::new();
     while all.len() < count {

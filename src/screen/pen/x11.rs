@@ -80,8 +80,8 @@ impl X11Pens {
         }
     }
 
-    /// All that pens have done, with all that the server has sent until now: so nothing is missing that belongs to what the
-    /// window has heard.
+    /// Returns all that pens have done, with all that the server has sent until now: so nothing is missing that belongs
+    /// to what the window has heard.
     pub fn take(&mut self) -> Vec<PenReport> {
         let mut reader = lock(&self.reader);
         if !reader.devices.is_empty()
@@ -126,7 +126,7 @@ fn run(connection: &RustConnection, reader: &Mutex<Reader>, stopped: &PipeReader
     tracing::debug!("pen input has ended: {error}");
 }
 
-/// The offer of the session's server, in a line.
+/// Returns the offer of the session's server, in a line.
 pub fn survey() -> Result<String, X11PenError> {
     let reader = Reader::new(None, Inbox::default())?;
     Ok(match reader.devices.is_empty() {
@@ -261,7 +261,7 @@ impl Reader {
         }
     }
 
-    /// Where the pointer is in a window now; none if the window is gone.
+    /// Returns where the pointer is in a window now; none if the window is gone.
     fn place_in(&self, window: WindowKey) -> Result<Option<Vec2>, X11PenError> {
         let Some(window) = window.xid() else { return Ok(None) };
         match self.connection.query_pointer(window)?.reply() {

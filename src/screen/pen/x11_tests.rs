@@ -52,7 +52,7 @@ impl Drop for Xvfb {
     }
 }
 
-/// A client with a window that hears the pointer as winit does.
+/// Returns a client with a window that hears the pointer as winit does.
 fn window(name: &str) -> (RustConnection, Window, Window) {
     let (x, screen) = x11rb::connect(Some(name)).unwrap();
     let root = x.setup().roots[screen].root;

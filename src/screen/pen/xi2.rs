@@ -46,7 +46,7 @@ impl Axis {
         (class.mode == ValuatorMode::ABSOLUTE && min < max).then_some(axis)
     }
 
-    /// Where it is in its range, 0 to 1.
+    /// Returns where it is in its range, 0 to 1.
     fn share(&self) -> f32 {
         (self.value - self.min) / (self.max - self.min)
     }
@@ -63,7 +63,8 @@ pub struct PenDevice {
 }
 
 impl PenDevice {
-    /// The device, if it is a pen: a pointer of its own on a surface of which it knows the place, and feels pressure.
+    /// Returns the device, if it is a pen: a pointer of its own on a surface of which it knows the place, and feels
+    /// pressure.
     pub fn of(info: &XIDeviceInfo, atoms: &AxisAtoms) -> Option<PenDevice> {
         if info.type_ != DeviceType::SLAVE_POINTER && info.type_ != DeviceType::FLOATING_SLAVE {
             return None;
@@ -100,7 +101,7 @@ impl PenDevice {
         }
     }
 
-    /// The buttons that are down after an event, which itself tells of those before.
+    /// Returns the buttons that are down after an event, which itself tells of those before.
     fn buttons(&self, event: &ButtonPressEvent, kind: EventKind) -> Buttons {
         let mut held = Buttons::NONE;
         for (number, button) in BUTTONS {
@@ -139,12 +140,12 @@ pub enum EventKind {
 pub struct PenDevices(Vec<PenDevice>);
 
 impl PenDevices {
-    /// The pens among all devices.
+    /// Returns the pens among all devices.
     pub fn among(infos: &[XIDeviceInfo], atoms: &AxisAtoms) -> PenDevices {
         PenDevices(infos.iter().filter_map(|info| PenDevice::of(info, atoms)).collect())
     }
 
-    /// A pen that a test says a device is, with an axis of pressure that it does not have.
+    /// Returns a pen that a test says a device is, with an axis of pressure that it does not have.
     #[cfg(test)]
     pub fn pretended(id: u16) -> PenDevices {
         let pressure = Axis { number: 99, min: 0.0, max: 1.0, value: 0.5 };
@@ -164,7 +165,8 @@ impl PenDevices {
         self.0.is_empty()
     }
 
-    /// The report that an event of a pen amounts to, over the window that it was sent to; none if it is of no pen.
+    /// Returns the report that an event of a pen amounts to, over the window that it was sent to; none if it is of no
+    /// pen.
     pub fn report(&mut self, event: &ButtonPressEvent, kind: EventKind) -> Option<PenReport> {
         let pen = self.0.iter_mut().find(|pen| pen.id == event.deviceid)?;
         pen.follow(event);

@@ -37,13 +37,13 @@ impl Wire {
         self
     }
 
-    /// A valuator class: kind 2, 11 words long.
+    /// Returns a valuator class: kind 2, 11 words long.
     fn axis(self, device: u16, number: u16, label: u32, range: [f64; 2], mode: u8) -> Wire {
         let head = self.u16(2).u16(11).u16(device).u16(number).u32(label);
         head.fixed(range[0]).fixed(range[1]).fixed(range[0]).u32(5080).u8(mode).bytes(&[0; 3])
     }
 
-    /// A device: slave pointers are of use 3, attached to device 2.
+    /// Returns a device: slave pointers are of use 3, attached to device 2.
     fn device(self, id: u16, kind: u16, classes: u16, name: &str) -> Wire {
         let length = name.len() as u16;
         let head = self.u16(id).u16(kind).u16(2).u16(classes).u16(length).u8(1).u8(0);
@@ -60,7 +60,8 @@ impl Wire {
     }
 }
 
-/// The answer to `XIQueryDevice` of a server with a mouse, a touchpad that feels pressure, and a pen with two ends.
+/// Returns the answer to `XIQueryDevice` of a server with a mouse, a touchpad that feels pressure, and a pen with two
+/// ends.
 fn devices() -> PenDevices {
     let body = Wire::default()
         .device(8, 3, 1, "Logitech Mouse")
@@ -80,7 +81,8 @@ fn devices() -> PenDevices {
     PenDevices::among(&reply.infos, &ATOMS)
 }
 
-/// A device event over window 0x2a00007 at (120.5, 80.25). `axes`: the numbers and values of the axes it tells of.
+/// Returns a device event over window 0x2a00007 at (120.5, 80.25). `axes`: the numbers and values of the axes it tells
+/// of.
 fn event(kind: u16, device: u16, detail: u32, held: u32, axes: &[(u16, f64)]) -> ButtonPressEvent {
     let fixed = |value: f64| (value * 65536.0) as i32 as u32;
     let mask = axes.iter().fold(0, |mask, (number, _)| mask | 1u32 << number);

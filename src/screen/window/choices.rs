@@ -17,7 +17,7 @@ const FORMATS: [vk::Format; 8] = [
     vk::Format::A8B8G8R8_SRGB_PACK32,
 ];
 
-/// The format to draw in. `usable`: whether the device draws and blends in a format.
+/// Returns the format to draw in. `usable`: whether the device draws and blends in a format.
 pub fn format(
     offered: &[vk::SurfaceFormatKHR],
     usable: impl Fn(vk::Format) -> bool,
@@ -30,9 +30,9 @@ pub fn format(
     })
 }
 
-/// The present mode: one that never waits for the window to be visible, since a covered window may
-/// stay hidden for hours. FIFO waits on Wayland; it is used where the only alternative is tearing,
-/// and then pictures are drawn only when the compositor asks for one.
+/// Returns the present mode: one that never waits for the window to be visible, since a covered window may stay hidden
+/// for hours. FIFO waits on Wayland; it is used where the only alternative is tearing, and then pictures are drawn only
+/// when the compositor asks for one.
 pub fn present_mode(offered: &[vk::PresentModeKHR]) -> vk::PresentModeKHR {
     match offered.contains(&vk::PresentModeKHR::MAILBOX) {
         true => vk::PresentModeKHR::MAILBOX,
@@ -40,7 +40,7 @@ pub fn present_mode(offered: &[vk::PresentModeKHR]) -> vk::PresentModeKHR {
     }
 }
 
-/// The number of images: with a mailbox one is shown, one waits and one is drawn to.
+/// Returns the number of images: with a mailbox one is shown, one waits and one is drawn to.
 pub fn image_count(of: &vk::SurfaceCapabilitiesKHR) -> u32 {
     let most = match of.max_image_count {
         0 => u32::MAX,
@@ -49,8 +49,8 @@ pub fn image_count(of: &vk::SurfaceCapabilitiesKHR) -> u32 {
     (of.min_image_count + 1).max(3).min(most)
 }
 
-/// The window's size as the surface reports it, or `wanted` where it may be chosen; zero while
-/// nothing is visible.
+/// Returns the window's size as the surface reports it, or `wanted` where it may be chosen; zero while nothing is
+/// visible.
 pub fn extent(of: &vk::SurfaceCapabilitiesKHR, wanted: [u32; 2]) -> [u32; 2] {
     let vk::Extent2D { width, height } = of.current_extent;
     let (min, max) = (of.min_image_extent, of.max_image_extent);
@@ -65,7 +65,7 @@ pub fn extent(of: &vk::SurfaceCapabilitiesKHR, wanted: [u32; 2]) -> [u32; 2] {
     [between(wanted[0], min.width, max.width), between(wanted[1], min.height, max.height)]
 }
 
-/// The composite alpha: opaque, where it can be chosen.
+/// Returns the composite alpha: opaque, where it can be chosen.
 pub fn composite_alpha(of: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFlagsKHR {
     let supported = of.supported_composite_alpha;
     [vk::CompositeAlphaFlagsKHR::OPAQUE, vk::CompositeAlphaFlagsKHR::INHERIT]
@@ -85,7 +85,7 @@ pub enum Recovery {
     NewSurface,
 }
 
-/// The recovery from a failure, if there is one.
+/// Returns the recovery from a failure, if there is one.
 pub fn recovery(failure: vk::Result) -> Option<Recovery> {
     match failure {
         vk::Result::ERROR_OUT_OF_DATE_KHR => Some(Recovery::NewSwapchain),

@@ -30,8 +30,8 @@ pub struct Elsewhere {
 }
 
 impl Elsewhere {
-    /// How far what is typed is from its names, as [`Filter::rank`] says. A part of a name, such as the `smooth` of `smooth
-    /// stroke`, more likely means something else.
+    /// Returns how far what is typed is from its names, as [`Filter::rank`] says. A part of a name, such as the
+    /// `smooth` of `smooth stroke`, more likely means something else.
     pub fn rank(&self, filter: &Filter) -> Option<u32> {
         let rank = |name: &str| {
             let is_part = name.split(' ').count() > filter.len();

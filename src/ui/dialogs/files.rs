@@ -41,7 +41,7 @@ impl Files {
         }
     }
 
-    /// The ending that Export proposes.
+    /// Returns the ending that Export proposes.
     pub fn export_ending(&self) -> &'static str {
         self.exports[self.export].1
     }
@@ -52,7 +52,7 @@ impl Files {
         self.export = self.exports.iter().position(known).unwrap_or(self.export);
     }
 
-    /// The folder that dialogs open in where no file says another.
+    /// Returns the folder that dialogs open in where no file says another.
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }
@@ -199,12 +199,12 @@ impl Dialog for Files {
     }
 }
 
-/// The path with an ending, if it was typed without one.
+/// Returns the path with an ending, if it was typed without one.
 fn with_ending(path: PathBuf, ending: &str) -> PathBuf {
     if path.extension().is_none() { path.with_extension(ending) } else { path }
 }
 
-/// The last folder of a file, to open dialogs there.
+/// Returns the last folder of a file, to open dialogs there.
 pub fn folder_of(path: Option<&Path>) -> Option<PathBuf> {
     path.and_then(|p| p.parent()).filter(|p| !p.as_os_str().is_empty()).map(PathBuf::from)
 }

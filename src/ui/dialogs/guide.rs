@@ -153,7 +153,7 @@ fn lower_half(document: &Document) -> VoxelBox {
     VoxelBox { min: IVec3::ZERO, max: IVec3::new(dims.x, dims.y / 2, dims.z) }
 }
 
-/// Whether the history has a step of each of these labels since it was so long.
+/// Returns whether the history has a step of each of these labels since it was so long.
 fn has_step(document: &Document, since: u64, labels: &[&str]) -> bool {
     let history = document.history();
     let skipped = since.saturating_sub(history.dropped()) as usize;
@@ -190,7 +190,7 @@ impl Guide {
         *self = Guide { open: self.open, ..Guide::default() };
     }
 
-    /// The step at hand; none when all are done.
+    /// Returns the step at hand; none when all are done.
     fn step(&self) -> Option<usize> {
         self.done.iter().position(|done| !done)
     }
@@ -302,7 +302,7 @@ fn again(ui: &mut Ui, guide: &mut Guide) {
     }
 }
 
-/// The instructions of a step, a text for each paragraph.
+/// Returns the instructions of a step, a text for each paragraph.
 fn wording(context: &UiContext, at: usize) -> Vec<RichText> {
     let step = &STEPS[at];
     let text = if context.in_headset { step.by_hand.to_string() } else { with_keys(step, context) };
@@ -325,7 +325,7 @@ fn say(ui: &mut Ui, context: &UiContext, at: usize) {
     wording(context, at).into_iter().for_each(|text| drop(ui.label(text)));
 }
 
-/// The height of these paragraphs in points, one below another.
+/// Returns the height of these paragraphs in points, one below another.
 fn height(ui: &Ui, texts: &[RichText]) -> f32 {
     let width = ui.available_width();
     let lines = texts.iter().map(|text| {
@@ -353,7 +353,7 @@ fn navigation_buttons(
     }
 }
 
-/// The text of a step with the keys of the table in use.
+/// Returns the text of a step with the keys of the table in use.
 fn with_keys(step: &Step, context: &UiContext) -> String {
     let mut text = String::new();
     let mut actions = step.actions.iter();

@@ -34,7 +34,7 @@ pub struct KeyTable {
 }
 
 impl KeyTable {
-    /// Whether the next key or button is awaited, or the question about it answered.
+    /// Returns whether the next key or button is awaited, or the question about it answered.
     pub fn is_catching(&self) -> bool {
         self.catch.is_open()
     }

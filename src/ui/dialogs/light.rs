@@ -311,7 +311,7 @@ fn percent(ui: &mut Ui, title: &str, share: &mut f32, most: f32) -> Response {
     response
 }
 
-/// A value as it is shown. (A slider with fixed decimals would round what nobody touches.)
+/// Returns a value as it is shown. (A slider with fixed decimals would round what nobody touches.)
 fn whole(value: f64, _: std::ops::RangeInclusive<usize>) -> String {
     format!("{value:.0}")
 }

@@ -99,7 +99,7 @@ fn picture(ui: &Ui, look: Look, lighting: &Lighting) -> TextureHandle {
     ui.ctx().load_texture(words(look).0, image, TextureOptions::LINEAR)
 }
 
-/// A picture of each look in this light.
+/// Returns a picture of each look in this light.
 fn pictures(ui: &Ui, lighting: Lighting) -> [TextureHandle; Look::ALL.len()] {
     let lighting = Lighting { look: Look::default(), ..lighting };
     let id = Id::new("pictures of looks");

@@ -152,12 +152,12 @@ impl Dialogs {
         LIST.iter().map(|row| (row.of)(self)).filter(|dialog| dialog.is_open())
     }
 
-    /// Whether a dialog or long work lies over the sculpture and has the person's attention.
+    /// Returns whether a dialog or long work lies over the sculpture and has the person's attention.
     pub fn is_modal(&self) -> bool {
         self.is_asking() || self.busy.is_some()
     }
 
-    /// Whether a dialog waits for an answer.
+    /// Returns whether a dialog waits for an answer.
     pub fn is_asking(&self) -> bool {
         self.open_ones().any(|dialog| dialog.is_modal())
     }
@@ -169,7 +169,7 @@ impl Dialogs {
         rows.into_iter().any(|row| (row.of_mut)(self).close())
     }
 
-    /// Whether a window is open that waits for no answer, and that Escape closes.
+    /// Returns whether a window is open that waits for no answer, and that Escape closes.
     pub fn has_window(&self) -> bool {
         self.open_ones().any(|dialog| !dialog.is_modal())
     }

@@ -111,7 +111,7 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
     (ranked.into_iter().map(|(_, entry)| entry).collect(), error)
 }
 
-/// The command whose verb is typed, and a space behind it, and nothing else yet.
+/// Returns the command whose verb is typed, and a space behind it, and nothing else yet.
 fn begun(typed: &str) -> Option<&'static CommandHelp> {
     let verb = typed.strip_suffix(' ')?;
     COMMANDS.iter().find(|command| command.verb == verb && !command.usage.is_empty())

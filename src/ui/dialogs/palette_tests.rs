@@ -217,7 +217,7 @@ fn what_the_mouse_does_comes_last_and_is_passed_over() {
     assert!(!palette.go(&[], 1) || palette.chosen == 0);
 }
 
-/// The first entry that Enter chooses.
+/// Returns the first entry that Enter chooses.
 fn chosen(typed: &str) -> Option<Entry> {
     let mut palette = Palette { text: typed.to_string(), ..Palette::default() };
     let list = listed(typed);

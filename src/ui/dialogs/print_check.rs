@@ -87,7 +87,7 @@ impl PrintCheck {
         }
     }
 
-    /// Whether the sculpture as it is now has been checked.
+    /// Returns whether the sculpture as it is now has been checked.
     pub fn is_current(&self, document: &Document) -> bool {
         self.current(document).is_some()
     }
@@ -97,7 +97,7 @@ impl PrintCheck {
         self.found.as_ref().filter(|found| found.revision == document.revision())
     }
 
-    /// The lines that show the findings in the view, while the window is open and they hold.
+    /// Returns the lines that show the findings in the view, while the window is open and they hold.
     pub fn lines(&self, document: &Document) -> Vec<Line> {
         let mut lines = Vec::new();
         let Some(found) = self.current(document).filter(|_| self.open && self.shown) else {
@@ -120,7 +120,7 @@ impl PrintCheck {
     }
 }
 
-/// How a kind is shown in the view and in the list.
+/// Returns how a kind is shown in the view and in the list.
 fn colour(kind: Kind) -> Rgb {
     match kind {
         Kind::Islands => Rgb::new(0xe0, 0x50, 0xc0),
@@ -130,7 +130,7 @@ fn colour(kind: Kind) -> Rgb {
     }
 }
 
-/// Lines through runs of voxels along x: every row of a few, every so many of a large finding.
+/// Returns lines through runs of voxels along x: every row of a few, every so many of a large finding.
 fn hatches(finding: &Finding) -> Vec<(Kind, Vec3, Vec3)> {
     // Overhangs are seen from below, where the line would lie inside the voxels.
     let lift = if finding.kind == Kind::Overhangs { -0.05 } else { 0.5 };

@@ -22,7 +22,7 @@ use crate::ui::widgets::toasts::Toasts;
 pub trait Dialog {
     fn is_open(&self) -> bool;
 
-    /// Whether it has the person's attention while it is open: it waits for an answer.
+    /// Returns whether it has the person's attention while it is open: it waits for an answer.
     fn is_modal(&self) -> bool {
         true
     }

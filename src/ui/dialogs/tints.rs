@@ -70,7 +70,7 @@ impl Default for Tints {
 }
 
 impl Tints {
-    /// The tint that is chosen. A gradient goes through what there is of the sculpture in the area.
+    /// Returns the tint that is chosen. A gradient goes through what there is of the sculpture in the area.
     fn tint(&self, context: &UiContext) -> Tint {
         match self.kind {
             Kind::Adjust => Tint::Adjust {
@@ -92,7 +92,7 @@ impl Tints {
     }
 }
 
-/// The middles of the lower and the upper side, along an axis, of the existing voxels in an area.
+/// Returns the middles of the lower and the upper side, along an axis, of the existing voxels in an area.
 fn ends(document: &Document, area: Area, axis: usize) -> [Vec3; 2] {
     let grid = document.grid();
     let (mut low, mut high) = grid

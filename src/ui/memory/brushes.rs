@@ -27,7 +27,7 @@ const OLD_DEFORM_KEYS: [(&str, &str); 4] = [
     ("steady_px", STEADY.param.key),
 ];
 
-/// A table of options for each brush, under its name.
+/// Returns a table of options for each brush, under its name.
 pub fn kept(brushes: &Brushes) -> toml::Table {
     let table = |brush: BrushId| {
         let options = brushes.of(brush).iter();
@@ -122,7 +122,7 @@ fn value(param: &Param, kept: &toml::Value) -> Option<Value> {
 mod tests {
     use super::*;
 
-    /// Every option of every brush with another value than its first.
+    /// Returns every option of every brush with another value than its first.
     fn changed() -> Brushes {
         let mut brushes = Brushes::default();
         for &brush in BrushId::ALL {

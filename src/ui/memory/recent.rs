@@ -65,17 +65,17 @@ impl Recent {
         self.list.iter().position(|command| path_of(command) == Some(path))
     }
 
-    /// The commands that open them, the latest first.
+    /// Returns the commands that open them, the latest first.
     pub fn commands(&self) -> &[Command] {
         &self.list
     }
 
-    /// The paths, the latest first.
+    /// Returns the paths, the latest first.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         self.list.iter().filter_map(path_of)
     }
 
-    /// The lines that open them.
+    /// Returns the lines that open them.
     pub fn lines(&self) -> impl Iterator<Item = String> {
         self.list.iter().map(Command::to_string)
     }
@@ -95,7 +95,7 @@ impl Recent {
     }
 }
 
-/// The file that a command opens.
+/// Returns the file that a command opens.
 pub fn path_of(command: &Command) -> Option<&Path> {
     match command {
         Command::Open { path, .. } => Some(path),

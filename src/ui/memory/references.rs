@@ -20,7 +20,7 @@ struct KeptReference {
     offset_vx: [f64; 2],
 }
 
-/// The values of `references`. A path that is no text is left out.
+/// Returns the values of `references`. A path that is no text is left out.
 pub fn to_values(references: &[Reference]) -> Vec<toml::Value> {
     let kept = references.iter().filter_map(|reference| {
         let neat = |value: f32| value.to_string().parse().unwrap_or(f64::from(value));

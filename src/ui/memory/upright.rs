@@ -20,7 +20,7 @@ pub struct Upright {
 }
 
 impl Upright {
-    /// The axis that pointed up in the last file with such an ending, if anybody said so.
+    /// Returns the axis that pointed up in the last file with such an ending, if anybody said so.
     pub fn of(&self, path: &Path) -> Option<Up> {
         self.by_ending.get(&ending(path)?).copied()
     }
@@ -49,12 +49,12 @@ impl Upright {
     }
 }
 
-/// The ending of the name of a file, in lower case.
+/// Returns the ending of the name of a file, in lower case.
 pub fn ending(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
-/// How a person reads an axis.
+/// Returns how a person reads an axis.
 pub fn label(up: Up) -> &'static str {
     match up {
         Up::X => "X up",

@@ -7,7 +7,7 @@ pub fn within(value: Option<f64>, range: std::ops::RangeInclusive<f32>, usual: f
     value.map(|value| value as f32).filter(|value| range.contains(value)).unwrap_or(usual)
 }
 
-/// The number as a person would write it.
+/// Returns the number as a person would write it.
 pub fn neat(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }

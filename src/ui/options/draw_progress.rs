@@ -23,7 +23,7 @@ pub fn advice(drawn: Progress, context: &UiContext) -> String {
     }
 }
 
-/// The keys for an action; none in a headset.
+/// Returns the keys for an action; none in a headset.
 fn keys(action: Action, context: &UiContext) -> Vec<String> {
     let table = context.bindings().filter(|_| !context.in_headset);
     let triggers = table.into_iter().flat_map(|table| table.triggers(action));
@@ -31,7 +31,7 @@ fn keys(action: Action, context: &UiContext) -> Vec<String> {
     keys.map(|key| key.to_string()).collect()
 }
 
-/// How far it is.
+/// Returns how far it is.
 fn amount(drawn: Progress) -> String {
     match drawn {
         Progress::Raised(layers) if layers < 0 => format!("Depth {} vx", layers.unsigned_abs()),

@@ -50,7 +50,7 @@ fn thin(points: &[(f32, f32)]) -> Line {
     Line::Thin(points.to_vec())
 }
 
-/// The ground with something in its middle.
+/// Returns the ground with something in its middle.
 fn ground(y: f32, middle: impl IntoIterator<Item = (f32, f32)>) -> Line {
     let ends = [(0.02, y), (0.98, y)];
     let points = std::iter::once(ends[0]).chain(middle).chain(std::iter::once(ends[1]));

@@ -10,7 +10,7 @@ use crate::ui::context::UiContext;
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
-/// A button for `action`. Adds the action to `requests` when clicked.
+/// Returns a button for `action`. Adds the action to `requests` when clicked.
 pub fn action_button(
     ui: &mut Ui,
     context: &UiContext,
@@ -28,7 +28,7 @@ pub fn action_button(
     response
 }
 
-/// The entry of a menu for `action`, with its key at the right. Adds the action to `requests` when clicked.
+/// Returns the entry of a menu for `action`, with its key at the right. Adds the action to `requests` when clicked.
 pub fn menu_entry(
     ui: &mut Ui,
     context: &UiContext,

@@ -9,23 +9,23 @@ impl Filter {
         Filter(british(typed).split_whitespace().map(str::to_string).collect())
     }
 
-    /// Whether nothing is typed.
+    /// Returns whether nothing is typed.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// How many words are typed.
+    /// Returns how many words are typed.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Whether all words stand in `texts` together.
+    /// Returns whether all words stand in `texts` together.
     pub fn takes(&self, texts: &[&str]) -> bool {
         self.rank("", texts, &[]).is_some()
     }
 
-    /// How far what is typed is from something with this title, which `others` say more about and
-    /// `keys` trigger: 0 is the title's own first word. None if a word stands nowhere.
+    /// Returns how far what is typed is from something with this title, which `others` say more about and `keys`
+    /// trigger: 0 is the title's own first word. None if a word stands nowhere.
     pub fn rank(&self, title: &str, others: &[&str], keys: &[&str]) -> Option<u32> {
         let title = british(title);
         let others: Vec<String> = others.iter().map(|text| british(text)).collect();
@@ -60,7 +60,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty())
 }
 
-/// The text in lower case, its American spellings in British, so that either finds the other.
+/// Returns the text in lower case, its American spellings in British, so that either finds the other.
 pub fn british(text: &str) -> String {
     const SPELLINGS: [(&str, &str); 9] = [
         ("color", "colour"),

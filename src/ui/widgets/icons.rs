@@ -98,7 +98,7 @@ pub fn solid(painter: &Painter, rect: Rect, solid: Solid, colour: Color32) {
     }
 }
 
-/// Points of an ellipse, by angles in degrees: clockwise on the screen from the right.
+/// Returns points of an ellipse, by angles in degrees: clockwise on the screen from the right.
 fn arc(centre: Pos2, half: egui::Vec2, degrees: std::ops::RangeInclusive<f32>) -> Vec<Pos2> {
     let (from, to) = (*degrees.start(), *degrees.end());
     (0..=12)
@@ -154,7 +154,7 @@ pub fn marker(painter: &Painter, rect: Rect, colour: Color32) {
     painter.extend(Shape::dashed_line(&rim, line, 4.0, 2.5));
 }
 
-/// A place in `rect` by shares of its sides.
+/// Returns a place in `rect` by shares of its sides.
 pub fn at(rect: Rect, x: f32, y: f32) -> Pos2 {
     pos2(rect.left() + x * rect.width(), rect.top() + y * rect.height())
 }

@@ -136,7 +136,7 @@ impl Keyboard {
         changed
     }
 
-    /// Whether a point lies on the keyboard, between keys too.
+    /// Returns whether a point lies on the keyboard, between keys too.
     pub fn covers(&self, at: Pos2) -> bool {
         self.place.is_some_and(|place| place.contains(at))
     }
@@ -175,7 +175,7 @@ impl Keyboard {
         }
     }
 
-    /// When [`Keyboard::hold`] has something to do.
+    /// Returns when [`Keyboard::hold`] has something to do.
     pub fn due_s(&self) -> Option<f64> {
         self.held.and_then(|(_, again_s)| again_s)
     }
@@ -215,7 +215,7 @@ impl Keyboard {
         Some(cap)
     }
 
-    /// Where a key lies, while the keyboard shows.
+    /// Returns where a key lies, while the keyboard shows.
     pub fn key(&self, cap: Cap) -> Option<Rect> {
         let (_, rect) = keys(self.place?).find(|(other, _)| *other == cap)?;
         Some(rect)
@@ -276,7 +276,7 @@ impl Keyboard {
     }
 }
 
-/// An edge that is seen on every fill.
+/// Returns an edge that is seen on every fill.
 fn edge(stroke: Stroke) -> Stroke {
     Stroke { width: stroke.width.max(1.0), ..stroke }
 }
@@ -292,8 +292,7 @@ fn tap(key: Key, events: &mut Vec<Event>) {
     }));
 }
 
-/// Where the keyboard lies: over the lower part of the board, or over the upper one if the field
-/// is below.
+/// Returns where the keyboard lies: over the lower part of the board, or over the upper one if the field is below.
 pub fn place(field: Rect, board: Rect) -> Rect {
     let size = board.size() * SHARE;
     let margin = MARGIN * size.y / ROWS.len() as f32;
@@ -305,7 +304,7 @@ pub fn place(field: Rect, board: Rect) -> Rect {
     if low.intersects(near) && !high.intersects(near) { high } else { low }
 }
 
-/// The keys of a keyboard at `place`, each with where it is pressed.
+/// Returns the keys of a keyboard at `place`, each with where it is pressed.
 pub fn keys(place: Rect) -> impl Iterator<Item = (Cap, Rect)> {
     let gap = GAP * place.height() / ROWS.len() as f32;
     let inner = place.shrink(gap);

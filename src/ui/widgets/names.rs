@@ -4,7 +4,7 @@
 
 use crate::input::ToolMode;
 
-/// A table of keys, as the program that it follows is written.
+/// Returns a table of keys, as the program that it follows is written.
 pub fn preset_name(name: &str) -> String {
     match name {
         "magicavoxel" => "MagicaVoxel".to_string(),
@@ -12,7 +12,7 @@ pub fn preset_name(name: &str) -> String {
     }
 }
 
-/// The text with its first letter in upper case.
+/// Returns the text with its first letter in upper case.
 pub fn capital(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())

@@ -120,7 +120,7 @@ pub fn see(ctx: &Context) -> Option<String> {
     })
 }
 
-/// The text of the field before the events of this pass.
+/// Returns the text of the field before the events of this pass.
 fn typed(ctx: &Context, field: Id) -> Typed {
     let written = ctx.data(|data| data.get_temp::<Written>(Id::NULL));
     let shown = written.filter(|written| written.field == field).map(|written| written.text);
@@ -198,8 +198,8 @@ impl Typed {
     }
 }
 
-/// A number with a decimal point and nothing between its thousands; none if it can be read in no way, or in several. A
-/// unit in which fields show their numbers stays behind it.
+/// Returns a number with a decimal point and nothing between its thousands; none if it can be read in no way, or in
+/// several. A unit in which fields show their numbers stays behind it.
 ///
 /// A sign that stands alone is decimal. Of a comma and a point the last is decimal, and the other one is between
 /// thousands; so is a sign that stands several times. Between thousands are three digits each.
@@ -220,7 +220,7 @@ fn plain(text: &str) -> Option<String> {
     is_finite.then(|| format!("{read}{unit}"))
 }
 
-/// A whole number without the signs between its thousands, all of which are the same.
+/// Returns a whole number without the signs between its thousands, all of which are the same.
 fn joined(number: &str) -> Option<String> {
     let digits = number.trim_start_matches(['-', '+']);
     let sign = digits.chars().find(|c| !c.is_ascii_digit())?;
@@ -279,7 +279,7 @@ mod tests {
         Typed { field: Id::NULL, raw: String::new(), shown: String::new(), selected: 0..0 }
     }
 
-    /// The text that a field shows after each sign that is typed.
+    /// Returns the text that a field shows after each sign that is typed.
     fn shown(text: &str) -> Vec<String> {
         let mut typed = empty();
         let mut field = String::new();

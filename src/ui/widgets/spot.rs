@@ -32,7 +32,7 @@ pub enum Spot {
 }
 
 impl Spot {
-    /// The section of the options that it is in; none in the bar along the top.
+    /// Returns the section of the options that it is in; none in the bar along the top.
     pub fn section(self) -> Option<&'static str> {
         match self {
             Spot::Array | Spot::Symmetry => Some("Symmetry and array"),
@@ -42,7 +42,7 @@ impl Spot {
         }
     }
 
-    /// The action that selects the tool that has the option.
+    /// Returns the action that selects the tool that has the option.
     pub fn needs(self) -> Option<Action> {
         match self {
             Spot::Stencil => Some(Action::Brush(BrushId::Paint)),
@@ -71,7 +71,7 @@ pub fn begin(ctx: &Context, led_to: &mut Option<Spot>, in_panel: bool) {
     }
 }
 
-/// The option that blinks in a window.
+/// Returns the option that blinks in a window.
 pub fn blinking(ctx: &Context) -> Option<Spot> {
     let blinking = ctx.data(|data| data.get_temp::<Blinking>(id()))?;
     let age_s = ctx.input(|input| input.time) - blinking.since_s;

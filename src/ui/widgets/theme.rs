@@ -20,7 +20,7 @@ pub const OPTIONS_WIDTH: f32 = 246.0;
 const ACCENT: Color32 = Color32::from_rgb(0xd9, 0x7b, 0x3f);
 const ACCENT_DARK: Color32 = Color32::from_rgb(0x8a, 0x4a, 0x22);
 
-/// Width of the toolbox beside the picture in a window of `width` points.
+/// Returns width of the toolbox beside the picture in a window of `width` points.
 pub fn toolbox_width(width: f32) -> f32 {
     if width < NARROW { TOOLBOX_COLUMN + 20.0 } else { TOOLBOX_WIDTH }
 }
@@ -63,7 +63,7 @@ pub fn error_colour(visuals: &Visuals) -> Color32 {
     }
 }
 
-/// The button that does what a window is for.
+/// Returns the button that does what a window is for.
 pub fn primary(visuals: &Visuals, text: &str) -> egui::Button<'static> {
     let text = egui::RichText::new(text).color(visuals.selection.stroke.color);
     egui::Button::new(text).fill(visuals.selection.bg_fill)

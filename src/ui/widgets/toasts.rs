@@ -56,7 +56,7 @@ impl Toasts {
         self.push(Tone::Error, text.into());
     }
 
-    /// The texts on screen.
+    /// Returns the texts on screen.
     pub fn texts(&self) -> impl Iterator<Item = (Tone, &str)> {
         self.list.iter().map(|toast| (toast.tone, toast.text.as_str()))
     }
@@ -133,7 +133,7 @@ impl Tone {
     }
 }
 
-/// Where dialogs, menus and other windows over the picture are, but for `own`.
+/// Returns where dialogs, menus and other windows over the picture are, but for `own`.
 fn windows(ctx: &Context, own: Id) -> Vec<Rect> {
     let screen = ctx.content_rect().shrink(1.0);
     ctx.memory(|memory| {
@@ -155,7 +155,7 @@ struct Room {
     width: f32,
 }
 
-/// The first place of something of `height` at the edges of rooms that touches no window.
+/// Returns the first place of something of `height` at the edges of rooms that touches no window.
 fn free_place(height: f32, rooms: &[Room], windows: &[Rect]) -> Option<(Align2, Room)> {
     let places = rooms.iter().flat_map(|room| PLACES.map(|align| (align, *room)));
     places.into_iter().find(|(align, Room { within, width })| {
@@ -164,7 +164,7 @@ fn free_place(height: f32, rooms: &[Room], windows: &[Rect]) -> Option<(Align2, 
     })
 }
 
-/// True if it was dismissed.
+/// Returns true if it was dismissed.
 fn show_one(ui: &mut Ui, toast: &Toast) -> bool {
     let accent = match toast.tone {
         Tone::Note => ui.visuals().hyperlink_color,

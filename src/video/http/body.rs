@@ -72,7 +72,7 @@ impl Head {
     }
 }
 
-/// Text from the network, shortened for a message.
+/// Returns text from the network, shortened for a message.
 fn clip(text: &str) -> String {
     text.chars().take(100).collect()
 }

@@ -208,7 +208,7 @@ fn closed(subject: &str) -> VideoError {
     VideoError::io(subject, error)
 }
 
-/// Whether there is nothing to read for now.
+/// Returns whether there is nothing to read for now.
 fn is_wait(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

@@ -46,7 +46,7 @@ impl Url {
         Ok(url)
     }
 
-    /// A name, an IPv4 address, or an IPv6 address without its brackets.
+    /// Returns a name, an IPv4 address, or an IPv6 address without its brackets.
     pub fn host(&self) -> &str {
         self.0.host_str().unwrap_or_default().trim_matches(['[', ']'])
     }
@@ -65,7 +65,7 @@ impl Url {
         &self.0[url::Position::BeforeHost..url::Position::AfterPort]
     }
 
-    /// The header that carries name and password (RFC 7617).
+    /// Returns the header that carries name and password (RFC 7617).
     pub fn authorization(&self) -> Option<String> {
         let login = self.login().ok().flatten()?;
         Some(format!("Basic {}", base64(login.as_bytes())))

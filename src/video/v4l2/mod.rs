@@ -115,8 +115,7 @@ impl Camera {
     }
 }
 
-/// The default colours of a camera: those of grey cameras come straight from the sensor, in full
-/// range.
+/// Returns the default colours of a camera: those of grey cameras come straight from the sensor, in full range.
 fn said_colour(coding: Coding) -> Colour {
     match coding {
         Coding::Raw(Layout::Grey) => Colour { range: Range::Full, ..Colour::DEFAULT },

@@ -31,7 +31,7 @@ const FORMATS: [([u8; 4], Coding); 7] = [
     (*b"GREY", Coding::Raw(Layout::Grey)),
 ];
 
-/// The encoding of a format. None if it is not supported.
+/// Returns the encoding of a format. None if it is not supported.
 pub(super) fn coding_of(format: PixelFormat) -> Option<Coding> {
     FORMATS.iter().find(|(code, _)| *code == format.as_fourcc()).map(|(_, coding)| *coding)
 }
@@ -84,7 +84,7 @@ pub fn cameras() -> Result<Vec<CameraInfo>, VideoError> {
     Ok(found)
 }
 
-/// The modes in supported formats; of cameras that scale to any size, the one nearest to `wanted`.
+/// Returns the modes in supported formats; of cameras that scale to any size, the one nearest to `wanted`.
 pub(super) fn modes_of(device: &Device, wanted: (u32, u32)) -> Vec<CameraMode> {
     let mut modes = Vec::new();
     for offered in device.formats(BufType::VIDEO_CAPTURE).map_while(Result::ok).take(64) {
@@ -134,7 +134,7 @@ fn most_per_second(device: &Device, format: PixelFormat, width: u32, height: u32
     }
 }
 
-/// The mode nearest in size; of those the fastest up to the wanted rate; of those the best format.
+/// Returns the mode nearest in size; of those the fastest up to the wanted rate; of those the best format.
 pub(super) fn choose(
     modes: &[CameraMode],
     format: Option<[u8; 4]>,
@@ -152,7 +152,7 @@ pub(super) fn choose(
     wanted.min_by_key(|mode| key(mode)).copied()
 }
 
-/// The modes of a camera, for messages: the beginning of its list.
+/// Returns the modes of a camera, for messages: the beginning of its list.
 pub(super) fn offered(device: &Device) -> String {
     let formats = device.formats(BufType::VIDEO_CAPTURE).map_while(Result::ok).take(16);
     let names: Vec<String> = formats.map(|format| format.pixel_format().to_string()).collect();

@@ -96,7 +96,7 @@ impl Client {
         Ok(Self { name: format!("VRPN {}", shared.server), shared, thread })
     }
 
-    /// One client for each server among `devices`.
+    /// Returns one client for each server among `devices`.
     pub fn start_all(
         devices: &[DeviceAddress],
         timing: ClientTiming,
@@ -396,7 +396,7 @@ impl Shared {
     }
 }
 
-/// Whether there is merely nothing to read yet.
+/// Returns whether there is merely nothing to read yet.
 fn is_pause(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

@@ -39,7 +39,7 @@ macro_rules! kinds {
         impl Kind {
             pub const ALL: &[Self] = &[$(Self::$kind,)*];
 
-            /// The name by which peers agree on the id of a type.
+            /// Returns the name by which peers agree on the id of a type.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$kind => $name,)*
@@ -75,7 +75,7 @@ impl Kind {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 
-    /// Whether messages of this kind are superseded a moment later: these use UDP if available.
+    /// Returns whether messages of this kind are superseded a moment later: these use UDP if available.
     pub fn is_low_latency(self) -> bool {
         matches!(self, Self::Pose | Self::Velocity | Self::Acceleration | Self::Analog | Self::Dial)
     }
@@ -282,7 +282,7 @@ impl Message {
         out
     }
 
-    /// Whether a peer with the same limits would accept it.
+    /// Returns whether a peer with the same limits would accept it.
     pub fn is_sendable(&self) -> bool {
         Self::decode(self.kind(), &self.encode()).is_ok()
     }
@@ -329,7 +329,7 @@ impl Reader<'_> {
         if index < limit { Ok(index) } else { Err(MessageError::Index(self.kind)) }
     }
 
-    /// A sensor number and the unused word after it.
+    /// Returns a sensor number and the unused word after it.
     fn sensor(&mut self) -> Result<u32, MessageError> {
         let sensor = self.index(MAX_SENSORS)?;
         self.u32()?;
@@ -349,7 +349,7 @@ impl Reader<'_> {
         Ok(DQuat::from_xyzw(self.f64()?, self.f64()?, self.f64()?, self.f64()?))
     }
 
-    /// A C string in the remaining bytes; bytes after its NUL are ignored.
+    /// Returns a C string in the remaining bytes; bytes after its NUL are ignored.
     fn text(&mut self) -> Result<String, MessageError> {
         let bytes = std::mem::take(&mut self.rest);
         let end = bytes.iter().position(|byte| *byte == 0).ok_or(self.bad_length())?;

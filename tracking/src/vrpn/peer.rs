@@ -86,7 +86,7 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// The client's UDP port, once it has announced it.
+    /// Returns the client's UDP port, once it has announced it.
     pub fn udp_port(&self) -> Option<u16> {
         self.udp_port
     }

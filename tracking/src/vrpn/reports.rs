@@ -10,7 +10,7 @@ use crate::vrpn::messages::Message;
 const TURN_OVER_S: f64 = 0.1;
 const LONGEST_TURN_RAD: f64 = 1.5;
 
-/// The messages for the pose and, if it has one, its velocity.
+/// Returns the messages for the pose and, if it has one, its velocity.
 pub fn pose_reports(pose: &HeadPose) -> Vec<Message> {
     let sensor = pose.sensor;
     let mut reports = vec![Message::Pose {

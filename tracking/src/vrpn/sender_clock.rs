@@ -18,8 +18,8 @@ pub struct SenderClock {
 }
 
 impl SenderClock {
-    /// When the report was made: at `arrival_s` or up to [`MAX_DELAY_S`] before. For reports without a timestamp
-    /// it is the arrival.
+    /// Returns when the report was made: at `arrival_s` or up to [`MAX_DELAY_S`] before. For reports without a
+    /// timestamp it is the arrival.
     pub fn host_time_s(&mut self, sent: Option<Duration>, arrival_s: f64) -> f64 {
         let Some(sent) = sent else { return arrival_s };
         let sent_s = sent.as_secs_f64();

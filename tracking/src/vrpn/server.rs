@@ -133,12 +133,12 @@ impl Server {
         Ok(())
     }
 
-    /// The address that it listens at, by TCP and UDP.
+    /// Returns the address that it listens at, by TCP and UDP.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Number of connected clients that have completed the handshake.
+    /// Returns number of connected clients that have completed the handshake.
     pub fn clients(&self) -> usize {
         self.shared.state().links.iter().filter(|link| !link.is_closed()).count()
     }

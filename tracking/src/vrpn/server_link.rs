@@ -64,7 +64,7 @@ pub(crate) fn answer_requests(shared: &Arc<Shared>, requests: &UdpSocket) {
     }
 }
 
-/// The port of a request "host port", with a NUL at its end.
+/// Returns the port of a request "host port", with a NUL at its end.
 pub(crate) fn requested_port(request: &[u8]) -> Option<u16> {
     let text = std::str::from_utf8(request.strip_suffix(b"\0").unwrap_or(request)).ok()?;
     let (host, port) = text.split_once(' ')?;
@@ -240,7 +240,7 @@ fn answer(shared: &Shared, link: &Link, peer: &mut Peer, frame: &Frame<'_>) {
     shared.tally.rejected.fetch_add(peer.rejected - before, Ordering::Relaxed);
 }
 
-/// Whether there is merely nothing to read yet.
+/// Returns whether there is merely nothing to read yet.
 fn is_pause(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

@@ -103,7 +103,7 @@ impl Session {
         self.heard_s
     }
 
-    /// Whether a device has ever answered a ping on this connection.
+    /// Returns whether a device has ever answered a ping on this connection.
     pub fn has_answers(&self) -> bool {
         self.devices.iter().any(|device| device.answered)
     }
@@ -199,7 +199,7 @@ impl Session {
     }
 }
 
-/// The local id of a type.
+/// Returns the local id of a type.
 fn id_of(kind: Kind) -> i32 {
     Kind::ALL.iter().position(|k| *k == kind).map_or(-1, |index| index as i32)
 }

@@ -78,7 +78,7 @@ pub struct Frame<'a> {
     pub payload: &'a [u8],
 }
 
-/// The first message of `bytes` and its length, padding included. Ok(None) if more bytes are needed.
+/// Returns the first message of `bytes` and its length, padding included. Ok(None) if more bytes are needed.
 pub fn split_frame(bytes: &[u8]) -> Result<Option<(Frame<'_>, usize)>, WireError> {
     let Some((header, rest)) = bytes.split_first_chunk::<HEADER_BYTES>() else {
         return Ok(None);
@@ -105,7 +105,7 @@ pub fn split_frame(bytes: &[u8]) -> Result<Option<(Frame<'_>, usize)>, WireError
     Ok(Some((frame, HEADER_BYTES + padded_bytes)))
 }
 
-/// The messages of a datagram; ends after the first error.
+/// Returns the messages of a datagram; ends after the first error.
 pub fn datagram_frames(datagram: &[u8]) -> impl Iterator<Item = Result<Frame<'_>, WireError>> {
     let mut rest = datagram;
     std::iter::from_fn(move || {
@@ -143,7 +143,7 @@ impl StreamReader {
         self.buffer.extend_from_slice(bytes);
     }
 
-    /// The next complete message. After an error the stream is unusable.
+    /// Returns the next complete message. After an error the stream is unusable.
     pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>, WireError> {
         let Some((frame, taken)) = split_frame(&self.buffer[self.start..])? else {
             return Ok(None);
@@ -176,7 +176,7 @@ pub fn write_frame(
     out.resize(out.len() + payload.len().next_multiple_of(8) - payload.len(), 0);
 }
 
-/// The payload that describes a name.
+/// Returns the payload that describes a name.
 pub fn describe_name(name: &str) -> Vec<u8> {
     let bytes = &name.as_bytes()[..name.len().min(MAX_NAME_BYTES)];
     let mut payload = Vec::with_capacity(bytes.len() + 5);
@@ -186,7 +186,7 @@ pub fn describe_name(name: &str) -> Vec<u8> {
     payload
 }
 
-/// The name that a payload describes; None if it is not of that form.
+/// Returns the name that a payload describes; None if it is not of that form.
 pub fn described_name(payload: &[u8]) -> Option<&str> {
     let (length, text) = payload.split_first_chunk::<4>()?;
     let text = text.get(..usize::try_from(u32::from_be_bytes(*length)).ok()?)?;

@@ -37,13 +37,13 @@ impl BoxView {
         BoxView { turn, middle: dims / 2.0, scale, centre: square.center() }
     }
 
-    /// Where a place in the box is seen.
+    /// Returns where a place in the box is seen.
     pub fn at(&self, point: Vec3) -> Pos2 {
         let seen = self.seen(point - self.middle);
         pos2(self.centre.x + seen.x, self.centre.y - seen.y)
     }
 
-    /// A difference of places as it is seen: to the right, up, and towards the viewer.
+    /// Returns a difference of places as it is seen: to the right, up, and towards the viewer.
     pub fn seen(&self, by: Vec3) -> Vec3 {
         self.turn * by * self.scale
     }
@@ -60,7 +60,7 @@ impl BoxView {
     }
 }
 
-/// The twelve edges of a box.
+/// Returns the twelve edges of a box.
 fn edges(dims: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
     (0..3).flat_map(move |axis| {
         (0..4).map(move |corner| {

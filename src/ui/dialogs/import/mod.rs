@@ -190,7 +190,7 @@ impl ImportDialog {
         }
     }
 
-    /// The command that imports the file as it is shown.
+    /// Returns the command that imports the file as it is shown.
     fn command(&self) -> Command {
         let import = match &self.stage {
             Stage::Volume(study) => study.settled(&self.options),
@@ -234,7 +234,7 @@ impl ImportDialog {
         }
     }
 
-    /// The width that it has in a window of this width, in points.
+    /// Returns the width that it has in a window of this width, in points.
     fn width(&self, window: f32) -> f32 {
         let wide = (window - BESIDE).clamp(NARROW.min(window - 16.0), MOST_WIDTH);
         match self.stage {

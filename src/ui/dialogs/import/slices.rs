@@ -109,7 +109,7 @@ pub fn show(
     });
 }
 
-/// The picture of a slice.
+/// Returns the picture of a slice.
 fn picture(
     ui: &Ui,
     study: &VolumeStudy,
@@ -224,7 +224,7 @@ impl Pane {
         }
     }
 
-    /// Where a place along an axis of the picture (0 or 1) is, in voxels.
+    /// Returns where a place along an axis of the picture (0 or 1) is, in voxels.
     fn along(&self, side: usize, place_vx: f32) -> f32 {
         let share = place_vx / self.dims[self.axes[side]] as f32;
         let share = if self.reversed[side] { 1.0 - share } else { share };
@@ -237,7 +237,7 @@ impl Pane {
         pos2(x, y)
     }
 
-    /// A box that reaches from one place of the picture to another, and in depth as before.
+    /// Returns a box that reaches from one place of the picture to another, and in depth as before.
     fn framed(&self, region: Region, from: Pos2, to: Pos2) -> Region {
         let (mut a, mut b) = (region.low, region.high);
         self.point_at(from, &mut a);

@@ -65,7 +65,7 @@ pub fn show(
     is_chosen
 }
 
-/// The ways to colour that such a volume can have.
+/// Returns the ways to colour that such a volume can have.
 fn colourings(study: &VolumeStudy) -> Vec<Colouring> {
     let samples = study.volume.samples;
     let is_possible = |colouring: &Colouring| match colouring {
@@ -102,7 +102,7 @@ fn facts(ui: &mut Ui, study: &VolumeStudy) {
     }
 }
 
-/// The type of a voxel in words; other scripts and `--raw` name it by a letter and its bits.
+/// Returns the type of a voxel in words; other scripts and `--raw` name it by a letter and its bits.
 fn samples_text(samples: Samples) -> String {
     match samples {
         Samples::U8 => "8 bits each".to_string(),

@@ -17,7 +17,7 @@ const AMBIENT: f32 = 0.4;
 /// Widens faces a little, in pixels, so that no pixel between two is missed.
 const SEAM_PX: f32 = 0.02;
 
-/// A square of `side_px` pixels, each red, green, blue, opacity; transparent where there is nothing.
+/// Returns a square of `side_px` pixels, each red, green, blue, opacity; transparent where there is nothing.
 pub fn draw(
     study: &ModelStudy,
     options: &ImportOptions,
@@ -58,7 +58,7 @@ struct Side {
     light: f32,
 }
 
-/// The sides that are turned to the viewer: three at most.
+/// Returns the sides that are turned to the viewer: three at most.
 fn sides(seen: &BoxView, in_grid: &impl Fn(Vec3) -> Vec3) -> Vec<Side> {
     let direction = |axis: Vec3| seen.seen(in_grid(axis) - in_grid(Vec3::ZERO));
     (0..6)
