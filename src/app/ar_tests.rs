@@ -1,4 +1,4 @@
-//! The sculpture on a marker, with drawn frames for a camera.
+//! Tests augmented reality: the sculpture on a marker, with drawn frames as the camera.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -17,7 +17,7 @@ use crate::video::{Fit, Frame, Framing, Intrinsics};
 use crate::viewpoint::ar::{Look, rest};
 
 const FOCAL_PX: f64 = 600.0;
-/// Pixels of a cell of the drawn marker: at 80 mm and this focal length 0.4 m away.
+/// Size in pixels of a cell of the drawn marker: 80 mm wide and 0.4 m away at this focal length.
 const CELL_PX: f64 = 15.0;
 
 fn workspace() -> Workspace {
@@ -32,7 +32,8 @@ fn lens() -> Intrinsics {
     Intrinsics { fx: FOCAL_PX, fy: FOCAL_PX, ..even }
 }
 
-/// Returns a frame with the marker straight before the camera, its middle at `middle` in pixels, or without.
+/// Returns a frame with the marker straight before the camera and its middle at `middle` in pixels, or without a
+/// marker.
 fn frame(sequence: u64, middle: Option<(f64, f64)>) -> Arc<Frame> {
     let mut pixels = Vec::new();
     for (x, y) in (0..480).flat_map(|y| (0..640).map(move |x| (x, y))) {
@@ -48,7 +49,7 @@ fn frame(sequence: u64, middle: Option<(f64, f64)>) -> Arc<Frame> {
     Arc::new(Frame { width: 640, height: 480, pixels, sequence, ..Frame::empty() })
 }
 
-/// Gives a frame and waits until it was looked through.
+/// Gives a frame and waits until it has been searched for the marker.
 fn see(workspace: &mut Workspace, frame: &Arc<Frame>, now_s: f64) {
     let look = Look { lens: Some(lens()), fit: Fit::Fill, mirror: false };
     workspace.viewpoint.ar.see(frame, look);
@@ -60,7 +61,7 @@ fn see(workspace: &mut Workspace, frame: &Arc<Frame>, now_s: f64) {
     }
 }
 
-/// Returns where a point of the grid is in the picture of the camera, in pixels.
+/// Returns the position of a grid point in the camera's picture, in pixels.
 fn pixel(workspace: &Workspace, voxel: Vec3) -> Vec2 {
     let eye = workspace.eye();
     let clip = eye.clip_from_grid(&workspace.world_from_grid()) * voxel.extend(1.0);
@@ -77,20 +78,20 @@ fn the_sculpture_stands_on_the_marker_and_goes_with_it() {
     assert_eq!(workspace.eye(), workspace.viewpoint.turntable.eye(), "no frames yet");
     let (mut now_s, mut sequence) = (0.0, 0);
     for middle in [(320.0, 240.0), (200.0, 300.0), (400.0, 200.0)] {
-        // The first time it comes from its place of rest.
+        // At first it comes from its rest position.
         for _ in 0..6 {
             (now_s, sequence) = (now_s + 0.1, sequence + 1);
             see(&mut workspace, &frame(sequence, Some(middle)), now_s);
         }
-        // Its edges lie between pixels, half a pixel before the numbers.
+        // Its edges lie between pixels: half a pixel is subtracted from the coordinates.
         let middle = Vec2::new(middle.0 as f32, middle.1 as f32) - 0.5;
-        // Upright on the marker: the grid's lower side on the paper, in its middle.
+        // Upright on the marker: the lower side of the grid lies on the middle of the paper.
         let foot = pixel(&workspace, Vec3::new(10.0, 0.0, 10.0));
         assert!(foot.distance(middle) < 1.0, "{foot} {middle}");
         // 10 voxels of 1 mm to the right are 10 mm, 0.4 m away.
         let right = pixel(&workspace, Vec3::new(20.0, 0.0, 10.0));
         assert!((right - foot).distance(Vec2::new(15.0, 0.0)) < 0.3, "{}", right - foot);
-        // Its front looks to the lower edge of the marker.
+        // Its front faces the lower edge of the marker.
         let front = pixel(&workspace, Vec3::new(10.0, 0.0, 20.0));
         assert!((front - foot).distance(Vec2::new(0.0, 15.0)) < 0.3, "{}", front - foot);
         // The top is 40 mm nearer.
@@ -143,7 +144,7 @@ fn a_lost_marker_is_held_then_left_without_a_jump() {
     assert!((workspace.viewpoint.ar.placement().position_m.z + 0.4).abs() < 2e-3);
 }
 
-/// Presses on the middle of the sculpture, as it is seen now.
+/// Presses on the middle of the sculpture as it is shown.
 fn press(workspace: &mut Workspace) -> Vec2 {
     let picker = workspace.picker();
     let sight = picker.sight();
@@ -177,14 +178,14 @@ fn a_leap_of_the_marker_ends_the_stroke_of_the_pointer() {
         (0..15).for_each(|_| show(&mut workspace, Some(120.0)));
         assert!(workspace.viewpoint.ar.status().seen);
 
-        // 13 mm in 33 ms are a movement, 270 mm are none.
+        // 13 mm in 33 ms is a movement; 270 mm is a jump.
         let at = press(&mut workspace);
         show(&mut workspace, Some(140.0));
         drag(&mut workspace, at + 1.0, Vec2::ONE);
         assert!(workspace.editor.is_stroking(), "{tool:?}");
         show(&mut workspace, Some(540.0));
         assert!(!workspace.editor.is_stroking(), "{tool:?}: a tunnel would be cut");
-        // Until the button is released nothing more is done.
+        // Nothing more happens until the button is released.
         let state =
             (workspace.session().document().grid().opaque_count(), workspace.editor.tool.centre_vx);
         drag(&mut workspace, at + 40.0, Vec2::splat(39.0));
@@ -195,7 +196,7 @@ fn a_leap_of_the_marker_ends_the_stroke_of_the_pointer() {
         );
         workspace.answer_event(&ActionEvent::End(Action::Sculpt));
 
-        // So it is where the marker is lost, and where it comes back.
+        // The same holds when the marker is lost and when it returns.
         for lost in [true, false] {
             press(&mut workspace);
             (0..12).for_each(|_| show(&mut workspace, (!lost).then_some(540.0)));

@@ -1,4 +1,4 @@
-//! The video behind the sculpture without a window: a film, a missing camera, and what is said.
+//! Tests the video behind the sculpture without a window: a film, a missing camera, and the messages.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -24,7 +24,7 @@ fn video(workspace: &Workspace) -> Option<(&Arc<Frame>, Option<Intrinsics>)> {
     workspace.viewpoint.video(&workspace.ui.view.video)
 }
 
-/// Returns a folder of `count` pictures of one colour each.
+/// Returns a folder of `count` pictures, each of one colour.
 fn film(count: u8) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for i in 0..count {

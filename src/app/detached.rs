@@ -40,11 +40,11 @@ pub struct DetachedPanels {
 pub struct PanelWindow {
     panel: Panel,
     pub pane: Pane,
-    /// Something happened that it may have to show.
+    /// Something has happened that it may have to show.
     stale: bool,
     /// The output of the last pass.
     latest: Option<Interface>,
-    /// The size at which the window shows the latest output; None if it does not show it.
+    /// The size at which the window shows the latest output; `None` if it does not show it.
     drawn: Option<PhysicalSize<u32>>,
     retry: Duration,
 }
@@ -87,23 +87,23 @@ impl DetachedPanels {
         self.windows.iter_mut().find(|window| window.pane.id() == id)
     }
 
-    /// By what the window system names the windows when it tells of pens.
+    /// Returns the names that the window system uses for the windows in pen events.
     pub fn pen_keys(&self) -> impl Iterator<Item = Option<WindowKey>> {
         self.windows.iter().map(|window| window.pane.pen_key())
     }
 
-    /// Returns the window that a pen is over.
+    /// Returns the window under a pen.
     pub fn with_pen(&mut self, key: WindowKey) -> Option<&mut PanelWindow> {
         self.windows.iter_mut().find(|window| window.pane.pen_key() == Some(key))
     }
 
-    /// Something happened that panels may have to show.
+    /// Notes that something has happened that panels may have to show.
     pub fn touch(&mut self) {
         self.windows.iter_mut().for_each(PanelWindow::touch);
     }
 
-    /// Updates the windows that are due. True if something was done in one that the main window may have
-    /// to show.
+    /// Updates the windows that are due. Returns true if something was done in one that the main window may have to
+    /// show.
     pub fn refresh(&mut self, workspace: &mut Workspace) -> Result<bool, GpuError> {
         let now = Instant::now();
         let mut touched = false;
@@ -218,13 +218,13 @@ impl PanelWindow {
         self.panel
     }
 
-    /// Something happened that the panel may show.
+    /// Notes that something has happened that the panel may have to show.
     pub fn touch(&mut self) {
         self.stale = true;
     }
 
-    /// Runs the panel's pass, and requests a redraw if its output has changed. True if something was done
-    /// in it that other windows may have to show.
+    /// Runs the panel's pass, and requests a redraw if its output has changed. Returns true if something was done in it
+    /// that other windows may have to show.
     fn frame(&mut self, workspace: &mut Workspace) -> bool {
         let started = Instant::now();
         self.stale = false;
@@ -276,7 +276,7 @@ impl PanelWindow {
         Ok(())
     }
 
-    /// Returns false if the window cannot show it now.
+    /// Shows the output. Returns false if the window cannot show it now.
     fn show(&mut self, interface: &Interface) -> Result<bool, GpuError> {
         let Some(mut frame) = self.pane.begin(Duration::ZERO)? else { return Ok(false) };
         self.pane.draw(&mut frame, interface)?;

@@ -33,7 +33,7 @@ use crate::view::{Room, StereoLayout};
 const ZOOM_NOTCHES: f32 = 2.0;
 
 impl Workspace {
-    /// Does what panels ask for, in order. A stroke that nobody wants to keep is taken back.
+    /// Executes the requests of panels in order. Reverts a stroke that is no longer wanted.
     pub(super) fn answer_requests(&mut self, requests: Vec<UiRequest>) {
         for request in requests {
             self.answer_request(request);
@@ -93,7 +93,7 @@ impl Workspace {
         self.settle();
     }
 
-    /// Carries out an action that asks once.
+    /// Executes an action that is triggered once.
     pub fn act(&mut self, action: Action) {
         let path = self.editor.session().path();
         match action {
@@ -109,7 +109,7 @@ impl Workspace {
             Action::Cancel => {
                 self.ui.dialogs.close_top();
             }
-            // Without copied voxels it is a picture of another program.
+            // Without copied voxels, it is a picture from another program.
             Action::Paste if self.editor.document().clip().is_none() => {
                 self.ui.window_tasks.paste = Some(PasteAs::Reference);
             }
@@ -157,7 +157,7 @@ impl Workspace {
             }
             Action::ToggleAr if self.viewpoint.ar.is_on() => self.viewpoint.ar.stop(),
             Action::ToggleAr => self.start_ar(),
-            // On a table it stands upright.
+            // On a table, the sculpture stands upright.
             Action::ResetView if self.viewpoint.ar.is_on() => self.look_from(Side::Front),
             Action::ResetView => self.look_from(Side::Corner),
             Action::LookFrom(side) => self.look_from(side),
@@ -175,7 +175,7 @@ impl Workspace {
         self.settle();
     }
 
-    /// Does what an event of a device means.
+    /// Handles an event of a device.
     pub(super) fn answer_event(&mut self, event: &ActionEvent) {
         if self.editor.lead_by(event) {
             return self.settle();
@@ -208,7 +208,7 @@ impl Workspace {
         self.settle();
     }
 
-    /// Does once what events have asked for so far.
+    /// Executes the requests that events have made so far.
     pub(super) fn catch_up(&mut self) {
         self.editor.catch_up();
         self.settle();
@@ -238,7 +238,7 @@ impl Workspace {
         }
     }
 
-    /// Hides the panels of the main window and says how they come back, or shows them again.
+    /// Hides the panels of the main window and says how to bring them back, or shows them again.
     fn toggle_panels(&mut self) {
         self.ui.layout.hidden ^= true;
         if self.ui.layout.hidden {
@@ -251,7 +251,7 @@ impl Workspace {
         }
     }
 
-    /// Leaves the program, after long work and unsaved changes have been seen to.
+    /// Leaves the program once long work has ended and unsaved changes are dealt with.
     fn quit(&mut self) {
         if self.editor.is_busy() {
             self.editor.leave_after_job();
@@ -284,7 +284,7 @@ impl Workspace {
         }
     }
 
-    /// The next way to show two eyes that this window has.
+    /// Switches to the next stereo layout that this window supports.
     fn next_stereo(&mut self) {
         let layout = &mut self.ui.view.stereo.layout;
         let at = StereoLayout::ALL.iter().position(|l| l == layout).unwrap_or(0);
@@ -293,11 +293,10 @@ impl Workspace {
         *layout = following.find(has).unwrap_or_default();
     }
 
-    /// Polls trackers and the marker at `now_s` on the tracker's clock, and does what their buttons
-    /// ask for.
+    /// Polls trackers and the marker at `now_s` on the tracker's clock, and handles their buttons.
     pub fn track_at(&mut self, now_s: f64) {
         for event in self.viewpoint.head.update(now_s) {
-            // A window that asks for an answer is not for them.
+            // They cannot answer a dialog.
             let busy = self.ui.dialogs.is_modal() || self.viewpoint.head.is_calibrating();
             if !busy || matches!(event, ActionEvent::End(_)) {
                 self.answer_event(&event);
@@ -316,13 +315,13 @@ impl Workspace {
         }
     }
 
-    /// Does what gamepads have asked for up to `now_s`. Returns what they do with the pointer.
+    /// Handles the gamepads' events up to `now_s`. Returns the pointer events that they cause.
     pub fn play_pad(&mut self, now_s: f64, ctx: &egui::Context) -> Vec<egui::Event> {
         let mut pointer = Vec::new();
         let catching = self.ui.dialogs.keys.is_catching();
         let start = self.picture().center();
         for event in self.controls.take_pad_events(now_s) {
-            // A pressed button is taken as a trigger and has no other effect.
+            // While a trigger is being assigned, a pressed button has no other effect.
             if catching && !matches!(event, PadEvent::Action(ActionEvent::End(_))) {
                 continue;
             }
@@ -335,7 +334,7 @@ impl Workspace {
                 }
                 PadEvent::Glide(_) => {}
                 PadEvent::Action(event) => {
-                    // A window that asks for an answer is closed or answered with the pointer.
+                    // A dialog is closed or answered with the pointer.
                     let meant =
                         matches!(event, ActionEvent::Tap(Action::Cancel) | ActionEvent::End(_));
                     if meant || !self.ui.dialogs.is_modal() {
@@ -353,7 +352,7 @@ impl Workspace {
         pointer
     }
 
-    /// Moves and rotates the tool or the sculpture as sticks ask for.
+    /// Moves and rotates the tool or the sculpture by the sticks.
     fn glide(&mut self, glide: &Glide) {
         let settings = self.controls.pads.settings();
         let height = self.viewpoint.turntable.eye().size.y as f32;
@@ -384,7 +383,7 @@ impl Workspace {
         self.settle();
     }
 
-    /// Takes how a pen or a finger touches from here on.
+    /// Sets the pressure and tilt of a pen or a finger from here on.
     fn touched(&mut self, touch: Option<PenTouch>) {
         self.ui.pen.is_used |= touch.is_some();
         self.ui.pen.touch = touch;
@@ -393,20 +392,20 @@ impl Workspace {
         self.editor.set_touch(touch.map(counted));
     }
 
-    /// Adds a reference picture, on the side that one looks along.
+    /// Adds a reference picture on the side facing the viewer.
     pub(super) fn add_reference(&mut self, path: PathBuf) {
         let axes = self.picker().sight().axes_in_picture();
         references::add(&mut self.ui, path, self.editor.document().grid(), &axes);
     }
 
-    /// Pastes the picture on the clipboard, if that was asked for. The clipboard is opened if it is not.
+    /// Pastes the picture on the clipboard, if requested. Opens the clipboard if needed.
     pub fn paste_picture(&mut self, clipboard: &mut Option<Clipboard>) {
         if let Some(paste) = self.ui.window_tasks.paste.take() {
             self.use_pasted(paste::picture_file(clipboard), paste);
         }
     }
 
-    /// Adds a pasted picture as a reference, or gives it to the tool. `file`: of the picture, or why there is none.
+    /// Adds a pasted picture as a reference, or gives it to the tool. `file`: the picture's file, or why there is none.
     pub(super) fn use_pasted(&mut self, file: Result<PathBuf, String>, paste: PasteAs) {
         match (file, paste) {
             (Ok(path), PasteAs::Reference) => self.add_reference(path),
@@ -417,7 +416,7 @@ impl Workspace {
         }
     }
 
-    /// A file was opened or saved by a command.
+    /// Records that a command has opened or saved a file.
     fn note_file(&mut self, command: &Command) {
         if let Command::Open { path, .. } | Command::Save { path, .. } = command {
             self.ui.known_files.recent.note(command);
@@ -428,7 +427,7 @@ impl Workspace {
         }
     }
 
-    /// Does what a hand in a headset asks for.
+    /// Handles an event of a hand in a headset.
     pub fn answer_hand(&mut self, event: &HandEvent, room: &Room) {
         let picker = self.picker();
         self.editor.hand_event(event, room, &picker);
@@ -449,14 +448,14 @@ impl Workspace {
         self.run_now(&Command::Place(Placement { rotation, ..Placement::default() }));
     }
 
-    /// Carries out a command that takes no time. True if it was done.
+    /// Executes a command that takes no time. Returns true if it was done.
     pub(super) fn run_now(&mut self, command: &Command) -> bool {
         let done = self.editor.execute(command);
         self.settle();
         done
     }
 
-    /// Lets the tool follow at once what was chosen about it.
+    /// Applies a changed tool anchor at once.
     pub(super) fn keep_anchor(&mut self) {
         let pointer_use = PointerUse {
             leads_tool: self.controls.tool_follows_pointer(),
@@ -467,7 +466,7 @@ impl Workspace {
         self.settle();
     }
 
-    /// Reacts to what edits have led to, until nothing follows any more.
+    /// Handles the outcomes of edits until nothing is left to do.
     pub(super) fn settle(&mut self) {
         loop {
             let outcomes = self.editor.take_outcomes();
@@ -476,7 +475,7 @@ impl Workspace {
             }
             outcomes.into_iter().for_each(|outcome| self.react(outcome));
         }
-        // A journal that could not be written catches up.
+        // A journal that could not be written is retried.
         self.session_mut().attend_journal();
         self.ask_about_holder();
         self.viewpoint.turntable.set_orthographic(self.ui.view.orthographic);

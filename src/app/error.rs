@@ -1,4 +1,4 @@
-//! Why the program in its windows ended.
+//! The errors that end the program with windows.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use super::system_window;
 use crate::gpu::GpuError;
 use crate::input::bindings::BindingsError;
 
-/// Why the program ended.
+/// An error that ends the program.
 #[derive(Debug, Error)]
 pub enum AppError {
     #[error("cannot open a window: {}", system_window::without_place(.0))]

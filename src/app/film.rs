@@ -1,7 +1,7 @@
-//! Films from the window: the dialog's wishes become the job that the command line runs, on a thread.
+//! Films from the window: turns the dialog's request into the job that the command line runs, on a thread.
 //!
-//! A turntable shows the sculpture as it is at the start, a time lapse what was recorded until then, or else what undo
-//! leads back to; both as the view shows it, from its side and in its light. Knows no window.
+//! A turntable shows the sculpture as it is at the start. A time lapse shows what was recorded until then, or else the
+//! steps that undo leads back through. Both use the side and the light of the view. Knows no window.
 
 use glam::{Quat, Vec3};
 
@@ -69,7 +69,7 @@ pub(super) fn work(
     })
 }
 
-/// Returns the picture of each frame: from where the view stands.
+/// Returns the picture request of a frame, as the view stands.
 fn picture_request(source: &ViewSource, wanted: &FilmRequest) -> PictureRequest {
     let ViewSource { session, view, eye, .. } = source;
     let document = session.document();

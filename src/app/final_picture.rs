@@ -18,14 +18,14 @@ use crate::ui::dialogs::final_picture::Preview;
 use crate::ui::pictures::FinalRequest;
 use crate::view::Eye;
 
-/// Between two pictures of what is done so far.
+/// Time between two previews of an unfinished picture.
 const SHOW_EVERY: Duration = Duration::from_millis(200);
-/// Share of the time that showing may take.
+/// Least time between two previews, as a multiple of the time that one takes.
 const SHOW_SHARE: u32 = 20;
-/// The longest side of what is shown, in pixels.
+/// Longest side of a preview, in pixels.
 const SHOWN_PX: u32 = 640;
 
-/// Returns the work that makes a final picture of the view. `preview`: shows what is done so far.
+/// Returns the work that makes a final picture of the view. `preview`: receives the unfinished picture.
 pub(super) fn work(
     source: &ViewSource,
     wanted: &FinalRequest,
@@ -62,14 +62,14 @@ pub(super) fn work(
     }
 }
 
-/// Returns an eye that sees as much of the world from top to bottom in a picture of another size.
+/// Returns an eye with the same vertical field of view for a picture of another size.
 fn of_size(eye: &Eye, size: UVec2) -> Eye {
     let aspect = |size: UVec2| size.x as f32 / size.y.max(1) as f32;
     let wider = Vec3::new(aspect(eye.size) / aspect(size), 1.0, 1.0);
     Eye { projection: Mat4::from_scale(wider) * eye.projection, size, ..*eye }
 }
 
-/// Puts the picture so far where the interface finds it, from time to time.
+/// Gives the unfinished picture to the interface from time to time.
 struct Watcher {
     news: std::sync::Arc<Mutex<Option<Pixels>>>,
     exposure_ev: f32,
@@ -88,7 +88,7 @@ impl Watcher {
     }
 }
 
-/// Returns every second, third or further pixel of a picture that is larger than what is shown.
+/// Returns every n-th pixel of a picture that is larger than a preview.
 fn reduced(pixels: Pixels) -> Pixels {
     let step = pixels.size.max_element().div_ceil(SHOWN_PX).max(1);
     let mut out = Pixels::new(pixels.size.map(|edge| edge.div_ceil(step)));

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::folders::state_folder;
 
-/// Returns whether this is the first start; from now on it is not.
+/// Returns whether this is the first start. Later calls return false.
 pub fn is_first_run() -> bool {
     is_first_in(&state_folder())
 }

@@ -1,6 +1,6 @@
 //! The floor grid: lines in the plane on which the sculpture stands, a round number of voxels apart.
 //!
-//! From the size of a grid and its up axis to lines in grid coordinates. Knows no view.
+//! Takes the size of a grid and its up axis; gives lines in grid coordinates. Knows no view.
 
 use glam::{UVec3, Vec3};
 
@@ -9,13 +9,13 @@ use crate::sculpture::Rgb;
 use crate::shade::ground::line_spacing_vx;
 use crate::ui::Theme;
 
-/// Every so many lines one is stronger.
+/// One line in so many is stronger.
 const MAJOR: i32 = 5;
-/// The plane's distance below the grid, in voxels, so that it never lies in a face of the sculpture.
+/// Distance of the plane below the grid, in voxels. It keeps the plane out of the faces of the sculpture.
 const BELOW_VX: f32 = 0.5;
 
-/// Returns the lines below a grid of `dims` voxels whose axis `up` points up. They reach half as far beyond the grid as
-/// it is large, and one is at its lower corner.
+/// Returns the lines below a grid of `dims` voxels with the up axis `up`. They extend beyond the grid by half its size,
+/// and one passes through its lower corner.
 pub fn lines(dims: UVec3, up: Vec3, theme: Theme) -> Vec<Line> {
     let axis = up.abs().max_position();
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -1,8 +1,7 @@
-//! Letters that the fonts of the program lack, such as those of file names in other scripts, come from fonts of the system.
+//! Loads fonts of the system for letters that the program's fonts lack, such as those of file names in other scripts.
 //!
-//! Looks at what an interface has drawn. Only where a letter is missing a font is looked for, on a thread, and joins the
-//! others when it is found; so a start takes no longer, and a program that shows no such letter reads no font. Must not
-//! know what the texts say.
+//! Inspects what an interface has drawn. A thread looks for a font only when a letter is missing, so that the start
+//! takes no longer. Must not know what the texts say.
 
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashSet};
@@ -17,23 +16,23 @@ use skrifa::{FontRef, MetadataProvider};
 
 use crate::system_fonts::{self, Face};
 
-/// Most fonts that join the program's own, and most bytes of them all.
+/// Most system fonts that are added, and their most bytes in all.
 const MOST_FONTS: usize = 8;
 const MOST_BYTES: usize = 64 << 20;
-/// Between two looks at a search.
+/// Time between two looks at the result of a search.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// A font that was read.
+/// A font that has been read.
 struct Found {
     name: String,
     bytes: Vec<u8>,
     index: u32,
 }
 
-/// The letters of an interface that have been looked at, and the search for those that are missing.
+/// The letters of an interface that have been checked, and the search for missing ones.
 pub struct Glyphs {
     folders: Vec<PathBuf>,
-    /// By whether they are written in the font of numbers.
+    /// Keyed by letter and by whether it is drawn in the font of numbers.
     known: HashSet<(char, bool)>,
     /// Missing, and not yet looked for.
     missing: BTreeSet<char>,
@@ -49,7 +48,7 @@ impl Default for Glyphs {
 }
 
 impl Glyphs {
-    /// With fonts from these folders.
+    /// Uses fonts from these folders.
     fn of(folders: Vec<PathBuf>) -> Glyphs {
         Glyphs {
             folders,
@@ -61,7 +60,7 @@ impl Glyphs {
         }
     }
 
-    /// Looks at what was drawn. Gives the time after which another pass is due, if one is.
+    /// Checks what was drawn. Returns the time after which another pass is due, if one is.
     pub fn look(&mut self, context: &Context, shapes: &[ClippedShape]) -> Option<Duration> {
         shapes.iter().for_each(|clipped| self.hear(&clipped.shape));
         if let Some(search) = self.search.take_if(|search| search.is_finished()) {
@@ -85,7 +84,7 @@ impl Glyphs {
         self.search.as_ref().map(|_| LOOK_EVERY)
     }
 
-    /// Notes letters of a text that no font of the program has.
+    /// Records the letters of a text that are in no font of the program.
     fn hear(&mut self, shape: &Shape) {
         match shape {
             Shape::Vec(shapes) => shapes.iter().for_each(|shape| self.hear(shape)),
@@ -120,7 +119,7 @@ impl Glyphs {
         }
     }
 
-    /// Adds a font after all others; false if there are enough.
+    /// Adds a font after all others. Returns false if there are enough.
     fn add(&mut self, context: &Context, font: Found) -> bool {
         if self.fonts >= MOST_FONTS || font.bytes.len() > MOST_BYTES - self.bytes {
             return false;
@@ -137,7 +136,7 @@ impl Glyphs {
     }
 }
 
-/// Returns the bytes of a font, if there is room for them and they are those of a font throughout.
+/// Returns the bytes of a font, if there is room for them and the whole font is valid.
 fn read(face: Face, room: &mut usize) -> Option<Found> {
     let Face { path, index, letters } = face;
     let bytes = path.metadata().ok()?.len();
@@ -161,7 +160,7 @@ fn is_drawn(letter: char) -> bool {
     !(letter.is_whitespace() || letter.is_control() || is_joiner || is_variation || is_private)
 }
 
-/// Returns whether a font that the program brings along has a letter: one for all texts, or that of numbers.
+/// Returns whether the program's own font has a letter: the general one, or the one for numbers.
 fn is_own(letter: char, numbers: bool) -> bool {
     use epaint_default_fonts::{EMOJI_ICON, HACK_REGULAR, NOTO_EMOJI_REGULAR, UBUNTU_LIGHT};
     [UBUNTU_LIGHT, NOTO_EMOJI_REGULAR, EMOJI_ICON]
@@ -183,8 +182,8 @@ mod tests {
 
     use super::*;
 
-    /// Returns a font with outlines for one letter of Chinese, all of them the glyph of "A" of another font: its table
-    /// of letters is written anew.
+    /// Returns a font with an outline for one Chinese letter: the glyph of "A" of another font, with a new character
+    /// map.
     fn font_with(letter: char) -> Vec<u8> {
         let source = epaint_default_fonts::UBUNTU_LIGHT;
         let glyph = FontRef::new(source).unwrap().charmap().map('A').unwrap().to_u32();
@@ -234,7 +233,7 @@ mod tests {
         let names: Vec<String> = FontDefinitions::default().font_data.keys().cloned().collect();
         assert!(!names.iter().any(|name| name.contains("Han")), "only where it is needed");
 
-        // One that no font has is looked for once.
+        // A letter that no font has is looked for once.
         while pass(&context, &mut glyphs, "文").is_some() {
             assert!(began.elapsed() < Duration::from_secs(60));
             std::thread::sleep(Duration::from_millis(1));
@@ -259,7 +258,7 @@ mod tests {
     fn the_letters_of_the_program_are_those_that_it_draws() {
         let context = Context::default();
         pass(&context, &mut Glyphs::of(Vec::new()), "A");
-        // The layout of texts cannot tell a letter of the font that has the replacement from one that none has.
+        // The text layout cannot tell the replacement letter of a font from a missing letter.
         let is_told = |letter: &char| {
             is_drawn(*letter) && !has(epaint_default_fonts::NOTO_EMOJI_REGULAR, *letter)
         };

@@ -1,4 +1,4 @@
-//! The head on the workspace, with a script for a tracker and times as values.
+//! Tests head tracking on the workspace, with a scripted tracker and simulated time.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ use crate::viewpoint::head::{CalibrationStep, Monitor};
 struct Desk {
     workspace: Workspace,
     ctx: Context,
-    /// For the script and what the workspace keeps.
+    /// Holds the script and the files of the workspace.
     folder: tempfile::TempDir,
 }
 
@@ -48,7 +48,7 @@ impl Desk {
         desk
     }
 
-    /// A picture at `now_s`; gives when the next one is wanted.
+    /// Draws a picture at `now_s`. Returns when the next one is wanted.
     fn picture(&mut self, now_s: f64) -> Duration {
         self.workspace.track_at(now_s);
         let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1000.0, 700.0)));
@@ -65,7 +65,7 @@ impl Desk {
         }
     }
 
-    /// Returns where on the screen, in metres from its centre, a point of the world is seen.
+    /// Returns where on the screen a point of the world is seen, in metres from the centre.
     fn seen_m(&self, world: Vec3) -> Vec2 {
         let eye = self.workspace.eye();
         let clip = eye.projection * eye.eye_from_world.transform_point3(world).extend(1.0);
@@ -97,8 +97,8 @@ fn a_moving_head_sees_through_the_screen_as_through_a_window() {
         desk.play(from_s, from_s + 1.0);
         let head = desk.head_m();
         places.push(head);
-        // In the plane of the screen nothing moves; behind it points are where the line to the eye
-        // crosses the screen.
+        // Points in the plane of the screen do not move. Points behind it appear where the line to the eye crosses the
+        // screen.
         for (x, y, z) in [(0.0, 0.0, 0.0), (1.0, -0.5, 0.0), (0.5, 0.5, -1.0), (0.0, 0.0, 0.5)] {
             let point_m = Vec3::new(x, y, z) * radius;
             let seen = desk.seen_m(point_m * units_per_m);
@@ -192,7 +192,7 @@ fn both_eyes_lie_along_the_head() {
 
 #[test]
 fn four_touches_calibrate_the_tracker_and_are_kept() {
-    // The tracker is turned and stands elsewhere: where it sees the corners.
+    // The tracker is rotated and displaced: these are the corners in its space.
     let truth = Calibration {
         rotation: DQuat::from_rotation_y(0.4) * DQuat::from_rotation_x(-0.2),
         translation_m: DVec3::new(0.3, -0.4, 1.0),
@@ -218,7 +218,7 @@ fn four_touches_calibrate_the_tracker_and_are_kept() {
     desk.workspace.keep_calibration_in(file.clone());
     desk.workspace.act(Action::CalibrateHead);
     assert!(desk.workspace.ui.dialogs.is_modal());
-    // On the way between two corners nothing is taken.
+    // Between two corners, nothing is recorded.
     desk.play(0.0, 0.98);
     desk.workspace.answer_requests(vec![UiRequest::Calibrate(CalibrationStep::Take)]);
     assert_eq!(desk.workspace.viewpoint.head.status().calibration.unwrap().taken, 0);

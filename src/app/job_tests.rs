@@ -1,4 +1,4 @@
-//! Long work seen from the program: what is shown, refused and said meanwhile, and what follows it.
+//! Tests long work from the program's side: its display, refused commands, messages, and what follows it.
 
 use std::sync::mpsc::{Sender, channel};
 
@@ -25,7 +25,7 @@ fn workspace() -> Workspace {
     Workspace::new(session, &config, Bindings::presets().unwrap())
 }
 
-/// Starts a command whose work waits for a word before it begins.
+/// Starts a command whose work waits for a signal before it begins.
 fn start_slowly(workspace: &mut Workspace, command: &str) -> Sender<()> {
     let command: Command = command.parse().unwrap();
     let work = workspace.session_mut().prepare(&command).unwrap().unwrap();
@@ -168,7 +168,7 @@ fn undo_and_redo_of_an_orientation_are_work_and_go_on_with_the_other_steps() {
         states.push(contents(&workspace));
     }
 
-    // Cancelled it leaves all as it is.
+    // Cancelling changes nothing.
     workspace.run_now(&"undo".parse().unwrap());
     let go = start_slowly(&mut workspace, "undo");
     assert_eq!(workspace.ui.dialogs.busy.as_ref().unwrap().what, "Undoing");
@@ -177,7 +177,7 @@ fn undo_and_redo_of_an_orientation_are_work_and_go_on_with_the_other_steps() {
     workspace.finish_job();
     assert_eq!((undone(&workspace), contents(&workspace)), (1, states[4].clone()));
 
-    // From the end: the orientation is work, the next step is done at once, and so on.
+    // From the end: the orientation is a job, the next step is done at once, and so on.
     workspace.run_now(&"redo".parse().unwrap());
     for (line, stops) in [("undo all", [4, 2, 0]), ("redo all", [1, 3, 5]), ("undo 4", [4, 2, 1])] {
         workspace.editor.run(line.parse().unwrap());
@@ -203,7 +203,7 @@ fn a_final_picture_is_work_that_changes_nothing_and_leaves_a_file_only_when_it_i
     let files = || std::fs::read_dir(folder.path()).unwrap().count();
     let mut wanted = final_request(UVec2::new(24, 16));
 
-    // By its key it is asked for.
+    // Its key requests it.
     let keys = workspace.controls.bindings().and_then(|table| table.shortcut(Action::FinalPicture));
     assert_eq!(keys.as_deref(), Some("Shift+F12"));
     workspace.act(Action::FinalPicture);
@@ -211,7 +211,7 @@ fn a_final_picture_is_work_that_changes_nothing_and_leaves_a_file_only_when_it_i
     workspace.act(Action::Cancel);
     assert!(!workspace.ui.dialogs.final_picture.open);
 
-    // Cancelled it leaves no file, whenever that is.
+    // Cancelling leaves no file, at any time.
     wanted.trace.samples = MAX_FINAL_SAMPLES;
     workspace.start_final_picture(&wanted);
     while workspace.editor.busy().unwrap().stage.what != "tracing light" {
@@ -305,7 +305,7 @@ fn a_film_is_work_that_changes_nothing_and_leaves_what_was_asked_for() {
     assert_eq!(frame(1).dimensions(), (40, 32));
     assert!(frame(1) != frame(2) && frame(2) != frame(3), "it turns");
     assert!(!folder.path().join("a-film-1/frame-0005.png").exists());
-    // The side that the view shows is the one that the film begins with.
+    // The film begins with the side that the view shows.
     workspace.look_from(crate::input::Side::Back);
     film(&mut workspace, film_request(FilmKind::Turntable, FilmForm::Folder));
     let from_behind = image::open(folder.path().join("a-film-2/frame-0001.png")).unwrap().to_rgb8();
@@ -313,7 +313,7 @@ fn a_film_is_work_that_changes_nothing_and_leaves_what_was_asked_for() {
 
     assert_eq!(workspace.session().document().revision(), revision, "the view alone");
 
-    // Cancelled it leaves no file.
+    // Cancelling leaves no file.
     let long = FilmRequest { frames: 100_000, ..film_request(FilmKind::Turntable, FilmForm::Gif) };
     workspace.answer_requests(vec![UiRequest::Film(long)]);
     while workspace.editor.busy().unwrap().stage.what != "filming" {
@@ -358,7 +358,7 @@ fn what_undo_leads_back_to_becomes_a_time_lapse_without_any_recording() {
         let path = folder.path().join(format!("{name}/frame-000{n}.png"));
         image::open(path).unwrap().to_rgb8()
     };
-    // The first frame is the beginning, each of the three steps has one, and the last shows what is there.
+    // The first frame shows the beginning, the next three the steps, and the last the present.
     let frames = [1, 2, 3, 4].map(|n| frame("a-film-1", n));
     for (i, j) in [(0, 1), (1, 2), (2, 3), (0, 2), (0, 3), (1, 3)] {
         assert!(frames[i] != frames[j], "frames {i} and {j}");

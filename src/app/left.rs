@@ -1,5 +1,5 @@
-//! The work left by earlier sessions that did not end as they should have: it is listed in a dialog at the start, and
-//! brought back or removed as the person wishes.
+//! Work left by earlier sessions that did not end normally. A dialog lists it at the start and restores or removes it
+//! as the person chooses.
 //!
 //! Journals are read and replayed on a thread, while the window stays alive.
 
@@ -25,22 +25,22 @@ use crate::ui::dialogs::recovery::{LeftSession, LeftWork, RecoveryDialog};
 /// Size of the pictures in the list, in pixels.
 const PICTURE_PX: UVec2 = UVec2::new(128, 96);
 
-/// The journals in which earlier sessions left work, once it is known where these lie.
+/// The journals of earlier sessions, once their folder is known.
 #[derive(Default)]
 pub(super) struct AbandonedWork {
-    /// Where journals of sessions lie and how they are kept.
+    /// Where journals lie and how they are kept.
     journals: Option<JournalOptions>,
 }
 
 impl AbandonedWork {
-    /// Takes where journals lie. True if there are some that earlier sessions have left.
+    /// Sets where journals lie. Returns true if earlier sessions have left some.
     pub fn look_in(&mut self, journals: JournalOptions) -> bool {
         let is_some_left = journals.journal_dir.count_left() > 0;
         self.journals = Some(journals);
         is_some_left
     }
 
-    /// Returns the work that reads what was left, for the dialog. `none`: the message if nothing is found.
+    /// Returns the work that reads the journals for the dialog. `none`: the message if nothing is found.
     pub fn list(
         &self,
         none: &'static str,
@@ -57,7 +57,7 @@ impl AbandonedWork {
         })
     }
 
-    /// Returns the work that brings back what was left in the journal of this number, to go on with instead of `session`.
+    /// Returns the work that restores the journal of this number, to replace `session`.
     pub fn recovery(
         &self,
         number: u64,
@@ -76,10 +76,10 @@ impl AbandonedWork {
         })
     }
 
-    /// Removes the journal of this number, which nobody wants. None if it is not known where journals lie.
+    /// Removes the unwanted journal of this number. Returns `None` if it is not known where journals lie.
     pub fn discard(&self, number: u64) -> Option<Result<(), String>> {
         let journal_dir = &self.journals.as_ref()?.journal_dir;
-        // Opened, so that nobody's work is removed.
+        // Opens it first, so that no journal in use is removed.
         Some(source_of(journal_dir, number).and_then(|_locked| {
             journal_dir.remove(number).map_err(|error| failure(journal_dir, number, &error))
         }))
@@ -100,8 +100,7 @@ fn source_of(journal_dir: &JournalDir, number: u64) -> Result<Source, String> {
     }
 }
 
-/// Returns all that was left, the latest first. Sessions that had changed nothing, or whose file holds all, are
-/// forgotten.
+/// Returns the recoverable sessions, latest first. Removes journals without changes, or whose file is complete.
 fn all_left(
     journal_dir: &JournalDir,
     limits: &Limits,
@@ -134,7 +133,7 @@ fn all_left(
                 if is_untouched(&recovered.session)
                     || is_in_its_file(&recovered, limits, report) =>
             {
-                // Should it stay, it is found again.
+                // If it stays, the next search finds it again.
                 let _ = journal_dir.remove(number);
                 continue;
             }
@@ -153,8 +152,8 @@ fn is_untouched(session: &Session) -> bool {
     !session.modified() && history.undo_count() + history.redo_count() == 0
 }
 
-/// Returns whether the sculpture was saved, and its file still holds it: a program that is ended from outside then
-/// leaves no more than one that is quit.
+/// Returns whether the sculpture was saved and its file is unchanged. A program that was killed then leaves no more
+/// than one that was quit.
 fn is_in_its_file(recovered: &Recovered, limits: &Limits, report: &Report) -> bool {
     let Recovered { session, report: replay } = recovered;
     let Some(path) = session.path().filter(|_| !session.modified()) else { return false };
@@ -162,7 +161,7 @@ fn is_in_its_file(recovered: &Recovered, limits: &Limits, report: &Report) -> bo
         return false;
     }
     if !format::is_sculpture(path) {
-        // Read, but never written: there is nothing in it that was made here.
+        // Read, but never written: nothing in it was made here.
         return path.is_file();
     }
     let digest = |session: &Session| Digest::of(session.document().contents());
@@ -186,8 +185,8 @@ fn work_of(Recovered { session, report }: &Recovered) -> LeftWork {
     }
 }
 
-/// Replays a journal, begins another one for the session if one is to be kept, and then removes the first, unless the
-/// replay differed from what was done.
+/// Replays a journal, begins a new one for the session if one is to be kept, and then removes the first, unless the
+/// replay differed from the recording.
 fn bring_back(
     number: u64,
     journals: &JournalOptions,

@@ -1,8 +1,7 @@
-//! The long work that the window starts: films, final pictures, checks, files that are looked at, and what earlier
-//! sessions left.
+//! Long work started by the window: films, final pictures, checks, files being inspected, and the recovery of earlier
+//! sessions.
 //!
-//! Each kind of work is made in a file of its own from what it needs; here it is started, and followed until it is done.
-//! Knows no window.
+//! Other files build each kind of work; this one starts it and follows it until it is done. Knows no window.
 
 use std::path::PathBuf;
 
@@ -17,13 +16,13 @@ use crate::ui::pictures::{FilmRequest, FinalRequest};
 use crate::view::Eye;
 
 impl Workspace {
-    /// Waits for long work, if there is any, and puts in place what came of it.
+    /// Waits for long work, if there is any, and applies its result.
     pub fn finish_job(&mut self) {
         self.editor.finish_job();
         self.settle();
     }
 
-    /// Takes what long work has come to.
+    /// Applies the result of long work that has ended.
     pub(super) fn follow_job(&mut self) {
         self.editor.follow_job();
         self.settle();
@@ -34,7 +33,7 @@ impl Workspace {
         ViewSource { session, view, eye, device: &self.render_device }
     }
 
-    /// Starts a final picture of the view: as the eye of the window, of two the left one, sees it.
+    /// Starts a final picture of the view, from the eye of the window (the left one of two).
     pub(super) fn start_final_picture(&mut self, wanted: &FinalRequest) {
         let Some(eye) = self.eyes().first().copied() else { return };
         let preview = Preview::default();
@@ -54,7 +53,7 @@ impl Workspace {
         }
     }
 
-    /// Starts to read a file that is to be imported; the dialog closes where there is other work.
+    /// Starts reading a file for import. The dialog closes if there is other work.
     pub(super) fn start_study(&mut self, path: PathBuf, import: ImportOptions) {
         let limits = *self.session().document().limits();
         let work = study::work(path, import, limits, &self.ui.dialogs.import);
@@ -63,7 +62,7 @@ impl Workspace {
         }
     }
 
-    /// Opens the window of the print check, which begins unless the sculpture has been checked, or closes it.
+    /// Opens the window of the print check, which runs unless the sculpture has been checked, or closes it.
     pub(super) fn toggle_print_check(&mut self) {
         let window = &mut self.ui.dialogs.print_check;
         window.open ^= true;
@@ -80,19 +79,19 @@ impl Workspace {
         self.editor.start_side_work(work, "Print check");
     }
 
-    /// Starts to read what earlier sessions have left, if there is anything, for the dialog.
+    /// Starts reading the journals of earlier sessions for the dialog, if there are any.
     pub fn look_for_left(&mut self, journals: JournalOptions) {
         if self.abandoned.look_in(journals) {
             self.read_left("");
         }
     }
 
-    /// The same when the person asks for it, with a word if there is nothing.
+    /// Does the same at the person's request, with a message if there is nothing.
     pub(super) fn list_left(&mut self) {
         self.read_left("There is no unsaved work of earlier sessions");
     }
 
-    /// `none`: the message if nothing is found.
+    /// Starts reading the journals. `none`: the message if nothing is found.
     fn read_left(&mut self, none: &'static str) {
         let limits = *self.session().document().limits();
         if let Some(work) = self.abandoned.list(none, limits, &self.ui.dialogs.recovery) {
@@ -100,7 +99,7 @@ impl Workspace {
         }
     }
 
-    /// Goes on with what was left in the journal of this number.
+    /// Restores the journal of this number.
     pub(super) fn start_recovery(&mut self, number: u64) {
         if let Some(work) = self.abandoned.recovery(number, self.editor.session()) {
             self.ui.dialogs.recovery.close();
@@ -108,7 +107,7 @@ impl Workspace {
         }
     }
 
-    /// Removes the journal of this number, which nobody wants.
+    /// Removes the unwanted journal of this number.
     pub(super) fn discard_left(&mut self, number: u64) {
         match self.abandoned.discard(number) {
             Some(Ok(())) => self.ui.dialogs.recovery.remove(number),

@@ -16,22 +16,22 @@ use crate::gpu::{Device, DeviceOptions, GpuError, ValidationLog, WindowHost};
 use crate::ui::ScreenshotTo;
 use crate::view::StereoLayout;
 
-/// The frames after which a picture that is to be saved or copied is taken as it is, since the view keeps moving.
+/// Most frames to wait for a complete picture to save or copy: a moving view never completes one.
 const MOST_FRAMES: u32 = 2 * REFINED_SAMPLES;
 
-/// The main window with everything that draws to it. Fields are dropped in this order.
+/// The main window and its renderers. Fields are dropped in this order.
 pub struct MainWindow {
     painter: Painter,
     pub pane: Pane,
     /// The picture's rectangle in the window, in pixels.
     corner: UVec2,
-    /// Pictures shown.
+    /// Number of pictures shown.
     shown: u64,
-    /// The next picture, of the same, will not be better.
+    /// The picture is complete: the next one of the same scene would not be better.
     complete: bool,
-    /// Frames since a picture was asked for that is to be saved or copied.
+    /// Frames since a picture was requested to be saved or copied.
     waited: u32,
-    /// The system's clipboard, once something was copied to or from it. On some systems what was copied lasts as long as this.
+    /// The system's clipboard, once it was used. On some systems the copied contents last only as long as this.
     clipboard: Option<arboard::Clipboard>,
 }
 
@@ -74,8 +74,7 @@ impl MainWindow {
         self.pane.window().set_title(&format!("{name}{star}{access} – Virtual Sculpture"));
     }
 
-    /// Waits up to `patience` for a free image of the window; none while there is nothing to draw
-    /// to.
+    /// Waits up to `patience` for a free image of the window. Returns `None` while there is nothing to draw to.
     pub fn begin(
         &mut self,
         workspace: &mut Workspace,
@@ -92,8 +91,7 @@ impl MainWindow {
         self.pane.begin(patience)
     }
 
-    /// Applies the gamepad. Its movement of the pointer reaches the next pass of the interface as if it
-    /// came from the mouse.
+    /// Applies the gamepad. Its pointer movements reach the next pass of the interface like those of a mouse.
     pub fn play_pad(&mut self, workspace: &mut Workspace, now_s: f64) {
         let events = workspace.play_pad(now_s, self.pane.context());
         let moved = events.iter().rev().find_map(|event| match event {
@@ -129,7 +127,7 @@ impl MainWindow {
         let corner = (workspace.picture().min.to_vec2() * self.pane.pixels_per_point()).round();
         self.corner = UVec2::new(corner.x.max(0.0) as u32, corner.y.max(0.0) as u32);
         if let Some(pictures) = self.painter.pictures()
-            // The pictures of two eyes are composited together with the interface.
+            // Stereo pictures are composited together with the interface.
             && pictures.colour.eyes() == 1
         {
             let picture = &pictures.colour;
@@ -139,7 +137,7 @@ impl MainWindow {
         Ok(())
     }
 
-    /// Draws panels and windows over it.
+    /// Draws panels and windows over the picture.
     pub fn draw_interface(
         &mut self,
         frame: &mut Frame,
@@ -154,7 +152,7 @@ impl MainWindow {
         }
     }
 
-    /// Saves or copies the picture that was just shown, if that was requested and it is complete.
+    /// Saves or copies the picture just shown, if requested and if it is complete.
     pub fn take_screenshot(&mut self, workspace: &mut Workspace) -> Result<(), GpuError> {
         let Some(to) = workspace.ui.window_tasks.screenshot else { return Ok(()) };
         self.waited += 1;
@@ -177,13 +175,12 @@ impl MainWindow {
                 }
             }
         }
-        // Tool and lines are drawn again.
+        // The next picture has the tool and the lines again.
         self.pane.redraw();
         Ok(())
     }
 
-    /// Toggles fullscreen, if that was requested. The system may have changed it meanwhile, so the window
-    /// is asked for its present state.
+    /// Toggles fullscreen, if requested. Asks the window for its present state, since the system may have changed it.
     pub fn switch_fullscreen(&self, workspace: &mut Workspace) {
         if std::mem::take(&mut workspace.ui.window_tasks.switch_fullscreen) {
             let window = self.pane.window();
@@ -192,7 +189,7 @@ impl MainWindow {
         }
     }
 
-    /// Pastes the picture on the system's clipboard, if that was requested.
+    /// Pastes the picture on the system's clipboard, if requested.
     pub fn paste_picture(&mut self, workspace: &mut Workspace) {
         if workspace.ui.window_tasks.paste.is_some() {
             workspace.paste_picture(&mut self.clipboard);

@@ -1,7 +1,7 @@
 //! The file with the state that is restored at the next start.
 //!
-//! It is written when the state has changed: after a file was opened or saved, at intervals while the
-//! program is idle, and at the end. Without [`Memory::open`] nothing is read or written, as in tests.
+//! It is written when the state has changed: after a file was opened or saved, at intervals while the program is idle,
+//! and at the end. Nothing is read or written before [`Memory::open`], as in tests.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -13,12 +13,12 @@ use crate::format::store::write_atomically;
 use crate::sculpture::orientation::Up;
 use crate::ui::{UiState, WindowOptions, memory};
 
-/// A longer file is not one of this program.
+/// A longer file is not from this program.
 const LONGEST_BYTES: u64 = 1 << 20;
 /// Shortest interval of writes while idle.
 const EVERY: Duration = Duration::from_secs(30);
 
-/// Where it is remembered how the program was left, if anywhere.
+/// The file that remembers the state, if there is one.
 #[derive(Default)]
 pub(super) struct Memory(Option<MemoryFile>);
 
@@ -28,12 +28,12 @@ struct MemoryFile {
     window: WindowOptions,
     written: String,
     at: Instant,
-    /// A failure to write it has been reported.
+    /// A failed write has been reported.
     complained: bool,
 }
 
 impl Memory {
-    /// Restores the state in the file, if there is one, and from now on saves the state there.
+    /// Restores the state in the file, if there is one, and saves the state there from now on.
     pub fn open(
         &mut self,
         path: PathBuf,
@@ -68,7 +68,7 @@ impl Memory {
         match write(&file.path, &text) {
             Ok(()) => file.written = text,
             Err(error) => {
-                // The sculpture is not in danger, so this is no error dialog.
+                // The sculpture is safe, so a message is enough.
                 if !std::mem::replace(&mut file.complained, true) {
                     tracing::warn!("cannot write {}: {error}", file.path.display());
                 }
@@ -77,13 +77,13 @@ impl Memory {
     }
 }
 
-/// Returns the axis that was last chosen to point up for files of that format.
+/// Returns the up axis chosen last for files of that format.
 pub fn remembered_up(path: &Path) -> Option<Up> {
     let text = read(&folders::state_folder().join("state.toml"));
     text.ok().flatten().and_then(|text| memory::upright(&text).of(path))
 }
 
-/// Returns the file's text; none if there is no file.
+/// Returns the file's text; `None` if there is no file.
 fn read(path: &Path) -> std::io::Result<Option<String>> {
     use std::io::{Error, ErrorKind};
     let metadata = match std::fs::metadata(path) {

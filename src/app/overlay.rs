@@ -38,20 +38,20 @@ pub struct OverlayScene<'a> {
     pub document: &'a Document,
     pub view: &'a ViewState,
     pub theme: Theme,
-    /// The picture as it was last shown, and the pointer in it.
+    /// The picture as it was last shown, with the pointer in it.
     pub seen: Option<&'a IndexMap>,
     pub pointer: Option<Vec2>,
     /// A stroke is under way.
     pub stroking: bool,
-    /// The lines of the solid that a tool that draws is about to make.
+    /// The lines of the solid being drawn.
     pub sketch: Option<Sketch>,
-    /// The plane or line in which a drag leads the marker.
+    /// The plane or line to which a drag confines the marker.
     pub marker_guide: Vec<[Vec3; 2]>,
-    /// The distance from the eye plane to the point that the pointer points at, in world units.
+    /// Distance from the eye plane to the point under the pointer, in world units.
     pub depth: f32,
 }
 
-/// Returns the tool as a shell of the colour that it gives, or red where it cuts; the marker as a box.
+/// Returns the tool as a shell, in the colour that it applies, or red if it cuts; the marker as a box.
 pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
     let voxel_size = scene.document.grid().voxel_size();
     match scene.tool.kind {
@@ -85,7 +85,7 @@ pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
     }
 }
 
-/// Returns the lines of a picture, as far as the person wants to see them.
+/// Returns the lines of a picture that the person wants to see.
 pub fn lines(scene: &OverlayScene) -> Vec<Line> {
     let &OverlayScene { tool, document, view, .. } = scene;
     let (grid, selection) = (document.grid(), document.selection());
@@ -167,7 +167,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
     lines
 }
 
-/// Returns the lines of the drawing under way, with its mirror images.
+/// Returns the lines of the unfinished drawing, with its mirror images.
 fn sketched(scene: &OverlayScene) -> Vec<Line> {
     let Some(sketch) = &scene.sketch else { return Vec::new() };
     let colour = colour_in(scene.tool, sketch.mode);
@@ -189,7 +189,7 @@ fn sketched(scene: &OverlayScene) -> Vec<Line> {
     lines
 }
 
-/// Returns the rope on which the pointer leads a brush.
+/// Returns the rope by which the pointer pulls a brush.
 fn rope(scene: &OverlayScene) -> Option<(Vec3, Vec3)> {
     let tool = scene.tool;
     let (map, at) = scene.seen.zip(scene.pointer)?;
@@ -198,7 +198,7 @@ fn rope(scene: &OverlayScene) -> Option<(Vec3, Vec3)> {
     (scene.stroking && is_steady).then_some((tool.centre_vx, end))
 }
 
-/// Returns the colour of a brush's outline. `own`: the colour in hand.
+/// Returns the colour of a brush's outline. `own`: the chosen colour.
 fn tint(tint: Tint, own: Rgb) -> Rgb {
     match tint {
         Tint::Cut => CUT,
@@ -208,7 +208,7 @@ fn tint(tint: Tint, own: Rgb) -> Rgb {
     }
 }
 
-/// Returns the rim of a brush's footprint, laid into the picture at the depth of what it points at.
+/// Returns the rim of a brush's footprint, projected at the depth of the point under the pointer.
 fn footprint_edges(scene: &OverlayScene, options: &BrushOptions) -> Vec<(Vec3, Vec3)> {
     let (Some(map), Some(at)) = (scene.seen, scene.pointer) else { return Vec::new() };
     let radius_px = scene.tool.brushes.radius_px(options.get(RADIUS), None);

@@ -1,4 +1,4 @@
-//! The pad on the workspace, with a device that writes down how it is shaken.
+//! Tests the gamepad on the workspace, with a device that records rumble.
 
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -18,7 +18,7 @@ use crate::session::Session;
 
 const PAD: PadId = PadId(0);
 
-/// Strengths in the order in which they were set.
+/// Rumble strengths in the order in which they were set.
 #[derive(Clone, Debug, Default)]
 struct Felt(Arc<Mutex<Vec<f32>>>);
 
@@ -66,7 +66,7 @@ impl Desk {
         self.workspace.shake_pad(self.now_s);
     }
 
-    /// Keeps sticks and buttons so for some time.
+    /// Holds sticks and buttons for some time.
     fn keep(&mut self, state: PadState, seconds: f64) {
         self.news(PadChange::State(state));
         let until = self.now_s + seconds;
@@ -253,7 +253,7 @@ fn a_button_is_caught_in_the_table_of_keys() {
     desk.press(PadButton::LeftStick);
     assert_eq!(desk.voxels(), full, "from then on it is a key as any other");
 
-    // A button that another action has is asked about, and stays with that action until the answer.
+    // A button that is bound to another action stays with it until the conflict is resolved.
     let right = Trigger::Pad { button: PadButton::DpadRight };
     desk.workspace.ui.dialogs.keys.listen_for(Action::Fill);
     desk.press(PadButton::DpadRight);

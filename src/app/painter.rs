@@ -1,5 +1,5 @@
-//! From the workspace to the renderer and back: what the picture in the window shows, and what the
-//! workspace takes from the renderer's report.
+//! Links workspace and renderer: gives the renderer the contents of the window's picture, and the workspace the
+//! renderer's report.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -21,10 +21,10 @@ use crate::ui::{Theme, UiState, ViewState};
 use crate::video::VideoOptions;
 use crate::viewpoint::Viewpoint;
 
-/// How long a picture may be held up by the normals of a sculpture that was opened.
+/// Longest time that the normals of an opened sculpture may delay a picture.
 const PATIENCE: Duration = Duration::from_millis(6);
 
-/// The samples of a pixel that a resting picture is refined to.
+/// Samples per pixel of a resting picture.
 pub(super) const REFINED_SAMPLES: u32 = 16;
 
 /// The pictures of the sculpture in the window.
@@ -33,13 +33,13 @@ pub struct Painter {
 }
 
 impl Painter {
-    /// For pictures of `format`.
+    /// Creates a painter for pictures of `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Painter> {
         Ok(Painter { renderer: Renderer::new(device, format)? })
     }
 
-    /// Records what the workspace's next picture needs; then it is in [`Painter::pictures`].
-    /// `slot`: [`crate::gpu::Frames::slot`]. False if another picture, of the same, will be better.
+    /// Records the workspace's next picture, which is in [`Painter::pictures`] then. `slot`:
+    /// [`crate::gpu::Frames::slot`]. Returns false if another picture of the same scene would be better.
     pub fn paint(
         &mut self,
         recorder: &mut Recorder,
@@ -64,7 +64,7 @@ impl Painter {
         }
         let eyes = workspace.eyes();
         let settings = &workspace.ui.view.video;
-        // Kept for as long as the renderer looks at it, whatever the workspace does.
+        // The renderer's own reference, independent of the workspace.
         let frame = workspace.viewpoint.video(settings).map(|(frame, lens)| (frame.clone(), lens));
         let video = frame.as_ref().map(|(frame, lens)| {
             let VideoOptions { fit, mirror, .. } = *settings;
@@ -89,7 +89,7 @@ impl Painter {
         let rests = !is_screenshot || workspace.viewpoint.repaint_after().is_none();
         let refines = workspace.ui.view.refine && rests;
         self.take_references(recorder, slot, workspace, is_screenshot)?;
-        // The renderer writes to the maps that nobody else holds.
+        // The renderer writes only to maps that have no other owner.
         workspace.viewpoint.forget_pick_map();
         let document = workspace.session_mut().document_mut();
         self.renderer.set_patience((!is_screenshot).then_some(PATIENCE));
@@ -102,7 +102,7 @@ impl Painter {
         Ok(complete)
     }
 
-    /// Gives the renderer the reference pictures; without memory for them there are none.
+    /// Gives the renderer the reference pictures. Hides them if the device has no memory for them.
     fn take_references(
         &mut self,
         recorder: &mut Recorder,
@@ -137,13 +137,12 @@ impl Painter {
     }
 }
 
-/// Returns whether the next picture has a floor grid: not in a video, which shows a real one, and not with a ground,
-/// which has lines of its own.
+/// Returns whether the next picture has a floor grid. A video shows a real floor, and a ground has lines of its own.
 fn shows_floor(view: &ViewState, viewpoint: &Viewpoint) -> bool {
     view.floor && !view.ground && viewpoint.video(&view.video).is_none()
 }
 
-/// Returns the ground of the next picture; in a video only the shadow on the ground that it shows.
+/// Returns the ground of the next picture; in a video, only the shadow on it.
 fn ground(view: &ViewState, theme: Theme, in_video: bool) -> Option<Ground> {
     view.ground.then(|| Ground {
         up: view.up,
@@ -158,7 +157,7 @@ fn ground(view: &ViewState, theme: Theme, in_video: bool) -> Option<Ground> {
     })
 }
 
-/// Quiet greys, lighter above, that let any colour of stone stand out.
+/// Returns a quiet grey gradient, lighter above, that suits every colour of stone.
 pub(super) fn background(theme: Theme) -> Background {
     let grey = |r: u8, g: u8, b: u8| Vec3::new(r.into(), g.into(), b.into()) / 255.0;
     match theme {

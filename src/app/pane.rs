@@ -1,5 +1,5 @@
-//! A pane: one window of the program with everything that draws an interface into it, and the time of
-//! its next redraw. The main window and every detached panel are panes.
+//! A pane: one window of the program with everything that draws its interface, and the time of its next redraw. The
+//! main window and every detached panel are panes.
 //!
 //! Each pane has an egui context, textures and a swapchain of its own; all share one device.
 
@@ -27,15 +27,14 @@ use crate::viewpoint::head::Monitor;
 use super::glyphs::Glyphs;
 use super::stereo_screen::{StereoPair, StereoScreen};
 
-/// A window whose requested redraw does not come within this time is not visible: on Wayland such
-/// windows get no redraws.
+/// A window without its requested redraw after this time is not visible: on Wayland, such windows get no redraws.
 const UNSEEN_AFTER: Duration = Duration::from_millis(250);
 /// Time between two pictures where the refresh rate is unknown.
 const USUAL_PERIOD: Duration = Duration::from_micros(16_667);
 /// A picture may be this much early, since clocks are not exact.
 const SLACK: Duration = Duration::from_millis(1);
 
-/// A window that an interface is drawn into. Fields are dropped in this order.
+/// A window with an interface. Fields are dropped in this order.
 pub struct Pane {
     gui: Gui,
     /// Resources of stereo, once it was switched on.
@@ -51,16 +50,16 @@ pub struct Pane {
     pointing_eye: usize,
     /// When the interface is to be redrawn without an event.
     wake: Option<Instant>,
-    /// Since when a redraw is requested that has not come.
+    /// Time of the request of a redraw that has not come.
     pending: Option<Instant>,
-    /// When the last picture was begun.
+    /// Start of the last picture.
     begun: Option<Instant>,
-    /// The last picture could not be presented, since the window had changed: another one is due.
+    /// The last picture could not be presented because the window had changed. Another one is due.
     missed: bool,
     /// Changes of the interface's textures that are not yet uploaded or freed.
     textures: TextureChanges,
     glyphs: Glyphs,
-    /// The pointer of a pen, where the window system sends none for it.
+    /// Acts as the pointer of a pen where the window system sends none.
     pen: PenPointer,
 }
 
@@ -68,7 +67,7 @@ pub struct Pane {
 pub struct Frame {
     pub recorder: Recorder,
     target: Target,
-    /// Something lies below the interface.
+    /// The image holds a picture below the interface.
     pasted: bool,
 }
 
@@ -168,12 +167,12 @@ impl Pane {
         self.egui.egui_ctx()
     }
 
-    /// Adds events to the next pass that come from no device of the window.
+    /// Adds events from outside the window to the next pass.
     pub fn inject(&mut self, events: Vec<egui::Event>) {
         self.egui.egui_input_mut().events.extend(events);
     }
 
-    /// Moves the system's pointer, where the system allows it; true if it did.
+    /// Moves the system's pointer. Returns true if the system allows it.
     pub fn move_pointer(&self, at: egui::Pos2) -> bool {
         let at = at.to_vec2() * self.pixels_per_point();
         self.window.set_cursor_position(PhysicalPosition::new(at.x, at.y)).is_ok()
@@ -189,7 +188,7 @@ impl Pane {
         self.window.request_redraw();
     }
 
-    /// The requested redraw is under way.
+    /// Notes that the requested redraw has come.
     pub fn begin_redraw(&mut self) {
         self.wake = None;
         self.pending = None;
@@ -219,7 +218,7 @@ impl Pane {
         self.missed
     }
 
-    /// Sets the time of the next redraw without an event; none with `None`.
+    /// Sets the time of the next redraw without an event.
     pub fn wake_at(&mut self, wake: Option<Instant>) {
         self.wake = wake;
     }
@@ -235,7 +234,7 @@ impl Pane {
         self.pending.is_some()
     }
 
-    /// Sets the stereo layout from the next picture on. Layers need a window that has them
+    /// Sets the stereo layout of the next pictures. Layers need a window that supports them
     /// ([`WindowScreen::can_layer`]).
     pub fn arrange(&mut self, layout: StereoLayout) {
         self.layout = layout;
@@ -247,7 +246,7 @@ impl Pane {
         self.pointing_eye
     }
 
-    /// Returns the event with its position mapped to the picture of the eye that is seen there.
+    /// Returns the event with its position mapped into one eye's picture.
     fn unfold(&mut self, event: &WindowEvent) -> Option<WindowEvent> {
         let size: [u32; 2] = self.window.inner_size().into();
         let mut unfold = |at: PhysicalPosition<f64>| {
@@ -268,13 +267,13 @@ impl Pane {
         }
     }
 
-    /// By what the window system names the window when it tells of pens.
+    /// Returns the name that the window system uses for the window in pen events.
     pub fn pen_key(&self) -> Option<WindowKey> {
         WindowKey::of(&self.window)
     }
 
-    /// Takes what a pen does over the window; gives it with its place in the picture of the eye that is seen there. Where
-    /// no other pointer is sent for it (`leads_pointer`; its place is in points then) the next pass hears one.
+    /// Handles a pen sample over the window, and returns it with its position mapped into one eye's picture. If no
+    /// other pointer is sent for it (`leads_pointer`, with the position in points), the next pass receives one.
     pub fn hear_pen(&mut self, sample: &PenSample, leads_pointer: bool) -> PenSample {
         let scale = if leads_pointer { self.window.scale_factor() as f32 } else { 1.0 };
         let size: [u32; 2] = self.window.inner_size().into();
@@ -289,7 +288,7 @@ impl Pane {
         sample
     }
 
-    /// Hears an event of the window; true if it calls for another picture.
+    /// Handles an event of the window. Returns true if it calls for another picture.
     pub fn handle_event(&mut self, event: &WindowEvent) -> bool {
         let unfolded = self.unfold(event);
         let event = unfolded.as_ref().unwrap_or(event);
@@ -300,14 +299,14 @@ impl Pane {
         let before = self.egui.egui_input_mut().events.len();
         let repaint = self.egui.on_window_event(&self.window, event).repaint && !redraw;
         let input = self.egui.egui_input_mut();
-        // V alone is a key; with Ctrl and nothing on the clipboard it would be no event at all.
+        // Ctrl+V with an empty clipboard would give no event at all.
         if input.events.len() == before && is_paste_key(event) {
             input.events.push(egui::Event::Paste(String::new()));
         }
         repaint
     }
 
-    /// Waits up to `patience` for a free image of the window; none while there is none.
+    /// Waits up to `patience` for a free image of the window. Returns `None` while there is none.
     pub fn begin(&mut self, patience: Duration) -> Result<Option<Frame>, GpuError> {
         let begun = Instant::now();
         let recorder = self.frames.begin()?;
@@ -348,7 +347,7 @@ impl Pane {
         self.gui.take_lack()
     }
 
-    /// Records the interface, over what was pasted or over nothing.
+    /// Records the interface over the pasted picture, or over nothing.
     pub fn draw(&mut self, frame: &mut Frame, interface: &Interface) -> Result<(), GpuError> {
         let Frame { recorder, target, pasted } = frame;
         self.gui.upload(recorder, self.frames.slot(), &mut self.textures)?;
@@ -367,8 +366,8 @@ impl Pane {
         Ok(())
     }
 
-    /// Records the pictures of two eyes, their upper left corner at the pixel `corner`, with the
-    /// interface over them.
+    /// Records the pictures of two eyes with their upper left corner at the pixel `corner`, and the interface over
+    /// them.
     pub fn draw_stereo(
         &mut self,
         frame: &mut Frame,
@@ -392,8 +391,8 @@ impl Pane {
         stereo.compose(recorder, self.frames.slot(), target, pair)
     }
 
-    /// Presents the picture. False if the window has changed too much to show it; then another one is
-    /// due at once ([`Pane::has_missed`]).
+    /// Presents the picture. Returns false if the window has changed too much; another one is due at once then
+    /// ([`Pane::has_missed`]).
     pub fn end(&mut self, frame: Frame) -> Result<bool, GpuError> {
         let Frame { recorder, target, .. } = frame;
         self.frames.submit(recorder, &[target.wait()], &[target.signal()])?;
@@ -406,7 +405,7 @@ impl Pane {
     }
 }
 
-/// An input method shows its candidates beside the letter that is being written, not beside the field, which may be long.
+/// Places an input method's candidates at the cursor instead of the field, which may be long.
 fn put_candidates_at_the_cursor(output: &mut egui::PlatformOutput) {
     if let Some(ime) = &mut output.ime {
         ime.rect = ime.cursor_rect;
@@ -420,7 +419,7 @@ fn period(millihertz: Option<u32>) -> Duration {
     period.saturating_sub(SLACK)
 }
 
-/// Returns whether the key of pasting was pressed: V, or the key at its position on keyboards without Latin letters.
+/// Returns whether the paste key was pressed: V, or the key at its position on keyboards without Latin letters.
 fn is_paste_key(event: &WindowEvent) -> bool {
     let WindowEvent::KeyboardInput { event, is_synthetic: false, .. } = event else { return false };
     let latin = match &event.logical_key {
@@ -475,7 +474,7 @@ mod tests {
         let ms = |rate| period(rate).as_secs_f32() * 1e3;
         assert!((ms(Some(60_000)) - 15.67).abs() < 0.01);
         assert!((ms(Some(144_000)) - 5.94).abs() < 0.01);
-        // An implausible rate counts as unknown, or there would be no wait at all.
+        // An implausible rate counts as unknown: otherwise there would be no wait at all.
         for none in [None, Some(0), Some(1), Some(u32::MAX)] {
             assert!((ms(none) - 15.67).abs() < 0.01, "{none:?}");
         }

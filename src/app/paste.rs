@@ -1,4 +1,4 @@
-//! Pictures from the system's clipboard: each is kept as a file, since reference pictures and tools name files.
+//! Pictures from the system's clipboard. Each is kept as a file, since reference pictures and tools name files.
 //!
 //! Takes what the clipboard gives, and returns the file. Knows no window.
 
@@ -12,12 +12,12 @@ use image::{ImageFormat, RgbaImage};
 use crate::folders;
 use crate::format::store;
 
-/// Folder of the pictures, among the program's state.
+/// Folder of the pictures in the program's state folder.
 const FOLDER: &str = "pasted";
 const NO_PICTURE: &str = "The clipboard has no picture; copy one in another program first";
 
-/// Keeps the picture on the clipboard, which is opened if it is not. Returns the picture's file, or the reason why there
-/// is none.
+/// Keeps the picture on the clipboard, which it opens if needed. Returns the picture's file, or the reason why there is
+/// none.
 pub(super) fn picture_file(clipboard: &mut Option<Clipboard>) -> Result<PathBuf, String> {
     let opened = match clipboard {
         Some(clipboard) => Ok(clipboard),
@@ -34,7 +34,7 @@ fn kept(picture: Result<ImageData, arboard::Error>, folder: &Path) -> Result<Pat
     }
 }
 
-/// Writes a picture under a name that its contents give it, so that it is kept once.
+/// Writes a picture under a name derived from its contents, so that equal pictures share a file.
 fn keep(folder: &Path, picture: ImageData) -> Result<PathBuf, String> {
     let (width, height) = (picture.width as u32, picture.height as u32);
     let bytes = picture.bytes.into_owned();

@@ -1,5 +1,5 @@
-//! Pens over the windows: their events go to the window that they are over, as samples, and as a pointer where the
-//! window system makes none of a pen.
+//! Pens over the windows. Their events go to the window under the pen, as samples, and as a pointer where the window
+//! system makes none.
 
 use winit::event_loop::{EventLoopProxy, OwnedDisplayHandle};
 
@@ -20,15 +20,15 @@ impl WindowPens {
         WindowPens { pens: None, proxy }
     }
 
-    /// Hears the pens of a display. There may be none.
+    /// Listens to the pens of a display, if there are any.
     pub fn listen(&mut self, display: OwnedDisplayHandle) {
         let proxy = self.proxy.clone();
-        // Without an event loop nobody is left to be told.
+        // Without an event loop there is nothing to wake.
         let wake = move || drop(proxy.send_event(Wake::Pen));
         self.pens.get_or_insert_with(|| Pens::new(display, wake));
     }
 
-    /// Gives windows and workspace what pens have done since the last call.
+    /// Gives the pens' events since the last call to the windows and the workspace.
     pub fn play(
         &mut self,
         view: Option<&mut MainWindow>,
@@ -57,7 +57,7 @@ impl WindowPens {
         }
     }
 
-    /// Shows at the pens what the main window shows at its pointer.
+    /// Shows the main window's cursor at the pens.
     pub fn show_cursor(&mut self, icon: egui::CursorIcon) {
         if let Some(pens) = &mut self.pens {
             pens.show_cursor(icon);

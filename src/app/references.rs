@@ -19,8 +19,8 @@ const MAX_FILE_SIDE: u32 = 16_384;
 /// The longest side that is shown; larger ones are made smaller.
 const MAX_SIDE: u32 = 2048;
 
-/// Adds a picture on the side that one looks along, else the front. A file that cannot be read is said. `axes`: those of
-/// the grid in the picture.
+/// Adds a picture on the side facing the viewer, or else the front. Reports a file that cannot be read. `axes`: those
+/// of the grid in the picture.
 pub(super) fn add(ui: &mut UiState, path: PathBuf, grid: &Grid, axes: &[Vec3; 3]) {
     if ui.references.len() >= MAX_REFERENCES {
         return ui.toasts.error(format!(
@@ -38,7 +38,7 @@ pub(super) fn add(ui: &mut UiState, path: PathBuf, grid: &Grid, axes: &[Vec3; 3]
     }
 }
 
-/// Reads the files of pictures that were remembered.
+/// Reads the files of remembered pictures.
 pub(super) fn read_remembered(list: &mut [Reference], toasts: &mut Toasts) {
     for reference in list {
         match read(&reference.path) {
@@ -59,7 +59,7 @@ pub(super) fn pictures(
     list.iter().filter_map(placed).collect()
 }
 
-/// The device has no memory for them: none is shown any more.
+/// Hides all reference pictures, since the device has no memory for them.
 pub(super) fn hide(list: &mut [Reference], toasts: &mut Toasts, reason: &str) {
     list.iter_mut().for_each(|reference| reference.pixels = None);
     toasts.error(format!("The reference pictures cannot be shown: {reason}"));

@@ -16,11 +16,11 @@ use crate::format::store;
 use crate::picture::PictureError;
 use crate::shade::Pixels;
 
-/// How many names are tried before the last is used again.
+/// Number of names that are tried before the last is used again.
 const MOST: u32 = 10_000;
 
-/// Saves the pictures of one view, one an eye, beside the sculpture's file, or among the person's
-/// pictures while there is none, where no other file is. Returns what was done, as a sentence.
+/// Saves the pictures of one view, one per eye, without replacing a file: beside the sculpture's file, or in the
+/// person's picture folder if there is none. Returns a sentence about it.
 pub fn save(
     sculpture: Option<&Path>,
     format: vk::Format,
@@ -31,9 +31,8 @@ pub fn save(
     Ok(format!("Saved {}", names.join(" and ")))
 }
 
-/// Copies the pictures of one view to the system's clipboard, those of two eyes side by side. Returns
-/// what was done, as a sentence. The clipboard is opened if it is not: egui's own copies pictures, too,
-/// but does not say whether it could.
+/// Copies the pictures of one view to the system's clipboard, those of two eyes side by side. Returns a sentence about
+/// it. Opens the clipboard if needed: egui's own also copies pictures, but does not report failures.
 pub fn copy(
     clipboard: &mut Option<Clipboard>,
     format: vk::Format,
@@ -74,7 +73,7 @@ fn save_beside(
     save_in(&folder, &name, format, eyes)
 }
 
-/// Where no other file is: a name for a picture that takes time to make.
+/// Returns an unused name for a picture that takes time to make.
 pub fn free_path(sculpture: Option<&Path>, kind: &str, ending: &str) -> PathBuf {
     let (folder, name) = place(sculpture);
     let dot = if ending.is_empty() { "" } else { "." };
@@ -116,7 +115,7 @@ fn pictures_folder() -> PathBuf {
     UserDirs::new().map_or_else(|| PathBuf::from("."), of)
 }
 
-/// Returns the picture in the order of a file. Windows have their own orders of the channels.
+/// Returns the picture with the channel order of a file. Windows have their own orders.
 fn picture(format: vk::Format, pixels: &Pixels) -> RgbImage {
     let ten_bits = |word: u32, at: u32| (((word >> at & 0x3ff) * 255 + 511) / 1023) as u8;
     let rgb = |pixel: [u8; 4]| {

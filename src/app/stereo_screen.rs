@@ -1,5 +1,5 @@
-//! The resources by which a window shows two eyes: the interface in an image of its own, and the
-//! pass that composites pictures and interface.
+//! The resources of a window that shows two eyes: an image for the interface, and the pass that composites pictures and
+//! interface.
 //!
 //! Created when stereo is first switched on. Knows no workspace.
 
@@ -31,7 +31,7 @@ pub struct StereoScreen {
 }
 
 impl StereoScreen {
-    /// For a window of `size` pixels, of at least 1 x 1, whose images have `format`.
+    /// Creates the resources for a window of `size` pixels (at least 1 x 1) whose images have `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format, size: UVec2) -> Result<StereoScreen> {
         Ok(StereoScreen {
             pass: Stereo::new(device, format)?,
@@ -53,7 +53,7 @@ impl StereoScreen {
         Ok(())
     }
 
-    /// Composites pictures and interface into the window's image, ready to be presented.
+    /// Composites pictures and interface into the window's image, ready to present.
     pub fn compose(
         &mut self,
         recorder: &mut Recorder,

@@ -14,7 +14,7 @@ use crate::progress::Report;
 use crate::remedy::told;
 use crate::ui::dialogs::import::ImportDialog;
 
-/// Returns the work that reads a file that is to be imported, for the dialog.
+/// Returns the work that reads a file for the import dialog.
 pub(super) fn work(
     path: PathBuf,
     import: ImportOptions,

@@ -1,7 +1,7 @@
-//! Where the symmetry lies, as lines over the picture: mirror planes as frames with a cross, the axis of rotation with a
+//! Shows the symmetry as lines over the picture: mirror planes as frames with a cross, the axis of rotation with a
 //! spoke for each image.
 //!
-//! From the symmetry and the grid to lines in voxel coordinates.
+//! Takes the symmetry and the grid; gives lines in voxel coordinates.
 
 use glam::{Quat, UVec3, Vec3};
 
@@ -12,13 +12,13 @@ use crate::tools::symmetry::{MirrorPlane, Radial};
 
 /// Half the edge of the frame of a plane, and half the length of an axis, as a share of the grid's diagonal.
 const REACH: f32 = 0.4;
-/// Length of a spoke and of a plane's normal, likewise.
+/// Length of a spoke and of a plane's normal, also as a share.
 const SPOKE: f32 = 0.12;
 
-/// The colour of all that symmetry makes.
+/// The colour of everything that symmetry shows.
 pub const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 
-/// Returns all lines.
+/// Returns the lines of all mirror planes and axes.
 pub fn lines(document: &Document) -> Vec<Line> {
     let (grid, symmetry) = (document.grid(), document.symmetry());
     let dims = grid.dims();
@@ -49,7 +49,7 @@ fn plane_edges(axis: usize, plane: f32, dims: UVec3) -> Vec<(Vec3, Vec3)> {
     (0..4).map(|i| (rim[i], rim[(i + 1) % 4])).chain(cross).collect()
 }
 
-/// Returns the frame of a plane about the point that is nearest to the grid's centre, its cross and its normal.
+/// Returns the frame of a plane around the point nearest to the grid's centre, its cross and its normal.
 fn of_plane(plane: &MirrorPlane, dims: UVec3, stretch: Vec3) -> Vec<(Vec3, Vec3)> {
     let Some(normal) = plane.normal.try_normalize() else { return Vec::new() };
     let (middle, diagonal) = (dims.as_vec3() * 0.5 * stretch, (dims.as_vec3() * stretch).length());

@@ -1,18 +1,17 @@
-//! Asks the window system for: the event loop on a server that answers, and a main window that fits the
-//! screen. Takes environment and sizes, returns winit's builders; knows nothing of what the windows show.
+//! Creates the event loop on a server that answers, and a main window that fits the screen. Takes environment and
+//! sizes, returns winit's builders; knows nothing of what the windows show.
 
 use winit::dpi::LogicalSize;
 use winit::event_loop::EventLoop;
 use winit::window::{Window, WindowAttributes};
 
-/// By this name the desktop finds the program's icon: app_id on Wayland, class on X11.
+/// The desktop finds the program's icon by this name: the app_id on Wayland, the class on X11.
 #[cfg(target_os = "linux")]
 const APPLICATION: &str = "virtual-sculpture";
-/// The size that a title bar, the window's frame and a panel of the desktop take of a screen, in points.
+/// Space that a title bar, the window's frame and the desktop's panel take of a screen, in points.
 const AROUND_WINDOW: [u32; 2] = [16, 64];
 
-/// Returns an event loop. On Linux that of X11, where WAYLAND_DISPLAY names a server that is not there and DISPLAY is
-/// set.
+/// Returns an event loop. On Linux, uses X11 if WAYLAND_DISPLAY names a missing server and DISPLAY is set.
 pub fn event_loop<T: 'static>() -> Result<EventLoop<T>, winit::error::EventLoopError> {
     let mut builder = EventLoop::with_user_event();
     #[cfg(target_os = "linux")]
@@ -25,7 +24,7 @@ pub fn event_loop<T: 'static>() -> Result<EventLoop<T>, winit::error::EventLoopE
     builder.build()
 }
 
-/// Returns a window that the desktop knows as one of this program.
+/// Returns the attributes of a window, with the name by which the desktop knows this program.
 pub fn attributes() -> WindowAttributes {
     let attributes = Window::default_attributes();
     #[cfg(target_os = "linux")]
@@ -36,8 +35,8 @@ pub fn attributes() -> WindowAttributes {
     attributes
 }
 
-/// Returns the size for a window that should have `wanted`, and whether it is to be maximised, because otherwise its
-/// title bar or its lower edge might be off a screen of this size. All in points.
+/// Returns the size for a window that should have `wanted`, and whether to maximise it because its title bar or lower
+/// edge might be off the screen. All in points.
 pub fn fitting(wanted: [u32; 2], screen: Option<LogicalSize<u32>>) -> ([u32; 2], bool) {
     let Some(screen) = screen else { return (wanted, false) };
     let screen = [screen.width, screen.height];
@@ -45,7 +44,7 @@ pub fn fitting(wanted: [u32; 2], screen: Option<LogicalSize<u32>>) -> ([u32; 2],
     ([wanted[0].min(screen[0]), wanted[1].min(screen[1])], is_tight)
 }
 
-/// Returns a message of the window system without the place in its library's source.
+/// Returns a message of the window system without the location in its library's source.
 pub fn without_place(error: &dyn std::fmt::Display) -> String {
     let text = error.to_string();
     let Some(rest) = text.strip_prefix("os error at ") else { return text };
@@ -60,7 +59,7 @@ mod linux {
     use std::os::unix::net::UnixStream;
     use std::path::{Path, PathBuf};
 
-    /// Returns whether Wayland is asked for by a socket's name, and no server answers there.
+    /// Returns whether Wayland is requested by a socket's name, but no server answers there.
     pub fn is_wayland_dead() -> bool {
         let set = |name| std::env::var_os(name).filter(|value: &OsString| !value.is_empty());
         let (Some(display), None) = (set("WAYLAND_DISPLAY"), set("WAYLAND_SOCKET")) else {

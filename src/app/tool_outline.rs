@@ -1,6 +1,6 @@
-//! The lines that show where a solid of the tools is: its edges, or circles around what is round.
+//! The lines that outline a solid of the tools: its edges, or circles around round parts.
 //!
-//! From a primitive to lines in voxel coordinates.
+//! Takes a primitive; gives lines in voxel coordinates.
 
 use std::f32::consts::TAU;
 
@@ -13,7 +13,7 @@ use crate::tools::solid::body::{Body, ProfilePoint, Stretch};
 /// Segments of a circle.
 pub const SEGMENTS: usize = 40;
 
-/// A point by its parts, as [`Shape`](crate::tools::solid::Shape) adds them: of the core, and of the ellipsoid that
+/// A point in two parts, whose sum [`Shape`](crate::tools::solid::Shape) uses: of the core, and of the ellipsoid that
 /// rounds it.
 type Point = (Vec3, Vec3);
 
@@ -63,12 +63,12 @@ fn face_edges(corners: &[Vec3], faces: &[&[usize]]) -> Vec<(Point, Point)> {
         let ends = face.iter().zip(face.iter().cycle().skip(1));
         ends.map(|(from, to)| [*from, *to]).collect()
     };
-    // Of the two faces at an edge, one goes along it upwards.
+    // Only one of the two faces at an edge runs along it upwards.
     let edges = faces.iter().flat_map(around).filter(|[from, to]| from < to);
     edges.map(|ends| ends.map(|i| (Vec3::ZERO, corners[i])).into()).collect()
 }
 
-/// Returns the lines of a profile in the half plane of a side, but for the caps.
+/// Returns the lines of a profile in the half plane of a side, without the caps.
 fn meridian(profile: &'static [Stretch], side: Vec3) -> Vec<(Point, Point)> {
     let place = move |p: ProfilePoint| {
         let at = |p: Vec2| side * p.x + Vec3::Y * p.y;
@@ -90,7 +90,7 @@ fn meridian(profile: &'static [Stretch], side: Vec3) -> Vec<(Point, Point)> {
     chain.windows(2).map(|pair| (pair[0], pair[1])).collect()
 }
 
-/// Returns the edges between the points that `at` gives for a circle's.
+/// Returns the edges between the points that `at` gives for a circle.
 fn circle(at: impl Fn(Vec2) -> Point) -> impl Iterator<Item = (Point, Point)> {
     let point = move |i: usize| at(Vec2::from_angle(TAU * i as f32 / SEGMENTS as f32));
     (0..SEGMENTS).map(move |i| (point(i), point(i + 1)))
@@ -142,7 +142,7 @@ mod tests {
             assert!(lines.len() >= 8, "{solid:?}");
             for end in lines.iter().flat_map(|(a, b)| [*a, *b]) {
                 let at = placed.tool_point(end).as_dvec3();
-                // Some way inwards and outwards: along all axes and diagonals one leads in.
+                // One of the axes and diagonals leads inwards, another outwards.
                 let near = |distance: f64| {
                     (0..27).any(|i| {
                         let direction = glam::DVec3::from(

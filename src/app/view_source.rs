@@ -1,4 +1,4 @@
-//! What films and final pictures of the view are made from: the sculpture, and the view as it is at the start.
+//! The source of films and final pictures of the view: the sculpture and the view as it is at the start.
 
 use crate::gpu::DeviceOptions;
 use crate::session::Session;
@@ -11,6 +11,6 @@ pub(super) struct ViewSource<'a> {
     pub view: &'a ViewState,
     /// The eye that sees it.
     pub eye: Eye,
-    /// The device that draws without a window.
+    /// The device for drawing without a window.
     pub device: &'a DeviceOptions,
 }

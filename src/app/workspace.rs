@@ -1,8 +1,8 @@
 //! The program without its windows: the owner of editor, viewpoint, controls and interface.
 //!
-//! Takes egui passes, device events and reports of the renderer; gives what the next picture shows. It only holds the
-//! parts and runs the passes; `dispatch` decides what follows from input. Knows no window and no Vulkan, so that all of
-//! it can be tested without either.
+//! Takes egui passes, device events and reports of the renderer; gives the contents of the next picture. It only holds
+//! the parts and runs the passes; `dispatch` handles input. Knows no window and no Vulkan, so that all of it can be
+//! tested without either.
 
 mod key_focus;
 
@@ -38,41 +38,41 @@ use crate::viewpoint::{Viewpoint, Viewport};
 
 use key_focus::{Around, Heard, KeyFocus};
 
-/// Between two looks at a journal that cannot be written.
+/// Time between two attempts to write a journal that failed.
 const JOURNAL_LOOK: Duration = Duration::from_secs(2);
 
-/// The facts that the window with its device, and a headset, report.
+/// Facts reported by the window with its device, and by a headset.
 pub struct Display {
     /// Name of the Vulkan device.
     pub device: String,
-    /// Whether the window can have a layer an eye.
+    /// Whether the window can have one layer per eye.
     pub quad_buffered: bool,
     pub times: FrameTimes,
-    /// How a headset's pictures can go together with the surroundings; none without a headset.
+    /// The ways in which a headset can blend pictures with the surroundings; empty without a headset.
     pub blends: Vec<Blend>,
-    /// Where in the window the sculpture is shown, in points.
+    /// Area of the sculpture's picture in the window, in points.
     picture: Rect,
 }
 
-/// Everything but the windows.
+/// The whole program except the windows.
 pub struct Workspace {
     pub editor: Editor,
     pub viewpoint: Viewpoint,
     pub controls: Controls,
     pub ui: UiState,
     pub display: Display,
-    /// The acts of pens over the main window.
+    /// Tracks pens over the main window.
     pens: PenTrack,
-    /// The owner of the keyboard in the main window, and in those of panels.
+    /// The owner of the keyboard in the main window and in each panel window.
     key_focus: BTreeMap<Option<Panel>, KeyFocus>,
-    /// Where it is remembered how the program was left.
+    /// Remembers how the program was left.
     memory: Memory,
     pub(super) leaving: bool,
-    /// The settings that films and pictures without a window start from.
+    /// The settings with which films and pictures without a window start.
     pub(super) config: Config,
-    /// The device that these make.
+    /// The device for them.
     pub render_device: DeviceOptions,
-    /// The work that earlier sessions left, once [`Workspace::look_for_left`] was told where.
+    /// The work left by earlier sessions, once [`Workspace::look_for_left`] knows the folder.
     pub(super) abandoned: AbandonedWork,
 }
 
@@ -152,7 +152,7 @@ impl Workspace {
         self.leaving
     }
 
-    /// The window was asked to close.
+    /// Handles the request to close the window.
     pub fn ask_to_leave(&mut self) {
         self.act(Action::Quit);
     }
@@ -163,24 +163,24 @@ impl Workspace {
         self.show_notices(notice);
     }
 
-    /// Uses the key tables that a file holds, and writes changes to it from now on.
+    /// Loads the key tables of a file, and writes changes to it from now on.
     pub fn keep_keys_in(&mut self, path: PathBuf) {
         let notice = self.controls.keep_keys_in(path);
         self.show_notices(notice);
     }
 
-    /// Keeps calibrations in a file, and takes the one that is there or that the settings name.
+    /// Keeps calibrations in a file, and loads the one there or the one that the settings name.
     pub fn keep_calibration_in(&mut self, path: PathBuf) {
         let notice = self.viewpoint.head.keep_calibration_in(path);
         self.show_notices(notice);
     }
 
-    /// Takes where the program's window is on the screen.
+    /// Sets the position of the program's window on the screen.
     pub fn on_screen(&mut self, monitor: Option<Monitor>) {
         self.viewpoint.head.set_monitor(monitor);
     }
 
-    /// Restores the state in the file, if there is one, and from now on saves the state there.
+    /// Restores the state in the file, if there is one, and saves the state there from now on.
     pub fn remember_in(&mut self, path: PathBuf, window: &WindowOptions) {
         self.memory.open(path, window, &mut self.ui, &mut self.editor.tool);
         references::read_remembered(&mut self.ui.references, &mut self.ui.toasts);
@@ -191,7 +191,7 @@ impl Workspace {
         }
     }
 
-    /// Saves the state, if some time has passed since the last time.
+    /// Saves the state, if some time has passed since the last save.
     pub fn remember_at_rest(&mut self) {
         if self.memory.is_due() {
             self.remember();
@@ -203,23 +203,23 @@ impl Workspace {
         self.memory.save(&self.ui, &self.editor.tool);
     }
 
-    /// Takes what pens have done over the main window, in its pixels. Their pointer comes with the events of the window.
+    /// Handles pen samples over the main window, in its pixels. The window's own events carry their pointer.
     pub fn hear_pens(&mut self, samples: &[PenSample]) {
         self.ui.pen.is_used |= !samples.is_empty();
         samples.iter().for_each(|sample| self.pens.push(sample));
     }
 
-    /// Takes which tablets and pens there are.
+    /// Sets the names of the tablets and pens.
     pub fn know_pens(&mut self, names: Vec<String>) {
         self.ui.pen.devices = names;
     }
 
-    /// Polls trackers and the marker. Once a picture, before the interface.
+    /// Polls trackers and the marker. Called once per picture, before the interface.
     pub fn track(&mut self) {
         self.track_at(self.viewpoint.head.clock_s());
     }
 
-    /// Takes news of a pad at `now_s` seconds.
+    /// Handles news of a pad at `now_s` seconds.
     pub fn handle_pad(&mut self, news: PadNews, now_s: f64) {
         let catching = self.ui.dialogs.keys.is_catching();
         let report = self.controls.handle_pad(news, now_s, catching);
@@ -227,13 +227,13 @@ impl Workspace {
         self.show_notices(report.notice);
     }
 
-    /// Lets the pad shake as the tool has changed voxels since the last call.
+    /// Rumbles the pad according to the voxels that the tool has changed since the last call.
     pub fn shake_pad(&mut self, now_s: f64) {
         let felt = self.editor.is_stroking();
         self.controls.pads.shake(now_s, self.editor.voxels_changed(), felt);
     }
 
-    /// One pass of the interface: listens to the devices, shows the panels, does what was asked.
+    /// Runs a pass of the interface: reads the devices, shows the panels, and executes the requests.
     pub fn show(&mut self, root: &mut Ui) {
         self.follow_job();
         self.follow_camera();
@@ -258,13 +258,13 @@ impl Workspace {
             root.request_repaint_after(after);
         }
         if self.session().journal_trouble().is_some() {
-            // It is tried again, and the mark goes when it has succeeded.
+            // It is retried, and the mark goes when that succeeds.
             root.request_repaint_after(JOURNAL_LOOK);
         }
     }
 
-    /// One pass of a panel in a window of its own. True if something was done there that other
-    /// windows may show.
+    /// Runs a pass of a panel in a window of its own. Returns true if something was done there that other windows may
+    /// have to show.
     pub fn show_panel(&mut self, panel: Panel, root: &mut Ui) -> bool {
         let Heard { keyboard, kept } = self.hear_keys(Some(panel), root, false);
         let area = InputArea {
@@ -291,7 +291,7 @@ impl Workspace {
         touched
     }
 
-    /// A panel's window was closed: the panel is back in its place, and input held in its window is released.
+    /// Docks a panel whose window was closed, and releases input held there.
     pub fn put_back(&mut self, panel: Panel) {
         self.ui.layout.detached.remove(&panel);
         self.key_focus.remove(&Some(panel));
@@ -300,7 +300,7 @@ impl Workspace {
         }
     }
 
-    /// One pass of the board in a headset: everything that the window has beside its picture.
+    /// Runs a pass of the board in a headset: everything that the window shows beside its picture.
     pub fn show_on_board(&mut self, root: &mut Ui) {
         self.follow_job();
         let mut requests = Vec::new();
@@ -309,14 +309,14 @@ impl Workspace {
         self.autosave(root);
     }
 
-    /// The messages alone, for a person who wears a headset and has the board closed.
+    /// Shows only the messages, for a headset with its board closed.
     pub fn show_messages(&mut self, root: &mut Ui) {
         ui::widgets::theme::apply(root.ctx(), self.ui.appearance.theme, self.ui.appearance.scale);
         let within = root.max_rect();
         self.ui.toasts.show(root, within);
     }
 
-    /// Lets a tool that goes on for as long as it is held go on.
+    /// Continues a tool that acts while it is held.
     fn dwell(&mut self, root: &Ui) {
         let now_s = root.input(|input| input.time);
         let picker = self.picker();
@@ -326,14 +326,14 @@ impl Workspace {
         self.settle();
     }
 
-    /// The same for the tool in a hand.
+    /// Continues such a tool in a hand.
     pub fn dwell_in_hand(&mut self, now_s: f64) {
         let picker = self.picker();
         self.editor.dwell(now_s, true, &picker);
         self.settle();
     }
 
-    /// Saves unsaved changes of long standing, if the person wants that.
+    /// Saves changes that have been unsaved for long, if the person wants that.
     fn autosave(&mut self, root: &Ui) {
         let minutes = u64::from(self.ui.autosave.minutes);
         let every = (minutes > 0).then(|| Duration::from_secs(60 * minutes));
@@ -399,7 +399,7 @@ impl Workspace {
         });
     }
 
-    /// Returns which keys of a window are meant for the sculpture rather than for a dialog or a field.
+    /// Returns which keys of a window go to the sculpture instead of a dialog or a field.
     fn hear_keys(&mut self, panel: Option<Panel>, root: &Ui, hovered: bool) -> Heard {
         let dialogs = &self.ui.dialogs;
         let around = Around {
@@ -411,7 +411,7 @@ impl Workspace {
         self.key_focus.entry(panel).or_default().pass(root.ctx(), around)
     }
 
-    /// Does what the devices say about the picture as it was last shown.
+    /// Handles device input that concerns the picture as it was last shown.
     fn listen(&mut self, root: &Ui) {
         let ctx = root.ctx();
         let hovered = ctx.read_response(picture_id()).is_some_and(|r| r.contains_pointer());
@@ -448,7 +448,7 @@ impl Workspace {
         }
     }
 
-    /// A trigger that is awaited may be a button of a pen, which is another one to egui.
+    /// Lets a pen button, which egui reports as another button, be assigned as an awaited trigger.
     fn hear_pen_buttons(&mut self, ctx: &Context) {
         let Some(button) = self.pens.take_heard() else { return };
         if self.ui.dialogs.keys.is_catching() {
@@ -466,7 +466,7 @@ impl Workspace {
             };
         }
         if self.editor.is_drawing() {
-            // A drawing that takes several presses takes a press anywhere.
+            // A drawing that takes several presses accepts a press anywhere.
             return CursorIcon::Crosshair;
         }
         let at = root.input(|input| input.pointer.hover_pos()).map(|at| {
@@ -479,7 +479,7 @@ impl Workspace {
         }
     }
 
-    /// Returns the values that the overlay of the next picture is drawn from.
+    /// Returns the values for the overlay of the next picture.
     pub(super) fn overlay_scene(&self) -> OverlayScene<'_> {
         let document = self.editor.document();
         let (grid, picker) = (document.grid(), self.picker());
@@ -505,7 +505,7 @@ impl Workspace {
         references::pictures(&self.ui.references, grid, self.ui.view.up, &axes)
     }
 
-    /// Takes what the renderer reports of the window's picture.
+    /// Handles the renderer's report about the window's picture.
     pub fn take_report(&mut self, report: FrameReport) {
         let FrameReport { pick_maps, times, fallbacks, .. } = report;
         self.take_fallbacks(&fallbacks);
@@ -516,7 +516,7 @@ impl Workspace {
         self.display.times.shade_ms = times.shade_ms;
     }
 
-    /// Uses from now on the modes that were fallen back to, and says so.
+    /// Adopts the modes that the renderer has fallen back to, and says so.
     pub(super) fn take_fallbacks(&mut self, fallbacks: &[Fallback]) {
         for Fallback { reason, to } in fallbacks {
             let text = format!("{reason}; switched to {}", to.label());
@@ -527,7 +527,7 @@ impl Workspace {
     }
 }
 
-/// Returns whether a person does more than to move the pointer over a panel.
+/// Returns whether the input is more than the pointer moving over a panel.
 fn is_touched(input: &egui::InputState) -> bool {
     input.events.iter().any(|event| match event {
         egui::Event::PointerMoved(_) => input.pointer.any_down(),

@@ -1,7 +1,7 @@
-//! The effects of actions on the tool and, through it, on the sculpture: choices of the tool, commands for the
-//! document, and presses and drags on the picture.
+//! The effects of actions on the tool and through it on the sculpture: choices of the tool, commands for the document,
+//! and presses and drags on the picture.
 //!
-//! Places on the picture are in pixels and come with the [`Picker`] of that picture.
+//! Positions on the picture are in pixels and come with the [`Picker`] of that picture.
 
 use glam::{Quat, UVec3, Vec2, Vec3};
 
@@ -33,10 +33,10 @@ const GROWTH: f32 = 1.15;
 pub(super) const GROWTH_PER_NOTCH: f32 = 1.1;
 
 impl Editor {
-    /// Carries out an action that asks once. Actions of others than the editor do nothing here.
+    /// Executes an action that is triggered once. Ignores actions that do not concern the editor.
     pub fn act(&mut self, action: Action, picker: &Picker) {
         match action {
-            // An unfinished drawing is taken back before finished work.
+            // An unfinished drawing is undone before finished work.
             Action::Undo | Action::DropBox if self.take_back_press() => {}
             Action::Undo => self.run(Command::Undo { steps: Some(1) }),
             Action::Redo => self.run(Command::Redo { steps: Some(1) }),
@@ -120,13 +120,13 @@ impl Editor {
         }
     }
 
-    /// Returns the action that a drag or a hold of `action` stands for: a drag of `Sculpt` that began beside the
-    /// sculpture rotates it.
+    /// Returns the action that a drag or a hold of `action` means: a drag of `Sculpt` that began beside the sculpture
+    /// rotates it.
     pub fn meant(&self, action: Action) -> Action {
         self.pointer.meant(action)
     }
 
-    /// A drag or a hold begins.
+    /// Begins a drag or a hold.
     pub fn begin(&mut self, action: Action, at: Option<Vec2>, picker: &Picker) {
         let inverse = action == Action::SculptInverse;
         match (action, at) {
@@ -207,7 +207,7 @@ impl Editor {
             return;
         }
         let inverse = action == Action::SculptInverse;
-        // Paint goes, and the bare colour is seen again.
+        // Removes the paint, so that the bare colour shows.
         let unpaints = inverse && tool.mode == ToolMode::Recolour;
         let mode = if inverse && !unpaints { tool.mode.inverted() } else { tool.mode };
         if tool.follow {
@@ -219,7 +219,7 @@ impl Editor {
         }
     }
 
-    /// Uses the tool where it is, by key, button or pad.
+    /// Uses the tool where it is, by key, button or gamepad.
     fn apply_tool(&mut self, picker: &Picker) {
         match self.tool.kind {
             ToolKind::Solid => {
@@ -250,7 +250,7 @@ impl Editor {
         }
     }
 
-    /// A drag of `by` pixels goes on.
+    /// Continues a drag by `by` pixels.
     pub fn drag(&mut self, action: Action, at: Vec2, by: Vec2, picker: &Picker) {
         match action {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth
@@ -279,16 +279,15 @@ impl Editor {
         }
     }
 
-    /// Ends strokes and drags of the pointer over the picture, since the view has leapt; else they
-    /// would go on somewhere else. Nothing more is done until the button is released.
+    /// Ends strokes and drags of the pointer over the picture after a jump of the view, which would continue them
+    /// elsewhere. Nothing more happens until the button is released.
     ///
-    /// The pointer itself has no speed limit: a mouse may cross the picture between two events, and
-    /// its path over the surface, dragged or hovering with a key held, is lifted at edges (`stroke`)
-    /// and bounded (`stroke::path`).
+    /// The pointer itself has no speed limit: a mouse may cross the picture between two events. Its path over the
+    /// surface, dragged or hovering with a key held, is lifted at edges (`stroke`) and bounded (`stroke::path`).
     pub fn lift(&mut self) {
         let stroke = self.stroke.as_ref().is_some_and(|stroke| stroke.depends_on_picture());
         let drag = self.marker.release() | self.draw.drop_drag();
-        // A drawing made with several presses goes on in the new view.
+        // A drawing of several presses continues in the new view.
         self.draw.release();
         if stroke {
             self.end_stroke();
@@ -299,7 +298,7 @@ impl Editor {
         }
     }
 
-    /// A drag or a hold is over.
+    /// Ends a drag or a hold.
     pub fn end(&mut self, action: Action) {
         self.draw.release();
         match action {
@@ -319,40 +318,40 @@ impl Editor {
         self.tool.turn_by(rotation.inverse() * world_turn * rotation);
     }
 
-    /// Returns the voxel that the pointer points at.
+    /// Returns the voxel under the pointer.
     fn pointed(&self, picker: &Picker) -> Option<UVec3> {
         self.pointer.voxel(self.document().grid(), picker)
     }
 
-    /// Takes the colour of the voxel that the pointer points at.
+    /// Takes the colour of the voxel under the pointer.
     fn pick_colour(&mut self, picker: &Picker) {
         if let Some(voxel) = self.pointed(picker) {
             self.take_colour_of(voxel);
         }
     }
 
-    /// Recolours the patch that the pointer points at.
+    /// Recolours the patch under the pointer.
     fn flood(&mut self, picker: &Picker) {
         if let Some(voxel) = self.pointed(picker) {
             self.flood_from(voxel);
         }
     }
 
-    /// Protects what hangs together with the voxel that the pointer points at.
+    /// Protects the voxels connected to the one under the pointer.
     fn wand(&mut self, picker: &Picker) {
         if let Some(voxel) = self.pointed(picker) {
             self.wand_from(voxel);
         }
     }
 
-    /// Recolours the patch of one colour around a voxel of the surface.
+    /// Recolours the patch of one colour around a surface voxel.
     pub(super) fn flood_from(&mut self, at: UVec3) {
         let (colour, tolerance) = (self.tool.colour, self.tool.flood_tolerance);
         self.tool.used_colour();
         self.run(Command::Flood { at, colour, tolerance });
     }
 
-    /// Protects what hangs together with a voxel of the surface, or releases it.
+    /// Protects the voxels connected to a surface voxel, or releases them.
     pub(super) fn wand_from(&mut self, at: UVec3) {
         self.run(self.tool.wand.command(at, self.tool.flood_tolerance));
     }
@@ -365,12 +364,12 @@ impl Editor {
         }
     }
 
-    /// Makes the tool larger by notches of the wheel, or smaller if they are negative.
+    /// Enlarges the tool by notches of the wheel, or shrinks it if they are negative.
     pub fn resize_by_wheel(&mut self, notches: f32) {
         self.resize(notches, GROWTH_PER_NOTCH);
     }
 
-    /// Makes the tool larger (`notches` above 0) or smaller, by `factor` a notch.
+    /// Enlarges (`notches` above 0) or shrinks the tool by `factor` per notch.
     pub(super) fn resize(&mut self, notches: f32, factor: f32) {
         let factor = factor.powf(notches.clamp(-20.0, 20.0));
         match self.tool.kind {
@@ -397,8 +396,7 @@ impl Editor {
         self.tool_moved(picker);
     }
 
-    /// Moves the tool along the axes of the grid that lie across the screen and up it, or across
-    /// and into it.
+    /// Moves the tool along the grid axes that lie across the screen and up it, or across and into it.
     pub fn drag_tool(&mut self, by: Vec2, deep: bool, picker: &Picker) {
         let sight = picker.sight();
         let axes = sight.screen_axes();
@@ -414,11 +412,11 @@ impl Editor {
         self.move_tool(across + second * sight.along(second, -by.y, at), picker);
     }
 
-    /// The tool was moved by something else than the pointer; a stroke that it leads follows.
+    /// Handles a tool moved by something other than the pointer: a stroke that it leads follows.
     pub(super) fn tool_moved(&mut self, picker: &Picker) {
         self.stroking().tool_moved(picker);
         if self.tool.picture_brush().is_some() {
-            // The brush works where the tool would be seen.
+            // The brush works at the visible position of the tool.
             self.pointer.at = picker.sight().pixel_of(self.tool.centre_vx);
         }
     }
@@ -428,18 +426,18 @@ impl Editor {
         self.execute(&Command::Place(placement));
     }
 
-    /// The pointer moves with nothing held.
+    /// Handles a movement of the pointer without a button.
     pub fn hover(&mut self, at: Vec2, leads_tool: bool, picker: &Picker) {
         self.gauge(picker);
-        // A brush that a key holds down goes with the pointer.
+        // A brush that a key holds down follows the pointer.
         let is_led = self.stroking().lead_by_pointer(at, picker);
-        // So does what is drawn with a key held, or by several presses.
+        // So does a drawing with a key held, or one of several presses.
         self.draw_with_view(|draw, view| draw.lead(at, view, picker));
         self.lead_unfinished(at, picker);
         if is_led && self.tool.picture_brush().is_none() {
             return;
         }
-        // The tool in a hand at work is not the pointer's.
+        // A hand that uses the tool keeps it from the pointer.
         if !self.tool.follow || !leads_tool || self.hand.is_working() {
             return;
         }
@@ -454,7 +452,7 @@ impl Editor {
         }
     }
 
-    /// Notes how large a pixel is where the tool works: under the pointer, or else where the tool is.
+    /// Sets the size of a pixel where the tool works: under the pointer, or else at the tool.
     fn gauge(&mut self, picker: &Picker) {
         if self.hand.is_leading() {
             return;
@@ -465,18 +463,18 @@ impl Editor {
         self.tool.brushes.set_gauge(gauge);
     }
 
-    /// Puts the tool at a point of the surface, which is seen at `at`.
+    /// Puts the tool at a surface point that is seen at `at`.
     fn lead_tool_to(&mut self, at: Vec2, point: Vec3, picker: &Picker) {
         let grid = self.commands.document().grid();
         self.anchor.lead_tool_to(&mut self.tool, at, point, grid, picker);
     }
 
-    /// The tool is where it is meant to be, wherever the pointer is.
+    /// Detaches the tool from the surface, so that the pointer no longer places it.
     pub fn leave_ground(&mut self) {
         self.anchor.leave(&self.tool);
     }
 
-    /// Makes a change of the tool that a panel asks for.
+    /// Applies a change of the tool requested by a panel.
     pub fn edit_tool(&mut self, edit: ToolEdit) {
         let placed = matches!(edit, ToolEdit::Place(_));
         self.tool.edit(edit);
@@ -485,7 +483,7 @@ impl Editor {
         }
     }
 
-    /// Lets the tool follow at once what was chosen about it.
+    /// Applies changed choices of the tool's anchor at once.
     pub fn keep_anchor(&mut self, pointer_use: PointerUse, picker: &Picker) {
         self.gauge(picker);
         let Some(taken) = self.anchor.choose(&self.tool) else { return };
@@ -507,7 +505,7 @@ impl Editor {
         }
     }
 
-    /// Returns whether the pointer leads the size or the strength of the tool.
+    /// Returns whether the pointer controls the size or the strength of the tool.
     pub fn is_leading(&self) -> bool {
         self.leading.is_under_way()
     }
@@ -518,7 +516,7 @@ impl Editor {
         }
     }
 
-    /// Takes an event while the pointer leads; true if it means nothing else.
+    /// Handles an event while the pointer controls the tool. Returns true if the event has no other meaning.
     pub fn lead_by(&mut self, event: &ActionEvent) -> bool {
         match self.leading.hear(event, &mut self.tool) {
             Heard::Other => return false,
@@ -528,7 +526,7 @@ impl Editor {
         true
     }
 
-    /// A press with the marker in hand; beside everything it rotates the sculpture.
+    /// Handles a press with the marker in hand. Beside everything, the drag rotates the sculpture.
     fn begin_marker(&mut self, at: Vec2, pull: bool, picker: &Picker) {
         let Editor { commands, tool, anchor, marker, .. } = self;
         let view = ToolView { document: commands.document(), tool, anchor };
@@ -542,7 +540,7 @@ impl Editor {
         marked.into_iter().for_each(|marked| self.mark(marked));
     }
 
-    /// Moves the marker by as much as a drag moves things at its depth.
+    /// Moves the marker like a drag of things at its depth.
     pub(super) fn shift_marker(&mut self, by: Vec3) {
         let marked = self.marker.shift(self.document().selection().marker(), by);
         marked.into_iter().for_each(|marked| self.mark(marked));
@@ -570,7 +568,7 @@ impl Editor {
         self.put_symmetry(what, point, direction);
     }
 
-    /// Puts a part of the symmetry at a place.
+    /// Places a part of the symmetry.
     pub(super) fn put_symmetry(&mut self, what: Placed, at_vx: Vec3, direction: Vec3) {
         let before = self.document().symmetry();
         let symmetry = what.put(before, at_vx, direction);
@@ -579,14 +577,14 @@ impl Editor {
         }
     }
 
-    /// A drag of a tool that draws begins; false if it would mean nothing there.
+    /// Begins a drag of a drawing tool. Returns false if it would have no effect there.
     fn begin_drawing(&mut self, kind: DrawKind, inverse: bool, at: Vec2, picker: &Picker) -> bool {
         let begin =
             |draw: &mut DrawTool, view: &ToolView| draw.begin(kind, inverse, at, view, picker);
         self.is_stroking() || self.draw_with_view(begin)
     }
 
-    /// Ends the drag: the drawn form is made, unless more presses follow.
+    /// Ends the drag: makes the drawn solid, unless more presses follow.
     fn end_drawing(&mut self) {
         match self.draw_with_view(|draw, view| draw.end(view)) {
             Some(Err(why)) => self.note(why),
@@ -594,7 +592,7 @@ impl Editor {
         }
     }
 
-    /// The button is pressed at a pixel for what is unfinished; true if that was the last press.
+    /// Handles a press for the unfinished drawing. Returns true if that was the last press.
     fn press_unfinished(&mut self, at: Vec2, picker: &Picker) -> bool {
         let pressed = self.draw_with_view(|draw, view| draw.press(at, view, picker));
         match pressed {
@@ -611,23 +609,23 @@ impl Editor {
         self.draw_with_view(|draw, view| draw.lead_unfinished(at, view, picker));
     }
 
-    /// Nothing more follows what is unfinished: it is made.
+    /// Completes the unfinished drawing.
     fn finish_unfinished(&mut self) {
         let drawn = self.draw_with_view(|draw, view| draw.finish(view));
         self.carry_out_drawn(drawn);
     }
 
-    /// Takes back the last press of what is not finished; false if there is nothing.
+    /// Undoes the last press of the unfinished drawing. Returns false if there is none.
     fn take_back_press(&mut self) -> bool {
         let is_held = self.draw.is_held();
         let taken_back = self.draw.take_back_press(&self.tool);
-        // The button that is still pressed does nothing more.
+        // The button that is still pressed has no further effect.
         self.pointer.lifted |= taken_back && is_held;
         taken_back
     }
 }
 
-/// Returns the brush under an outline in the picture that an action uses with a tool in hand, if it uses one.
+/// Returns the brush under a picture outline that an action uses with a tool in hand, if it uses one.
 fn picture_brush_for(action: Action, kind: ToolKind) -> Option<BrushId> {
     let brush = match (action, kind) {
         (Action::SculptSmooth, _) => BrushId::Smooth,

@@ -1,8 +1,8 @@
-//! Autosave: the file of a sculpture with unsaved changes is written at intervals, if the person wants that.
+//! Autosave: writes the file of a sculpture with unsaved changes at intervals, if the person wants that.
 //!
-//! Takes the time as a value. The file is written as by a person's own save, on a thread, but never within a stroke or
-//! beside other long work, and no question is asked: a file that another program has changed or holds is left as it is,
-//! which is said once.
+//! Takes the time as a value. The file is written as by a manual save, on a thread, but never within a stroke or beside
+//! other long work, and without questions. A file that another program has changed or holds stays as it is, which is
+//! reported once.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -12,53 +12,53 @@ use crate::format;
 use crate::format::options::ExportOptions;
 use crate::session::Session;
 
-/// How soon it is tried again where it cannot be done at the moment.
+/// Delay before another attempt where a save is impossible at the moment.
 const SOON: Duration = Duration::from_secs(1);
 
-/// When a file is to be saved.
+/// The time of the next save.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Due {
     /// There is nothing to save.
     Never,
-    /// It is to be asked again after as long.
+    /// Ask again after this time.
     After(Duration),
-    /// Now, by this command. If it fails, it is tried again after as long as it was waited for.
+    /// Save now with this command. If it fails, the next attempt comes after the interval.
     Now(Command),
 }
 
-/// The state that is kept from one look to the next.
+/// The state between two calls.
 #[derive(Default)]
 pub(super) struct Autosave {
-    /// When the unsaved changes began, or when saving was last tried.
+    /// Start of the unsaved changes, or time of the last attempt.
     since: Option<Instant>,
-    /// The file that is left alone until the person has saved it.
+    /// The file that is not autosaved until the person has saved it.
     left_alone: Option<PathBuf>,
-    /// The save under way was not asked for by the person.
+    /// The running save is an autosave.
     under_way: bool,
 }
 
 impl Autosave {
-    /// Returns whether the save that has just ended was one of these.
+    /// Returns whether the save that has just ended was an autosave.
     pub fn take_under_way(&mut self) -> bool {
         std::mem::take(&mut self.under_way)
     }
 
-    /// The file at `path` was not written, for a reason that stays: it is left alone from now on.
+    /// Stops autosaving the file at `path`, which was not written for a lasting reason.
     pub fn leave_alone(&mut self, path: &Path) {
         self.left_alone = Some(path.to_path_buf());
     }
 
-    /// The person has saved or opened a file.
+    /// Starts anew after the person has saved or opened a file.
     pub fn begin_anew(&mut self) {
         self.left_alone = None;
     }
 
-    /// The save that was due has begun.
+    /// Notes that the due save has begun.
     pub fn set_under_way(&mut self) {
         self.under_way = true;
     }
 
-    /// Returns when the sculpture's file is to be saved: once it has had unsaved changes for `every`. `every` none: never.
+    /// Returns when to save the sculpture's file: once it has had unsaved changes for `every` (`None`: never).
     /// `is_free`: there is no stroke, other work or question.
     pub fn due(
         &mut self,
@@ -97,7 +97,7 @@ mod tests {
 
     const EVERY: Option<Duration> = Some(Duration::from_secs(60));
 
-    /// Returns the editor of a new sculpture of 16 voxels' edge.
+    /// Returns the editor of a new sculpture with edges of 16 voxels.
     fn editor() -> Editor {
         let mut config = Config::default();
         config.new.dims = [16; 3];
@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(editor.autosave(EVERY, at(0), true), EVERY);
         assert_eq!(editor.autosave(EVERY, at(59), true), Some(Duration::from_secs(1)));
         assert!(!editor.is_busy());
-        // A question is open; then a stroke is in hand.
+        // First a question is open, then a stroke is in hand.
         assert_eq!(editor.autosave(EVERY, at(60), false), Some(SOON));
         editor.execute(&"begin".parse().unwrap());
         assert_eq!(editor.autosave(EVERY, at(61), true), Some(SOON));
@@ -139,7 +139,7 @@ mod tests {
         editor.finish_job();
         assert!(!editor.session().modified());
         assert_eq!(editor.autosave(EVERY, at(600), true), None);
-        // The time begins with the next change.
+        // The interval begins with the next change.
         run(&mut editor, "subtract cuboid at=4,8,8 half=1");
         assert_eq!(editor.autosave(EVERY, at(1000), true), EVERY);
     }

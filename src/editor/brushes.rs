@@ -1,7 +1,7 @@
 //! The options of all brushes, and the unit of their sizes.
 //!
-//! Turns radii in that unit into those that commands take: pixels for brushes that work in the picture, units of the
-//! smallest edge for those that deform. Is told how large a pixel is; knows no pictures.
+//! Converts radii in that unit to those of commands: pixels for brushes that work in the picture, units of the smallest
+//! edge for those that deform. Its owner sets the size of a pixel; it knows no pictures.
 
 use super::sizes::{FIRST_GAUGE, SizeUnit};
 use crate::tools::brush::BrushId;
@@ -10,13 +10,13 @@ use crate::tools::brush::kernel::grab::{MAX_RADIUS, MIN_RADIUS};
 use crate::tools::brush::keys::RADIUS;
 use crate::tools::brush::options::BrushOptions;
 
-/// The options of all brushes, each its own, and the unit of their sizes.
+/// The options of every brush, and the unit of their sizes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Brushes {
     options: [BrushOptions; BrushId::ALL.len()],
-    /// In which the sizes of all brushes are given.
+    /// The unit of the sizes of all brushes.
     pub unit: SizeUnit,
-    /// How large a pixel is where they work, in units of the smallest edge.
+    /// Size of a pixel where they work, in units of the smallest edge.
     gauge: f32,
 }
 
@@ -47,19 +47,19 @@ impl Brushes {
             .for_each(|options| options.set(RADIUS, change(options.get(RADIUS))));
     }
 
-    /// Returns the options of a brush that deforms, where they work: the radius in units of the smallest edge.
+    /// Returns the options of a deforming brush at its place of work: the radius is in units of the smallest edge.
     pub fn ball_options(&self, brush: BrushId) -> BrushOptions {
         self.of(brush).with(RADIUS, self.ball_radius(brush))
     }
 
-    /// Takes how large a pixel is where the tool works, in units of the smallest edge.
+    /// Sets the size of a pixel where the tool works, in units of the smallest edge.
     pub fn set_gauge(&mut self, gauge: f32) {
         if gauge.is_finite() && gauge > 0.0 {
             self.gauge = gauge;
         }
     }
 
-    /// Returns a radius in pixels, where a pixel is as large as `gauge`, or as where they work.
+    /// Returns a radius in pixels for a pixel size of `gauge`, or of the place of work.
     pub fn radius_px(&self, radius: f32, gauge: Option<f32>) -> f32 {
         let pixels = match self.unit {
             SizeUnit::Screen => radius,
@@ -78,7 +78,7 @@ impl Brushes {
         units.clamp(MIN_RADIUS, MAX_RADIUS)
     }
 
-    /// Returns a usual radius, which is one on the screen, in the unit in use.
+    /// Returns a default radius, given on the screen, in the present unit.
     pub fn usual_radius(&self, radius_px: f32) -> f32 {
         let (least, most) = self.unit.radii().into_inner();
         match self.unit {
@@ -87,7 +87,7 @@ impl Brushes {
         }
     }
 
-    /// Gives the sizes of all brushes in another unit: they stay as large as they are where they work.
+    /// Changes the unit of the sizes of all brushes, which keep their size where they work.
     pub fn set_unit(&mut self, unit: SizeUnit) {
         if unit == self.unit {
             return;
@@ -101,7 +101,7 @@ impl Brushes {
         self.unit = unit;
     }
 
-    /// Makes a brush larger or smaller.
+    /// Scales a brush.
     pub fn scale(&mut self, brush: BrushId, factor: f32) {
         let (least, most) = self.unit.radii().into_inner();
         if factor.is_finite() && factor > 0.0 {

@@ -1,8 +1,8 @@
-//! How commands are carried out: at once or on a thread, with the questions before work is lost, and
-//! with what is said when one fails or changes nothing.
+//! Executes commands at once or on a thread, asks before work is lost, and reports commands that fail or change
+//! nothing.
 //!
-//! [`CommandRunner`] owns the session and the long work. Takes commands; gives [`Outcome`]s. Knows no tool, no pointer and
-//! no picture.
+//! [`CommandRunner`] owns the session and the long work. Takes commands; gives [`Outcome`]s. Knows no tool, no pointer
+//! and no picture.
 
 use std::time::{Duration, Instant};
 
@@ -20,19 +20,19 @@ use crate::remedy::told;
 use crate::sculpture::edit::EditStats;
 use crate::session::{Done, Session, SessionError, Work};
 
-/// Carries out commands on the session that it owns.
+/// Executes commands on the session that it owns.
 pub(super) struct CommandRunner {
     session: Session,
     jobs: Jobs,
     autosave: Autosave,
-    /// A stroke that is over, but cannot be undone: the person is asked whether to keep it.
+    /// A stroke has ended that cannot be undone: the person is asked whether to keep it.
     stroke_in_question: bool,
-    /// The effect of the stroke under way; none between strokes.
+    /// The effect of the present stroke; `None` between strokes.
     tally: Option<StrokeTally>,
     walls: Walls,
     /// Voxels that commands have changed since the start.
     voxels_changed: u64,
-    /// Another sculpture is there since this was last asked.
+    /// The sculpture has been replaced since this was last asked.
     is_replaced: bool,
     outcomes: Vec<Outcome>,
 }
@@ -64,17 +64,17 @@ impl CommandRunner {
         self.session.document()
     }
 
-    /// Returns the outcomes since the last time, in order.
+    /// Returns the outcomes since the last call, in order.
     pub fn take_outcomes(&mut self) -> Vec<Outcome> {
         std::mem::take(&mut self.outcomes)
     }
 
-    /// Voxels that commands have changed since the start.
+    /// Returns the number of voxels that commands have changed since the start.
     pub fn voxels_changed(&self) -> u64 {
         self.voxels_changed
     }
 
-    /// Returns whether another sculpture is there since the last time.
+    /// Returns whether the sculpture has been replaced since the last call.
     pub fn take_replaced(&mut self) -> bool {
         std::mem::take(&mut self.is_replaced)
     }
@@ -92,12 +92,12 @@ impl CommandRunner {
         self.push(Outcome::Notice(Notice::error(text)));
     }
 
-    /// Returns whether a question about a stroke that cannot be undone is open.
+    /// Returns whether there is an open question about a stroke that cannot be undone.
     pub fn has_stroke_in_question(&self) -> bool {
         self.stroke_in_question
     }
 
-    /// Carries out a command that takes no time; says what went wrong. True if it was done.
+    /// Executes a command that takes no time, and reports an error. Returns true if it was done.
     pub fn execute(&mut self, command: &Command) -> bool {
         let applied = self.carry_out(command);
         if let Some(applied) = applied {
@@ -106,10 +106,10 @@ impl CommandRunner {
         applied.is_some()
     }
 
-    /// Carries out a command that is no part of a stroke; long work runs on another thread, and `then` follows it. True if
+    /// Executes a command outside of strokes. Long work runs on another thread, and `then` follows it. Returns true if
     /// it was done at once.
     pub fn run(&mut self, command: &Command, then: Then) -> bool {
-        // A step of an undo that takes long is a job of its own.
+        // A long step of an undo is a job of its own.
         let step = self.session.document().first_step(command);
         match self.session.prepare(&step) {
             Ok(Some(_)) if self.jobs.is_busy() => self.refuse(command),
@@ -129,7 +129,7 @@ impl CommandRunner {
         false
     }
 
-    /// Carries out commands as one step of the history, or none of them. `adds`: they may add voxels at the walls.
+    /// Executes commands as one step of the history, or none of them. `adds`: they may add voxels at the walls.
     pub fn execute_as_one(&mut self, label: &str, adds: bool, commands: &[Command]) -> bool {
         if !self.open_step(label.into(), adds) {
             return false;
@@ -146,8 +146,8 @@ impl CommandRunner {
         is_open
     }
 
-    /// Opens the step of a stroke, whose effect is counted from here on. True if it is open. `adds`: it may add voxels at
-    /// the walls.
+    /// Opens the step of a stroke and counts its effect from here on. Returns true if it is open. `adds`: it may add
+    /// voxels at the walls.
     pub fn begin_stroke(&mut self, label: String, adds: bool) -> bool {
         let is_open = self.open_step(label, adds);
         if is_open {
@@ -156,26 +156,26 @@ impl CommandRunner {
         is_open
     }
 
-    /// Closes the step of the stroke. Returns its effect if it is done.
+    /// Closes the step of the stroke. Returns its effect if it succeeds.
     pub fn end_stroke(&mut self) -> Option<StrokeTally> {
         let tally = self.tally.take();
         tally.filter(|_| self.execute(&Command::End))
     }
 
-    /// Takes the stroke back.
+    /// Reverts the stroke.
     pub fn cancel_stroke(&mut self) {
         self.tally = None;
         self.execute(&Command::Cancel);
     }
 
-    /// Takes back a stroke that cannot be undone and that the person has not chosen to keep.
+    /// Reverts a stroke that cannot be undone and that the person has not chosen to keep.
     pub fn drop_stroke_in_question(&mut self) {
         if std::mem::take(&mut self.stroke_in_question) {
             self.execute(&Command::Cancel);
         }
     }
 
-    /// The person keeps a stroke that cannot be undone.
+    /// Keeps a stroke that cannot be undone.
     pub fn keep_stroke_in_question(&mut self) {
         self.stroke_in_question = false;
         self.execute(&Command::End);
@@ -205,8 +205,8 @@ impl CommandRunner {
         }
     }
 
-    /// Goes on with an undo or redo that has stopped before a step that takes long, or that the history
-    /// cannot keep; then the person is asked.
+    /// Continues an undo or redo that has stopped before a long step, or before one that the history cannot keep; in
+    /// that case asks the person.
     fn continue_steps(&mut self, command: &Command, applied: Applied) {
         let history = self.document().history();
         let there = match command {
@@ -221,7 +221,7 @@ impl CommandRunner {
         }
     }
 
-    /// Counts what a command has changed: within a stroke for its end, else says why it has changed nothing.
+    /// Counts the changes of a command: within a stroke for its end, else explains why there are none.
     fn note_changes(&mut self, command: &Command, changed: u64) {
         if let Command::Begin { .. } = command {
             return;
@@ -244,26 +244,26 @@ impl CommandRunner {
         }
     }
 
-    /// Says why commands have changed nothing.
+    /// Explains why commands have changed nothing.
     pub fn explain_idle(&mut self, tried: &[Command], tool: IdleTool) {
         let why = Trial::new(self.session.document_mut(), tool).explain(tried);
         self.outcomes.extend(why);
     }
 
-    /// A step begins: voxels at the walls are noticed at its end. `adds`: it may add some there.
+    /// Begins a step at whose end voxels at the walls are noticed. `adds`: it may add some there.
     pub fn note_walls(&mut self, adds: bool) {
         self.walls.begin(adds, self.session.document().grid());
     }
 
-    /// Says, once until a tool is used within the grid again, that what a tool has added was cut off. `beyond`: it is
-    /// known to have gone beyond the walls.
+    /// Reports that the walls have cut off added voxels, once until a tool is used within the grid again. `beyond`: it
+    /// is known to have reached beyond the walls.
     pub fn note_cut_off(&mut self, beyond: bool) {
         if self.walls.is_cut_off_anew(beyond, self.session.document().grid()) {
             self.note("The grid ends there: everything outside it was left out");
         }
     }
 
-    /// Says why a command was not carried out, or asks whether it is wanted all the same.
+    /// Reports why a command failed, or asks whether to do it anyway.
     fn tell(&mut self, command: &Command, error: SessionError) {
         if let SessionError::Command(CommandError::Irreversible {
             needed_mib, budget_mib, ..
@@ -282,7 +282,8 @@ impl CommandRunner {
         self.error(why);
     }
 
-    /// Says once that the recording has ended, or that the journal or the history cannot be written; the work goes on.
+    /// Reports once that the recording has ended, or that the journal or the history cannot be written. The work
+    /// continues.
     fn tell_journal_error(&mut self) {
         if let Some(error) = self.session.take_journal_error() {
             self.error(format!("{error}; the recording ends here, but your work goes on"));
@@ -295,39 +296,39 @@ impl CommandRunner {
         }
     }
 
-    /// While long work is under way nothing changes the sculpture.
+    /// Refuses a command during long work, when nothing may change the sculpture.
     pub fn refuse(&mut self, command: &Command) {
         let verb = command.verb();
         self.note(format!("`{verb}` must wait until the current task has finished"));
     }
 
-    /// Another sculpture is there.
+    /// Notes that the sculpture has been replaced.
     fn replaced(&mut self) {
         self.is_replaced = true;
         self.push(Outcome::Replaced);
     }
 
-    /// Returns whether long work is under way.
+    /// Returns whether there is long work.
     pub fn is_busy(&self) -> bool {
         self.jobs.is_busy()
     }
 
-    /// Long work under way, as the interface shows it.
+    /// Returns the long work as the interface shows it.
     pub fn busy(&self) -> Option<Busy> {
         self.jobs.busy()
     }
 
-    /// The job under way may do what cannot be undone.
+    /// Lets the present job do what cannot be undone.
     pub fn set_job_irreversible(&mut self) {
         self.jobs.set_irreversible();
     }
 
-    /// Starts long work; the last is over.
+    /// Starts long work. The former one must be over.
     fn start_job(&mut self, work: Work, command: &Command, then: Then) {
         self.start_work(move |report| work.run(report), command, then);
     }
 
-    /// Runs `work`, the long part of `command`, on a thread; the last is over.
+    /// Runs `work`, the long part of `command`, on a thread. The former work must be over.
     pub fn start_work<W>(&mut self, work: W, command: &Command, then: Then)
     where
         W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
@@ -335,8 +336,8 @@ impl CommandRunner {
         self.jobs.start_work(work, command, then);
     }
 
-    /// Runs work that changes nothing of the sculpture on a thread, and tells what it returns unless it is empty. Refused
-    /// while there is other work; returns whether it began.
+    /// Runs work on a thread that does not change the sculpture, and reports its result unless it is empty. Refused
+    /// during other work. Returns whether it began.
     pub fn start_side_work<W>(&mut self, work: W, sign: &'static str) -> bool
     where
         W: FnOnce(&Report) -> Result<String, Failure> + Send + 'static,
@@ -345,8 +346,7 @@ impl CommandRunner {
         begun.map_err(|why| self.error(why)).is_ok()
     }
 
-    /// Runs work on a thread that brings back a session, to go on with instead of this one, with a notice. Refused while
-    /// there is other work.
+    /// Runs work on a thread that restores a session to replace this one, with a notice. Refused during other work.
     pub fn start_recovery<W>(&mut self, work: W)
     where
         W: FnOnce(&Report) -> Result<(Session, Notice), Failure> + Send + 'static,
@@ -361,18 +361,17 @@ impl CommandRunner {
         self.jobs.cancel();
     }
 
-    /// The program is to be left while work is under way: a save is waited for, anything else is
-    /// given up.
+    /// Leaves the program after long work: waits for a save, and cancels anything else.
     pub fn leave_after_job(&mut self) {
         self.jobs.leave_afterwards();
     }
 
-    /// Returns whether long work has come to its end, and waits for its result to be put in place.
+    /// Returns whether long work has ended, so that its result can be applied.
     pub fn is_job_finished(&self) -> bool {
         self.jobs.is_finished()
     }
 
-    /// Waits for long work, if there is any, and puts in place what came of it. Returns the command that is to follow.
+    /// Waits for long work, if there is any, and applies its result. Returns the command to follow.
     pub fn finish_job(&mut self) -> Option<Command> {
         let job = self.jobs.finish()?;
         let by_itself = self.autosave.take_under_way();
@@ -395,7 +394,7 @@ impl CommandRunner {
                 false
             }
         };
-        // From here on nothing is done that cannot be undone, unless someone asks for it again.
+        // From here on an irreversible step needs another request.
         if self.jobs.take_irreversible() {
             self.execute(&Command::Irreversible(false));
         }
@@ -408,7 +407,7 @@ impl CommandRunner {
         None
     }
 
-    /// Says why nothing came of long work. `by_itself`: it was an autosave; `then`: the step that was to follow.
+    /// Reports the failure of long work. `by_itself`: it was an autosave; `then`: the step that was to follow.
     fn tell_failure(&mut self, failure: Failure, by_itself: bool, then: &Then) {
         match failure {
             Failure::Cancelled => {}
@@ -438,7 +437,7 @@ impl CommandRunner {
         }
     }
 
-    /// Puts in place what came of long work. True if that went well.
+    /// Applies the result of long work. Returns true if that succeeded.
     fn put_in_place(&mut self, product: Product) -> bool {
         match product {
             Product::Change(done) => return self.complete(*done),
@@ -456,7 +455,7 @@ impl CommandRunner {
         true
     }
 
-    /// Puts in place what came of the long part of a command. True if that went well.
+    /// Applies the result of the long part of a command. Returns true if that succeeded.
     fn complete(&mut self, done: Done) -> bool {
         let command = done.command().clone();
         let dims = self.document().grid().dims();
@@ -487,7 +486,7 @@ impl CommandRunner {
         true
     }
 
-    /// Replaces the session and discards its journal: the contents are saved or not wanted.
+    /// Replaces the session and discards its journal: the contents are saved or unwanted.
     fn go_on_with(&mut self, mut session: Session) {
         self.drop_stroke_in_question();
         self.session.discard_journal();
@@ -499,7 +498,7 @@ impl CommandRunner {
         self.replaced();
     }
 
-    /// Says what has become of a sculpture that was made fit for printing.
+    /// Reports the repairs that made a sculpture printable.
     fn report_repairs(&mut self, applied: &Applied) {
         let EditStats { voxels_added, voxels_removed, .. } = applied.stats;
         self.voxels_changed += applied.stats.voxels_changed();
@@ -511,8 +510,8 @@ impl CommandRunner {
         }
     }
 
-    /// Writes the sculpture's file if it has had unsaved changes for `every`. Returns when to ask again; none if there is
-    /// nothing to save. `every` none: never. `is_free`: no question is open.
+    /// Writes the sculpture's file if it has had unsaved changes for `every` (`None`: never). Returns when to ask
+    /// again; `None` if there is nothing to save. `is_free`: no question is open.
     pub fn autosave(
         &mut self,
         every: Option<Duration>,

@@ -1,4 +1,4 @@
-//! The tool in a hand in the room of a headset: where it is in the grid, and what it points at.
+//! The tool in a hand in the room of a headset: its position in the grid, and the voxel that it points at.
 //!
 //! Takes poses in the coordinates of the room; changes nothing.
 
@@ -12,21 +12,21 @@ use crate::tools::brush::footprint::{Coverage, Footprint};
 use crate::tools::brush::keys::{OUTLINE, RADIUS};
 use crate::view::{Pose, Room};
 
-/// Where a brush in a hand has the width that is shown, in metres from it.
+/// Distance from a brush in a hand at which it has its displayed width, in metres.
 const SPRAY_REACH_M: f32 = 0.1;
 /// Tangent of the angle between two rays of its cone.
 const SPRAY_STEP: f32 = 0.0085;
 
-/// The state that a hand keeps between two events.
+/// The state of a hand between two events.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct HandTool {
-    /// The pose to which the hand last led the tool, in the room; none while no hand leads it.
+    /// The last pose of the tool in the hand, in the room; `None` while no hand holds it.
     pub(super) pose: Option<Pose>,
-    /// The stroke under way is the hand's, not the mouse's.
+    /// The present stroke is the hand's, not the mouse's.
     pub(super) stroke: bool,
-    /// The part of the symmetry that goes with the hand.
+    /// The part of the symmetry that follows the hand.
     pub(super) symmetry: Option<Placed>,
-    /// The marker goes with the hand, from this point of the grid.
+    /// The marker follows the hand from this grid point.
     pub(super) marker: Option<Vec3>,
 }
 
@@ -36,17 +36,17 @@ impl HandTool {
         self.stroke || self.marker.is_some() || self.symmetry.is_some()
     }
 
-    /// Returns whether the tool goes with the hand.
+    /// Returns whether the tool follows the hand.
     pub fn is_leading(&self) -> bool {
         self.pose.is_some()
     }
 
-    /// No hand leads the tool any more.
+    /// Takes the tool out of the hand.
     pub fn put_down(&mut self) {
         self.pose = None;
     }
 
-    /// Returns the voxel that the tool in the hand touches, or else points at.
+    /// Returns the voxel that the tool in the hand touches, or else the one that it points at.
     pub(super) fn voxel(&self, document: &Document, room: &Room) -> Option<UVec3> {
         let pose = &self.pose?;
         let at = grid_point(document, pose.position, room);
@@ -59,7 +59,7 @@ impl HandTool {
         }
     }
 
-    /// Returns the cone in which the brush in the hand works, if it holds one that does.
+    /// Returns the cone of the brush in the hand, if it is one under an outline.
     pub fn cone(&self, document: &Document, tool: &ToolState, room: &Room) -> Option<Footprint> {
         let options = tool.brushes.of(tool.picture_brush()?);
         let pose = self.pose?;
@@ -78,7 +78,7 @@ impl HandTool {
     }
 }
 
-/// Returns how large what stands for a pixel is in a hand, in units of the smallest edge.
+/// Returns the size of a virtual pixel for a hand, in units of the smallest edge.
 pub(super) fn hand_gauge(document: &Document, pose: &Pose, room: &Room) -> f32 {
     let size = document.grid().voxel_size();
     let at = |own: Vec3| grid_point(document, pose.at(own * SPRAY_REACH_M), room);

@@ -1,5 +1,5 @@
-//! What a hand in the room of a headset asks for: the tool goes where the hand is and is used there, and the
-//! sculpture is carried along.
+//! Handles the events of a hand in the room of a headset: the tool follows the hand and is used there, and the
+//! sculpture is carried.
 //!
 //! Takes [`HandEvent`]s in the coordinates of the room; every change is a command, as with the mouse.
 
@@ -14,13 +14,13 @@ use crate::input::pen::PenTouch;
 use crate::picking::Picker;
 use crate::view::{Pose, Room};
 
-/// The tool is led no farther from the grid's origin than this, in voxels.
+/// Largest distance of the tool from the grid's origin, in voxels.
 const FARTHEST_VX: f32 = 1e7;
-/// Smallest and largest scale at which a sculpture is held, in world units a voxel edge.
+/// Smallest and largest scale of a held sculpture, in world units per voxel edge.
 const SCALES: std::ops::RangeInclusive<f32> = 0.02..=100.0;
 
 impl Editor {
-    /// Carries out the request of a hand. Requests that concern the board and the room itself are not handled here.
+    /// Handles an event of a hand. Events that concern the board or the room itself are not handled here.
     pub fn hand_event(&mut self, event: &HandEvent, room: &Room, picker: &Picker) {
         match *event {
             HandEvent::Carry(by) => {
@@ -63,13 +63,13 @@ impl Editor {
 
     fn lead_by_hand(&mut self, pose: &Pose, room: &Room, picker: &Picker) {
         if self.is_stroking() && !self.hand.stroke {
-            // The mouse is at work.
+            // The mouse is in use.
             return;
         }
         let own = in_grid(self.document(), pose, room);
         let near = own.position.is_finite() && own.position.abs().max_element() <= FARTHEST_VX;
         if !near || !own.rotation.is_finite() {
-            // There is nothing to be done there.
+            // There is nothing to do there.
             self.release_by_hand();
             return;
         }
@@ -119,7 +119,7 @@ impl Editor {
         }
         if let Some(next) = self.tool.next_press.take() {
             if let NextPress::Symmetry(what) = next {
-                // It goes with the hand until the trigger is let go.
+                // It follows the hand until the trigger is released.
                 self.hand.symmetry = Some(what);
                 return;
             }

@@ -1,7 +1,7 @@
-//! Says why a tool has changed nothing, or only a part of what it was meant to: the reason, found by trying the
-//! same without what stands in the way.
+//! Explains why a tool has changed nothing, or only part of what was meant. It finds the reason by a trial without each
+//! obstacle.
 //!
-//! Takes the commands that were tried; gives messages. Changes nothing.
+//! Takes the tried commands; gives messages. Changes nothing.
 
 use super::outcome::Outcome;
 use super::tool::{ToolKind, ToolState};
@@ -20,22 +20,22 @@ use crate::tools::solid::{Primitive, Solid};
 
 /// Most commands that are tried again.
 const MOST_TRIED: usize = 16;
-/// The bounds of a solid may be larger than the solid by this much, in voxels.
+/// Largest excess of a solid's bounds over the solid, in voxels.
 const BOUNDS_MARGIN: i32 = 2;
 
 /// The effect of a stroke so far.
 #[derive(Default)]
 pub(super) struct StrokeTally {
-    /// Voxels that it has changed.
+    /// Number of voxels that it has changed.
     pub changed: u64,
-    /// The first commands, as long as they have changed nothing.
+    /// The first commands, until one changes something.
     pub tried: Vec<Command>,
-    /// It has added, and would have gone on beyond the walls of the grid.
+    /// It has added voxels, and would have gone beyond the walls of the grid.
     pub beyond: bool,
 }
 
 impl StrokeTally {
-    /// Counts what a command of the stroke has changed.
+    /// Counts the changes of a command of the stroke.
     pub fn count(&mut self, command: &Command, changed: u64, document: &Document) {
         self.changed += changed;
         self.beyond |= changed > 0 && goes_beyond(document, command);
@@ -45,23 +45,23 @@ impl StrokeTally {
     }
 }
 
-/// Whether what is added meets the walls of the grid, and whether that was said.
+/// Whether additions have met the walls of the grid, and whether that was reported.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Walls {
-    /// Voxels at the walls before the stroke under way, if it may add some there.
+    /// Voxels at the walls before the present stroke, if it may add some there.
     before: Option<u64>,
-    /// It has been said that the last use of a tool was cut off.
+    /// It was reported that the last use of a tool was cut off.
     said: bool,
 }
 
 impl Walls {
-    /// A stroke begins: voxels that it adds at the walls are noticed at its end. `adds`: it may add some.
+    /// Begins a stroke at whose end added voxels at the walls are noticed. `adds`: it may add some.
     pub fn begin(&mut self, adds: bool, grid: &Grid) {
         self.before = adds.then(|| voxels_at_walls(grid));
     }
 
-    /// Returns whether it is to be said that what a tool has added was cut off: once, until a tool is used within the
-    /// grid again. `beyond`: it is known to have gone beyond the walls.
+    /// Returns whether to report that added voxels were cut off: once, until a tool is used within the grid again.
+    /// `beyond`: it is known to have gone beyond the walls.
     pub fn is_cut_off_anew(&mut self, beyond: bool, grid: &Grid) -> bool {
         let before = self.before.take();
         let met = before.is_some_and(|before| voxels_at_walls(grid) > before);
@@ -71,22 +71,22 @@ impl Walls {
     }
 }
 
-/// Returns whether a stroke of the tool in hand may add voxels at the walls of the grid before it meets them.
+/// Returns whether a stroke of the tool in hand may add voxels at the walls of the grid, judged before it meets them.
 pub(super) fn may_add(tool: &ToolState) -> bool {
     tool.brush().is_some_and(|brush| brush.spec().adds)
 }
 
-/// The reasons for which the tool itself may have changed nothing. None of them by default.
+/// The reasons in the tool itself for changing nothing. None of them by default.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct IdleTool {
-    /// It rests on the surface, where the pointer puts it.
+    /// It rests on the surface under the pointer.
     rests: bool,
     /// It is a brush of no strength.
     is_weak: bool,
 }
 
 impl IdleTool {
-    /// Of the tool in hand. `in_hand`: a hand in a headset leads it.
+    /// Returns those of the tool in hand. `in_hand`: a hand in a headset holds it.
     pub fn of(tool: &ToolState, in_hand: bool) -> IdleTool {
         IdleTool {
             rests: tool.kind == ToolKind::Solid && tool.stand && tool.follow && !in_hand,
@@ -106,7 +106,7 @@ impl Trial<'_> {
         Trial { document, tool }
     }
 
-    /// Says why commands have changed nothing; none if there are no commands.
+    /// Explains why commands have changed nothing; returns `None` if there are no commands.
     pub fn explain(&mut self, tried: &[Command]) -> Option<Outcome> {
         let first = tried.first()?;
         let limited = self.document.selection().limit().is_some();
@@ -128,7 +128,7 @@ impl Trial<'_> {
         self.document.would_change(commands, heeds)
     }
 
-    /// Returns whether commands would change something if tools worked everywhere.
+    /// Returns whether commands would change something without the mask and the limits of tools.
     fn meets(&mut self, commands: &[Command]) -> bool {
         self.trial(commands, Heeds::NOTHING).voxels_changed() > 0
     }
@@ -143,7 +143,7 @@ impl Trial<'_> {
         match command {
             Command::Construct { op: EditOp::Add(_), .. }
             | Command::DrawnSolid { op: EditOp::Add(_), .. } => {
-                // The part that is in the grid can be cut, once it is added.
+                // The part within the grid can be cut, once it is added.
                 let cut = with_op(command, EditOp::Subtract);
                 let covered = self.trial(&[cut, command.clone()], Heeds::NOTHING).voxels_added;
                 match covered {
@@ -285,7 +285,7 @@ pub(super) fn goes_beyond(document: &Document, command: &Command) -> bool {
     }
 }
 
-/// Returns whether a command says so if it has changed nothing, outside of strokes.
+/// Returns whether a command without effect is explained, outside of strokes.
 pub(super) fn is_explained(command: &Command) -> bool {
     matches!(
         command,
@@ -310,7 +310,7 @@ fn cut(primitive: &Primitive) -> Command {
     Command::Construct { op: EditOp::Subtract, primitive: *primitive, to_vx: None }
 }
 
-/// Takes off the voxels that a brush sees.
+/// Returns a command that removes the voxels that a brush sees.
 fn bite(footprint: &Footprint) -> Command {
     Command::Brush(BrushUse::under(BrushId::Devour, *footprint).with(REACH, 0.0))
 }

@@ -1,11 +1,9 @@
-//! Long work under way: the part of a command that needs no session (an undo that must compute what
-//! it leads to among them) runs on a thread of its own,
-//! while the window stays alive, shows how far it is and can cancel it.
+//! Long work: the part of a command that needs no session (or an undo that must compute its result) runs on a thread of
+//! its own. Meanwhile the window stays alive, shows the progress and can cancel it.
 //!
-//! The sculpture stays where it is. A sculpture to be saved is shared with the thread. One that is opened or made is
-//! built apart and put in place at the end. Until then the editor refuses to change anything. Work that changes
-//! nothing, such as a final picture, runs likewise ([`Jobs::start_side_work`]). Takes work and gives what came of it; puts
-//! nothing in place.
+//! The sculpture stays in place. A sculpture being saved is shared with the thread. One that is opened or made is built
+//! apart and put in place at the end. Until then the editor refuses changes. Work that changes nothing, such as a final
+//! picture, runs likewise ([`Jobs::start_side_work`]). Takes work and gives its result; puts nothing in place.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,9 +18,9 @@ use crate::remedy::told;
 use crate::session::{Done, FileIdentity, Session, SessionError};
 use crate::tools::repair::Repair;
 
-/// Work shorter than this goes without a sign, which would only flicker.
+/// Shorter work has no sign, which would only flicker.
 const PATIENCE: Duration = Duration::from_millis(150);
-/// Between two looks how far it is.
+/// Time between two looks at the progress.
 pub const LOOK_EVERY: Duration = Duration::from_millis(30);
 
 /// Long work, as the interface shows it.
@@ -38,15 +36,15 @@ pub struct Busy {
 /// The result of long work.
 #[derive(Debug)]
 pub(super) enum Product {
-    /// The result of a command, to be put in place.
+    /// The result of a command, to be applied.
     Change(Box<Done>),
-    /// Nothing changes; the person is told.
+    /// Nothing changes, but the person is told.
     Note(String),
-    /// Another session, to go on with instead, and what the person is told.
+    /// Another session to replace the present one, and a message to the person.
     Session(Box<Session>, Notice),
 }
 
-/// Why nothing came of work.
+/// The failure of work.
 #[derive(Debug)]
 pub enum Failure {
     Cancelled,
@@ -54,7 +52,7 @@ pub enum Failure {
     ChangedOnDisk(PathBuf, Option<FileIdentity>),
     /// Another program has this file open; the reason, for the person.
     InUse(PathBuf, String),
-    /// The reason, for the person.
+    /// A reason for the person.
     Error(String),
 }
 
@@ -75,18 +73,18 @@ struct Job {
     report: Arc<Report>,
     sign: &'static str,
     started: Instant,
-    /// It is waited for when the program is left.
+    /// Leaving the program waits for it.
     is_save: bool,
     then: Then,
 }
 
-/// The step that follows when the work is done.
+/// The step after the work.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Then {
     Stay,
-    /// Do this if it succeeded; ask first if work would be lost.
+    /// Do this if it succeeded, after asking if work would be lost.
     Go(Next),
-    /// Leave, also if it was cancelled.
+    /// Leave even if it was cancelled.
     LeaveAnyway,
 }
 
@@ -116,16 +114,16 @@ impl Job {
     }
 }
 
-/// What has become of long work.
+/// Long work that has ended.
 pub(super) struct Ended {
-    /// None if it failed because of an internal error.
+    /// `None` if it failed because of an internal error.
     pub result: Option<Result<Product, Failure>>,
     /// Such as "Saving".
     pub sign: &'static str,
     pub then: Then,
 }
 
-/// The long work of an editor: at most one.
+/// The long work of an editor: at most one job.
 #[derive(Default)]
 pub(super) struct Jobs {
     job: Option<Job>,
@@ -142,7 +140,7 @@ impl Jobs {
         self.job.as_ref().map(Job::busy)
     }
 
-    /// The job under way may do what cannot be undone.
+    /// Lets the present job do what cannot be undone.
     pub fn set_irreversible(&mut self) {
         self.irreversible = true;
     }
@@ -152,7 +150,7 @@ impl Jobs {
         std::mem::take(&mut self.irreversible)
     }
 
-    /// Runs `work`, the long part of `command`, on a thread; the last is over.
+    /// Runs `work`, the long part of `command`, on a thread. The former work must be over.
     pub fn start_work<W>(&mut self, work: W, command: &Command, then: Then)
     where
         W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
@@ -174,8 +172,8 @@ impl Jobs {
         self.job = Some(Job::start(work, sign, is_save, then));
     }
 
-    /// Runs work that changes nothing of the sculpture on a thread. Refused while there is other work, with the reason for
-    /// the person.
+    /// Runs work on a thread that does not change the sculpture. Refused during other work, with the reason for the
+    /// person.
     pub fn start_side_work<W>(&mut self, work: W, sign: &'static str) -> Result<(), String>
     where
         W: FnOnce(&Report) -> Result<String, Failure> + Send + 'static,
@@ -186,8 +184,8 @@ impl Jobs {
         Ok(())
     }
 
-    /// Runs work on a thread that brings back a session, with a notice. Refused while there is other work, with the
-    /// reason for the person.
+    /// Runs work on a thread that restores a session, with a notice. Refused during other work, with the reason for the
+    /// person.
     pub fn start_recovery<W>(&mut self, work: W) -> Result<(), String>
     where
         W: FnOnce(&Report) -> Result<(Session, Notice), Failure> + Send + 'static,
@@ -209,12 +207,12 @@ impl Jobs {
         }
     }
 
-    /// Returns whether work has come to its end, and waits for its result to be put in place.
+    /// Returns whether work has ended, so that its result can be applied.
     pub fn is_finished(&self) -> bool {
         self.job.as_ref().is_some_and(|job| job.thread.is_finished())
     }
 
-    /// Waits for long work, if there is any, and returns what has become of it.
+    /// Waits for long work, if there is any, and returns its outcome.
     pub fn finish(&mut self) -> Option<Ended> {
         let Job { thread, sign, then, .. } = self.job.take()?;
         Some(Ended { result: thread.join().ok(), sign, then })
@@ -227,8 +225,7 @@ impl Jobs {
         }
     }
 
-    /// The program is to be left while work is under way: a save is waited for, anything else is
-    /// given up.
+    /// Leaves the program after long work: waits for a save, and cancels anything else.
     pub fn leave_afterwards(&mut self) {
         let Some(job) = &mut self.job else { return };
         if job.is_save {

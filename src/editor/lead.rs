@@ -1,7 +1,7 @@
-//! The size or the strength of the tool, led by the pointer: begun by a key, as far as the pointer goes to the right or to
-//! the left, until a click keeps it or Escape and the other buttons give back what was.
+//! Sets the size or the strength of the tool with the pointer: begins with a key, follows the pointer to the right or
+//! left, and ends with a click that keeps the value, or Escape or another button that restores it.
 //!
-//! Takes the action events meanwhile and says which of them are for it. Must not know keys.
+//! Takes the action events meanwhile and reports which ones it uses. Must not know keys.
 
 use glam::Vec2;
 
@@ -15,25 +15,25 @@ const DOUBLES_PX: f32 = 100.0;
 /// Pixels to the right from no strength to the full one.
 const FULL_PX: f32 = 250.0;
 
-/// The number that the pointer leads.
+/// The value that the pointer sets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Led {
     Size,
     Strength,
 }
 
-/// The effect of an event while the pointer leads.
+/// The effect of an event meanwhile.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Heard {
-    /// It is not for the change of the tool.
+    /// The event does not concern the change of the tool.
     Other,
-    /// It means nothing else.
+    /// The event is used up.
     Taken,
-    /// The tool is to become larger by so many notches, each of which doubles its size.
+    /// The tool grows by so many notches, each of which doubles its size.
     Resize(f32),
 }
 
-/// A change of the tool that is under way, if there is one.
+/// A change of the tool in progress, if there is one.
 #[derive(Debug, Default)]
 pub(super) struct Leading(Option<State>);
 
@@ -41,22 +41,22 @@ pub(super) struct Leading(Option<State>);
 enum State {
     Led {
         what: Led,
-        /// Where the pointer was last, if it was over the picture.
+        /// The last position of the pointer, if it was over the picture.
         at: Option<Vec2>,
-        /// As the tool was.
+        /// The tool before the change.
         before: Box<ToolState>,
     },
-    /// It is over, by a button that is still pressed and means nothing else.
+    /// It was ended by a button that is still pressed and has no other effect.
     Over(Action),
 }
 
 impl Leading {
-    /// Returns whether the pointer leads the size or the strength of the tool.
+    /// Returns whether the pointer sets the size or the strength of the tool.
     pub fn is_under_way(&self) -> bool {
         matches!(self.0, Some(State::Led { .. }))
     }
 
-    /// Begins with the pointer at `at`. Refused for a tool that has no such number, with the reason.
+    /// Begins with the pointer at `at`. Refused for a tool without such a value, with the reason.
     pub fn begin(
         &mut self,
         what: Led,
@@ -73,7 +73,7 @@ impl Leading {
         Ok(())
     }
 
-    /// Takes an event.
+    /// Handles an event.
     pub fn hear(&mut self, event: &ActionEvent, tool: &mut ToolState) -> Heard {
         let (what, at) = match &mut self.0 {
             None => return Heard::Other,
@@ -107,7 +107,7 @@ impl Leading {
                 }
             }
             ActionEvent::Left => *at = None,
-            // Any click with the button that sculpts keeps it.
+            // A click with the sculpting button keeps it.
             ActionEvent::Begin { action, .. } if action.is_stroke() => {
                 self.0 = Some(State::Over(action));
             }

@@ -1,7 +1,7 @@
-//! The marker under a pointer: drawing a box over the surface, sliding it, pulling its faces; and
-//! everything that keys do with it, the selection and the clipboard.
+//! The marker under a pointer: drawing a box over the surface, sliding it, pulling its faces; and all its key commands,
+//! with the selection and the clipboard.
 //!
-//! Gives boxes to be marked and commands; carries out none.
+//! Gives marker boxes and commands; executes none.
 
 use glam::{IVec3, Vec2, Vec3};
 
@@ -20,7 +20,7 @@ use crate::sculpture::selection::{SelectedBox, Selection};
 /// The effect of a drag on the marker.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum MarkerDrag {
-    /// Slides it in the plane of a face; `normal` leads out of it.
+    /// Slides it in the plane of a face; `normal` points out of it.
     Slide { normal: Vec3, grabbed: Vec3, start: VoxelBox },
     /// Pulls a face along its normal.
     Pull { normal: Vec3, grabbed: Vec3, start: VoxelBox },
@@ -31,26 +31,26 @@ enum MarkerDrag {
 /// The state of the marker between events.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct MarkerTool {
-    /// The drag under way.
+    /// The drag in progress.
     drag: Option<MarkerDrag>,
-    /// The movement by drags that remains after whole voxels are taken off.
+    /// The movement by drags that whole voxels leave over.
     rest: Vec3,
-    /// The box that was selected only because tools were to be limited to the marker.
+    /// The box that was selected only to limit tools to the marker.
     lent_to_limit: Option<VoxelBox>,
 }
 
 impl MarkerTool {
-    /// Returns whether a drag is under way.
+    /// Returns whether there is a drag.
     pub fn is_dragged(&self) -> bool {
         self.drag.is_some()
     }
 
-    /// The drag is over. True if there was one.
+    /// Ends the drag. Returns true if there was one.
     pub fn release(&mut self) -> bool {
         self.drag.take().is_some()
     }
 
-    /// A press with the marker in hand: a drag begins unless it was beside everything. Returns the box to be marked.
+    /// Handles a press with the marker in hand: begins a drag unless it was beside everything. Returns the new box.
     pub fn press(
         &mut self,
         at: Vec2,
@@ -65,7 +65,7 @@ impl MarkerTool {
         let face = entered_face(rays.origin, direction, min, max);
         let surface = view.target(at, picker);
         let depth = |p: Vec3| (p - rays.origin).dot(direction) / direction.length_squared();
-        // A face that the sculpture hides cannot be meant, unless its surface lies in the box. The void hides nothing.
+        // A face hidden by the sculpture cannot be meant, unless the surface lies in the box. The void hides nothing.
         let seen = surface.filter(|_| view.grid().opaque_count() > 0);
         let hidden = |enter: f32| {
             seen.is_some_and(|p| depth(p) < enter - 1e-3 && !start.contains(p.floor().as_ivec3()))
@@ -90,7 +90,7 @@ impl MarkerTool {
         }
     }
 
-    /// The pointer drags it to a pixel. Returns the box to be marked.
+    /// Drags the marker to a pixel. Returns the new box.
     pub fn drag_to(&self, at: Vec2, view: &ToolView, picker: &Picker) -> Option<VoxelBox> {
         let reach = Reach::of(view.grid());
         let rays = picker.sight().rays;
@@ -122,8 +122,8 @@ impl MarkerTool {
         }
     }
 
-    /// Returns the plane that a drag keeps the marker in, as lines of a lattice, or the line along which it pulls a
-    /// face.
+    /// Returns the guide of a drag: the plane in which the marker moves, as lines of a lattice, or the line along which
+    /// a face is pulled.
     pub fn guide(&self, document: &Document) -> Vec<[Vec3; 2]> {
         let marker = document.selection().marker();
         let (low, high) = (marker.min.as_vec3(), marker.max.as_vec3());
@@ -144,7 +144,7 @@ impl MarkerTool {
         }
     }
 
-    /// Moves the marker by as much as a drag moves things at its depth. Returns the box to be marked.
+    /// Moves the marker like a drag of things at its depth. Returns the new box.
     pub fn shift(&mut self, marker: VoxelBox, by: Vec3) -> Option<VoxelBox> {
         let moved = self.rest + by;
         let whole = moved.round();
@@ -156,8 +156,7 @@ impl MarkerTool {
         })
     }
 
-    /// Returns what an action about the marker, the selection or the copy asks for, as commands; changes the tool
-    /// accordingly.
+    /// Returns the commands of an action about the marker, the selection or the copy, and changes the tool accordingly.
     pub fn act(
         &mut self,
         action: Action,
@@ -183,8 +182,8 @@ impl MarkerTool {
                 let lent = self.lent_to_limit.take();
                 let lent = lent.map(|bounds| SelectedBox { bounds, adds: true });
                 let only_lent = lent.is_some_and(|lent| selection.boxes() == [lent]);
-                // A person who limits tools without having selected anything means the marker, and the next time the
-                // marker where it is by then.
+                // Limiting tools without a selection means the marker, and the next time the marker at its position by
+                // then.
                 let limit = Command::Limit(!limits);
                 if !limits && empty {
                     self.lent_to_limit = Some(marker);
@@ -231,7 +230,7 @@ impl MarkerTool {
     }
 }
 
-/// Returns the voxel whose face a point on the surface lies on.
+/// Returns the voxel at a face on which a surface point lies.
 fn voxel_behind(point: Vec3, at: Vec2, view: &ToolView, picker: &Picker) -> IVec3 {
     let grid = view.grid();
     let normal = picker.normal(grid, at, view.tool.lean);
@@ -239,12 +238,12 @@ fn voxel_behind(point: Vec3, at: Vec2, view: &ToolView, picker: &Picker) -> IVec
     (point - normal * 0.5).floor().as_ivec3().clamp(IVec3::ZERO, dims - 1)
 }
 
-/// Returns the marker in the middle of a grid, as at first.
+/// Returns the default marker, in the middle of a grid.
 pub(super) fn first(grid: &Grid) -> VoxelBox {
     Selection::new(grid.dims()).marker()
 }
 
-/// Returns a marker larger by a twentieth on every side, at least by a voxel.
+/// Returns a marker larger by a twentieth on every side, by at least a voxel.
 pub(super) fn scaled(marker: VoxelBox, notches: f32) -> VoxelBox {
     let by = (marker.size() / 20).max(glam::UVec3::ONE).as_ivec3();
     let by = by * notches.round().clamp(-8.0, 8.0) as i32;
@@ -258,13 +257,13 @@ pub(super) fn scaled(marker: VoxelBox, notches: f32) -> VoxelBox {
     VoxelBox { min, max }
 }
 
-/// Returns a marker a voxel longer towards a side.
+/// Returns a marker longer by a voxel towards a side.
 pub(super) fn stretched(marker: VoxelBox, side: Vec3) -> VoxelBox {
     pulled_face(marker, side, 1)
 }
 
-/// How far from a grid of this size drags lead the marker: as far as the grid is long. Rays that almost miss its plane
-/// meet it at any distance.
+/// Limits drags of the marker to the grid's length around the grid. Rays that almost miss its plane meet it at any
+/// distance.
 #[derive(Clone, Copy)]
 struct Reach {
     dims: Vec3,
@@ -275,20 +274,21 @@ impl Reach {
         Reach { dims: grid.dims().as_vec3() }
     }
 
-    /// Returns the way of a box that is to go `by` voxels. Where it is farther off already it can come back.
+    /// Returns the displacement of a box that should move by `by` voxels. If it is already farther off, it can come
+    /// back.
     fn slid(self, start: VoxelBox, by: Vec3) -> IVec3 {
         let least = (-self.dims - start.max.as_vec3()).min(Vec3::ZERO);
         let most = (2.0 * self.dims - start.min.as_vec3()).max(Vec3::ZERO);
         by.clamp(least, most).as_ivec3()
     }
 
-    /// Returns most voxels that a face is pulled by at once.
+    /// Returns the most voxels that a face is pulled by at once.
     fn longest_vx(self) -> f32 {
         3.0 * self.dims.max_element()
     }
 }
 
-/// Returns lines at equal distances in a plane across `normal`, an axis, within a box.
+/// Returns evenly spaced lines in a plane across the axis `normal`, within a box.
 fn lattice(normal: Vec3, plane: Vec3, low: Vec3, high: Vec3) -> Vec<[Vec3; 2]> {
     const FIELDS: u32 = 8;
     let across = Vec3::AXES.into_iter().filter(|axis| axis.dot(normal) == 0.0);
@@ -316,8 +316,8 @@ fn pulled_face(start: VoxelBox, normal: Vec3, by: i32) -> VoxelBox {
     marker
 }
 
-/// Returns how far along a line (through `point` along the unit vector `axis`) it is nearest to a ray; none if they are
-/// almost parallel.
+/// Returns the position along a line (through `point` along the unit vector `axis`) that is nearest to a ray; `None` if
+/// they are almost parallel.
 fn nearest_on_line(point: Vec3, axis: Vec3, origin: Vec3, direction: Vec3) -> Option<f32> {
     let direction = direction.try_normalize()?;
     let across = axis.dot(direction);

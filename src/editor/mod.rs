@@ -1,13 +1,12 @@
-//! The editor: what a person does to the sculpture. Tools, strokes, the marker, long work and the
-//! session that carries out commands.
+//! The editor: the person's work on the sculpture. Tools, strokes, the marker, long work and the session that executes
+//! commands.
 //!
-//! [`Editor`] takes actions, pointer positions with a [`Picker`], and commands; it changes the document through its
-//! session alone. It returns the further effects of an edit as [`Outcome`]s, which its owner takes after every call
+//! [`Editor`] takes actions, pointer positions with a [`Picker`], and commands; it changes the document only through
+//! its session. It returns the further effects of an edit as [`Outcome`]s, which its owner takes after every call
 //! ([`Editor::take_outcomes`]). Its parts own the state of each tool: they see what they need of the rest, and return
-//! commands; the editor carries these out. Knows no egui, no window, no camera and no Vulkan.
+//! commands for the editor to execute. Knows no egui, no window, no camera and no Vulkan.
 //!
-//! This file has the state, the commands and the strokes; what keys and the pointer ask for is in `actions`, what a hand
-//! asks for in `hand_events`.
+//! This file has the state, the commands and the strokes; `actions` handles keys and the pointer, `hand_events` a hand.
 
 mod actions;
 mod autosave;
@@ -68,20 +67,20 @@ use tool_view::ToolView;
 pub use outcome::Outcome;
 pub use pointer::PointerUse;
 
-/// The session with everything that a person has in hand.
+/// The session with all tools.
 pub struct Editor {
     commands: CommandRunner,
     pub tool: ToolState,
     /// The tool in a hand in the room of a headset.
     pub hand: HandTool,
     stroke: Option<Stroke>,
-    /// Where the tool stands on the surface.
+    /// The tool's anchor on the surface.
     anchor: SurfaceAnchor,
     marker: MarkerTool,
-    /// The solid that is being drawn.
+    /// The drawing in progress.
     draw: DrawTool,
     pointer: Pointer,
-    /// How a pen or the trigger of a hand is pressed; fully where nothing tells.
+    /// The pressure of a pen or of a hand's trigger; full if nothing reports one.
     grip: Grip,
     /// The size or the strength of the tool follows the pointer.
     leading: Leading,
@@ -115,22 +114,22 @@ impl Editor {
         self.commands.document()
     }
 
-    /// Returns the outcomes of the calls since the last time, in order.
+    /// Returns the outcomes since the last call, in order.
     pub fn take_outcomes(&mut self) -> Vec<Outcome> {
         self.commands.take_outcomes()
     }
 
-    /// Returns where the pointer is, in pixels of the picture.
+    /// Returns the position of the pointer, in pixels of the picture.
     pub fn pointer(&self) -> Option<Vec2> {
         self.pointer.at
     }
 
-    /// Takes where the pointer is.
+    /// Sets the position of the pointer.
     pub fn set_pointer(&mut self, at: Option<Vec2>) {
         self.pointer.at = at;
     }
 
-    /// Voxels that commands have changed since the start, for what makes changes felt.
+    /// Returns the number of voxels that commands have changed since the start, for haptics.
     pub fn voxels_changed(&self) -> u64 {
         self.commands.voxels_changed()
     }
@@ -139,13 +138,13 @@ impl Editor {
         self.commands.note(text);
     }
 
-    /// What the tools see.
+    /// Returns the part of the editor that the tools see.
     fn view(&self) -> ToolView<'_> {
         ToolView { document: self.commands.document(), tool: &self.tool, anchor: &self.anchor }
     }
 
-    /// Returns the point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the
-    /// plane of the view in which the tool was used last.
+    /// Returns the grid point under a pixel: on the visible surface, or, while the grid is empty, in the view plane
+    /// through the last use of the tool.
     pub fn target(&self, at: Vec2, picker: &Picker) -> Option<Vec3> {
         self.view().target(at, picker)
     }
@@ -165,7 +164,7 @@ impl Editor {
         }
     }
 
-    /// Saves to a file that another program has changed, since the person wants that.
+    /// Saves to a file that another program has changed, at the person's request.
     pub fn overwrite(&mut self, file: ChangedOnDisk) {
         let ChangedOnDisk { path, found, next } = file;
         self.session_mut().accept_change_on_disk(&path, found);
@@ -173,13 +172,13 @@ impl Editor {
         self.run_then(Command::Save { path, export: ExportOptions::default() }, then);
     }
 
-    /// Carries out a command that was asked for, but asks first if it would lose unsaved work.
+    /// Executes a requested command, but asks first if it would lose unsaved work.
     pub fn run_unless_work_is_lost(&mut self, command: Command) {
         let replaces = matches!(command, Command::New(_) | Command::Open { .. });
         if replaces {
             self.end_stroke();
         }
-        // While there is long work it is refused anyhow.
+        // During long work it is refused anyway.
         let idle = !self.is_busy() && !self.commands.has_stroke_in_question();
         if replaces && self.session().modified() && idle {
             self.commands.push(Outcome::Unsaved(Next::Run(command)));
@@ -188,26 +187,26 @@ impl Editor {
         }
     }
 
-    /// Carries out a command that is no part of a stroke; long work runs on another thread.
+    /// Executes a command outside of strokes. Long work runs on another thread.
     pub fn run(&mut self, command: Command) {
         self.run_then(command, Then::Stay);
     }
 
-    /// The same, and then what would lose unsaved work.
+    /// Executes such a command, and then a step that would lose unsaved work.
     pub fn run_then(&mut self, command: Command, then: Then) {
         self.end_stroke();
         let done = self.commands.run(&command, then);
         self.follow(&command, done);
     }
 
-    /// Carries out a command that takes no time; says what went wrong. True if it was done.
+    /// Executes a command that takes no time, and reports an error. Returns true if it was done.
     pub fn execute(&mut self, command: &Command) -> bool {
         let done = self.commands.execute(command);
         self.follow(command, done);
         done
     }
 
-    /// Lets the tools follow a command that was carried out, or was not.
+    /// Updates the tools after a command that succeeded or failed.
     fn follow(&mut self, command: &Command, done: bool) {
         if done && matches!(command, Command::Begin { .. }) {
             self.commands.note_walls(may_add(&self.tool));
@@ -215,7 +214,7 @@ impl Editor {
         self.follow_replacement();
     }
 
-    /// Lets the tools begin anew if another sculpture is there.
+    /// Resets the tools if the sculpture has been replaced.
     fn follow_replacement(&mut self) {
         if self.commands.take_replaced() {
             self.draw = DrawTool::default();
@@ -224,7 +223,7 @@ impl Editor {
         }
     }
 
-    /// Carries out what the history cannot keep, since the person wants it.
+    /// Executes a command that the history cannot keep, at the person's request.
     pub fn run_irreversibly(&mut self, command: Command) {
         if self.is_busy() {
             return self.commands.refuse(&command);
@@ -236,29 +235,29 @@ impl Editor {
             self.run(command);
         }
         if self.is_busy() {
-            // Its result is put in place when the job is done.
+            // Its result is applied when the job is done.
             self.commands.set_job_irreversible();
         } else {
             self.execute(&Command::Irreversible(false));
         }
     }
 
-    /// Takes back a stroke that cannot be undone and that the person has not chosen to keep.
+    /// Reverts a stroke that cannot be undone and that the person has not chosen to keep.
     pub fn drop_stroke_in_question(&mut self) {
         self.commands.drop_stroke_in_question();
     }
 
-    /// Returns whether long work is under way.
+    /// Returns whether there is long work.
     pub fn is_busy(&self) -> bool {
         self.commands.is_busy()
     }
 
-    /// Long work under way, as the interface shows it.
+    /// Returns the long work as the interface shows it.
     pub fn busy(&self) -> Option<Busy> {
         self.commands.busy()
     }
 
-    /// Runs `work`, the long part of `command`, on a thread; the last is over.
+    /// Runs `work`, the long part of `command`, on a thread. The former work must be over.
     pub fn start_work<W>(&mut self, work: W, command: &Command, then: Then)
     where
         W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
@@ -266,8 +265,8 @@ impl Editor {
         self.commands.start_work(work, command, then);
     }
 
-    /// Runs work that changes nothing of the sculpture on a thread, and tells what it returns unless it is empty. Refused
-    /// while there is other work; returns whether it began.
+    /// Runs work on a thread that does not change the sculpture, and reports its result unless it is empty. Refused
+    /// during other work. Returns whether it began.
     pub fn start_side_work<W>(&mut self, work: W, sign: &'static str) -> bool
     where
         W: FnOnce(&Report) -> Result<String, Failure> + Send + 'static,
@@ -275,8 +274,7 @@ impl Editor {
         self.commands.start_side_work(work, sign)
     }
 
-    /// Runs work on a thread that brings back a session, to go on with instead of this one, with a notice. Refused while
-    /// there is other work.
+    /// Runs work on a thread that restores a session to replace this one, with a notice. Refused during other work.
     pub fn start_recovery<W>(&mut self, work: W)
     where
         W: FnOnce(&Report) -> Result<(Session, Notice), Failure> + Send + 'static,
@@ -284,14 +282,14 @@ impl Editor {
         self.commands.start_recovery(work);
     }
 
-    /// Puts in place what came of long work, once it is done.
+    /// Applies the result of long work, once it is done.
     pub fn follow_job(&mut self) {
         if self.commands.is_job_finished() {
             self.finish_job();
         }
     }
 
-    /// Waits for long work, if there is any, and puts in place what came of it.
+    /// Waits for long work, if there is any, and applies its result.
     pub fn finish_job(&mut self) {
         let next = self.commands.finish_job();
         self.follow_replacement();
@@ -305,14 +303,13 @@ impl Editor {
         self.commands.cancel_job();
     }
 
-    /// The program is to be left while work is under way: a save is waited for, anything else is
-    /// given up.
+    /// Leaves the program after long work: waits for a save, and cancels anything else.
     pub fn leave_after_job(&mut self) {
         self.commands.leave_after_job();
     }
 
-    /// Writes the sculpture's file if it has had unsaved changes for `every`. Returns when to ask again; none if there is
-    /// nothing to save. `every` none: never. `is_free`: no question is open.
+    /// Writes the sculpture's file if it has had unsaved changes for `every` (`None`: never). Returns when to ask
+    /// again; `None` if there is nothing to save. `is_free`: no question is open.
     pub fn autosave(
         &mut self,
         every: Option<Duration>,
@@ -322,29 +319,29 @@ impl Editor {
         self.commands.autosave(every, now, is_free)
     }
 
-    /// Returns whether voxels are being changed by a stroke that is not finished.
+    /// Returns whether an unfinished stroke changes voxels.
     pub fn is_stroking(&self) -> bool {
         self.stroke.is_some()
     }
 
-    /// Returns the stroke in hand, with what it works on.
+    /// Returns the present stroke with the part of the editor that it works on.
     fn stroking(&mut self) -> Stroking<'_> {
         let Editor { stroke, commands, tool, anchor, grip, .. } = self;
         Stroking { stroke, commands, tool, anchor, grip }
     }
 
-    /// Takes how a pen, a finger or the trigger of a hand touches; none for a mouse, which presses fully.
+    /// Sets the touch of a pen, a finger or a hand's trigger; `None` for a mouse, which presses fully.
     pub fn set_touch(&mut self, touch: Option<PenTouch>) {
         self.grip.touch(touch);
     }
 
-    /// Does what would be too slow for every event, since a device may speak often. To be called once for each picture.
+    /// Does the work that is too slow for every event of a frequent device. Called once per picture.
     pub fn catch_up(&mut self) {
         self.stroking().catch_up();
     }
 
-    /// Uses a brush that goes on for as long as it is held once more where it is, if it has not been used for a while.
-    /// Returns after how long to ask again, in seconds. `now_s`: on any clock; `by_hand`: in a headset.
+    /// Uses a held brush again where it is, if it repeats and has not been used for a while. Returns the seconds until
+    /// the next call. `now_s`: on any clock; `by_hand`: in a headset.
     pub fn dwell(&mut self, now_s: f64, by_hand: bool, picker: &Picker) -> Option<f64> {
         self.stroking().dwell(now_s, by_hand, picker)
     }
@@ -358,46 +355,46 @@ impl Editor {
         self.stroking().cancel();
     }
 
-    /// Lets the tool that draws see the rest.
+    /// Calls the drawing tool with its view of the editor.
     fn draw_with_view<T>(&mut self, act: impl FnOnce(&mut DrawTool, &ToolView) -> T) -> T {
         let Editor { commands, tool, anchor, draw, .. } = self;
         act(draw, &ToolView { document: commands.document(), tool, anchor })
     }
 
-    /// Carries out what was drawn, if anything.
+    /// Executes a finished drawing, if there is one.
     fn carry_out_drawn(&mut self, drawn: Option<Drawn>) {
         if let Some(drawn) = drawn {
             drawn.carry_out(&mut self.commands, &mut self.tool, self.hand.is_leading());
         }
     }
 
-    /// Gives up what is being drawn, or what the next press was to do; false if there is neither.
+    /// Cancels the drawing in progress, or the action of the next press. Returns false if there is neither.
     pub fn cancel_drawing(&mut self) -> bool {
         let was_meant = self.tool.next_press.take().is_some();
-        // The button that is still pressed does nothing more.
+        // The button that is still pressed has no further effect.
         self.pointer.lifted |= self.draw.is_dragged() | self.draw.is_held();
         let was_drawn = self.draw.cancel(&self.tool);
         was_drawn || was_meant
     }
 
-    /// Returns whether something is being drawn.
+    /// Returns whether there is a drawing in progress.
     pub fn is_drawing(&self) -> bool {
         self.draw.is_drawing(&self.tool)
     }
 
-    /// Returns how far what is drawn by several presses is, if there is any.
+    /// Returns the progress of a drawing of several presses, if there is one.
     pub fn progress(&self) -> Option<Progress> {
         self.draw.progress(&self.tool)
     }
 
-    /// Returns the drawing under way, or the one that a press would begin, as lines.
+    /// Returns the present drawing, or the one that a press would begin, as lines.
     pub fn sketch(&self, picker: &Picker) -> Option<Sketch> {
         let (in_hand, stroking) = (self.hand.is_leading(), self.is_stroking());
         self.draw.sketch(self.pointer.at, in_hand, stroking, &self.view(), picker)
     }
 
-    /// Returns the plane that a drag keeps the marker in, as lines of a lattice, or the line along which it pulls a
-    /// face.
+    /// Returns the guide of a drag of the marker: the plane in which it moves, as lines of a lattice, or the line along
+    /// which a face is pulled.
     pub fn marker_guide(&self) -> Vec<[Vec3; 2]> {
         self.marker.guide(self.document())
     }

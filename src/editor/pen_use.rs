@@ -1,37 +1,37 @@
-//! The lead of a pen over each tool: strength, size, or both, as chosen for it.
+//! The effect of a pen on each tool: on strength, size, or both, as chosen.
 //!
-//! From how a pen touches to shares of strength and size. Knows no devices and no tool in hand.
+//! Maps a pen's touch to shares of strength and size. Knows no devices and no tool in hand.
 
 use std::collections::BTreeMap;
 
 use crate::input::pen::PenTouch;
 use crate::tools::brush::BrushId;
 
-/// Smallest share of the size that pressure leads to: a tool that is used at all has a size.
+/// Smallest share of the size under pressure, so that a tool in use has a size.
 const LEAST_SIZE: f32 = 0.05;
-/// A pen that leans so far makes a brush twice as large, in degrees from upright.
+/// Tilt from upright that doubles the size of a brush, in degrees.
 const DOUBLES_DEG: f32 = 45.0;
-/// It makes no brush larger than this many times.
+/// Largest factor on the size by tilt.
 const MOST_TIMES: f32 = 2.5;
 
-/// The qualities of a brush that a pen leads.
+/// The qualities of a brush that a pen controls.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct PenUse {
-    /// The lighter the press, the weaker.
+    /// A lighter press is weaker.
     pub strength: bool,
-    /// The lighter the press, the smaller.
+    /// A lighter press is smaller.
     pub size: bool,
-    /// The more the pen leans, the larger.
+    /// More tilt is larger.
     pub tilt: bool,
 }
 
 impl PenUse {
-    /// Share of the strength.
+    /// Returns the share of the strength.
     pub fn strength(self, touch: PenTouch) -> f32 {
         if self.strength { touch.pressure } else { 1.0 }
     }
 
-    /// Share of the size, which may be more than all.
+    /// Returns the share of the size, which may exceed 1.
     pub fn size(self, touch: PenTouch) -> f32 {
         let pressed = if self.size { touch.pressure.max(LEAST_SIZE) } else { 1.0 };
         let leant = if self.tilt { 1.0 + touch.lean_deg() / DOUBLES_DEG } else { 1.0 };
@@ -39,7 +39,7 @@ impl PenUse {
     }
 }
 
-/// The tools that a pen can lead something of.
+/// The tools on which a pen has an effect.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PenTool {
     /// Any solid.
@@ -48,7 +48,7 @@ pub enum PenTool {
 }
 
 impl PenTool {
-    /// Returns all of them.
+    /// Returns all such tools.
     pub fn all() -> impl Iterator<Item = PenTool> {
         let brushes = BrushId::ALL.iter().filter(|brush| !brush.spec().is_held());
         std::iter::once(PenTool::Solid).chain(brushes.map(|brush| PenTool::Brush(*brush)))
@@ -61,7 +61,7 @@ impl PenTool {
         }
     }
 
-    /// Returns whether there is a strength that pressure can lead.
+    /// Returns whether pressure can control a strength.
     pub fn has_strength(self) -> bool {
         match self {
             PenTool::Solid => false,
@@ -69,13 +69,13 @@ impl PenTool {
         }
     }
 
-    /// Returns the lead that a pen has before the person has chosen.
+    /// Returns the default effect of a pen.
     pub fn usual(self) -> PenUse {
         PenUse { strength: self.has_strength(), ..PenUse::default() }
     }
 }
 
-/// The lead of a pen over each brush.
+/// The effects of a pen on each brush.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct PenUses(BTreeMap<&'static str, PenUse>);
 
@@ -91,7 +91,7 @@ impl PenUses {
     pub fn set(&mut self, tool: PenTool, chosen: PenUse) {
         let strength = chosen.strength && tool.has_strength();
         let chosen = PenUse { strength, ..chosen };
-        // Equal to one that was never changed, if it leads the same.
+        // Equal to an unchanged one if its effect is the same.
         if chosen == tool.usual() {
             self.0.remove(tool.name());
         } else {

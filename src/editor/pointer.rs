@@ -1,4 +1,4 @@
-//! The pointer over the picture: where it is, and what a button that it holds means.
+//! The pointer over the picture: its position, and the meaning of the button that it holds.
 //!
 //! Takes pixels of the picture; knows no tool and changes nothing.
 
@@ -8,10 +8,10 @@ use crate::input::Action;
 use crate::picking::Picker;
 use crate::sculpture::Grid;
 
-/// How the pointer of a window is used at the moment.
+/// The present use of a window's pointer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PointerUse {
-    /// The tool goes where the pointer is; in some tables of keys drags alone move it.
+    /// The tool follows the pointer; in some tables of keys only drags move it.
     pub leads_tool: bool,
     /// It holds something on the picture.
     pub dragging: bool,
@@ -20,16 +20,16 @@ pub struct PointerUse {
 /// The state of the pointer between events.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct Pointer {
-    /// Where it is, in pixels of the picture; none while it is elsewhere.
+    /// Its position in pixels of the picture; `None` while it is elsewhere.
     pub at: Option<Vec2>,
     /// A drag of `Sculpt` that began beside the sculpture rotates it.
     pub rotates_instead: bool,
-    /// The gesture that its button holds was ended; the button does nothing until it is released.
+    /// The gesture of the held button was ended; the button has no effect until it is released.
     pub lifted: bool,
 }
 
 impl Pointer {
-    /// Returns the action that a drag or a hold of `action` stands for.
+    /// Returns the action that a drag or a hold of `action` means.
     pub fn meant(&self, action: Action) -> Action {
         match action {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth
@@ -41,7 +41,7 @@ impl Pointer {
         }
     }
 
-    /// The button is released.
+    /// Releases the button.
     pub fn release(&mut self) {
         (self.rotates_instead, self.lifted) = (false, false);
     }

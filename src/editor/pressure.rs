@@ -1,5 +1,5 @@
-//! The touch of a pen (a finger, the trigger of a hand) on the tool in use. A mouse presses fully and upright, so nothing
-//! changes for it. Knows no devices.
+//! The touch of a pen (a finger, the trigger of a hand) on the tool in use. A mouse presses fully and upright, so it is
+//! unaffected. Knows no devices.
 
 use std::borrow::Cow;
 
@@ -14,8 +14,7 @@ use crate::tools::brush::options::BrushOptions;
 pub(super) const FULL: PenTouch = PenTouch { pressure: 1.0, tilt_deg: glam::Vec2::ZERO };
 
 impl ToolState {
-    /// Returns the tool as it is used when it is touched so: a solid is as large as the pen says. `bare`: the colour
-    /// that it gives in place of its own, since it takes paint away.
+    /// Returns the tool as used with this touch: the pen scales a solid. `bare`: replaces the colour, to remove paint.
     pub(super) fn in_use(&self, touch: PenTouch, bare: Option<Rgb>) -> Cow<'_, ToolState> {
         let size = match self.kind {
             ToolKind::Solid => self.pens.of(PenTool::Solid).size(touch),
@@ -34,7 +33,7 @@ impl ToolState {
     }
 }
 
-/// Returns the options with which a brush is used that is touched so.
+/// Returns the options of a brush used with this touch.
 pub(super) fn touched(options: &BrushOptions, by: PenUse, touch: PenTouch) -> BrushOptions {
     let mut options = *options;
     if let Some(key) = options.brush().spec().pressure {
@@ -43,7 +42,7 @@ pub(super) fn touched(options: &BrushOptions, by: PenUse, touch: PenTouch) -> Br
     options.with(RADIUS, options.get(RADIUS) * by.size(touch))
 }
 
-/// How a tool is touched now, and was at its last use: between two events a hand presses evenly more or less.
+/// The present touch of a tool, and that of its last use. The pressure between two events is interpolated.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Grip {
     pub now: PenTouch,
@@ -57,7 +56,7 @@ impl Default for Grip {
 }
 
 impl Grip {
-    /// Takes how a pen or a finger touches; none for a mouse, which presses fully.
+    /// Sets the touch of a pen or a finger; `None` for a mouse, which presses fully.
     pub fn touch(&mut self, touch: Option<PenTouch>) {
         let touch = touch.unwrap_or(FULL);
         if touch.pressure.is_finite() && touch.tilt_deg.is_finite() {
@@ -66,12 +65,12 @@ impl Grip {
         }
     }
 
-    /// A stroke begins.
+    /// Begins a stroke.
     pub fn begin(&mut self) {
         self.used = self.now;
     }
 
-    /// Returns how it is touched at each of `count` uses on the way to where it is now.
+    /// Returns the touch for each of `count` uses on the path to the present position.
     pub fn along_path(&mut self, count: usize) -> impl Iterator<Item = PenTouch> + use<> {
         let (from, to) = (self.used, self.now);
         if count > 0 {

@@ -1,4 +1,4 @@
-//! The questions that the editor needs answered before it goes on, as values for the interface.
+//! The questions that the editor needs answered before it continues, as values for the interface.
 
 use std::path::PathBuf;
 
@@ -11,17 +11,17 @@ pub enum Next {
     Leave,
     /// `new` or `open`.
     Run(Command),
-    /// Recovers the work that an earlier session left in the journal of this number.
+    /// Recovers the work of an earlier session from the journal of this number.
     Recover(u64),
 }
 
-/// A file that was to be saved, but that another program has changed.
+/// A file to save that another program has changed.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ChangedOnDisk {
     pub path: PathBuf,
-    /// The identity of the file when it was to be saved; none if it could not be read.
+    /// The identity of the file at the attempt to save it; `None` if it could not be read.
     pub found: Option<FileIdentity>,
-    /// The step that was to follow.
+    /// The step that should follow.
     pub next: Option<Next>,
 }
 

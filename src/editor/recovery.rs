@@ -1,4 +1,4 @@
-//! Where a sculpture is when the program cannot go on: in its journal, or else in a file of its own.
+//! Secures a sculpture when the program cannot go on: in its journal, or else in a file of its own.
 
 use std::path::{Path, PathBuf};
 
@@ -15,8 +15,7 @@ pub enum Kept {
     File(PathBuf),
 }
 
-/// Sees to it that nothing that was done is lost: it is in the journal, or if that has not all of it, is saved in
-/// `folder`.
+/// Makes sure that no work is lost: it is in the journal, or if that is incomplete, is saved in `folder`.
 pub fn secure(session: &mut Session, folder: &Path) -> Result<Kept, SessionError> {
     match session.journal_path() {
         Some(path) if session.secure_in_journal() => Ok(Kept::Journal(path)),
@@ -24,7 +23,7 @@ pub fn secure(session: &mut Session, folder: &Path) -> Result<Kept, SessionError
     }
 }
 
-/// Saves the sculpture in `folder`, where no other file is; returns the path.
+/// Saves the sculpture in `folder` under an unused name. Returns the path.
 pub fn save(session: &mut Session, folder: &Path) -> Result<PathBuf, SessionError> {
     if let Err(error) = std::fs::create_dir_all(folder) {
         // Saving will fail with the same reason and name the path.

@@ -1,7 +1,7 @@
-//! The unit in which the sizes of all brushes are given, chosen once: pixels of the screen, so that a brush stays as large in
-//! the picture however near the sculpture is, or the sculpture's own voxels, so that it stays as large there.
+//! The unit of the sizes of all brushes: pixels of the screen, so that a brush keeps its size in the picture at any
+//! distance, or the sculpture's own voxels, so that it keeps its size there.
 //!
-//! How large a pixel is depends on where the brush works, which is asked of the view of the last picture.
+//! The size of a pixel depends on where the brush works, and comes from the view of the last picture.
 
 use std::ops::RangeInclusive;
 
@@ -15,7 +15,7 @@ use crate::tools::brush::kernel::grab::{MAX_RADIUS, MIN_RADIUS};
 /// The unit of the sizes of brushes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum SizeUnit {
-    /// Pixels of the picture; in a headset what a pixel is an arm's length away.
+    /// Pixels of the picture; in a headset, virtual pixels at arm's length.
     #[default]
     Screen,
     /// The smallest edge of a voxel.
@@ -25,7 +25,7 @@ pub enum SizeUnit {
 impl SizeUnit {
     pub const ALL: [SizeUnit; 2] = [SizeUnit::Screen, SizeUnit::Sculpture];
 
-    /// Returns its name in what is remembered.
+    /// Returns its name in the remembered state.
     pub const fn name(self) -> &'static str {
         match self {
             SizeUnit::Screen => "screen",
@@ -33,7 +33,7 @@ impl SizeUnit {
         }
     }
 
-    /// Returns the sign that stands behind a size.
+    /// Returns the suffix of a size.
     pub const fn suffix(self) -> &'static str {
         match self {
             SizeUnit::Screen => " px",
@@ -41,7 +41,7 @@ impl SizeUnit {
         }
     }
 
-    /// Returns the radii that a brush may have.
+    /// Returns the valid radii of a brush.
     pub const fn radii(self) -> RangeInclusive<f32> {
         match self {
             SizeUnit::Screen => 1.0..=MAX_FOOTPRINT,
@@ -50,10 +50,10 @@ impl SizeUnit {
     }
 }
 
-/// How large a pixel is before anything tells, in units of the smallest edge.
+/// Assumed size of a pixel before a picture, in units of the smallest edge.
 pub(super) const FIRST_GAUGE: f32 = 0.25;
 
-/// Returns how large a pixel is at a place, in units of the smallest edge.
+/// Returns the size of a pixel at a point, in units of the smallest edge.
 pub(super) fn gauge_at(grid: &Grid, point: Vec3, picker: &Picker) -> f32 {
     let (sight, size) = (picker.sight(), grid.voxel_size());
     let depth = sight.depth(point);

@@ -1,6 +1,6 @@
-//! Where the tool stands on the surface, and with which choices of tool, size and rotation it was put there.
+//! The tool's anchor on the surface, and the choices of tool, size and rotation for which it was set.
 //!
-//! Takes points of the surface and puts the tool there; knows no pointer and no stroke.
+//! Takes surface points and puts the tool there; knows no pointer and no stroke.
 
 use glam::{Vec2, Vec3};
 
@@ -9,23 +9,24 @@ use crate::picking::{Picker, SurfacePoint};
 use crate::sculpture::Grid;
 use crate::tools::solid::Solid;
 
-/// Where the tool was put on the surface, and with which choices.
+/// The tool's anchor on the surface, with its choices.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct SurfaceAnchor {
-    /// None once something else than the pointer has moved the tool.
+    /// `None` once something other than the pointer has moved the tool.
     ground: Option<SurfacePoint>,
     choices: Option<Choices>,
-    /// Where the tool was used or put last, in voxels: in an empty grid the pointer leads it at that depth. None before.
+    /// Position of the last use or placement, in voxels: in an empty grid, the pointer moves the tool at that depth.
+    /// `None` before.
     worked_at: Option<Vec3>,
 }
 
-/// The choices that the place of a tool depends on, besides the pointer.
+/// The choices that decide the position of a tool, besides the pointer.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Choices {
     kind: ToolKind,
     solid: Solid,
     half: Vec3,
-    /// None if the surface gives it.
+    /// `None` if the surface decides it.
     turn_deg: Option<Vec3>,
     follow: bool,
     snap: bool,
@@ -39,27 +40,27 @@ impl Choices {
         Choices { kind, solid, half: tool.half(), turn_deg, follow, snap, stand }
     }
 
-    /// Returns whether the tool is another than before, or begins to follow.
+    /// Returns whether the tool is another one than before, or begins to follow.
     fn is_taken_anew(&self, before: &Choices) -> bool {
         (self.kind, self.solid, self.follow) != (before.kind, before.solid, before.follow)
     }
 }
 
 impl SurfaceAnchor {
-    /// Returns the point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the
-    /// plane of the view in which the tool was used last.
+    /// Returns the grid point under a pixel: on the visible surface, or, while the grid is empty, in the view plane
+    /// through the last use of the tool.
     pub fn target(&self, grid: &Grid, at: Vec2, picker: &Picker) -> Option<Vec3> {
         let middle = grid.dims().as_vec3() * 0.5;
         picker.target(grid, at, self.worked_at.unwrap_or(middle))
     }
 
-    /// Returns the point and the face of the surface that the pointer has put the tool on; none once something else has
-    /// moved it.
+    /// Returns the surface point and face on which the pointer has put the tool; `None` once something else has moved
+    /// it.
     pub fn ground(&self) -> Option<SurfacePoint> {
         self.ground
     }
 
-    /// Puts the tool at a point of the surface, which is seen at `at`.
+    /// Puts the tool at a surface point, seen at `at`.
     pub fn lead_tool_to(
         &mut self,
         tool: &mut ToolState,
@@ -72,7 +73,7 @@ impl SurfaceAnchor {
         self.put_tool(tool, SurfacePoint { point, face }, grid);
     }
 
-    /// Puts the tool on a point of the surface.
+    /// Puts the tool on a surface point.
     pub fn put_tool(&mut self, tool: &mut ToolState, ground: SurfacePoint, grid: &Grid) {
         self.ground = Some(ground);
         if tool.kind == ToolKind::Solid {
@@ -83,34 +84,34 @@ impl SurfaceAnchor {
         }
     }
 
-    /// Takes the choices of the tool. None if they are those of before, or the first; else whether the tool is another, or
-    /// begins to follow.
+    /// Records the choices of the tool. Returns `None` if they are unchanged, or the first; else whether the tool is
+    /// another one, or begins to follow.
     pub fn choose(&mut self, tool: &ToolState) -> Option<bool> {
         let choices = Choices::of(tool);
         let before = self.choices.replace(choices)?;
         (choices != before).then(|| choices.is_taken_anew(&before))
     }
 
-    /// Another sculpture is there.
+    /// Forgets the anchor after the sculpture was replaced.
     pub fn forget(&mut self, tool: &ToolState) {
         self.leave(tool);
         self.worked_at = None;
     }
 
-    /// A stroke has led the tool over the surface to `point`.
+    /// Follows a stroke that has moved the tool over the surface to `point`.
     pub fn follow(&mut self, point: Vec3) {
         if let Some(ground) = &mut self.ground {
             ground.point = point;
         }
     }
 
-    /// The tool is where it is meant to be, wherever the pointer is.
+    /// Detaches the tool from the surface, so that the pointer no longer places it.
     pub fn leave(&mut self, tool: &ToolState) {
         (self.ground, self.choices) = (None, Some(Choices::of(tool)));
         self.note_worked(tool);
     }
 
-    /// The tool has been used, or put somewhere, where it is.
+    /// Records that the tool was used or placed at its position.
     pub fn note_worked(&mut self, tool: &ToolState) {
         self.worked_at = Some(tool.centre_vx).filter(|at| at.is_finite());
     }

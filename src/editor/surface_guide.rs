@@ -1,7 +1,7 @@
-//! The pointer on the surface, as it leads a stroke.
+//! The pointer on the surface, guiding a stroke.
 //!
-//! From pixels of the picture to points of the surface as it was seen when the pointer began to lead, so that what the
-//! stroke adds or cuts on its way does not lead it astray. Knows no tool and changes nothing.
+//! Takes pixels of the picture; gives points of the surface as it was seen at the start, so that additions and cuts of
+//! the stroke do not deflect it. Knows no tool and changes nothing.
 
 use std::sync::Arc;
 
@@ -12,37 +12,37 @@ use crate::picking::geometry::{lasting, surface_point};
 use crate::sculpture::Grid;
 use crate::surface::IndexMap;
 
-/// Pixels between two looks at the surface along a drag.
+/// Pixels between two samples of the surface along a drag.
 const LOOK_EVERY_PX: f32 = 3.0;
-/// Most looks at the surface along a drag.
+/// Most samples of the surface along a drag.
 const MOST_LOOKS: f32 = 1024.0;
-/// A step on the surface longer than this many tool sizes is a leap over an edge.
+/// A longer step on the surface, in tool sizes, is a jump over an edge.
 pub(super) const LEAP: f32 = 2.0;
-/// Most steps along a radius in which the surface is looked at for its normal.
+/// Most steps along a radius that samples the surface for its normal.
 const STEPS: f32 = 10.0;
 
 /// The pointer on the surface.
 pub(super) struct SurfaceGuide {
     seen: Option<Arc<IndexMap>>,
-    /// Where it is, in pixels.
+    /// Its position, in pixels.
     at: Vec2,
-    /// The depth of the last point, for where the pointer is beside the sculpture.
+    /// Depth of the last point, used where the pointer is beside the sculpture.
     depth: f32,
 }
 
 impl SurfaceGuide {
-    /// The pointer at `at` (pixels) is on `point` of the surface.
+    /// Starts with the pointer at `at` (pixels) on `point` of the surface.
     pub fn new(at: Vec2, point: Vec3, grid: &Grid, picker: &Picker) -> SurfaceGuide {
         let seen = picker.map().map(|map| lasting(map, grid));
         SurfaceGuide { seen, at, depth: picker.sight().depth(point) }
     }
 
-    /// Returns whether the view is still the one in which the surface was seen.
+    /// Returns whether the view is still that of the recorded surface.
     pub fn is_of(&self, picker: &Picker) -> bool {
         self.seen.as_ref().map(|seen| seen.rays) == picker.map().map(|map| map.rays)
     }
 
-    /// Goes straight to `to` (pixels), at the end of a rope of `rope_px`, and gives the points under its path.
+    /// Goes straight to `to` (pixels), pulled by a rope of `rope_px`, and gives the points under its path.
     pub fn go_to(
         &mut self,
         to: Vec2,
@@ -63,7 +63,7 @@ impl SurfaceGuide {
         self.at = to;
     }
 
-    /// Returns the point that lies under `look` (pixels).
+    /// Returns the point under `look` (pixels).
     fn point_at(&mut self, look: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
         let sight = picker.sight();
         let found = self.seen.as_ref().and_then(|map| surface_point(map, grid, look));
@@ -73,15 +73,15 @@ impl SurfaceGuide {
     }
 }
 
-/// Returns where a pointer at `from` goes whose rope is led to `to`: it stays while the rope hangs, so that a hand that
-/// trembles draws an even line.
+/// Returns the position of a pointer at `from` when its rope is pulled to `to`. It stays while the rope is slack, so
+/// that a trembling hand draws an even line.
 fn on_rope(from: Vec2, to: Vec2, length_px: f32) -> Vec2 {
     let left = (to.distance(from) - length_px).max(0.0);
     from.move_towards(to, left)
 }
 
-/// Returns the direction out of the clay in a ball: away from the middle of what is there. None where nothing is, or
-/// all.
+/// Returns the direction out of the clay in a ball: away from the clay's centre. Returns `None` if the ball is empty or
+/// full.
 pub(super) fn normal_around(grid: &Grid, centre: Vec3, radius: f32) -> Option<Vec3> {
     let edges = grid.voxel_size() / grid.voxel_size().min_element();
     let reach = radius.max(2.0);

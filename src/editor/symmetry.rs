@@ -1,8 +1,7 @@
-//! Placing the symmetry: a mirror plane where a press meets the surface, an axis of rotation that stands on it, or either
-//! where a hand holds it.
+//! Placing the symmetry: a mirror plane where a press meets the surface, an axis of rotation that stands on it, or
+//! either where a hand holds it.
 //!
-//! Takes a symmetry and gives another one. A plane or axis that is placed along an axis of the grid, or nearly so, lies exactly along
-//! it.
+//! Takes a symmetry and gives a changed one. A plane or axis placed within a few degrees of a grid axis snaps to it.
 
 use glam::{UVec3, Vec2, Vec3};
 
@@ -11,14 +10,14 @@ use crate::picking::Picker;
 use crate::sculpture::Grid;
 use crate::tools::symmetry::{MirrorPlane, Radial, Symmetry};
 
-/// How far around a press the surface says where an axis points, in units of the smallest edge of a voxel.
+/// Radius around a press in which the surface defines an axis, in units of the smallest edge of a voxel.
 const GROUND: f32 = 6.0;
-/// Cosine of the angle within which a direction is taken for an axis of the grid: three degrees.
+/// Cosine of the angle within which a direction snaps to a grid axis: three degrees.
 const NEARLY: f32 = 0.99863;
-/// How often a tool is repeated at first.
+/// Default number of repetitions of a tool.
 pub const FIRST_COUNT: u32 = 6;
 
-/// The part of the symmetry that is placed.
+/// The part of the symmetry to place.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Placed {
     /// The mirror plane.
@@ -28,8 +27,8 @@ pub enum Placed {
 }
 
 impl Placed {
-    /// Returns the direction of a plane's normal or of an axis that is placed at `point`, which is seen at a pixel: a
-    /// plane lies along the line of sight and the vertical of the picture, an axis stands out of the surface.
+    /// Returns the direction of a plane's normal or of an axis placed at `point`, seen at a pixel: a plane contains the
+    /// line of sight and the vertical of the picture, an axis points out of the surface.
     pub(super) fn direction_at(self, point: Vec3, at: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         match self {
@@ -47,7 +46,7 @@ impl Placed {
         }
     }
 
-    /// Returns the direction in a hand that holds it upright: a plane lies across the hand, an axis upright in it.
+    /// Returns the direction in a hand that holds it upright: a plane across the hand, an axis upright in it.
     pub(super) fn direction_in_hand(self) -> Vec3 {
         match self {
             Placed::Plane => Vec3::X,
@@ -55,7 +54,7 @@ impl Placed {
         }
     }
 
-    /// Returns a symmetry with it at a place.
+    /// Returns a symmetry with it at a point.
     pub(super) fn put(self, mut symmetry: Symmetry, at_vx: Vec3, direction: Vec3) -> Symmetry {
         let (at_vx, direction) = snapped(at_vx, direction);
         match self {
@@ -68,8 +67,8 @@ impl Placed {
         symmetry
     }
 
-    /// Returns a symmetry without it, or if it has none, with a plane across the middle of a grid of `dims` voxels, from
-    /// left to right, or an upright axis through it.
+    /// Returns a symmetry without it, or if it has none, with a plane across the middle of a grid of `dims` voxels,
+    /// from left to right, or an upright axis through it.
     pub(super) fn toggled(self, mut symmetry: Symmetry, dims: UVec3) -> Symmetry {
         let at_vx = (dims / 2).as_vec3();
         match self {
@@ -86,7 +85,7 @@ impl Placed {
     }
 }
 
-/// Along the grid if that is nearly so, and then between voxels or through their middles.
+/// Snaps a direction to a grid axis if it is near one, and then the point to the border or the middle of voxels.
 fn snapped(at_vx: Vec3, direction: Vec3) -> (Vec3, Vec3) {
     let along = Vec3::AXES.into_iter().find(|axis| direction.dot(*axis).abs() >= NEARLY);
     match along {

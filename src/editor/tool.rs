@@ -1,7 +1,6 @@
-//! The state of the tool: which one, what it does, how large, how rotated, which colour, where.
+//! The state of the tool: its kind, mode, size, rotation, colour and position.
 //!
-//! It belongs to the person, not to the sculpture: changing it changes no voxel, and the command
-//! that it returns is what does.
+//! It belongs to the person, not to the sculpture: changing it changes no voxel; only the commands that it returns do.
 
 use std::path::PathBuf;
 
@@ -23,12 +22,12 @@ use crate::tools::brush::footprint::Footprint;
 use crate::tools::brush::options::BrushOptions;
 use crate::tools::solid::{Primitive, Solid};
 
-/// Smallest and largest half extent that the interface offers.
+/// Smallest and largest half extent offered by the interface.
 pub const HALF_RANGE: std::ops::RangeInclusive<f32> = 0.5..=2048.0;
-/// The tool's first half extent as a share of the grid's shortest side.
+/// Initial half extent as a share of the grid's shortest side.
 const FIRST_HALF: f32 = 0.06;
 
-/// Colours kept for another use.
+/// Number of recent colours kept.
 pub const RECENT: usize = 14;
 
 /// The kinds of tools.
@@ -50,60 +49,60 @@ pub struct ToolState {
     pub solid: Solid,
     pub brushes: Brushes,
     pub draws: DrawOptions,
-    /// The lead of a pen over each brush.
+    /// The effects of a pen on each brush.
     pub pens: PenUses,
     pub mode: ToolMode,
     half: Vec3,
-    /// A change of one half extent changes all in proportion.
+    /// Changing one half extent changes all in proportion.
     pub uniform: bool,
     rotation: Quat,
     turn_deg: Vec3,
     pub colour: Rgb,
-    /// Colours that were used, the latest first.
+    /// Colours used, latest first.
     recent: Vec<Rgb>,
-    /// The picture that a solid paints with instead of the colour.
+    /// The picture with which a solid paints instead of the colour.
     pub picture: Option<PathBuf>,
-    /// The picture that the brush paints with instead of the colour, or through which it paints the colour.
+    /// The picture with which the brush paints instead of the colour, or through which it paints the colour.
     pub stencil: Option<PathBuf>,
-    /// The colour goes through the stencil where it is bright.
+    /// The colour passes through the stencil where that is bright.
     pub through_stencil: bool,
     /// Centre in voxel coordinates.
     pub centre_vx: Vec3,
-    /// The tool goes where the pointer meets the surface.
+    /// The tool follows the pointer over the surface.
     pub follow: bool,
-    /// The tool's centre is kept at centres of voxels.
+    /// The tool's centre snaps to centres of voxels.
     pub snap: bool,
-    /// The action of the next press, in place of a use of the tool.
+    /// The action of the next press, instead of a use of the tool.
     pub next_press: Option<NextPress>,
-    /// How far colours may differ from that of the voxel that a flood begins with, as a share of the range.
+    /// Largest difference of colours from that of a flood's first voxel, as a share of the range.
     pub flood_tolerance: f32,
     pub wand: Wand,
-    /// A tool that follows the pointer stands on the surface rather than half in it.
+    /// A tool that follows the pointer rests on the surface instead of being half in it.
     pub stand: bool,
-    /// It did so before it was to cut.
+    /// It rested before it was set to cut.
     pub(super) rested: bool,
     /// A tool that follows the pointer turns its y axis out of the surface.
     pub lean: bool,
-    /// How what was copied will be put down.
+    /// Orientation of the copy when it is pasted.
     pub paste_orientation: Orientation,
-    /// How often and how far on the last operation is repeated.
+    /// Number and distance of repetitions of the last operation.
     pub array: ArrayOptions,
 }
 
-/// An action that a press may carry out once, instead of using the tool.
+/// A one-time action of a press, instead of a use of the tool.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NextPress {
-    /// Takes the colour of what it meets.
+    /// Takes the colour of the voxel.
     Pick,
-    /// Recolours the patch of one colour that it meets.
+    /// Recolours the voxel's patch of one colour.
     Flood,
-    /// Protects what hangs together with what it meets.
+    /// Protects the voxels connected to it.
     Wand,
     /// Places the mirror plane or the axis of rotation.
     Symmetry(Placed),
 }
 
-/// An array to be made of the last operation.
+/// An array of the last operation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ArrayOptions {
     pub count: u32,
@@ -111,10 +110,10 @@ pub struct ArrayOptions {
     pub step: IVec3,
 }
 
-/// A change of the tool that a panel asks for.
+/// A change of the tool requested by a panel.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ToolEdit {
-    /// Half extent along an axis of the tool; with `uniform` the others follow.
+    /// Half extent along an axis of the tool; with `uniform`, the others follow.
     Half {
         axis: usize,
         half: f32,
@@ -125,14 +124,14 @@ pub enum ToolEdit {
     Uniform(bool),
     /// Degrees about x, then y, then z of the grid.
     Turn(Vec3),
-    /// Its centre in voxel coordinates, where it stays from then on.
+    /// Its centre in voxel coordinates, which it keeps from then on.
     Place(Vec3),
     Colour(Rgb),
     NextPress(Option<NextPress>),
     /// A share of the range of colours.
     FloodTolerance(f32),
     Wand(Wand),
-    /// The picture that a solid or the brush in hand paints with instead of the colour.
+    /// The picture with which a solid or the brush in hand paints instead of the colour.
     Picture(Option<PathBuf>),
     ThroughStencil(bool),
     Snap(bool),
@@ -142,13 +141,13 @@ pub enum ToolEdit {
     SizeUnit(SizeUnit),
     Brush(BrushOptions),
     Draw(DrawOptions),
-    /// The lead of a pen over the brush in hand.
+    /// The effect of a pen on the brush in hand.
     Pen(PenUse),
     Array(ArrayOptions),
 }
 
 impl ToolState {
-    /// Returns a ball that cuts, in the middle of a grid of `dims` voxels.
+    /// Returns a cutting ball in the middle of a grid of `dims` voxels.
     pub fn new(dims: UVec3) -> ToolState {
         let mut tool = ToolState {
             kind: ToolKind::Solid,
@@ -182,7 +181,7 @@ impl ToolState {
         tool
     }
 
-    /// Makes a change that a panel asks for.
+    /// Applies a change requested by a panel.
     pub fn edit(&mut self, edit: ToolEdit) {
         match edit {
             ToolEdit::Half { axis, half } => self.set_half(axis, half),
@@ -219,7 +218,7 @@ impl ToolState {
         }
     }
 
-    /// Back to the middle, upright, at a size that suits a grid of `dims` voxels.
+    /// Moves the tool back to the middle, upright, at a size that suits a grid of `dims` voxels.
     pub fn reset_pose(&mut self, dims: UVec3) {
         self.centre_vx = dims.as_vec3() * 0.5;
         self.half = Vec3::splat((dims.min_element() as f32 * FIRST_HALF).max(*HALF_RANGE.start()));
@@ -231,7 +230,7 @@ impl ToolState {
         self.half
     }
 
-    /// Sets one half extent; with `uniform` the others follow in proportion.
+    /// Sets one half extent; with `uniform`, the others follow in proportion.
     pub fn set_half(&mut self, axis: usize, half: f32) {
         let half = half.clamp(*HALF_RANGE.start(), *HALF_RANGE.end());
         if self.uniform {
@@ -241,7 +240,7 @@ impl ToolState {
         }
     }
 
-    /// Scales all half extents, as far as the range allows.
+    /// Scales all half extents within the valid range.
     pub fn scale_by(&mut self, factor: f32) {
         let least = HALF_RANGE.start() / self.half.min_element();
         let most = HALF_RANGE.end() / self.half.max_element();
@@ -250,7 +249,7 @@ impl ToolState {
         }
     }
 
-    /// Makes all half extents equal to their mean.
+    /// Sets all half extents to their mean.
     pub fn even_out(&mut self) {
         self.half = Vec3::splat(self.half.element_sum() / 3.0);
     }
@@ -281,20 +280,20 @@ impl ToolState {
         self.turn_deg = Vec3::new(x, y, z) * (180.0 / std::f32::consts::PI);
     }
 
-    /// Puts the tool somewhere, at a voxel's centre if it snaps.
+    /// Moves the tool, to a voxel's centre if it snaps.
     pub fn move_to(&mut self, centre_vx: Vec3) {
         if centre_vx.is_finite() {
             self.centre_vx = self.snapped(centre_vx);
         }
     }
 
-    /// Returns a place, or the middle of the voxel there.
+    /// Returns a point, or the middle of the voxel there if the tool snaps.
     pub(super) fn snapped(&self, centre_vx: Vec3) -> Vec3 {
         if self.snap { centre_vx.floor() + 0.5 } else { centre_vx }
     }
 
-    /// Puts the tool where the pointer meets the surface, whose face looks along `normal` (a unit
-    /// vector in the coordinates of voxels of `voxel_size`), as far as it stands and leans.
+    /// Puts the tool at the surface under the pointer, with the normal `normal` (a unit vector in the coordinates of
+    /// voxels of `voxel_size`), respecting `stand` and `lean`.
     pub fn place_on(&mut self, point: Vec3, normal: Vec3, voxel_size: Vec3) {
         if self.lean && normal.is_normalized() {
             self.rotation = Quat::from_rotation_arc(Vec3::Y, normal);
@@ -304,14 +303,14 @@ impl ToolState {
             if self.stand { normal * self.extent_along(normal, voxel_size) } else { Vec3::ZERO };
         let wanted = point + lift;
         self.move_to(wanted);
-        // The nearest voxel's centre may lie deeper, but never in the surface.
+        // The nearest voxel's centre may be deeper, but not below the surface.
         if self.stand && self.snap && (self.centre_vx - wanted).dot(normal) < -1e-3 {
             let axis = normal.abs().max_position();
             self.centre_vx[axis] += normal[axis].signum();
         }
     }
 
-    /// Returns how far the tool reaches from its centre against `normal`, in voxels.
+    /// Returns the extent of the tool from its centre against `normal`, in voxels.
     fn extent_along(&self, normal: Vec3, voxel_size: Vec3) -> f32 {
         let tool_from_vx = DMat3::from_quat(self.rotation.as_dquat()).transpose();
         let direction = tool_from_vx * -normal.as_dvec3() * self.half.as_dvec3();
@@ -320,8 +319,7 @@ impl ToolState {
         extent * shortest / (normal * voxel_size).length().max(f32::MIN_POSITIVE)
     }
 
-    /// Makes the tool longer by `by` voxels towards a side along an axis of the grid; the other
-    /// side stays where it is.
+    /// Extends the tool by `by` voxels towards a side along a grid axis; the other side stays in place.
     pub fn stretch(&mut self, side: Vec3, by: f32) {
         let along = (self.rotation.inverse() * side).abs();
         let axis = (0..3).max_by(|a, b| along[*a].total_cmp(&along[*b])).unwrap_or(0);
@@ -344,7 +342,7 @@ impl ToolState {
         self.brush().map(|brush| self.brushes.of(brush))
     }
 
-    /// Returns the brush in hand, if it works under an outline in the picture.
+    /// Returns the brush in hand, if it works under a picture outline.
     pub fn picture_brush(&self) -> Option<BrushId> {
         self.brush().filter(|brush| brush.spec().is_in_picture())
     }
@@ -354,19 +352,19 @@ impl ToolState {
         self.brush().filter(|brush| !brush.spec().is_in_picture())
     }
 
-    /// Notes that the colour has been used.
+    /// Records a use of the colour.
     pub fn used_colour(&mut self) {
         self.recent.retain(|colour| *colour != self.colour);
         self.recent.insert(0, self.colour);
         self.recent.truncate(RECENT);
     }
 
-    /// Colours that were used, the latest first.
+    /// Returns the colours used, latest first.
     pub fn recent(&self) -> &[Rgb] {
         &self.recent
     }
 
-    /// Colours of an earlier time, the latest first.
+    /// Restores recent colours, latest first.
     pub fn set_recent(&mut self, colours: impl Iterator<Item = Rgb>) {
         self.recent = colours.take(RECENT).collect();
     }
@@ -380,7 +378,7 @@ impl ToolState {
         }
     }
 
-    /// Returns the image that the tool in hand paints with.
+    /// Returns the image with which the tool in hand paints.
     pub fn picture_in_use(&self) -> Option<&PathBuf> {
         match self.kind {
             ToolKind::Brush(brush) => {
@@ -390,7 +388,7 @@ impl ToolState {
         }
     }
 
-    /// Returns the use of a brush under a footprint. `uses`: of the stroke before it.
+    /// Returns the use of a brush under a footprint. `uses`: number of earlier uses in the stroke.
     pub fn brush_under(
         &self,
         options: &BrushOptions,
@@ -405,7 +403,7 @@ impl ToolState {
         (spec.dab)(&Dab { options, place }).map(Command::Brush)
     }
 
-    /// Returns the tool in hand, if a pen can lead something of it.
+    /// Returns the tool in hand, if a pen has an effect on it.
     pub fn pen_tool(&self) -> Option<PenTool> {
         match self.kind {
             ToolKind::Solid => Some(PenTool::Solid),
@@ -414,7 +412,7 @@ impl ToolState {
         }
     }
 
-    /// Returns the ball of a brush that deforms clay, where the tool is.
+    /// Returns the ball of a deforming brush at the tool.
     pub fn ball(&self, brush: BrushId) -> Primitive {
         Primitive {
             solid: Solid::Ellipsoid,

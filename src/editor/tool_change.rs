@@ -10,12 +10,12 @@ use crate::sculpture::edit::EditOp;
 use crate::tools::drawn::DrawnSolid;
 use crate::tools::solid::Primitive;
 
-/// The effect of a mode on the voxels that a solid covers.
+/// The effect of a mode on the voxels of a solid.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum ToolChange {
-    /// They are added, cut or painted.
+    /// Adds, cuts or paints them.
     Voxels(EditOp),
-    /// They are protected, or released.
+    /// Protects or releases them.
     Mask { adds: bool },
 }
 
@@ -26,8 +26,7 @@ impl From<EditOp> for ToolChange {
 }
 
 impl ToolChange {
-    /// Returns a command about the voxels of a solid, or of what it sweeps on the straight way of its centre to
-    /// `to_vx`.
+    /// Returns a command about the voxels of a solid, or of its straight sweep to the centre `to_vx`.
     pub fn by_solid(self, primitive: Primitive, to_vx: Option<Vec3>) -> Command {
         match self {
             ToolChange::Voxels(op) => Command::Construct { op, primitive, to_vx },
@@ -35,7 +34,7 @@ impl ToolChange {
         }
     }
 
-    /// Returns a command about the voxels of a solid that is drawn.
+    /// Returns a command about the voxels of a drawn solid.
     pub fn by_drawn_solid(self, form: DrawnSolid) -> Command {
         match self {
             ToolChange::Voxels(op) => Command::DrawnSolid { op, form },
@@ -45,8 +44,8 @@ impl ToolChange {
 }
 
 impl ToolState {
-    /// Chooses the mode of solids. A solid that rests on the surface cuts nothing. A tool that begins to cut therefore
-    /// rests only if that is asked for while it cuts; afterwards it rests as before.
+    /// Sets the mode of solids. A solid that rests on the surface cuts nothing. A tool that begins to cut therefore
+    /// rests only if that is chosen while it cuts; afterwards it rests as before.
     pub fn set_mode(&mut self, mode: ToolMode) {
         match (self.mode == ToolMode::Subtract, mode == ToolMode::Subtract) {
             (false, true) => self.rested = std::mem::take(&mut self.stand),
@@ -67,7 +66,7 @@ impl ToolState {
         }
     }
 
-    /// Returns the command of a solid along one segment of its path. An image is stamped where the segment ends.
+    /// Returns the command of a solid along a segment of its path. An image is stamped at the segment's end.
     pub fn command(&self, mode: ToolMode, segment: &SweepSegment) -> Command {
         let at =
             |centre_vx| Primitive { centre_vx, rotation: segment.rotation, ..self.primitive() };

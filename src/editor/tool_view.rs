@@ -1,5 +1,4 @@
-//! The part of the editor that a tool sees, and changes nothing of: the document, the tool in hand, and where that stands
-//! on the surface.
+//! The read-only part of the editor that a tool sees: the document, the tool in hand, and its anchor on the surface.
 
 use glam::{Vec2, Vec3};
 
@@ -28,8 +27,8 @@ impl<'a> ToolView<'a> {
         size / size.min_element()
     }
 
-    /// Returns the point of the grid under a pixel: on the surface that is seen, or while the grid is empty in the
-    /// plane of the view in which the tool was used last.
+    /// Returns the grid point under a pixel: on the visible surface, or, while the grid is empty, in the view plane
+    /// through the last use of the tool.
     pub fn target(&self, at: Vec2, picker: &Picker) -> Option<Vec3> {
         self.anchor.target(self.grid(), at, picker)
     }

@@ -1,17 +1,17 @@
-//! The wand: the voxels that hang together with a voxel of the surface are protected, or released.
+//! The wand protects or releases the voxels connected to a surface voxel.
 
 use glam::UVec3;
 
 use crate::command::{Command, MaskArea, MaskChange, PatchRule};
 
-/// The rule by which voxels hang together with a voxel for the wand.
+/// The rule of the wand by which voxels are connected.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum WandRule {
-    /// Voxels of the surface of nearly the same colour.
+    /// Surface voxels of nearly the same colour.
     Colour,
-    /// Voxels of the surface that face nearly the same way.
+    /// Surface voxels with nearly the same normal.
     Flat,
-    /// All voxels that are joined to it.
+    /// All voxels joined to it.
     Piece,
 }
 
@@ -19,11 +19,11 @@ pub enum WandRule {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Wand {
     pub rule: WandRule,
-    /// How far normals may turn, in degrees.
+    /// Largest difference of normals, in degrees.
     pub angle_deg: f32,
-    /// How far from the surface voxels are protected with it.
+    /// Depth below the surface of the voxels protected with it.
     pub depth_vx: u32,
-    /// It protects, or releases.
+    /// Protects; otherwise releases.
     pub adds: bool,
 }
 
@@ -34,8 +34,8 @@ impl Default for Wand {
 }
 
 impl Wand {
-    /// Returns the command that protects what hangs together with a voxel of the surface, or releases it. `tolerance`:
-    /// how far colours may differ, as a share of the range.
+    /// Returns the command that protects or releases the voxels connected to a surface voxel. `tolerance`: largest
+    /// difference of colours, as a share of the range.
     pub(super) fn command(&self, at: UVec3, tolerance: f32) -> Command {
         let Wand { rule, angle_deg, depth_vx, adds } = *self;
         let what = match rule {

@@ -1,5 +1,5 @@
-//! The interface as it hangs on a hand in a headset: toolbox, options, history and everything that
-//! opens over them, without a picture of the sculpture, which is in the room.
+//! The interface on a hand in a headset: toolbox, options, history and everything that opens over them. It has no
+//! picture of the sculpture, which is in the room.
 
 use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui};
 
@@ -16,7 +16,7 @@ const HISTORY_WIDTH: f32 = 290.0;
 /// Height of the list of steps, in points; below it stand the hands' hints.
 const HISTORY_HEIGHT: f32 = 250.0;
 
-/// The controls of the hands, for those who open the board for the first time.
+/// The controls of the hands, for the first time that the board is opened.
 const HINTS: [(&str, &str); 8] = [
     ("Trigger", "use the tool; click here"),
     ("Grip", "grab, move and rotate the sculpture"),
@@ -28,7 +28,7 @@ const HINTS: [(&str, &str); 8] = [
     ("Hold menu", "bring the sculpture in front of you"),
 ];
 
-/// Shows everything in `root` and adds to `requests` what was asked for.
+/// Shows everything in `root` and adds the person's requests to `requests`.
 pub fn show(
     root: &mut Ui,
     state: &mut UiState,
@@ -92,6 +92,6 @@ pub fn show(
     });
     state.show_dialogs(root, context, requests);
     state.toasts.show(root, middle.response.rect);
-    // The texture of a preview belongs to one interface: that of the window.
+    // The texture of a preview belongs to one interface, that of the window.
     busy::show(root, state.dialogs.busy.as_ref(), None, requests);
 }

@@ -15,10 +15,10 @@ use crate::viewpoint::ar::ArStatus;
 use crate::viewpoint::camera::VideoStatus;
 use crate::viewpoint::head::HeadStatus;
 
-/// How long the last picture took, in milliseconds.
+/// The time that the last picture took, in milliseconds.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct FrameTimes {
-    /// Finding the voxel of every pixel, with upload and read-back.
+    /// To find the voxel of every pixel, with upload and read-back.
     pub sample_ms: f32,
     pub shade_ms: f32,
     /// Everything, interface included.
@@ -29,42 +29,41 @@ pub struct FrameTimes {
 pub struct UiContext<'a> {
     pub document: &'a Document,
     pub path: Option<&'a Path>,
-    /// The script that is recorded, if one is.
+    /// The script being recorded, if there is one.
     pub recording: Option<&'a Path>,
     /// Size of the picture of the view, in pixels.
     pub picture_px: glam::UVec2,
-    /// The axis that was taken for the one that points up in a file that does not say so; none once
-    /// the sculpture has been changed.
+    /// The up axis assumed for a file that does not state one; `None` once the sculpture has been changed.
     pub assumed_up: Option<Up>,
-    /// Something would be lost by leaving now.
+    /// Leaving now would lose something.
     pub modified: bool,
-    /// Why the journal does not keep what is done, while it does not.
+    /// The reason why the journal does not keep the work, while it does not.
     pub unsafe_because: Option<String>,
     pub tool: &'a ToolState,
-    /// How far what is drawn by several presses is, if there is any.
+    /// Progress of a drawing that takes several presses, if there is one.
     pub drawn: Option<Progress>,
     /// The tables of bindings to choose from.
     pub presets: &'a [Bindings],
-    /// The same as the program brings them along.
+    /// The same tables as shipped with the program.
     pub pristine: &'a [Bindings],
     /// Index of the table in use.
     pub preset: usize,
     pub times: FrameTimes,
-    /// These are the panels on a hand in a headset, where nobody reaches keyboard and mouse.
+    /// The panels are on a hand in a headset, out of reach of keyboard and mouse.
     pub in_headset: bool,
-    /// How a headset's pictures can go together with the surroundings; none without a headset.
+    /// The ways in which a headset can blend pictures with the surroundings; empty without a headset.
     pub blends: &'a [Blend],
-    /// Whether the window can have a layer an eye.
+    /// Whether the window can have one layer per eye.
     pub quad_buffered: bool,
     /// Name of the Vulkan device.
     pub device: &'a str,
-    /// Between two lines of the floor grid and of the ground.
+    /// Distance between two lines of the floor grid and of the ground.
     pub line_spacing_vx: u32,
-    /// Where the axes of the grid point in the picture: x right, y up, z to the viewer.
+    /// Directions of the grid's axes in the picture: x right, y up, z to the viewer.
     pub axes_in_picture: [glam::Vec3; 3],
-    /// The voxel that the pointer points at.
+    /// The voxel under the pointer.
     pub pointed_vx: Option<glam::UVec3>,
-    /// The gamepad that leads, if there is one.
+    /// The active gamepad, if there is one.
     pub pad: Option<PadStatus<'a>>,
     pub head: HeadStatus,
     pub ar: ArStatus,
@@ -77,7 +76,7 @@ impl UiContext<'_> {
         self.presets.get(self.preset)
     }
 
-    /// Returns the first key or button for an action, as a person reads it; none in a headset.
+    /// Returns the first key or button for an action as text; `None` in a headset.
     pub fn shortcut(&self, action: Action) -> Option<String> {
         self.bindings().filter(|_| !self.in_headset).and_then(|b| b.shortcut(action))
     }

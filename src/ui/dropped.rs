@@ -1,8 +1,8 @@
-//! Files that are dragged onto the window: a sculpture, volume or model is opened, an image becomes a
-//! reference picture. While one is over the window, a sign says what dropping it would do.
+//! Files dragged onto the window: a sculpture, volume or model is opened, an image becomes a reference picture. While a
+//! file is over the window, a sign shows the effect of dropping it.
 //!
-//! Takes what the window system says of the drag, and which dialog is open; gives requests. Reads no file: its
-//! contents are judged when it is opened.
+//! Takes the drag events of the window system and the open dialog; gives requests. Reads no file: its contents are
+//! judged when it is opened.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::ui::request::UiRequest;
 use crate::ui::state::UiState;
 use crate::ui::widgets::theme;
 
-/// Endings of images that can be reference pictures.
+/// Extensions of images that can be reference pictures.
 const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
 /// The use of dropped files.
@@ -60,7 +60,7 @@ pub fn show(root: &Ui, state: &mut UiState, within: Rect, requests: &mut Vec<UiR
     }
 }
 
-/// Each path once: X11 may name a file again whenever the pointer moves.
+/// Returns each path once: X11 may name a file again whenever the pointer moves.
 fn once(paths: impl Iterator<Item = PathBuf>) -> Vec<PathBuf> {
     let mut seen = Vec::new();
     for path in paths {

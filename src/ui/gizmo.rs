@@ -1,5 +1,5 @@
-//! The axis gizmo: the axes of the grid in a corner of the picture, as they lie there. A click on an
-//! end looks at the sculpture from that side, a drag rotates it.
+//! The axis gizmo: the axes of the grid in a corner of the picture, in their present orientation. A click on an end
+//! views the sculpture from that side, a drag rotates it.
 
 use egui::{Align2, Area, Color32, FontId, Id, Order, Pos2, Rect, Response, Sense, Stroke, Ui};
 use egui::{WidgetInfo, WidgetType, vec2};
@@ -14,13 +14,13 @@ use crate::ui::widgets::theme;
 use crate::ui::window_options::Theme;
 use crate::viewpoint::turntable::side_facing;
 
-/// From the middle to the ends of the axes, in points.
+/// Distance from the centre to the ends of the axes, in points.
 const RADIUS: f32 = 32.0;
 /// The radius of the discs at the ends.
 const KNOB_RADIUS: f32 = 8.0;
-/// Half of the side of what is clicked around them.
+/// Half the side of the click area around them.
 const HIT_RADIUS: f32 = theme::LEAST_TARGET / 2.0;
-/// From the corner of the picture.
+/// Distance from the corner of the picture.
 const MARGIN: f32 = 6.0;
 /// The smallest picture that has room for it.
 const LEAST_PICTURE: f32 = 240.0;
@@ -31,7 +31,7 @@ struct Knob {
     axis: usize,
     /// A unit vector along the axis in the grid.
     towards: Vec3,
-    /// Where it points in the picture: x right, y up, z to the viewer.
+    /// Its direction in the picture: x right, y up, z to the viewer.
     seen: Vec3,
 }
 
@@ -61,7 +61,7 @@ pub fn show(
             }
             turn(&disc, requests);
             let mut knobs = knobs(&context.axes_in_picture);
-            // Those in front are drawn last, and take a click before others.
+            // Ends in front are drawn last, and receive a click first.
             knobs.sort_by(|a, b| a.seen.z.total_cmp(&b.seen.z));
             for knob in &knobs {
                 knob.show(ui, rect.center(), state, context, requests);
@@ -82,7 +82,7 @@ fn knobs(axes_in_picture: &[Vec3; 3]) -> Vec<Knob> {
         .collect()
 }
 
-/// Asks for the rotation of a drag over the gizmo: the point under the pointer follows it, as on a ball.
+/// Requests the rotation of a drag over the gizmo: the point under the pointer follows it, as on a ball.
 fn turn(response: &Response, requests: &mut Vec<UiRequest>) {
     let by = response.drag_delta() / RADIUS;
     if response.dragged() && by != egui::Vec2::ZERO {
@@ -114,7 +114,7 @@ impl Knob {
         }
     }
 
-    /// Positive ends have a line and a letter; an end that points away from the viewer is fainter.
+    /// Draws an end. Positive ends have a line and a letter; an end that points away from the viewer is fainter.
     fn paint(&self, ui: &Ui, middle: Pos2, at: Pos2, theme: Theme, hovered: bool) {
         let colour = colour(self.axis, theme);
         let strength = 0.7 + 0.3 * self.seen.z;
@@ -140,7 +140,7 @@ impl Knob {
     }
 }
 
-/// Red, green and blue, as everywhere.
+/// Returns red, green or blue, as is usual.
 fn colour(axis: usize, theme: Theme) -> Color32 {
     let [dark, light] = [
         [(0xf0, 0x6a, 0x62), (0x86, 0xcf, 0x5a), (0x6a, 0xa4, 0xf4)],

@@ -1,5 +1,4 @@
-//! The list of steps, with the present between the steps that can be undone and those that can be
-//! redone. A click travels there.
+//! The list of steps, with the present between the steps to undo and those to redo. A click goes there.
 
 use egui::{Button, RichText, ScrollArea, Ui};
 
@@ -8,7 +7,7 @@ use crate::ui::context::UiContext;
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::names::capital;
 
-/// `height`: of the list at most, in points.
+/// Shows the list. `height`: its largest height, in points.
 pub fn show(ui: &mut Ui, context: &UiContext, height: f32, requests: &mut Vec<UiRequest>) {
     let history = context.document.history();
     let undos = history.undo_count();
@@ -48,7 +47,7 @@ fn row(ui: &mut Ui, button: Button) -> bool {
     ui.add(button.min_size(size).truncate()).clicked()
 }
 
-/// Returns a label, which is of the words of scripts, in those of the toolbox.
+/// Returns a label in the words of the toolbox instead of those of scripts.
 pub fn words(label: &str) -> String {
     match label.split_once(' ').unwrap_or((label, "")) {
         ("subtract", what) => format!("Cut {what}"),

@@ -1,4 +1,4 @@
-//! The choices about how the interface looks and where its panels and windows are.
+//! The appearance of the interface, and the positions of its panels and windows.
 //!
 //! Panels change them; knows no panel.
 
@@ -26,13 +26,13 @@ impl Scale {
         self.now
     }
 
-    /// Larger by tenths, as far as the settings allow.
+    /// Changes the size by tenths, within the valid range.
     pub fn change_by(&mut self, tenths: f32) {
         let to = (self.now * 10.0 + tenths).round() / 10.0;
         self.now = to.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
     }
 
-    /// To a factor, as far as the settings allow.
+    /// Sets a factor, within the valid range.
     pub fn set(&mut self, factor: f32) {
         self.now = factor.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
     }
@@ -42,43 +42,42 @@ impl Scale {
     }
 }
 
-/// Where the window of a panel is, in pixels of the screen.
+/// Position and size of a panel's window, in pixels of the screen.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct PanelPlace {
-    /// Not known everywhere.
+    /// Not known on every system.
     #[serde(default)]
     pub corner_px: Option<[i32; 2]>,
     pub size_px: [u32; 2],
 }
 
-/// How large the windows were last, and where those of panels.
+/// The last sizes of the windows, with the positions of those of panels.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Windows {
-    /// Width and height of the main window in points, while it does not fill the screen; none
-    /// before it was open.
+    /// Width and height of the main window in points, unless it fills the screen; `None` before it was open.
     pub main: Option<[u32; 2]>,
     pub maximised: bool,
     pub panels: BTreeMap<Panel, PanelPlace>,
 }
 
-/// How the interface looks.
+/// The appearance of the interface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Appearance {
     pub theme: Theme,
     pub scale: Scale,
 }
 
-/// Where panels and windows are.
+/// The positions of panels and windows.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct PanelLayout {
-    /// The panels that are windows of their own.
+    /// The panels in windows of their own.
     pub detached: BTreeSet<Panel>,
     pub windows: Windows,
-    /// Nothing but the picture is shown in the main window. Not remembered.
+    /// The main window shows nothing but the picture. Not remembered.
     pub hidden: bool,
-    /// The sections of the options and of the toolbox that were opened or closed, by their titles.
+    /// The sections of the options and of the toolbox that a person has opened or closed, by title.
     pub sections: BTreeMap<String, bool>,
-    /// The option that is to be shown. Not remembered.
+    /// The option to show. Not remembered.
     pub led_to: Option<Spot>,
 }
 
@@ -90,7 +89,7 @@ impl PanelLayout {
         }
     }
 
-    /// Opens the section with an option, and lets the option blink once it is shown.
+    /// Opens the section with an option, and lets the option blink once it is visible.
     pub fn lead_to(&mut self, spot: Spot) {
         self.hidden = false;
         if let Some(section) = spot.section() {

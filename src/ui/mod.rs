@@ -1,7 +1,7 @@
 //! The interface: panels, windows and messages over the sculpture, in egui.
 //!
-//! Reads the program through [`UiContext`], changes its own choices in [`UiState`] alone, and says
-//! what else the person wants as [`UiRequest`]s. It changes no sculpture and knows no Vulkan.
+//! Reads the program through [`UiContext`], changes only its own choices in [`UiState`], and expresses everything else
+//! as [`UiRequest`]s. It changes no sculpture and knows no Vulkan.
 
 pub mod board;
 mod context;

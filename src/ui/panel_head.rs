@@ -13,7 +13,7 @@ use crate::input::{Action, Panel};
 
 const BUTTON: f32 = theme::LEAST_TARGET;
 
-/// The line at the top of a panel, with the button that detaches or docks it.
+/// Shows the line at the top of a panel, with the button that detaches or docks it.
 pub fn head(
     ui: &mut Ui,
     panel: Panel,
@@ -31,7 +31,7 @@ pub fn head(
     detach_button(ui, place, panel, layout, context, requests);
 }
 
-/// Returns the button that detaches or docks a panel, at `place`.
+/// Shows the button that detaches or docks a panel, at `place`.
 pub fn detach_button(
     ui: &mut Ui,
     place: Rect,

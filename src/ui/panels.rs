@@ -1,7 +1,7 @@
-//! Owns how a panel fills a window of its own, and shows the button that brings them back while all panels are hidden.
+//! Fills the windows of detached panels, and shows the button that brings panels back while all are hidden.
 //!
-//! Knows no window: the owner of the windows makes one for each panel in [`crate::ui::layout::PanelLayout::detached`] and
-//! has it filled by [`show`].
+//! Knows no window: the owner of the windows makes one for each panel in [`crate::ui::layout::PanelLayout::detached`]
+//! and has it filled by [`show`].
 
 use egui::{Area, CentralPanel, Frame, Id, Margin, Order, Rect, ScrollArea};
 use egui::{Ui, vec2};
@@ -14,11 +14,11 @@ use crate::ui::widgets::buttons::action_button;
 use crate::ui::widgets::{numbers, theme};
 use crate::ui::{history, options, panel_head, toolbox};
 
-/// Height of the strip along the top of the picture in which the pointer brings up the button.
+/// Height of the strip along the top of the picture in which the pointer reveals the button.
 const STRIP_HEIGHT: f32 = 64.0;
 
-/// A button in the upper left corner of `within` that shows the hidden panels again, for those who
-/// have no keys. It is there while the pointer is near the top, so that it is in no picture.
+/// Shows a button in the upper left corner of `within` that brings hidden panels back, for people without a keyboard.
+/// It appears only while the pointer is near the top, so that pictures stay free of it.
 pub fn show_panels_button(
     root: &Ui,
     context: &UiContext,
@@ -52,7 +52,7 @@ pub fn show(
     if !state.dialogs.files.is_open() {
         numbers::hear(root.ctx());
     }
-    // A modal dialog over the sculpture has the person's attention.
+    // A modal dialog over the sculpture has priority.
     let enabled = !state.dialogs.is_modal();
     let frame = Frame::central_panel(root.style()).inner_margin(Margin::same(8));
     CentralPanel::default().frame(frame).show(root, |ui| {

@@ -1,18 +1,18 @@
-//! Pens as the interface knows them: which there are, how a press counts, and how one touches now.
+//! Pens as the interface knows them: the devices, the pressure curve, and the present touch.
 //!
-//! The window fills in what the window system says; the options of pens show it. Knows neither.
+//! The window fills in the reports of the window system; the options of pens show them. Knows neither.
 
 use crate::input::pen::{PenCurve, PenTouch};
 
 /// Pens, as the interface shows them.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct PenState {
-    /// The tablets and pens that the window system has named.
+    /// The tablets and pens named by the window system.
     pub devices: Vec<String>,
-    /// How a press counts, and what the settings say of it.
+    /// The pressure curve, and its value in the settings.
     pub curve: PenCurve,
     pub usual: PenCurve,
-    /// How the pen touches now.
+    /// The present touch of the pen.
     pub touch: Option<PenTouch>,
     /// A pen has been used since the start.
     pub is_used: bool,
@@ -23,7 +23,7 @@ impl PenState {
         PenState { curve: usual, usual, ..PenState::default() }
     }
 
-    /// Returns whether there is a pen whose options are worth showing.
+    /// Returns whether there is a pen, so that its options are worth showing.
     pub fn is_there(&self) -> bool {
         self.is_used || !self.devices.is_empty()
     }

@@ -1,6 +1,6 @@
-//! The final pictures and films that a person can ask for: how large, how long, in which form of file.
+//! The final pictures and films that a person can request: size, length and form of the file.
 //!
-//! Dialogs compose such a wish; the program carries it out. Knows neither files nor how pictures are made.
+//! Dialogs compose such a request; the program executes it. Knows neither files nor how pictures are made.
 
 use glam::UVec2;
 
@@ -28,7 +28,7 @@ impl FilmForm {
     pub const ALL: [FilmForm; 4] =
         [FilmForm::AnimatedPng, FilmForm::Gif, FilmForm::Y4m, FilmForm::Folder];
 
-    /// Returns the ending of its name; empty for a folder.
+    /// Returns the extension of its name; empty for a folder.
     pub const fn ending(self) -> &'static str {
         match self {
             FilmForm::AnimatedPng => "apng",
@@ -57,23 +57,23 @@ impl FilmForm {
     }
 }
 
-/// A film that is asked for.
+/// A requested film.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FilmRequest {
     pub kind: FilmKind,
     pub frames: u32,
     /// Frames per second.
     pub fps: u16,
-    /// How far the sculpture turns.
+    /// The angle by which the sculpture turns.
     pub spin_deg: f32,
-    /// Pixels.
+    /// In pixels.
     pub size: UVec2,
-    /// The samples of each pixel, for smooth edges.
+    /// Samples per pixel, for smooth edges.
     pub samples: u32,
     pub form: FilmForm,
 }
 
-/// The file that a final picture becomes.
+/// The file of a final picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum FinalFile {
     #[default]
@@ -85,7 +85,7 @@ pub enum FinalFile {
 impl FinalFile {
     pub const ALL: [FinalFile; 3] = [FinalFile::Png, FinalFile::Jpeg, FinalFile::Exr];
 
-    /// Returns the ending of its name.
+    /// Returns the extension of its name.
     pub const fn ending(self) -> &'static str {
         match self {
             FinalFile::Png => "png",
@@ -111,15 +111,15 @@ impl FinalFile {
     }
 }
 
-/// A final picture that is asked for.
+/// A requested final picture.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FinalRequest {
-    /// Pixels.
+    /// In pixels.
     pub size: UVec2,
     pub trace: TraceOptions,
     pub denoise: bool,
     pub exposure_ev: f32,
     pub file: FinalFile,
-    /// On the graphics device, which shows voxels.
+    /// Renders on the graphics device, which shows voxels.
     pub on_gpu: bool,
 }

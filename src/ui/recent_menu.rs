@@ -1,6 +1,6 @@
-//! The menu of the files that were opened or saved last.
+//! The menu of the files opened or saved last.
 //!
-//! Opens a chosen file as it was opened before; a file that is gone leaves the list. Reads no file.
+//! Opens a chosen file as it was opened before; removes a missing file from the list. Reads no file.
 
 use egui::{RichText, Ui};
 
@@ -9,7 +9,7 @@ use crate::ui::memory::recent::{Recent, path_of};
 use crate::ui::request::UiRequest;
 use crate::ui::state::UiState;
 
-/// The entries of the menu. A file that is gone is said to be so and leaves the list.
+/// Shows the entries of the menu. Reports a missing file and removes it from the list.
 pub fn menu(ui: &mut Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     ui.menu_button("Open recent", |ui| {
         if state.known_files.recent.commands().is_empty() {

@@ -1,6 +1,6 @@
 //! Reference pictures: images in the scene to sculpt from, each on a side of the sculpture.
 //!
-//! Says where they are and how they are placed; `app` reads the files. Must not know the window that changes them.
+//! Defines their positions and placement; `app` reads the files. Must not know the window that changes them.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,15 +12,15 @@ use crate::render::ReferencePicture;
 use crate::shade::Pixels;
 use crate::viewpoint::turntable::side_frame;
 
-/// Cosine of the angle between the view and a side up to which one looks along it: 5 degrees.
+/// Cosine of the largest angle between the view and a side that counts as seen: 5 degrees.
 const ALONG: f32 = 0.9962;
-/// The gap from the grid to pictures behind and in front, in voxels.
+/// Gap between the grid and the pictures behind and in front of it, in voxels.
 const GAP_VX: f32 = 2.0;
 /// Valid heights of pictures, and offsets to either side, in voxels.
 pub const HEIGHT_RANGE_VX: std::ops::RangeInclusive<f32> = 1.0..=16384.0;
 pub const OFFSET_RANGE_VX: std::ops::RangeInclusive<f32> = -16384.0..=16384.0;
 
-/// Where a picture is along the view of its side.
+/// The depth of a picture along the view of its side.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Layer {
     #[default]
@@ -45,23 +45,23 @@ impl Layer {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Reference {
     pub path: PathBuf,
-    /// None while the file has not been read, or cannot be.
+    /// `None` while the file has not been read, or if it cannot be.
     pub pixels: Option<Arc<Pixels>>,
     pub shown: bool,
     /// The side from which it is seen.
     pub side: Side,
-    /// Only shown when the view looks along that side.
+    /// Shown only when the view is along that side.
     pub locked: bool,
     pub layer: Layer,
     /// 0 to 1.
     pub opacity: f32,
     pub height_vx: f32,
-    /// The offset of its middle from that of the grid, to the right and up.
+    /// Offset of its centre from that of the grid, to the right and up.
     pub offset_vx: Vec2,
 }
 
 impl Reference {
-    /// As high as the grid, seen from `side`.
+    /// Creates a picture as high as the grid, seen from `side`.
     pub fn new(
         path: PathBuf,
         pixels: Option<Arc<Pixels>>,
@@ -81,8 +81,8 @@ impl Reference {
         }
     }
 
-    /// Returns the picture as it is drawn for an eye that sees the axes of the grid in the directions
-    /// `axes_in_picture`; none before its file was read.
+    /// Returns the picture as drawn for an eye that sees the grid's axes in the directions `axes_in_picture`; `None`
+    /// before its file was read.
     pub fn placed(
         &self,
         dims: UVec3,
@@ -93,7 +93,7 @@ impl Reference {
         let pixels = self.pixels.clone()?;
         let frame = side_frame(self.side, up);
         let opacity = if self.is_seen(&frame, axes_in_picture) { self.opacity } else { 0.0 };
-        // Lengths are in the shortest edges of voxels, so that the picture keeps its proportions.
+        // Lengths are in the shortest edge of a voxel, which keeps the picture's proportions.
         let unit = voxel_size / voxel_size.min_element();
         let extent = dims.as_vec3() * unit;
         let height = self.height_vx;
@@ -131,7 +131,7 @@ fn looks_along(frame: &Mat3, axes_in_picture: &[Vec3; 3]) -> bool {
     seen.z > ALONG
 }
 
-/// Returns the side from which one looks, up to 5 degrees.
+/// Returns the side that the view is along, within 5 degrees.
 pub fn side_seen(up: Vec3, axes_in_picture: &[Vec3; 3]) -> Option<Side> {
     sides().find(|side| looks_along(&side_frame(*side, up), axes_in_picture))
 }
@@ -160,12 +160,12 @@ mod tests {
                 placed.grid_from_picture.transform_point3(Vec3::new(x, y, 0.0)).to_array()
             })
         };
-        // Seen from the front, x goes to the right, y up, and the viewer is at large z.
+        // From the front: x to the right, y up, and the viewer at large z.
         let front = placed(&reference(Side::Front, Layer::Behind));
         assert_eq!(front, [[0.0, 65.0, -2.0], [100.0, 65.0, -2.0], [0.0, 15.0, -2.0]]);
         let before = placed(&reference(Side::Front, Layer::Before));
         assert_eq!(before[0], [0.0, 65.0, 62.0]);
-        // From the right, z goes to the left.
+        // From the right: z to the left.
         let right = placed(&reference(Side::Right, Layer::Middle));
         assert_eq!(right, [[50.0, 65.0, 80.0], [50.0, 65.0, -20.0], [50.0, 15.0, 80.0]]);
         let moved =

@@ -1,7 +1,7 @@
-//! The requests that a person makes in panels and dialogs, for the program to carry out.
+//! The requests of panels and dialogs, which the program executes.
 //!
-//! Panels and dialogs give them instead of acting, for changes to values that another part owns (the document, the tool,
-//! the viewpoint, the controls). Knows no panel and no dialog.
+//! Panels and dialogs return them for changes to values that another part owns (the document, the tool, the viewpoint,
+//! the controls). Knows no panel and no dialog.
 
 use std::path::PathBuf;
 
@@ -20,9 +20,9 @@ use crate::viewpoint::head::CalibrationStep;
 /// A request that a person made in the interface.
 #[derive(Clone, PartialEq, Debug)]
 pub enum UiRequest {
-    /// The same as by key or mouse.
+    /// Execute an action, as a key or the mouse would.
     Do(Action),
-    /// A command whose arguments were chosen in a window.
+    /// Execute a command whose arguments were chosen in a window.
     Run(Command),
     /// Add a reference picture from a file.
     AddReference(PathBuf),
@@ -34,7 +34,7 @@ pub enum UiRequest {
     FinalPicture(Box<FinalRequest>),
     /// Make a film.
     Film(FilmRequest),
-    /// Read a file to ask how it is to be imported.
+    /// Read a file to ask about its import.
     Study(PathBuf, ImportOptions),
     /// Check whether the sculpture can be printed.
     PrintCheck(CheckOptions),
@@ -46,24 +46,24 @@ pub enum UiRequest {
     Keys(KeyChange),
     /// Use another table of keys, by its index.
     UsePreset(usize),
-    /// Do what would lose unsaved work, without asking again.
+    /// Do a step that would lose unsaved work, without asking again.
     Go(Next),
-    /// Save, under a name that is asked for if there is none, then do that.
+    /// Save (after asking for a name if there is none), then do that step.
     SaveFirst(Next),
-    /// Carry out a command that saves, then do that.
+    /// Execute a command that saves, then do that step.
     SaveThen(Command, Next),
-    /// Brings back what an earlier session has left in the journal of this number.
+    /// Restore the work that an earlier session left in the journal of this number.
     Recover(u64),
-    /// Removes that journal.
+    /// Remove that journal.
     DiscardLeft(u64),
-    /// List what earlier sessions have left, or say that there is nothing.
+    /// List the work of earlier sessions, or say that there is none.
     ListLeft,
-    /// Save to this file although another program has changed it, then do that.
+    /// Save to this file although another program has changed it, then do the next step.
     Overwrite(ChangedOnDisk),
     /// Do not save to the sculpture's file, which another program has open.
     KeepReadOnly,
-    /// Go on with a copy of the sculpture's file, without a name.
+    /// Continue with an unnamed copy of the sculpture's file.
     BecomeCopy,
-    /// Carry out a command although it cannot be undone.
+    /// Execute a command although it cannot be undone.
     Irreversibly(Command),
 }

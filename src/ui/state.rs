@@ -1,8 +1,7 @@
-//! The state of the interface: how the sculpture is shown, and which windows are open. None of it
-//! belongs to the sculpture.
+//! The state of the interface: the view of the sculpture, and the open windows. None of it belongs to the sculpture.
 //!
-//! Stands above the dialogs, whose states it owns, and below the panels, which change these values by themselves; the
-//! rest of the program reads them. Must not know any panel.
+//! It is above the dialogs, whose states it owns, and below the panels, which change these values directly; the rest of
+//! the program reads them. Must not know any panel.
 
 use egui::Ui;
 use glam::Vec3;
@@ -27,25 +26,25 @@ use crate::render::{LightOptions, RenderOptions, StereoOptions};
 use crate::screen::headset::{Blend, HeadsetOptions};
 use crate::video::VideoOptions;
 
-/// The facts known about files that were opened or saved.
+/// The facts known about files opened or saved.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct KnownFiles {
     /// The files opened or saved last.
     pub recent: Recent,
-    /// Which axis points up in files that do not say so.
+    /// The up axes of files that do not state them.
     pub upright: Upright,
 }
 
 /// The choices made for a headset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct HeadsetChoices {
-    /// The hand that has the tool.
+    /// The hand with the tool.
     pub hand_side: HandSide,
-    /// How the pictures are blended with the surroundings.
+    /// The blending of pictures with the surroundings.
     pub blend: Blend,
 }
 
-/// The interface's own state: all that panels change by themselves.
+/// The interface's own state: everything that panels change directly.
 pub struct UiState {
     pub view: ViewState,
     pub appearance: Appearance,
@@ -61,21 +60,21 @@ pub struct UiState {
     pub toasts: Toasts,
 }
 
-/// When the sculpture's file is saved by itself.
+/// The interval of automatic saves.
 #[derive(Clone, Copy, Debug)]
 pub struct AutosaveChoice {
-    /// After how many minutes with unsaved changes; 0: never.
+    /// Minutes with unsaved changes before a save; 0: never.
     pub minutes: u32,
     /// The value in the settings.
     pub usual_min: u32,
 }
 
-/// The options that the interface starts with.
+/// The initial options of the interface.
 #[derive(Clone, Debug)]
 pub struct UiOptions<'a> {
     pub window: &'a WindowOptions,
     pub view: &'a ViewOptions,
-    /// After how many minutes unsaved changes are saved; 0: never.
+    /// Minutes with unsaved changes before a save; 0: never.
     pub autosave_min: u32,
     /// The default of the dialog for a new sculpture.
     pub new: NewSculpture,
@@ -84,7 +83,7 @@ pub struct UiOptions<'a> {
     pub stereo: &'a StereoOptions,
     pub video: &'a VideoOptions,
     pub headset: &'a HeadsetOptions,
-    /// How the press of a pen counts.
+    /// The pressure curve of pens.
     pub pen: PenCurve,
 }
 
@@ -136,7 +135,7 @@ impl UiState {
         }
     }
 
-    /// Shows the dialogs and windows that are open.
+    /// Shows the open dialogs and windows.
     pub fn show_dialogs(&mut self, root: &Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         let mut shared = Shared {
             context,

@@ -1,5 +1,4 @@
-//! The line along the bottom: where the tool is, how large the sculpture is, how long a picture
-//! takes.
+//! The line along the bottom: the position of the tool, the size of the sculpture, the time of a picture.
 
 use egui::{Align, Frame, Layout, Margin, Panel, Ui};
 
@@ -42,7 +41,7 @@ pub fn show(root: &mut Ui, context: &UiContext) {
     });
 }
 
-/// Where the tool is; of a spray, what it points at; of a drawing that waits for the next press, how far it is.
+/// Shows the position of the tool; for a spray, the point under it; for a drawing that waits for a press, its progress.
 fn place(ui: &mut Ui, context: &UiContext) {
     if let Some(drawn) = context.drawn {
         ui.strong(draw_progress::line(drawn, context));
@@ -69,7 +68,7 @@ fn place(ui: &mut Ui, context: &UiContext) {
     ui.monospace(shown).on_hover_text(tip);
 }
 
-/// A sign while tools cannot go everywhere.
+/// Shows a sign while tools are limited to the selection.
 fn limit(ui: &mut Ui, context: &UiContext) {
     if context.document.selection().limit().is_some() {
         ui.separator();

@@ -1,5 +1,5 @@
-//! The switches of the picture: stereo, video, lights, and rumble while a gamepad is there. Beside
-//! the render mode where the bar along the top is wide enough for them, else in the menu.
+//! The switches of the picture: stereo, video, lights, and rumble while a gamepad is connected. They are beside the
+//! render mode if the bar along the top is wide enough, else in the menu.
 
 use egui::{Button, Ui};
 
@@ -17,7 +17,7 @@ const RUMBLE_WIDTH: f32 = 66.0;
 const LIGHTS_WIDTH: f32 = 66.0;
 const HELP_AND_MENU: f32 = 104.0;
 
-/// Returns whether the rest of the bar has room for them.
+/// Returns whether the bar has room for them.
 pub fn fit(ui: &Ui, context: &UiContext) -> bool {
     if context.in_headset {
         return ui.available_width() >= LIGHTS_WIDTH + HELP_AND_MENU;
@@ -26,7 +26,7 @@ pub fn fit(ui: &Ui, context: &UiContext) -> bool {
     ui.available_width() >= WIDTH + rumble + HELP_AND_MENU
 }
 
-/// A switch: its name, whether it is on, what it does.
+/// A switch: its name, its state, its action.
 type Switch = (&'static str, bool, Action);
 
 fn switches(state: &UiState, context: &UiContext) -> Vec<Switch> {

@@ -1,11 +1,12 @@
-//! The tasks that only the owner of the windows can do: fill the screen, take a picture of the view, read the clipboard.
+//! The tasks that only the owner of the windows can do: fill the screen, take a picture of the view, read the
+//! clipboard.
 //!
 //! Panels set them, and the window takes them. Knows neither.
 
-/// The tasks that the main window is still to do.
+/// The pending tasks of the main window.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct WindowTasks {
-    /// The window is to fill its screen, or no longer.
+    /// The window should enter or leave fullscreen.
     pub switch_fullscreen: bool,
     /// The use of a picture of the view.
     pub screenshot: Option<ScreenshotTo>,
@@ -22,10 +23,10 @@ pub enum PasteAs {
     ToolPicture,
 }
 
-/// Where a picture of the view goes.
+/// The destination of a picture of the view.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ScreenshotTo {
-    /// A file with a name of its own.
+    /// A file with a new name.
     File,
     /// The clipboard of the system.
     Clipboard,

@@ -1,4 +1,5 @@
-//! The tools on the left, in two columns: solids and what they do, the marker, brushes. Each kind folds away under its title.
+//! The tools on the left, in two columns: solids and their modes, the marker, brushes. Each kind folds away under its
+//! title.
 
 use egui::{Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
 
@@ -20,7 +21,7 @@ const ICON: f32 = 24.0;
 const BARE_WIDTH: f32 = theme::LEAST_TARGET;
 /// Height of a title.
 const TITLE: f32 = theme::LEAST_TARGET;
-/// Least height of a toolbox of two columns in which all tools have room with their names.
+/// Least height of a toolbox of two columns that has room for all tools with their names.
 const ROOMY: f32 = 900.0;
 
 pub fn show(
@@ -45,7 +46,7 @@ pub fn show(
         });
 }
 
-/// The tools themselves.
+/// Shows the tools.
 pub fn content(
     ui: &mut Ui,
     state: &mut UiState,
@@ -55,7 +56,7 @@ pub fn content(
     ui.spacing_mut().item_spacing = vec2(2.0, 2.0);
     ui.spacing_mut().interact_size.y = TITLE;
     let tool = context.tool;
-    // Rather without names than out of sight.
+    // Drops names before tools go out of sight.
     let wide = theme::toolbox_columns(ui.available_width()) > 2;
     let look = if wide || ui.clip_rect().height() > ROOMY { Look::Full } else { Look::Bare };
     let solids = Solid::ALL.map(|solid| Entry {
@@ -98,7 +99,7 @@ pub fn content(
         chosen: tool.kind == ToolKind::Marker,
         action: Action::Marker,
     };
-    // The inverse of the mask's brush takes protection away.
+    // The inverse of the mask's brush removes protection.
     let selecting = [marker, brush(BrushId::Mask)];
     group(ui, state, "Selection", |ui| tools(ui, context, &selecting, Look::Full, requests));
     let brushes = of_group(BrushGroup::Surface);
@@ -114,7 +115,7 @@ struct Entry {
     action: Action,
 }
 
-/// How much of a tool its button shows.
+/// The parts of a tool shown on its button.
 #[derive(Clone, Copy, PartialEq)]
 enum Look {
     /// Its picture over its name.
@@ -123,12 +124,12 @@ enum Look {
     Bare,
 }
 
-/// Tools under a title that folds them away.
+/// Shows tools under a title that folds them away.
 fn group(ui: &mut Ui, state: &mut UiState, title: &str, content: impl FnOnce(&mut Ui)) {
     section::show(ui, RichText::new(title).small().weak(), true, state, |ui, _| content(ui));
 }
 
-/// Tools, as many in a row as there is room for.
+/// Shows tools, as many in a row as fit.
 fn tools(
     ui: &mut Ui,
     context: &UiContext,
@@ -151,7 +152,7 @@ fn tools(
     }
 }
 
-/// A button with a picture over its name.
+/// Shows a button with a picture over its name.
 fn tool(
     ui: &mut Ui,
     context: &UiContext,

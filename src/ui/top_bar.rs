@@ -1,5 +1,4 @@
-//! The bar along the top: files, history, the way of rendering, the switches of the picture, help
-//! and the menu.
+//! The bar along the top: files, history, the render mode, the switches of the picture, help and the menu.
 
 use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 
@@ -76,7 +75,7 @@ fn render_mode(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
     explain(response, context, Action::NextRenderMode);
 }
 
-/// `narrow`: the bar has no room for the switches.
+/// Shows the menu. `narrow`: the bar has no room for the switches.
 fn menu(
     ui: &mut Ui,
     narrow: bool,
@@ -152,12 +151,12 @@ fn menu(
     });
 }
 
-/// After how many minutes unsaved changes of a sculpture that has a file are saved.
+/// Chooses the minutes after which unsaved changes of a named sculpture are saved.
 fn save_automatically(ui: &mut Ui, minutes: &mut u32) {
     const CHOICES_MIN: [u32; 4] = [1, 5, 15, 60];
     let response = ui.menu_button("Save automatically", |ui| {
         ui.radio_value(minutes, 0, "Never");
-        // One of the settings, which allow others.
+        // One from the settings, which allow others.
         let other = (*minutes != 0 && !CHOICES_MIN.contains(minutes)).then_some(*minutes);
         for choice in CHOICES_MIN.into_iter().chain(other) {
             let label = match choice {
@@ -173,7 +172,7 @@ fn save_automatically(ui: &mut Ui, minutes: &mut u32) {
     );
 }
 
-/// Ways to lay the whole sculpture, for scans that lie on their face or back.
+/// Shows ways to reorient the whole sculpture, for scans that lie on their face or back.
 fn turn_upright(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     ui.menu_button("Turn upright", |ui| {
         for (up, _) in Up::NAMED.into_iter().filter(|(up, _)| *up != Up::Y) {
@@ -192,7 +191,7 @@ fn turn_upright(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>)
     });
 }
 
-/// Shows the items that make sense only before a screen: keys, windows and pictures of the view.
+/// Shows the items that only make sense at a screen: keys, windows and pictures of the view.
 fn at_the_desk(
     ui: &mut Ui,
     state: &mut UiState,

@@ -1,8 +1,8 @@
-//! The question which axis of a volume points up, asked after opening a file that does not say so.
-//! One click turns the sculpture; files of that format are read that way from then on.
+//! The question about the up axis of a volume, asked after opening a file that does not state it. One click turns the
+//! sculpture, and later files of that format are read the same way.
 //!
-//! Shows a small bar over the picture, or in a headset above the options, while the sculpture is as it
-//! was read. [`crate::ui::memory::upright`] remembers the answers. Reads no file.
+//! Shows a small bar over the picture, or in a headset above the options, while the sculpture is unchanged.
+//! [`crate::ui::memory::upright`] remembers the answers. Reads no file.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ use crate::ui::state::UiState;
 /// From the upper edge of the picture, in points.
 const MARGIN: f32 = 8.0;
 
-/// Shows the question in a bar at the upper edge of `within`, if it is to be asked.
+/// Shows the question in a bar at the upper edge of `within`, if it applies.
 pub fn show(
     root: &Ui,
     state: &mut UiState,
@@ -40,7 +40,7 @@ pub fn show(
     asked.take(answer.inner, state, requests);
 }
 
-/// Shows the question in a strip along the top of `root`, if it is to be asked.
+/// Shows the question in a strip along the top of `root`, if it applies.
 pub fn strip(
     root: &mut Ui,
     state: &mut UiState,
@@ -61,7 +61,7 @@ struct Asked<'a> {
     path: &'a Path,
     ending: String,
     assumed: Up,
-    /// The state of the sculpture that it is about.
+    /// The state of the sculpture in question.
     sculpture: State,
 }
 
@@ -73,8 +73,8 @@ enum Answer {
 }
 
 impl<'a> Asked<'a> {
-    /// None where the file says it itself, the sculpture has been changed, or nobody wants to be
-    /// asked.
+    /// Returns the question; `None` if the file states its axis, the sculpture has been changed, or the question was
+    /// dismissed.
     fn now(state: &UiState, context: &UiContext<'a>) -> Option<Asked<'a>> {
         let (assumed, path) = (context.assumed_up?, context.path?);
         let sculpture = context.document.state();

@@ -1,17 +1,17 @@
-//! Options of the view in the window that belong to no render mode.
+//! Options of the view in the window, independent of the render mode.
 
 use serde::Deserialize;
 
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ViewOptions {
-    /// Parallel lines stay parallel.
+    /// Uses parallel projection.
     pub orthographic: bool,
-    /// The axes of the grid in a corner of the picture.
+    /// Shows the axes of the grid in a corner of the picture.
     pub gizmo: bool,
-    /// Lines below the sculpture, a round number of voxels apart.
+    /// Shows lines below the sculpture, a round number of voxels apart.
     pub floor: bool,
-    /// A ground below the sculpture, with its shadow.
+    /// Shows a ground below the sculpture, with its shadow.
     pub ground: bool,
 }
 

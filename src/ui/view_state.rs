@@ -1,4 +1,4 @@
-//! The choices about how the sculpture is shown.
+//! The choices about the display of the sculpture.
 //!
 //! Panels change them; renderers read them. None of it belongs to the sculpture. Knows no panel.
 
@@ -8,7 +8,7 @@ use crate::render::{Finish, LightOptions, RenderMode, StereoOptions};
 use crate::shade::Lighting;
 use crate::video::VideoOptions;
 
-/// How the sculpture is shown.
+/// The display of the sculpture.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ViewState {
     pub mode: RenderMode,
@@ -16,17 +16,17 @@ pub struct ViewState {
     pub mode_is_automatic: bool,
     pub light: LightOptions,
     pub finish: Finish,
-    /// The surface between near voxels instead of their cubes, of sculptures that are to be shown so.
+    /// Shows a smooth surface instead of the cubes of near voxels, for sculptures that want it.
     pub smooth_surface: bool,
-    /// Smooth edges while nothing moves.
+    /// Antialiases while nothing moves.
     pub refine: bool,
-    /// Smooth edges in pictures that are not refined.
+    /// Antialiases pictures that are not refined.
     pub smooth_edges: bool,
-    /// The person has not chosen that.
+    /// The person has not chosen `smooth_edges`.
     pub smooth_edges_is_automatic: bool,
     pub stereo: StereoOptions,
     pub video: VideoOptions,
-    /// Parallel lines stay parallel; not before a tracked head or a printed marker.
+    /// Uses parallel projection, except with a tracked head or a printed marker.
     pub orthographic: bool,
     /// The axis gizmo.
     pub gizmo: bool,
@@ -34,7 +34,7 @@ pub struct ViewState {
     pub floor: bool,
     /// The ground with the sculpture's shadow; it has lines of its own.
     pub ground: bool,
-    /// The axis of the grid that is up when the view is reset.
+    /// The grid axis that points up after a reset of the view.
     pub up: Vec3,
     /// The edges of the grid.
     pub bounds: bool,
@@ -47,14 +47,14 @@ pub struct ViewState {
 }
 
 impl ViewState {
-    /// Takes the mode that the person wants.
+    /// Sets the mode chosen by the person.
     pub fn choose_mode(&mut self, mode: RenderMode) {
         self.mode = mode;
         self.mode_is_automatic = false;
     }
 
-    /// Takes the mode that suits a device to draw with, unless the person has chosen one, and likewise smooth edges. A
-    /// choice that suits a GPU stays: the window may draw without one while a headset has one.
+    /// Sets the mode that suits a device, and likewise smooth edges, unless the person has chosen them. A choice that
+    /// suits a GPU stays: the window may render without one while a headset has one.
     pub fn suit_device(&mut self, software: bool) {
         if self.mode_is_automatic && !software {
             self.choose_mode(RenderMode::usual(software));
@@ -71,7 +71,7 @@ impl ViewState {
         }
     }
 
-    /// Returns the lighting as the shaders take it.
+    /// Returns the lighting for the shaders.
     pub fn lighting(&self) -> Lighting {
         self.finish.of(self.light.lighting())
     }

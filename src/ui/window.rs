@@ -1,6 +1,6 @@
 //! The interface of the main window: the panels around the picture, and everything that lies over it.
 //!
-//! Stands on top of the interface: takes its state and the program as it reads it, and gives what was asked for.
+//! The top of the interface: takes its state and the program as it sees it, and gives the person's requests.
 
 use egui::{Align2, Area, CentralPanel, Frame, Id, Label, Order, Rect, Response, RichText, Sense};
 use egui::{Ui, vec2};
@@ -12,8 +12,8 @@ use super::state::UiState;
 use super::widgets::{numbers, theme};
 use super::{dropped, gizmo, options, panels, status, toolbox, top_bar, upright};
 
-/// Shows everything in `root` and adds to `requests` what was asked for. Gives the area that is
-/// left for the picture of the sculpture.
+/// Shows everything in `root` and adds the person's requests to `requests`. Returns the area left for the picture of
+/// the sculpture.
 pub fn show(
     root: &mut Ui,
     state: &mut UiState,
@@ -57,7 +57,7 @@ pub fn show(
     picture
 }
 
-/// Says in a corner of `within` how far apart the lines of ground or floor grid are.
+/// Shows in a corner of `within` the distance between the lines of ground or floor grid.
 fn line_scale(root: &Ui, what: &str, context: &UiContext, within: Rect) {
     let spacing = match context.line_spacing_vx {
         1 => "1 voxel".to_string(),

@@ -1,4 +1,4 @@
-//! Options of the main window: its size, theme, scale, and whether the guide is shown.
+//! Options of the main window: its size, theme and scale, and the guide.
 
 use serde::{Deserialize, Serialize};
 

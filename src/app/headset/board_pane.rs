@@ -1,5 +1,4 @@
-//! The picture of the board: its interface in an image of its own, which the headset shows as a quad
-//! layer on the hand.
+//! The picture of the board: its interface in an image of its own, shown by the headset as a quad layer on the hand.
 
 use std::sync::Arc;
 
@@ -31,7 +30,7 @@ pub struct Pass {
 }
 
 impl BoardPane {
-    /// With a picture of `size_px` pixels.
+    /// Creates a board with a picture of `size_px` pixels.
     pub fn new(
         device: &Arc<Device>,
         size_px: UVec2,
@@ -48,7 +47,7 @@ impl BoardPane {
         })
     }
 
-    /// Handles what a controller event means for the board.
+    /// Handles a controller event for the board.
     pub fn handle(&mut self, event: &HandEvent) {
         self.ui.handle(event);
     }
@@ -58,7 +57,7 @@ impl BoardPane {
         self.ui.is_due(now_s)
     }
 
-    /// Runs a pass of the interface, in which the workspace does what is asked for; with `says_only` of nothing but its
+    /// Runs a pass of the interface and executes its requests on the workspace. With `says_only`, shows nothing but
     /// messages.
     pub fn pass(&mut self, workspace: &mut Workspace, now_s: f64, says_only: bool) -> Pass {
         let output = self.ui.pass(now_s, |root| match says_only {
@@ -68,7 +67,7 @@ impl BoardPane {
         Pass { shapes: output.shapes, textures: output.textures_delta.into() }
     }
 
-    /// Records the picture of a pass; it is in the layout of [`Use::COPY_SOURCE`] then. `slot`:
+    /// Records the picture of a pass and leaves it in the layout of [`Use::COPY_SOURCE`]. `slot`:
     /// [`crate::gpu::Frames::slot`].
     pub fn draw(
         &mut self,
@@ -96,7 +95,7 @@ impl BoardPane {
         self.gui.take_lack()
     }
 
-    /// After the submission that draws a pass.
+    /// Called after the submission that draws a pass.
     pub fn submitted(&mut self, pass: &mut Pass) {
         self.gui.free(&mut pass.textures);
     }

@@ -1,4 +1,4 @@
-//! The board in the room: whether it is open, where it is, and the ray that points at it.
+//! The board in the room: its visibility, its pose, and the ray that points at it.
 //!
 //! Takes controller states and events; its interface and picture are those of [`BoardPane`].
 
@@ -20,7 +20,7 @@ pub struct BoardPanel {
 }
 
 impl BoardPanel {
-    /// With a picture of `size_px` pixels.
+    /// Creates a board with a picture of `size_px` pixels.
     pub fn new(
         device: &Arc<Device>,
         size_px: UVec2,
@@ -30,7 +30,7 @@ impl BoardPanel {
         Ok(BoardPanel { pane, open: false, size_m: settings.board_size_m() })
     }
 
-    /// Handles what a controller event means for the board.
+    /// Handles a controller event for the board.
     pub fn handle(&mut self, event: &HandEvent) {
         if *event == HandEvent::ToggleBoard {
             self.open = !self.open;
@@ -39,8 +39,8 @@ impl BoardPanel {
         self.pane.handle(event);
     }
 
-    /// Returns the board's place in the room, while it is visible: when it is open, or `modal`, since a dialog waits
-    /// for an answer.
+    /// Returns the board's pose in the room while it is visible: while it is open, or `modal` because a dialog needs an
+    /// answer.
     pub fn quad(&self, hands: Option<&HandsState>, main: HandSide, modal: bool) -> Option<Board> {
         let hand = hands?.hand(main.other());
         let grip = hand.grip.filter(|_| self.open || modal)?;
@@ -51,7 +51,7 @@ impl BoardPanel {
     }
 }
 
-/// From the main hand to where it points at the board.
+/// Returns the line from the main hand to the point of the board that it points at.
 pub fn ray_to_board(
     hands: Option<&HandsState>,
     main: HandSide,

@@ -15,7 +15,7 @@ use crate::app::glyphs::Glyphs;
 use crate::input::hands::HandEvent;
 use crate::ui::widgets::keyboard::Keyboard;
 
-/// Longest time between two passes, in seconds: changes made in the window show on the board as well.
+/// Longest time between two passes, in seconds. The board also shows changes made in the window.
 const REFRESH_S: f64 = 0.25;
 
 /// Longest press that is a click, in seconds.
@@ -81,7 +81,7 @@ impl BoardUi {
         &self.context
     }
 
-    /// Handles what a controller event means for the board.
+    /// Handles a controller event for the board.
     pub fn handle(&mut self, event: &HandEvent) {
         let modifiers = Modifiers::NONE;
         match *event {
@@ -143,7 +143,7 @@ impl BoardUi {
         }
     }
 
-    /// Returns whether the pointer acts on the keyboard: not during a drag that began on a widget, wherever it goes.
+    /// Returns whether the pointer acts on the keyboard. It does not during a drag that began on a widget.
     fn is_on_keyboard(&self) -> bool {
         match self.press_target {
             Some(target) => target == PressTarget::Keyboard,
@@ -151,7 +151,7 @@ impl BoardUi {
         }
     }
 
-    /// Sends the pointer's position to the keyboard or to the widgets, whichever it acts on.
+    /// Sends the pointer's position to the keyboard or to the widgets.
     fn send_pointer(&mut self) {
         let on_keyboard = self.is_on_keyboard();
         self.stale |= self.keyboard.point(self.pointer.filter(|_| on_keyboard));
@@ -176,9 +176,8 @@ impl BoardUi {
         self.stale || !self.events.is_empty() || now_s >= due_s
     }
 
-    /// Sets how far the pointer may move in a click. Press and release within one widget are a click,
-    /// wherever the pointer was in between; only on a widget that can also be dragged the distance
-    /// decides.
+    /// Sets how far the pointer may move in a click. Press and release within one widget are a click; on a widget that
+    /// can also be dragged, the distance decides.
     fn set_click_distance(&self) {
         let button = |event: &Event| match event {
             Event::PointerButton { pos, pressed, .. } => Some((*pos, *pressed)),
@@ -193,7 +192,7 @@ impl BoardUi {
         self.context.options_mut(|options| options.input_options.max_click_dist = distance);
     }
 
-    /// Keeps the widget that was pressed in the last pass until it is released.
+    /// Remembers the widget pressed in the last pass until it is released.
     fn note_pressed(&mut self) {
         let pointer = |input: &egui::InputState| {
             (input.pointer.primary_pressed(), input.pointer.primary_down())
@@ -239,7 +238,7 @@ impl BoardUi {
         let field = output.platform_output.ime.as_ref().map(|ime| ime.rect);
         self.stale = self.keyboard.follow(field, self.context.content_rect());
         if self.stale {
-            // It has appeared or disappeared under the pointer.
+            // The keyboard has appeared or disappeared under the pointer.
             match &field {
                 Some(_) => tracing::debug!("keyboard on the board"),
                 None => tracing::debug!("keyboard gone"),
@@ -250,7 +249,7 @@ impl BoardUi {
     }
 }
 
-/// A ring where the ray hits the board.
+/// Draws a ring where the ray hits the board.
 fn draw_pointer(ctx: &Context, at: Pos2) {
     let painter = ctx.layer_painter(LayerId::new(Order::Debug, Id::new("hand pointer")));
     painter.circle_stroke(at, 7.0, Stroke::new(3.0, Color32::BLACK));

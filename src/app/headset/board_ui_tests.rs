@@ -1,4 +1,4 @@
-//! The board's interface with a ray as its mouse: clicks, drags, and text typed on its keyboard.
+//! Tests the board's interface with a ray as its mouse: clicks, drags, and text typed on its keyboard.
 
 use egui::{Align, Button, DragValue, Layout, Response, Slider, TextEdit, vec2};
 use glam::{Quat, Vec3};
@@ -144,7 +144,7 @@ fn keys_fill_a_field_that_keeps_its_focus() {
         hand.key(Cap::Right);
         assert_eq!(hand.state.text, "ab_1aB-/. ");
         assert!(hand.state.fields[0].has_focus());
-        // Pressed twice, all letters are capitals.
+        // Two presses lock capitals.
         hand.key(Cap::Shift);
         hand.key(Cap::Shift);
         hand.key(Cap::Char('x', 'X'));
@@ -313,7 +313,7 @@ impl Ray {
         }
     }
 
-    /// One frame: the hand points at a place on the board, off by some degrees, with this trigger.
+    /// Runs a frame in which the hand points at a place on the board, off by `off_deg`, with this trigger.
     fn frame(&mut self, hand: &mut Hand<Things>, at: Pos2, off_deg: f32, trigger: f32) {
         let size = hand.ui.size_points();
         let share = Vec2::new(at.x / size.x - 0.5, 0.5 - at.y / size.y);
@@ -357,12 +357,12 @@ fn slow_pulls_that_turn_the_hand_are_clicks() {
             assert_eq!(hand.state.clicks, [clicks, 0], "{length_s} s, {drift_deg} degrees");
         }
     }
-    // Not when it is held much longer, or ends on another widget or beside all widgets.
+    // Not if it is held much longer, or ends on another widget or beside all widgets.
     ray.pull(&mut hand, button, 0.0, 6.0);
     ray.pull(&mut hand, button, -5.0, 0.5);
     ray.pull(&mut hand, button, 8.0, 0.5);
     assert_eq!(hand.state.clicks, [clicks, 0]);
-    // A pull across the whole button is a click as well: it ends in the widget in which it began.
+    // A pull across the whole button is a click as well: it ends in the same widget.
     let edge = hand.state.places[1].left_center() + vec2(2.0, 0.0);
     ray.pull(&mut hand, edge, -1.9, 1.0);
     assert_eq!(hand.state.clicks, [clicks, 1]);

@@ -1,8 +1,8 @@
-//! Attempts to connect to a headset. Connecting, and creating all that renders to it, pipelines
-//! included, may take seconds, so a thread does it and no window waits.
+//! Attempts to connect to a headset. Connecting and creating the renderer with its pipelines may take seconds, so a
+//! thread does it and no window waits.
 //!
-//! Takes options and a sink for events; gives a connected [`XrFrameLoop`] or the reason why there is
-//! none. When to try is decided by the caller.
+//! Takes options and a sink for events; gives a connected [`XrFrameLoop`] or the reason why there is none. The caller
+//! decides when to try.
 
 use std::io;
 use std::sync::Arc;
@@ -16,11 +16,11 @@ use crate::screen::headset::{
 use crate::sculpture::ColourDepth;
 use crate::ui::ViewState;
 
-/// The number of an attempt to connect, and of the session that it leads to: events name it, so that
-/// those of an earlier session are ignored.
+/// The number of an attempt to connect and of its session. Events carry it, so that events of an earlier session are
+/// ignored.
 pub type Connection = u64;
 
-/// Receives the events of a connection on another thread; returns whether they are still wanted.
+/// Receives the events of a connection on another thread. Returns whether they are still wanted.
 pub(super) type EventSink = Arc<dyn Fn(Connection, XrEvent) -> bool + Send + Sync>;
 
 type ConnectResult = Result<Box<XrFrameLoop>, HeadsetError>;
@@ -37,14 +37,14 @@ pub(super) struct SessionStart {
     pub depth: ColourDepth,
 }
 
-/// The attempts to connect, one after the other.
+/// The attempts to connect, one after another.
 pub(super) struct ConnectAttempts {
     /// The connection of the last attempt.
     connection: Connection,
     settings: HeadsetOptions,
     options: XrSessionOptions,
     sink: EventSink,
-    /// Once there was an attempt.
+    /// `None` before the first attempt.
     thread: Option<ConnectThread>,
 }
 
@@ -82,7 +82,7 @@ impl ConnectAttempts {
         Ok(())
     }
 
-    /// Returns the result of the attempt, once. The session is started: its events go to the sink.
+    /// Returns the result of the attempt, once. The session has been started: its events go to the sink.
     pub fn take_result(&self) -> Option<ConnectResult> {
         let connected = self.thread.as_ref()?.take_result()?;
         let (connection, sink) = (self.connection, self.sink.clone());
@@ -110,14 +110,14 @@ impl ConnectRequest {
 }
 
 struct ConnectThread {
-    /// None once the thread is to end.
+    /// `None` once the thread should end.
     requests: Option<Sender<ConnectRequest>>,
     results: Receiver<ConnectResult>,
     thread: RuntimeThread,
 }
 
 impl ConnectThread {
-    /// `sink` receives [`XrEvent::ConnectFinished`] when there is a result.
+    /// Starts the thread. `sink` receives [`XrEvent::ConnectFinished`] when there is a result.
     fn start(sink: EventSink) -> io::Result<ConnectThread> {
         let (requests, received) = channel::<ConnectRequest>();
         let (send, results) = channel();

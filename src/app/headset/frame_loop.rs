@@ -1,7 +1,7 @@
 //! The frames of an XR session: controllers to commands, haptics, the board, and what the eyes see.
 //!
-//! Takes an [`XrFrame`] and the workspace; gives pictures to the session. Where the sculpture stands,
-//! the board, the haptics and the health of the session are each kept by a type of their own.
+//! Takes an [`XrFrame`] and the workspace; gives pictures to the session. The placement of the sculpture, the board,
+//! the haptics and the health of the session each have a type of their own.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -35,7 +35,7 @@ type Result<T> = std::result::Result<T, HeadsetError>;
 /// Pictures are copied to the headset without conversion.
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// How long a picture may be held up by the normals of a sculpture that was opened.
+/// Longest time that the normals of an opened sculpture may delay a picture.
 const PATIENCE: Duration = Duration::from_millis(2);
 
 /// The eyes of a person, and the placement of the world in the room around.
@@ -44,8 +44,8 @@ struct EyesInRoom {
     views: [RoomView; 2],
 }
 
-/// An XR session with what renders to it. The session ends first, then fields are dropped in this
-/// order: renderers before their device.
+/// An XR session and its renderers. The session ends first, then fields are dropped in this order: renderers before
+/// their device.
 pub struct XrFrameLoop {
     renderer: Renderer,
     board: BoardPanel,
@@ -57,8 +57,8 @@ pub struct XrFrameLoop {
 }
 
 impl XrFrameLoop {
-    /// Connects, which may take long. `placed`: the sculpture has been placed in a room by an
-    /// earlier session. `head`: receives the poses of the head.
+    /// Connects, which may take long. `placed`: an earlier session has placed the sculpture in a room. `head`: receives
+    /// the poses of the head.
     pub fn connect(
         connector: &mut Connector,
         settings: &HeadsetOptions,
@@ -119,7 +119,7 @@ impl XrFrameLoop {
         self.session.start(send)
     }
 
-    /// Checks whether the runtime still answers; true once each time it has stopped.
+    /// Checks whether the runtime still answers. Returns true once each time it has stopped.
     pub fn becomes_unresponsive(&mut self, workspace: &mut Workspace) -> bool {
         let hangs = self.health.check(self.session.unresponsive_for());
         if hangs {
@@ -146,7 +146,7 @@ impl XrFrameLoop {
         workspace.editor.hand.put_down();
     }
 
-    /// Processes a frame, and ends it.
+    /// Processes and ends a frame.
     pub fn frame(
         &mut self,
         workspace: &mut Workspace,
@@ -164,9 +164,8 @@ impl XrFrameLoop {
         Ok(())
     }
 
-    /// Handles the controllers, gives haptic feedback, updates the board, and at last locates the
-    /// eyes and renders what they see. False if there is nothing to be seen: then the frame is yet
-    /// to be ended.
+    /// Handles the controllers, gives haptic feedback, updates the board, and last locates the eyes and renders for
+    /// them. Returns false if there is nothing to show; the frame is not ended then.
     fn process(
         &mut self,
         workspace: &mut Workspace,
@@ -192,7 +191,7 @@ impl XrFrameLoop {
         let main = self.mapper.settings().main;
         let board = self.board.quad(hands, main, workspace.ui.dialogs.is_modal());
         let ray = ray_to_board(hands, main, board.as_ref());
-        // Messages are read where the board would be, which is not there to be pointed at.
+        // Messages appear at the board's place, without the board and its pointer.
         let says_only = board.is_none() && workspace.ui.toasts.texts().next().is_some();
         let board = if says_only { self.board.quad(hands, main, true) } else { board };
         let due = board.is_some() && self.board.pane.is_due(now_s);
@@ -220,7 +219,7 @@ impl XrFrameLoop {
             self.board.pane.submitted(pass);
         }
         if let Some(screenshots) = screenshots.as_mut().filter(|s| s.is_due(now_s)) {
-            // Before the frame ends: from then on the runtime may use the queue.
+            // Before the frame ends: then the runtime may use the queue.
             self.write_screenshot(screenshots, now_s, &eyes, board.is_some())?;
         }
         self.session.end_frame(FrameLayers { views: Some(views), board }, pass.is_some());
@@ -228,7 +227,7 @@ impl XrFrameLoop {
         Ok(true)
     }
 
-    /// Places the sculpture before the head where that is due.
+    /// Places the sculpture before the head when that is due.
     fn place_sculpture(&mut self, workspace: &mut Workspace, head: &Pose) {
         let grid = workspace.session().document().grid();
         let extent = Extent { dims: grid.dims(), voxel_size: grid.voxel_size() };
@@ -246,7 +245,7 @@ impl XrFrameLoop {
         self.dispatch(workspace, &events);
     }
 
-    /// Gives the tool to the hand that is chosen in the panels.
+    /// Gives the tool to the hand chosen in the panels.
     fn set_main_hand(&mut self, workspace: &mut Workspace) {
         let mut events = Vec::new();
         self.mapper.set_main(workspace.ui.headset.hand_side, &mut events);
@@ -266,7 +265,7 @@ impl XrFrameLoop {
         }
     }
 
-    /// Vibrates the main hand by the voxels that its tool has changed.
+    /// Vibrates the main hand according to the voxels that its tool has changed.
     fn give_feedback(&mut self, workspace: &mut Workspace, frame: &XrFrame) {
         let total_voxels = workspace.editor.voxels_changed();
         let working = workspace.editor.hand.is_working();
@@ -336,7 +335,7 @@ impl Drop for XrFrameLoop {
     }
 }
 
-/// Returns the head: half way between the eyes, with their mean orientation.
+/// Returns the pose of the head: halfway between the eyes, with their mean orientation.
 fn head_between(views: &[RoomView; 2]) -> Pose {
     let [left, right] = views.map(|view| view.pose);
     Pose {

@@ -1,5 +1,5 @@
-//! Sculpting with tracked hands: where tracking jumps or reports nonsense, nothing is cut that no hand
-//! has touched, and no state grows without bound.
+//! Tests sculpting with tracked hands. Jumps and nonsense from the tracker cut nothing that no hand has touched, and no
+//! state grows without bound.
 
 use std::sync::Arc;
 
@@ -55,7 +55,7 @@ impl Person {
         }
     }
 
-    /// The main hand holds the tool at this point of the room for `frames` frames.
+    /// Holds the tool in the main hand at this point of the room for `frames` frames.
     fn hold(&mut self, tool: Vec3, trigger: f32, frames: usize) {
         let position = tool + Vec3::Z * REACH_M;
         let pose = Some(Pose { position, rotation: Quat::IDENTITY });
@@ -157,7 +157,7 @@ fn the_symmetry_goes_with_the_hand_until_the_trigger_is_let_go() {
         let (at, along) = place(&person).unwrap();
         assert_eq!(along, direction);
         assert!(at.distance(Vec3::splat(32.0)) < 1.0, "{at}");
-        // It goes along, and stays where the trigger is let go.
+        // It moves with the hand, and stays when the trigger is released.
         for i in 1..=20 {
             person.hold(MIDDLE + Vec3::X * (0.004 * i as f32), 1.0, 1);
         }
@@ -350,7 +350,7 @@ fn hand() -> impl Strategy<Value = HandState> {
         })
 }
 
-/// A stock of ten thousand states, combined to frames of four poses each.
+/// Combines a stock of ten thousand states to frames of four poses each.
 #[test]
 fn a_million_nonsensical_poses_do_no_harm() {
     const FRAMES: u32 = 250_000;
@@ -376,7 +376,7 @@ fn a_million_nonsensical_poses_do_no_harm() {
         for hand in 0..2 {
             let new = stock[next() % stock.len()];
             let state = &mut person.state.hands[hand];
-            // Mostly the hand moves on a little, so that there are strokes at all.
+            // Mostly the hand moves on a little, which makes strokes.
             match (next() % 8, &mut state.aim) {
                 (0, _) => *state = new,
                 (1, _) => (state.grip, state.aim) = (new.grip, new.aim),
@@ -409,7 +409,7 @@ fn a_million_nonsensical_poses_do_no_harm() {
     assert!(strokes > 1000, "{strokes} strokes");
 }
 
-/// A person who adds beside the grid, or cuts where nothing is, is told so, however closed the board is.
+/// Checks that a person who adds beside the grid or cuts in the air is told so, even while the board is closed.
 #[test]
 fn a_hand_that_changes_nothing_is_told_why() {
     for (mode, why) in [
@@ -418,7 +418,7 @@ fn a_hand_that_changes_nothing_is_told_why() {
     ] {
         let mut person = Person::new(DIMS);
         person.workspace.editor.tool.set_mode(mode);
-        // A choice for the pointer, which does not hold for a hand.
+        // This choice concerns the pointer, not a hand.
         person.workspace.editor.tool.stand = true;
         let beside = MIDDLE + Vec3::X * 0.6;
         person.hold(beside, 0.0, 5);

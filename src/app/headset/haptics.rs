@@ -1,4 +1,4 @@
-//! Haptic feedback of the tool hand: voxels changed per frame to the strength of a vibration.
+//! Haptic feedback of the tool hand: maps voxels changed per frame to the strength of a vibration.
 //!
 //! Takes times and voxel counts; knows no controllers.
 
@@ -27,8 +27,8 @@ impl HapticFeedback {
         }
     }
 
-    /// Returns the strength of 0 to 1 to set at `now_s`; None where the hand does not vibrate and did not.
-    /// `total_voxels`: changed by tools so far; `working`: the hand uses its tool.
+    /// Returns the strength, 0 to 1, to set at `now_s`; `None` where the hand neither vibrates nor did. `total_voxels`:
+    /// changed by tools so far; `working`: the hand uses its tool.
     pub fn step(&mut self, now_s: f64, total_voxels: u64, working: bool) -> Option<f32> {
         let dt_s = self.last_s.replace(now_s).map_or(0.0, |last| (now_s - last).clamp(0.0, 1.0));
         let last_voxels = std::mem::replace(&mut self.last_voxels, total_voxels);

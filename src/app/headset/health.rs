@@ -1,10 +1,10 @@
-//! Whether a session shows pictures, and whether its runtime has stopped answering.
+//! The health of a session: whether it shows pictures, and whether its runtime still answers.
 //!
 //! Takes the time since the last answer; knows no session.
 
 use std::time::Duration;
 
-/// A runtime that does not answer for this long while it shows pictures hangs.
+/// A runtime that shows pictures hangs if it does not answer for this long.
 const HANG: Duration = Duration::from_secs(1);
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -20,13 +20,13 @@ impl SessionHealth {
         self.showing
     }
 
-    /// A frame has come; true if the runtime had stopped answering before.
+    /// Records a frame. Returns true if the runtime had stopped answering before.
     pub fn note_frame(&mut self, visible: bool) -> bool {
         self.showing = visible;
         std::mem::take(&mut self.unresponsive)
     }
 
-    /// Notes a runtime that hangs, given the time since its last answer; true once each time.
+    /// Detects a hanging runtime from the time since its last answer. Returns true once each time.
     pub fn check(&mut self, since_answer: Duration) -> bool {
         let hangs = self.showing && since_answer >= HANG;
         if hangs {

@@ -1,7 +1,7 @@
 //! The program in a headset: connecting, connecting again, and the frames of the XR session.
 //!
-//! The headset has a device and a renderer of its own beside the window's; both show the sculpture of the same
-//! workspace. The workspace and the window go on, whatever happens to the runtime.
+//! The headset has a device and a renderer of its own; both it and the window show the sculpture of the same workspace.
+//! The workspace and the window go on, whatever happens to the runtime.
 
 mod board_pane;
 mod board_panel;
@@ -35,7 +35,7 @@ use frame_loop::XrFrameLoop;
 const RETRY: Duration = Duration::from_secs(2);
 /// Longest time between two attempts with a device that lacks memory.
 const MAX_RETRY: Duration = Duration::from_secs(64);
-/// How often it is checked that a runtime answers.
+/// Time between two checks that a runtime answers.
 const POLL: Duration = Duration::from_millis(100);
 
 /// A session with a headset, or the attempts to begin one.
@@ -57,14 +57,13 @@ enum State {
     },
     Connecting,
     Connected(Box<XrFrameLoop>),
-    /// The runtime has ended the program in the headset, as the person wanted.
+    /// The runtime has ended the program in the headset at the person's request.
     Exited,
 }
 
 impl Headset {
-    /// `send` is called on another thread with events, to be given to [`Headset::handle`]; it
-    /// returns whether they are still wanted. `screenshots`: a folder for pictures of what the eyes
-    /// see.
+    /// Creates the headset. `send` is called on another thread with events for [`Headset::handle`], and returns whether
+    /// they are still wanted. `screenshots`: a folder for pictures of what the eyes see.
     pub fn new(
         settings: &HeadsetOptions,
         device: DeviceOptions,
@@ -84,8 +83,8 @@ impl Headset {
         }
     }
 
-    /// Connects when it is time, and checks that the runtime answers. Returns when to be called
-    /// again at the latest; None once the person has exited.
+    /// Connects when it is time, and checks that the runtime answers. Returns the latest time for the next call; `None`
+    /// once the person has exited.
     pub fn poll(&mut self, workspace: &mut Workspace) -> Option<Instant> {
         let now = Instant::now();
         if let State::Disconnected { retry_at } = self.state
@@ -203,7 +202,7 @@ impl Headset {
         self.state = State::Disconnected { retry_at: Instant::now() + self.retry.delay };
     }
 
-    /// Ends what the hands are doing, and the session.
+    /// Ends the actions of the hands, and the session.
     fn disconnect(&mut self, workspace: &mut Workspace) {
         if let State::Connected(mut frames) = std::mem::replace(&mut self.state, State::Exited) {
             frames.release_hands(workspace);
@@ -216,10 +215,10 @@ impl Headset {
     }
 }
 
-/// When to try again, and whether the reason has been reported.
+/// The time of the next attempt, and the reason that has been reported.
 struct RetryDelay {
     delay: Duration,
-    /// The reason reported last, so that each is reported once.
+    /// The reason reported last. Each reason is reported once.
     reported: String,
 }
 
@@ -234,8 +233,8 @@ impl RetryDelay {
         self.reported.clear();
     }
 
-    /// Sets the delay; true if the error is to be reported. A device that lacks memory will still
-    /// lack it a moment later, so its delay grows.
+    /// Sets the delay. Returns true if the error should be reported. The delay grows for a device that lacks memory,
+    /// since memory does not return at once.
     fn note_failure(&mut self, error: &HeadsetError) -> bool {
         self.delay = match error {
             HeadsetError::Gpu(_) => (self.delay * 2).min(MAX_RETRY),

@@ -20,14 +20,14 @@ const RAY: Rgb = Rgb::new(0x4a, 0xc8, 0xf0);
 const SEGMENTS: usize = 32;
 
 /// Returns everything that is drawn besides the sculpture. `ray`: from a hand to the board; `floor`: draws a grid on
-/// the floor, where the pictures hide the real one.
+/// the floor, since the pictures hide the real one.
 pub fn overlay(
     workspace: &Workspace,
     room: &Room,
     ray: Option<[Vec3; 2]>,
     floor: bool,
 ) -> (Option<ToolPreview>, Vec<Line>) {
-    // The pointer, and what lies under it, belong to the window.
+    // The pointer and the surface under it belong to the window.
     let scene = OverlayScene { seen: None, pointer: None, ..workspace.overlay_scene() };
     let (preview, mut lines) = (overlay::preview(&scene), overlay::lines(&scene));
     let line = |from, to, colour, width_px, opacity| Line { from, to, colour, width_px, opacity };

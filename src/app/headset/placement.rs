@@ -1,8 +1,8 @@
-//! Where the sculpture stands in the room of a headset: when it is placed before the head, and what
-//! happens to its own placement then.
+//! The placement of the sculpture in the room of a headset: when it is put before the head, and what happens to its own
+//! placement then.
 //!
-//! Takes the sculpture's extent and the head's pose; returns the similarity between room and world,
-//! and what the workspace must reset. Knows no session and no document.
+//! Takes the sculpture's extent and the head's pose; returns the similarity between room and world, and what the
+//! workspace must reset. Knows no session and no document.
 
 use glam::{UVec3, Vec3};
 
@@ -23,7 +23,7 @@ impl Extent {
     }
 }
 
-/// The part of the sculpture's placement in the world that is to be reset.
+/// The part of the sculpture's own placement that is reset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reset {
     /// Position, scale and orientation.
@@ -37,22 +37,22 @@ pub struct RoomPlacement {
     size_m: f32,
     distance_m: f32,
     drop_m: f32,
-    /// With the extent of the sculpture that it was made for.
+    /// With the sculpture's extent at that time.
     room: Option<(Room, Extent)>,
-    /// The sculpture is to be placed before the head again.
+    /// The sculpture should be placed before the head again.
     recentring: bool,
-    /// The sculpture has been placed, by this session or an earlier one.
+    /// The sculpture has been placed by this session or an earlier one.
     placed: bool,
 }
 
 impl RoomPlacement {
-    /// `placed`: the sculpture has been placed by an earlier session, whose orientation it keeps.
+    /// Starts without a room. `placed`: an earlier session has placed the sculpture, so it keeps its orientation.
     pub fn new(settings: &HeadsetOptions, placed: bool) -> RoomPlacement {
         let HeadsetOptions { size_m, distance_m, drop_m, .. } = *settings;
         RoomPlacement { size_m, distance_m, drop_m, room: None, recentring: false, placed }
     }
 
-    /// Returns the room, once there was a head to place the sculpture before.
+    /// Returns the room, once the sculpture has been placed before a head.
     pub fn room(&self) -> Option<Room> {
         self.room.map(|(room, _)| room)
     }
@@ -66,8 +66,7 @@ impl RoomPlacement {
         self.recentring = true;
     }
 
-    /// Places the sculpture before the head, if it is not in the room yet, has another extent, or is
-    /// to be recentred.
+    /// Places the sculpture before the head if it is not in the room yet, has another extent, or should be recentred.
     pub fn update(&mut self, extent: Extent, head: &Pose) -> Option<Reset> {
         let is_other = self.room.is_some_and(|(_, former)| former != extent);
         let recentring = std::mem::take(&mut self.recentring);

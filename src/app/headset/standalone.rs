@@ -1,5 +1,4 @@
-//! The program in a headset without a window, on a machine without a display: the board is all there
-//! is of the interface.
+//! The program in a headset without a window, on a machine without a display: the board is the whole interface.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -45,7 +44,7 @@ pub fn run(
         workspace.session_mut().discard_journal();
     }
     if headset.has_exited() && workspace.session().modified() {
-        // The runtime has ended the program: there was nobody to ask.
+        // The runtime has ended the program without a chance to ask.
         match recovery::secure(workspace.session_mut(), &state_folder()) {
             Ok(Kept::Journal(path)) => {
                 tracing::warn!(

@@ -1,17 +1,17 @@
-//! Which keys of a pass are meant for the sculpture, and which for fields, buttons, lists and dialogs.
+//! Decides which keys of a pass go to the sculpture, and which to fields, buttons, lists and dialogs.
 //!
-//! Takes egui's state and whether a dialog asks for an answer; gives what the viewport may hear. Must not know what the
-//! keys do.
+//! Takes egui's state and whether a dialog asks for an answer; gives the keys that the viewport may use. Must not know
+//! what the keys do.
 //!
-//! A field takes all keys, a button that has the focus only Enter and Space, a slider its arrows too, an open list
-//! Escape. After a dialog or a field the hand may press once too often: keys that confirm or close there are heard
-//! again only when the pointer has been used over the picture.
+//! A field takes all keys; a focused button only Enter and Space; a slider the arrows, too; an open list Escape. After
+//! a dialog or a field, keys that confirm or close are ignored until the pointer has been used over the picture, since
+//! the hand may press once too often.
 
 use egui::{Context, Event, EventFilter, Id, Key, Popup, Pos2};
 
 use crate::input::events::KeptKeys;
 
-/// The owner of the keyboard before, until the pointer is used over the picture.
+/// The former owner of the keyboard, until the pointer is used over the picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 enum After {
     #[default]
@@ -26,26 +26,26 @@ enum After {
 #[derive(Clone, Debug, Default)]
 pub struct KeyFocus {
     after: After,
-    /// Where the pointer was when that had the keyboard last.
+    /// Position of the pointer when that last had the keyboard.
     pointer: Option<Pos2>,
     /// The widget that had the focus in the last pass.
     focused: Option<Id>,
 }
 
-/// The keys that the viewport hears in a pass.
+/// The keys that go to the viewport in a pass.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Heard {
-    /// Whether it hears keys at all.
+    /// Whether it receives keys at all.
     pub keyboard: bool,
     pub kept: KeptKeys,
 }
 
-/// The state that the program knows besides egui.
+/// State of the program that egui does not know.
 #[derive(Clone, Copy, Debug)]
 pub struct Around {
     /// A dialog asks for an answer.
     pub asking: bool,
-    /// That, or work that nothing can be done beside.
+    /// A dialog asks, or exclusive work runs.
     pub modal: bool,
     /// Escape still has a window to close.
     pub closable: bool,
@@ -54,10 +54,10 @@ pub struct Around {
 }
 
 impl KeyFocus {
-    /// Looks who has the keyboard in this pass. To be called once a pass, before anything is shown.
+    /// Determines the owner of the keyboard in this pass. Called once per pass, before anything is shown.
     pub fn pass(&mut self, ctx: &Context, around: Around) -> Heard {
         let focused = ctx.memory(|memory| memory.focused());
-        // A field that gets the focus becomes one only when it is shown.
+        // A widget with new focus becomes a field only when it is shown.
         let is_new = focused.is_some() && focused != self.focused;
         self.focused = focused;
         let is_field = focused.is_some() && (is_new || ctx.text_edit_focused());
@@ -71,7 +71,7 @@ impl KeyFocus {
         } else if around.hovered && (pointer != self.pointer || ctx.input(is_used)) {
             self.after = After::Nothing;
         }
-        // A slider is dragged, a button is not.
+        // A slider can be dragged, a button cannot.
         let slides = focused
             .and_then(|id| ctx.read_response(id))
             .is_some_and(|response| response.sense.senses_drag());
@@ -101,12 +101,12 @@ impl After {
     }
 }
 
-/// Returns whether a key is pressed that presses a button.
+/// Returns whether a key is pressed that activates a button.
 fn confirms(input: &egui::InputState) -> bool {
     input.key_pressed(Key::Enter) || input.key_pressed(Key::Space)
 }
 
-/// Returns whether the pointer does more than to rest.
+/// Returns whether the pointer does more than rest.
 fn is_used(input: &egui::InputState) -> bool {
     input.events.iter().any(|event| {
         matches!(event, Event::PointerButton { pressed: true, .. } | Event::MouseWheel { .. })

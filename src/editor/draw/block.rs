@@ -1,6 +1,6 @@
-//! A box: its base dragged on a face, in whole voxels, and its height, fixed or led by the pointer.
+//! A box: its base is dragged on a face, in whole voxels; its height is fixed or follows the pointer.
 //!
-//! From a face and pixels to the corners of the box and a cuboid.
+//! Takes a face and pixels; gives the corners of the box and a cuboid.
 
 use glam::{Quat, Vec2, Vec3};
 
@@ -8,24 +8,25 @@ use super::view::View;
 use crate::picking::SurfacePoint;
 use crate::tools::solid::{Primitive, Solid};
 
-/// Where the normal of the face is seen shorter than this share of its length, it nearly points at the eye, and the
-/// pointer leads the height by going up and down in the picture instead of along it.
+/// If the visible share of the face's normal is less than this, it nearly points at the eye. Then the pointer sets the
+/// height by going up and down in the picture instead of along the normal.
 const LEAST_SEEN: f32 = 0.25;
 
 /// The base of a box, in the plane of a face.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Base {
-    /// Its lowest and its highest corner, in whole voxels; both in the plane.
+    /// Its lowest and its highest corner in the plane, in whole voxels.
     low: Vec3,
     high: Vec3,
-    /// Out of the face: a unit vector along an axis.
+    /// Unit vector out of the face, along an axis.
     face: Vec3,
-    /// Where its drag has ended in the plane, which may be beside the grid.
+    /// End of its drag in the plane, perhaps beside the grid.
     end: Vec3,
 }
 
 impl Base {
-    /// From the voxel at `from` to the one at a pixel, in the plane of the face. None where the pixel does not show it.
+    /// Spans the base from the voxel at `from` to the one at a pixel, in the plane of the face. Returns `None` if the
+    /// pixel does not show the plane.
     pub fn new(view: &View, from: &SurfacePoint, at: Vec2) -> Option<Base> {
         let SurfacePoint { point, face } = *from;
         let axis = face.abs().max_position();
@@ -42,7 +43,7 @@ impl Base {
         let (mut low, mut high) = (a.min(b), a.max(b) + 1.0);
         let plane = point[axis].round();
         (low[axis], high[axis]) = (plane, plane);
-        // The horizon of the plane is far beyond every grid.
+        // The plane's horizon would be far beyond every grid.
         let mut end = met.clamp(-dims, 2.0 * dims);
         end[axis] = plane;
         Some(Base { low, high, face, end })
@@ -53,8 +54,7 @@ impl Base {
         self.face.abs().max_position()
     }
 
-    /// Returns the lowest and the highest corner of the box that reaches so many voxels out of the face, or, below 0,
-    /// into it.
+    /// Returns the corners of the box that extends so many voxels out of the face, or into it if negative.
     pub fn raised(&self, layers: f32) -> [Vec3; 2] {
         let axis = self.axis();
         let Base { mut low, mut high, .. } = *self;
@@ -63,10 +63,10 @@ impl Base {
         [low, high]
     }
 
-    /// Returns the height to which a pixel leads the box, in voxels out of the face (below 0: into it), within the
-    /// grid: there the normal through the end of the base's drag is seen nearest to the pixel, so that the edge under
-    /// the pointer stays under it. If the normal nearly points at the eye: as far as the pixel is above that end, or
-    /// below it. None behind the eye.
+    /// Returns the height for a pixel, in voxels out of the face (negative: into it), within the grid. It is where the
+    /// normal through the end of the base's drag appears nearest to the pixel, so that the edge stays under the
+    /// pointer. If the normal nearly points at the eye, it is the pixel's distance above or below that end. Returns
+    /// `None` behind the eye.
     pub fn layers_at(&self, view: &View, at: Vec2) -> Option<i32> {
         let sight = &view.sight;
         let axis = self.axis();
@@ -88,11 +88,11 @@ impl Base {
     }
 }
 
-/// A box whose base stands, and whose height the pointer leads.
+/// A box with a fixed base and a height that follows the pointer.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Raised {
     base: Base,
-    /// Out of the face, in voxels.
+    /// Height out of the face, in voxels.
     layers: i32,
 }
 
@@ -101,12 +101,13 @@ impl Raised {
         Raised { base, layers: 0 }
     }
 
-    /// The pointer goes to a pixel of a view, which may be another than that of the base.
+    /// Moves the pointer to a pixel of a view, which may differ from that of the base.
     pub fn lead(&mut self, view: &View, at: Vec2) {
         self.layers = self.base.layers_at(view, at).unwrap_or(self.layers);
     }
 
-    /// Its height in voxels out of the face, below 0 into it; never 0, but one on the side that is meant.
+    /// Returns its height in voxels out of the face, negative into it. It is never 0: at least one voxel on the
+    /// intended side.
     pub fn layers(&self, outwards: bool) -> i32 {
         match self.layers {
             0 if outwards => 1,
@@ -115,20 +116,20 @@ impl Raised {
         }
     }
 
-    /// Its lowest and its highest corner.
+    /// Returns its lowest and its highest corner.
     pub fn corners(&self, outwards: bool) -> [Vec3; 2] {
         self.base.raised(self.layers(outwards) as f32)
     }
 }
 
-/// Returns the lowest and the highest corner of the box on a base; `height` (in units of the smallest edge of a voxel)
-/// outwards, or inwards.
+/// Returns the lowest and the highest corner of the box on a base, `height` (in units of the smallest edge of a voxel)
+/// outwards or inwards.
 pub fn corners(view: &View, base: &Base, height: f32, outwards: bool) -> [Vec3; 2] {
     let layers = (height / view.edges[base.axis()]).round().max(1.0);
     base.raised(if outwards { layers } else { -layers })
 }
 
-/// Returns the cuboid between two corners. `edges`: of a voxel, in units of the smallest.
+/// Returns the cuboid between two corners. `edges`: edges of a voxel in units of the smallest.
 pub fn cuboid(edges: Vec3, [low, high]: [Vec3; 2]) -> Primitive {
     Primitive {
         solid: Solid::Cuboid,
@@ -148,8 +149,7 @@ pub fn edges_of([low, high]: [Vec3; 2]) -> Vec<[Vec3; 2]> {
     pairs.filter(|(a, b)| a != b).map(|(a, b)| [corner(a), corner(b)]).collect()
 }
 
-/// Returns the wall of the grid's box that is seen from inside at a pixel, and its side that faces the inside; none
-/// beside it.
+/// Returns the wall of the grid's box seen from inside at a pixel, with its inward face; `None` beside it.
 pub fn far_wall(view: &View, at: Vec2) -> Option<SurfacePoint> {
     let rays = &view.sight.rays;
     let direction = rays.direction_at(at.x, at.y);
@@ -180,7 +180,7 @@ mod tests {
             let inside = wall.point + wall.face;
             assert!(inside.cmpge(Vec3::ZERO).all() && inside.cmple(dims).all(), "{inside}");
 
-            // To a place in the same plane, three voxels on.
+            // To a place in the same plane, three voxels further.
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
             let mut other = wall.point;
             other[u] = if other[u] > 0.5 * dims[u] { other[u] - 3.0 } else { other[u] + 3.0 };
@@ -215,7 +215,7 @@ mod tests {
         assert_eq!(far_wall(view, Vec2::new(-1e4, 0.0)), None);
     }
 
-    /// Returns a base on each face that is seen well enough, from its middle outwards.
+    /// Returns a base on each clearly visible face, from its middle outwards.
     fn bases(view: &View) -> Vec<Base> {
         let faces = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
         let near = |face: &Vec3| -view.direction(view.sight.rays.size.as_vec2() * 0.5).dot(*face);
@@ -244,7 +244,7 @@ mod tests {
                 for layers in [-7, -1, 4, 9] {
                     let top = view.sight.pixel_of(base.end + base.face * layers as f32).unwrap();
                     assert_eq!(base.layers_at(&view, top), Some(layers));
-                    // Across the normal the pointer may go as it likes.
+                    // Movements across the normal have no effect.
                     let aside = step.perp().normalize() * 3.0;
                     let near = base.layers_at(&view, top + aside).unwrap();
                     assert!((near - layers).abs() <= 1, "{near} {layers}");

@@ -1,6 +1,6 @@
-//! A drag of a tool that draws: what it has met so far, the commands it becomes, and the lines that show it.
+//! A drag of a drawing tool: its path so far, the resulting commands, and its preview lines.
 //!
-//! A value: takes pixels and, where surfaces lead it, the grid. Changes nothing.
+//! A value: takes pixels and, where it follows the surface, the grid. Changes nothing.
 
 use glam::{Vec2, Vec3};
 
@@ -20,44 +20,44 @@ use crate::tools::drawn::DrawnSolid;
 
 /// Least distance from one point of a drag to the next, in pixels.
 const SPACING_PX: f32 = 2.0;
-/// Most points of a drag; beyond, every second one goes.
+/// Most points of a drag; beyond, every second point is dropped.
 const MOST_POINTS: usize = 4096;
-/// Most looks at the surface between two events.
+/// Most samples of the surface between two events.
 const MOST_LOOKS: f32 = 1024.0;
 
-/// Where a drag begins: a place in voxels, and where the surface there faces; zero in the air.
+/// The start of a drag: a position in voxels, and the surface normal there; zero in the air.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Ground {
     pub point: Vec3,
     pub face: Vec3,
 }
 
-/// A drawing under way, as lines between places of the grid (voxels).
+/// An unfinished drawing, as lines between grid points (voxels).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sketch {
-    /// The mode that will be applied.
+    /// The mode that will apply.
     pub mode: ToolMode,
-    /// The lines that were drawn.
+    /// The drawn lines.
     pub lines: Vec<[Vec3; 2]>,
-    /// The lines that follow from the drawn ones, or lead them.
+    /// The lines that follow from the drawn ones, or guide them.
     pub faint: Vec<[Vec3; 2]>,
 }
 
-/// Something that is being drawn.
+/// A drawing in progress.
 #[derive(Clone, Debug)]
 pub struct Drawing {
     kind: DrawKind,
     mode: ToolMode,
-    /// The other side of a cut.
+    /// Takes the other side of a cut.
     inverse: bool,
-    /// The view in which it is drawn.
+    /// The view of the drawing.
     view: View,
     ground: Ground,
-    /// Where the pointer has been, in pixels: all of it, or the first and the last point.
+    /// Path of the pointer, in pixels: all of it, or the first and the last point.
     pointer_px: Vec<Vec2>,
-    /// Where a line or a curve leads, in voxels.
+    /// Points of a line or a curve, in voxels.
     places: Vec<Vec3>,
-    /// The distance of the last of them from the eye plane, for where there is no surface.
+    /// Distance of the last point from the eye plane, used where there is no surface.
     depth: f32,
 }
 
@@ -75,7 +75,7 @@ impl Drawing {
         Drawing { kind, mode, inverse, view, ground, pointer_px: vec![at], places, depth }
     }
 
-    /// Returns the same, led by the surface as it is seen now.
+    /// Follows the surface as it is seen now.
     pub fn with_surface(mut self, picker: &Picker, grid: &Grid) -> Drawing {
         self.view = self.view.with_surface(picker, grid);
         self
@@ -93,12 +93,12 @@ impl Drawing {
         &self.view
     }
 
-    /// Letters stand somewhere else.
+    /// Moves the base of letters.
     pub fn stand_on(&mut self, ground: Ground) {
         self.ground = ground;
     }
 
-    /// The pointer goes to a pixel.
+    /// Moves the pointer to a pixel.
     pub fn lead(&mut self, at: Vec2, grid: &Grid) {
         match self.kind {
             DrawKind::Lasso | DrawKind::Lathe => self.go_on(at),
@@ -142,12 +142,12 @@ impl Drawing {
         self.pointer_px.push(at);
     }
 
-    /// Returns the last pixel.
+    /// Returns the last pixel of the path.
     fn last(&self) -> Vec2 {
         self.pointer_px.last().copied().unwrap_or(Vec2::ZERO)
     }
 
-    /// Returns the place that a pixel shows: on the surface where it leads, else as far from the eye as the last one.
+    /// Returns the position of a pixel: on the surface if it follows that, else as far from the eye as the last point.
     fn place_at(&mut self, at: Vec2, grid: &Grid) -> Vec3 {
         let seen = self.view.surface(grid, at).map(|seen| seen.point);
         let place = seen.unwrap_or_else(|| self.view.sight.at_depth(at, self.depth));
@@ -155,36 +155,36 @@ impl Drawing {
         place
     }
 
-    /// Returns where it begins, in voxels.
+    /// Returns its start, in voxels.
     pub fn start(&self) -> Vec3 {
         self.ground.point
     }
 
-    /// Returns whether the pointer has stayed where it was pressed.
+    /// Returns whether the pointer has stayed at the point of the press.
     pub fn is_click(&self) -> bool {
         self.pointer_px.iter().all(|at| at.distance(self.pointer_px[0]) <= CLICK_PX)
     }
 
-    /// Returns the base of a box as it has been dragged so far.
+    /// Returns the base of a box as dragged so far.
     pub fn base(&self) -> Option<Base> {
         self.base_to(self.last())
     }
 
-    /// Returns the base of a box that goes to a pixel.
+    /// Returns the base of a box that extends to a pixel.
     fn base_to(&self, at: Vec2) -> Option<Base> {
         let from = SurfacePoint { point: self.ground.point, face: self.ground.face };
         Base::new(&self.view, &from, at)
     }
 
-    /// Returns the corners of a box on its base. Its height is set or, where the pointer leads it later, as low as it
-    /// can be.
+    /// Returns the corners of a box on its base. Its height is the chosen one, or the least possible if the pointer
+    /// sets it later.
     fn corners(&self, options: &DrawOptions) -> Option<[Vec3; 2]> {
         let height = if options.height_by_pointer { 0.0 } else { options.height };
         let base = self.base()?;
         Some(block::corners(&self.view, &base, height, self.mode == ToolMode::Add))
     }
 
-    /// Returns the outline over the picture.
+    /// Returns the outline over the picture, in pixels.
     fn outline(&self) -> Vec<Vec2> {
         match self.kind {
             DrawKind::Rectangle => outline::rectangle(self.pointer_px[0], self.last()).to_vec(),
@@ -192,7 +192,7 @@ impl Drawing {
         }
     }
 
-    /// Returns the commands that make the form, or advice on what to draw instead.
+    /// Returns the commands that make the solid, or advice on what to draw instead.
     pub fn commands(
         &self,
         options: &DrawOptions,
@@ -237,7 +237,7 @@ impl Drawing {
         made.ok_or_else(|| self.kind.spec().advice.to_string())
     }
 
-    /// Returns the letters of a text that would float, since there is no surface under them.
+    /// Returns the letters of a text that would float because there is no surface under them.
     pub fn floating(&self, options: &DrawOptions, grid: &Grid) -> Vec<char> {
         let stand = || Stand::new(&self.view, self.ground.point, self.ground.face);
         let letters = || glyphs::letters(&options.text, options.font, options.text_height).ok();
@@ -246,7 +246,7 @@ impl Drawing {
         line.map_or_else(Vec::new, |(stand, letters)| stand.floating(grid, &letters))
     }
 
-    /// Returns the lines that show it.
+    /// Returns its preview lines.
     pub fn sketch(&self, options: &DrawOptions, grid: &Grid) -> Sketch {
         let view = &self.view;
         let depth = view.sight.depth(self.ground.point);
@@ -290,7 +290,7 @@ impl Drawing {
     }
 }
 
-/// Leaves out every second point, but not the first, while there are too many.
+/// Drops every second point, but not the first, if there are too many.
 fn halve<T>(points: &mut Vec<T>) {
     if points.len() > MOST_POINTS {
         let mut keep = false;

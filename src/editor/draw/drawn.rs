@@ -1,4 +1,4 @@
-//! What was drawn, ready to be made: its commands become one step of the history.
+//! A finished drawing, whose commands become one step of the history.
 
 use crate::command::Command;
 use crate::editor::commands::CommandRunner;
@@ -6,18 +6,18 @@ use crate::editor::idle::{IdleTool, goes_beyond, may_add};
 use crate::editor::tool::ToolState;
 use crate::input::{DrawKind, ToolMode};
 
-/// Commands that make a drawn form.
+/// The commands that make a drawn solid.
 #[derive(Clone, Debug)]
 pub(in crate::editor) struct Drawn {
     pub kind: DrawKind,
     pub mode: ToolMode,
     pub commands: Vec<Command>,
-    /// The letters that float, since there is no surface under them.
+    /// The letters that float because there is no surface under them.
     pub floating: Vec<char>,
 }
 
 impl Drawn {
-    /// Carries it out, and says why nothing has changed if nothing has. `in_hand`: a hand in a headset leads the tool.
+    /// Executes the commands, and explains a lack of effect. `in_hand`: a hand in a headset holds the tool.
     pub fn carry_out(&self, runner: &mut CommandRunner, tool: &mut ToolState, in_hand: bool) {
         let Drawn { kind, mode, commands, floating } = self;
         let before = runner.voxels_changed();

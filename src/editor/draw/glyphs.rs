@@ -1,6 +1,6 @@
 //! Letters as outlines: a line of text in one of the fonts that the interface embeds, as closed polygons.
 //!
-//! Lengths are in the unit that the height of capital letters is given in; x to the right, y up. Curves become lines.
+//! Lengths are in the unit of the capitals' height; x to the right, y up. Curves become lines.
 
 use glam::Vec2;
 use skrifa::instance::{LocationRef, Size};
@@ -11,15 +11,15 @@ use crate::tools::drawn::MAX_POINTS;
 
 /// Most letters of a line.
 pub const MOST_LETTERS: usize = 120;
-/// Furthest that the lines may lie from a curve, as a share of the height.
+/// Largest deviation of lines from a curve, as a share of the height.
 const TOLERANCE: f32 = 0.004;
-/// How far bold strokes reach over those of the font on each side, as a share of the height.
+/// Extension of bold strokes on each side, as a share of the height.
 const BOLD: f32 = 0.045;
 
 /// A font for letters.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Font {
-    /// The same as [`Font::Light`] with strokes of twice the width.
+    /// [`Font::Light`] with strokes of twice the width.
     #[default]
     Bold,
     /// Ubuntu Light: narrow strokes.
@@ -48,24 +48,23 @@ impl Font {
     }
 }
 
-/// A letter, or a part of one that stands by itself, as the dot of an i: its outline with those of its holes.
+/// A letter, or a separate part such as the dot of an i: its outline with those of its holes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Letter {
     pub outlines: Vec<Vec<Vec2>>,
-    /// The character that the letter is, or is a part of.
+    /// The character of the letter or part.
     pub sign: char,
     /// The middle of the character along the line.
     pub middle: f32,
 }
 
-/// Returns the letters of a line of text whose capitals are `height` high, its middle at the origin. Spaces have no
-/// letter.
+/// Returns the letters of a line of text with capitals of `height`, centred on the origin. Spaces have no letter.
 pub fn letters(text: &str, font: Font, height: f32) -> Result<Vec<Letter>, String> {
     let unreadable = || "The letters of this font cannot be read".to_string();
     let file = FontRef::new(font.bytes()).map_err(|_| unreadable())?;
     let metrics = file.metrics(Size::unscaled(), LocationRef::default());
     let capital = metrics.cap_height.filter(|capital| *capital > 0.0).ok_or_else(unreadable)?;
-    // Others than in the font are looked for in the one of signs.
+    // Characters that the font lacks are taken from the font of symbols.
     let signs = FontRef::new(epaint_default_fonts::NOTO_EMOJI_REGULAR).map_err(|_| unreadable())?;
     let mut letters = Vec::new();
     let mut x = 0.0;
@@ -99,7 +98,7 @@ pub fn letters(text: &str, font: Font, height: f32) -> Result<Vec<Letter>, Strin
     Ok(letters)
 }
 
-/// Returns the outlines of a glyph and how far the next one is from it, in a font of `size` units an em.
+/// Returns the outlines of a glyph and its advance, in a font of `size` units per em.
 fn glyph_outlines(font: &FontRef, glyph: GlyphId, size: f32) -> Option<(Vec<Vec<Vec2>>, f32)> {
     let size_of = Size::new(size);
     let advance = font.glyph_metrics(size_of, LocationRef::default()).advance_width(glyph)?;
@@ -122,8 +121,8 @@ fn glyph_outlines(font: &FontRef, glyph: GlyphId, size: f32) -> Option<(Vec<Vec<
     }
 }
 
-/// Returns the parts of a letter: each outline that is no hole, with the holes in it. Accents that touch a letter would
-/// be holes of it where they overlap.
+/// Returns the parts of a letter: each solid outline with the holes in it. Overlapping accents would otherwise become
+/// holes.
 fn parts(outlines: Vec<Vec<Vec2>>, sign: char, middle: f32) -> Vec<Letter> {
     // Fonts turn the outlines of holes the other way.
     let (solid, holes): (Vec<_>, Vec<_>) =
@@ -139,7 +138,7 @@ fn parts(outlines: Vec<Vec<Vec2>>, sign: char, middle: f32) -> Vec<Letter> {
     parts
 }
 
-/// Returns the area in an outline, counter-clockwise positive.
+/// Returns the area of an outline, positive if counter-clockwise.
 fn area(outline: &[Vec2]) -> f32 {
     let next = outline.iter().cycle().skip(1);
     outline.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f32>() * 0.5
@@ -154,14 +153,14 @@ fn contains(outline: &[Vec2], p: Vec2) -> bool {
     outline.iter().zip(next).filter(crosses).count() % 2 == 1
 }
 
-/// Returns an outline of a font, which has its letter on the right, moved to its left.
+/// Returns an outline whose letter is on its right, moved to its left.
 fn widened(outline: &[Vec2], by: f32) -> Vec<Vec2> {
     let count = outline.len();
     let left = |i: usize| (outline[(i + 1) % count] - outline[i]).normalize_or_zero().perp();
     (0..count)
         .map(|i| {
             let (a, b) = (left((i + count - 1) % count), left(i));
-            // Sharp corners do not become longer spikes.
+            // Limits the spikes of sharp corners.
             let corner = (a + b) * by / (1.0 + a.dot(b)).max(0.25);
             outline[i] + corner.clamp_length_max(1.5 * by)
         })
@@ -185,7 +184,7 @@ impl Pen {
         }
     }
 
-    /// Returns a curve of which `bend` is how far its controls are from those of a line.
+    /// Adds a curve. `bend`: the deviation of its control points from a line.
     fn curve(&mut self, bend: f32, at: impl Fn(f32) -> Vec2) {
         let count = (bend / self.tolerance).sqrt().ceil().clamp(1.0, 24.0) as u32;
         (1..=count).for_each(|i| self.push(at(i as f32 / count as f32)));
@@ -203,7 +202,7 @@ impl OutlinePen for Pen {
 
     fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
         let (a, b, c) = (self.last(), Vec2::new(cx, cy), Vec2::new(x, y));
-        // A quarter of it is how far the curve is from its chord.
+        // A quarter of this is the distance between the curve and its chord.
         let bend = 0.25 * (a - b * 2.0 + c).length();
         self.curve(bend, |t| a.lerp(b, t).lerp(b.lerp(c, t), t));
     }
@@ -224,7 +223,7 @@ impl OutlinePen for Pen {
 mod tests {
     use super::*;
 
-    /// Returns the number of turns of outlines around a point, and of crossings of a ray from it.
+    /// Returns the winding number of outlines around a point, and the crossings of a ray from it.
     fn around(outlines: &[Vec<Vec2>], p: Vec2) -> (i32, u32) {
         let (mut winding, mut crossings) = (0, 0);
         for outline in outlines {
@@ -271,7 +270,7 @@ mod tests {
         assert!(bold > light * 8 / 5 && bold < light * 3, "{light} {bold}");
     }
 
-    /// Forms count crossings, fonts count turns: outlines of one letter that overlap would leave holes.
+    /// Solids count crossings, fonts count turns: overlapping outlines of a letter would leave holes.
     #[test]
     fn no_letter_has_holes_where_its_strokes_meet() {
         let latin: Vec<char> = (' '..='~').chain('¡'..='ÿ').filter(|c| *c != '\u{ad}').collect();
@@ -289,7 +288,7 @@ mod tests {
                         let (winding, crossings) = around(&letter.outlines, p);
                         (winding != 0) != (crossings % 2 == 1)
                     });
-                    // Widened strokes of *, Ç and ç meet themselves in a corner.
+                    // Widened strokes of *, Ç and ç cross themselves in a corner.
                     let most = usize::from(font == Font::Bold && "*Çç".contains(*sign));
                     assert!(wrong.count() <= most, "{font:?} {sign}");
                 }

@@ -1,6 +1,6 @@
 //! Lines and curves that a hand draws in the air, in the room of a headset.
 //!
-//! Takes places of the grid in voxels; the tube is made when the trigger is let go.
+//! Takes grid points in voxels; the tube is made when the trigger is released.
 
 use glam::Vec3;
 
@@ -14,20 +14,20 @@ use crate::input::DrawKind;
 
 /// Least distance from one place to the next, in voxels.
 const SPACING_VX: f32 = 0.5;
-/// Most places of a path; beyond, it grows no more.
+/// Most points of a path; beyond, it stops growing.
 const MOST_PLACES: usize = 8192;
 
-/// Where a hand that draws has been, in voxels; empty while none does.
+/// The path of a drawing hand, in voxels; empty while none draws.
 #[derive(Clone, Debug, Default)]
 pub(super) struct HeldPath(Vec<Vec3>);
 
 impl HeldPath {
-    /// Begins at a place of the grid.
+    /// Begins at a grid point.
     pub fn begin(&mut self, at_vx: Vec3) {
         self.0 = vec![at_vx];
     }
 
-    /// Goes on to a place, if it has begun. `is_line`: straight.
+    /// Continues to a point, if it has begun. `is_line`: a straight line.
     pub fn lead(&mut self, to_vx: Vec3, is_line: bool) {
         let path = &mut self.0;
         let Some(last) = path.last() else { return };
@@ -52,12 +52,12 @@ impl HeldPath {
         })
     }
 
-    /// Gives it up; false if there is nothing.
+    /// Cancels it. Returns false if there is nothing.
     pub fn cancel(&mut self) -> bool {
         !std::mem::take(&mut self.0).is_empty()
     }
 
-    /// Returns the ball in the hand, and the path that it has gone.
+    /// Returns the ball in the hand, and its path.
     pub fn sketch(&self, view: &ToolView) -> Sketch {
         let path = &self.0;
         let edges = view.edges();

@@ -1,6 +1,6 @@
-//! Turned solids: half a profile is drawn beside an axis that goes up through the press.
+//! Turned solids: half a profile is drawn beside an axis through the press.
 //!
-//! From pixels to a [`DrawnSolid::Lathe`].
+//! Takes pixels; gives a [`DrawnSolid::Lathe`].
 
 use std::sync::Arc;
 
@@ -10,17 +10,17 @@ use super::thin::thinned_flat;
 use super::view::{View, circle};
 use crate::tools::drawn::{DrawnSolid, Pose};
 
-/// Furthest that the profile may lie from what was drawn, in units of the smallest edge.
+/// Largest deviation of the profile from the drawing, in units of the smallest edge.
 const TOLERANCE: f32 = 0.25;
 /// Most points of a profile.
 const MOST_POINTS: usize = 256;
 
-/// The axis, and the plane that the profile is drawn in.
+/// The axis, and the plane of the profile.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
-    /// A place on it, in voxels.
+    /// A point on it, in voxels.
     at_vx: Vec3,
-    /// Along it, across the picture to the right, and towards the viewer: of length 1, at right angles, in units of the
+    /// Orthogonal unit vectors: along it, across the picture to the right, and towards the viewer, in units of the
     /// smallest edge.
     up: Vec3,
     right: Vec3,
@@ -28,7 +28,8 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Through `at_vx`: the axis of the grid that points up in the picture, or else the vertical of the picture.
+    /// Places an axis through `at_vx`: the grid axis that points up in the picture, or else the vertical of the
+    /// picture.
     pub fn new(view: &View, at_vx: Vec3, along_grid: bool) -> Option<Axis> {
         let [_, picture_up, near] = view.frame(view.sight.pixel_of(at_vx)?)?;
         let up = if along_grid { view.sight.screen_axes().up } else { picture_up };
@@ -36,26 +37,25 @@ impl Axis {
         Some(Axis { at_vx, up, right, near: right.cross(up) })
     }
 
-    /// Returns the point of the profile at a pixel: distance from the axis, below 0 on its left, and height; none where
-    /// the pixel does not show the plane.
+    /// Returns the profile point at a pixel: the distance from the axis (negative on its left) and the height; `None`
+    /// if the pixel does not show the plane.
     fn point(&self, view: &View, at: Vec2) -> Option<Vec2> {
         let (eye, direction) = (view.eye(), view.direction(at));
         let origin = self.at_vx * view.edges;
         let t = (origin - eye).dot(self.near) / direction.dot(self.near);
         let offset = eye + direction * t - origin;
         let point = Vec2::new(offset.dot(self.right), offset.dot(self.up));
-        // The horizon of the plane is far beyond every grid.
+        // The plane's horizon would be far beyond every grid.
         (t > 0.0 && point.abs().max_element() < 1e5).then_some(point)
     }
 
-    /// Returns the profile that was drawn: distances from the axis and heights. A part that crosses the axis is folded
-    /// back.
+    /// Returns the drawn profile: distances from the axis and heights. A part beyond the axis is folded back.
     pub fn profile(&self, view: &View, drawn: &[Vec2]) -> Vec<Vec2> {
         let points = drawn.iter().filter_map(|at| self.point(view, *at));
         points.map(|p| Vec2::new(p.x.abs(), p.y)).collect()
     }
 
-    /// Returns the solid; none if the profile has hardly an extent.
+    /// Returns the solid; `None` if the profile is almost empty.
     pub fn turned(&self, view: &View, drawn: &[Vec2]) -> Option<DrawnSolid> {
         let profile = thinned_flat(&self.profile(view, drawn), TOLERANCE, MOST_POINTS);
         let widest = profile.iter().map(|p| p.x).fold(0.0, f32::max);
@@ -71,13 +71,13 @@ impl Axis {
         })
     }
 
-    /// Returns a point of the profile as a place of the grid, on the right or the left of the axis.
+    /// Returns a profile point as a grid point, on the right or the left of the axis.
     fn place(&self, view: &View, point: Vec2, side: f32) -> Vec3 {
         self.at_vx + (self.right * (point.x * side) + self.up * point.y) / view.edges
     }
 
-    /// Returns the lines that show the solid while its profile is drawn: the profile on both sides with some of the
-    /// circles it makes, and the axis.
+    /// Returns the preview lines while the profile is drawn: the profile on both sides with some of its circles, and
+    /// the axis.
     pub fn sketch(&self, view: &View, drawn: &[Vec2]) -> (Vec<[Vec3; 2]>, Vec<[Vec3; 2]>) {
         let profile = self.profile(view, drawn);
         let mut lines = Vec::new();

@@ -1,8 +1,8 @@
 //! Tools that draw solids: a drag over the picture becomes a lasso, a box, a tube, a turned solid or letters.
 //!
-//! Takes pixels of the picture. Every solid is a command, as any script may write it: mirrored, limited to the
-//! selection and undone like others. The meaning of each drag, and the drawings that take several presses, are in the
-//! files beside this one. Knows no window and no egui.
+//! Takes pixels of the picture. Every solid is a command that scripts can write, too: mirrored, limited to the
+//! selection and undone like others. The files beside this one interpret each drag, and the drawings of several
+//! presses. Knows no window and no egui.
 
 mod block;
 mod drawing;
@@ -39,18 +39,18 @@ pub use options::DrawOptions;
 pub(super) use points::Pressed;
 pub use unfinished::Progress;
 
-/// The drawing under way: by a drag, by several presses or by a hand.
+/// The present drawing: by a drag, by several presses or by a hand.
 #[derive(Default)]
 pub(super) struct DrawTool {
     /// A drag.
     drawing: Option<Drawing>,
-    /// One by several presses, between them or during one.
+    /// A drawing of several presses, between them or during one.
     unfinished: Option<Unfinished>,
     held: HeldPath,
 }
 
 impl DrawTool {
-    /// A drag of a tool that draws begins; false if it would mean nothing there.
+    /// Begins a drag of a drawing tool. Returns false if it would have no effect there.
     pub fn begin(
         &mut self,
         kind: DrawKind,
@@ -72,7 +72,7 @@ impl DrawTool {
         self.drawing.is_some()
     }
 
-    /// The drag goes on, if there is one.
+    /// Continues the drag, if there is one.
     pub fn lead(&mut self, at: Vec2, view: &ToolView, picker: &Picker) {
         let Some(drawing) = self.drawing.as_mut().filter(|_| at.is_finite()) else { return };
         if drawing.kind() == DrawKind::Text {
@@ -83,7 +83,7 @@ impl DrawTool {
         drawing.lead(at, view.grid());
     }
 
-    /// Ends the drag: returns the drawn form, unless there is none or more presses follow, or advice on what to draw
+    /// Ends the drag. Returns the drawn solid, unless there is none or more presses follow, or advice on what to draw
     /// instead.
     pub fn end(&mut self, view: &ToolView) -> Option<Result<Drawn, String>> {
         let drawing = self.drawing.take()?;
@@ -101,7 +101,7 @@ impl DrawTool {
         Some(commands.map(|commands| Drawn { kind, mode, commands, floating }))
     }
 
-    /// Gives up the drag; false if there is none.
+    /// Cancels the drag. Returns false if there is none.
     pub fn drop_drag(&mut self) -> bool {
         self.drawing.take().is_some()
     }
@@ -111,23 +111,23 @@ impl DrawTool {
         self.drawing.is_some()
     }
 
-    /// Returns whether something is being drawn by the pointer.
+    /// Returns whether the pointer is drawing something.
     pub fn is_drawing(&self, tool: &ToolState) -> bool {
         self.drawing.is_some() || self.waiting(tool).is_some()
     }
 
-    /// Returns the unfinished drawing; none once another tool is in hand.
+    /// Returns the unfinished drawing; `None` once another tool is in hand.
     fn waiting(&self, tool: &ToolState) -> Option<&Unfinished> {
         let in_hand = |drawn: &&Unfinished| tool.kind == ToolKind::Draw(drawn.kind());
         self.unfinished.as_ref().filter(in_hand)
     }
 
-    /// Returns how far what is drawn by several presses is, if there is any.
+    /// Returns the progress of a drawing of several presses, if there is one.
     pub fn progress(&self, tool: &ToolState) -> Option<Progress> {
         Some(self.waiting(tool)?.progress(tool.mode))
     }
 
-    /// Returns whether something waits for the next press. Another tool in hand gives it up.
+    /// Returns whether a drawing waits for the next press. Cancels it if another tool is in hand.
     pub fn is_waiting(&mut self, tool: &ToolState) -> bool {
         if self.waiting(tool).is_none() {
             self.unfinished = None;
@@ -135,22 +135,22 @@ impl DrawTool {
         self.unfinished.is_some()
     }
 
-    /// Returns whether there is something unfinished, by whichever tool.
+    /// Returns whether there is an unfinished drawing of any tool.
     pub fn has_unfinished(&self) -> bool {
         self.unfinished.is_some()
     }
 
-    /// Gives up what is unfinished.
+    /// Cancels the unfinished drawing.
     pub fn drop_unfinished(&mut self) {
         self.unfinished = None;
     }
 
-    /// The button is pressed at a pixel, for what waits for it. None if nothing does.
+    /// Handles a press for the unfinished drawing. Returns `None` if there is none.
     pub fn press(&mut self, at: Vec2, view: &ToolView, picker: &Picker) -> Option<Pressed> {
         Some(self.unfinished.as_mut()?.press(at, view, picker))
     }
 
-    /// The pointer goes to a pixel, with what is unfinished.
+    /// Moves the pointer of the unfinished drawing to a pixel.
     pub fn lead_unfinished(&mut self, at: Vec2, view: &ToolView, picker: &Picker) {
         if !at.is_finite() || !self.is_waiting(view.tool) {
             return;
@@ -160,25 +160,25 @@ impl DrawTool {
         }
     }
 
-    /// The button is released.
+    /// Releases the button.
     pub fn release(&mut self) {
         if let Some(drawn) = &mut self.unfinished {
             drawn.release();
         }
     }
 
-    /// Nothing more follows what is unfinished. Returns it, to be made.
+    /// Ends the unfinished drawing, and returns it as a finished one.
     pub fn finish(&mut self, view: &ToolView) -> Option<Drawn> {
         Some(self.unfinished.take()?.finished(view))
     }
 
-    /// Returns whether the button holds a point of what is unfinished.
+    /// Returns whether the button holds a point of the unfinished drawing.
     pub fn is_held(&self) -> bool {
         self.unfinished.as_ref().is_some_and(Unfinished::is_held)
     }
 
-    /// Takes back the last press of what is not finished: the last point of a curve or, if there is no other, all of it.
-    /// False if there is nothing.
+    /// Undoes the last press of the unfinished drawing: the last point of a curve or, if it is the only one, the whole
+    /// drawing. Returns false if there is nothing.
     pub fn take_back_press(&mut self, tool: &ToolState) -> bool {
         if !self.is_waiting(tool) {
             return false;
@@ -187,14 +187,14 @@ impl DrawTool {
         true
     }
 
-    /// Gives up everything; false if there is nothing.
+    /// Cancels everything. Returns false if there is nothing.
     pub fn cancel(&mut self, tool: &ToolState) -> bool {
         let was_drawn = self.drop_drag() | self.held.cancel() | self.is_waiting(tool);
         self.unfinished = None;
         was_drawn
     }
 
-    /// A drawing by the hand begins at a place of the grid; false if the tool draws over a picture.
+    /// Begins a drawing by the hand at a grid point. Returns false if the tool draws over a picture.
     pub fn begin_in_hand(&mut self, kind: DrawKind, at_vx: Vec3) -> bool {
         let is_drawn = kind.spec().by_hand;
         if is_drawn {
@@ -208,13 +208,13 @@ impl DrawTool {
         self.held.lead(to_vx, tool.kind == ToolKind::Draw(DrawKind::Line));
     }
 
-    /// Ends the drawing by the hand. Returns it, to be made.
+    /// Ends the drawing by the hand, and returns it as a finished one.
     pub fn end_in_hand(&mut self, view: &ToolView) -> Option<Drawn> {
         self.held.end(view)
     }
 
-    /// Returns the drawing under way, or the one that a press would begin, as lines. `pointer`: in pixels; `in_hand`: a hand
-    /// in a headset leads the tool; `stroking`: a stroke is under way.
+    /// Returns the present drawing, or the one that a press would begin, as lines. `pointer`: in pixels; `in_hand`: a
+    /// hand in a headset holds the tool; `stroking`: there is a stroke.
     pub fn sketch(
         &self,
         pointer: Option<Vec2>,
@@ -256,7 +256,7 @@ fn started(
     Some(Drawing::new(kind, mode, inverse, view, ground, at))
 }
 
-/// Returns where a drag begins: on the surface, or else where the tool has a use for it.
+/// Returns the start of a drag: on the surface, or else where the tool can use it.
 fn ground_at(
     kind: DrawKind,
     mode: ToolMode,

@@ -1,4 +1,4 @@
-//! The options of the tools that draw. Lengths are in units of the smallest edge of a voxel.
+//! The options of the drawing tools. Lengths are in units of the smallest edge of a voxel.
 
 use std::ops::RangeInclusive;
 
@@ -10,25 +10,25 @@ pub const RADII: RangeInclusive<f32> = 0.5..=256.0;
 /// Heights of boxes and letters, thicknesses of slabs and depths of letters.
 pub const LENGTHS: RangeInclusive<f32> = 1.0..=512.0;
 
-/// The options by which the tools that draw turn a drag into solids.
+/// The options with which the drawing tools turn a drag into solids.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DrawOptions {
     /// The thickness of a slab that lasso and rectangle add, along the line of sight.
     pub thickness: f32,
-    /// The pointer leads the height of a box once its base stands; otherwise the height is `height`.
+    /// The pointer sets the height of a box after its base; otherwise it is `height`.
     pub height_by_pointer: bool,
     /// The height of a box over its base.
     pub height: f32,
-    /// The radii of a tube at its beginning and its end.
+    /// The radii of a tube at its start and its end.
     pub radii: [f32; 2],
-    /// Lines and curves follow the surface; else they stay in the plane of the view in which they begin.
+    /// Lines and curves follow the surface; otherwise they stay in the view plane of their start.
     pub on_surface: bool,
-    /// The axis of a turned solid is the axis of the grid that points up; else the vertical of the picture.
+    /// The axis of a turned solid is the grid axis that points up; otherwise the vertical of the picture.
     pub upright: bool,
     pub text: String,
     /// The height of capital letters.
     pub text_height: f32,
-    /// How far letters come out of the surface, or go into it.
+    /// Extension of letters out of the surface, or into it.
     pub text_depth: f32,
     pub font: Font,
 }
@@ -51,7 +51,7 @@ impl Default for DrawOptions {
 }
 
 impl DrawOptions {
-    /// Multiplies the size of what a tool draws.
+    /// Scales the drawing of a tool.
     pub fn scale(&mut self, kind: DrawKind, factor: f32) {
         let scaled = |value: &mut f32, range: RangeInclusive<f32>| {
             if factor.is_finite() && factor > 0.0 {
@@ -88,7 +88,7 @@ mod tests {
             assert!(RADII.contains(&options.radii[0]) && LENGTHS.contains(&options.text_height));
             assert!(LENGTHS.contains(&options.height));
         }
-        // A height that nobody sees is not changed.
+        // A height without effect is not changed.
         let mut options = DrawOptions::default();
         options.scale(DrawKind::Box, 2.0);
         assert_eq!(options, DrawOptions::default());

@@ -1,7 +1,7 @@
-//! Outlines and lines over the picture: what lies behind an outline, or on one side of a line.
+//! Outlines and lines over the picture: the part of the grid behind an outline, or on one side of a line.
 //!
-//! From pixels to forms, as any script may write them: an [`DrawnSolid::Extrusion`] along the line of sight through the middle
-//! of the outline, or a [`DrawnSolid::HalfSpace`] whose plane contains the eye.
+//! Takes pixels; gives solids that scripts can write, too: a [`DrawnSolid::Extrusion`] along the line of sight through
+//! the middle of the outline, or a [`DrawnSolid::HalfSpace`] whose plane contains the eye.
 
 use std::sync::Arc;
 
@@ -11,15 +11,15 @@ use super::thin::thinned_flat;
 use super::view::View;
 use crate::tools::drawn::{DrawnSolid, Pose};
 
-/// Smallest outline that is meant, in square pixels.
+/// Smallest intentional outline, in square pixels.
 const LEAST_AREA_PX: f32 = 30.0;
-/// Shortest line that is meant, in pixels.
+/// Shortest intentional line, in pixels.
 const LEAST_LINE_PX: f32 = 6.0;
-/// Furthest that the outline may lie from what was drawn, in pixels.
+/// Largest deviation of the outline from the drawing, in pixels.
 const TOLERANCE_PX: f32 = 0.5;
 /// Most points of an outline.
 const MOST_POINTS: usize = 512;
-/// Distance and length of the lines that show a side, in pixels.
+/// Spacing and length of the hatching lines of a side, in pixels.
 const HATCH_PX: [f32; 2] = [14.0, 12.0];
 
 /// Returns the rectangle between two corners.
@@ -27,7 +27,7 @@ pub fn rectangle(a: Vec2, b: Vec2) -> [Vec2; 4] {
     [a, Vec2::new(b.x, a.y), b, Vec2::new(a.x, b.y)]
 }
 
-/// Returns whether an outline has an inside. One that crosses itself counts with all its loops.
+/// Returns whether an outline has an inside. All loops of a self-crossing outline count.
 pub fn is_meant(outline: &[Vec2]) -> bool {
     let [Some(low), Some(high)] = [Vec2::min, Vec2::max].map(|f| outline.iter().copied().reduce(f))
     else {
@@ -37,9 +37,9 @@ pub fn is_meant(outline: &[Vec2]) -> bool {
     size.min_element() >= 2.0 && size.element_product() >= LEAST_AREA_PX
 }
 
-/// Returns the prism that an outline (pixels) covers. The outline is as large as it is drawn at `target_vx`. The prism
-/// extends along the line of sight through the outline's middle, by `depth` (in units of the smallest edge of a voxel)
-/// about the target, or through the whole grid.
+/// Returns the prism behind an outline (pixels), whose drawn size applies at `target_vx`. The prism extends along the
+/// line of sight through the outline's middle, by `depth` (in units of the smallest edge of a voxel) about the target,
+/// or through the whole grid.
 pub fn prism(
     view: &View,
     outline: &[Vec2],
@@ -49,7 +49,7 @@ pub fn prism(
     let closed: Vec<Vec2> = outline.iter().chain(outline.first()).copied().collect();
     let mut outline = thinned_flat(&closed, TOLERANCE_PX, MOST_POINTS);
     outline.pop();
-    // In the space of forms, where voxels have their shape.
+    // In the space of solids, where voxels have their true shape.
     let (origin, target) = (view.eye(), target_vx * view.edges);
     let middle = outline.iter().sum::<Vec2>() / outline.len().max(1) as f32;
     let [right, up, near] = view.frame(middle)?;
@@ -80,8 +80,8 @@ pub fn prism(
     })
 }
 
-/// Returns everything that is seen on one side of a line through two pixels: to the right when going from the first to
-/// the second, or with `other` to the left.
+/// Returns the half space seen on one side of a line through two pixels: to the right of the direction of travel, or
+/// with `other` to the left.
 pub fn half_space(view: &View, from: Vec2, to: Vec2, other: bool) -> Option<DrawnSolid> {
     if from.distance(to) < LEAST_LINE_PX {
         return None;
@@ -91,13 +91,13 @@ pub fn half_space(view: &View, from: Vec2, to: Vec2, other: bool) -> Option<Draw
     let aside = side(from, to, other);
     let there = view.direction(from.lerp(to, 0.5) + aside * 8.0).dot(normal);
     let normal = if there < 0.0 { -normal } else { normal };
-    // A point of the plane near the grid, where numbers are exact.
+    // A point of the plane near the grid, where numbers are precise.
     let (eye, middle) = (view.eye(), view.middle() * view.edges);
     let at = middle - normal * (middle - eye).dot(normal);
     Some(DrawnSolid::HalfSpace { at_vx: at / view.edges, normal })
 }
 
-/// To the right of a line in the picture, or to its left; of length 1.
+/// Returns a unit vector to the right of a line in the picture, or with `other` to its left.
 fn side(from: Vec2, to: Vec2, other: bool) -> Vec2 {
     let along = (to - from).normalize_or_zero();
     // The y axis of pixels points down.
@@ -105,7 +105,7 @@ fn side(from: Vec2, to: Vec2, other: bool) -> Vec2 {
     if other { -right } else { right }
 }
 
-/// Returns lines that show which side of a line goes, as pairs of pixels.
+/// Returns hatching on one side of a line, as pairs of pixels.
 pub fn hatching(from: Vec2, to: Vec2, other: bool) -> Vec<[Vec2; 2]> {
     let along = (to - from).normalize_or_zero();
     let slanted = (side(from, to, other) - along * 0.6).normalize_or_zero() * HATCH_PX[1];
@@ -172,7 +172,7 @@ mod tests {
         assert!(!is_meant(&[]) && !is_meant(&[at]) && !is_meant(&[at, at + 0.5]));
         assert!(!is_meant(&[at, at + Vec2::X * 90.0]), "a line has no inside");
         assert!(half_space(&view, at, at, false).is_none());
-        // An eight has two loops whose areas cancel.
+        // A figure of eight has two loops whose areas cancel.
         let eight = [at, at + Vec2::new(40.0, 30.0), at + Vec2::X * 40.0, at + Vec2::Y * 30.0];
         assert!(is_meant(&eight));
         prism(&view, &eight, view.middle(), None).unwrap().check().unwrap();

@@ -1,6 +1,6 @@
-//! A curve by points: where its clicks have put them, and where the pointer would put the next one.
+//! A curve by points: its clicked points, and the next one under the pointer.
 //!
-//! A value: takes pixels, the view of the moment and the surface under the pointer; gives places of the grid in voxels.
+//! A value: takes pixels, the present view and the surface under the pointer; gives grid points in voxels.
 
 use glam::{Vec2, Vec3};
 
@@ -8,31 +8,31 @@ use super::tube;
 use super::view::View;
 use crate::tools::drawn::MAX_POINTS;
 
-/// How near to the last point a press means that point, in pixels: a second click on it ends the curve.
+/// Largest distance in pixels at which a press hits the last point: a second click on it ends the curve.
 pub const CLICK_PX: f32 = 4.0;
-/// Radius of what marks a point, in pixels.
+/// Radius of the mark of a point, in pixels.
 const MARK_PX: f32 = 4.0;
 
 /// The effect of a press.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Pressed {
-    /// Another point is there.
+    /// Another point was added.
     Added,
-    /// The press was on the last point, which finishes the tube.
+    /// The press hit the last point, which finishes the tube.
     Finished,
     /// The tube can have no more points.
     Full,
 }
 
-/// The points of a curve that is not finished; there is always one.
+/// The points of an unfinished curve; there is at least one.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Points {
     first: Vec3,
-    /// The points after it.
+    /// The points after the first.
     others: Vec<Vec3>,
-    /// Where the pointer would put the next one.
+    /// Position of the next point under the pointer.
     next: Option<Vec3>,
-    /// The button is down, and the last point goes with the pointer.
+    /// The button is down, and the last point follows the pointer.
     held: bool,
 }
 
@@ -54,13 +54,12 @@ impl Points {
         self.others.last().copied().unwrap_or(self.first)
     }
 
-    /// Returns the place that a pixel means: on the surface that is `seen` there, else as far from the eye as the last
-    /// point.
+    /// Returns the position of a pixel: on the surface `seen` there, else as far from the eye as the last point.
     fn place(&self, view: &View, at: Vec2, seen: Option<Vec3>) -> Vec3 {
         seen.unwrap_or_else(|| view.sight.at_depth(at, view.sight.depth(self.last())))
     }
 
-    /// The button is pressed at a pixel.
+    /// Handles a press at a pixel.
     pub fn press(&mut self, view: &View, at: Vec2, seen: Option<Vec3>) -> Pressed {
         let on_last = |last: Vec2| last.distance(at) <= CLICK_PX;
         if view.sight.pixel_of(self.last()).is_some_and(on_last) {
@@ -75,7 +74,7 @@ impl Points {
         Pressed::Added
     }
 
-    /// The pointer goes to a pixel.
+    /// Moves the pointer to a pixel.
     pub fn lead(&mut self, view: &View, at: Vec2, seen: Option<Vec3>) {
         let place = self.place(view, at, seen);
         match self.others.last_mut() {
@@ -84,12 +83,12 @@ impl Points {
         }
     }
 
-    /// The button is released: the last point stays where it is.
+    /// Releases the button: the last point stays in place.
     pub fn release(&mut self) {
         self.held = false;
     }
 
-    /// Takes the last point back; false if it is the first one, without which there is no curve.
+    /// Removes the last point. Returns false for the first one, without which there is no curve.
     pub fn take_back(&mut self) -> bool {
         self.held = false;
         self.others.pop().is_some()
@@ -100,7 +99,7 @@ impl Points {
         [self.first].into_iter().chain(self.others.iter().copied()).collect()
     }
 
-    /// Returns the tube through them and, if the pointer is `there`, on to it; and marks on the points.
+    /// Returns the tube through the points and, if the pointer is `there`, on to it, with marks on the points.
     pub fn sketch(
         &self,
         view: &View,
@@ -135,7 +134,7 @@ mod tests {
             let there = points.places()[1];
             assert!((depth(there) - depth(points.first)).abs() < 1e-2);
             assert!(view.sight.pixel_of(there).unwrap().distance(at) < 0.1);
-            // With the button down it goes with the pointer, on the surface, too.
+            // With the button down it follows the pointer, also on the surface.
             points.lead(&view, at + 20.0, Some(Vec3::ONE));
             points.release();
             points.lead(&view, at, None);

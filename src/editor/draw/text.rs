@@ -1,8 +1,8 @@
-//! Letters on a surface: where they stand, and the forms that they are.
+//! Letters on a surface: their positions, and their solids.
 //!
-//! One [`DrawnSolid::Extrusion`] a letter, as deep into the surface as out of it. On a flat surface all letters stand in one
-//! plane; on a curved one the line bends with it, from its middle on, and each letter stands where it is. Letters that the
-//! surface does not reach are named.
+//! One [`DrawnSolid::Extrusion`] per letter, as deep into the surface as out of it. On a flat surface all letters share
+//! a plane. On a curved one the line bends with it from its middle on, and each letter has a plane of its own. Letters
+//! beyond the surface are reported.
 
 use std::sync::Arc;
 
@@ -15,23 +15,23 @@ use crate::sculpture::Grid;
 use crate::surface::raycast;
 use crate::tools::drawn::{DrawnSolid, Pose};
 
-/// A normal so near to an axis of the grid is meant to be that axis: the cosine of 8 degrees.
+/// Cosine of 8 degrees: a normal that near to a grid axis is snapped to it.
 const NEARLY: f32 = 0.99;
-/// Radius around a letter in which the surface says where it faces, in units of the smallest edge of a voxel.
+/// Radius around a letter in which the surface defines its normal, in units of the smallest edge of a voxel.
 pub const GROUND: f32 = 4.0;
 
-/// Where a line of text stands: its middle, to the right along it, up, and out of the surface.
+/// The plane of a line of text: its middle, and the directions along it, up, and out of the surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Stand {
     /// In voxels.
     at_vx: Vec3,
-    /// The axes, of length 1 and at right angles, in units of the smallest edge of a voxel.
+    /// Orthogonal unit axes, in units of the smallest edge of a voxel.
     axes: Mat3,
 }
 
 impl Stand {
-    /// On a surface at `at_vx` that looks along `normal` (units of the smallest edge; zero: to the viewer). The letters
-    /// stand upright as far as an axis of the grid that points up in the picture allows.
+    /// Places a line on a surface at `at_vx` with the normal `normal` (in units of the smallest edge; zero: towards the
+    /// viewer). The letters are upright along the grid axis that points up in the picture, if the surface allows it.
     pub fn new(view: &View, at_vx: Vec3, normal: Vec3) -> Option<Stand> {
         let axes = view.sight.screen_axes();
         let normal = normal.try_normalize().unwrap_or(axes.near);
@@ -53,37 +53,37 @@ impl Stand {
         Some(Stand { at_vx, axes: Mat3::from_cols(right, up, normal) })
     }
 
-    /// Returns the place of a point of the plane (units of the smallest edge), in voxels.
+    /// Returns the position in voxels of a point of the plane (units of the smallest edge).
     fn place(&self, p: Vec2, edges: Vec3) -> Vec3 {
         self.at_vx + self.axes * p.extend(0.0) / edges
     }
 
-    /// Returns the stand of a letter that is `by` farther along the line than this one: where the surface of `grid` is
-    /// there, within `reach` of this plane (units of the smallest edge). None where it is not.
+    /// Returns the plane of a letter `by` farther along the line, on the surface of `grid` within `reach` of this plane
+    /// (units of the smallest edge); `None` if there is none.
     fn along(&self, grid: &Grid, by: f32, reach: f32) -> Option<Stand> {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let normal = self.axes.z_axis;
         let over = self.place(Vec2::new(by, 0.0), edges) + normal * reach / edges;
         let hit = raycast::cast(grid, over, -normal / edges)?;
-        // Begun within clay, the surface is higher than it is looked for.
+        // If the ray begins in clay, the surface is out of reach.
         if !(hit.t > 0.0 && hit.t <= 2.0 * reach) {
             return None;
         }
         let at_vx = over - normal * hit.t / edges;
         let turned = normal_around(grid, at_vx, GROUND)?.try_normalize()?;
         let turn = Quat::from_rotation_arc(normal, turned);
-        // Behind an edge the surface faces another way.
+        // Beyond an edge the surface faces another way.
         (turned.dot(normal) > 0.0).then(|| Stand { at_vx, axes: Mat3::from_quat(turn) * self.axes })
     }
 
-    /// Returns whether a stand on the same surface is in this plane, as far as voxels can tell: `x` farther along the
-    /// line.
+    /// Returns whether another plane on the same surface, `x` farther along the line, coincides with this one within
+    /// the precision of voxels.
     fn has_in_plane(&self, other: &Stand, x: f32, edges: Vec3) -> bool {
         let off = (other.at_vx - self.place(Vec2::new(x, 0.0), edges)) * edges;
         off.length() < 1.0 && other.axes.z_axis.dot(self.axes.z_axis) > NEARLY
     }
 
-    /// Returns where each letter of a line stands, its own middle at the origin of the stand.
+    /// Returns the position of each letter of a line, with its own middle at the origin.
     fn of_letters(&self, grid: &Grid, letters: &[Letter]) -> Vec<Placed> {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let flat = |x: f32, floats: bool| Placed {
@@ -91,7 +91,7 @@ impl Stand {
             floats,
         };
         let mut placed: Vec<Placed> = letters.iter().map(|l| flat(l.middle, false)).collect();
-        // Without a surface in the middle there is none to follow.
+        // Without a surface in the middle, there is none to follow.
         if self.along(grid, 0.0, GROUND).is_none() {
             return placed;
         }
@@ -123,7 +123,7 @@ impl Stand {
         placed
     }
 
-    /// Returns the solids of letters that reach `depth` out of the surface, and as deep into it.
+    /// Returns the solids of letters that extend `depth` out of the surface, and as deep into it.
     pub fn forms(&self, grid: &Grid, letters: &[Letter], depth: f32) -> Vec<DrawnSolid> {
         let placed = self.of_letters(grid, letters);
         let form = |(letter, placed): (&Letter, &Placed)| {
@@ -136,7 +136,7 @@ impl Stand {
         letters.iter().zip(&placed).map(form).collect()
     }
 
-    /// Returns the letters that have no surface under them, in their order.
+    /// Returns the letters without a surface under them, in order.
     pub fn floating(&self, grid: &Grid, letters: &[Letter]) -> Vec<char> {
         let placed = self.of_letters(grid, letters);
         let floats = letters.iter().zip(&placed).filter(|(_, placed)| placed.floats);
@@ -161,14 +161,14 @@ impl Stand {
     }
 }
 
-/// Where a letter stands, and whether there is nothing under it.
+/// The position of a letter, and whether there is nothing under it.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     stand: Stand,
     floats: bool,
 }
 
-/// Returns the outlines of a letter about its own middle.
+/// Returns the outlines of a letter around its own middle.
 fn own(letter: &Letter) -> impl Iterator<Item = impl Iterator<Item = Vec2>> {
     let middle = Vec2::new(letter.middle, 0.0);
     letter.outlines.iter().map(move |outline| outline.iter().map(move |p| *p - middle))
@@ -225,7 +225,7 @@ mod tests {
             let normal = pose.rotation * Vec3::Z;
             let out = (pose.at_vx - 64.0).with_y(0.0).normalize();
             assert!(normal.dot(out) > 0.98, "{} looks along {normal}", letter.sign);
-            // As far around the column as it is along the line.
+            // The distance around the column equals that along the line.
             let around = out.x.atan2(out.z) * radius;
             assert!((around - letter.middle).abs() < 5.0, "{around} for {}", letter.middle);
             assert!((pose.at_vx.y - 64.0).abs() < 1.5, "on the line");
@@ -242,13 +242,13 @@ mod tests {
             assert_eq!(pose.rotation, Quat::IDENTITY);
         }
         assert!(stand.floating(&wall, &line).is_empty());
-        // The dot of the first letter is with its stroke.
+        // The dot of the first letter goes with its stroke.
         let long = letters("ijk and a wall", Font::Light, 12.0).unwrap();
         let floating = stand.floating(&wall, &long);
         assert!(floating.starts_with(&['i']) && floating.len() < 4, "{floating:?}");
         let flat = poses(&stand.forms(&wall, &long, 3.0));
         assert!(flat.iter().all(|pose| pose.at_vx.z == 64.0));
-        // In the air all stand in one plane, and there is nothing to be said.
+        // In the air all share a plane, and nothing is reported.
         let air = grid(|_| false);
         assert!(stand.floating(&air, &line).is_empty());
     }
@@ -263,7 +263,7 @@ mod tests {
                 if axis.dot(near) < 0.3 {
                     continue;
                 }
-                // Nearly an axis is the axis.
+                // Nearly an axis becomes the axis.
                 let stand = Stand::new(&view, view.middle(), axis + Vec3::ONE * 0.02).unwrap();
                 assert!(stand.axes.z_axis.abs_diff_eq(axis, 1e-6));
                 let forms = stand.forms(&empty(&view), &line, 3.0);

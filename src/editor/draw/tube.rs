@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn a_curve_over_steps_of_voxels_is_smooth_and_short() {
-        // A slope of one in four, as the faces of voxels have it.
+        // A slope of one in four, as formed by the faces of voxels.
         let steps: Vec<Vec3> =
             (0..200).map(|i| Vec3::new(i as f32 * 0.5, (i / 8) as f32, 10.0)).collect();
         let Some(DrawnSolid::Tube { control_points }) = curve(&steps, [4.0, 2.0], Vec3::ONE) else {

@@ -1,7 +1,7 @@
-//! Drawings that take several presses: a box that is raised once its base stands, and a curve by points.
+//! Drawings of several presses: a box that is raised from its base, and a curve by points.
 //!
-//! Nothing is held between the presses, so the view may change: each event brings the view of the moment. Takes pixels;
-//! a finished drawing becomes a command, as after a drag. Knows no window and no keys.
+//! The view may change between the presses: each event brings the present view. Takes pixels; a finished drawing
+//! becomes a command, as after a drag. Knows no window and no keys.
 
 use glam::{Vec2, Vec3};
 
@@ -17,10 +17,10 @@ use crate::input::{DrawKind, ToolMode};
 use crate::picking::Picker;
 use crate::picking::geometry::surface_point;
 
-/// A drawing under way, between the presses or during one of them.
+/// A drawing in progress, between the presses or during one.
 #[derive(Clone, Debug)]
 pub(super) struct Unfinished {
-    /// It does the inverse of what the tool does.
+    /// It does the inverse of the tool.
     inverse: bool,
     what: What,
 }
@@ -31,18 +31,18 @@ enum What {
     Curve(Points),
 }
 
-/// How far a drawing by several presses is.
+/// The progress of a drawing of several presses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Progress {
-    /// A box is raised: voxels out of the face, below 0 into it.
+    /// A box is raised by so many voxels out of the face, negative into it.
     Raised(i32),
     /// A curve has so many points.
     Points(usize),
 }
 
 impl Unfinished {
-    /// What a drag has begun that is over: the base of a box whose height the pointer leads, or, after a click, a curve.
-    /// None if the drag is all of it.
+    /// Returns the continuation of a finished drag: the base of a box whose height the pointer sets, or, after a click,
+    /// a curve. Returns `None` if the drag is complete.
     pub fn of(drawing: &Drawing, tool: &ToolState) -> Option<Unfinished> {
         let what = match drawing.kind() {
             DrawKind::Box if tool.draws.height_by_pointer => {
@@ -65,7 +65,7 @@ impl Unfinished {
         if self.inverse { tool.inverted() } else { tool }
     }
 
-    /// Returns how far it is.
+    /// Returns its progress.
     pub fn progress(&self, tool: ToolMode) -> Progress {
         match &self.what {
             What::Box(raised) => Progress::Raised(raised.layers(self.goes_out(tool))),
@@ -73,12 +73,12 @@ impl Unfinished {
         }
     }
 
-    /// Returns whether a box goes out of its face where the pointer does not say so.
+    /// Returns whether a box extends out of its face by default.
     fn goes_out(&self, tool: ToolMode) -> bool {
         self.mode(tool) == ToolMode::Add
     }
 
-    /// The button is pressed at a pixel.
+    /// Handles a press at a pixel.
     pub fn press(&mut self, at: Vec2, tool_view: &ToolView, picker: &Picker) -> Pressed {
         let (view, seen) = seen_at(at, tool_view, picker);
         match &mut self.what {
@@ -90,7 +90,7 @@ impl Unfinished {
         }
     }
 
-    /// The pointer goes to a pixel.
+    /// Moves the pointer to a pixel.
     pub fn lead(&mut self, at: Vec2, tool_view: &ToolView, picker: &Picker) {
         let (view, seen) = seen_at(at, tool_view, picker);
         match &mut self.what {
@@ -99,7 +99,7 @@ impl Unfinished {
         }
     }
 
-    /// The button is released.
+    /// Releases the button.
     pub fn release(&mut self) {
         if let What::Curve(points) = &mut self.what {
             points.release();
@@ -111,7 +111,7 @@ impl Unfinished {
         matches!(&self.what, What::Curve(points) if points.is_held())
     }
 
-    /// Takes back the last press. False if nothing remains.
+    /// Undoes the last press. Returns false if nothing remains.
     pub fn take_back(&mut self) -> bool {
         match &mut self.what {
             What::Curve(points) => points.take_back(),
@@ -119,7 +119,7 @@ impl Unfinished {
         }
     }
 
-    /// Nothing more follows: it is to be made.
+    /// Returns the finished drawing.
     pub fn finished(&self, view: &ToolView) -> Drawn {
         let mode = self.mode(view.tool.mode);
         let change = view.tool.change(mode);
@@ -138,7 +138,7 @@ impl Unfinished {
         Drawn { kind: self.kind(), mode, commands, floating: Vec::new() }
     }
 
-    /// Returns the lines that show it. `is_pointed`: the pointer is over the picture.
+    /// Returns its preview lines. `is_pointed`: the pointer is over the picture.
     pub fn sketch(&self, is_pointed: bool, tool_view: &ToolView, picker: &Picker) -> Sketch {
         let tool = tool_view.tool;
         let view = View::new(picker.sight(), tool_view.grid());
@@ -152,7 +152,7 @@ impl Unfinished {
     }
 }
 
-/// Returns the view of the moment, and the place on the surface at a pixel where surfaces lead.
+/// Returns the present view, and the surface point at a pixel if the drawing follows the surface.
 fn seen_at(at: Vec2, tool_view: &ToolView, picker: &Picker) -> (View, Option<Vec3>) {
     let grid = tool_view.grid();
     let map = picker.map().filter(|_| tool_view.tool.draws.on_surface);

@@ -1,6 +1,6 @@
-//! The view in which something is drawn: pixels to places of the grid, and to the space in which voxels have their shape.
+//! The view of a drawing: maps pixels to grid points, and to the space in which voxels have their true shape.
 //!
-//! A value, so that neither the changes of the drawing nor the movements of the camera meanwhile lead it astray.
+//! A value, so that neither the drawing's own changes nor camera movements affect it.
 
 use std::sync::Arc;
 
@@ -11,11 +11,11 @@ use crate::picking::{Picker, Sight, SurfacePoint};
 use crate::sculpture::Grid;
 use crate::surface::IndexMap;
 
-/// A view of one grid, as it was when a drag began.
+/// A view of one grid, as it was at the start of a drag.
 #[derive(Clone, Debug)]
 pub struct View {
     pub sight: Sight,
-    /// The voxels that were seen, where surfaces lead the drag.
+    /// The visible voxels, for drags that follow the surface.
     seen: Option<Arc<IndexMap>>,
     /// The dimensions of the grid, in voxels.
     pub dims: UVec3,
@@ -34,13 +34,13 @@ impl View {
         }
     }
 
-    /// Returns the same with the surface as it is seen now.
+    /// Returns the view with the surface as it is seen now.
     pub fn with_surface(mut self, picker: &Picker, grid: &Grid) -> View {
         self.seen = picker.map().map(|map| lasting(map, grid));
         self
     }
 
-    /// Returns the surface at a pixel, if it was kept.
+    /// Returns the surface at a pixel, if it was recorded.
     pub fn surface(&self, grid: &Grid, at: Vec2) -> Option<SurfacePoint> {
         surface_point(self.seen.as_ref()?, grid, at)
     }
@@ -50,7 +50,8 @@ impl View {
         self.sight.rays.origin * self.edges
     }
 
-    /// Returns where the ray through a pixel goes, in units of the smallest edge, of length 1 (or 0 if there is none).
+    /// Returns the direction of the ray through a pixel, in units of the smallest edge: a unit vector, or 0 if there is
+    /// none.
     pub fn direction(&self, at: Vec2) -> Vec3 {
         (self.sight.rays.direction_at(at.x, at.y) * self.edges).normalize_or_zero()
     }
@@ -60,7 +61,7 @@ impl View {
         self.dims.as_vec3() * 0.5
     }
 
-    /// Across, up and towards the viewer at a pixel: of length 1, at right angles, in units of the smallest edge.
+    /// Returns orthogonal unit vectors across, up and towards the viewer at a pixel, in units of the smallest edge.
     pub fn frame(&self, at: Vec2) -> Option<[Vec3; 3]> {
         let ahead = self.direction(at);
         let right = self.direction(at + Vec2::X) - ahead;
@@ -68,7 +69,7 @@ impl View {
         Some([right, right.cross(ahead), -ahead])
     }
 
-    /// Returns a circle around a place (voxels) that faces the viewer, as lines between places.
+    /// Returns a circle around a point (voxels) that faces the viewer, as lines between points.
     pub fn circle(&self, around_vx: Vec3, radius: f32) -> Vec<[Vec3; 2]> {
         let Some(at) = self.sight.pixel_of(around_vx) else { return Vec::new() };
         let Some([right, up, _]) = self.frame(at) else { return Vec::new() };
@@ -76,7 +77,7 @@ impl View {
     }
 }
 
-/// Returns a circle as lines, from its centre and two of its radii.
+/// Returns a circle as lines, from its centre and two radii.
 pub fn circle(centre: Vec3, across: Vec3, up: Vec3) -> Vec<[Vec3; 2]> {
     const SEGMENTS: u32 = 32;
     let at = |i: u32| {
@@ -86,7 +87,7 @@ pub fn circle(centre: Vec3, across: Vec3, up: Vec3) -> Vec<[Vec3; 2]> {
     (0..SEGMENTS).map(|i| [at(i), at(i + 1)]).collect()
 }
 
-/// Returns the lines from each point to the next.
+/// Returns the lines that join consecutive points.
 pub fn chain(points: &[Vec3]) -> impl Iterator<Item = [Vec3; 2]> {
     points.windows(2).map(|pair| [pair[0], pair[1]])
 }
@@ -99,7 +100,7 @@ pub mod tests {
     use crate::sculpture::Placement;
     use crate::view::Camera;
 
-    /// Returns a grid turned before an eye, in a picture of 200 x 100 pixels.
+    /// Returns the view of a rotated grid in a picture of 200 x 100 pixels.
     pub fn view(rotation: Quat, dims: UVec3, voxel_size: Vec3) -> View {
         let size = dims.as_vec3() * voxel_size;
         let eye = Camera { eye: Vec3::new(0.0, 0.0, 2.0 * size.length()), ..Camera::default() }
@@ -109,7 +110,7 @@ pub mod tests {
         View { sight, seen: None, dims, edges: voxel_size / voxel_size.min_element() }
     }
 
-    /// Views from many sides, of voxels of several shapes.
+    /// Returns views from many sides, of voxels of several shapes.
     pub fn views() -> Vec<View> {
         [
             (Quat::IDENTITY, Vec3::ONE),

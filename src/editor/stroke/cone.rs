@@ -1,4 +1,4 @@
-//! Strokes of brushes under an outline that a hand holds: the brush is used in a cone, at a spacing along its path.
+//! Strokes of brushes under an outline in a hand: the brush is used in a cone, at a spacing along its path.
 
 use glam::{Vec2, Vec3};
 
@@ -14,17 +14,16 @@ use crate::tools::brush::spec::BrushStroke;
 /// A stroke of a brush in a hand.
 pub struct ConeStroke {
     options: BrushOptions,
-    /// Of the middle of the cone, in voxels.
+    /// Path of the cone's middle, in voxels.
     path: Path,
-    /// As it is now.
+    /// The present cone.
     cone: Footprint,
     is_due: bool,
     uses: u32,
 }
 
 impl ConeStroke {
-    /// Returns a stroke from where the cone is. `spacing_vx`: how far that goes along the surface before the brush is
-    /// used again.
+    /// Begins a stroke at the cone. `spacing_vx`: distance along the surface between two uses of the brush.
     pub fn new(options: BrushOptions, cone: Footprint, spacing_vx: f32) -> ConeStroke {
         let path = Path::new(cone.eye_vx + cone.aim, spacing_vx, Vec3::ONE);
         ConeStroke { options, path, cone, is_due: true, uses: 0 }
@@ -32,7 +31,7 @@ impl ConeStroke {
 }
 
 impl Lead for ConeStroke {
-    /// The hand leads it, not the pointer.
+    /// The hand moves it, not the pointer.
     fn point_at(&mut self, _: Vec2, _: &mut Scene, _: &Picker) {}
 
     fn tool_moved(&mut self, _: &mut Scene, _: &Picker) {}

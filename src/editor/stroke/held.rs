@@ -1,8 +1,8 @@
-//! Strokes of the brushes that take hold of clay.
+//! Strokes of the brushes that grab clay.
 //!
-//! A stroke of `grab` or `twist` moves the clay as it was when the stroke began. Each command takes the place of the one before,
-//! so that however long the drag, the clay is resampled once. Events only say how far to pull; [`Lead::catch_up`] makes
-//! that due, once for each picture.
+//! A stroke of `grab` or `twist` moves the clay as it was when the stroke began. Each command replaces the one before,
+//! so that even a long drag resamples the clay once. Events only set the displacement; [`Lead::catch_up`] makes it due,
+//! once per picture.
 
 use glam::{Vec2, Vec3};
 
@@ -13,32 +13,33 @@ use crate::tools::brush::dab::{Dab, DabPlace};
 use crate::tools::brush::keys::RADIUS;
 use crate::tools::brush::options::BrushOptions;
 
-/// A stroke of clay that is held.
+/// A stroke that holds clay.
 pub struct HeldStroke {
     options: BrushOptions,
-    /// It turns instead of going along.
+    /// It rotates instead of moving.
     turns: bool,
-    /// Where the tool took hold, in voxels.
+    /// Position of the grab, in voxels.
     start: Vec3,
-    /// Out of the clay there, of length 1.
+    /// Unit vector out of the clay there.
     normal: Vec3,
-    /// To the right, as it is seen, of length 1 in units of the smallest edge.
+    /// Unit vector to the right in the picture, in units of the smallest edge.
     right: Vec3,
     /// Voxel edges in units of the smallest.
     edges: Vec3,
-    /// From there to what the pointer pointed at, in voxels; none while a key or a hand holds it away from the pointer.
+    /// From there to the surface point under the pointer, in voxels; `None` while a key or a hand holds it away from
+    /// the pointer.
     aside: Option<Vec3>,
-    /// How far the tool has been led, in voxels.
+    /// Displacement of the tool, in voxels.
     by: Vec3,
-    /// How far it had been when the clay was last pulled.
+    /// Displacement at the last pull of the clay.
     done: Vec3,
     is_due: bool,
     uses: u32,
 }
 
 impl HeldStroke {
-    /// Takes hold of the clay around the tool. `options`: with the radius in units of the smallest edge; `at`: the pointer
-    /// that leads it (pixels).
+    /// Grabs the clay around the tool. `options`: with the radius in units of the smallest edge; `at`: the pointer
+    /// (pixels).
     pub fn new(
         options: BrushOptions,
         turns: bool,
@@ -68,7 +69,7 @@ impl HeldStroke {
 }
 
 impl Lead for HeldStroke {
-    /// In the plane of the view in which it was taken hold of.
+    /// Moves in the view plane through the grab.
     fn point_at(&mut self, to: Vec2, scene: &mut Scene, picker: &Picker) {
         let Some(aside) = self.aside else { return };
         let by = in_plane_of(self.start, to, picker) - self.start - aside;
@@ -93,7 +94,7 @@ impl Lead for HeldStroke {
         self.done = self.by;
     }
 
-    /// None where it changes nothing.
+    /// Returns `None` if it would change nothing.
     fn next(&mut self, _: &mut Scene, _: Option<&Picker>) -> Option<Command> {
         if !std::mem::take(&mut self.is_due) {
             return None;
@@ -122,7 +123,7 @@ impl Lead for HeldStroke {
     }
 }
 
-/// Returns the point seen at `at` (pixels) in the plane of the view through `point`.
+/// Returns the point at `at` (pixels) in the view plane through `point`.
 fn in_plane_of(point: Vec3, at: Vec2, picker: &Picker) -> Vec3 {
     let sight = picker.sight();
     sight.at_depth(at, sight.depth(point))

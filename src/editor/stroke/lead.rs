@@ -1,7 +1,7 @@
-//! The lead of a stroke: from where the pointer, a hand or a key takes the tool to the commands that are due.
+//! The control of a stroke: turns the path of the tool under the pointer, a hand or a key into due commands.
 //!
-//! Each kind of tool has its own, in a file of its own. A lead sees a part of the editor, moves the tool in it and gives
-//! commands; it carries out none.
+//! Each kind of tool implements it in a file of its own. A lead sees part of the editor, moves the tool there and gives
+//! commands; it executes none.
 
 use glam::{Vec2, Vec3};
 
@@ -34,13 +34,13 @@ impl Scene<'_> {
         size / size.min_element()
     }
 
-    /// Returns the colour that nothing has been painted over.
+    /// Returns the colour of unpainted clay.
     pub fn bare_colour(&self) -> Rgb {
         self.document.contents().material.base()
     }
 
-    /// Returns the direction out of the clay around a place, of length 1. `radius`: of the ball that is looked at, in
-    /// units of the smallest edge; `at`: where the place is seen (pixels), if it is.
+    /// Returns the unit vector out of the clay around a point. `radius`: of the examined ball, in units of the smallest
+    /// edge; `at`: the point's pixel, if it is visible.
     pub fn normal_at(&self, place: Vec3, radius: f32, at: Option<Vec2>, picker: &Picker) -> Vec3 {
         let grid = self.grid();
         normal_around(grid, place, radius)
@@ -50,66 +50,66 @@ impl Scene<'_> {
     }
 }
 
-/// Leads a stroke.
+/// Controls a stroke.
 pub trait Lead {
-    /// The pointer goes to a point of the picture, in pixels.
+    /// Moves the pointer to a point of the picture, in pixels.
     fn point_at(&mut self, to: Vec2, scene: &mut Scene, picker: &Picker);
 
-    /// Something else than the pointer has moved the tool.
+    /// Follows a tool moved by something other than the pointer.
     fn tool_moved(&mut self, scene: &mut Scene, picker: &Picker);
 
-    /// The pointer has put the tool on a point of the surface, which is seen at `at` (pixels).
+    /// Follows the tool that the pointer has put on a surface point, seen at `at` (pixels).
     fn tool_put(&mut self, _at: Vec2, _point: Vec3, _scene: &mut Scene, _picker: &Picker) {}
 
-    /// A hand has led the cone in which it works.
+    /// Moves the cone of a hand.
     fn aim(&mut self, _cone: Footprint) {}
 
-    /// A picture is due: what is too slow to be done for every event becomes due.
+    /// Makes the work due that is too slow for every event. Called once per picture.
     fn catch_up(&mut self) {}
 
-    /// The stroke is about to end: the tool arrives where it has been led.
+    /// Lets the tool arrive at its target before the stroke ends.
     fn finish(&mut self, _scene: &mut Scene) {
         self.catch_up();
     }
 
-    /// Returns whether it is used again where it is held. `in_hand`: a hand in a headset holds it.
+    /// Returns whether it repeats while held in place. `in_hand`: in a hand of a headset.
     fn repeats(&self, _in_hand: bool) -> bool {
         false
     }
 
-    /// The same use once more becomes due.
+    /// Makes the same use due once more.
     fn repeat(&mut self, _scene: &mut Scene) {}
 
-    /// Uses of the tool so far.
+    /// Returns the number of uses so far.
     fn uses(&self) -> u32;
 
-    /// Returns the next command that is due. `picker`: the last picture, for those that work in it.
+    /// Returns the next due command. `picker`: the last picture, for tools that work in it.
     fn next(&mut self, scene: &mut Scene, picker: Option<&Picker>) -> Option<Command>;
 
-    /// Returns the manner in which the pointer leads it.
+    /// Returns how the pointer controls it.
     fn pointer(&self) -> PointerLead;
 
-    /// Returns whether the pointer, as the picture is now, leads a solid over the surface.
+    /// Returns whether the pointer guides a solid over the surface in the present picture.
     fn is_led_over(&self, _picker: &Picker) -> bool {
         false
     }
 
-    /// Returns whether where it goes depends on what the picture shows under the pointer.
+    /// Returns whether its path depends on the surface under the pointer.
     fn depends_on_picture(&self) -> bool;
 
-    /// Returns whether it has taken hold of clay and not moved it.
+    /// Returns whether it has grabbed clay and not moved it.
     fn is_still(&self) -> bool {
         false
     }
 }
 
-/// The manner in which the pointer leads a stroke.
+/// The ways in which the pointer controls a stroke.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PointerLead {
-    /// Not at all: a drag moves the tool, and the stroke follows that.
+    /// Not at all: a drag moves the tool, and the stroke follows the tool.
     None,
-    /// Drags lead it.
+    /// By drags.
     Drag,
-    /// Drags lead it, and the pointer without a button.
+    /// By drags, and by movements without a button.
     Always,
 }

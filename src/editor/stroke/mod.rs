@@ -1,5 +1,5 @@
-//! The stroke under way: from the press to the release the tool is used along a path, and all of it is one step of the
-//! history. A [`Lead`] leads it, one for each kind of tool.
+//! The present stroke: from the press to the release the tool is used along a path, as one step of the history. A
+//! [`Lead`] controls it, one for each kind of tool.
 
 mod cone;
 mod held;
@@ -35,34 +35,34 @@ use sweep::SweepSegment;
 pub(super) use lead::{PointerLead, Scene};
 pub(super) use solid::{Guide, PointerGuide};
 
-/// After how long a brush that goes on while it is held is used again, in seconds.
+/// Time between two uses of a held brush that repeats, in seconds.
 const AGAIN_S: f64 = 0.1;
 
 /// A stroke that is not finished.
 pub(super) struct Stroke {
     lead: Box<dyn Lead>,
-    /// Since when it has not been used, on the clock of [`Stroking::dwell`], and how often it had been.
+    /// Start of the time without use on the clock of [`Stroking::dwell`], and the number of uses then.
     idle: Option<(f64, u32)>,
 }
 
 impl Stroke {
-    /// Returns the manner in which the pointer leads it.
+    /// Returns how the pointer controls it.
     pub fn pointer(&self) -> PointerLead {
         self.lead.pointer()
     }
 
-    /// Returns whether the pointer, as the picture is now, leads a solid over the surface.
+    /// Returns whether the pointer guides a solid over the surface in the present picture.
     pub fn is_led_over(&self, picker: &Picker) -> bool {
         self.lead.is_led_over(picker)
     }
 
-    /// Returns whether where it goes depends on what the picture shows under the pointer.
+    /// Returns whether its path depends on the surface under the pointer.
     pub fn depends_on_picture(&self) -> bool {
         self.lead.depends_on_picture()
     }
 }
 
-/// The stroke in hand, with the part of the editor that it works on.
+/// The present stroke, with the part of the editor that it works on.
 pub(super) struct Stroking<'a> {
     pub stroke: &'a mut Option<Stroke>,
     pub commands: &'a mut CommandRunner,
@@ -85,15 +85,15 @@ impl Stroking<'_> {
         });
     }
 
-    /// Opens a stroke of a brush in a hand, and uses it. `cone`: where it works; `spacing_vx`: how far that goes along the
-    /// surface before it is used again.
+    /// Opens a stroke of a brush in a hand, and uses it. `cone`: its area; `spacing_vx`: distance along the surface
+    /// between two uses.
     pub fn begin_cone(&mut self, options: BrushOptions, cone: Footprint, spacing_vx: f32) {
         self.begin_brush(options.brush(), None, |_| {
             Box::new(ConeStroke::new(options, cone, spacing_vx))
         });
     }
 
-    /// Begins to use a brush that deforms where the tool is. `at`: the pointer that leads it (pixels).
+    /// Opens a stroke of a deforming brush at the tool. `at`: the pointer (pixels).
     pub fn begin_clay(&mut self, brush: BrushId, inverse: bool, at: Option<Vec2>, picker: &Picker) {
         self.begin_brush(brush, Some(picker), |scene| {
             let options = scene.tool.brushes.ball_options(brush);
@@ -106,8 +106,8 @@ impl Stroking<'_> {
         });
     }
 
-    /// Opens a stroke of the solid in hand where the tool is and uses it there. `unpaints`: it paints the bare colour;
-    /// `guide`: the input that leads it.
+    /// Opens a stroke of the solid in hand at the tool and uses it there. `unpaints`: it paints the bare colour;
+    /// `guide`: the input that moves it.
     pub fn begin_solid(
         &mut self,
         mode: ToolMode,
@@ -132,7 +132,7 @@ impl Stroking<'_> {
         self.begin_stroke(spec.name.into(), spec.gives_colour, picker, lead);
     }
 
-    /// Opens a stroke, unless another is under way, and carries out what is due at once.
+    /// Opens a stroke, unless there is one, and executes the due commands.
     fn begin_stroke(
         &mut self,
         label: String,
@@ -171,13 +171,14 @@ impl Stroking<'_> {
         }
     }
 
-    /// Leads the stroke to a point of the picture.
+    /// Moves the stroke to a point of the picture.
     pub fn lead_to(&mut self, to: Vec2, picker: &Picker) {
         self.with_lead(|lead, scene| lead.point_at(to, scene, picker));
         self.carry_out_due(Some(picker));
     }
 
-    /// Leads the stroke to a point of the picture if the pointer leads it without a button, too. False if it does not.
+    /// Moves the stroke to a point of the picture if it follows the pointer without a button. Returns false if it does
+    /// not.
     pub fn lead_by_pointer(&mut self, to: Vec2, picker: &Picker) -> bool {
         let leads = self.stroke.as_ref().is_some_and(|s| s.pointer() == PointerLead::Always);
         if leads {
@@ -186,39 +187,39 @@ impl Stroking<'_> {
         leads
     }
 
-    /// Leads the stroke of a brush in a hand.
+    /// Moves the stroke of a brush in a hand.
     pub fn aim(&mut self, cone: Footprint) {
         self.with_lead(|lead, _| lead.aim(cone));
         self.carry_out_due(None);
     }
 
-    /// The pointer has put the tool on `point`, which is seen at `at`: a solid that is held down follows it from here on.
+    /// Follows the pointer, which has put the tool on `point`, seen at `at`: a solid that is held down continues there.
     pub fn tool_put(&mut self, at: Vec2, point: Vec3, picker: &Picker) {
         self.with_lead(|lead, scene| lead.tool_put(at, point, scene, picker));
         self.carry_out_due(Some(picker));
     }
 
-    /// The tool was moved by something else; a stroke that it leads follows.
+    /// Follows a tool moved by something else.
     pub fn tool_moved(&mut self, picker: &Picker) {
         self.with_lead(|lead, scene| lead.tool_moved(scene, picker));
         self.carry_out_due(Some(picker));
     }
 
-    /// Does what would be too slow for every event, since a device may speak often. To be called once for each picture.
+    /// Does the work that is too slow for every event of a frequent device. Called once per picture.
     pub fn catch_up(&mut self) {
         self.with_lead(|lead, _| lead.catch_up());
         self.carry_out_due(None);
     }
 
-    /// Uses a brush that goes on for as long as it is held once more where it is, if it has not been used for a while.
-    /// Returns after how long to ask again, in seconds. `now_s`: on any clock; `by_hand`: in a headset.
+    /// Uses a held brush again where it is, if it repeats and has not been used for a while. Returns the seconds until
+    /// the next call. `now_s`: on any clock; `by_hand`: in a headset.
     pub fn dwell(&mut self, now_s: f64, by_hand: bool, picker: &Picker) -> Option<f64> {
         let Stroke { lead, idle, .. } = self.stroke.as_mut()?;
         if !lead.repeats(by_hand) {
             return None;
         }
         let uses = lead.uses();
-        // It has been used since, or has not been asked about.
+        // It has been used since, or this is the first call.
         if idle.is_none_or(|(_, before)| before != uses) {
             *idle = Some((now_s, uses));
         }
@@ -235,7 +236,7 @@ impl Stroking<'_> {
         Some(AGAIN_S)
     }
 
-    /// Ends the stroke, and says why nothing has changed if nothing has. `in_hand`: a hand in a headset leads the tool.
+    /// Ends the stroke, and explains a lack of effect. `in_hand`: a hand in a headset holds the tool.
     pub fn end(&mut self, in_hand: bool) {
         self.with_lead(|lead, scene| lead.finish(scene));
         self.carry_out_due(None);
@@ -251,7 +252,7 @@ impl Stroking<'_> {
         }
     }
 
-    /// Takes the stroke back.
+    /// Reverts the stroke.
     pub fn cancel(&mut self) {
         if self.stroke.take().is_some() {
             self.commands.cancel_stroke();

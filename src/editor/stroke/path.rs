@@ -1,50 +1,50 @@
-//! The resampling of a brush's path: however the hand moved and however often the device spoke, the brush is used at an
-//! even spacing. Solids sweep ([`super::sweep`]).
+//! Resamples a brush's path, so that the brush is used at an even spacing independent of the rate of events. Solids
+//! sweep instead ([`super::sweep`]).
 
 use glam::Vec3;
 
-/// Most samples on one straight way: beyond that something has leapt, and the tool is lifted.
+/// Most samples on one straight line. A longer one is a jump: the tool is lifted.
 const MOST_SAMPLES: f32 = 4096.0;
 
-/// A path that is being drawn.
+/// The path of a brush in use.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Path {
     at: Vec3,
-    /// Length drawn since the last sample, in the units of `spacing`.
+    /// Length since the last sample, in the units of `spacing`.
     since: f32,
     spacing: f32,
-    /// The spacing of a brush of its full size.
+    /// The spacing at full size.
     whole: f32,
     /// Length of a voxel edge on each axis.
     edges: Vec3,
 }
 
 impl Path {
-    /// Returns a path from `start` (voxels) with samples every `spacing`, measured in units of which a voxel has
-    /// `edges`. The start itself counts as sampled.
+    /// Begins at `start` (voxels) with samples every `spacing`, measured in units of which a voxel has `edges`. The
+    /// start itself counts as sampled.
     pub fn new(start: Vec3, spacing: f32, edges: Vec3) -> Path {
         let spacing = if spacing.is_finite() { spacing.max(1e-3) } else { 1e-3 };
         Path { at: start, since: 0.0, spacing, whole: spacing, edges }
     }
 
-    /// The brush has a share of its full size from here on, and so has the spacing, down to one unit.
+    /// Scales the brush and its spacing, down to one unit, from here on.
     pub fn scale(&mut self, share: f32) {
         if share.is_finite() {
             self.spacing = (self.whole * share).max(self.whole.min(1.0));
         }
     }
 
-    /// Goes straight to `to` and gives the samples on the way. Jumps to a place that is too far for any movement, and
-    /// ignores a place that is not finite.
+    /// Goes straight to `to` and gives the samples on the path. Jumps if it is too far for a movement, and ignores a
+    /// position that is not finite.
     pub fn line_to(&mut self, to: Vec3, mut sample: impl FnMut(Vec3)) {
         let length = self.distance(to);
         if !to.is_finite() || length == 0.0 {
             return;
         }
-        // The spacing may have become less than what is drawn since the last sample.
+        // The spacing may now be less than the length since the last sample.
         self.since = self.since.min(self.spacing);
         let first = self.spacing - self.since;
-        // Counted, not summed up: far out a step is less than what a number can tell apart.
+        // Counted, not summed up: far out, a step is below the precision of a float.
         let count = ((length - first) / self.spacing).floor() + 1.0;
         if count.is_nan() || count > MOST_SAMPLES {
             self.jump_to(to, sample);
@@ -59,7 +59,7 @@ impl Path {
         self.since = (self.since + length - count as f32 * self.spacing).max(0.0);
     }
 
-    /// Goes on at `to` without the way there, and gives a sample there.
+    /// Continues at `to` without a path there, and gives a sample.
     pub fn jump_to(&mut self, to: Vec3, mut sample: impl FnMut(Vec3)) {
         if !to.is_finite() {
             return;
@@ -69,12 +69,12 @@ impl Path {
         sample(to);
     }
 
-    /// Returns where the path ends, in voxels.
+    /// Returns the end of the path, in voxels.
     pub fn end(&self) -> Vec3 {
         self.at
     }
 
-    /// Returns distance from the end of the path to `to`, in the units of the spacing.
+    /// Returns the distance from the end of the path to `to`, in the units of the spacing.
     pub fn distance(&self, to: Vec3) -> f32 {
         ((to - self.at) * self.edges).length()
     }
@@ -122,7 +122,7 @@ mod tests {
             let out = samples(&[Vec3::ZERO, Vec3::X * far, Vec3::ZERO], 1.0, Vec3::ONE);
             assert_eq!(out, [Vec3::X * far, Vec3::ZERO], "{far}");
         }
-        // Far out, where a step is less than what a number can tell apart.
+        // Far out, where a step is below the precision of a float.
         let out = samples(&[Vec3::X * 1e8, Vec3::new(1e8, 50.0, 0.0)], 1.0, Vec3::ONE);
         assert_eq!(out.len(), 50);
         let points = [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, Vec3::X * 3.0];
@@ -131,7 +131,7 @@ mod tests {
     }
 
     proptest! {
-        /// A path ends wherever it goes, with few samples, all of them finite.
+        /// Checks that any input gives few samples, all of them finite.
         #[test]
         fn a_path_ends_wherever_it_goes(
             places in prop::collection::vec(prop::array::uniform3(prop::num::f32::ANY), 1..20),
@@ -147,7 +147,7 @@ mod tests {
             }
         }
 
-        /// However often the device speaks on the same straight way, the samples are the same.
+        /// Checks that the rate of events on a straight line does not change the samples.
         #[test]
         fn samples_do_not_depend_on_the_events(
             cuts in prop::collection::vec(0.0f32..1.0, 0..20),
@@ -160,7 +160,7 @@ mod tests {
             points.extend(cuts.iter().map(|&t| a.lerp(b, t)));
             points.push(b);
             let (once, often) = (samples(&[a, b], spacing, Vec3::ONE), samples(&points, spacing, Vec3::ONE));
-            // A sample on the very end may fall to either side of it by rounding.
+            // Rounding decides about a sample at the very end.
             prop_assert!(once.len().abs_diff(often.len()) <= 1);
             for (p, q) in once.iter().zip(&often) {
                 prop_assert!(p.abs_diff_eq(*q, 1e-2), "{p} {q}");

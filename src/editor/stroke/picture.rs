@@ -19,7 +19,7 @@ use crate::tools::brush::spec::BrushStroke;
 /// A stroke of a brush under an outline in the picture.
 pub struct PictureStroke {
     options: BrushOptions,
-    /// It takes paint away instead of putting it on.
+    /// It removes paint instead of applying it.
     unpaints: bool,
     /// In pixels, with z = 0.
     path: Path,
@@ -28,7 +28,7 @@ pub struct PictureStroke {
 }
 
 impl PictureStroke {
-    /// Returns a stroke from `at` (pixels).
+    /// Begins a stroke at `at` (pixels).
     pub fn new(
         options: BrushOptions,
         unpaints: bool,
@@ -47,7 +47,7 @@ impl PictureStroke {
         stroke
     }
 
-    /// The brush is to be used at points of the picture.
+    /// Makes uses of the brush due at points of the picture.
     fn use_at(&mut self, stops: &[Vec3], scene: &mut Scene) {
         self.due.extend(stops.iter().copied().zip(scene.grip.along_path(stops.len())));
     }
@@ -62,7 +62,7 @@ impl Lead for PictureStroke {
         self.use_at(&stops, scene);
     }
 
-    /// It works where the tool would be seen.
+    /// Works at the visible position of the tool.
     fn tool_moved(&mut self, scene: &mut Scene, picker: &Picker) {
         let at = picker.sight().pixel_of(scene.tool.centre_vx);
         if let Some(at) = at.filter(|_| scene.tool.picture_brush().is_some()) {
@@ -115,7 +115,7 @@ impl Lead for PictureStroke {
     }
 }
 
-/// Returns the radius of a brush where the picture shows the surface at `at`, in pixels.
+/// Returns the radius of a brush at the visible surface under `at`, in pixels.
 fn radius_px(options: &BrushOptions, at: Vec2, scene: &Scene, picker: &Picker) -> f32 {
     let point = scene.anchor.target(scene.grid(), at, picker);
     let gauge = point.map(|point| gauge_at(scene.grid(), point, picker));

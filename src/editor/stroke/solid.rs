@@ -13,24 +13,24 @@ use crate::input::ToolMode;
 use crate::picking::Picker;
 use crate::tools::solid::Primitive;
 
-/// The input that leads a solid.
+/// The input that moves a solid.
 pub enum Guide {
     /// A drag of the pointer over the surface.
     Surface(PointerGuide),
-    /// Any input that moves the tool while a key, a button or a hand holds it down. `hovering`: the pointer, if it was
-    /// the last to move the tool.
+    /// Any input that moves the tool while a key, a button or a hand holds it down. `hovering`: the pointer, if it
+    /// moved the tool last.
     Tool { hovering: Option<PointerGuide> },
 }
 
 /// The pointer on the surface, with the tool on it.
 pub struct PointerGuide {
     surface: SurfaceGuide,
-    /// From the surface to the centre of a tool that stands on it.
+    /// From the surface to the centre of a tool resting on it.
     lift: Vec3,
 }
 
 impl PointerGuide {
-    /// The pointer at `at` (pixels) has put the tool on `point` of the surface.
+    /// Starts with the pointer at `at` (pixels) and the tool on `point` of the surface.
     pub fn new(at: Vec2, point: Vec3, scene: &Scene, picker: &Picker) -> PointerGuide {
         let surface = SurfaceGuide::new(at, point, scene.grid(), picker);
         let lift = if scene.tool.stand { scene.tool.centre_vx - point } else { Vec3::ZERO };
@@ -49,7 +49,7 @@ pub struct SolidStroke {
 }
 
 impl SolidStroke {
-    /// Returns a stroke from where the tool is. `unpaints`: it paints the bare colour.
+    /// Begins a stroke at the tool. `unpaints`: it paints the bare colour.
     pub fn new(mode: ToolMode, unpaints: bool, guide: Guide, scene: &Scene) -> SolidStroke {
         let tool = scene.tool.primitive();
         let sweep = Sweep::new(&tool, scene.edges());
@@ -136,12 +136,12 @@ impl Lead for SolidStroke {
     }
 }
 
-/// Returns the solid in hand with its centre at a place, or in the middle of the voxel there.
+/// Returns the solid in hand with its centre at a point, or in the middle of the voxel there.
 fn at(tool: &ToolState, centre_vx: Vec3) -> Primitive {
     Primitive { centre_vx: tool.snapped(centre_vx), ..tool.primitive() }
 }
 
-/// Leads `sweep` over the surface to `centre_vx`: straight, or where the surface leaps with the tool lifted.
+/// Moves `sweep` over the surface to `centre_vx`: straight, or, at a jump of the surface, with the tool lifted.
 fn go_over_surface(
     sweep: &mut Sweep,
     tool: &ToolState,

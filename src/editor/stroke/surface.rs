@@ -1,8 +1,9 @@
-//! Strokes of the brushes that deform: the brush is used at a spacing along a path over the surface. Most move the surface
-//! as it was when the stroke began, so that overlapping uses do not add up; pinch and smear move what uses before left.
+//! Strokes of the deforming brushes: the brush is used at a spacing along a path over the surface. Most move the
+//! surface as it was when the stroke began, so that overlapping uses do not add up; pinch and smear build on earlier
+//! uses.
 //!
-//! The plane of flatten, scrape and fill is that of the surface around the press, for the whole stroke; draw and crease go
-//! along the normal of the surface around each use, as it was when the stroke began.
+//! Flatten, scrape and fill use one plane for the whole stroke, that of the surface around the press. Draw and crease
+//! go along the normal of the surface around each use, as it was when the stroke began.
 
 use std::collections::VecDeque;
 
@@ -26,18 +27,18 @@ use crate::tools::brush::spec::{BrushStroke, Inverse, SurfaceNormal};
 /// A stroke of a brush over the surface.
 pub struct SurfaceStroke {
     options: BrushOptions,
-    /// The lead of a pen over it.
+    /// The effect of a pen on it.
     pen: PenUse,
     /// The modifier that inverts the tool was held at the press.
     inverse: bool,
-    /// The pointer on the surface; none while something else moves the tool.
+    /// The pointer on the surface; `None` while something else moves the tool.
     guide: Option<SurfaceGuide>,
     /// In voxels.
     path: Path,
-    /// Where the stroke began, in voxels, and the direction out of the surface there.
+    /// Start of the stroke, in voxels, and the direction out of the surface there.
     start: Vec3,
     normal: Vec3,
-    /// Where it was used last, in voxels.
+    /// Position of the last use, in voxels.
     last: Vec3,
     /// Voxel edges in units of the smallest.
     edges: Vec3,
@@ -46,8 +47,8 @@ pub struct SurfaceStroke {
 }
 
 impl SurfaceStroke {
-    /// Returns a stroke from where the tool is. `options`: with the radius in units of the smallest edge; `at`: the
-    /// pointer that leads it (pixels).
+    /// Begins a stroke at the tool. `options`: with the radius in units of the smallest edge; `at`: the pointer
+    /// (pixels).
     pub fn new(
         options: BrushOptions,
         inverse: bool,
@@ -76,12 +77,12 @@ impl SurfaceStroke {
         stroke
     }
 
-    /// The brush is to be used at places, in voxels.
+    /// Makes uses of the brush due at points, in voxels.
     fn use_at(&mut self, stops: &[Vec3], scene: &mut Scene) {
         self.due.extend(stops.iter().copied().zip(scene.grip.along_path(stops.len())));
     }
 
-    /// Returns the normal that it uses.
+    /// Returns the normal of its use.
     fn normal_used(&self) -> SurfaceNormal {
         match self.options.brush().spec().stroke {
             BrushStroke::Surface { normal, .. } => normal,
@@ -89,7 +90,7 @@ impl SurfaceStroke {
         }
     }
 
-    /// Returns the brush that it is, or that the modifier makes of it, and the sense in which that works.
+    /// Returns the brush, or the one that the modifier turns it into, and its sense.
     fn brush_and_sense(&self) -> (BrushId, f32) {
         let brush = self.options.brush();
         match brush.spec().inverse {
@@ -99,7 +100,7 @@ impl SurfaceStroke {
         }
     }
 
-    /// Returns the use of the brush at a place, in voxels. None where it does nothing.
+    /// Returns the use of the brush at a point, in voxels; `None` where it does nothing.
     fn command(&self, at: Vec3, touch: PenTouch) -> Option<Command> {
         let (brush, sense) = self.brush_and_sense();
         let options = touched(&self.options, self.pen, touch);

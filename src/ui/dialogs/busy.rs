@@ -1,5 +1,5 @@
-//! The sign over everything while long work is under way: its name, its progress, the picture that is being made, and
-//! the button that stops it.
+//! The sign over everything during long work: its name, its progress, the unfinished picture, and the button that stops
+//! it.
 
 use egui::{Color32, Id, Key, Modal, ProgressBar, Ui};
 
@@ -11,7 +11,7 @@ use crate::ui::widgets::names::capital;
 const WIDTH: f32 = 320.0;
 const WIDTH_WITH_PREVIEW: f32 = 420.0;
 
-/// Shows the work under way, if there is any that is to be shown. `preview`: the picture that it makes.
+/// Shows the long work, if it has a sign. `preview`: the picture that it makes.
 pub fn show(
     root: &Ui,
     busy: Option<&Busy>,

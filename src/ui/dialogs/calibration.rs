@@ -8,10 +8,10 @@ use crate::ui::dialogs::shared::{Dialog, Shared};
 use crate::ui::request::UiRequest;
 use crate::viewpoint::head::CalibrationStep;
 
-/// Whether the tracker is being calibrated.
+/// The window's own state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Calibration {
-    /// As the viewpoint says.
+    /// Set by the viewpoint.
     pub open: bool,
 }
 
@@ -72,7 +72,7 @@ impl Dialog for Calibration {
     }
 }
 
-/// The screen with the corner to touch.
+/// Draws the screen with the corner to touch.
 fn screen(ui: &mut Ui, corner: usize) {
     let (rect, _) = ui.allocate_exact_size(vec2(128.0, 72.0), egui::Sense::hover());
     let rect = rect.shrink(6.0);

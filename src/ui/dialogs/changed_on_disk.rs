@@ -1,4 +1,4 @@
-//! The question before a file is overwritten that another program has changed.
+//! The question before overwriting a file that another program has changed.
 //!
 //! Takes the file; asks with requests, or leads to the choice of another name. Looks at no file.
 

@@ -1,5 +1,5 @@
-//! Lists the words of other programs, and where the thing is here: an option of a panel, an action with another
-//! name, or, where there is no such thing, the nearest to it.
+//! Lists terms of other programs with their counterparts here: an option of a panel, an action with another name, or
+//! else the nearest feature.
 //!
 //! A table for the palette. Searches are compared in British spelling and lower case.
 
@@ -8,7 +8,7 @@ use crate::tools::brush::BrushId;
 use crate::ui::widgets::filter::Filter;
 use crate::ui::widgets::spot::Spot;
 
-/// Added to the rank of a name of which a part is typed.
+/// Added to the rank if only part of a name is typed.
 const PART: u32 = 3;
 
 /// Where a search leads.
@@ -19,18 +19,18 @@ pub enum Target {
     Do(Action),
 }
 
-/// A thing with the names that it is looked for by.
+/// A feature with the names under which people look for it.
 #[derive(PartialEq, Eq, Debug)]
 pub struct Elsewhere {
     /// Separated by commas.
     pub names: &'static str,
-    /// The thing here, or why there is none, and what is nearest.
+    /// Describes the feature here, or why there is none and what is nearest.
     pub text: &'static str,
     pub target: Target,
 }
 
 impl Elsewhere {
-    /// Returns how far what is typed is from its names, as [`Filter::rank`] says. A part of a name, such as the
+    /// Returns how far the typed words are from its names, as [`Filter::rank`] does. Part of a name, such as the
     /// `smooth` of `smooth stroke`, more likely means something else.
     pub fn rank(&self, filter: &Filter) -> Option<u32> {
         let rank = |name: &str| {
@@ -49,7 +49,7 @@ const fn action(names: &'static str, text: &'static str, action: Action) -> Else
     Elsewhere { names, text, target: Target::Do(action) }
 }
 
-/// Everything that is somewhere else.
+/// All features with other names here.
 pub static ELSEWHERE: &[Elsewhere] = &[
     option("array, pattern", "Array: repeat the last operation with an offset", Spot::Array),
     option(

@@ -1,5 +1,5 @@
-//! The dialog that follows the choice of a file to export to: it asks what the file's format leaves open, and keeps
-//! the answers for the next time. Formats that leave nothing open are written at once.
+//! The dialog after choosing a file to export to. It asks for the options of the file's format and remembers the
+//! answers. Formats without options are written at once.
 //!
 //! Takes a path; asks with a command to save; knows no file's contents.
 
@@ -22,32 +22,32 @@ use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
 
 const WIDTH: f32 = 360.0;
-/// Triangles that a mesh is simplified to unless another number is chosen.
+/// Number of triangles to which a mesh is simplified by default.
 const TRIANGLES: u64 = 100_000;
 const MOST_TRIANGLES: u64 = 100_000_000;
 /// Edges of a voxel that can be chosen, in millimetres.
 const VOXEL_MM: std::ops::RangeInclusive<f32> = 0.001..=1000.0;
 
-/// The options chosen so far, and the file that they are for.
+/// The options chosen so far, and the file for them.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ExportDialog {
     /// The file while the dialog is open.
     path: Option<PathBuf>,
-    /// Extent of the existing voxels, found when the dialog opens.
+    /// Extent of the existing voxels, determined when the dialog opens.
     size_vx: Option<Vec3>,
     form: ExportForm,
-    /// The form in which the sculpture is shown.
+    /// The surface that the sculpture shows.
     surface: SurfaceKind,
-    /// Surface of a mesh of sculptures that are shown smooth.
+    /// Surface of a mesh of sculptures shown smooth.
     pub kind: MeshKind,
-    /// Surface of a mesh of sculptures that are shown as cubes.
+    /// Surface of a mesh of sculptures shown as cubes.
     kind_of_cubes: MeshKind,
     points_only: bool,
-    /// None: as usual in the format.
+    /// `None`: the format's usual axis.
     up: Option<MeshUp>,
     simplify: bool,
     triangles: u64,
-    /// Edge of a voxel along x; none: that of the sculpture.
+    /// Edge of a voxel along x; `None`: that of the sculpture.
     voxel_mm: Option<f32>,
 }
 
@@ -70,7 +70,7 @@ impl Default for ExportDialog {
 }
 
 impl ExportDialog {
-    /// Asks for the options of a file, or asks to write it where its format has none.
+    /// Asks for the options of a file, or to write it if its format has none.
     pub fn open(&mut self, path: PathBuf, requests: &mut Vec<UiRequest>) {
         self.size_vx = None;
         match is_mesh(&path) || is_volume(&path) {
@@ -91,7 +91,7 @@ impl ExportDialog {
         UiRequest::Run(Command::Save { path, export })
     }
 
-    /// Returns the chosen options that the format of `path` has a use for.
+    /// Returns the chosen options that apply to the format of `path`.
     fn options(&self, path: &Path) -> ExportOptions {
         if is_volume(path) {
             return self.form.into();
@@ -126,7 +126,7 @@ impl Dialog for ExportDialog {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             ui.heading(format!("Export {name}"));
             ui.add_space(4.0);
-            // While a field or a button has the keyboard, Enter is its own.
+            // A focused field or button uses Enter itself.
             let free = ui.memory(|memory| memory.focused().is_none());
             let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
             match mesh_traits(&path) {
@@ -233,7 +233,7 @@ fn mesh_options(
     });
 }
 
-/// Shows the axis of the file that points up.
+/// Shows the up axis of the file.
 fn up_axis(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, traits: &MeshTraits) {
     let label = ui.label("Up");
     let MeshTraits { up: usual, is_up_fixed: is_fixed, .. } = *traits;

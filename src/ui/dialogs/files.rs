@@ -1,5 +1,5 @@
-//! The dialogs for files, drawn by the program itself, so that they work in a headset too, with
-//! what can be chosen about a file beside the list.
+//! The file dialogs, drawn by the program itself so that they work in a headset, too, with the options for a file
+//! beside the list.
 
 use std::path::{Path, PathBuf};
 
@@ -18,15 +18,15 @@ use crate::ui::request::UiRequest;
 const ENDING: &str = "vsc";
 const SIDE_WIDTH: f32 = 170.0;
 
-/// The file dialog and what it is open for.
+/// The file dialog and its task.
 pub struct Files {
     dialog: FileDialog,
     task: FileTask,
-    /// Where a sculpture was opened or saved last.
+    /// Folder of the file opened or saved last.
     folder: Option<PathBuf>,
-    /// The formats to export to with their endings: the first is proposed the first time.
+    /// The export formats with their extensions. The first is the initial default.
     exports: Vec<(&'static str, &'static str)>,
-    /// The format exported to last, as an index of them.
+    /// The format of the last export, as an index of them.
     export: usize,
 }
 
@@ -41,18 +41,18 @@ impl Files {
         }
     }
 
-    /// Returns the ending that Export proposes.
+    /// Returns the extension that Export proposes.
     pub fn export_ending(&self) -> &'static str {
         self.exports[self.export].1
     }
 
-    /// Proposes the ending of a file that is exported to from now on, if there is such a format.
+    /// Makes Export propose an extension from now on, if it has such a format.
     pub fn set_export_ending(&mut self, ending: &str) {
         let known = |(_, own): &(&str, &str)| own.eq_ignore_ascii_case(ending);
         self.export = self.exports.iter().position(known).unwrap_or(self.export);
     }
 
-    /// Returns the folder that dialogs open in where no file says another.
+    /// Returns the folder in which dialogs open if no file names another.
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }
@@ -134,7 +134,7 @@ impl Dialog for Files {
     fn show(&mut self, root: &Ui, shared: &mut Shared) {
         let ask = &mut shared.ask_import;
         let Files { dialog, task, exports, export, .. } = self;
-        // The library draws its search field black on any ground: dark text could not be read there.
+        // The library draws its search field black in any theme: dark text would be unreadable.
         dialog.config_mut().show_search = root.visuals().dark_mode;
         dialog.update_with_right_panel_ui(root.ctx(), &mut |ui, _| {
         ui.add_space(4.0);
@@ -199,12 +199,12 @@ impl Dialog for Files {
     }
 }
 
-/// Returns the path with an ending, if it was typed without one.
+/// Returns the path, with `ending` if it was typed without one.
 fn with_ending(path: PathBuf, ending: &str) -> PathBuf {
     if path.extension().is_none() { path.with_extension(ending) } else { path }
 }
 
-/// Returns the last folder of a file, to open dialogs there.
+/// Returns the folder of a file, to open dialogs there.
 pub fn folder_of(path: Option<&Path>) -> Option<PathBuf> {
     path.and_then(|p| p.parent()).filter(|p| !p.as_os_str().is_empty()).map(PathBuf::from)
 }

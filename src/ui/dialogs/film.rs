@@ -1,4 +1,4 @@
-//! The dialog of a film: a turntable of the sculpture, or the time lapse of what was done.
+//! The dialog of a film: a turntable of the sculpture, or the time lapse of the work.
 //!
 //! Asks with a [`FilmRequest`]; knows neither files nor how films are made.
 
@@ -15,7 +15,7 @@ use crate::view::MAX_SAMPLES;
 /// The longest side of a frame, in pixels.
 const MOST_PX: u32 = 4096;
 const MOST_FRAMES: u32 = 100_000;
-/// Frames per second; viewers of GIF slow faster ones down.
+/// Most frames per second; viewers of GIF slow faster films down.
 const MOST_FPS: u16 = 240;
 const MOST_FPS_OF_GIF: u16 = 50;
 const WIDTH: f32 = 360.0;
@@ -27,7 +27,7 @@ pub struct FilmDialog {
     pub kind: FilmKind,
     pub frames: u32,
     pub fps: u16,
-    /// How far the sculpture turns: in a turntable, and in a time lapse.
+    /// The angle by which the sculpture turns: in a turntable, and in a time lapse.
     pub spin_deg: [f32; 2],
     pub size: PictureSize,
     pub samples: u32,
@@ -95,7 +95,7 @@ impl Dialog for FilmDialog {
             if !can_lapse {
                 self.kind = FilmKind::Turntable;
             }
-            // While a field or a button has the keyboard, Enter is its own.
+            // A focused field or button uses Enter itself.
             let free = ui.memory(|memory| memory.focused().is_none());
             let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
             Grid::new("film").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {

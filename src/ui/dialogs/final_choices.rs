@@ -1,4 +1,4 @@
-//! The choices about a final picture, which its dialog shows and which are found again at the next start.
+//! The options of a final picture, shown by its dialog and remembered for the next start.
 //!
 //! Composes the [`FinalRequest`]; shows nothing and traces no light.
 
@@ -9,7 +9,7 @@ use crate::trace::{AreaLight, TraceOptions};
 use crate::ui::dialogs::picture_size::PictureSize;
 use crate::ui::pictures::{FinalFile, FinalRequest};
 
-/// A lamp to the left of the viewer, which fills the shadows of the sun.
+/// A lamp to the left of the viewer that fills the sun's shadows.
 const USUAL_LAMP: AreaLight =
     AreaLight { azimuth_deg: -60.0, elevation_deg: 30.0, size: 1.0, strength: 0.5 };
 
@@ -19,9 +19,9 @@ pub struct FinalDialog {
     pub open: bool,
     pub size: PictureSize,
     pub trace: TraceOptions,
-    /// The ground's colour, also while there is none.
+    /// The ground's colour, kept even without a ground.
     pub ground: Rgb,
-    /// The lamp, also while there is none.
+    /// The lamp, kept even while it is off.
     pub lamp: AreaLight,
     pub denoise: bool,
     pub exposure_ev: f32,

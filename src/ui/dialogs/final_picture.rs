@@ -1,5 +1,5 @@
-//! The dialog of a final picture: how large and exact, what lights it, what is sharp, and the file that it becomes.
-//! While the picture is made, its [`Preview`] is shown in the sign of long work.
+//! The dialog of a final picture: its size and quality, light, focus and file. While the picture is made, the sign of
+//! long work shows its [`Preview`].
 //!
 //! Asks with a [`crate::ui::pictures::FinalRequest`]; knows neither files nor how light is traced.
 
@@ -23,7 +23,7 @@ const WIDTH: f32 = 400.0;
 /// Height of what is above and below the options, in points.
 const BESIDE: f32 = 170.0;
 
-/// A picture in progress, as the thread that makes it shows it.
+/// A picture in progress, shown by the thread that makes it.
 #[derive(Default)]
 pub struct Preview {
     news: Arc<Mutex<Option<Pixels>>>,
@@ -31,12 +31,12 @@ pub struct Preview {
 }
 
 impl Preview {
-    /// Where the picture so far is put.
+    /// Returns the slot for the unfinished picture.
     pub fn news(&self) -> Arc<Mutex<Option<Pixels>>> {
         self.news.clone()
     }
 
-    /// Shows what has been put there last.
+    /// Shows the newest unfinished picture.
     pub fn show(&mut self, ui: &mut Ui) {
         let news = self.news.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(Pixels { size, rgba }) = news {
@@ -76,11 +76,11 @@ impl Dialog for FinalDialog {
             ui.heading("Final picture");
             ui.weak("Traces light through the sculpture as the view shows it.");
             ui.add_space(4.0);
-            // While a field or a button has the keyboard, Enter is its own.
+            // A focused field or button uses Enter itself.
             let free = ui.memory(|memory| memory.focused().is_none());
             let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
             ui.spacing_mut().slider_width = 190.0;
-            // In a small window it scrolls, and the buttons stay.
+            // In a small window the options scroll, and the buttons stay.
             let room = (ui.ctx().content_rect().height() - BESIDE).max(80.0);
             ScrollArea::vertical().max_height(room).show(ui, |ui| {
                 Grid::new("final picture").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {

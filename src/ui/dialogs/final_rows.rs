@@ -1,4 +1,4 @@
-//! The rows of options in the dialog of a final picture: each changes what the [`FinalDialog`] has chosen.
+//! The rows of options in the dialog of a final picture. Each changes a choice of the [`FinalDialog`].
 
 use std::ops::RangeInclusive;
 
@@ -58,7 +58,7 @@ pub fn light(ui: &mut Ui, light: &mut LightOptions) {
     }
 }
 
-/// The lamp, which is another light of [`LightOptions::Outdoors`].
+/// Shows the lamp, a light besides those of [`LightOptions::Outdoors`].
 pub fn lamp(ui: &mut Ui, dialog: &mut FinalDialog) {
     let LightOptions::Outdoors { area_light, .. } = &mut dialog.trace.light else { return };
     ui.label("");

@@ -1,7 +1,7 @@
-//! The guide for the first minutes: the learning task of the evaluation of 2005, step by step,
-//! each ticked off when the sculpture and its history show that it has been done.
+//! The guide for the first minutes: the learning task of the 2005 evaluation, step by step. A step is ticked off when
+//! the sculpture and its history show it done.
 //!
-//! Looks at the document only; the acts of a step for the person go out as commands.
+//! Only reads the document. The actions of a step that the guide does for the person go out as commands.
 
 use egui::{Align, Frame, Layout, Margin, Panel, RichText, TextStyle, TextWrapMode, Ui};
 use egui::{WidgetText, Window, pos2};
@@ -22,30 +22,29 @@ const WIDTH: f32 = 300.0;
 const DONE: &str = "You know the tools now. Build a house, a tree, a lake and a hill!";
 const REOPENED: &str = "First steps can be reopened from the menu";
 
-/// How far the person has come.
+/// The person's progress.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Guide {
     pub open: bool,
-    /// Steps that are done stay done, whatever is undone later.
+    /// Steps stay done, whatever is undone later.
     done: [bool; STEPS.len()],
-    /// How long the history was when the step at hand began, so that what was tried before does
-    /// not count.
+    /// Length of the history when the present step began, so that earlier attempts do not count.
     since: Option<u64>,
 }
 
 /// A step of the guide.
 struct Step {
     title: &'static str,
-    /// The task; `{}` stands for the shortcuts of `actions`, in their order.
+    /// The task; `{}` stands for the shortcuts of `actions`, in order.
     text: &'static str,
     /// The same task for hands with controllers, in a headset.
     by_hand: &'static str,
     actions: &'static [Action],
-    /// Looks at the sculpture, and at what was done since the step began.
+    /// Checks the sculpture, and the history since the step began.
     is_done: fn(&Document, u64) -> bool,
-    /// The box that the marker is to hold, for those who would rather type.
+    /// The box for the marker, for those who would rather type.
     marker: Option<fn(&Document) -> VoxelBox>,
-    /// The commands that the step comes to, for those who would rather watch.
+    /// The commands of the step, for those who would rather watch.
     commands: Option<fn(&Document) -> Vec<Command>>,
 }
 
@@ -153,21 +152,21 @@ fn lower_half(document: &Document) -> VoxelBox {
     VoxelBox { min: IVec3::ZERO, max: IVec3::new(dims.x, dims.y / 2, dims.z) }
 }
 
-/// Returns whether the history has a step of each of these labels since it was so long.
+/// Returns whether the history has a step with each of these labels since it had the length `since`.
 fn has_step(document: &Document, since: u64, labels: &[&str]) -> bool {
     let history = document.history();
     let skipped = since.saturating_sub(history.dropped()) as usize;
     labels.iter().all(|label| history.undo_labels().skip(skipped).any(|done| done == *label))
 }
 
-/// Steps made so far that still stand, with those forgotten.
+/// Counts the steps that have not been undone, including forgotten ones.
 fn length(document: &Document) -> u64 {
     let history = document.history();
     history.dropped() + history.undo_count() as u64
 }
 
 impl Guide {
-    /// Ticks off what has been done: only the step at hand counts, so that each is met in turn.
+    /// Ticks off the present step if it is done. Later steps wait for their turn.
     fn follow(&mut self, document: &Document) {
         while let Some(at) = self.step() {
             let now = length(document);
@@ -180,7 +179,7 @@ impl Guide {
         }
     }
 
-    /// Goes on with the next step.
+    /// Continues with the next step.
     fn finish(&mut self, at: usize) {
         self.done[at] = true;
         self.since = None;
@@ -190,13 +189,13 @@ impl Guide {
         *self = Guide { open: self.open, ..Guide::default() };
     }
 
-    /// Returns the step at hand; none when all are done.
+    /// Returns the present step; `None` when all are done.
     fn step(&self) -> Option<usize> {
         self.done.iter().position(|done| !done)
     }
 }
 
-/// A strip below the picture, so that it covers nothing of the sculpture that it speaks of.
+/// Shows the guide in a strip below the picture, where it covers no part of the sculpture.
 pub fn strip(root: &mut Ui, guide: &mut Guide, context: &UiContext, requests: &mut Vec<UiRequest>) {
     if !guide.open {
         return;
@@ -218,7 +217,7 @@ pub fn strip(root: &mut Ui, guide: &mut Guide, context: &UiContext, requests: &m
             });
         });
         ui.scope(|ui| {
-            // The picture is as large in all steps.
+            // The picture keeps its size in all steps.
             let all = (0..STEPS.len()).map(|at| height(ui, &wording(context, at)));
             ui.set_min_height(all.fold(0.0, f32::max));
             match step {
@@ -229,7 +228,7 @@ pub fn strip(root: &mut Ui, guide: &mut Guide, context: &UiContext, requests: &m
     });
 }
 
-/// The same as a window.
+/// Shows the guide as a window.
 impl Dialog for Guide {
     fn is_open(&self) -> bool {
         self.open
@@ -280,7 +279,7 @@ impl Dialog for Guide {
     }
 }
 
-/// A row with the number of each step; small, so that the sculpture is seen.
+/// Shows a row with the number of each step, small enough to leave room for the sculpture.
 fn overview(ui: &mut Ui, guide: &Guide) {
     let at = guide.step();
     ui.horizontal(|ui| {
@@ -302,7 +301,7 @@ fn again(ui: &mut Ui, guide: &mut Guide) {
     }
 }
 
-/// Returns the instructions of a step, a text for each paragraph.
+/// Returns the instructions of a step, one text per paragraph.
 fn wording(context: &UiContext, at: usize) -> Vec<RichText> {
     let step = &STEPS[at];
     let text = if context.in_headset { step.by_hand.to_string() } else { with_keys(step, context) };
@@ -320,12 +319,12 @@ fn wording(context: &UiContext, at: usize) -> Vec<RichText> {
     texts
 }
 
-/// Says what to do in the step at hand.
+/// Shows the instructions of the present step.
 fn say(ui: &mut Ui, context: &UiContext, at: usize) {
     wording(context, at).into_iter().for_each(|text| drop(ui.label(text)));
 }
 
-/// Returns the height of these paragraphs in points, one below another.
+/// Returns the height of these paragraphs in points, stacked.
 fn height(ui: &Ui, texts: &[RichText]) -> f32 {
     let width = ui.available_width();
     let lines = texts.iter().map(|text| {
@@ -335,7 +334,7 @@ fn height(ui: &Ui, texts: &[RichText]) -> f32 {
     lines.sum::<f32>() + ui.spacing().item_spacing.y * (texts.len().max(1) - 1) as f32
 }
 
-/// Buttons that lead on without what is asked for.
+/// Shows buttons that go on without the task.
 fn navigation_buttons(
     ui: &mut Ui,
     guide: &mut Guide,
@@ -353,7 +352,7 @@ fn navigation_buttons(
     }
 }
 
-/// Returns the text of a step with the keys of the table in use.
+/// Returns the text of a step with the keys of the present table.
 fn with_keys(step: &Step, context: &UiContext) -> String {
     let mut text = String::new();
     let mut actions = step.actions.iter();

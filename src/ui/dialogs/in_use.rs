@@ -1,4 +1,4 @@
-//! The question how to go on with a file that another program has open.
+//! The question about a file that another program has open.
 //!
 //! Takes the file and its holder; asks with requests. Looks at no file.
 
@@ -46,7 +46,7 @@ impl Dialog for Option<InUse> {
             }
         });
     });
-        // Without an answer nothing is lost either: saving is refused as long as the other has the file open.
+        // Without an answer nothing is lost: saving is refused as long as the other program has the file open.
         if answer.is_some() || response.should_close() {
             requests.extend(answer);
             *self = None;

@@ -1,5 +1,5 @@
-//! The wait for the trigger that an action is to have: the next key or button is heard before any
-//! widget hears it, then refused, asked about, or given to the action.
+//! Waits for a new trigger for an action. The next key or button is taken before any widget sees it, then refused,
+//! queried, or assigned to the action.
 
 use egui::{Id, Modal, Ui};
 
@@ -13,7 +13,7 @@ use crate::ui::request::UiRequest;
 use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
 
-/// An action that waits for a trigger.
+/// An action waiting for a trigger.
 #[derive(Clone, PartialEq, Debug)]
 struct Catch {
     action: Action,
@@ -22,9 +22,9 @@ struct Catch {
 
 #[derive(Clone, PartialEq, Debug)]
 enum Step {
-    /// With why the last trigger was refused.
+    /// With the reason why the last trigger was refused.
     Listen(Listener, Option<String>),
-    /// The trigger stands for the other action now.
+    /// The trigger belongs to the other action now.
     Ask(Trigger, Action),
 }
 
@@ -33,7 +33,7 @@ impl Catch {
         Catch { action, step: Step::Listen(Listener::default(), None) }
     }
 
-    /// Takes what was heard; gives a change if there is nothing to ask, and whether it is over.
+    /// Handles a trigger. Returns the change, if there is nothing to ask, and whether the wait is over.
     fn take(&mut self, heard: Heard, bindings: &Bindings) -> (Option<KeyChange>, bool) {
         let Heard::Trigger(trigger) = heard else { return (None, true) };
         if let Err(unfit) = Bindings::fits(trigger, self.action) {
@@ -51,28 +51,27 @@ impl Catch {
     }
 }
 
-/// The action that gets the next key or button pressed, if one waits.
+/// The action that gets the next key or button, if one waits.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct KeyCatch {
     waiting: Option<Catch>,
-    /// The trigger that another device has pressed since the last pass.
+    /// A trigger from another device since the last pass.
     pressed: Option<Trigger>,
 }
 
 impl KeyCatch {
-    /// Awaits what `action` is to have.
+    /// Waits for a trigger for `action`.
     pub fn listen_for(&mut self, action: Action) {
         self.waiting = Some(Catch::new(action));
     }
 
-    /// Takes what a device other than keyboard and mouse has pressed, if a trigger is awaited.
+    /// Takes a trigger from a device other than keyboard and mouse, if one is awaited.
     pub fn hear(&mut self, trigger: Option<Trigger>) {
         self.pressed = trigger.or(self.pressed);
     }
 }
 
-/// Hears what is pressed, if a trigger is awaited, and keeps it from all widgets. To be called
-/// before any of them is shown.
+/// Takes the awaited trigger from keyboard and mouse and hides it from all widgets. Called before any of them is shown.
 pub fn listen(root: &Ui, keys: &mut KeyCatch, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let Some(bindings) = context.bindings() else { return };
     let pressed = keys.pressed.take().map(Heard::Trigger);
@@ -103,7 +102,7 @@ pub fn listen(root: &Ui, keys: &mut KeyCatch, context: &UiContext, requests: &mu
     }
 }
 
-/// Shows what is awaited, or the question to which action a trigger shall belong.
+/// Shows that a trigger is awaited, or asks which action a trigger should belong to.
 impl Dialog for KeyCatch {
     fn is_open(&self) -> bool {
         self.waiting.is_some()
@@ -140,7 +139,7 @@ impl Dialog for KeyCatch {
             }
         });
         let asking = matches!(catch.step, Step::Ask(..));
-        // While listening a click is an answer, wherever it is.
+        // While it waits, a click anywhere is an answer.
         if over || asking && response.should_close() {
             self.waiting = None;
         }

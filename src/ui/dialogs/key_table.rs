@@ -1,7 +1,6 @@
-//! The window of keys and mouse: every action with what triggers it in the preset in use, to be
-//! changed on the spot.
+//! The window of keys and mouse: every action with its triggers in the present preset, editable in place.
 //!
-//! Gives changes as requests; [`super::key_catch`] waits for a key.
+//! Gives changes as requests; [`super::key_catch`] waits for triggers.
 
 use egui::{Button, ComboBox, Grid, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, WidgetType};
 use egui::{Response, Window};
@@ -19,7 +18,7 @@ use crate::ui::widgets::numbers;
 
 const WIDTH: f32 = 580.0;
 const HEIGHT: f32 = 470.0;
-/// Height of what stands above the list, title and all.
+/// Height of everything above the list, title included.
 const HEAD: f32 = 110.0;
 const TEXT_WIDTH: f32 = 262.0;
 const TRIGGERS_WIDTH: f32 = 256.0;
@@ -34,17 +33,17 @@ pub struct KeyTable {
 }
 
 impl KeyTable {
-    /// Returns whether the next key or button is awaited, or the question about it answered.
+    /// Returns whether a trigger or the answer to a question about one is awaited.
     pub fn is_catching(&self) -> bool {
         self.catch.is_open()
     }
 
-    /// Awaits what `action` is to have.
+    /// Waits for a trigger for `action`.
     pub fn listen_for(&mut self, action: Action) {
         self.catch.listen_for(action);
     }
 
-    /// Takes what a device other than keyboard and mouse has pressed, if a trigger is awaited.
+    /// Takes a trigger from a device other than keyboard and mouse, if one is awaited.
     pub fn hear(&mut self, trigger: Option<Trigger>) {
         self.catch.hear(trigger);
     }
@@ -92,7 +91,7 @@ impl Dialog for KeyTable {
     }
 }
 
-/// Which preset, the filter, and the way back.
+/// Shows the choice of the preset, the filter, and the button that restores the preset.
 fn head(
     ui: &mut Ui,
     table: &mut KeyTable,
@@ -191,7 +190,7 @@ fn row(
         ui.set_width(TRIGGERS_WIDTH);
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = egui::vec2(4.0, 3.0);
-            // First, so that all stand below one another.
+            // Comes first, so that all are aligned.
             let add = named(ui.add(Button::new("+")), format!("Add to: {}", help.text));
             if add.on_hover_text("Add a key or button").clicked() {
                 state.listen_for(action);
@@ -216,7 +215,7 @@ fn row(
     }
 }
 
-/// Gives a button a name that can be told from the others of its kind.
+/// Gives a button a name that differs from others of its kind.
 fn named(button: Response, name: String) -> Response {
     button.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, name.clone()));
     button

@@ -1,6 +1,6 @@
 //! The window of lights: up to four lamps, the light of sky and ground, exposure, and the look of the surface.
 //!
-//! Changes the lights of the view on the spot; a panel shows a part of it, too ([`surface`]). Reads no file: it asks for
+//! Changes the lights of the view at once; a panel shows some of them, too ([`surface`]). Reads no file: it asks for
 //! the choice of one.
 
 use std::path::Path;
@@ -20,10 +20,10 @@ use crate::ui::widgets::spot::{self, Spot};
 use crate::ui::widgets::theme;
 
 const WIDTH: f32 = 270.0;
-/// Least width of the names before sliders, so that the sliders of all groups are below each other.
+/// Least width of the names before sliders, which aligns the sliders of all groups.
 const NAME_WIDTH: f32 = 72.0;
 
-/// Where the lamps that are added stand: behind each other's backs.
+/// Positions of added lamps, on opposite sides.
 const PLACES: [[f32; 3]; MAX_LIGHTS] =
     [[-0.4, 0.7, 0.6], [0.8, 0.2, 0.5], [0.0, -0.8, 0.4], [0.0, 0.6, -0.8]];
 
@@ -31,9 +31,9 @@ const PLACES: [[f32; 3]; MAX_LIGHTS] =
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct LightWindow {
     pub open: bool,
-    /// The lamp whose place is shown.
+    /// The lamp whose position is shown.
     pub lamp: usize,
-    /// The lights as the settings have them, to which *Reset lights* goes back.
+    /// The lights of the settings, which *Reset lights* restores.
     pub usual: (LightOptions, Finish),
 }
 
@@ -74,8 +74,7 @@ impl Dialog for LightWindow {
     }
 }
 
-/// The light from everywhere, how stone shines, and how fine it is shaded. Gives whether the file of another matcap is to
-/// be chosen.
+/// Shows ambient light, highlights and shading quality. Returns true if the file of another matcap is to be chosen.
 pub fn surface(ui: &mut Ui, view: &mut ViewState) -> bool {
     let looks = ui.scope(|ui| look::show(ui, view));
     spot::mark(&looks.response, Spot::Looks);
@@ -89,7 +88,7 @@ pub fn surface(ui: &mut Ui, view: &mut ViewState) -> bool {
     looks.inner
 }
 
-/// The light from everywhere, and the exposure.
+/// Shows the ambient light and the exposure.
 fn ambient_light(ui: &mut Ui, light: &mut LightOptions) {
     Grid::new("light").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         percent(ui, "Ambient", &mut light.ambient, 1.0)
@@ -112,7 +111,7 @@ fn ambient_light(ui: &mut Ui, light: &mut LightOptions) {
     });
 }
 
-/// The tones of the picture, and what darkens parts of it.
+/// Shows the tone mapping of the picture and the effects that darken parts of it.
 fn tone_and_shadows(ui: &mut Ui, view: &mut ViewState) {
     let ViewState { light, finish, ground, .. } = view;
     let mut filmic = light.tone == ToneMapping::Filmic;
@@ -141,7 +140,7 @@ fn tone_and_shadows(ui: &mut Ui, view: &mut ViewState) {
     }
 }
 
-/// How stone shines.
+/// Shows the highlights of the stone.
 fn highlights(ui: &mut Ui, light: &mut LightOptions) {
     Grid::new("surface").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         percent(ui, "Specular", &mut light.specular, 1.0)
@@ -155,7 +154,7 @@ fn highlights(ui: &mut Ui, light: &mut LightOptions) {
     });
 }
 
-/// The averages over neighbouring pixels, which only the software shader takes.
+/// Shows the averages over neighbouring pixels, which only the software shader computes.
 fn filters(ui: &mut Ui, finish: &mut Finish, software: bool) {
     let filters = ui.add_enabled_ui(software, |ui| {
         Grid::new("filters").num_columns(2).show(ui, |ui| {
@@ -234,7 +233,7 @@ fn lamps(ui: &mut Ui, window: &mut LightWindow, view: &mut ViewState) {
     }
 }
 
-/// Where a lamp stands and how bright it is.
+/// Shows the position and brightness of a lamp.
 fn one(ui: &mut Ui, lamp: &mut Lamp) {
     ui.horizontal(|ui| {
         let before = lamp.kind;
@@ -243,7 +242,7 @@ fn one(ui: &mut Ui, lamp: &mut Lamp) {
         ui.radio_value(&mut lamp.kind, LampKind::Position, "Point")
             .on_hover_text("Near the sculpture: its light comes from one point");
         if lamp.kind != before {
-            // Where it can be seen to be: about as far as the sculpture is large, or back.
+            // At a visible position: about as far as the sculpture is large, or back at infinity.
             let towards = Vec3::from(lamp.place).normalize_or(Vec3::Z);
             let far = if lamp.kind == LampKind::Position { 200.0 } else { 1.0 };
             lamp.place = (towards * far).to_array();
@@ -276,10 +275,10 @@ fn one(ui: &mut Ui, lamp: &mut Lamp) {
     });
 }
 
-/// A direction as two angles.
+/// Shows a direction as two angles.
 fn direction(ui: &mut Ui, place: &mut [f32; 3]) {
     let direction = Vec3::from(*place).normalize_or(Vec3::Z);
-    // Within the sliders' ranges, so that none moves a lamp that nobody touches.
+    // Within the ranges of the sliders, so that none moves a lamp on its own.
     let mut side_deg = direction.x.atan2(direction.z).to_degrees().clamp(-180.0, 180.0);
     let mut height_deg = direction.y.clamp(-1.0, 1.0).asin().to_degrees().clamp(-89.0, 89.0);
     let mut moved = false;
@@ -298,7 +297,7 @@ fn direction(ui: &mut Ui, place: &mut [f32; 3]) {
     }
 }
 
-/// A row for a share, up to `most`.
+/// Shows a row for a share, up to `most`.
 fn percent(ui: &mut Ui, title: &str, share: &mut f32, most: f32) -> Response {
     let mut shown = *share * 100.0;
     let label = ui.label(title);
@@ -311,7 +310,7 @@ fn percent(ui: &mut Ui, title: &str, share: &mut f32, most: f32) -> Response {
     response
 }
 
-/// Returns a value as it is shown. (A slider with fixed decimals would round what nobody touches.)
+/// Formats a value as shown. (A slider with fixed decimals would round an untouched value.)
 fn whole(value: f64, _: std::ops::RangeInclusive<usize>) -> String {
     format!("{value:.0}")
 }

@@ -1,7 +1,7 @@
 //! The choice of a look: the materials of the surface, each with a small picture of a ball in the present light, and
-//! the file of the matcap.
+//! the matcap's file.
 //!
-//! Changes the look in the [`ViewState`]; reads the file of a matcap that was chosen. Must not know how it is chosen.
+//! Changes the look in the [`ViewState`]; reads the chosen matcap file. Must not know how it is chosen.
 
 use std::path::PathBuf;
 
@@ -21,8 +21,8 @@ const COLUMNS: usize = 2;
 /// The width of the longest name, so that the columns are even.
 const BUTTON_WIDTH: f32 = 127.0;
 
-/// Buttons for all looks, and for the picture of the matcap while that is the look. Gives whether the file of another
-/// matcap is to be chosen.
+/// Shows buttons for all looks, and for the picture of the matcap if that is the look. Returns true if the file of
+/// another matcap is to be chosen.
 pub fn show(ui: &mut Ui, view: &mut ViewState) -> bool {
     let pictures = pictures(ui, view.lighting());
     let light = &mut view.light;
@@ -62,7 +62,7 @@ pub fn show(ui: &mut Ui, view: &mut ViewState) -> bool {
     another
 }
 
-/// Takes the picture of a file as the matcap, or says why it cannot be.
+/// Uses the picture of a file as the matcap, or reports why it cannot.
 pub fn take_matcap(view: &mut ViewState, toasts: &mut Toasts, path: PathBuf) {
     match load_matcap(&path) {
         Ok(matcap) => {
@@ -85,7 +85,7 @@ fn words(look: Look) -> (&'static str, &'static str) {
     }
 }
 
-/// The balls of a context, and the light that they were made in.
+/// The balls of a context, and the light in which they were rendered.
 #[derive(Clone)]
 struct Pictures {
     lighting: Lighting,

@@ -1,5 +1,4 @@
-//! The window of masks: which voxels are protected from all tools, by area, colour, shape and wand; and how the mask's
-//! outline changes.
+//! The window of masks: protects voxels from all tools by area, colour, shape and wand, and changes the mask's outline.
 //!
 //! Gives [`UiRequest`]s, most of them commands; changes no sculpture itself.
 
@@ -23,11 +22,11 @@ const NAME_WIDTH: f32 = 76.0;
 #[derive(Clone, PartialEq, Debug)]
 pub struct Masks {
     pub open: bool,
-    /// The chosen voxels are added to the mask, or taken out of it.
+    /// Adds the chosen voxels to the mask; otherwise removes them.
     adds: bool,
     /// The distance by which the outline moves.
     by_vx: u32,
-    /// How far cavities are looked for.
+    /// The distance within which cavities are searched for.
     cavity_vx: u32,
 }
 
@@ -76,7 +75,7 @@ impl Dialog for Masks {
     }
 }
 
-/// A button that can only be pressed where there is a mask.
+/// Shows a button that is enabled only if there is a mask.
 fn of_mask(ui: &mut Ui, context: &UiContext, name: &str, help: &str) -> bool {
     ui.add_enabled(context.document.mask().is_some(), Button::new(name))
         .on_hover_text(help)
@@ -122,7 +121,7 @@ fn outline(ui: &mut Ui, window: &mut Masks, context: &UiContext, ask: &mut impl 
     });
 }
 
-/// Whether what is chosen below is protected or released.
+/// Chooses between protecting and releasing.
 fn sides(ui: &mut Ui, adds: &mut bool) {
     ui.horizontal(|ui| {
         ui.radio_value(adds, true, "Add to it").on_hover_text("Protect what is chosen below");
@@ -169,7 +168,7 @@ fn areas(ui: &mut Ui, window: &mut Masks, context: &UiContext, ask: &mut impl Fn
     });
 }
 
-/// Shows the options that decide which voxels the wand protects, and the button that makes the next press use it.
+/// Shows the options of the wand, and the button that makes the next press use it.
 fn wand(ui: &mut Ui, adds: bool, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let tool = context.tool;
     let before = tool.wand;
@@ -209,7 +208,7 @@ fn wand(ui: &mut Ui, adds: bool, context: &UiContext, requests: &mut Vec<UiReque
     }
 }
 
-/// A named slider in a row of a table; whether it was moved.
+/// Shows a named slider in a row of a table. Returns whether it was moved.
 fn row(ui: &mut Ui, name: &str, slider: Slider<'_>, help: &str) -> bool {
     let label = ui.label(name);
     let moved = ui.add(slider).labelled_by(label.id).on_hover_text(help).changed();

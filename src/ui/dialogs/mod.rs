@@ -1,8 +1,8 @@
-//! The windows, dialogs and questions over the sculpture, each with its own state, and which of
-//! them has the person's attention.
+//! The windows, dialogs and questions over the sculpture, each with its own state, and the order in which they claim
+//! attention.
 //!
-//! [`LIST`] names them once: by it they are shown, closed and asked. Each dialog knows only itself and
-//! [`shared`]; here one leads to another. Must not know any panel, nor who owns the state of the interface.
+//! [`LIST`] names them once; showing, closing and querying go through it. Each dialog knows only itself and [`shared`];
+//! this file connects them. Must not know any panel, nor the owner of the interface's state.
 
 pub mod busy;
 pub mod calibration;
@@ -79,23 +79,23 @@ pub struct Dialogs {
     pub tints: Tints,
     pub masks: Masks,
     pub files: Files,
-    /// Asks what to do with unsaved work before this.
+    /// Asks about unsaved work before this step.
     pub unsaved: Option<Next>,
-    /// Asks whether to do what cannot be undone.
+    /// Asks whether to do something that cannot be undone.
     pub unkept: Option<Unkept>,
-    /// Asks what to do with a file that another program has changed.
+    /// Asks about a file that another program has changed.
     pub changed_on_disk: Option<ChangedOnDisk>,
-    /// Asks how to go on with a file that another program has open.
+    /// Asks about a file that another program has open.
     pub in_use: Option<InUse>,
     pub calibration: Calibration,
-    /// Long work under way, as the editor says; nothing else can be asked for meanwhile.
+    /// Long work, as reported by the editor. Other requests are refused meanwhile.
     pub busy: Option<Busy>,
     /// The picture that this work makes.
     pub preview: Option<Preview>,
 }
 
 impl Dialogs {
-    /// None is open. `new`: the default of the dialog for a new sculpture.
+    /// Creates closed dialogs. `new`: the default of the dialog for a new sculpture.
     pub fn new(new: &NewSculpture) -> Dialogs {
         Dialogs {
             guide: Guide::default(),
@@ -123,7 +123,7 @@ impl Dialogs {
         }
     }
 
-    /// Shows what is open, but for the sign of long work.
+    /// Shows the open dialogs, except the sign of long work.
     pub fn show(&mut self, root: &Ui, shared: &mut Shared) {
         for row in LIST.iter().filter(|row| row.place.is_here(shared.context.in_headset)) {
             let asked = self.import.ask;
@@ -152,7 +152,7 @@ impl Dialogs {
         LIST.iter().map(|row| (row.of)(self)).filter(|dialog| dialog.is_open())
     }
 
-    /// Returns whether a dialog or long work lies over the sculpture and has the person's attention.
+    /// Returns whether a dialog or long work claims the person's attention.
     pub fn is_modal(&self) -> bool {
         self.is_asking() || self.busy.is_some()
     }
@@ -162,14 +162,14 @@ impl Dialogs {
         self.open_ones().any(|dialog| dialog.is_modal())
     }
 
-    /// Closes the uppermost open window; false if there is none.
+    /// Closes the topmost open window. Returns false if there is none.
     pub fn close_top(&mut self) -> bool {
         let mut rows: Vec<&Row> = LIST.iter().filter(|row| row.turn.is_some()).collect();
         rows.sort_by_key(|row| row.turn);
         rows.into_iter().any(|row| (row.of_mut)(self).close())
     }
 
-    /// Returns whether a window is open that waits for no answer, and that Escape closes.
+    /// Returns whether a window is open that needs no answer and that Escape closes.
     pub fn has_window(&self) -> bool {
         self.open_ones().any(|dialog| !dialog.is_modal())
     }
@@ -200,7 +200,7 @@ struct Row {
     of: fn(&Dialogs) -> &dyn Dialog,
     of_mut: fn(&mut Dialogs) -> &mut dyn Dialog,
     place: Place,
-    /// Its turn when Escape looks for the one to close, if it does not hear Escape itself.
+    /// Its turn when Escape closes a window, unless it handles Escape itself.
     turn: Option<u8>,
 }
 
@@ -216,7 +216,7 @@ macro_rules! row {
     };
 }
 
-/// All dialogs, in the order in which they are shown: later ones lie over earlier ones.
+/// All dialogs in the order of drawing: later ones lie over earlier ones.
 static LIST: [Row; 21] = [
     // In the window it is a strip below the picture.
     row!(guide, Board, Some(17)),

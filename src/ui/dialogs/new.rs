@@ -1,5 +1,4 @@
-//! The window for a new sculpture: how large, how many colours, solid or empty, and how much
-//! memory that takes.
+//! The window for a new sculpture: size, colours, solid or empty, and the memory that it takes.
 
 use egui::{ComboBox, DragValue, Grid, Id, Key, Modal, Ui};
 use glam::{UVec3, Vec3};
@@ -62,7 +61,7 @@ impl Dialog for NewDialog {
             ui.set_width(340.0);
             ui.heading("New sculpture");
             ui.add_space(4.0);
-            // While a field or a button has the keyboard, Enter is its own.
+            // A focused field or button uses Enter itself.
             let free = ui.memory(|memory| memory.focused().is_none());
             let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
             fields(ui, self);

@@ -1,7 +1,7 @@
-//! The palette: a field and a list of every action, of what is called otherwise elsewhere, and of every command of
-//! scripts. Typed words choose from the list; a typed line that is a command can be run.
+//! The palette: a field and a list of every action, of features with other names elsewhere, and of every script
+//! command. Typed words filter the list; a typed command can be run.
 //!
-//! A word alone is looked for as the name of an action first: commands come after all actions that it finds.
+//! A single word is matched to names of actions first: commands come after all matching actions.
 
 use egui::text::{CCursor, CCursorRange};
 use egui::{Align2, Button, Id, Key, Modal, Modifiers, RichText, ScrollArea, TextEdit, Ui};
@@ -19,19 +19,20 @@ use crate::ui::widgets::{numbers, theme};
 
 const WIDTH: f32 = 560.0;
 const HEIGHT: f32 = 380.0;
-/// From the top of the window, in points.
+/// Distance from the top of the window, in points.
 const TOP: f32 = 60.0;
 
-/// Added to the ranks of commands for a word alone: behind whatever begins with the word or has it as a name.
+/// Added to the ranks of commands for a single word: they follow everything that begins with the word or has it as a
+/// name.
 const AFTER_WORDS: u32 = 5;
 
-/// The typed text, and the entry that is chosen.
+/// The typed text, and the chosen entry.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Palette {
     pub open: bool,
     text: String,
     chosen: usize,
-    /// The cursor must go to the end of the text, which was changed from outside the field.
+    /// The cursor must go to the end of the text, which was changed outside the field.
     completed: bool,
 }
 
@@ -48,25 +49,25 @@ enum Entry {
     /// The typed text is this command.
     Run(Box<Command>),
     Do(Action),
-    /// The things that are called otherwise here, or are not here.
+    /// A feature with another name here, or missing here.
     See(&'static Elsewhere),
-    /// A command whose arguments are still to be typed.
+    /// A command whose arguments still have to be typed.
     Complete(&'static CommandHelp),
 }
 
 impl Entry {
-    /// Drags and the wheel need a hand on the mouse.
+    /// Returns whether it can be chosen here: drags and the wheel need a hand on the mouse.
     fn can_be_chosen(&self) -> bool {
         !matches!(self, Entry::Do(action) if action.help().kind != Kind::Tap)
     }
 }
 
-/// Returns the entries that can be chosen with `typed` in the field, and the error in it as a command.
+/// Returns the entries for `typed`, and its error as a command.
 fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<String>) {
     let typed = typed.trim();
     let verb = typed.split_whitespace().next().unwrap_or_default();
     let is_command = COMMANDS.iter().any(|command| command.verb == verb);
-    // A verb alone may be a word that is looked for, and is not wrong because it is not complete.
+    // A single verb may be a search word, so it is no error that it is incomplete.
     let alone = typed == verb;
     let (mut run, mut error) = (None, None);
     if is_command {
@@ -77,10 +78,10 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
         }
     }
     let filter = Filter::new(typed);
-    // Nothing typed: all in their order, what needs a hand on the mouse at the end.
+    // With nothing typed, everything is listed in order, actions of the mouse last.
     const LAST: u32 = u32::MAX;
     let mut ranked = Vec::new();
-    // Nothing typed leads to itself.
+    // An empty search leads to none of these.
     let elsewhere = ELSEWHERE.iter().filter(|_| !filter.is_empty());
     ranked.extend(elsewhere.filter_map(|it| Some((it.rank(&filter)?, Entry::See(it)))));
     for &action in Action::ALL {
@@ -95,8 +96,8 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
         }
     }
     for command in COMMANDS.iter() {
-        // Of equals the action comes first, as it needs no arguments. A text that begins with a verb and has arguments
-        // is that command.
+        // Among equals the action comes first, since it needs no arguments. A text of a verb and arguments is that
+        // command.
         let rank = filter.rank(command.verb, &[&command.usage, command.tooltip], &[]);
         let rank = if command.verb == verb && !alone { Some(0) } else { rank };
         let after = if alone { AFTER_WORDS } else { 1 };
@@ -111,7 +112,7 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
     (ranked.into_iter().map(|(_, entry)| entry).collect(), error)
 }
 
-/// Returns the command whose verb is typed, and a space behind it, and nothing else yet.
+/// Returns the command whose verb is typed, followed by a space only.
 fn begun(typed: &str) -> Option<&'static CommandHelp> {
     let verb = typed.strip_suffix(' ')?;
     COMMANDS.iter().find(|command| command.verb == verb && !command.usage.is_empty())
@@ -175,7 +176,7 @@ impl Dialog for Palette {
 
 /// Keys that go to the list, not to the field.
 struct Keys {
-    /// Entries to go down.
+    /// Entries to move down.
     by: isize,
     enter: bool,
 }
@@ -194,7 +195,7 @@ impl Keys {
 }
 
 impl Palette {
-    /// Goes on by so many entries that can be chosen; true if the choice is another.
+    /// Moves the choice by so many selectable entries. Returns true if it has changed.
     fn go(&mut self, list: &[Entry], by: isize) -> bool {
         let can: Vec<usize> = (0..list.len()).filter(|i| list[*i].can_be_chosen()).collect();
         let before = self.chosen;
@@ -204,7 +205,7 @@ impl Palette {
         self.chosen != before
     }
 
-    /// Asks for what was chosen; gives the option that is to be shown.
+    /// Requests the chosen entry. Returns the option to show, if it leads to one.
     fn choose(&mut self, entry: &Entry, requests: &mut Vec<UiRequest>) -> Option<Spot> {
         let mut led_to = None;
         match entry {
@@ -218,7 +219,7 @@ impl Palette {
                 led_to = Some(*spot);
             }
             Entry::Complete(command) => {
-                // Arguments that are already typed behind the verb stay.
+                // Keeps arguments already typed after the verb.
                 let typed = self.text.split_whitespace().collect::<Vec<_>>();
                 if typed.first() != Some(&command.verb) || typed.len() == 1 {
                     self.text = format!("{} ", command.verb);
@@ -241,7 +242,7 @@ fn field(ui: &mut Ui, palette: &mut Palette) {
     let response = &output.response.response;
     numbers::words(response);
     response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Command"));
-    // Asking for what it has would interrupt an input method, with every picture anew.
+    // Requesting focus again would interrupt an input method in every frame.
     if !response.has_focus() {
         response.request_focus();
     }

@@ -1,4 +1,4 @@
-//! Tests of the palette: the entries listed for a typed text, and the entry that is chosen.
+//! Tests of the palette: the entries listed for a text, and the chosen entry.
 
 use super::*;
 use crate::input::{Axis, DrawKind, Panel, Side, ToolMode};
@@ -29,7 +29,7 @@ fn words_choose_by_text_name_key_and_usage() {
     assert!(matches!(listed("off even odd")[..], [Entry::Complete(c)] if c.verb == "symmetry"));
 }
 
-/// The words that people who know other programs type, and the action that must come first.
+/// Checks the words of people who know other programs, and the action that must come first.
 #[test]
 fn what_people_type_finds_the_action() {
     let expected = [
@@ -158,7 +158,7 @@ fn what_people_type_finds_the_action() {
     let wanted = expected.map(|(typed, action)| (typed, Some(action)));
     let wrong: Vec<_> = found.iter().zip(&wanted).filter(|(a, b)| a != b).collect();
     assert!(wrong.is_empty(), "found and wanted: {wrong:#?}");
-    // No entry for other words stands before it, unless it is meant to.
+    // No entry for other words precedes it, unless intended.
     let led: Vec<&str> = expected
         .iter()
         .filter(|(typed, _)| matches!(listed(typed)[0], Entry::See(_)))
@@ -260,7 +260,7 @@ fn a_command_that_is_not_complete_is_begun() {
     }
 }
 
-/// The words of other programs for things that are not here under that word.
+/// Checks the words of other programs for features that are missing here or have another name.
 #[test]
 fn what_is_called_otherwise_or_missing_is_said() {
     let wanted = [

@@ -1,12 +1,12 @@
-//! The row of a dialog in which the size of a picture is chosen: that of the view, a usual one, or any.
+//! The row of a dialog that chooses the size of a picture: that of the view, a usual one, or any.
 
 use egui::{ComboBox, DragValue, Ui};
 use glam::UVec2;
 
-/// Sizes of screens and films, in pixels.
+/// Common sizes of screens and films, in pixels.
 const USUAL: [[u32; 2]; 5] = [[640, 480], [1280, 720], [1920, 1080], [2560, 1440], [3840, 2160]];
 
-/// A size that is chosen, in pixels.
+/// The chosen size of a picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PictureSize {
     OfView,
@@ -15,7 +15,7 @@ pub enum PictureSize {
 }
 
 impl PictureSize {
-    /// In pixels, where the view has `view_px`.
+    /// Returns the size in pixels for a view of `view_px`.
     pub fn px(self, view_px: UVec2) -> UVec2 {
         match self {
             PictureSize::OfView => view_px,
@@ -32,7 +32,7 @@ impl PictureSize {
         }
     }
 
-    /// A row of a grid; the longest side of a picture has `most_px`.
+    /// Shows a row of a grid. The longest side of a picture is at most `most_px`.
     pub fn row(&mut self, ui: &mut Ui, view_px: UVec2, most_px: u32) {
         let label = ui.label("Size");
         ui.horizontal(|ui| {

@@ -1,4 +1,4 @@
-//! The window of the print check: the demands on a print, the findings, and buttons that repair it.
+//! The window of the print check: the requirements of a print, the findings, and buttons that repair it.
 //!
 //! Asks with [`UiRequest::PrintCheck`]; the result comes from a thread through [`PrintCheck::news`]. Gives the lines
 //! that show the findings in the view. Changes no sculpture.
@@ -22,16 +22,16 @@ use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
 
 const WIDTH: f32 = 310.0;
-/// The height of the list of findings, at most.
+/// Largest height of the list of findings.
 const HEIGHT: f32 = 300.0;
-/// Places of a kind that the window lists.
+/// Number of places listed for each kind.
 const LISTED: usize = 50;
-/// Most lines that show the voxels of a kind.
+/// Most lines that hatch the voxels of a kind.
 const MOST_HATCHES: usize = 1200;
 /// Valid lengths in the window, in millimetres.
 const LENGTHS_MM: std::ops::RangeInclusive<f32> = 0.01..=10_000.0;
 
-/// The findings of a check, and how they are shown.
+/// The findings of a check, and their display.
 #[derive(Debug)]
 pub struct Found {
     pub checked: Checked,
@@ -48,7 +48,7 @@ impl Found {
     }
 }
 
-/// Where a thread leaves what it has found.
+/// A thread's slot for its findings.
 pub type News = Arc<Mutex<Option<Found>>>;
 
 /// The window's own state.
@@ -56,7 +56,7 @@ pub type News = Arc<Mutex<Option<Found>>>;
 pub struct PrintCheck {
     pub open: bool,
     pub options: CheckOptions,
-    /// The findings are shown in the view.
+    /// The view shows the findings.
     pub shown: bool,
     found: Option<Found>,
     /// The place that was clicked.
@@ -73,12 +73,12 @@ impl Default for PrintCheck {
 }
 
 impl PrintCheck {
-    /// Where the next result is to be put.
+    /// Returns the slot for the next result.
     pub fn news(&self) -> News {
         self.news.clone()
     }
 
-    /// Takes a result that has come meanwhile.
+    /// Takes a new result, if there is one.
     fn take_news(&mut self) {
         let news = self.news.lock().unwrap_or_else(PoisonError::into_inner).take();
         if news.is_some() {
@@ -87,17 +87,17 @@ impl PrintCheck {
         }
     }
 
-    /// Returns whether the sculpture as it is now has been checked.
+    /// Returns whether the present state of the sculpture has been checked.
     pub fn is_current(&self, document: &Document) -> bool {
         self.current(document).is_some()
     }
 
-    /// Returns the findings in the sculpture as it is now.
+    /// Returns the findings if they are of the present state of the sculpture.
     fn current(&self, document: &Document) -> Option<&Found> {
         self.found.as_ref().filter(|found| found.revision == document.revision())
     }
 
-    /// Returns the lines that show the findings in the view, while the window is open and they hold.
+    /// Returns the lines that show the findings in the view, while the window is open and they are current.
     pub fn lines(&self, document: &Document) -> Vec<Line> {
         let mut lines = Vec::new();
         let Some(found) = self.current(document).filter(|_| self.open && self.shown) else {
@@ -120,7 +120,7 @@ impl PrintCheck {
     }
 }
 
-/// Returns how a kind is shown in the view and in the list.
+/// Returns the colour of a kind in the view and in the list.
 fn colour(kind: Kind) -> Rgb {
     match kind {
         Kind::Islands => Rgb::new(0xe0, 0x50, 0xc0),
@@ -130,9 +130,9 @@ fn colour(kind: Kind) -> Rgb {
     }
 }
 
-/// Returns lines through runs of voxels along x: every row of a few, every so many of a large finding.
+/// Returns lines through runs of voxels along x, skipping rows of a large finding.
 fn hatches(finding: &Finding) -> Vec<(Kind, Vec3, Vec3)> {
-    // Overhangs are seen from below, where the line would lie inside the voxels.
+    // Overhangs are seen from below: the line would lie inside the voxels.
     let lift = if finding.kind == Kind::Overhangs { -0.05 } else { 0.5 };
     let mut runs: Vec<(Vec3, Vec3)> = Vec::new();
     for (b, mask) in finding.marked.bricks() {
@@ -154,7 +154,7 @@ fn hatches(finding: &Finding) -> Vec<(Kind, Vec3, Vec3)> {
     runs.into_iter().step_by(stride).map(|(from, to)| (finding.kind, from, to)).collect()
 }
 
-/// The twelve edges of a box.
+/// Adds the twelve edges of a box.
 fn frame(lines: &mut Vec<Line>, bounds: VoxelBox, colour: Rgb, width_px: f32, opacity: [f32; 2]) {
     let (min, max) = (bounds.min.as_vec3(), bounds.max.as_vec3());
     for axis in 0..3 {
@@ -288,7 +288,7 @@ fn findings(
     if checked.findings.is_empty() && checked.is_printable() {
         ui.label("No faults found: it can be printed without support.");
     }
-    // Otherwise the list keeps the height that the window had without it.
+    // Otherwise the list would keep its height from before.
     let list = ScrollArea::vertical().max_height(HEIGHT).min_scrolled_height(HEIGHT);
     list.auto_shrink([false, true]).show(ui, |ui| {
         for finding in &checked.findings {

@@ -1,5 +1,5 @@
-//! The dialog at the start that lists what earlier sessions have left which did not end as they should have: each with
-//! its picture, name, time and number of steps.
+//! The dialog at the start that lists the work of earlier sessions that did not end normally, each with its picture,
+//! name, time and number of steps.
 //!
 //! Asks with requests; knows no journal and no thread.
 
@@ -19,31 +19,31 @@ const PICTURE: Vec2 = Vec2::new(128.0, 96.0);
 /// Height of what is above and below the list, in points.
 const BESIDE: f32 = 170.0;
 
-/// The work that one session has left.
+/// The work left by one session.
 #[derive(Clone, Debug)]
 pub struct LeftSession {
     /// The number of its journal.
     pub number: u64,
-    /// When it was last written, in seconds since 1970, and as text.
+    /// Time of the last write, in seconds since 1970, and as text.
     pub changed_unix_s: u64,
     pub time: String,
-    /// Or why nothing comes back.
+    /// The work, or why it cannot be restored.
     pub work: Result<LeftWork, String>,
 }
 
-/// The sculpture that a session has left.
+/// The sculpture left by a session.
 #[derive(Clone, Debug)]
 pub struct LeftWork {
-    /// The name of its file, or another.
+    /// The name of its file, or a substitute.
     pub name: String,
     pub path: Option<PathBuf>,
     /// Steps that can be undone.
     pub steps: usize,
     /// Size in voxels.
     pub dims: [u32; 3],
-    /// Whether its file has all of it.
+    /// Whether its file is complete.
     pub saved: bool,
-    /// How a replay differs from what was done.
+    /// How a replay differs from the recording.
     pub differs: Option<String>,
     pub picture: Pixels,
 }
@@ -61,17 +61,17 @@ type News = Arc<Mutex<Option<Vec<LeftSession>>>>;
 pub struct RecoveryDialog {
     news: News,
     rows: Vec<Row>,
-    /// The journal whose removal is to be confirmed.
+    /// The journal whose removal is being confirmed.
     discards: Option<u64>,
 }
 
 impl RecoveryDialog {
-    /// Where what is found is put.
+    /// Returns the slot for the list of sessions.
     pub fn news(&self) -> Arc<Mutex<Option<Vec<LeftSession>>>> {
         self.news.clone()
     }
 
-    /// Closes the dialog; its rows are found again at the next start. False if it was closed already.
+    /// Closes the dialog; its rows reappear at the next start. Returns false if it was closed already.
     pub fn close(&mut self) -> bool {
         let was_open = self.is_open();
         self.rows.clear();
@@ -79,7 +79,7 @@ impl RecoveryDialog {
         was_open
     }
 
-    /// Removes the row of a journal, which is gone.
+    /// Removes the row of a deleted journal.
     pub fn remove(&mut self, number: u64) {
         self.rows.retain(|row| row.left.number != number);
     }

@@ -1,6 +1,6 @@
-//! The window of reference pictures: which there are, and where each stands.
+//! The window of reference pictures, with the position of each.
 //!
-//! Changes the pictures on the spot; asks for the file or the clipboard that another comes from. Reads neither.
+//! Changes the pictures at once; asks for the file or the clipboard with another one. Reads neither.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
 
 const WIDTH: f32 = 270.0;
-/// The height of the list, at most.
+/// Largest height of the list.
 const HEIGHT: f32 = 420.0;
 
 /// The window, open or not.

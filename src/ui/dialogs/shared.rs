@@ -1,7 +1,7 @@
-//! The terms on which dialogs are shown, closed and asked, and how they see the rest of the program.
+//! The interface of dialogs: how they are shown, closed and queried, and what they see of the program.
 //!
-//! Each dialog implements [`Dialog`] beside its own state, reads and asks through [`Shared`], and opens another dialog by
-//! an [`Opening`]. Knows no single dialog.
+//! Each dialog implements [`Dialog`] for its own state, works through [`Shared`], and opens another dialog by an
+//! [`Opening`]. Knows no single dialog.
 
 use std::path::PathBuf;
 
@@ -22,12 +22,12 @@ use crate::ui::widgets::toasts::Toasts;
 pub trait Dialog {
     fn is_open(&self) -> bool;
 
-    /// Returns whether it has the person's attention while it is open: it waits for an answer.
+    /// Returns whether it needs an answer while it is open.
     fn is_modal(&self) -> bool {
         true
     }
 
-    /// Closes it at Escape; false if it is not open, or hears Escape itself.
+    /// Closes it at Escape. Returns false if it is not open, or handles Escape itself.
     fn close(&mut self) -> bool {
         false
     }
@@ -36,7 +36,7 @@ pub trait Dialog {
     fn show(&mut self, root: &Ui, shared: &mut Shared);
 }
 
-/// The program as dialogs see it, the choices that they change on the spot, and where they put what they ask for.
+/// The program as dialogs see it, the choices that they change directly, and their requests.
 pub struct Shared<'a> {
     pub context: &'a UiContext<'a>,
     /// Long work is under way.
@@ -46,31 +46,31 @@ pub struct Shared<'a> {
     pub upright: &'a mut Upright,
     pub toasts: &'a mut Toasts,
     pub requests: &'a mut Vec<UiRequest>,
-    /// Whether it is asked how files are imported; the import dialog takes a change.
+    /// Whether the import dialog asks; it adopts a change.
     pub ask_import: bool,
-    /// Dialogs that are to be opened.
+    /// Dialogs to open.
     pub openings: Vec<Opening>,
-    /// The option that the person is to be led to.
+    /// The option to show to the person.
     pub led_to: Option<Spot>,
-    /// The use of the picture on the clipboard, if it is wanted.
+    /// The use of the clipboard's picture, if requested.
     pub paste: Option<PasteAs>,
 }
 
-/// Another dialog that one leads to.
+/// A dialog that another one opens.
 pub enum Opening {
-    /// The choice of a file, in the folder of this one if there is one.
+    /// The choice of a file, in the folder of this file if there is one.
     Files(FileTask, Option<PathBuf>),
-    /// The import of a file: with the facts known of it, and whether it is opened without asking.
+    /// The import of a file, with the known facts, and whether it is opened without asking.
     Import { path: PathBuf, import: ImportOptions, at_once: bool },
-    /// The options of a file that is exported.
+    /// The options of an exported file.
     Export(PathBuf),
 }
 
-/// The task that a file dialog is open for.
+/// The task of a file dialog.
 #[derive(Clone, PartialEq, Debug)]
 pub enum FileTask {
     Open,
-    /// Save under a new name, then do what would lose unsaved work.
+    /// Save under a new name, then do a step that would lose unsaved work.
     SaveAs(Option<Next>),
     /// Write a file for other programs.
     Export,

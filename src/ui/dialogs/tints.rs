@@ -1,4 +1,4 @@
-//! The window of colours: hue, saturation and value, gradients and noise for an area, each a command.
+//! The window of colours: hue, saturation and value, gradients and noise for an area, each as a command.
 //!
 //! Gives [`UiRequest::Run`]; changes no sculpture itself.
 
@@ -19,7 +19,7 @@ use crate::ui::widgets::theme;
 const WIDTH: f32 = 290.0;
 /// Least width of the names before sliders.
 const NAME_WIDTH: f32 = 76.0;
-/// Largest factor on saturation and value that the sliders offer; scripts may go further.
+/// Largest factor on saturation and value of the sliders; scripts may go further.
 const MOST_FACTOR: f32 = 2.0;
 
 /// The tools that the window offers.
@@ -39,9 +39,9 @@ pub struct Tints {
     hue_deg: f32,
     saturation: f32,
     value: f32,
-    /// The colours of the gradient, at its lower end first.
+    /// The colours of the gradient, lower end first.
     colours: [Rgb; 2],
-    /// The axis along which the gradient goes.
+    /// The axis of the gradient.
     axis: usize,
     strength: f32,
     /// Size of patches of noise.
@@ -70,7 +70,7 @@ impl Default for Tints {
 }
 
 impl Tints {
-    /// Returns the tint that is chosen. A gradient goes through what there is of the sculpture in the area.
+    /// Returns the chosen tint. A gradient spans the existing voxels of the area.
     fn tint(&self, context: &UiContext) -> Tint {
         match self.kind {
             Kind::Adjust => Tint::Adjust {
@@ -92,7 +92,7 @@ impl Tints {
     }
 }
 
-/// Returns the middles of the lower and the upper side, along an axis, of the existing voxels in an area.
+/// Returns the centres of the lower and the upper side, along an axis, of the existing voxels in an area.
 fn ends(document: &Document, area: Area, axis: usize) -> [Vec3; 2] {
     let grid = document.grid();
     let (mut low, mut high) = grid
@@ -105,7 +105,7 @@ fn ends(document: &Document, area: Area, axis: usize) -> [Vec3; 2] {
     };
     if let Some(bounds) = bounds {
         let (min, max) = (bounds.min.as_vec3(), bounds.max.as_vec3());
-        // Beside the sculpture there is nothing to recolour; the command says so.
+        // Beside the sculpture there is nothing to recolour, and the command reports it.
         (low, high) = (low.max(min), high.min(max).max(low.max(min) + 1.0));
     }
     let middle = (low + high) * 0.5;
@@ -167,7 +167,7 @@ impl Dialog for Tints {
     }
 }
 
-/// Shows the tolerance within which floods take colours for one.
+/// Shows the tolerance for colours that a flood treats as equal.
 fn flood(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     Grid::new("flood").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         let mut tolerance = context.tool.flood_tolerance;
@@ -181,7 +181,7 @@ fn flood(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     });
 }
 
-/// Shows the choices of voxels, and of the change to them.
+/// Shows the choices of voxels and of the change.
 fn choices(ui: &mut Ui, window: &mut Tints, context: &UiContext) {
     ui.horizontal(|ui| {
         for (area, name, help) in [
@@ -216,7 +216,7 @@ fn choices(ui: &mut Ui, window: &mut Tints, context: &UiContext) {
     });
 }
 
-/// A named slider in a row of a table.
+/// Shows a named slider in a row of a table.
 fn slider(ui: &mut Ui, name: &str, slider: Slider<'_>, help: &str) {
     let label = ui.label(name);
     ui.add(slider).labelled_by(label.id).on_hover_text(help);

@@ -1,7 +1,6 @@
-//! The question before something is done that cannot be undone, since the history has no room for
-//! it.
+//! The question before an irreversible step, for which the history has no room.
 //!
-//! Takes the refused command and why; asks for it anyway, or for nothing. Knows no history.
+//! Takes the refused command and the reason; asks for it anyway, or for nothing. Knows no history.
 
 use egui::{Id, Modal, Ui};
 
@@ -23,7 +22,7 @@ impl Dialog for Option<Unkept> {
     fn show(&mut self, root: &Ui, shared: &mut Shared) {
         let requests = &mut *shared.requests;
         let Some(Unkept { command, why }) = &*self else { return };
-        // The end of a stroke is refused; its result is there to be seen.
+        // The end of a stroke is refused, but its result is visible.
         let [question, go_on, stop] = match command {
             Command::End => ["Keep a stroke that cannot be undone?", "Keep it", "Take it back"],
             Command::Undo { .. } => ["Undo a step that cannot be redone?", "Undo", "Cancel"],

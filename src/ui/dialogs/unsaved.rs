@@ -1,6 +1,6 @@
-//! The question before unsaved work is lost: by leaving, or by another sculpture.
+//! The question before unsaved work is lost, by leaving or by another sculpture.
 //!
-//! Takes what waits, asks for it with or without saving first; saves nothing itself.
+//! Takes the waiting step, asks for it with or without saving first; saves nothing itself.
 
 use egui::{Id, Modal, Ui};
 
@@ -9,7 +9,7 @@ use crate::ui::dialogs::shared::{Dialog, Shared};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
-/// Open while something waits to be done after it.
+/// Open while a step waits for the answer.
 impl Dialog for Option<Next> {
     fn is_open(&self) -> bool {
         self.is_some()

@@ -1,4 +1,4 @@
-//! The memory of the options of brushes, made from their descriptions. Reads tables that earlier versions wrote, too.
+//! Remembers the options of brushes, using their descriptions. Also reads tables of earlier versions.
 
 use crate::editor::brushes::Brushes;
 use crate::editor::sizes::SizeUnit;
@@ -9,7 +9,7 @@ use crate::tools::brush::keys::{
 use crate::tools::brush::param::{Domain, Param, Value};
 use crate::ui::memory::values::neat;
 
-/// The keys of brushes under an outline until November 2026, and those of today.
+/// The keys of brushes under an outline until November 2026, with today's.
 const OLD_SPRAY_KEYS: [(&str, &str); 7] = [
     ("radius_px", RADIUS.param.key),
     ("square", OUTLINE.param.key),
@@ -19,7 +19,7 @@ const OLD_SPRAY_KEYS: [(&str, &str); 7] = [
     ("cover", STRENGTH.param.key),
     ("once_a_stroke", ONCE_PER_STROKE.param.key),
 ];
-/// The same of brushes that deform.
+/// Likewise for brushes that deform.
 const OLD_DEFORM_KEYS: [(&str, &str); 4] = [
     ("radius", RADIUS.param.key),
     ("strength", STRENGTH.param.key),
@@ -36,12 +36,13 @@ pub fn kept(brushes: &Brushes) -> toml::Table {
     BrushId::ALL.iter().map(|brush| (brush.spec().name.to_string(), table(*brush))).collect()
 }
 
-/// Chooses again what was chosen; options that are missing or out of range are as usual. `unit`: of the radii.
+/// Restores options; missing or invalid ones get their defaults. `unit`: of the radii.
 pub fn recall(kept: &toml::Table, unit: SizeUnit, brushes: &mut Brushes) {
     recall_by(kept, unit, brushes, |param| Some(param.key));
 }
 
-/// The same of brushes under an outline as earlier versions wrote them. Without a unit smoothing had no strength.
+/// Restores options of brushes under an outline as earlier versions wrote them. Without a unit, smoothing had no
+/// strength.
 pub fn recall_sprays(kept: &toml::Table, unit: Option<SizeUnit>, brushes: &mut Brushes) {
     let first = brushes.of(BrushId::Smooth).get(STRENGTH);
     recall_by(kept, unit.unwrap_or_default(), brushes, |param| old_key(param, &OLD_SPRAY_KEYS));
@@ -50,7 +51,8 @@ pub fn recall_sprays(kept: &toml::Table, unit: Option<SizeUnit>, brushes: &mut B
     }
 }
 
-/// The same of brushes that deform. Without a unit their radii were in another one.
+/// Restores options of brushes that deform as earlier versions wrote them. Without a unit, their radii were in another
+/// one.
 pub fn recall_deforms(kept: &toml::Table, unit: Option<SizeUnit>, brushes: &mut Brushes) {
     let is_read = |param: &Param| unit.is_some() || param.domain != Domain::Radius;
     recall_by(kept, unit.unwrap_or_default(), brushes, |param| {
@@ -62,7 +64,7 @@ fn old_key(param: &Param, keys: &[(&'static str, &str)]) -> Option<&'static str>
     keys.iter().find(|(_, now)| *now == param.key).map(|(old, _)| *old)
 }
 
-/// `key`: under which an option is remembered.
+/// Restores options by their keys. `key`: the key of an option.
 fn recall_by(
     kept: &toml::Table,
     unit: SizeUnit,
@@ -112,7 +114,7 @@ fn value(param: &Param, kept: &toml::Value) -> Option<Value> {
             let place = choices.iter().position(|choice| choice.name == name)?;
             Some(Value::Choice(place as u8))
         }
-        // The second of two choices was a switch.
+        // The second of two choices used to be a switch.
         (Domain::Choice(_), toml::Value::Boolean(second)) => Some(Value::Choice(u8::from(*second))),
         _ => None,
     }
@@ -122,7 +124,7 @@ fn value(param: &Param, kept: &toml::Value) -> Option<Value> {
 mod tests {
     use super::*;
 
-    /// Returns every option of every brush with another value than its first.
+    /// Returns every option of every brush with a value other than its default.
     fn changed() -> Brushes {
         let mut brushes = Brushes::default();
         for &brush in BrushId::ALL {

@@ -1,4 +1,4 @@
-//! The remembered options of the print check: the printer and what it can do, not the findings.
+//! Remembers the options of the print check: the printer and its abilities, not the findings.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -6,11 +6,10 @@ use serde::{Deserialize, Serialize};
 use crate::print_check::CheckOptions;
 use crate::ui::memory::values::{neat, within};
 
-/// Lengths that are believed, in millimetres.
+/// Valid lengths, in millimetres.
 const LENGTH_MM: std::ops::RangeInclusive<f32> = 0.001..=100_000.0;
 
-/// All choices but the length of a voxel, which belongs to a sculpture; those that are missing or out of range are as
-/// usual.
+/// All choices except the length of a voxel, which belongs to a sculpture. Missing or invalid ones get their defaults.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct KeptCheck {
@@ -32,7 +31,7 @@ impl KeptCheck {
         }
     }
 
-    /// Chooses again what was chosen.
+    /// Restores the choices.
     pub fn recall(self, options: &mut CheckOptions) {
         let side = |i: usize, usual| within(self.bed_mm.map(|bed| bed[i]), LENGTH_MM, usual);
         let Vec3 { x, y, z } = options.bed_mm;

@@ -1,4 +1,4 @@
-//! The remembered options of the tools that draw solids.
+//! Remembers the options of the tools that draw solids.
 
 use std::ops::RangeInclusive;
 
@@ -9,7 +9,7 @@ use crate::editor::draw::glyphs::{Font, MOST_LETTERS};
 use crate::editor::draw::options::{LENGTHS, RADII};
 use crate::ui::memory::values::{neat, within};
 
-/// The options; those that are missing or out of range are as usual.
+/// The options. Missing or invalid ones get their defaults.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct KeptDraw {
@@ -43,7 +43,7 @@ impl KeptDraw {
         }
     }
 
-    /// Chooses again what was chosen.
+    /// Restores the options.
     pub fn recall(&self, options: &mut DrawOptions) {
         let number = |kept: Option<f64>, range: RangeInclusive<f32>, value: &mut f32| {
             *value = within(kept, range, *value);

@@ -1,5 +1,5 @@
-//! The remembered options of the dialog of a final picture: how the picture is made and lit. Its size is not
-//! remembered: it is that of the view.
+//! Remembers the options of the dialog of a final picture: quality and light. The size is not remembered: it is that of
+//! the view.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use crate::ui::dialogs::final_choices::FinalDialog;
 use crate::ui::memory::values::{neat, within};
 use crate::ui::pictures::FinalFile;
 
-/// All choices; those that are missing or out of range are as usual.
+/// All choices. Missing or invalid ones get their defaults.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct KeptFinal {
@@ -57,7 +57,7 @@ impl KeptFinal {
         kept
     }
 
-    /// Chooses again what was chosen.
+    /// Restores the choices.
     pub fn recall(self, dialog: &mut FinalDialog) {
         let TraceOptions { samples, bounces, light, ground, lens } = &mut dialog.trace;
         let count = |kept: Option<u32>, range: std::ops::RangeInclusive<u32>, usual: u32| {

@@ -1,8 +1,8 @@
-//! Owns what a person finds again at the next start, as text: how the interface looks, which panels
-//! are where, the tool in hand with its colours, the last folder and the last files.
+//! Owns the state restored at the next start, as text: the look of the interface, the positions of panels, the tool in
+//! hand with its colours, the last folder and the last files.
 //!
-//! Takes and gives text; knows no file. An entry that cannot be read is left out and never stops a start. A setting
-//! that has changed since overrules the remembered value.
+//! Takes and gives text; knows no file. An unreadable entry is skipped and never stops a start. A setting changed since
+//! then overrides the remembered value.
 
 mod brushes;
 mod check;
@@ -42,9 +42,9 @@ const HEAD: &str = "\
 # What Virtual Sculpture remembers from one start to the next. Settings stand in config.toml; this
 # file may be deleted.
 ";
-/// The longest time after which it is saved automatically, in minutes.
+/// Longest autosave interval, in minutes.
 const MOST_AUTOSAVE_MIN: u32 = 1440;
-/// Sides of windows that are believed, in points.
+/// Valid sides of windows, in points.
 const SIDES: std::ops::RangeInclusive<u32> = 64..=16384;
 
 #[derive(Default, Serialize, Deserialize)]
@@ -59,23 +59,23 @@ struct Kept {
     window: Option<[u32; 2]>,
     #[serde(deserialize_with = "lenient")]
     maximised: Option<bool>,
-    /// Panels that are windows of their own.
+    /// Panels in windows of their own.
     #[serde(deserialize_with = "lenient")]
     #[serde(rename = "torn")]
     detached: Option<Vec<String>>,
     #[serde(deserialize_with = "lenient")]
     folder: Option<String>,
-    /// The ending of the file exported to last.
+    /// The extension of the last exported file.
     #[serde(deserialize_with = "lenient")]
     export: Option<String>,
     #[serde(deserialize_with = "lenient")]
     recent: Option<Vec<toml::Value>>,
-    /// The looks in the settings when this was written.
+    /// The looks of the settings at the time of writing.
     #[serde(deserialize_with = "lenient")]
     settings: Option<Looks>,
     #[serde(deserialize_with = "lenient")]
     sections: Option<BTreeMap<String, bool>>,
-    /// The axis that points up in files with an ending.
+    /// The up axis of files by extension.
     #[serde(deserialize_with = "lenient")]
     upright: Option<BTreeMap<String, String>>,
     #[serde(deserialize_with = "lenient")]
@@ -95,10 +95,10 @@ struct Kept {
     pens: Option<KeptPens>,
     #[serde(deserialize_with = "lenient")]
     references: Option<Vec<toml::Value>>,
-    /// Whether it is asked how files are imported, and what was answered last.
+    /// Whether the import dialog asks, and the last answers.
     #[serde(deserialize_with = "lenient")]
     ask_import: Option<bool>,
-    /// Minutes after which it is saved automatically, as chosen and as the settings said then.
+    /// Minutes between automatic saves, as chosen and as the settings said then.
     #[serde(deserialize_with = "lenient")]
     autosave_min: Option<[u32; 2]>,
     #[serde(deserialize_with = "lenient")]
@@ -127,10 +127,10 @@ impl Looks {
 struct KeptTool {
     #[serde(deserialize_with = "lenient")]
     kind: Option<String>,
-    /// The brush in hand if an earlier version says that it is one that deforms.
+    /// The brush in hand, if an earlier version stored one that deforms.
     #[serde(deserialize_with = "lenient", skip_serializing)]
     deform: Option<String>,
-    /// The unit of the sizes of brushes; earlier versions had none.
+    /// The unit of the sizes of brushes; missing in earlier versions.
     #[serde(deserialize_with = "lenient")]
     sizes: Option<String>,
     #[serde(deserialize_with = "lenient")]
@@ -157,7 +157,7 @@ impl KeptTool {
     }
 }
 
-/// Returns the text to be remembered.
+/// Returns the text to remember.
 pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> String {
     let names = |panels: &mut dyn Iterator<Item = &Panel>| {
         panels.map(|panel| panel.title().to_string()).collect()
@@ -198,7 +198,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
     }
 }
 
-/// Gives the interface what a text remembers.
+/// Restores the state of the interface from a text.
 pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &WindowOptions) {
     let kept: Kept = match toml::from_str(text) {
         Ok(kept) => kept,
@@ -273,7 +273,7 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     }
 }
 
-/// Returns the remembered answers in a text about which axis points up.
+/// Returns the remembered answers about up axes.
 pub fn upright(text: &str) -> Upright {
     let kept: Kept = toml::from_str(text).unwrap_or_default();
     kept.upright.as_ref().map(Upright::from_texts).unwrap_or_default()
@@ -345,7 +345,7 @@ fn is_side(size: &[u32; 2]) -> bool {
     size.iter().all(|side| SIDES.contains(side))
 }
 
-/// A value that is not what it should be is none.
+/// Reads an invalid value as `None`.
 fn lenient<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -> Result<Option<T>, D::Error> {
     let value = toml::Value::deserialize(from)?;
     let text = value.to_string();

@@ -1,4 +1,4 @@
-//! The memory of pens: how a press counts, and what it leads of each brush.
+//! Remembers the options of pens: the pressure curve, and the effect on each brush.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::input::pen::{EXPONENTS, FULL, PenCurve};
 use crate::ui::memory::values::{neat, within};
 use crate::ui::pens::PenState;
 
-/// The choices made; a curve counts while the settings are what they were then.
+/// The choices. A curve counts only while the settings are the same as then.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct KeptPens {
@@ -37,7 +37,7 @@ impl KeptPens {
         }
     }
 
-    /// Chooses again what was chosen.
+    /// Restores the choices.
     pub fn recall(&self, pens: &mut PenState, uses: &mut PenUses) {
         let usual = [neat(pens.usual.exponent), neat(pens.usual.full_at)];
         if let (Some([exponent, full_at]), Some(then)) = (self.curve, self.usual_curve)

@@ -1,5 +1,5 @@
-//! Owns the list of files that were opened or saved last, each as the command that opens it, so
-//! that what was chosen about a file is chosen again.
+//! Owns the list of files opened or saved last. Each is kept as the command that opens it, with the choices made for
+//! it.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use crate::command::Command;
 use crate::format::options::ImportOptions;
 use crate::sculpture::orientation::Up;
 
-/// Files kept.
+/// Number of files kept.
 const MOST: usize = 10;
 
 /// Files, the latest first.
@@ -17,14 +17,14 @@ pub struct Recent {
 }
 
 impl Recent {
-    /// Notes that a file was opened or saved by a command; others are no matter.
+    /// Records a file that a command has opened or saved; ignores other commands.
     pub fn note(&mut self, command: &Command) {
         let (path, known) = match command {
             Command::Open { path, import } => (path, Some(*import)),
             Command::Save { path, .. } => (path, None),
             _ => return,
         };
-        // The list is read wherever the program is started next.
+        // The next start may have another working directory.
         let Ok(path) = std::path::absolute(path) else { return };
         let before = self.position(&path).map(|at| self.list.remove(at));
         let import = known.unwrap_or(match before {
@@ -35,7 +35,7 @@ impl Recent {
         self.list.truncate(MOST);
     }
 
-    /// The file that was open at the start, unless more is known of it.
+    /// Records the file open at the start, unless more is known about it.
     pub fn note_open(&mut self, path: &Path, upright: Option<Up>) {
         let Ok(path) = std::path::absolute(path) else { return };
         match self.position(&path) {
@@ -47,7 +47,7 @@ impl Recent {
         }
     }
 
-    /// Notes which axis points up in a file.
+    /// Records the up axis of a file.
     pub fn set_upright(&mut self, path: &Path, up: Up) {
         let Ok(path) = std::path::absolute(path) else { return };
         if let Some(at) = self.position(&path)
@@ -80,7 +80,7 @@ impl Recent {
         self.list.iter().map(Command::to_string)
     }
 
-    /// From such lines; others are left out.
+    /// Reads such lines; skips others.
     pub fn from_lines<'a>(lines: impl Iterator<Item = &'a str>) -> Recent {
         let mut recent = Recent::default();
         for line in lines {

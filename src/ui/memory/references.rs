@@ -1,4 +1,4 @@
-//! The remembered reference pictures: where their files are and where they stand, as TOML values.
+//! Remembers reference pictures: their files and positions, as TOML values.
 
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ struct KeptReference {
     offset_vx: [f64; 2],
 }
 
-/// Returns the values of `references`. A path that is no text is left out.
+/// Returns the values of `references`. Skips a path that is not valid Unicode.
 pub fn to_values(references: &[Reference]) -> Vec<toml::Value> {
     let kept = references.iter().filter_map(|reference| {
         let neat = |value: f32| value.to_string().parse().unwrap_or(f64::from(value));
@@ -38,7 +38,7 @@ pub fn to_values(references: &[Reference]) -> Vec<toml::Value> {
     kept.filter_map(|kept| toml::Value::try_from(kept).ok()).collect()
 }
 
-/// Returns the references of such values; their files are not read yet. A value that is no reference is left out.
+/// Returns the references of such values; their files are not read yet. Skips invalid values.
 pub fn from_values(values: Vec<toml::Value>) -> Vec<Reference> {
     let known = values.into_iter().filter_map(|value| {
         let kept: KeptReference = value.try_into().ok()?;

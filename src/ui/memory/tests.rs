@@ -1,4 +1,4 @@
-//! Tests of what is remembered.
+//! Tests of the remembered state.
 
 use glam::UVec3;
 use proptest::prelude::*;
@@ -60,7 +60,7 @@ fn what_was_chosen_is_found_again() {
     assert_eq!(after.references, before.references);
     assert_eq!(tool, tool_before);
     assert_eq!(to_text(&after, &tool, &config.window), text);
-    // The scale of the settings is still what "as in the settings" means.
+    // The scale of the settings still defines "as in the settings".
     after.appearance.scale.reset();
     assert_eq!(after.appearance.scale.factor(), 1.0);
 }
@@ -108,7 +108,7 @@ fn what_is_damaged_is_left_out_and_the_rest_is_used() {
     assert_eq!(*clay, BrushOptions::first(BrushId::Clay).with(REACH, 5.0));
 }
 
-/// A file of November 2026 with no value as it is at first: a value that is written again was read.
+/// Checks a file of November 2026 without default values: a value that is written again was read.
 #[test]
 fn what_earlier_versions_remembered_is_still_read() {
     let text = include_str!("../../../tests/fixtures/state-2026-11.toml");
@@ -122,7 +122,7 @@ fn what_earlier_versions_remembered_is_still_read() {
     let [sprays, deforms] = ["sprays", "deforms"].map(|key| then.remove(key).unwrap());
     then["tool"].as_table_mut().unwrap().remove("deform");
     let brushes = now.remove("brushes").unwrap();
-    // Brushes that were not there then have what they have at first.
+    // Brushes that did not exist then get their defaults.
     let old_of = |name: &str| sprays.get(name).or(deforms.get(name));
     let leads = now["pens"]["leads"].as_table_mut().unwrap();
     leads.retain(|name, _| name == "solid" || old_of(name).is_some());
@@ -153,7 +153,7 @@ fn what_earlier_versions_remembered_is_still_read() {
     }
 }
 
-/// The tool in hand of earlier versions, if it was one that deforms, had two names.
+/// Checks the tool in hand of earlier versions: one that deforms had two names.
 #[test]
 fn a_brush_in_hand_of_earlier_versions_is_in_hand_again() {
     for (text, expected) in [
@@ -170,7 +170,7 @@ fn a_brush_in_hand_of_earlier_versions_is_in_hand_again() {
 }
 
 proptest! {
-    /// Bytes lost, doubled or changed anywhere: it starts, with values in their ranges.
+    /// Checks that lost, doubled or changed bytes leave every value in its range.
     #[test]
     fn any_damage_is_survived(at in 0usize..2000, with in "\\PC{0,6}", gone in 0usize..400) {
         let config = Config::default();

@@ -1,6 +1,6 @@
-//! The answers about which axis points up in files that do not say so, by the endings of their names.
+//! The answers about the up axis of files that do not state it, by extension.
 //!
-//! Takes and gives what is remembered; shows nothing and reads no file.
+//! Takes and gives remembered texts; shows nothing and reads no file.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,19 +8,19 @@ use std::path::{Path, PathBuf};
 use crate::sculpture::history::State;
 use crate::sculpture::orientation::Up;
 
-/// The answers about which axis points up.
+/// The answers about up axes.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Upright {
-    /// The axis by the endings of file names, in lower case.
+    /// The axis by extension, in lower case.
     by_ending: BTreeMap<String, Up>,
-    /// The state of the sculpture in which nobody wants to be asked.
+    /// The state of the sculpture for which the question was dismissed.
     pub dismissed: Option<State>,
-    /// The file about which the question was answered when it was imported.
+    /// The file whose import has answered the question.
     pub answered: Option<PathBuf>,
 }
 
 impl Upright {
-    /// Returns the axis that pointed up in the last file with such an ending, if anybody said so.
+    /// Returns the up axis of the last file with such an extension, if it was answered.
     pub fn of(&self, path: &Path) -> Option<Up> {
         self.by_ending.get(&ending(path)?).copied()
     }
@@ -31,17 +31,17 @@ impl Upright {
         }
     }
 
-    /// Nobody wants to be asked about this file, having seen how it stands.
+    /// Suppresses the question for this file, whose orientation the person has seen.
     pub fn answer(&mut self, path: &Path) {
         self.answered = Some(path.to_path_buf());
     }
 
-    /// Returns the answers to be remembered: endings and the text forms of axes.
+    /// Returns the answers to remember: extensions and the text forms of axes.
     pub fn to_texts(&self) -> BTreeMap<String, String> {
         self.by_ending.iter().map(|(ending, up)| (ending.clone(), up.to_string())).collect()
     }
 
-    /// Reads such texts. An entry that names no axis is left out.
+    /// Reads such texts. Skips an entry that names no axis.
     pub fn from_texts(texts: &BTreeMap<String, String>) -> Upright {
         let known =
             texts.iter().filter_map(|(ending, up)| Some((ending.clone(), up.parse().ok()?)));
@@ -49,12 +49,12 @@ impl Upright {
     }
 }
 
-/// Returns the ending of the name of a file, in lower case.
+/// Returns the extension of a file name, in lower case.
 pub fn ending(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
-/// Returns how a person reads an axis.
+/// Returns the name of an axis for people.
 pub fn label(up: Up) -> &'static str {
     match up {
         Up::X => "X up",

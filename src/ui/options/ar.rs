@@ -18,7 +18,7 @@ fn state_text(ar: &ArStatus) -> String {
     }
 }
 
-/// Shows its part of the options.
+/// Shows this section of the options.
 pub fn options(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mut on = context.ar.on;
     let stand = ui.checkbox(&mut on, "Stand on the printed marker");
@@ -30,7 +30,7 @@ pub fn options(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
     }
 }
 
-/// Its part of the status line.
+/// Shows this part of the status line.
 pub fn status(ui: &mut Ui, context: &UiContext) {
     if context.ar.on {
         ui.separator();

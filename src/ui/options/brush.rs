@@ -15,7 +15,7 @@ use crate::ui::widgets::buttons::explain;
 use crate::ui::widgets::names::capital;
 use crate::ui::widgets::spot::{self, Spot};
 
-/// Leaves room for a name before and a number with its unit behind.
+/// Leaves room for a name before it and a number with its unit after it.
 const SLIDER_WIDTH: f32 = 80.0;
 
 pub fn show(ui: &mut Ui, brush: BrushId, context: &UiContext, requests: &mut Vec<UiRequest>) {
@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, brush: BrushId, context: &UiContext, requests: &mut Vec
     }
 }
 
-/// The row of an option with a value; returns the value that it has then.
+/// Shows the row of an option. Returns its new value.
 fn row(ui: &mut Ui, param: &Param, value: Value, in_unit: SizeUnit) -> Value {
     let label = ui.label(param.label);
     match (param.domain, value) {
@@ -105,7 +105,7 @@ fn row(ui: &mut Ui, param: &Param, value: Value, in_unit: SizeUnit) -> Value {
     }
 }
 
-/// The unit in which the radii of all brushes are given.
+/// Chooses the unit of the radii of all brushes.
 fn size_unit(ui: &mut Ui, in_unit: SizeUnit, requests: &mut Vec<UiRequest>) {
     ui.label("Size on");
     ui.horizontal(|ui| {
@@ -125,7 +125,7 @@ fn size_unit(ui: &mut Ui, in_unit: SizeUnit, requests: &mut Vec<UiRequest>) {
     ui.end_row();
 }
 
-/// The choices beside each other; returns the place of the chosen one.
+/// Shows the choices side by side. Returns the index of the chosen one.
 fn choice(ui: &mut Ui, choices: &[Choice], mut chosen: u8) -> u8 {
     ui.horizontal(|ui| {
         for (place, choice) in choices.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The options of the tool in hand that draws solids; each tool shows what it has a use for.
+//! The options of the tool in hand that draws solids. Each tool shows those that it uses.
 
 use std::ops::RangeInclusive;
 
@@ -15,7 +15,7 @@ use crate::ui::request::UiRequest;
 use crate::ui::widgets::names::mode_name;
 use crate::ui::widgets::numbers;
 
-/// Leaves room for a name before and a number with its unit behind.
+/// Leaves room for a name before it and a number with its unit after it.
 const SLIDER_WIDTH: f32 = 80.0;
 
 pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec<UiRequest>) {
@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, kind: DrawKind, context: &UiContext, requests: &mut Vec
     }
 }
 
-/// The lengths that a tool has a use for.
+/// Shows the lengths that a tool uses.
 fn numbers(ui: &mut Ui, kind: DrawKind, mode: ToolMode, options: &mut DrawOptions) {
     let mut number = |name: &str, value: &mut f32, range: RangeInclusive<f32>, hint: &str| {
         let label = ui.label(name);

@@ -1,4 +1,4 @@
-//! Texts about a drawing that takes several presses: how far it is, and which keys do what.
+//! Texts about a drawing that takes several presses: its progress, and the keys.
 //!
 //! Takes its [`Progress`] and the bindings in use; gives texts.
 
@@ -8,13 +8,13 @@ use crate::input::trigger::Trigger;
 use crate::ui::context::UiContext;
 
 /// Returns the text for the line along the bottom: the height of a box, or the points of a curve, and the possible
-/// acts.
+/// actions.
 pub fn line(drawn: Progress, context: &UiContext) -> String {
     let acts = acts(drawn, |action| keys(action, context)).join(" \u{b7} ");
     format!("{} \u{b7} {acts}", amount(drawn))
 }
 
-/// Returns the text for the options of the tool: the possible acts.
+/// Returns the text for the options of the tool: the possible actions.
 pub fn advice(drawn: Progress, context: &UiContext) -> String {
     let acts = acts(drawn, |action| keys(action, context)).join("; ");
     match drawn {
@@ -23,7 +23,7 @@ pub fn advice(drawn: Progress, context: &UiContext) -> String {
     }
 }
 
-/// Returns the keys for an action; none in a headset.
+/// Returns the keys for an action; empty in a headset.
 fn keys(action: Action, context: &UiContext) -> Vec<String> {
     let table = context.bindings().filter(|_| !context.in_headset);
     let triggers = table.into_iter().flat_map(|table| table.triggers(action));
@@ -31,7 +31,7 @@ fn keys(action: Action, context: &UiContext) -> Vec<String> {
     keys.map(|key| key.to_string()).collect()
 }
 
-/// Returns how far it is.
+/// Returns the progress in words.
 fn amount(drawn: Progress) -> String {
     match drawn {
         Progress::Raised(layers) if layers < 0 => format!("Depth {} vx", layers.unsigned_abs()),
@@ -41,7 +41,7 @@ fn amount(drawn: Progress) -> String {
     }
 }
 
-/// Returns the possible acts, each with the presses that do it. An act without a press is left out.
+/// Returns the possible actions, each with its presses. An action without a press is skipped.
 fn acts(drawn: Progress, keys: impl Fn(Action) -> Vec<String>) -> Vec<String> {
     let (press, goes_back) = match drawn {
         Progress::Raised(_) => ("Click", false),
@@ -55,7 +55,7 @@ fn acts(drawn: Progress, keys: impl Fn(Action) -> Vec<String>) -> Vec<String> {
         .collect()
 }
 
-/// `a, b or c`.
+/// Joins presses as `a, b or c`.
 fn either(presses: &[String]) -> Option<String> {
     let (last, others) = presses.split_last()?;
     Some(match others {

@@ -1,4 +1,4 @@
-//! The options of a gamepad, shown while one is there.
+//! The options of a gamepad, shown while one is connected.
 
 use egui::Ui;
 

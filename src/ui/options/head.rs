@@ -21,7 +21,7 @@ fn details(head: &HeadStatus) -> String {
     )
 }
 
-/// Its part of the options.
+/// Shows this section of the options.
 pub fn options(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mut on = context.head.on;
     let follow = ui.checkbox(&mut on, "Head tracking");
@@ -34,7 +34,7 @@ pub fn options(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
     action_button(ui, context, "Calibrate …", Action::CalibrateHead, true, requests);
 }
 
-/// Its part of the status line.
+/// Shows this part of the status line.
 pub fn status(ui: &mut Ui, context: &UiContext) {
     if context.head.on {
         ui.separator();

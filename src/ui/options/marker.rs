@@ -1,4 +1,4 @@
-//! The options of the marker: where it is, what is selected, what is copied, moved and filled.
+//! The options of the marker: its position, selection, copies, moves and fills.
 
 use egui::{Button, DragValue, ScrollArea, Ui, vec2};
 use glam::IVec3;
@@ -14,7 +14,7 @@ use crate::ui::widgets::names::grouped;
 use crate::ui::widgets::theme;
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
-/// Selected boxes that are seen without scrolling.
+/// Number of selected boxes visible without scrolling.
 const ROWS: f32 = 3.0;
 
 pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
@@ -55,7 +55,7 @@ fn buttons(
     });
 }
 
-/// Lower corner and lengths as numbers.
+/// Shows the lower corner and the lengths as numbers.
 fn bounds(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let marker = context.document.selection().marker();
     let (mut at, mut size) = (marker.min, marker.size().as_ivec3());
@@ -92,7 +92,7 @@ fn selection(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         let any = !boxes.is_empty();
         action_button(ui, context, "Deselect all", Action::ClearSelection, any, requests);
     });
-    // As high with many boxes as with none, so that a click below meets the same button.
+    // The height does not depend on the number of boxes, so that buttons below keep their place.
     let row = ui.spacing().interact_size.y;
     let height = ROWS * (row + ui.spacing().item_spacing.y);
     ui.allocate_ui(vec2(ui.available_width(), height), |ui| {
@@ -122,7 +122,7 @@ fn selection(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     }
 }
 
-/// Shows the buttons that act on the voxels in the marker where they are.
+/// Shows the buttons that act on the voxels in the marker in place.
 fn contents(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     buttons(ui, context, requests, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
     type Make = fn(usize) -> Orientation;
@@ -148,7 +148,7 @@ fn contents(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     }
 }
 
-/// Shows the copied voxels, and how they will be put down.
+/// Shows the copied voxels and the orientation for pasting.
 fn copy(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     heading(ui, "Clipboard");
     let clip = context.document.clip();

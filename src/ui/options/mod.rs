@@ -63,7 +63,7 @@ pub fn show(
         });
 }
 
-/// The history at the foot of the column: seen at all times, however long the options are.
+/// Shows the history at the foot of the column, visible however long the options are.
 fn past(
     ui: &mut Ui,
     shared: bool,
@@ -83,7 +83,7 @@ fn past(
         });
 }
 
-/// The options themselves.
+/// Shows the options themselves.
 pub fn content(
     ui: &mut Ui,
     state: &mut UiState,
@@ -129,7 +129,7 @@ fn section(
     section::show(ui, RichText::new(title).strong(), open, state, content);
 }
 
-/// The last operation again and again.
+/// Shows the repetition of the last operation.
 fn repeat(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mut array = context.tool.array;
     let row = ui.horizontal(|ui| {
@@ -200,7 +200,7 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
     smooth_surface(ui, state, context, requests);
 }
 
-/// Whether the sculpture is shown as a smooth surface or as cubes, which is kept with it.
+/// Chooses between a smooth surface and cubes, which is saved with the sculpture.
 fn smooth_surface(
     ui: &mut Ui,
     state: &mut UiState,
@@ -218,7 +218,7 @@ fn smooth_surface(
     if !row.changed() {
         return;
     }
-    // The settings may show cubes whatever the sculpture says.
+    // The settings may force cubes.
     state.view.smooth_surface |= smooth;
     let kind = if smooth { SurfaceKind::Smooth } else { SurfaceKind::Cubes };
     if kind != own {

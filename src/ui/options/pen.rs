@@ -1,4 +1,4 @@
-//! The lead of a pen over the brush in hand, and the section of pens: which there are, and how a press counts.
+//! The effects of a pen on the brush in hand, and the section of pens: the devices, and the pressure curve.
 
 use egui::{Color32, Sense, Slider, Stroke, Ui, pos2, vec2};
 
@@ -10,14 +10,14 @@ use crate::ui::pens::PenState;
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::spot::{self, Spot};
 
-/// Leaves room for a name before and a number behind.
+/// Leaves room for a name before it and a number after it.
 const SLIDER_WIDTH: f32 = 80.0;
 /// The size of the picture of the curve, in points.
 const CURVE_SIZE: egui::Vec2 = vec2(120.0, 72.0);
-/// Points of the curve that are joined.
+/// Number of line segments of the curve.
 const CURVE_STEPS: u32 = 40;
 
-/// Checkboxes for the lead of a pen over the brush in hand, if it can lead anything.
+/// Shows checkboxes for the pen's effects on the brush in hand, if it has any.
 pub fn leads(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let Some(brush) = context.tool.pen_tool() else { return };
     let before = context.tool.pens.of(brush);
@@ -48,7 +48,7 @@ pub fn leads(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     }
 }
 
-/// The options of all pens.
+/// Shows the options of all pens.
 pub fn section(ui: &mut Ui, pen: &mut PenState) {
     for name in &pen.devices {
         ui.label(name);
@@ -74,7 +74,7 @@ pub fn section(ui: &mut Ui, pen: &mut PenState) {
     ui.horizontal(|ui| {
         picture(ui, pen);
         ui.vertical(|ui| {
-            // The same lines with and without a pen that touches: nothing below them moves while one draws.
+            // The number of lines does not depend on a touching pen: nothing below moves while one draws.
             let share = |share: f32| format!("{:.0} %", share * 100.0);
             let touch = pen.touch;
             let [pressure, counted, tilt] = [
@@ -98,7 +98,7 @@ pub fn section(ui: &mut Ui, pen: &mut PenState) {
     });
 }
 
-/// The curve, and where on it the pen is.
+/// Draws the curve, with the present pressure on it.
 fn picture(ui: &mut Ui, pen: &PenState) {
     let (rect, response) = ui.allocate_exact_size(CURVE_SIZE, Sense::hover());
     response.on_hover_text(

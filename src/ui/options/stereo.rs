@@ -1,4 +1,4 @@
-//! The options of stereo pictures: how two eyes share the screen, how far they are apart.
+//! The options of stereo pictures: the layout of two eyes on the screen, and their distance.
 
 use egui::{ComboBox, Slider, Ui};
 
@@ -45,7 +45,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
     explain(response, context, Action::SwapEyes);
 }
 
-/// The choice of the layout.
+/// Chooses the layout.
 pub fn layouts(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
     let chosen = state.view.stereo.layout;
     let response = ComboBox::from_id_salt("stereo layout")
@@ -60,7 +60,7 @@ pub fn layouts(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
     explain(response, context, Action::NextStereo);
 }
 
-/// One of the choices.
+/// Shows one of the choices.
 pub fn layout(ui: &mut Ui, state: &mut UiState, context: &UiContext, layout: StereoLayout) {
     let can = layout != StereoLayout::Layers || context.quad_buffered;
     ui.add_enabled_ui(can, |ui| {

@@ -1,6 +1,6 @@
 //! The options of symmetry: mirror planes across the axes of the grid, one anywhere, and rotation around an axis.
 //!
-//! Gives a command when something is changed, and the part that the next press is to place.
+//! Gives a command for a change, and the part that the next press should place.
 
 use egui::{DragValue, Ui};
 use glam::Vec3;
@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     }
 }
 
-/// A mirror plane across each axis: none, between two voxels, or through one.
+/// Shows a mirror plane across each axis: none, between two voxels, or through one.
 fn axes(ui: &mut Ui, context: &UiContext, symmetry: &mut Symmetry) {
     for (axis, name) in Axis::ALL.into_iter().zip(["X", "Y", "Z"]) {
         ui.horizontal(|ui| {
@@ -44,7 +44,7 @@ fn axes(ui: &mut Ui, context: &UiContext, symmetry: &mut Symmetry) {
     }
 }
 
-/// The mirror plane that lies anywhere.
+/// Shows the free mirror plane.
 fn plane(ui: &mut Ui, context: &UiContext, symmetry: &mut Symmetry, requests: &mut Vec<UiRequest>) {
     ui.horizontal(|ui| {
         let mut on = symmetry.plane.is_some();
@@ -65,7 +65,7 @@ fn plane(ui: &mut Ui, context: &UiContext, symmetry: &mut Symmetry, requests: &m
     }
 }
 
-/// Tools repeated around an axis.
+/// Shows the repetition around an axis.
 fn radial(
     ui: &mut Ui,
     context: &UiContext,
@@ -103,7 +103,7 @@ fn middle(context: &UiContext) -> Vec3 {
     (context.document.grid().dims() / 2).as_vec3()
 }
 
-/// A button that makes the next press place something.
+/// Shows a button that makes the next press place something.
 fn place(
     ui: &mut Ui,
     context: &UiContext,
@@ -129,7 +129,7 @@ fn point(ui: &mut Ui, name: &str, at: &mut Vec3, help: &str) {
     });
 }
 
-/// Numbers of a direction, and buttons for those along the grid. One that would have no length stays as it is.
+/// Shows the numbers of a direction, and buttons for those along the grid. A direction without length is not applied.
 fn direction(ui: &mut Ui, name: &str, direction: &mut Vec3, help: &str) {
     let before = *direction;
     ui.horizontal(|ui| {

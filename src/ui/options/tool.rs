@@ -1,5 +1,5 @@
-//! The options of the tool in hand. A solid has size, rotation, colour and where it goes; brushes
-//! and the marker have panels of their own.
+//! The options of the tool in hand. A solid has size, rotation, colour and position; brushes and the marker have panels
+//! of their own.
 
 use egui::{Color32, DragValue, Response, Sense, Slider, Ui, vec2};
 use glam::Vec3;
@@ -23,7 +23,7 @@ const AXES: [&str; 3] = ["X", "Y", "Z"];
 const FARTHEST_VX: f32 = 8192.0;
 /// Radius of the corners of a colour's button, in points.
 const SWATCH_CORNER: f32 = 3.0;
-/// Stone, metal, plants, water and the signal colours.
+/// Colours of stone, metal, plants and water, and signal colours.
 const PALETTE: [Rgb; 14] = [
     Rgb::new(0xf2, 0xee, 0xe6),
     Rgb::new(0xc8, 0xbe, 0xaa),
@@ -58,7 +58,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
                 picture(ui, state, context, requests);
             }
             place(ui, context, requests);
-            // It leads nothing of a solid at first, and the column is short.
+            // By default a pen has no effect on a solid, and the column stays short.
             if context.in_headset || state.pen.is_there() {
                 pen::leads(ui, context, requests);
             }
@@ -92,7 +92,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
     }
 }
 
-/// A switch of the tool that is `on`; asks for `edit` when it is flipped.
+/// Shows a switch of the tool that is `on`. Requests `edit` when it is flipped.
 fn switch(
     ui: &mut Ui,
     mut on: bool,
@@ -107,7 +107,7 @@ fn switch(
     response
 }
 
-/// Where the tool goes.
+/// Shows the position of the tool.
 fn place(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     if !context.in_headset {
         follow(ui, context, requests);
@@ -119,7 +119,7 @@ fn place(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     });
 }
 
-/// How the tool follows a pointer; in a headset it is where the hand is.
+/// Shows how the tool follows a pointer. In a headset it is where the hand is.
 fn follow(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let tool = context.tool;
     let follow = switch(ui, tool.follow, "Follow the pointer", ToolEdit::Follow, requests);
@@ -143,7 +143,7 @@ fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut
         {
             state.dialogs.files.open(FileTask::Picture, tool.picture_in_use().map(|p| p.as_path()));
         }
-        // In a headset nobody has copied one.
+        // In a headset, no picture can have been copied.
         if !context.in_headset
             && ui.button("Paste").on_hover_text("Paint with the image on the clipboard").clicked()
         {
@@ -162,7 +162,7 @@ fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut
     spot::mark(&row.response, Spot::Stencil);
 }
 
-/// Where a solid is, in numbers.
+/// Shows the position of a solid as numbers.
 fn position(ui: &mut Ui, tool: &ToolState, requests: &mut Vec<UiRequest>) {
     ui.horizontal(|ui| {
         let mut centre_vx = tool.centre_vx;
@@ -242,7 +242,7 @@ fn rotation(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
             let value = DragValue::new(&mut turn_deg[axis])
                 .range(-180.0..=180.0)
                 .speed(1.0)
-                // Without the sign of what rounds to nothing.
+                // Without the minus sign of values that round to zero.
                 .custom_formatter(|deg, _| format!("{:.0}", deg.round() + 0.0))
                 .prefix(format!("{name} "))
                 .suffix("°");
@@ -287,7 +287,7 @@ fn colour(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     }
 }
 
-/// A button for what the next press does.
+/// Shows a button that sets the action of the next press.
 fn next_press(
     ui: &mut Ui,
     tool: &ToolState,
@@ -302,7 +302,7 @@ fn next_press(
     }
 }
 
-/// Colours to choose from. There is room for `most` of them at all times, so that nothing below moves as they become more.
+/// Shows colours to choose from. Reserves room for `most` of them, so that nothing below moves when there are more.
 fn swatches(ui: &mut Ui, colours: &[Rgb], most: usize, chosen: &mut Rgb) {
     const GAP: f32 = 4.0;
     let side = theme::LEAST_TARGET;
@@ -320,7 +320,7 @@ fn swatches(ui: &mut Ui, colours: &[Rgb], most: usize, chosen: &mut Rgb) {
             ui.painter().rect_stroke(rect, SWATCH_CORNER, rim, egui::StrokeKind::Inside);
             continue;
         };
-        // Not allocated one by one, which would end the room at the last of them.
+        // Not allocated one by one: the room would end at the last of them.
         let response = ui.interact(rect, all.id.with(i), Sense::click());
         if swatch(ui, response, *colour, *colour == before) {
             *chosen = *colour;

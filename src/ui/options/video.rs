@@ -1,5 +1,5 @@
-//! The interface of the video behind the sculpture: a switch, where the video comes from, how it
-//! lies on the screen, and the state of the camera.
+//! The interface of the video behind the sculpture: a switch, its source, its placement on the screen, and the state of
+//! the camera.
 
 use egui::{ComboBox, TextEdit, Ui};
 
@@ -24,7 +24,7 @@ fn words(video: &VideoStatus) -> String {
     }
 }
 
-/// Its part of the options.
+/// Shows this section of the options.
 pub fn options(
     ui: &mut Ui,
     state: &mut UiState,
@@ -65,8 +65,7 @@ pub fn options(
     ));
 }
 
-/// Where it comes from: taken when Enter is pressed or the field is left, so that no half of an
-/// address is opened.
+/// Shows the source. It changes when Enter is pressed or the field is left, so that no partial address is opened.
 fn source(ui: &mut Ui, state: &mut UiState) {
     let id = ui.make_persistent_id("video source");
     let source = &mut state.view.video.source;

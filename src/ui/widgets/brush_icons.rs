@@ -1,5 +1,5 @@
-//! The small pictures on the buttons of the brushes. They show what a brush makes of a surface, as lines, so that they
-//! are sharp at any scale and take the theme's colours. One row a brush.
+//! The icons of the brushes. They show the effect of a brush on a surface, as lines, so that they are sharp at any
+//! scale and take the theme's colours. One row per brush.
 
 use std::f32::consts::{PI, TAU};
 
@@ -13,9 +13,9 @@ type Points = Vec<(f32, f32)>;
 
 /// A line of a picture.
 enum Line {
-    /// The surface as it becomes.
+    /// The surface afterwards.
     Bold(Points),
-    /// The surface as it was, and shading.
+    /// The surface before, and shading.
     Thin(Points),
     /// A handle.
     Thick(Points),
@@ -57,7 +57,7 @@ fn ground(y: f32, middle: impl IntoIterator<Item = (f32, f32)>) -> Line {
     Line::Bold(points.collect())
 }
 
-/// Half an ellipse about the middle of the ground, upwards with a negative height.
+/// Returns half an ellipse around the middle of the ground, upwards with a negative height.
 fn bow(y: f32, half_width: f32, height: f32) -> impl Iterator<Item = (f32, f32)> {
     (0..=16).map(move |i| {
         let (sin, cos) = (PI * (1.0 - i as f32 / 16.0)).sin_cos();
@@ -65,7 +65,7 @@ fn bow(y: f32, half_width: f32, height: f32) -> impl Iterator<Item = (f32, f32)>
     })
 }
 
-/// Clay drawn out to the right, by shares of the way on one of its sides.
+/// Returns a point of clay drawn out to the right, by its share of the path on one side.
 fn drawn_out(i: usize, base: f32) -> (f32, f32) {
     let t = i as f32 / 10.0;
     let rise = t * t * (3.0 - 2.0 * t);
@@ -135,7 +135,7 @@ fn lines(brush: BrushId) -> Vec<Line> {
             thin(&[(0.16, 0.4), (0.3, 0.84), (0.7, 0.84), (0.84, 0.4)]),
             thin(&[(0.3, 0.62), (0.7, 0.62)]),
         ],
-        // A face without its grains, and a gleam on it.
+        // A smooth face, and a gleam on it.
         BrushId::Polish => vec![
             ground(0.7, []),
             thin(&[(0.06, 0.7), (0.14, 0.56), (0.22, 0.7), (0.32, 0.56), (0.42, 0.7)]),
@@ -144,7 +144,7 @@ fn lines(brush: BrushId) -> Vec<Line> {
         ],
         BrushId::Draw => vec![
             thin(&[(0.02, 0.8), (0.98, 0.8)]),
-            // The face goes up as a whole.
+            // The face rises as a whole.
             ground(0.8, [(0.26, 0.74), (0.36, 0.46), (0.64, 0.46), (0.74, 0.74)]),
             bold(&[(0.5, 0.38), (0.5, 0.06)]),
             bold(&[(0.38, 0.18), (0.5, 0.06), (0.62, 0.18)]),

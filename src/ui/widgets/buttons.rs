@@ -1,5 +1,4 @@
-//! Owns the buttons that stand for an action: their tooltip says what it does and which key does
-//! the same, where there are keys.
+//! Owns the buttons of actions. Their tooltips describe the action and its key, if there is a keyboard.
 
 use egui::{
     Atom, Button, Checkbox, Response, RichText, Ui, WidgetInfo, WidgetText, WidgetType, vec2,
@@ -10,7 +9,7 @@ use crate::ui::context::UiContext;
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
-/// Returns a button for `action`. Adds the action to `requests` when clicked.
+/// Shows a button for `action`. Adds the action to `requests` when clicked.
 pub fn action_button(
     ui: &mut Ui,
     context: &UiContext,
@@ -28,7 +27,7 @@ pub fn action_button(
     response
 }
 
-/// Returns the entry of a menu for `action`, with its key at the right. Adds the action to `requests` when clicked.
+/// Shows the menu entry of `action`, with its key at the right. Adds the action to `requests` when clicked.
 pub fn menu_entry(
     ui: &mut Ui,
     context: &UiContext,
@@ -49,7 +48,7 @@ pub fn menu_entry(
     response
 }
 
-/// The same for an action that switches something on and off. Asks for nothing: `on` is changed.
+/// Shows the menu entry of an action that switches something on and off. Changes `on` instead of requesting the action.
 pub fn menu_switch(
     ui: &mut Ui,
     context: &UiContext,

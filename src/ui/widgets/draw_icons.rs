@@ -1,11 +1,11 @@
-//! The small pictures on the buttons of the tools that draw, with lines like those of the other tools.
+//! The icons of the tools that draw, with lines like those of the other tools.
 
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke};
 
 use crate::input::DrawKind;
 use crate::ui::widgets::icons::at;
 
-/// Draws a tool that draws into `rect`: what a drag draws, and what it becomes.
+/// Draws the icon of a drawing tool into `rect`: the drag, and its result.
 pub fn draw(painter: &Painter, rect: Rect, kind: DrawKind, colour: Color32) {
     let line = Stroke::new(1.6, colour);
     let thin = Stroke::new(1.0, colour.gamma_multiply(0.6));

@@ -1,7 +1,6 @@
-//! How typed words choose from a list, and what of it they mean most likely.
+//! Filters a list by typed words, and ranks the matches.
 
-/// Typed words, each of which must stand somewhere in what is chosen, in any order and case, in
-/// American or British spelling.
+/// Typed words, each of which must match, in any order and case, in American or British spelling.
 pub struct Filter(Vec<String>);
 
 impl Filter {
@@ -19,13 +18,13 @@ impl Filter {
         self.0.len()
     }
 
-    /// Returns whether all words stand in `texts` together.
+    /// Returns whether all words match `texts` together.
     pub fn takes(&self, texts: &[&str]) -> bool {
         self.rank("", texts, &[]).is_some()
     }
 
-    /// Returns how far what is typed is from something with this title, which `others` say more about and `keys`
-    /// trigger: 0 is the title's own first word. None if a word stands nowhere.
+    /// Returns how far the words are from something with this title, described by `others` and triggered by `keys`: 0
+    /// is the title's own first word. Returns `None` if a word does not match.
     pub fn rank(&self, title: &str, others: &[&str], keys: &[&str]) -> Option<u32> {
         let title = british(title);
         let others: Vec<String> = others.iter().map(|text| british(text)).collect();
@@ -60,7 +59,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty())
 }
 
-/// Returns the text in lower case, its American spellings in British, so that either finds the other.
+/// Returns the text in lower case and British spelling, so that both spellings match.
 pub fn british(text: &str) -> String {
     const SPELLINGS: [(&str, &str); 9] = [
         ("color", "colour"),
@@ -74,7 +73,7 @@ pub fn british(text: &str) -> String {
         ("randomize", "randomise"),
     ];
     let lower = text.to_lowercase();
-    // A text that is British already stays as it is: "colour" holds no "color".
+    // British words stay unchanged: "colour" does not contain "color".
     SPELLINGS.into_iter().fold(lower, |text, (american, here)| text.replace(american, here))
 }
 

@@ -1,12 +1,12 @@
-//! Owns the small pictures on the tool buttons, drawn with lines so that they are sharp at any
-//! scale and take the theme's colours.
+//! Owns the icons of the tool buttons, drawn with lines so that they are sharp at any scale and take the theme's
+//! colours.
 
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use crate::input::ToolMode;
 use crate::tools::solid::Solid;
 
-/// Draws a window with an arrow out of it, or into it for one that can be put back.
+/// Draws a window with an arrow out of it, or into it with `back`.
 pub fn detach(painter: &Painter, rect: Rect, back: bool, colour: Color32) {
     let line = Stroke::new(1.2, colour);
     let at = |x: f32, y: f32| at(rect, x, y);
@@ -109,7 +109,7 @@ fn arc(centre: Pos2, half: egui::Vec2, degrees: std::ops::RangeInclusive<f32>) -
         .collect()
 }
 
-/// Draws what a tool does into `rect`: a plus, a minus, a drop.
+/// Draws the effect of a tool into `rect`: a plus, a minus, a drop.
 pub fn mode(painter: &Painter, rect: Rect, mode: ToolMode, colour: Color32) {
     let line = Stroke::new(2.4, colour);
     let at = |x: f32, y: f32| at(rect, x, y);
@@ -154,7 +154,7 @@ pub fn marker(painter: &Painter, rect: Rect, colour: Color32) {
     painter.extend(Shape::dashed_line(&rim, line, 4.0, 2.5));
 }
 
-/// Returns a place in `rect` by shares of its sides.
+/// Returns a point of `rect` by shares of its sides.
 pub fn at(rect: Rect, x: f32, y: f32) -> Pos2 {
     pos2(rect.left() + x * rect.width(), rect.top() + y * rect.height())
 }

@@ -1,9 +1,7 @@
-//! Owns a keyboard that is drawn, for people who wear a headset and cannot reach the one on the
-//! desk: its keys, where they lie, and what each of them writes.
+//! Owns an on-screen keyboard for people in a headset: its keys, their positions, and their effects.
 //!
-//! Takes where the field that wants text lies and what a pointer does; gives egui's events of a
-//! keyboard. It is no widget, so a press on it takes the focus from no field. Must not know what
-//! the pointer is.
+//! Takes the position of the field that wants text and the pointer; gives egui's keyboard events. It is no widget, so a
+//! press on it takes the focus from no field. Must not know what the pointer is.
 
 use egui::{Align2, Context, Event, FontId, Id, Key, LayerId, Modifiers, Order, Pos2, Rect};
 use egui::{CornerRadius, Stroke, StrokeKind, Vec2, vec2};
@@ -13,29 +11,29 @@ const SHARE: Vec2 = Vec2::new(0.86, 0.42);
 /// Distance from the board's edge, and between keys, as shares of a key's height.
 const MARGIN: f32 = 0.2;
 const GAP: f32 = 0.1;
-/// Widths of keys in a row, together.
+/// Width of a row, in keys.
 const ROW_WIDTH: f32 = 12.0;
-/// Seconds after which a key that is held writes again, and between writing again.
+/// Seconds until a held key repeats, and between repetitions.
 const REPEAT_AFTER_S: f64 = 0.5;
 const REPEAT_EVERY_S: f64 = 0.08;
 
 /// The character or function of a key.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Cap {
-    /// Writes the first character, with shift the second.
+    /// Writes the first character, or with shift the second.
     Char(char, char),
     Space,
     Backspace,
     Enter,
     Left,
     Right,
-    /// The next character is a shifted one; pressed again, all are.
+    /// Shifts the next character; pressed again, all of them.
     Shift,
-    /// The field is left as it is.
+    /// Leaves the field.
     Close,
 }
 
-/// A key and its width in widths of a letter's key.
+/// A key and its width in letter keys.
 type Row = &'static [(Cap, f32)];
 
 const fn letter(small: char) -> (Cap, f32) {
@@ -103,7 +101,7 @@ static ROWS: [Row; 5] = [
     &[(Cap::Close, 2.0), (Cap::Left, 1.0), (Cap::Space, 8.0), (Cap::Right, 1.0)],
 ];
 
-/// Which characters are written.
+/// The state of shift.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 enum Shift {
     #[default]
@@ -119,13 +117,13 @@ pub struct Keyboard {
     place: Option<Rect>,
     shift: Shift,
     pointed: Option<Cap>,
-    /// The key that is down, and when it writes again, once that is known.
+    /// The key that is down, and when it repeats, once that is known.
     held: Option<(Cap, Option<f64>)>,
 }
 
 impl Keyboard {
-    /// Shows the keyboard for a field of `board`, clear of it where there is room, or hides it.
-    /// True if that changes the picture.
+    /// Shows the keyboard for a field of `board`, clear of it where there is room, or hides it. Returns true if that
+    /// changes the picture.
     pub fn follow(&mut self, field: Option<Rect>, board: Rect) -> bool {
         let place = field.map(|field| place(field, board));
         let changed = self.place != place;
@@ -136,19 +134,19 @@ impl Keyboard {
         changed
     }
 
-    /// Returns whether a point lies on the keyboard, between keys too.
+    /// Returns whether a point lies on the keyboard, including between keys.
     pub fn covers(&self, at: Pos2) -> bool {
         self.place.is_some_and(|place| place.contains(at))
     }
 
-    /// Hears where the pointer is. True if that changes the picture.
+    /// Sets the pointer's position. Returns true if that changes the picture.
     pub fn point(&mut self, at: Option<Pos2>) -> bool {
         let pointed = at.and_then(|at| self.key_at(at));
         let before = std::mem::replace(&mut self.pointed, pointed);
         before != pointed
     }
 
-    /// Presses the key that is pointed at: adds what it writes. A field is left through `context`.
+    /// Presses the key under the pointer: adds its events. Leaves a field through `context`.
     pub fn press(&mut self, context: &Context, events: &mut Vec<Event>) {
         let Some(cap) = self.pointed else { return };
         self.held = Some((cap, None));
@@ -159,7 +157,7 @@ impl Keyboard {
         self.held = None;
     }
 
-    /// Lets a key that is held write again when it is time.
+    /// Repeats a held key when it is time.
     pub fn hold(&mut self, now_s: f64, context: &Context, events: &mut Vec<Event>) {
         let Some((cap, again_s)) = self.held else { return };
         if !matches!(cap, Cap::Backspace | Cap::Left | Cap::Right) {
@@ -175,7 +173,7 @@ impl Keyboard {
         }
     }
 
-    /// Returns when [`Keyboard::hold`] has something to do.
+    /// Returns when [`Keyboard::hold`] must be called.
     pub fn due_s(&self) -> Option<f64> {
         self.held.and_then(|(_, again_s)| again_s)
     }
@@ -201,7 +199,7 @@ impl Keyboard {
                     Shift::Locked => Shift::Off,
                 }
             }
-            // Escape would close the window that the field is in.
+            // Escape would close the window of the field.
             Cap::Close => context.memory_mut(|memory| {
                 if let Some(field) = memory.focused() {
                     memory.surrender_focus(field);
@@ -215,13 +213,13 @@ impl Keyboard {
         Some(cap)
     }
 
-    /// Returns where a key lies, while the keyboard shows.
+    /// Returns the area of a key while the keyboard is visible.
     pub fn key(&self, cap: Cap) -> Option<Rect> {
         let (_, rect) = keys(self.place?).find(|(other, _)| *other == cap)?;
         Some(rect)
     }
 
-    /// Draws it over everything but the pointer.
+    /// Draws the keyboard over everything except the pointer.
     pub fn paint(&self, context: &Context) {
         let Some(place) = self.place else { return };
         let painter = context.layer_painter(LayerId::new(Order::Tooltip, Id::new("keyboard")));
@@ -276,12 +274,12 @@ impl Keyboard {
     }
 }
 
-/// Returns an edge that is seen on every fill.
+/// Returns an edge that is visible on every fill.
 fn edge(stroke: Stroke) -> Stroke {
     Stroke { width: stroke.width.max(1.0), ..stroke }
 }
 
-/// A key of egui goes down and up.
+/// Adds a press and a release of an egui key.
 fn tap(key: Key, events: &mut Vec<Event>) {
     events.extend([true, false].map(|pressed| Event::Key {
         key,
@@ -292,19 +290,19 @@ fn tap(key: Key, events: &mut Vec<Event>) {
     }));
 }
 
-/// Returns where the keyboard lies: over the lower part of the board, or over the upper one if the field is below.
+/// Returns the keyboard's area: the lower part of the board, or the upper one if the field is below.
 pub fn place(field: Rect, board: Rect) -> Rect {
     let size = board.size() * SHARE;
     let margin = MARGIN * size.y / ROWS.len() as f32;
     let left = board.center().x - size.x * 0.5;
     let at = |top: f32| Rect::from_min_size(Pos2::new(left, top), size);
     let (low, high) = (at(board.bottom() - margin - size.y), at(board.top() + margin));
-    // A message about the text of a field often stands right below the field.
+    // A message about the text of a field is often right below the field.
     let near = field.expand(margin);
     if low.intersects(near) && !high.intersects(near) { high } else { low }
 }
 
-/// Returns the keys of a keyboard at `place`, each with where it is pressed.
+/// Returns the keys of a keyboard at `place`, each with its area.
 pub fn keys(place: Rect) -> impl Iterator<Item = (Cap, Rect)> {
     let gap = GAP * place.height() / ROWS.len() as f32;
     let inner = place.shrink(gap);

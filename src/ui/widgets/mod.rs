@@ -1,6 +1,6 @@
-//! The parts that panels and dialogs are put together from, and how they look: buttons, icons, numbers, messages.
+//! The building blocks of panels and dialogs, and their look: buttons, icons, numbers, messages.
 //!
-//! Takes values and gives what was done to them; knows no panel and no dialog.
+//! Takes values and returns the person's changes; knows no panel and no dialog.
 
 pub mod brush_icons;
 pub mod buttons;

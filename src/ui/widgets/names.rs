@@ -1,10 +1,10 @@
-//! The names of things as a person reads them: tools, tables of keys, numbers of voxels.
+//! Display names: tools, tables of keys, numbers of voxels.
 //!
 //! Takes values, gives words; shows nothing.
 
 use crate::input::ToolMode;
 
-/// Returns a table of keys, as the program that it follows is written.
+/// Returns the name of a table of keys, written like the program that it imitates.
 pub fn preset_name(name: &str) -> String {
     match name {
         "magicavoxel" => "MagicaVoxel".to_string(),
@@ -28,7 +28,7 @@ pub fn mode_name(mode: ToolMode) -> &'static str {
     }
 }
 
-/// Digits in groups of three, parted by narrow spaces.
+/// Formats digits in groups of three with narrow spaces.
 pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let first = digits.len() % 3;

@@ -1,7 +1,7 @@
-//! Numbers as people write them: in fields for numbers a decimal comma counts like a point, and thousands may be apart.
+//! Numbers as people write them: in number fields, a decimal comma counts as a point, and thousands may be grouped.
 //!
-//! Takes the events of a pass before any widget hears them, and the text of a field when the field is left. Fields for
-//! words say that they are such ([`words`]) and keep their commas. Must not know what a number means.
+//! Takes the events of a pass before any widget sees them, and the text of a field when it is left. Text fields are
+//! marked ([`words`]) and keep their commas. Must not know what a number means.
 
 use std::ops::Range;
 
@@ -9,29 +9,29 @@ use egui::output::OutputEvent;
 use egui::text_edit::TextEditState;
 use egui::{Context, Event, Id, ImeEvent, Key, Modifiers, Response, WidgetType};
 
-/// In egui's memory: the field is for words.
+/// In egui's memory: the field is for text.
 #[derive(Clone, Copy)]
 struct Words;
 
-/// Says that a field is for words, in which a comma is one.
+/// Marks a text field, in which a comma stays a comma.
 pub fn words(field: &Response) {
     field.ctx.data_mut(|data| data.insert_temp(field.id, Words));
 }
 
-/// The text in the field that has the focus, in egui's memory.
+/// The text in the focused field, in egui's memory.
 #[derive(Clone)]
 struct Written {
     field: Id,
     text: String,
 }
 
-/// The text typed into a field for a number, and the text that the field shows of it, in egui's memory.
+/// The text typed into a number field, and the text that the field shows for it, in egui's memory.
 #[derive(Clone, PartialEq, Debug)]
 struct Typed {
     field: Id,
-    /// As a person has typed it, with all signs.
+    /// As typed, with all signs.
     raw: String,
-    /// As numbers are read, if it can be.
+    /// In normal form, if it can be read.
     shown: String,
     /// The selected part of `shown`, in characters; empty where the cursor is.
     selected: Range<usize>,
@@ -46,7 +46,7 @@ enum Edit {
     Replace(String),
 }
 
-/// Writes what is typed into a field for a number as numbers are read. To be called before widgets are shown.
+/// Rewrites text typed into a number field in normal form. Called before widgets are shown.
 pub fn hear(ctx: &Context) {
     let field = ctx.memory(|memory| memory.focused()).filter(|_| ctx.text_edit_focused());
     let Some(field) = field.filter(|field| ctx.data(|d| d.get_temp::<Words>(*field)).is_none())
@@ -80,8 +80,8 @@ pub fn hear(ctx: &Context) {
     }
 }
 
-/// Notes what is written in the field that has the focus. To be called after widgets are shown. Returns what is to be said
-/// where a field was left with something that is no number.
+/// Records the text of the focused field. Called after widgets are shown. Returns a message if a field was left with an
+/// invalid number.
 pub fn see(ctx: &Context) -> Option<String> {
     let text = |event: &OutputEvent| match event {
         OutputEvent::ValueChanged(info)
@@ -96,14 +96,14 @@ pub fn see(ctx: &Context) -> Option<String> {
     let text = ctx.output(|output| output.events.iter().filter_map(text).next_back());
     let focused = ctx.memory(|memory| memory.focused());
     let typed = ctx.data(|data| data.get_temp::<Typed>(Id::NULL));
-    // A field may be left in the very pass in which something was typed.
+    // A field may be left in the very pass of the typing.
     let field = focused.or(typed.as_ref().map(|typed| typed.field));
     if let Some((text, field)) = text.zip(field) {
         ctx.data_mut(|data| data.insert_temp(Id::NULL, Written { field, text }));
     }
     let written = ctx.data(|data| data.get_temp::<Written>(Id::NULL));
     if written.as_ref().is_some_and(|written| focused != Some(written.field)) {
-        // The field may have something else when it is come back to.
+        // The field may have other contents when it gets the focus again.
         ctx.data_mut(|data| data.remove::<Written>(Id::NULL));
     }
     let left = typed.filter(|typed| focused != Some(typed.field))?;
@@ -144,16 +144,16 @@ fn select_all() -> Event {
 }
 
 impl Typed {
-    /// Takes what is typed; the events that write it into the field.
+    /// Handles typed text. Returns the events that write it into the field.
     fn hear(&mut self, text: &str, event: impl Fn(String) -> Event) -> Vec<Event> {
         match self.write(text) {
             Edit::Insert(text) => vec![event(text)],
-            // An input method ends what it has begun.
+            // An input method must end its composition.
             Edit::Replace(text) => vec![event(String::new()), select_all(), Event::Text(text)],
         }
     }
 
-    /// Takes what is typed.
+    /// Handles typed text.
     fn write(&mut self, text: &str) -> Edit {
         let length = self.shown.chars().count();
         let Range { start, end } = self.selected;
@@ -178,7 +178,7 @@ impl Typed {
         inserted_text.map_or_else(|| Edit::Replace(self.shown.clone()), Edit::Insert)
     }
 
-    /// Takes a key that changes what is selected or written, between two events of typing in one pass.
+    /// Handles a key that changes the selection or the text between two typing events of a pass.
     fn press(&mut self, key: Key, modifiers: Modifiers) {
         let length = self.shown.chars().count();
         match key {
@@ -198,11 +198,11 @@ impl Typed {
     }
 }
 
-/// Returns a number with a decimal point and nothing between its thousands; none if it can be read in no way, or in
-/// several. A unit in which fields show their numbers stays behind it.
+/// Returns a number with a decimal point and without grouping; `None` if it is invalid or ambiguous. Keeps the unit
+/// that fields show after their numbers.
 ///
-/// A sign that stands alone is decimal. Of a comma and a point the last is decimal, and the other one is between
-/// thousands; so is a sign that stands several times. Between thousands are three digits each.
+/// A single sign is decimal. Of a comma and a point, the last one is decimal and the other one groups thousands. A sign
+/// that occurs several times groups thousands, too. A group has three digits.
 fn plain(text: &str) -> Option<String> {
     let number = text.trim_end_matches(|c: char| c.is_whitespace() || "%°".contains(c));
     let unit = &text[number.len()..];
@@ -220,7 +220,7 @@ fn plain(text: &str) -> Option<String> {
     is_finite.then(|| format!("{read}{unit}"))
 }
 
-/// Returns a whole number without the signs between its thousands, all of which are the same.
+/// Returns a whole number without its grouping signs, which must be equal.
 fn joined(number: &str) -> Option<String> {
     let digits = number.trim_start_matches(['-', '+']);
     let sign = digits.chars().find(|c| !c.is_ascii_digit())?;
@@ -279,7 +279,7 @@ mod tests {
         Typed { field: Id::NULL, raw: String::new(), shown: String::new(), selected: 0..0 }
     }
 
-    /// Returns the text that a field shows after each sign that is typed.
+    /// Returns the field's text after each typed character.
     fn shown(text: &str) -> Vec<String> {
         let mut typed = empty();
         let mut field = String::new();

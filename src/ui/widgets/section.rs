@@ -1,10 +1,11 @@
-//! Owns parts of a panel that fold away under their title, and stay as they were left from one start to the next.
+//! Owns parts of a panel that fold away under their title, and stay so from one start to the next.
 
 use egui::{CollapsingHeader, RichText, Ui};
 
 use crate::ui::layout::PanelLayout;
 
-/// Shows `content` under a title. `state`: the layout, which remembers what is open, with what the content needs; `open`: whether it is so at the very first.
+/// Shows `content` under a title. `state`: the layout, which remembers the open sections, and what the content needs;
+/// `open`: the initial state.
 pub fn show<S: AsMut<PanelLayout>>(
     ui: &mut Ui,
     title: RichText,

@@ -1,20 +1,19 @@
-//! Options that a person is led to: the panel with the option opens, scrolls to it, and the option blinks.
+//! Guides a person to an option: its panel opens and scrolls to it, and the option blinks.
 //!
-//! Takes the option that was looked for, and says in which section it is. The panels name their options with [`mark`];
-//! must not know what these do.
+//! Takes the option and gives its section. The panels name their options with [`mark`]; must not know what these do.
 
 use egui::{Align, Context, Id, Response, Stroke, StrokeKind};
 
 use crate::input::Action;
 use crate::tools::brush::BrushId;
 
-/// How long an option blinks, and how often it changes, in seconds.
+/// Duration and period of blinking, in seconds.
 const BLINK_S: f64 = 2.4;
 const CHANGE_S: f64 = 0.3;
-/// While the section opens, its options move.
+/// Options move while the section opens.
 const SCROLL_S: f64 = 0.6;
 
-/// An option that can be looked for.
+/// An option that can be searched for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Spot {
     Array,
@@ -23,7 +22,7 @@ pub enum Spot {
     Stencil,
     /// The checkboxes for a pen's pressure.
     Pressure,
-    /// The rope on which the pointer leads a brush.
+    /// The rope by which the pointer pulls a brush.
     Steady,
     /// Clay, stone, a matcap or true colours.
     Looks,
@@ -32,7 +31,7 @@ pub enum Spot {
 }
 
 impl Spot {
-    /// Returns the section of the options that it is in; none in the bar along the top.
+    /// Returns the section of the option; `None` in the bar along the top.
     pub fn section(self) -> Option<&'static str> {
         match self {
             Spot::Array | Spot::Symmetry => Some("Symmetry and array"),
@@ -42,7 +41,7 @@ impl Spot {
         }
     }
 
-    /// Returns the action that selects the tool that has the option.
+    /// Returns the action that selects the tool with the option.
     pub fn needs(self) -> Option<Action> {
         match self {
             Spot::Stencil => Some(Action::Brush(BrushId::Paint)),
@@ -52,7 +51,7 @@ impl Spot {
     }
 }
 
-/// The option that blinks in a window, and since when.
+/// The blinking option of a window, and since when.
 #[derive(Clone, Copy)]
 struct Blinking {
     spot: Spot,
@@ -63,7 +62,7 @@ fn id() -> Id {
     Id::new("led to")
 }
 
-/// Begins to blink in this window what it is to be led to: an option of the panel, or of the bar along the top.
+/// Starts to blink the wanted option in this window, in the panel or in the bar along the top.
 pub fn begin(ctx: &Context, led_to: &mut Option<Spot>, in_panel: bool) {
     if let Some(spot) = led_to.take_if(|spot| spot.section().is_some() == in_panel) {
         let since_s = ctx.input(|input| input.time);
@@ -71,14 +70,14 @@ pub fn begin(ctx: &Context, led_to: &mut Option<Spot>, in_panel: bool) {
     }
 }
 
-/// Returns the option that blinks in a window.
+/// Returns the blinking option of a window.
 pub fn blinking(ctx: &Context) -> Option<Spot> {
     let blinking = ctx.data(|data| data.get_temp::<Blinking>(id()))?;
     let age_s = ctx.input(|input| input.time) - blinking.since_s;
     (age_s < BLINK_S).then_some(blinking.spot)
 }
 
-/// Says that `response` is this option.
+/// Marks `response` as this option.
 pub fn mark(response: &Response, spot: Spot) {
     let ctx = &response.ctx;
     if blinking(ctx) != Some(spot) {

@@ -1,5 +1,5 @@
-//! Owns how the interface looks: two themes of one design, quiet greys that leave the colours to
-//! the sculpture, with one warm accent.
+//! Owns the look of the interface: two themes of one design, in quiet greys that leave the colours to the sculpture,
+//! with one warm accent.
 
 use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, Visuals, vec2};
 
@@ -8,11 +8,11 @@ use crate::ui::window_options::Theme;
 
 /// Width of a column of tools in points.
 const TOOLBOX_COLUMN: f32 = 50.0;
-/// Width of two columns of tools, with what is around them.
+/// Width of two columns of tools, with their margins.
 pub const TOOLBOX_WIDTH: f32 = 2.0 * TOOLBOX_COLUMN + 16.0;
-/// Windows narrower than this have one column of tools, so that the picture keeps its room.
+/// Windows narrower than this have one column of tools to leave room for the picture.
 const NARROW: f32 = 900.0;
-/// The smallest side of what is clicked, in points.
+/// Smallest side of a click target, in points.
 pub const LEAST_TARGET: f32 = 24.0;
 /// Width of the column of options in points.
 pub const OPTIONS_WIDTH: f32 = 246.0;
@@ -20,17 +20,17 @@ pub const OPTIONS_WIDTH: f32 = 246.0;
 const ACCENT: Color32 = Color32::from_rgb(0xd9, 0x7b, 0x3f);
 const ACCENT_DARK: Color32 = Color32::from_rgb(0x8a, 0x4a, 0x22);
 
-/// Returns width of the toolbox beside the picture in a window of `width` points.
+/// Returns the width of the toolbox beside the picture in a window of `width` points.
 pub fn toolbox_width(width: f32) -> f32 {
     if width < NARROW { TOOLBOX_COLUMN + 20.0 } else { TOOLBOX_WIDTH }
 }
 
-/// Columns of tools in `width` points.
+/// Returns the number of columns of tools in `width` points.
 pub fn toolbox_columns(width: f32) -> usize {
     ((width / (TOOLBOX_COLUMN - 6.0)) as usize).clamp(1, 6)
 }
 
-/// Gives the context fonts, spacing, colours and the scale of all. Cheap when nothing changed.
+/// Sets fonts, spacing, colours and scale of the context. Cheap if nothing has changed.
 pub fn apply(ctx: &egui::Context, theme: Theme, scale: Scale) {
     ctx.set_zoom_factor(scale.factor());
     let wanted = match theme {
@@ -42,19 +42,19 @@ pub fn apply(ctx: &egui::Context, theme: Theme, scale: Scale) {
         return;
     }
     ctx.data_mut(|data| data.insert_temp(id, wanted));
-    // The scale is changed by actions, which any key can be bound to.
+    // Actions change the scale, by any key.
     ctx.options_mut(|options| options.zoom_with_keyboard = false);
     ctx.set_theme(wanted);
     ctx.set_style_of(wanted, style(theme));
 }
 
-/// Counts a press and its release as a click, however long it takes: on a busy machine much time passes between two passes,
-/// and with it what egui takes to have been held.
+/// Counts a press and its release as a click however long it takes: on a busy machine much time passes between two
+/// passes, which egui takes for a held button.
 pub fn hear_slow_clicks(ctx: &egui::Context) {
     ctx.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
 }
 
-/// Colour of errors, readable on panels.
+/// Returns the colour of errors, readable on panels.
 pub fn error_colour(visuals: &Visuals) -> Color32 {
     if visuals.dark_mode {
         Color32::from_rgb(0xf0, 0x6a, 0x60)
@@ -63,7 +63,7 @@ pub fn error_colour(visuals: &Visuals) -> Color32 {
     }
 }
 
-/// Returns the button that does what a window is for.
+/// Returns the main button of a window.
 pub fn primary(visuals: &Visuals, text: &str) -> egui::Button<'static> {
     let text = egui::RichText::new(text).color(visuals.selection.stroke.color);
     egui::Button::new(text).fill(visuals.selection.bg_fill)
@@ -84,8 +84,7 @@ fn style(theme: Theme) -> Style {
     style.spacing.button_padding = vec2(8.0, 4.0);
     style.spacing.interact_size.y = LEAST_TARGET;
     style.spacing.slider_width = 120.0;
-    // A bar that is always there says that there is more to see; a fade would lie as a bright
-    // stripe over light panels.
+    // A permanent bar shows that there is more to see; a fade would be a bright stripe on light panels.
     style.spacing.scroll.fade.strength = 0.0;
     style.spacing.scroll.dormant_handle_opacity = 0.5;
     style
@@ -147,7 +146,7 @@ fn visuals(theme: Theme) -> Visuals {
 mod tests {
     use super::*;
 
-    /// Contrast of two colours, as WCAG 2 defines it.
+    /// Returns the contrast of two colours as defined by WCAG 2.
     fn contrast(a: Color32, b: Color32) -> f32 {
         let luminance = |colour: Color32| {
             let [r, g, b, _] = egui::Rgba::from(colour).to_array();

@@ -1,5 +1,5 @@
-//! Owns the messages that appear over the sculpture, fade and go by themselves; errors stay longer
-//! and can be dismissed. They keep clear of dialogs and menus.
+//! Owns the messages that appear over the sculpture and fade by themselves; errors stay longer and can be dismissed.
+//! They avoid dialogs and menus.
 
 use egui::{Align2, Area, Color32, Context, Frame, Id, Order, Rect, RichText, Stroke, Ui};
 
@@ -7,17 +7,17 @@ use crate::ui::widgets::theme;
 
 const NOTE_S: f64 = 4.0;
 const ERROR_S: f64 = 15.0;
-/// At the end of its life a message fades for so long.
+/// Time for which a message fades.
 const FADE_S: f64 = 0.7;
-/// Between two pictures of a message that fades.
+/// Time between two pictures of a fading message.
 const FADE_STEP_S: f64 = 1.0 / 30.0;
 const MOST: usize = 4;
 const WIDTH: f32 = 380.0;
-/// Width beside a dialog that takes most of the window.
+/// Width beside a dialog that fills most of the window.
 const NARROW: f32 = 290.0;
-/// From the edge of the picture, in points.
+/// Distance from the edge of the picture, in points.
 const MARGIN: f32 = 12.0;
-/// Where the messages are, the best place first.
+/// Positions of the messages, best first.
 const PLACES: [Align2; 6] = [
     Align2::CENTER_BOTTOM,
     Align2::CENTER_TOP,
@@ -37,7 +37,7 @@ pub enum Tone {
 struct Toast {
     tone: Tone,
     text: String,
-    /// Time of the interface at which it goes; set when it is first shown.
+    /// Time of the interface at which it disappears; set when it is first shown.
     until: Option<f64>,
 }
 
@@ -62,15 +62,15 @@ impl Toasts {
     }
 
     fn push(&mut self, tone: Tone, text: String) {
-        // The same message again is shown once, anew.
+        // A repeated message is shown once, anew.
         self.list.retain(|toast| toast.text != text);
         self.list.push(Toast { tone, text, until: None });
         let surplus = self.list.len().saturating_sub(MOST);
         self.list.drain(..surplus);
     }
 
-    /// Shows the messages in `within`, at its lower edge or wherever no dialog lies. Where dialogs
-    /// leave no room, the messages lie under them and last until they can be seen.
+    /// Shows the messages in `within`, at its lower edge or where no dialog is. If dialogs leave no room, the messages
+    /// lie under them and last until they become visible.
     pub fn show(&mut self, ui: &Ui, within: Rect) {
         let (ctx, id) = (ui.ctx(), Id::new("toasts"));
         let now = ctx.input(|input| input.time);
@@ -110,11 +110,11 @@ impl Toasts {
             })
             .response;
         if place.is_some() {
-            // The shade of a dialog is not theirs.
+            // The shade of a dialog must not cover them.
             ctx.move_to_top(response.layer_id);
         }
         for toast in &mut self.list {
-            // A toast that cannot be seen, or is being read, stays.
+            // A message that is hidden or being read stays.
             if place.is_none() {
                 toast.until = Some(now + toast.tone.life_s());
             } else if response.contains_pointer() {
@@ -133,7 +133,7 @@ impl Tone {
     }
 }
 
-/// Returns where dialogs, menus and other windows over the picture are, but for `own`.
+/// Returns the areas of dialogs, menus and other windows over the picture, except `own`.
 fn windows(ctx: &Context, own: Id) -> Vec<Rect> {
     let screen = ctx.content_rect().shrink(1.0);
     ctx.memory(|memory| {
@@ -148,14 +148,14 @@ fn windows(ctx: &Context, own: Id) -> Vec<Rect> {
     })
 }
 
-/// Where messages may be, and how wide.
+/// An area for messages, and their width.
 #[derive(Clone, Copy)]
 struct Room {
     within: Rect,
     width: f32,
 }
 
-/// Returns the first place of something of `height` at the edges of rooms that touches no window.
+/// Returns the first free place for something of `height` at the edges of the rooms.
 fn free_place(height: f32, rooms: &[Room], windows: &[Rect]) -> Option<(Align2, Room)> {
     let places = rooms.iter().flat_map(|room| PLACES.map(|align| (align, *room)));
     places.into_iter().find(|(align, Room { within, width })| {
@@ -164,7 +164,7 @@ fn free_place(height: f32, rooms: &[Room], windows: &[Rect]) -> Option<(Align2, 
     })
 }
 
-/// Returns true if it was dismissed.
+/// Shows a message. Returns true if it was dismissed.
 fn show_one(ui: &mut Ui, toast: &Toast) -> bool {
     let accent = match toast.tone {
         Tone::Note => ui.visuals().hyperlink_color,

@@ -1,19 +1,19 @@
-//! The box of a grid in a parallel view that is turned by dragging, with its floor.
+//! The box of a grid with its floor, in a parallel view that is rotated by dragging.
 //!
-//! Takes angles and sizes; draws lines. Knows nothing of what lies in the box.
+//! Takes angles and sizes; draws lines. Knows nothing of the contents of the box.
 
 use std::f32::consts::TAU;
 
 use egui::{Color32, Painter, Pos2, Rect, Response, Shape, Stroke, Visuals, pos2};
 use glam::{Mat3, Vec3};
 
-/// From where a box is looked at first: angles in radians, about the vertical and from above.
+/// Initial view of a box: angles in radians about the vertical and from above.
 pub const FIRST: [f32; 2] = [0.6, 0.35];
-/// Radians for each point that the pointer is dragged.
+/// Radians per point of a drag.
 const TURN: f32 = 0.01;
 const FLOOR: Color32 = Color32::from_rgb(0x58, 0xa0, 0xe8);
 
-/// Turns a view as the pointer is dragged.
+/// Turns a view by a drag of the pointer.
 pub fn turn(view: &mut [f32; 2], response: &Response) {
     let by = response.drag_delta();
     view[0] = (view[0] + by.x * TURN) % TAU;
@@ -29,26 +29,27 @@ pub struct BoxView {
 }
 
 impl BoxView {
-    /// `view`: angles about the vertical and from above; `dims`: size of the box in voxels.
+    /// Fits the view into `square`. `view`: angles about the vertical and from above; `dims`: size of the box in
+    /// voxels.
     pub fn new([about, above]: [f32; 2], dims: Vec3, square: Rect) -> BoxView {
         let turn = Mat3::from_rotation_x(above) * Mat3::from_rotation_y(about);
-        // However it is turned, the box stays in the square.
+        // However it is rotated, the box stays in the square.
         let scale = 0.95 * square.width() / dims.length().max(1.0);
         BoxView { turn, middle: dims / 2.0, scale, centre: square.center() }
     }
 
-    /// Returns where a place in the box is seen.
+    /// Returns the position of a point of the box in the view.
     pub fn at(&self, point: Vec3) -> Pos2 {
         let seen = self.seen(point - self.middle);
         pos2(self.centre.x + seen.x, self.centre.y - seen.y)
     }
 
-    /// Returns a difference of places as it is seen: to the right, up, and towards the viewer.
+    /// Returns a difference of points in the view: to the right, up, and towards the viewer.
     pub fn seen(&self, by: Vec3) -> Vec3 {
         self.turn * by * self.scale
     }
 
-    /// The edges of the box, its floor in blue.
+    /// Draws the edges of the box, with the floor in blue.
     pub fn draw_box(&self, painter: &Painter, visuals: &Visuals) {
         let dims = 2.0 * self.middle;
         let edge = Stroke::new(1.0, visuals.strong_text_color());

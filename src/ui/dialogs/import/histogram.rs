@@ -1,6 +1,6 @@
-//! The histogram of a volume with the two thresholds: which densities exist is chosen by dragging them.
+//! The histogram of a volume with two thresholds, which are dragged to choose the existing densities.
 //!
-//! Takes the densities and what exists; changes the thresholds among the options. Knows no voxels.
+//! Takes the densities and the existence rule; changes the thresholds of the options. Knows no voxels.
 
 use egui::{Color32, CursorIcon, DragValue, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
@@ -8,12 +8,12 @@ use crate::format::options::{Existence, ImportOptions};
 use crate::format::{Existing, Histogram, VolumeStudy};
 
 const HEIGHT: f32 = 84.0;
-/// Densities that can be told apart where they are no whole numbers.
+/// Number of distinct densities offered where they are not whole numbers.
 const STEPS: f64 = 1000.0;
-/// Existing densities.
+/// Colour of existing densities.
 pub const CLAY: Color32 = Color32::from_rgb(0xe0, 0x86, 0x46);
 
-/// Which threshold is dragged.
+/// The dragged threshold.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Handle {
     Lower,
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions, width
             let is_lower = (at.x - low).abs() <= (at.x - high).abs();
             if is_lower && at.x <= high { Handle::Lower } else { Handle::Upper }
         };
-        // By where it was pressed: a fast hand is elsewhere when the drag begins.
+        // By the point of the press: a fast hand is elsewhere when the drag begins.
         let handle = match ui.input(|input| input.pointer.any_pressed()) {
             true => nearest(),
             false => ui.data(|data| data.get_temp(id)).unwrap_or_else(nearest),
@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions, width
     fields(ui, study, options);
 }
 
-/// The same as numbers, and what share of the voxels exists.
+/// Shows the thresholds as numbers, and the share of the voxels that exists.
 fn fields(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
     let histogram = &study.densities.histogram;
     let existing = study.existing(options);
@@ -85,8 +85,7 @@ fn fields(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
     });
 }
 
-/// Returns which voxels exist once a threshold is dragged to a density. A threshold that is dragged to its end is
-/// dropped.
+/// Returns the existence rule after a threshold is dragged to a density. A threshold dragged to its end is dropped.
 fn dragged(existing: Existing, handle: Handle, to: f64, histogram: &Histogram) -> Existence {
     let (min, max) = (f64::from(histogram.min), f64::from(histogram.max));
     let (least, most) = match handle {
@@ -97,7 +96,7 @@ fn dragged(existing: Existing, handle: Handle, to: f64, histogram: &Histogram) -
     if most >= max { Existence::Threshold(least) } else { Existence::Range(least, most) }
 }
 
-/// Share of the finite densities that exist.
+/// Returns the share of the finite densities that exist.
 fn share(histogram: &Histogram, existing: Existing) -> f64 {
     let all: u64 = histogram.bins.iter().sum();
     let starts = (0..histogram.bins.len()).map(|bin| histogram.start_of(bin) as f32);
@@ -105,7 +104,7 @@ fn share(histogram: &Histogram, existing: Existing) -> f64 {
     bins.map(|(_, count)| count).sum::<u64>() as f64 / all.max(1) as f64
 }
 
-/// Between densities that can be chosen: whole numbers, else a round one.
+/// Returns the step between densities: one for whole numbers, else a round number.
 fn step(study: &VolumeStudy) -> f64 {
     let histogram = &study.densities.histogram;
     let range = f64::from(histogram.max) - f64::from(histogram.min);
@@ -117,7 +116,7 @@ fn step(study: &VolumeStudy) -> f64 {
 }
 
 fn rounded(value: f64, step: f64) -> f64 {
-    // By a division where the step is below 1, so that 0.3 is not 0.30000000000000004.
+    // Divides if the step is below 1, so that 0.3 is not 0.30000000000000004.
     if step < 1.0 {
         let steps = (1.0 / step).round();
         (value * steps).round() / steps
@@ -126,12 +125,12 @@ fn rounded(value: f64, step: f64) -> f64 {
     }
 }
 
-/// Logarithms of the counts in `columns` equal parts of the range, from 0 to 1.
+/// Returns the logarithms of the counts in `columns` equal parts of the range, scaled to 0 to 1.
 fn columns(histogram: &Histogram, columns: usize) -> Vec<f32> {
     let mut counts = vec![0u64; columns];
     let bins = histogram.bins.len();
     for (bin, count) in histogram.bins.iter().enumerate() {
-        // Fewer bins than columns are drawn as broad ones.
+        // If there are fewer bins than columns, they are drawn as broad ones.
         let first = bin * columns / bins;
         let last = ((bin + 1) * columns / bins).clamp(first + 1, columns);
         counts[first..last].iter_mut().for_each(|sum| *sum += count);
@@ -141,7 +140,7 @@ fn columns(histogram: &Histogram, columns: usize) -> Vec<f32> {
     counts.into_iter().map(|count| log(count) / log(most)).collect()
 }
 
-/// Where densities are in the picture.
+/// Maps densities to positions in the picture.
 struct Scale {
     rect: Rect,
     min: f64,
@@ -205,7 +204,7 @@ mod tests {
         let both = Existing { most: 20.0, ..open };
         assert_eq!(to(both, Handle::Lower, 30.0), Existence::Range(20.0, 20.0));
         assert_eq!(to(both, Handle::Upper, 50.0), Existence::Threshold(-10.0));
-        // Labels begin at no density at all.
+        // The range of labels begins below every density.
         let all = Existing { least: f64::NEG_INFINITY, most: f64::INFINITY, but_zero: true };
         assert_eq!(to(all, Handle::Upper, 3.0), Existence::Range(-50.0, 3.0));
     }

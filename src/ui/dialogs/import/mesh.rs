@@ -1,5 +1,5 @@
-//! The questions about a mesh: its size, which way is up, and what becomes of its inside. Its outline is shown in the
-//! box of the grid that it would lie in.
+//! The questions about a mesh: its size, its up axis, and the treatment of its inside. Its outline is shown in the box
+//! of its grid.
 //!
 //! Takes a sample of its triangles; changes the options of the import.
 
@@ -18,7 +18,7 @@ use crate::ui::widgets::names::capital;
 /// Edges of a voxel, in millimetres.
 pub const EDGE_MM: std::ops::RangeInclusive<f32> = 0.001..=1000.0;
 
-/// Shows all that is asked in `room` points.
+/// Shows all questions in `room` points.
 pub fn show(
     ui: &mut Ui,
     study: &MeshStudy,
@@ -38,7 +38,7 @@ pub fn show(
     });
 }
 
-/// The mesh in the box of its grid, which is turned by dragging.
+/// Shows the mesh in the box of its grid, which is rotated by dragging.
 fn outline(
     ui: &mut Ui,
     study: &MeshStudy,
@@ -81,7 +81,7 @@ fn questions(ui: &mut Ui, study: &MeshStudy, options: &mut ImportOptions) {
     });
 }
 
-/// How large the mesh becomes: by the voxels of its longest side, or by the edge of a voxel.
+/// Asks for the size of the mesh: the voxels of its longest side, or the edge of a voxel.
 fn size(ui: &mut Ui, study: &MeshStudy, options: &mut ImportOptions) {
     let now = study.frame(options).ok();
     let longest = now.map_or(256, |frame| frame.dims.max_element()).clamp(1, MAX_AXIS_VX);

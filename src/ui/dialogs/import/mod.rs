@@ -1,8 +1,8 @@
-//! The dialog that follows the choice of a file to open: it shows a scan, a mesh or a voxel model, asks what the file leaves open, and
-//! keeps the answers for the next file of its family. Files that leave nothing open are opened at once.
+//! The dialog after choosing a file to open: it shows a scan, a mesh or a voxel model, asks what the file does not say,
+//! and keeps the answers for the next file of its family. Files without open questions are opened at once.
 //!
-//! Takes a path and what the file was found to hold, which others read; asks with a command to open. `volume`, `mesh`
-//! and `model` show what is asked; `histogram`, `slices`, `box_view` and `voxel_picture` draw.
+//! Takes a path and the contents that others have read from the file; asks with a command to open. `volume`, `mesh` and
+//! `model` show the questions; `histogram`, `slices`, `box_view` and `voxel_picture` draw.
 
 mod box_view;
 mod histogram;
@@ -43,33 +43,33 @@ type News = Arc<Mutex<Option<Result<Study, String>>>>;
 #[derive(Debug)]
 enum Stage {
     Closed,
-    /// Asks how a raw file is laid out; with the typed text, and the error in it.
+    /// Asks for the layout of a raw file; with the typed text, and its error.
     Layout {
         text: String,
         error: Option<String>,
     },
     /// The file is being read.
     Reading,
-    /// It cannot be read, for this reason.
+    /// The file cannot be read, for this reason.
     Failed(String),
     Volume(Box<VolumeStudy>),
     Mesh(Box<MeshStudy>),
     Model(Box<ModelStudy>),
 }
 
-/// The options chosen so far, and the file that they are for.
+/// The options chosen so far, and the file for them.
 pub struct ImportDialog {
     stage: Stage,
     path: PathBuf,
     options: ImportOptions,
-    /// Whether the dialog is shown at all; it asks about raw files in any case.
+    /// Whether the dialog is shown. It always asks about raw files.
     pub ask: bool,
     /// The options chosen last.
     pub remembered: Remembered,
     news: News,
-    /// The slices that are shown of a volume as it will stand.
+    /// The shown slices of a volume, in its final orientation.
     at: UVec3,
-    /// Angles from which a mesh or a model is looked at, in radians: about the vertical, and from above.
+    /// View angles of a mesh or a model, in radians: about the vertical, and from above.
     view: [f32; 2],
 }
 
@@ -93,7 +93,7 @@ impl ImportDialog {
         !matches!(self.stage, Stage::Closed)
     }
 
-    /// Closes it; false if it is not open.
+    /// Closes it. Returns false if it is not open.
     pub fn close(&mut self) -> bool {
         let was_open = self.is_open();
         self.stage = Stage::Closed;
@@ -101,7 +101,7 @@ impl ImportDialog {
         was_open
     }
 
-    /// Where what the file holds is put, or why it cannot be read.
+    /// Returns the slot for the contents of the file, or the error.
     pub fn news(&self) -> News {
         self.news.clone()
     }
@@ -111,8 +111,8 @@ impl ImportDialog {
         &self.options
     }
 
-    /// Asks about a file, or asks to open it where nothing is to be asked. `import`: the facts known of it already;
-    /// `at_once`: opens it with these, or as the last time.
+    /// Asks about a file, or to open it if there are no questions. `import`: the facts known already; `at_once`: opens
+    /// it with these or the last answers.
     pub fn open(
         &mut self,
         path: PathBuf,
@@ -139,8 +139,7 @@ impl ImportDialog {
         }
     }
 
-    /// Takes the result of reading the file, once it is there. Waits while the program is busy, as nothing can be
-    /// opened then.
+    /// Takes the result of reading the file. Waits while the program is busy, since nothing can be opened then.
     fn take_news(&mut self, is_busy: bool, requests: &mut Vec<UiRequest>) {
         if is_busy || !matches!(self.stage, Stage::Reading) {
             return;
@@ -149,7 +148,7 @@ impl ImportDialog {
         match news {
             Some(Ok(Study::Volume(study))) => {
                 let dims = study.upright_dims(study.turn(&self.options));
-                // Another channel of the same file is shown where the last one was.
+                // Another channel of the same file is shown at the same place.
                 if self.at.cmpge(dims).any() {
                     self.at = dims / 2;
                 }
@@ -173,14 +172,14 @@ impl ImportDialog {
                 self.close();
             }
             Some(Err(error)) => self.stage = Stage::Failed(error),
-            // It was cancelled.
+            // Reading was cancelled.
             None => {
                 self.close();
             }
         }
     }
 
-    /// Returns the outlook on the result of importing the file.
+    /// Returns a forecast of the imported sculpture.
     fn outlook(&self, limits: &Limits) -> Option<Result<Outlook, FormatError>> {
         match &self.stage {
             Stage::Volume(study) => Some(study.outlook(&study.settled(&self.options), limits)),
@@ -190,7 +189,7 @@ impl ImportDialog {
         }
     }
 
-    /// Returns the command that imports the file as it is shown.
+    /// Returns the command that imports the file as shown.
     fn command(&self) -> Command {
         let import = match &self.stage {
             Stage::Volume(study) => study.settled(&self.options),
@@ -199,7 +198,7 @@ impl ImportDialog {
         Command::Open { path: self.path.clone(), import }
     }
 
-    /// Does what was answered.
+    /// Executes the answer.
     fn answer_with(&mut self, answer: Answer, shared: &mut Shared) {
         match answer {
             Answer::None => {}
@@ -234,7 +233,7 @@ impl ImportDialog {
         }
     }
 
-    /// Returns the width that it has in a window of this width, in points.
+    /// Returns the dialog's width in a window of this width, in points.
     fn width(&self, window: f32) -> f32 {
         let wide = (window - BESIDE).clamp(NARROW.min(window - 16.0), MOST_WIDTH);
         match self.stage {
@@ -256,7 +255,7 @@ impl Dialog for ImportDialog {
 
     fn show(&mut self, root: &Ui, shared: &mut Shared) {
         self.take_news(shared.is_busy, shared.requests);
-        // While it is read, the sign of long work is shown.
+        // While the file is read, the sign of long work is shown.
         if !self.is_open() || matches!(self.stage, Stage::Reading) {
             model::forget(root.ctx());
             return slices::forget(root.ctx());
@@ -266,7 +265,7 @@ impl Dialog for ImportDialog {
             ui.set_width(self.width(window.x));
             let name = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             ui.heading(format!("Import {name}"));
-            // While a field or a button has the keyboard, Enter is its own.
+            // A focused field or button uses Enter itself.
             let free = ui.memory(|memory| memory.focused().is_none());
             let mut enter = free && ui.input(|input| input.key_pressed(Key::Enter));
             let room = vec2(self.width(window.x), window.y - 150.0);
@@ -308,12 +307,12 @@ impl Dialog for ImportDialog {
 enum Answer {
     None,
     Import,
-    /// The layout of a raw file is given.
+    /// Read a raw file with the given layout.
     Read,
     Cancel,
 }
 
-/// Shows the outlook on the result, and the buttons.
+/// Shows the forecast and the buttons.
 fn foot(ui: &mut Ui, dialog: &mut ImportDialog, context: &UiContext, enter: bool) -> Answer {
     let outlook = dialog.outlook(context.document.limits());
     let error = match &outlook {
@@ -352,7 +351,7 @@ fn foot(ui: &mut Ui, dialog: &mut ImportDialog, context: &UiContext, enter: bool
     .inner
 }
 
-/// Says how large the sculpture would be.
+/// Shows the size of the resulting sculpture.
 fn become_of(ui: &mut Ui, outlook: &Outlook, limits: &Limits) {
     let mib = |bytes: u64| (bytes as f64 / f64::from(1 << 20)).ceil();
     let UVec3 { x, y, z } = outlook.dims;

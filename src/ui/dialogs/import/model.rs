@@ -1,8 +1,8 @@
-//! The questions about a voxel model: which way is up, and what becomes of its colours. A picture of it and its palette
+//! The questions about a voxel model: its up axis, and the treatment of its colours. A picture of it and its palette
 //! are shown.
 //!
 //! Takes its surface and palette; changes the options of the import. The picture is a texture of the interface that
-//! shows it. It is made anew when its contents have changed.
+//! shows it, remade when its contents have changed.
 
 use egui::{
     Color32, ColorImage, ComboBox, Context, DragValue, Grid, Id, Pos2, Rect, RichText, Sense,
@@ -21,13 +21,14 @@ use crate::sculpture::{ColourDepth, Rgb};
 use crate::ui::memory::upright;
 use crate::ui::widgets::names::capital;
 
-/// Colours of the palette that are shown, the most frequent ones, and the side of each in points.
+/// The most frequent colours of the palette are shown, so many at most; the second number is the side of each in
+/// points.
 const MOST_SWATCHES: usize = 96;
 const SWATCH: f32 = 14.0;
 const SWATCHES_A_ROW: usize = 15;
-/// Pixels of a side of the picture, at most.
+/// Most pixels of a side of the picture.
 const MOST_PX: f32 = 1024.0;
-/// The choices for the colours, with texts for people.
+/// The choices for the colours, with their texts.
 const COLOURS: [(Option<ColourDepth>, &str, &str); 4] = [
     (Some(ColourDepth::Bits24), "As they are", "24 bits for each voxel"),
     (Some(ColourDepth::Bits16), "16 bits", "65 536 colours; less memory"),
@@ -35,7 +36,7 @@ const COLOURS: [(Option<ColourDepth>, &str, &str); 4] = [
     (None, "None", "The whole sculpture has one colour"),
 ];
 
-/// A picture, and what it depends on.
+/// A picture, and the values that it depends on.
 #[derive(Clone)]
 struct Shown {
     look: Look,
@@ -44,7 +45,7 @@ struct Shown {
 
 #[derive(Clone, Copy, PartialEq)]
 struct Look {
-    /// Which model it is: its surface stays where it is while the dialog is open.
+    /// Identifies the model: its surface stays at this address while the dialog is open.
     surface: usize,
     view: [f32; 2],
     options: ImportOptions,
@@ -60,7 +61,7 @@ pub fn forget(ctx: &Context) {
     ctx.data_mut(|data| data.remove::<Shown>(id()));
 }
 
-/// Shows all that is asked in `room` points.
+/// Shows all questions in `room` points.
 pub fn show(
     ui: &mut Ui,
     study: &ModelStudy,
@@ -81,7 +82,7 @@ pub fn show(
     });
 }
 
-/// The model in the box of its grid, which is turned by dragging.
+/// Shows the model in the box of its grid, which is rotated by dragging.
 fn picture(
     ui: &mut Ui,
     study: &ModelStudy,
@@ -170,7 +171,7 @@ fn up(ui: &mut Ui, study: &ModelStudy, options: &mut ImportOptions) {
     ui.end_row();
 }
 
-/// The edge of a voxel.
+/// Asks for the edge of a voxel.
 fn scale(ui: &mut Ui, options: &mut ImportOptions) {
     let label = ui.label("Voxel");
     let mut edge_mm = match options.mesh_size {
@@ -211,7 +212,7 @@ fn colours(ui: &mut Ui, options: &mut ImportOptions) {
     ui.end_row();
 }
 
-/// The colours of most voxels, each with how many have it.
+/// Shows the most frequent colours with their number of voxels.
 fn palette(ui: &mut Ui, study: &ModelStudy) {
     let count = study.palette.len();
     let colours = if count == 1 { "colour" } else { "colours" };

@@ -1,6 +1,6 @@
-//! Asks how a raw file is laid out, which it does not say itself.
+//! Asks for the layout of a raw file, which does not state it.
 //!
-//! Shows the text that is typed and what is wrong with it; reads neither.
+//! Shows the typed text and its error; reads neither.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::ui::widgets::{numbers, theme};
 const HELP: &str = "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
     where TYPE is u8, u16le, u16be, i16le, i16be, f32le, f32be, rgb8 or rgba8";
 
-/// Asks how a raw file is laid out; true if Enter was pressed in the field.
+/// Asks for the layout of a raw file. Returns true if Enter was pressed in the field.
 pub fn layout(ui: &mut Ui, path: &Path, text: &mut String, error: Option<&String>) -> bool {
     match is_raw(path) {
         true => ui.label("A raw file does not describe its contents."),

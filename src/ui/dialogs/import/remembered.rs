@@ -1,6 +1,7 @@
-//! The choices of the last import of each family of files, as the command that such an import is.
+//! The choices of the last import of each family of files, stored as the command of such an import.
 //!
-//! Thresholds, channel, time and the region belong to one file, and the axis that points up to its ending: they are not kept here.
+//! Not kept here: thresholds, channel, time and region, which belong to one file, and the up axis, which belongs to a
+//! file extension.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +18,7 @@ pub struct Remembered {
 }
 
 impl Remembered {
-    /// Keeps what holds for other files of the family, too.
+    /// Keeps the choices that hold for other files of the family, too.
     pub fn note(&mut self, family: Family, import: &ImportOptions) {
         let kept = ImportOptions {
             existence: Existence::Auto,
@@ -31,8 +32,7 @@ impl Remembered {
         self.by_family.insert(family, kept);
     }
 
-    /// Returns `import`, or the last choices where `import` chooses no more than the axis that points up and the layout
-    /// of a raw file.
+    /// Returns `import`, or the last choices if `import` states no more than the up axis and a raw layout.
     pub fn applied(&self, family: Family, import: ImportOptions) -> ImportOptions {
         let ImportOptions { upright, raw, .. } = import;
         let is_open = import == ImportOptions { upright, raw, ..ImportOptions::default() };
@@ -42,7 +42,7 @@ impl Remembered {
         }
     }
 
-    /// As lines that name the families instead of files.
+    /// Returns lines that name the families instead of files.
     pub fn lines(&self) -> impl Iterator<Item = String> {
         let name = |family| {
             Family::NAMED.iter().find(|(one, _)| *one == family).map_or("", |(_, name)| name)
@@ -52,7 +52,7 @@ impl Remembered {
         })
     }
 
-    /// From such lines; others are left out.
+    /// Reads such lines; skips others.
     pub fn from_lines<'a>(lines: impl Iterator<Item = &'a str>) -> Remembered {
         let mut remembered = Remembered::default();
         for line in lines {
@@ -86,7 +86,7 @@ mod tests {
         assert_eq!((next.upright, next.cubic), (Some(Up::X), Cubic::EdgeMm(0.5)));
         assert!(next.largest_piece && next.fill_holes && next.colouring == Colouring::Tissue);
         assert_eq!(remembered.applied(Family::Mesh, fresh), fresh, "another family");
-        // Facts known about a file count more.
+        // Known facts about a file take precedence.
         let known = ImportOptions { existence: Existence::Threshold(2.0), ..fresh };
         assert_eq!(remembered.applied(Family::Volume, known), known);
 

@@ -1,8 +1,8 @@
-//! Three slices of a volume as it will stand, with what would exist coloured, the region as a frame, and cross-hairs
-//! that are dragged.
+//! Three slices of a volume in its final orientation, with existing voxels coloured, the region as a frame, and
+//! cross-hairs to drag.
 //!
-//! Takes a volume and the options; changes which slices are shown. The pictures are textures of the interface that
-//! shows them. They are made anew when their contents have changed.
+//! Takes a volume and the options; changes the shown slices. The pictures are textures of the interface that shows
+//! them, remade when their contents have changed.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::format::options::{Colouring, ImportOptions, Region};
 use crate::format::{Existing, VolumeStudy};
 use crate::sculpture::orientation::Orientation;
 
-/// The longest side of a slice that is drawn, in voxels; of larger ones some are left out.
+/// Most voxels drawn along a side of a slice; larger slices are sampled.
 const MOST_PX: u32 = 512;
 /// Share of the voxels below the brightest grey.
 const BRIGHTEST: f64 = 0.999;
@@ -28,7 +28,7 @@ const SLICES: [(usize, &str, &str); 3] = [
     (0, "Sagittal", "Upright, seen from the right, the front at the left"),
 ];
 
-/// A slice as it was cut last, and its picture.
+/// A slice as cut last, and its picture.
 #[derive(Clone)]
 struct Shown {
     cut: Cut,
@@ -38,7 +38,7 @@ struct Shown {
     texture: TextureHandle,
 }
 
-/// Where a slice is.
+/// The position of a slice.
 #[derive(Clone, Copy, PartialEq)]
 struct Cut {
     turn: Orientation,
@@ -46,7 +46,7 @@ struct Cut {
     at: u32,
 }
 
-/// The state that the colours of the slice depend on.
+/// The values that the colours of the slice depend on.
 #[derive(Clone, Copy, PartialEq)]
 struct Look {
     existing: Existing,
@@ -146,7 +146,7 @@ fn picture(
     texture
 }
 
-/// Grey densities; those that would exist in their colour, or like clay.
+/// Colours densities grey, and existing ones in their colour or like clay.
 fn coloured(
     study: &VolumeStudy,
     options: &ImportOptions,
@@ -195,7 +195,7 @@ fn coloured(
     ColorImage::new([size.x as usize, size.y as usize], pixels)
 }
 
-/// Where a slice is on the screen.
+/// The area of a slice on the screen.
 struct Pane {
     square: Rect,
     picture: Rect,
@@ -205,7 +205,7 @@ struct Pane {
 }
 
 impl Pane {
-    /// In the middle of a square, in the proportions of the voxels.
+    /// Centres the slice in a square, with the proportions of the voxels.
     fn new(study: &VolumeStudy, turn: Orientation, axis: usize, square: Rect) -> Pane {
         let dims = study.upright_dims(turn);
         let edges = Vec3::from(turn.permuted(study.volume.voxel_size.to_array()));
@@ -213,7 +213,7 @@ impl Pane {
         let (axes, reversed) = VolumeStudy::picture_axes(axis);
         let [width, height] = axes.map(|axis| extent[axis]);
         let scale = square.width() / width.max(height);
-        // A slice of a single row can still be seen.
+        // A slice of a single row stays visible.
         let size = vec2(width * scale, height * scale).max(Vec2::splat(2.0));
         Pane {
             square,
@@ -224,7 +224,7 @@ impl Pane {
         }
     }
 
-    /// Returns where a place along an axis of the picture (0 or 1) is, in voxels.
+    /// Returns the coordinate in voxels of a position along an axis of the picture (0 or 1).
     fn along(&self, side: usize, place_vx: f32) -> f32 {
         let share = place_vx / self.dims[self.axes[side]] as f32;
         let share = if self.reversed[side] { 1.0 - share } else { share };
@@ -237,7 +237,7 @@ impl Pane {
         pos2(x, y)
     }
 
-    /// Returns a box that reaches from one place of the picture to another, and in depth as before.
+    /// Returns the region between two points of the picture, with its depth unchanged.
     fn framed(&self, region: Region, from: Pos2, to: Pos2) -> Region {
         let (mut a, mut b) = (region.low, region.high);
         self.point_at(from, &mut a);
@@ -245,7 +245,7 @@ impl Pane {
         Region { low: a.min(b), high: a.max(b) }
     }
 
-    /// Moves the other two slices to a place of the picture.
+    /// Moves the other two slices to a point of the picture.
     fn point_at(&self, to: Pos2, at: &mut UVec3) {
         let shares = (to - self.picture.min) / self.picture.size();
         for (side, share) in [shares.x, shares.y].into_iter().enumerate() {

@@ -1,7 +1,7 @@
-//! The questions about a volume: which of several it is, which densities exist, their colours, the part that is read, the
-//! voxels, and which pieces are kept, with slices and a histogram that show it.
+//! The questions about a volume: the channel or time, the existing densities, colours, region, voxel size, and the
+//! pieces to keep, shown with slices and a histogram.
 //!
-//! Takes what the file holds; changes the options of the import.
+//! Takes the contents of the file; changes the options of the import.
 
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, Ui, Vec2};
 use glam::UVec3;
@@ -14,7 +14,7 @@ use crate::sculpture::orientation::Up;
 use crate::ui::memory::upright;
 use crate::ui::widgets::names::capital;
 
-/// Windows narrower than this have the options below the slices.
+/// In windows narrower than this, the options are below the slices.
 const BESIDE: f32 = 600.0;
 /// The largest slice, in points.
 const MOST_SIDE: f32 = 220.0;
@@ -23,7 +23,7 @@ const BELOW: f32 = 210.0;
 /// Edges of a voxel that can be chosen, in millimetres.
 const EDGE_MM: std::ops::RangeInclusive<f32> = 0.001..=1000.0;
 
-/// Shows all that is asked in `room` points. True once another channel or time is chosen, which has to be read.
+/// Shows all questions in `room` points. Returns true if another channel or time, which must be read, was chosen.
 pub fn show(
     ui: &mut Ui,
     study: &VolumeStudy,
@@ -65,7 +65,7 @@ pub fn show(
     is_chosen
 }
 
-/// Returns the ways to colour that such a volume can have.
+/// Returns the ways to colour such a volume.
 fn colourings(study: &VolumeStudy) -> Vec<Colouring> {
     let samples = study.volume.samples;
     let is_possible = |colouring: &Colouring| match colouring {
@@ -78,7 +78,7 @@ fn colourings(study: &VolumeStudy) -> Vec<Colouring> {
     Colouring::NAMED.into_iter().map(|(colouring, _)| colouring).filter(is_possible).collect()
 }
 
-/// Leaves out what was chosen for another file and is not possible in this one.
+/// Drops choices from another file that are impossible in this one.
 pub fn allow(study: &VolumeStudy, options: &mut ImportOptions) {
     if !colourings(study).contains(&options.colouring) {
         options.colouring = Colouring::Auto;
@@ -102,7 +102,7 @@ fn facts(ui: &mut Ui, study: &VolumeStudy) {
     }
 }
 
-/// Returns the type of a voxel in words; other scripts and `--raw` name it by a letter and its bits.
+/// Returns the type of a voxel in words; scripts and `--raw` use a letter and the number of bits.
 fn samples_text(samples: Samples) -> String {
     match samples {
         Samples::U8 => "8 bits each".to_string(),
@@ -143,7 +143,7 @@ fn questions(
     is_chosen
 }
 
-/// Asks which of several channels or times is read, if there are several. True once another one than `taken` is chosen.
+/// Asks for one of several channels or times. Returns true if another one than `taken` was chosen.
 fn one_of(ui: &mut Ui, name: &str, taken: Taken, chosen: &mut Option<Ordinal>) -> bool {
     if taken.count < 2 {
         return false;
@@ -265,7 +265,7 @@ fn cubic(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
     ui.end_row();
 }
 
-/// The part that is read, along the axes of the volume as it will stand.
+/// Shows the region to read, along the axes of the volume in its final orientation.
 fn region(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
     let turn = study.turn(options);
     let dims = study.upright_dims(turn);

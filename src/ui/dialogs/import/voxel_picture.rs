@@ -10,14 +10,14 @@ use crate::format::ModelStudy;
 use crate::format::options::ImportOptions;
 use crate::sculpture::Rgb;
 
-/// Towards the light: to the right, up, towards the viewer.
+/// Direction to the light: to the right, up, towards the viewer.
 const LIGHT: Vec3 = Vec3::new(-0.36, 0.72, 0.6);
-/// Share of the light that reaches faces turned away.
+/// Share of the light on faces turned away from it.
 const AMBIENT: f32 = 0.4;
-/// Widens faces a little, in pixels, so that no pixel between two is missed.
+/// Enlarges faces by so many pixels, so that no pixel between two is missed.
 const SEAM_PX: f32 = 0.02;
 
-/// Returns a square of `side_px` pixels, each red, green, blue, opacity; transparent where there is nothing.
+/// Returns a square of `side_px` pixels, each red, green, blue, opacity; transparent outside the model.
 pub fn draw(
     study: &ModelStudy,
     options: &ImportOptions,
@@ -47,18 +47,18 @@ pub fn draw(
     canvas.rgba
 }
 
-/// A side of all voxels that is turned to the viewer.
+/// A side of every voxel that faces the viewer.
 struct Side {
-    /// In the order of `SurfaceVoxel::open_sides`.
+    /// Number of the side in `SurfaceVoxel::open_sides`.
     number: usize,
     /// Its lowest corner, in a voxel.
     corner: Vec3,
-    /// Its edges in the picture, downwards, with the depth that they gain in z.
+    /// Its edges in the picture, y downwards, with their change of depth in z.
     edges: [Vec3; 2],
     light: f32,
 }
 
-/// Returns the sides that are turned to the viewer: three at most.
+/// Returns the sides that face the viewer: three at most.
 fn sides(seen: &BoxView, in_grid: &impl Fn(Vec3) -> Vec3) -> Vec<Side> {
     let direction = |axis: Vec3| seen.seen(in_grid(axis) - in_grid(Vec3::ZERO));
     (0..6)
@@ -87,7 +87,7 @@ struct Canvas {
 }
 
 impl Canvas {
-    /// Fills the pixels whose middles lie in a side that begins at `from`.
+    /// Fills the pixels with centres in a side that begins at `from`.
     fn fill(&mut self, from: Pos2, depth: f32, side: &Side, [r, g, b]: [u8; 3]) {
         let [u, v] = side.edges.map(|edge| Vector::new(edge.x, edge.y));
         let area = u.perp_dot(v);

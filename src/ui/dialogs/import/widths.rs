@@ -1,6 +1,6 @@
 //! The widths of the import dialog and its parts, in points. Knows none of them.
 
-/// The widest dialog, in points, and the space that stays free beside it in a small window.
+/// Largest width of the dialog, in points, and the space beside it in a small window.
 pub const MOST_WIDTH: f32 = 960.0;
 pub const BESIDE: f32 = 48.0;
 /// Width of the column of options.
