@@ -6,7 +6,7 @@ use crate::command::Command;
 use crate::format::options::ExportOptions;
 use crate::session::{Session, SessionError};
 
-/// Where the sculpture is.
+/// The place of the sculpture.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Kept {
     /// In this journal, with undo and redo.

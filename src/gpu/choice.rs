@@ -1,5 +1,4 @@
-//! Chooses the physical device, and says why the others cannot be used. A device with a broken
-//! driver is one of those.
+//! Chooses the physical device, and reports why the others cannot be used, including devices with a broken driver.
 
 use std::ffi::CStr;
 
@@ -8,13 +7,13 @@ use ash::{khr, vk};
 use super::error::{During, GpuError, Result};
 use super::instance::{Host, Instance, version_text};
 
-/// Which device to take.
+/// The device to use.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub enum DeviceChoice {
     /// Discrete, then integrated, then virtual, then software.
     #[default]
     Preferred,
-    /// The n-th that the loader lists, from 0.
+    /// The n-th one listed by the loader, from 0.
     Index(usize),
     /// The first usable device whose name contains this, ignoring case.
     Name(String),
@@ -33,7 +32,7 @@ impl DeviceChoice {
     }
 }
 
-/// A device that can be used.
+/// A usable device.
 pub(super) struct Candidate {
     pub physical: vk::PhysicalDevice,
     pub properties: vk::PhysicalDeviceProperties,
@@ -50,7 +49,7 @@ impl Candidate {
     }
 }
 
-/// Returns the usable devices, best first, and for every other device the reason why it is not.
+/// Returns the usable devices, best first, and for every other device the reason against it.
 pub(super) fn candidates(
     instance: &Instance,
     host: &mut dyn Host,
@@ -95,8 +94,8 @@ pub(super) fn candidates(
     Ok((usable, refused))
 }
 
-/// Returns the result of `make` for the first candidate that it succeeds with, or an error that gives the reason for
-/// every candidate and for those in `refused`.
+/// Returns the result of `make` for the first candidate for which it succeeds, or an error with the reasons for every
+/// candidate and for those in `refused`.
 pub(super) fn first_that_works<C, D>(
     usable: Vec<C>,
     mut refused: Vec<String>,
@@ -116,7 +115,7 @@ pub(super) fn first_that_works<C, D>(
     Err(GpuError::NoneSuitable(refused.join("; ")))
 }
 
-/// Why a device with a failing driver cannot be used.
+/// Returns the reason against a device with a failing driver.
 fn broken(name: &str, error: &GpuError) -> String {
     let reason = format!("the driver of {name} is broken ({error})");
     tracing::warn!("{reason}; passing it over");
@@ -148,7 +147,7 @@ fn driver_of(instance: &Instance, physical: vk::PhysicalDevice) -> String {
     // SAFETY: a handle of this instance, which was listed.
     let properties = unsafe { instance.raw().get_physical_device_properties(physical) };
     let version = version_text(properties.api_version);
-    // Older devices know no names of drivers.
+    // Older devices do not report the names of drivers.
     if properties.api_version < vk::API_VERSION_1_2 {
         return format!("Vulkan {version}, driver {:#x}", properties.driver_version);
     }
@@ -193,7 +192,7 @@ fn rank(kind: vk::PhysicalDeviceType) -> u32 {
     }
 }
 
-/// Returns the device with the queue family to use, or what it lacks, in words.
+/// Returns the device with the queue family to use, or the missing features in words.
 fn candidate(
     instance: &Instance,
     host: &dyn Host,
@@ -243,8 +242,8 @@ fn candidate(
     Ok(Err(format!("{name} has no queue that draws, computes and serves {}", host.name())))
 }
 
-/// Returns the extensions to enable: all that are `wanted`, or an error naming those that the device lacks; and on a
-/// device with an incomplete Vulkan the portability extension, which must be enabled there.
+/// Returns the extensions to enable: all `wanted` ones, or an error naming the missing ones; on a device with an
+/// incomplete Vulkan also the portability extension, which must be enabled there.
 fn device_extensions<'a>(
     wanted: &[&'static CStr],
     offered: impl Iterator<Item = &'a CStr>,

@@ -17,7 +17,7 @@ use super::retire::Retired;
 /// Number of frames that the CPU may be ahead of the device.
 pub const FRAMES_IN_FLIGHT: usize = 2;
 
-/// How an image or a buffer is used on one side of a barrier.
+/// The use of an image or a buffer on one side of a barrier.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Use {
     pub stage: vk::PipelineStageFlags2,
@@ -124,7 +124,7 @@ pub struct Attachment {
 pub struct Recorder {
     device: Arc<Device>,
     buffer: vk::CommandBuffer,
-    /// Between the beginning and the end of rendering.
+    /// Rendering has begun and not ended.
     rendering: bool,
 }
 
@@ -152,7 +152,7 @@ impl Recorder {
         &self.device
     }
 
-    /// For libraries that record commands themselves.
+    /// Returns the command buffer for libraries that record commands themselves.
     pub fn raw(&self) -> vk::CommandBuffer {
         self.buffer
     }
@@ -197,9 +197,9 @@ impl Recorder {
         self.begin_rendering_in(size, ([0, 0], size), colour, depth);
     }
 
-    /// Starts rendering to a rectangle, given by corner and size, of a picture of `size` pixels.
-    /// Only the rectangle is cleared or discarded, and it is the scissor; no scissor set later may
-    /// reach beyond it. The viewport is the whole picture.
+    /// Starts rendering to a rectangle, given by corner and size, of a picture of `size` pixels. Only the rectangle is
+    /// cleared or discarded, and it is the scissor; later scissors must stay within it. The viewport is the whole
+    /// picture.
     pub fn begin_rendering_in(
         &mut self,
         size: [u32; 2],
@@ -246,8 +246,7 @@ impl Recorder {
         self.rendering = false;
     }
 
-    /// Ends rendering if it has begun: for callers that go on recording after a failure at an
-    /// unknown point.
+    /// Ends rendering if it has begun, for callers that continue recording after a failure at an unknown point.
     pub fn end_rendering_if_begun(&mut self) {
         if self.rendering {
             self.end_rendering();
@@ -386,7 +385,7 @@ fn attachment(a: Attachment, layout: vk::ImageLayout) -> vk::RenderingAttachment
         .clear_value(clear)
 }
 
-/// A command pool with one buffer; libraries that record commands themselves allocate further ones.
+/// A command pool with one buffer. Libraries that record commands themselves allocate further ones.
 pub struct Pool {
     pool: vk::CommandPool,
     buffer: vk::CommandBuffer,
@@ -425,8 +424,8 @@ impl Drop for Pool {
     }
 }
 
-/// The ring of frames. The commands of a frame are recorded anew once the device has finished those
-/// of [`FRAMES_IN_FLIGHT`] frames ago.
+/// The ring of frames. The commands of a frame are recorded anew once the device has finished those from
+/// [`FRAMES_IN_FLIGHT`] frames before.
 pub struct Frames {
     slots: Vec<(Pool, Serial)>,
     current: usize,
@@ -454,8 +453,8 @@ impl Frames {
         Recorder::begin(&self.device, pool.buffer)
     }
 
-    /// Returns the slot of the current frame, 0..[`FRAMES_IN_FLIGHT`]. Other resources with one copy per slot are free
-    /// to be written, too.
+    /// Returns the slot of the current frame, 0..[`FRAMES_IN_FLIGHT`]. Other resources with one copy per slot may also
+    /// be written.
     pub fn slot(&self) -> usize {
         self.current
     }

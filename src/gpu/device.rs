@@ -22,25 +22,24 @@ use super::pipeline_cache::PipelineCache;
 use super::retire::{RetireQueue, Retired};
 use super::validation::ValidationLog;
 
-/// How long to wait for the device before reporting that it hangs.
+/// Time after which a device that does not respond is reported as hanging.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Most semaphores that one submission waits for or signals, besides the timeline.
 pub const MAX_SEMAPHORES: usize = 3;
 
-/// How to make a device.
+/// The parameters of a device.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct DeviceOptions {
     pub choice: DeviceChoice,
     pub validation: Validation,
-    /// The folder for compiled pipelines, which speed up the next start. None: they are not kept.
+    /// The folder for compiled pipelines, which speed up the next start; `None`: they are not kept.
     pub pipeline_cache: Option<PathBuf>,
 }
 
 impl DeviceOptions {
-    /// These options with the environment's: `VS_VALIDATION=1` requires validation, and
-    /// `VS_VALIDATION=if-available` enables it where the layer is installed. With validation there
-    /// is no pipeline cache.
+    /// Returns these options with the environment's: `VS_VALIDATION=1` requires validation, and
+    /// `VS_VALIDATION=if-available` enables it if the layer is installed. With validation there is no pipeline cache.
     pub fn with_environment(mut self) -> DeviceOptions {
         match std::env::var("VS_VALIDATION").as_deref() {
             Ok("1") => self.validation = Validation::Required,
@@ -81,7 +80,7 @@ pub struct Device {
 }
 
 impl Device {
-    /// Makes instance and device for `host`: the best device that works.
+    /// Creates instance and device for `host`: the best working device.
     pub fn new(host: &mut dyn Host, options: &DeviceOptions) -> Result<Arc<Device>> {
         let instance = Instance::new(host, options.validation)?;
         host.attach(&instance)?;
@@ -93,7 +92,7 @@ impl Device {
         Ok(Arc::new(device))
     }
 
-    /// Makes one device.
+    /// Creates one device.
     fn of(
         instance: &Arc<Instance>,
         host: &mut dyn Host,
@@ -104,8 +103,8 @@ impl Device {
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(candidate.queue_family)
             .queue_priorities(&[1.0])];
-        // Not as part of Vulkan12Features: the runtime of a headset may add its own feature
-        // structures, which may not occur beside that one.
+        // Not as part of Vulkan12Features: the runtime of a headset may add its own feature structures, which may not
+        // occur beside that one.
         let mut timeline =
             vk::PhysicalDeviceTimelineSemaphoreFeatures::default().timeline_semaphore(true);
         let mut v13 = vk::PhysicalDeviceVulkan13Features::default()
@@ -155,7 +154,7 @@ impl Device {
             physical_device: self.candidate.physical,
             debug_settings: Default::default(),
             buffer_device_address: false,
-            // Small blocks at first: a frame buffer and a grid of 16 MiB need no block of 256.
+            // Small blocks at first: a frame buffer and a grid of 16 MiB do not need one of 256.
             allocation_sizes: AllocationSizes::new(16 * MIB, 16 * MIB)
                 .with_max_device_memblock_size(256 * MIB)
                 .with_max_host_memblock_size(64 * MIB),
@@ -166,7 +165,7 @@ impl Device {
         })
     }
 
-    /// Returns the surface of a further window; that of the first one was made with the device.
+    /// Returns the surface of a further window; that of the first one was created with the device.
     pub fn surface<W>(&self, window: Arc<W>) -> Result<Surface>
     where
         W: HasDisplayHandle + HasWindowHandle + 'static,
@@ -194,7 +193,7 @@ impl Device {
         self.candidate.queue_family
     }
 
-    /// Returns number of valid bits of the queue's time stamps; 0 if it has none.
+    /// Returns the number of valid bits of the queue's time stamps; 0 if it has none.
     pub fn time_stamp_bits(&self) -> u32 {
         self.candidate.time_stamp_bits
     }
@@ -217,12 +216,12 @@ impl Device {
         self.pipelines.as_ref().map_or(vk::PipelineCache::null(), PipelineCache::handle)
     }
 
-    /// Returns how many pipelines have been created so far, without those of libraries.
+    /// Returns the number of pipelines created so far, without those of libraries.
     pub fn pipelines_created(&self) -> usize {
         self.pipelines_created.load(Ordering::Relaxed)
     }
 
-    /// Counts a pipeline that took `taken`.
+    /// Counts a pipeline whose creation took `taken`.
     pub(super) fn pipeline_created(&self, name: &str, taken: Duration) {
         self.pipelines_created.fetch_add(1, Ordering::Relaxed);
         tracing::debug!("created pipeline \"{name}\" in {:.1} ms", taken.as_secs_f64() * 1e3);
@@ -235,7 +234,7 @@ impl Device {
             .ok_or_else(|| GpuError::Host("the device is being taken down".to_string()))
     }
 
-    /// Warnings and errors of the validation layers so far, oldest first.
+    /// Returns the warnings and errors of the validation layers so far, oldest first.
     pub fn validation_messages(&self) -> Vec<String> {
         self.instance.validation_log().messages()
     }

@@ -1,5 +1,5 @@
-//! Vulkan errors, with messages that say what is missing and how to get it. Nothing here panics: a
-//! lost device and exhausted memory are values.
+//! Vulkan errors, with messages that name what is missing and how to get it. Nothing here panics: a lost device and
+//! exhausted memory are values.
 
 use ash::vk;
 use thiserror::Error;
@@ -51,7 +51,7 @@ pub enum GpuError {
 }
 
 impl GpuError {
-    /// Returns a Vulkan result of the step "to ...".
+    /// Returns the error of a Vulkan result in the step "to ...".
     pub fn vulkan(doing: &'static str, result: vk::Result) -> GpuError {
         match result {
             vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
@@ -63,7 +63,7 @@ impl GpuError {
     }
 }
 
-/// Names the step that a Vulkan call was part of: `.during("create a fence")`.
+/// Names the step of a Vulkan call: `.during("create a fence")`.
 pub trait During<T> {
     fn during(self, doing: &'static str) -> Result<T>;
 }

@@ -1,5 +1,4 @@
-//! Images with one layer per eye. They track how each layer was used last, so that a change of use is
-//! one call.
+//! Images with one layer per eye. They track the last use of each layer, so that a change of use is one call.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -36,7 +35,7 @@ impl EyeImage {
         &self.image
     }
 
-    /// Pixels.
+    /// Returns the size in pixels.
     pub fn size(&self) -> UVec2 {
         let [x, y, _] = self.image.size();
         UVec2::new(x, y)
@@ -90,7 +89,7 @@ impl EyeImage {
         self.copy_rows(recorder, eye, piece, rows);
     }
 
-    /// The same, but the other rows keep their contents.
+    /// Copies rows likewise, but keeps the other rows.
     pub fn update_rows(
         &mut self,
         recorder: &mut Recorder,

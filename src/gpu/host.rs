@@ -1,6 +1,5 @@
-//! The differences between the hosts that a device is made for: headless, a window, and a headset,
-//! whose runtime makes instance and device itself (XR_KHR_vulkan_enable2) through the hooks of
-//! [`Host`].
+//! The differences between the hosts that a device is made for: headless, a window, and a headset, whose runtime
+//! creates instance and device itself (XR_KHR_vulkan_enable2) through the hooks of [`Host`].
 
 use std::ffi::{CStr, CString};
 use std::sync::Arc;
@@ -21,7 +20,7 @@ impl Host for Headless {
     }
 }
 
-/// A window and, once the device is made, its surface.
+/// A window and, once the device exists, its surface.
 pub struct WindowHost<W> {
     window: Arc<W>,
     surface: Option<Surface>,
@@ -73,7 +72,7 @@ pub struct Surface {
     window: Arc<dyn Handles>,
 }
 
-/// A window as window systems know it.
+/// A window with the handles that Vulkan needs.
 trait Handles: HasDisplayHandle + HasWindowHandle {}
 
 impl<W: HasDisplayHandle + HasWindowHandle> Handles for W {}
@@ -94,8 +93,7 @@ impl Surface {
         Ok(surface)
     }
 
-    /// Another surface of the same window in the place of this one, which is lost. Nothing made
-    /// from it may be left.
+    /// Replaces this lost surface by another one of the same window. Nothing created from it may exist.
     pub fn renew(&mut self) -> Result<()> {
         let display = self.window.display_handle().map_err(|e| handle_error(&e))?.as_raw();
         let window = self.window.window_handle().map_err(|e| handle_error(&e))?.as_raw();

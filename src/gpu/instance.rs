@@ -1,5 +1,5 @@
-//! The Vulkan loader, the instance, and the messenger of the validation layers; and the hooks of the host for which
-//! instance and device are made.
+//! The Vulkan loader, the instance, and the messenger of the validation layers; and the hooks of the host of instance
+//! and device.
 //!
 //! Surfaces and the device keep an `Arc` of it, so it is destroyed last.
 
@@ -11,27 +11,27 @@ use ash::{ext, khr, vk};
 use super::error::{During, GpuError, Result};
 use super::validation::{LAYER, ValidationLog, messenger_info};
 
-/// Whether the validation layers check our calls.
+/// Whether the validation layers check the program's calls.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Validation {
     #[default]
     Off,
-    /// On where the layer is installed: for tests, which report where it is not.
+    /// On if the layer is installed: for tests, which report a missing layer.
     IfAvailable,
-    /// On, or an error that says how to install the layer.
+    /// On, or an error with the way to install the layer.
     Required,
 }
 
 /// The hooks that [`crate::gpu::Device::new`] calls on its host, in this order.
 pub trait Host {
-    /// For messages: "a window".
+    /// Returns a name for messages, such as "a window".
     fn name(&self) -> &'static str;
 
     fn instance_extensions(&self) -> Result<Vec<CString>> {
         Ok(Vec::new())
     }
 
-    /// Makes the instance. The runtime of a headset does this itself.
+    /// Creates the instance. The runtime of a headset does this itself.
     fn create_instance(
         &mut self,
         entry: &ash::Entry,
@@ -45,12 +45,12 @@ pub trait Host {
         }
     }
 
-    /// Called once the instance exists; a window makes its surface.
+    /// Called once the instance exists; a window creates its surface.
     fn attach(&mut self, _instance: &Arc<Instance>) -> Result<()> {
         Ok(())
     }
 
-    /// Returns the device that the host prescribes, if it does.
+    /// Returns the device prescribed by the host, if there is one.
     fn prescribed_device(&mut self, _instance: &Instance) -> Result<Option<vk::PhysicalDevice>> {
         Ok(None)
     }
@@ -64,7 +64,7 @@ pub trait Host {
         Vec::new()
     }
 
-    /// Makes the device. The runtime of a headset does this itself.
+    /// Creates the device. The runtime of a headset does this itself.
     fn create_device(
         &mut self,
         instance: &Instance,
@@ -87,7 +87,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Loads Vulkan and makes the instance that `host` asks for.
+    /// Loads Vulkan and creates the instance for `host`.
     pub fn new(host: &mut dyn Host, validation: Validation) -> Result<Arc<Instance>> {
         // SAFETY: the library found under the loader's name is the Vulkan loader.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| GpuError::NoLoader(e.to_string()))?;
@@ -206,7 +206,7 @@ fn choose_validation(entry: &ash::Entry, wanted: Validation) -> Result<bool> {
     Ok(installed)
 }
 
-/// "1.3.239".
+/// Formats a version, such as "1.3.239".
 pub(super) fn version_text(version: u32) -> String {
     format!(
         "{}.{}.{}",

@@ -37,7 +37,7 @@ shared! {
         depth_step: f32,
         /// Change of direction per pixel to the right.
         step_x: [f32; 3],
-        /// How far the device may draw a corner off its position, in pixels.
+        /// Largest displacement of a corner by the device, in pixels.
         margin_px: f32,
         /// Change of direction per pixel downwards.
         step_y: [f32; 3],
@@ -110,7 +110,7 @@ shared! {
         tile_log2: u32,
         /// Change of direction per pixel downwards.
         step_y: [f32; 3],
-        /// Which of the samples of an antialiased picture this is.
+        /// Index of the sample of an antialiased picture.
         sample: u32,
         /// Size of the grid in voxels.
         dims: [u32; 3],
@@ -143,17 +143,17 @@ shared! {
         /// Size of the grid in bricks.
         bricks: [u32; 3],
         pad_0: u32,
-        /// How much more ambient light there is on a surface that faces the sky.
+        /// Additional ambient light on a surface that faces the sky.
         ambient_slope: [f32; 3],
-        /// The light that throws shadows; all ones for none.
+        /// The light that casts shadows; all ones for none.
         sun_light: u32,
-        /// Towards the sky, in eye space.
+        /// Direction to the sky, in eye space.
         up: [f32; 3],
         /// The number of the sample of an antialiased picture.
         sun_sample: u32,
         /// The other coefficients of the tone curve.
         tone: [f32; 4],
-        /// Towards the middle of the sun's disc, and from there to its edge, in grid coordinates.
+        /// Direction to the middle of the sun's disc, and from there to its edge, in grid coordinates.
         sun_towards: [f32; 3],
         pad_1: u32,
         sun_right: [f32; 3],
@@ -164,7 +164,7 @@ shared! {
 }
 
 shared! {
-    /// Push constants of the stereo pass: where the pictures are in the window.
+    /// Push constants of the stereo pass: the place of the pictures in the window.
     StereoView {
         /// Size of the window in pixels.
         window: [u32; 2],
@@ -172,7 +172,7 @@ shared! {
         size: [u32; 2],
         /// Their upper left corner in the window.
         corner: [i32; 2],
-        /// The eye that the target is for, where targets are for one eye.
+        /// The eye of the target, if targets are for one eye.
         eye: u32,
         pad_0: u32,
     }
@@ -193,7 +193,7 @@ shared! {
     EdgesView {
         /// The size of the picture in pixels.
         size: [u32; 2],
-        /// Times the square of the nearness of a surface: the least change of it to another one.
+        /// Times the square of the nearness of a surface: the least difference to another surface.
         leap: f32,
         /// 1 if the device decodes and encodes the picture.
         linear: u32,
@@ -213,7 +213,7 @@ shared! {
 shared! {
     /// Push constants of the backdrop pass: a video frame and its lens.
     BackdropView {
-        /// Position in the frame (0 to 1) is this times that on the screen, plus `offset`.
+        /// The position in the frame (0 to 1) is that on the screen times this, plus `offset`.
         scale: [f32; 2],
         offset: [f32; 2],
         /// Focal lengths and centre of the lens in pixels of the frame.
@@ -259,15 +259,14 @@ shared! {
         /// 1 where the target takes linear values and encodes them itself.
         linear: u32,
         clip_y: [f32; 3],
-        /// How far the device may draw a corner off its position, in clip coordinates, with a
-        /// margin for rounding.
+        /// Largest displacement of a corner by the device, in clip coordinates, with a margin for rounding.
         margin_x: f32,
         clip_w: [f32; 3],
         margin_y: f32,
     }
 }
 
-/// One instance of the slicing pass (vertex attributes, so no layout but the pipeline's).
+/// One instance of the slicing pass (vertex attributes, so only the pipeline defines its layout).
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
 pub struct SliceInstance {
@@ -303,11 +302,11 @@ shared! {
         lamp_area: f32,
         /// Gives the height of points of the grid over the ground.
         ground_height: [f32; 3],
-        /// Distance at which the picture is sharp, in lengths of the rays' directions.
+        /// Distance of sharp focus, in lengths of the rays' directions.
         focus: f32,
         ground_albedo: [f32; 3],
         pad_0: u32,
-        /// The light that ground without a shadow on it sends.
+        /// The light from ground without a shadow.
         open_ground: [f32; 3],
         pad_1: u32,
         towards_sun: [f32; 3],

@@ -40,8 +40,8 @@ impl Piece {
 }
 
 impl Buffer {
-    /// `location`: `GpuOnly`, `CpuToGpu` (written by the CPU) or `GpuToCpu` (read by it); the
-    /// latter two are persistently mapped and coherent.
+    /// Creates a buffer. `location`: `GpuOnly`, `CpuToGpu` (written by the CPU) or `GpuToCpu` (read by it); the latter
+    /// two are persistently mapped and coherent.
     pub fn new(
         device: &Arc<Device>,
         name: &str,
@@ -98,7 +98,7 @@ impl Buffer {
         }
     }
 
-    /// Copies `data` to the offset of `offset` bytes.
+    /// Copies `data` to `offset`, in bytes.
     pub fn write<T: Pod>(&mut self, offset: u64, data: &[T]) -> Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let start = offset as usize;
@@ -224,8 +224,7 @@ impl Image {
         self.handle
     }
 
-    /// Returns a number that no other image has had, to detect that a descriptor names a former image: Vulkan reuses
-    /// its handles.
+    /// Returns a number that no other image has had. It detects a descriptor of a former image: Vulkan reuses handles.
     pub fn id(&self) -> u64 {
         self.id
     }
@@ -244,7 +243,7 @@ impl Image {
         self.layers
     }
 
-    /// Width, height, depth in texels.
+    /// Returns width, height and depth in texels.
     pub fn size(&self) -> [u32; 3] {
         self.size
     }
@@ -288,7 +287,7 @@ pub struct ImagePart {
 }
 
 impl ImagePart {
-    /// Returns one colour layer of an image that this room does not own.
+    /// Returns one colour layer of an image from outside this module.
     pub fn colour(image: vk::Image, layer: u32) -> ImagePart {
         ImagePart { image, aspect: vk::ImageAspectFlags::COLOR, layer, layers: 1 }
     }
@@ -349,7 +348,7 @@ fn memory_of(memory: &Allocation) -> vk::DeviceMemory {
     unsafe { memory.memory() }
 }
 
-/// Returns an allocation in a shared block, or if no further block can be had, one of its own made by `alone`.
+/// Returns an allocation in a shared block, or, if no further block is available, a dedicated one made by `alone`.
 fn allocate(
     device: &Device,
     name: &str,

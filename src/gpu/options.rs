@@ -16,7 +16,7 @@ pub struct GpuOptions {
 }
 
 impl GpuOptions {
-    /// Returns the device to make, with what the environment adds; see [`DeviceOptions::with_environment`].
+    /// Returns the device parameters, including the environment's; see [`DeviceOptions::with_environment`].
     pub fn device_options(&self, pipeline_cache: Option<PathBuf>) -> DeviceOptions {
         let choice = DeviceChoice::parse(&self.device);
         let validation = if self.validation { Validation::Required } else { Validation::default() };

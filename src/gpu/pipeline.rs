@@ -21,7 +21,7 @@ pub struct PipelineLayout {
 }
 
 impl PipelineLayout {
-    /// `push`: the stages that read the push constants, and their size.
+    /// Creates a layout. `push`: the stages that read the push constants, and their size.
     pub fn new(
         device: &Arc<Device>,
         name: &str,
@@ -65,7 +65,7 @@ impl Drop for PipelineLayout {
     }
 }
 
-/// How drawn colours are blended with the target's.
+/// The blending of drawn colours with the target's.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Blend {
     /// They replace it.
@@ -77,7 +77,7 @@ pub enum Blend {
     DepthOnly,
 }
 
-/// How the depth buffer (reversed: nearer is greater) is used.
+/// The use of the depth buffer (reversed: nearer is greater).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Depth {
     pub format: vk::Format,
@@ -225,8 +225,8 @@ impl Pipeline {
         Pipeline::wrap(device, of.name, made, vk::PipelineBindPoint::GRAPHICS, of.layout)
     }
 
-    /// `shader`: SPIR-V with the entry point `main`. `constants`: its specialization constants, from
-    /// number 0 on.
+    /// Creates a compute pipeline. `shader`: SPIR-V with the entry point `main`. `constants`: its specialization
+    /// constants, from number 0 on.
     pub fn compute(
         device: &Arc<Device>,
         name: &str,
@@ -299,7 +299,7 @@ fn constants_info<'a>(
     vk::SpecializationInfo::default().map_entries(entries).data(bytemuck::cast_slice(constants))
 }
 
-/// A shader module, needed only while a pipeline is made.
+/// A shader module, needed only to create a pipeline.
 struct Module<'a> {
     handle: vk::ShaderModule,
     device: &'a Device,

@@ -1,8 +1,8 @@
-//! The driver's pipeline cache, kept from one start of the program to the next: a file in a cache
-//! folder for each device and driver.
+//! The driver's pipeline cache, kept from one start of the program to the next: a file in a cache folder for each
+//! device and driver.
 //!
-//! Takes a folder; returns a `VkPipelineCache`. The cache only saves time, so the program starts
-//! without it if anything is wrong with the file.
+//! Takes a folder; returns a `VkPipelineCache`. The cache only saves time: the program starts without it if the file is
+//! unusable.
 
 use std::hash::Hasher;
 use std::io::{Read, Write};
@@ -23,15 +23,14 @@ const HEADER_BYTES: usize = 24;
 /// The cache of a device.
 pub(super) struct PipelineCache {
     handle: vk::PipelineCache,
-    /// The file, if it is kept in one.
+    /// The file, if there is one.
     path: Option<PathBuf>,
     /// Checksum of the data read from it.
     read: Option<u64>,
 }
 
 impl PipelineCache {
-    /// Reads the file in `folder` for the device with these properties. Without a folder nothing is
-    /// read or written.
+    /// Reads the file in `folder` for the device with these properties. Without a folder, reads and writes nothing.
     pub fn new(
         device: &ash::Device,
         properties: &vk::PhysicalDeviceProperties,

@@ -1,5 +1,4 @@
-//! Readback: one mapped buffer per frame in flight, so that a picture can be read at once or a
-//! frame later.
+//! Readback: one mapped buffer per frame in flight, to read a picture at once or a frame later.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -36,7 +35,7 @@ struct Slot {
 }
 
 impl Readback {
-    /// Buffers are allocated when first needed.
+    /// Creates one without buffers, which are allocated when first needed.
     pub fn new(device: &Arc<Device>, name: &str) -> Readback {
         let slots = (0..FRAMES_IN_FLIGHT).map(|_| Slot::default()).collect();
         Readback { name: name.to_string(), slots, device: device.clone() }
@@ -117,7 +116,7 @@ impl Readback {
     }
 }
 
-/// Reads one layer of an image and waits. `from` is its present use, which is restored.
+/// Reads one layer of an image and waits. `from`: its present use, which is restored.
 pub fn read_image_once(
     device: &Arc<Device>,
     part: ImagePart,

@@ -1,8 +1,7 @@
-//! Dropped objects that the device may still use, until it no longer does.
+//! Holds dropped objects until the device no longer uses them.
 //!
-//! Every submission has a serial, which the queue's timeline semaphore reaches when the submission
-//! has finished. An object that is dropped during a recording may be used by it, so it waits for
-//! the submission that ends the recording.
+//! Every submission has a serial, which the queue's timeline semaphore reaches when the submission has finished. A
+//! recording may use an object dropped meanwhile, so the object waits for the submission that ends the recording.
 
 use std::collections::VecDeque;
 
@@ -34,7 +33,7 @@ pub(super) struct RetireQueue {
 }
 
 impl RetireQueue {
-    /// Takes an object that submissions up to `submitted` may use.
+    /// Adds an object that submissions up to `submitted` may use.
     pub fn push(&mut self, submitted: u64, object: Retired) {
         if self.open > 0 {
             self.recording.push(object);
@@ -47,7 +46,7 @@ impl RetireQueue {
         self.open += 1;
     }
 
-    /// The last recording was submitted as `submitted`, or abandoned.
+    /// Ends the last recording, which was submitted as `submitted` or abandoned.
     pub fn recording_ended(&mut self, submitted: u64) {
         self.open = self.open.saturating_sub(1);
         if self.open == 0 {
@@ -69,7 +68,7 @@ impl RetireQueue {
         self.recording.pop().or_else(|| self.waiting.pop_front().map(|(_, object)| object))
     }
 
-    /// Returns number of objects that wait.
+    /// Returns the number of waiting objects.
     pub fn len(&self) -> usize {
         self.recording.len() + self.waiting.len()
     }

@@ -140,7 +140,7 @@ mod tests {
         for_each_text(|name, text| assert_eq!(branches_by_uniforms(text), 0, "{name}"));
     }
 
-    /// The name and expanded source of every stage.
+    /// Calls `f` with the name and expanded source of every stage.
     fn for_each_text(f: impl Fn(&str, &str)) {
         let mut shaders = 0;
         for entry in fs::read_dir(Path::new(env!("OUT_DIR"))).unwrap() {
@@ -153,8 +153,8 @@ mod tests {
         assert!(shaders > 10);
     }
 
-    /// From SPIR-V 1.5 on, function variables may not have structure types with offsets, as all of
-    /// naga's are.
+    /// Checks the SPIR-V version: from 1.5 on, function variables may not have structure types with offsets, as all of
+    /// naga's have.
     #[test]
     fn shaders_are_of_a_version_in_which_structures_of_variables_may_have_offsets() {
         assert!(super::ALL.len() > 10);
@@ -164,7 +164,7 @@ mod tests {
         }
     }
 
-    /// Numbers below 1.2e-38 are 0 on devices that flush denormals, and so are results with them.
+    /// Checks the constants: numbers below 1.2e-38, and results with them, are 0 on devices that flush denormals.
     #[test]
     fn no_number_of_a_shader_is_so_small_that_a_device_may_take_it_for_zero() {
         let smallest = |text: &str| {

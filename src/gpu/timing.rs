@@ -33,7 +33,7 @@ struct Slot {
 }
 
 impl<const PARTS: usize> Timer<PARTS> {
-    /// None if the device's queue has no time stamps.
+    /// Creates a timer; `None` if the device's queue has no time stamps.
     pub fn new(device: &Arc<Device>, name: &str) -> Result<Option<Timer<PARTS>>> {
         const { assert!(0 < PARTS && PARTS <= MAX_PARTS) };
         let bits = device.time_stamp_bits();
@@ -80,8 +80,8 @@ impl<const PARTS: usize> Timer<PARTS> {
         slot.recorded |= 1 << part;
     }
 
-    /// Returns the times of the parts of the current frame in milliseconds, for a caller that has waited for it. None
-    /// for parts that were not recorded or have not finished.
+    /// Returns the times of the parts of the current frame in milliseconds; `None` for parts that were not recorded or
+    /// have not finished. The caller must have waited for the frame.
     pub fn latest(&self) -> Result<[Option<f32>; PARTS]> {
         let slot = &self.slots[self.slot];
         if slot.recorded == 0 {
@@ -91,7 +91,7 @@ impl<const PARTS: usize> Timer<PARTS> {
         let mut stamps = [[[0u64; 2]; 2]; PARTS];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WITH_AVAILABILITY;
         let (pool, found) = (slot.pool.handle, stamps.as_flattened_mut());
-        // SAFETY: the pool has as many queries as there are stamps, all of which were reset.
+        // SAFETY: the pool has one query per stamp, all of which were reset.
         match unsafe { self.device.raw().get_query_pool_results(pool, 0, found, flags) } {
             Ok(()) | Err(vk::Result::NOT_READY) => {}
             Err(error) => return Err(error).during("read time stamps"),

@@ -22,7 +22,7 @@ pub struct Staging {
 }
 
 impl Staging {
-    /// `bytes`: initial size of each slot's block; it grows when a frame needs more.
+    /// Creates the blocks. `bytes`: initial size of each block, which grows if a frame needs more.
     pub fn new(
         device: &Arc<Device>,
         name: &str,

@@ -9,7 +9,7 @@ use ash::vk;
 /// The name of the validation layer.
 pub const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// How many messages are kept; further ones are only counted.
+/// Number of messages kept; further ones are only counted.
 const KEPT: usize = 64;
 
 /// Warnings and errors since the instance was made.
@@ -25,7 +25,7 @@ struct Messages {
 }
 
 impl ValidationLog {
-    /// Returns number of warnings and errors.
+    /// Returns the number of warnings and errors.
     pub fn count(&self) -> usize {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner).count
     }

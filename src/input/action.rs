@@ -1,9 +1,9 @@
-//! Actions: everything a person can want, whatever the device.
+//! Actions: everything that a person can request, on any device.
 //!
-//! One table describes each [`Action`] once: its name in tables of keys, the way in which it is triggered, its heading in the
-//! controls window, its help and the words of other programs that find it. The enum, the list of all actions and their
-//! descriptions are made from that table; tools describe themselves. An action says what is wanted, not how it is done:
-//! `app` executes it.
+//! One table describes each [`Action`] once: its name in tables of keys, the way in which it is triggered, its heading
+//! in the controls window, its help and the words of other programs that find it. The enum, the list of all actions and
+//! their descriptions are made from that table; tools describe themselves. An action names a request; `app` executes
+//! it.
 
 use super::draw_kind::DrawKind;
 use super::group::Group;
@@ -40,7 +40,7 @@ pub enum Axis {
 impl Axis {
     pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 
-    /// Index of the axis, 0 to 2.
+    /// Returns the index of the axis, 0 to 2.
     pub const fn index(self) -> usize {
         self as usize
     }
@@ -76,7 +76,7 @@ impl Side {
     }
 }
 
-/// How an action is triggered.
+/// The way of triggering an action.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
     /// Once, by a key or a button of the interface.
@@ -99,13 +99,13 @@ pub struct ActionSpec {
     pub group: Group,
     /// A sentence without full stop, for tooltips and the controls window.
     pub text: &'static str,
-    /// Words of other programs that find it, besides those of `text`, separated by spaces: in lower case and British
-    /// spelling, as searches are.
+    /// Words of other programs for searches, besides those of `text`, separated by spaces, in lower case and British
+    /// spelling.
     pub synonyms: &'static str,
     flags: &'static [Flag],
 }
 
-/// A property of an action that few have.
+/// A rare property of an action.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Flag {
     /// It repeats while its key is held.
@@ -134,7 +134,7 @@ macro_rules! actions {
             $( $($value:path =>)? $name:literal $kind:ident $group:ident $text:literal $synonyms:literal $(, $flag:ident)*; )*
         }
     )*) => {
-        /// Everything that a person can want.
+        /// Everything that a person can request.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
         pub enum Action {
             $( $(#[$doc])* $variant $(($of))? ),*
@@ -206,9 +206,9 @@ actions! {
     MoveToolDeep { "move-tool-deep" Drag Pointer "Move the tool sideways and in depth" "drag translate"; }
     TurnTool { "turn-tool" Drag Pointer "Rotate the tool" "turn"; }
     ResizeTool { "resize-tool" Wheel Pointer "Resize the tool" "size radius scale brush"; }
-    /// Takes a solid in hand, whose description has the rest.
+    /// Takes a solid in hand. The solid describes itself.
     Solid(Solid) from SOLIDS {}
-    /// Selects a tool that draws solids over the picture, whose description has the rest.
+    /// Selects a tool that draws solids over the picture. The tool describes itself.
     Draw(DrawKind) from DRAWN {}
     Mode(ToolMode) {
         ToolMode::Add => "add" Tap Tools "Add: the tool adds voxels" "attach build union extrude draw";
@@ -217,9 +217,9 @@ actions! {
         ToolMode::Protect => "protect" Tap Tools "Protect: the tool masks voxels, so that nothing changes them" "mask freeze lock";
         ToolMode::Release => "protect" Tap Tools "Protect: the tool masks voxels, so that nothing changes them" "mask freeze lock", Unlisted;
     }
-    /// Takes a brush in hand, whose description has the rest.
+    /// Takes a brush in hand. The brush describes itself.
     Brush(BrushId) from BRUSHES {}
-    /// Protects what hangs together with the voxel under the pointer.
+    /// Protects the voxels connected to the one under the pointer.
     Wand { "wand" Tap Tools "Mask everything connected to the voxel under the pointer" "magic select connected piece flat"; }
     /// Selects the marker as the tool.
     Marker { "marker" Tap Tools "Marker: a box to select, copy and move voxels" "selection marquee rectangle region area"; }
@@ -227,9 +227,9 @@ actions! {
     NextToolMode { "next-tool-mode" Tap Tools "Next tool mode: cut, add, paint or protect" "switch toggle cycle"; }
     Grow { "grow" Tap Pose "Enlarge the tool" "larger bigger increase resize size radius scale", Repeats; }
     Shrink { "shrink" Tap Pose "Shrink the tool" "smaller decrease reduce resize size radius scale", Repeats; }
-    /// Lets the pointer lead the size of the tool, until a click.
+    /// Lets the pointer set the size of the tool, until a click.
     LeadSize { "lead-size" Tap Pose "Size by the pointer: further right is larger; click to keep it" "radius brush scale interactive"; }
-    /// The same with its strength.
+    /// Lets the pointer set its strength likewise.
     LeadStrength { "lead-strength" Tap Pose "Strength by the pointer: further right is stronger; click to keep it" "intensity opacity brush interactive"; }
     /// Moves the tool by one voxel.
     Nudge(Step) {
@@ -260,7 +260,7 @@ actions! {
         Axis::Y => "mirror-y" Tap Repetition "Mirror symmetry in y (up and down)" "symmetric reflect flip";
         Axis::Z => "mirror-z" Tap Repetition "Mirror symmetry in z (front and back)" "symmetric reflect flip";
     }
-    /// Toggles the mirror plane that lies anywhere.
+    /// Toggles the free mirror plane.
     MirrorPlane { "mirror-plane" Tap Repetition "Mirror symmetry about a plane placed anywhere" "symmetric reflect oblique free"; }
     /// Toggles the rotation of tools around an axis.
     Radial { "radial" Tap Repetition "Radial symmetry: repeat tools around an axis" "rotational kaleidoscope turn around circular polar"; }
@@ -309,9 +309,9 @@ actions! {
     Clear { "clear" Tap History "Clear the grid: delete every voxel" "erase remove empty reset everything all"; }
     /// Opens the window of masks.
     Masks { "masks" Tap Areas "Window of masks: voxels that are protected from tools" "mask protect grow shrink blur cavity selection freeze"; }
-    /// Protects what was not, and releases what was.
+    /// Inverts the mask.
     InvertMask { "invert-mask" Tap Areas "Protect what is not masked, and nothing else" "inverse reverse swap"; }
-    /// Releases everything.
+    /// Clears the mask.
     ClearMask { "clear-mask" Tap Areas "Clear the mask: nothing is protected" "unmask deselect none remove"; }
     /// Rotates the whole sculpture so that an axis of its grid points up.
     TurnUpright(Up) {
@@ -347,7 +347,7 @@ actions! {
     References { "references" Tap View "Show or hide the reference pictures' window" "image plane background blueprint template tracing drawing photo png canvas"; }
     /// Toggles the edges of the grid.
     ToggleBounds { "toggle-bounds" Tap View "Grid outline on or off" "bounds box edges frame"; }
-    /// Toggles whether the mask is seen.
+    /// Toggles the display of the mask.
     ToggleMask { "toggle-mask" Tap View "Show or hide the mask" "masking protected protect freeze frozen lock"; }
     NextRenderMode { "next-render-mode" Tap View "Next render mode" "rendering renderer shader quality gpu cpu performance"; }
     /// Toggles the window of lights.
@@ -375,7 +375,7 @@ actions! {
     ScaleUp { "scale-up" Tap Program "Enlarge the interface" "larger bigger text font size zoom dpi", Repeats; }
     ScaleDown { "scale-down" Tap Program "Shrink the interface" "smaller text font size zoom dpi", Repeats; }
     ScaleReset { "scale-reset" Tap Program "Reset the interface to its configured size" "text font zoom dpi default"; }
-    /// Cycles through what the gamepad moves: pointer, tool and sculpture.
+    /// Cycles the target of the gamepad: pointer, tool and sculpture.
     NextPadMode { "next-pad-mode" Tap Pointer "Next gamepad mode: pointer, tool or sculpture" "controller joystick"; }
     ToggleRumble { "toggle-rumble" Tap Program "Gamepad rumble on or off" "vibration vibrate haptics shake controller"; }
     New { "new" Tap Program "New sculpture" "create file"; }
@@ -386,15 +386,15 @@ actions! {
     Screenshot { "screenshot" Tap Program "Save a picture of the view" "screenshot capture snapshot photo image png export render"; }
     /// Copies a screenshot of the view to the clipboard of the system.
     CopyScreenshot { "copy-screenshot" Tap Program "Copy a picture of the view, for other programs" "screenshot capture snapshot photo image clipboard system paste"; }
-    /// Asks for a final picture of the view, made by tracing light.
+    /// Opens the dialog of a final picture by path tracing.
     FinalPicture { "final-picture" Tap Program "Make a picture of the view with shadows and reflected light" "final render raytrace path trace shadow sun photo image"; }
-    /// Asks for a film of the sculpture.
+    /// Opens the dialog of a film of the sculpture.
     Film { "film" Tap Program "Make a film: a turntable, or a time lapse of the recording" "movie video animation turntable spin rotate time lapse gif apng export"; }
     /// Toggles the window of the print check.
     PrintCheck { "print-check" Tap Program "Check whether the sculpture can be printed, and mend it" "printing printer slicer support overhang thin wall island cavity hollow repair analyse"; }
     /// Toggles the window of colours.
     Tints { "colours" Tap Program "Adjust the colours of an area, or give it a gradient or noise" "colour hue saturation value brightness contrast gradient ramp noise speckle tint hsv"; }
-    /// Export a file for other programs.
+    /// Exports a file for other programs.
     Export { "export" Tap Program "Export the sculpture for other programs" "write convert volume pvm raw stl obj ply glb gltf 3mf vox mesh other programs file"; }
     /// Opens the palette, which finds actions by words and takes commands.
     Palette { "palette" Tap Program "Search actions, or type a script command" "find command menu"; }
@@ -425,7 +425,7 @@ const SOLIDS: [(Action, bool); Solid::ALL.len()] = rows_of!(Solid, Solid::ALL);
 const DRAWN: [(Action, bool); DrawKind::ALL.len()] = rows_of!(Draw, DrawKind::ALL);
 const BRUSHES: [(Action, bool); BrushId::ALL.len()] = rows_of!(Brush, BrushId::ALL);
 
-/// Returns the listed actions in order, as far as there is room, and their number.
+/// Returns the listed actions in order, up to `N`, and their number.
 const fn listed<const N: usize>() -> ([Action; N], usize) {
     let mut all = [Action::Quit; N];
     let (mut n, mut variant) = (0, 0);

@@ -35,7 +35,7 @@ const PRESETS: [(&str, &str); 4] = [
 /// The lines of a table in its text: triggers by the names of actions.
 pub type Lines = BTreeMap<String, Vec<String>>;
 
-/// Why a table cannot be used.
+/// The reason why a table cannot be used.
 #[derive(Debug, Error, PartialEq)]
 pub enum BindingsError {
     #[error("{0}")]
@@ -105,8 +105,8 @@ impl Bindings {
         })
     }
 
-    /// This table with other lines for the actions that `lines` names; they take their triggers
-    /// from other actions.
+    /// Returns this table with other lines for the actions named by `lines`, which take their triggers from other
+    /// actions.
     pub fn with_lines(&self, lines: &Lines) -> Result<Bindings, BindingsError> {
         let mut table: Vec<(Trigger, Action)> = Vec::new();
         let mut named = Vec::new();
@@ -148,8 +148,8 @@ impl Bindings {
         self.table.iter().find(|(bound, _)| *bound == trigger).map(|(_, action)| *action)
     }
 
-    /// Returns the action of a key: by its label or, if that is bound to nothing, by its place among Latin letters.
-    /// Greek and Hebrew keyboards have signs in the place of some letters.
+    /// Returns the action of a key: by its label or, if that is not bound, by its position among Latin letters. Greek
+    /// and Hebrew keyboards have signs in place of some letters.
     pub fn action_of_key(
         &self,
         key: Key,
@@ -166,7 +166,7 @@ impl Bindings {
         self.table.iter().filter(move |(_, bound)| *bound == action).map(|(trigger, _)| *trigger)
     }
 
-    /// Returns the first trigger of an action, as shown to people.
+    /// Returns the first trigger of an action as text.
     pub fn shortcut(&self, action: Action) -> Option<String> {
         self.triggers(action).next().map(|trigger| trigger.to_string())
     }
@@ -177,14 +177,14 @@ pub(super) fn sort(table: &mut [(Trigger, Action)]) {
     table.sort_by_key(|(_, action)| Action::ALL.iter().position(|other| other == action));
 }
 
-/// Checks that a trigger fits an action of that kind; an error says what is needed.
+/// Checks that a trigger fits an action of that kind. An error names the requirement.
 pub(super) fn check_kind(kind: Kind, trigger: Trigger) -> Result<(), &'static str> {
     match (kind, trigger) {
         (Kind::Tap | Kind::Hold, Trigger::Key { .. } | Trigger::Pad { .. })
         | (Kind::Tap, Trigger::ShiftTap)
         | (Kind::Drag, Trigger::Mouse { .. })
         | (Kind::Wheel, Trigger::Wheel { .. }) => Ok(()),
-        // The buttons of a pen do for those who have no hand for the keys.
+        // Pen buttons may do this for people without a free hand for keys.
         (Kind::Tap | Kind::Hold, Trigger::Mouse { buttons, .. }) if buttons.is_on_barrel() => {
             Ok(())
         }
@@ -231,8 +231,8 @@ mod tests {
         }
     }
 
-    /// With Shift a digit is another character, which differs between keyboard layouts; so do the
-    /// positions of punctuation.
+    /// Checks that no binding depends on Shift with a digit, which gives different characters on different keyboard
+    /// layouts, or on the positions of punctuation.
     #[test]
     fn no_action_depends_on_shift_with_digits_or_punctuation() {
         let shifted = |trigger| match trigger {
@@ -306,7 +306,7 @@ mod tests {
             let action = bindings.action_of_key(sign, Some(Key::Q), plain);
             assert_eq!(action, Some(Action::Undo));
         }
-        // A letter is itself: A on a French keyboard lies where Q is.
+        // A letter is itself: A on a French keyboard is at the position of Q.
         assert_eq!(bindings.action_of_key(Key::A, Some(Key::Q), plain), None);
         assert_eq!(bindings.action_of_key(Key::W, Some(Key::Q), plain), Some(Action::Redo));
         let bound = parse("undo = [\"q\"]\nredo = [\"semicolon\"]").unwrap();

@@ -48,7 +48,7 @@ impl Button {
         }
     }
 
-    /// Returns the words that people read, without the word button.
+    /// Returns the name for people, without the word button.
     pub(super) const fn label(self) -> &'static str {
         match self {
             Button::Eraser => "pen's eraser",
@@ -108,7 +108,7 @@ impl Buttons {
         Button::ALL.into_iter().filter(move |button| self.has(*button))
     }
 
-    /// Returns whether it is one button on the barrel of a pen, which may trigger what a key does.
+    /// Returns whether it is a single button on the barrel of a pen, which may be bound like a key.
     pub fn is_on_barrel(self) -> bool {
         self.count() == 1 && self.iter().all(Button::is_on_barrel)
     }

@@ -1,21 +1,21 @@
-//! The tools that draw a solid over the picture, by what a drag of the pointer draws, each described once.
+//! The tools that draw a solid over the picture, by the shape of a drag, each described once.
 //!
-//! Holds their texts and what they need: `editor::draw` makes solids of the drags.
+//! Holds their texts and requirements: `editor::draw` turns the drags into solids.
 
 /// The description of a tool that draws.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawSpec {
-    /// In tables of keys, and in what is remembered.
+    /// In tables of keys, and in the remembered state.
     pub name: &'static str,
     /// In the interface.
     pub label: &'static str,
     /// Explains the tool in one sentence without full stop, after its title and a colon.
     pub help: &'static str,
-    /// Words of other programs that find it, besides those of `help`, separated by spaces.
+    /// Words of other programs for searches, besides those of `help`, separated by spaces.
     pub synonyms: &'static str,
-    /// Advice where a drag has drawn nothing: how to draw so that a solid results.
+    /// Advice after a drag without effect: how to get a solid.
     pub advice: &'static str,
-    /// A hand in the room of a headset can draw it, where there is no picture.
+    /// A hand in the room of a headset, where there is no picture, can draw it.
     pub by_hand: bool,
 }
 
@@ -43,7 +43,7 @@ macro_rules! draw_kinds {
 }
 
 draw_kinds! {
-    /// An outline by hand: what lies behind it, or a slab.
+    /// An outline by hand: everything behind it, or a slab.
     Lasso {
         name: "lasso",
         label: "Lasso",
@@ -52,7 +52,7 @@ draw_kinds! {
         advice: "Drag around the area with the button held down",
         by_hand: false,
     }
-    /// The same with an upright rectangle.
+    /// Likewise with an upright rectangle.
     Rectangle {
         name: "rectangle",
         label: "Rectangle",
@@ -97,7 +97,7 @@ draw_kinds! {
         advice: "Drag from one end to the other",
         by_hand: true,
     }
-    /// A profile that is turned about the vertical through its beginning.
+    /// A profile, turned about the vertical through its start.
     Lathe {
         name: "lathe",
         label: "Lathe",

@@ -56,7 +56,7 @@ pub enum DeviceEvent {
     },
     KeyPressed {
         key: Key,
-        /// The key at its place on a keyboard with Latin letters.
+        /// The key at its position on a keyboard with Latin letters.
         place: Option<Key>,
         modifiers: Modifiers,
         repeat: bool,
@@ -64,13 +64,13 @@ pub enum DeviceEvent {
     KeyReleased {
         key: Key,
     },
-    /// How a pen or a finger touches from here on; none if it is a mouse.
+    /// The touch of a pen or a finger from here on; `None` for a mouse.
     Touch(Option<PenTouch>),
-    /// The window has lost the focus: nothing is held any more.
+    /// The window has lost the focus: nothing is held.
     FocusLost,
 }
 
-/// Where the viewport is and which input it gets.
+/// The area of the viewport, and the input that it gets.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewport {
     /// In points.
@@ -82,11 +82,11 @@ pub struct Viewport {
     pub captured: bool,
     /// Neither a text field nor a dialog has the keyboard.
     pub keyboard: bool,
-    /// Keys that something else wants all the same.
+    /// Keys that something else uses nevertheless.
     pub kept: KeptKeys,
 }
 
-/// Keys that a button, a slider or an open list keeps from the viewport while it has the focus.
+/// Keys that a focused button, a slider or an open list withholds from the viewport.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct KeptKeys {
     pub enter: bool,
@@ -108,7 +108,7 @@ impl KeptKeys {
 }
 
 impl Viewport {
-    /// In pixels of the window.
+    /// Converts to pixels of the window.
     fn window_pixels(&self, at: Pos2) -> Vec2 {
         Vec2::new(at.x, at.y) * self.pixels_per_point
     }
@@ -119,7 +119,7 @@ impl Viewport {
     }
 }
 
-/// Returns the events of this frame for the viewport. `pens`: the events of pens, for the pointer that they lead.
+/// Returns the events of this frame for the viewport. `pens`: tracks the pens that lead the pointer.
 pub fn device_events(
     input: &egui::InputState,
     viewport: &Viewport,
@@ -156,7 +156,7 @@ pub fn device_events(
                 Some(DeviceEvent::Released { button: of_pen.unwrap_or(button.into()) })
             }
             Event::Touch { phase: TouchPhase::Start | TouchPhase::Move, force, .. } => {
-                // Devices that cannot feel it tell of no force at all.
+                // Devices without pressure report no force at all.
                 let force = force.filter(|force| *force > 0.0);
                 force.map(|force| DeviceEvent::Touch(Some(PenTouch::of_pressure(force))))
             }
@@ -181,7 +181,7 @@ pub fn device_events(
             {
                 Some(DeviceEvent::KeyPressed { key, place, modifiers: modifiers.into(), repeat })
             }
-            // A text field with the focus gets these itself.
+            // A focused text field gets these itself.
             Event::Copy if viewport.keyboard => Some(shortcut(Key::C, modifiers)),
             Event::Cut if viewport.keyboard => Some(shortcut(Key::X, modifiers)),
             Event::Paste(_) if viewport.keyboard => Some(shortcut(Key::V, modifiers)),
@@ -200,7 +200,7 @@ pub fn device_events(
     events
 }
 
-/// Lets what is known of pens follow the pointer; the button of a pen that a press or a release is.
+/// Advances the known pen samples to the pointer. Returns the pen button of a press or a release.
 fn follow_pen(event: &Event, viewport: &Viewport, pens: &mut PenTrack) -> Option<Button> {
     match *event {
         Event::PointerMoved(at) => {
@@ -217,7 +217,7 @@ fn follow_pen(event: &Event, viewport: &Viewport, pens: &mut PenTrack) -> Option
     }
 }
 
-/// Returns a key with ctrl that the window system has translated to an event of its own.
+/// Returns the key with ctrl that the window system has translated to an event of its own.
 fn shortcut(key: Key, modifiers: Modifiers) -> DeviceEvent {
     let modifiers = Modifiers { ctrl: true, ..modifiers };
     DeviceEvent::KeyPressed { key, place: None, modifiers, repeat: false }

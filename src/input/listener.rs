@@ -1,5 +1,5 @@
-//! Capture of a trigger: from the events of devices to the first key, set of mouse buttons or notch
-//! of the wheel, with the modifiers held. Escape cancels.
+//! Captures a trigger: turns device events into the first key, set of mouse buttons or notch of the wheel, with the
+//! held modifiers. Escape cancels.
 
 use egui::{Event, Key};
 
@@ -19,15 +19,15 @@ pub enum Heard {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Listener {
     held: Buttons,
-    /// All buttons that were down together, until the first of them is released.
+    /// All buttons that were down together, until the first is released.
     chord: Buttons,
     modifiers: Modifiers,
     shift_tap: ShiftTap,
 }
 
 impl Listener {
-    /// Processes one event; returns the result if that completes it. Buttons count when the first
-    /// of them is released, so that others can join.
+    /// Processes one event. Returns the result if that completes it. Buttons count when the first is released, so that
+    /// others can join.
     pub fn hear(&mut self, event: &Event) -> Option<Heard> {
         if self.shift_tap.feed(event) {
             return Some(Heard::Trigger(Trigger::ShiftTap));

@@ -1,8 +1,8 @@
 //! Mouse and keyboard state: turns device events into [`ActionEvent`]s by a key table.
 //!
-//! A drag is the action of the buttons that are down. A second button pressed during a drag may be
-//! bound, together with the first, to an action that is held on top of the drag, which continues:
-//! so the tool can be moved while it is used.
+//! A drag is the action of the buttons that are down. A second button pressed during a drag may be bound, together with
+//! the first, to an action held on top of the drag, which continues. In this way, the tool can be moved while it is
+//! used.
 
 use egui::Key;
 use glam::Vec2;
@@ -14,7 +14,7 @@ use super::events::{DeviceEvent, Modifiers};
 use super::pen::PenTouch;
 use super::trigger::Trigger;
 
-/// An action that happens, with its position and amount. Positions are in pixels of the viewport.
+/// An action, with its position and amount. Positions are in pixels of the viewport.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum ActionEvent {
     /// Happens once.
@@ -32,7 +32,7 @@ pub enum ActionEvent {
     },
     /// A drag or a hold ends.
     End(Action),
-    /// The pointer moves without anything held.
+    /// The pointer moves with nothing held.
     Hover(Vec2),
     /// The pointer has left the viewport.
     Left,
@@ -41,7 +41,7 @@ pub enum ActionEvent {
         notches: f32,
         at: Vec2,
     },
-    /// How a pen or a finger touches from here on; none if it is a mouse.
+    /// The touch of a pen or a finger from here on; `None` for a mouse.
     Touch(Option<PenTouch>),
 }
 
@@ -173,7 +173,7 @@ impl Mapper {
         }
     }
 
-    /// Ends what needs a button that has been released.
+    /// Ends the actions of a released button.
     fn end_released(&mut self, actions: &mut Vec<ActionEvent>) {
         if let Some((_, action)) = self.chord.take_if(|(needs, _)| !self.buttons.contains(*needs)) {
             actions.push(ActionEvent::End(action));
@@ -331,7 +331,7 @@ mod tests {
                 ActionEvent::Tap(Action::Undo),
             ]
         );
-        // A mouse has no button to spare for a tap, nor has the eraser.
+        // A mouse has no spare button for a tap, nor has the eraser.
         for other in ["right", "eraser"] {
             assert!(mine.bind(other.parse().unwrap(), Action::Undo).is_err(), "{other}");
         }

@@ -1,8 +1,7 @@
-//! Detects jumps of tracking: nothing that a person holds or wears moves faster than [`LIMIT_M_S`].
+//! Detects jumps of tracking: nothing held or worn by a person moves faster than [`LIMIT_M_S`].
 //!
-//! [`Pace`] follows a hand, which is trusted again once it has been below the limit for [`CALM_S`];
-//! [`ViewPace`] follows the tracked viewpoint of a window. Takes positions and times, in metres and seconds; knows
-//! no tools.
+//! [`Pace`] follows a hand, which is trusted again once it has been below the limit for [`CALM_S`]; [`ViewPace`]
+//! follows the tracked viewpoint of a window. Takes positions and times, in metres and seconds; knows no tools.
 
 use glam::Vec3;
 
@@ -10,13 +9,13 @@ use glam::Vec3;
 const LIMIT_M_S: f32 = 6.0;
 /// Tolerance for noise of a pose, in metres.
 const SLACK_M: f32 = 0.03;
-/// How long a hand must stay below the limit until it is trusted again, in seconds.
+/// Time below the limit after which a hand is trusted again, in seconds.
 const CALM_S: f64 = 0.1;
-/// Longest pause between two poses that counts, in seconds.
+/// Longest counted pause between two poses, in seconds.
 pub const LONGEST_STEP_S: f64 = 0.1;
 
-/// Returns whether a hand or a head can move from one position to the other within `dt_s`. False for a position that is
-/// not finite.
+/// Returns whether a hand or a head can move between the positions within `dt_s`. False for a position that is not
+/// finite.
 pub fn is_plausible_step(from: Vec3, to: Vec3, dt_s: f64) -> bool {
     from.distance(to) <= LIMIT_M_S * dt_s as f32 + SLACK_M
 }
@@ -25,12 +24,12 @@ pub fn is_plausible_step(from: Vec3, to: Vec3, dt_s: f64) -> bool {
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Pace {
     at: Option<Vec3>,
-    /// Until when it is not trusted, on the clock of the hands.
+    /// End of the distrust, on the clock of the hands.
     doubted_until_s: f64,
 }
 
 impl Pace {
-    /// Follows the hand, if it is tracked, to its present position. True if it has jumped.
+    /// Moves to the hand's present position, if it is tracked. Returns true if it has jumped.
     pub fn step(&mut self, to: Option<Vec3>, now_s: f64, dt_s: f64) -> bool {
         let from = std::mem::replace(&mut self.at, to);
         let jumped = from.zip(to).is_some_and(|(from, to)| !is_plausible_step(from, to, dt_s));
@@ -46,7 +45,7 @@ impl Pace {
     }
 }
 
-/// The tracking that a viewpoint comes from.
+/// The source of a tracked viewpoint.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Viewpoint {
     /// The camera, relative to the printed marker before it.
@@ -58,14 +57,13 @@ pub enum Viewpoint {
 /// Follows the tracked viewpoint of a window.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ViewPace {
-    /// The last position that differed from the one before, and when it came: poses come less often
-    /// than updates.
+    /// The last position that differed from the one before, and its time: poses come less often than updates.
     last: Option<(Viewpoint, Vec3, f64)>,
 }
 
 impl ViewPace {
-    /// Follows the viewpoint to its present position, if it is tracked. True if the change is not
-    /// a movement: it has jumped, was lost or found, or another one has replaced it.
+    /// Moves to the present viewpoint, if it is tracked. Returns true if the change is not a movement: it has jumped,
+    /// was lost or found, or its source has changed.
     pub fn step(&mut self, to: Option<(Viewpoint, Vec3)>, now_s: f64) -> bool {
         let Some((kind, to)) = to else { return self.last.take().is_some() };
         let Some((former, from, since_s)) = self.last else {

@@ -9,7 +9,7 @@ use super::action::Action;
 use super::bindings::{Bindings, Lines, check_kind};
 use super::trigger::Trigger;
 
-/// A trigger that does not fit an action, with what does; shown as a sentence.
+/// A trigger that does not fit an action, with one that does; shown as a sentence.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Unfit {
     pub trigger: Trigger,
@@ -63,7 +63,7 @@ impl Bindings {
         self.action(trigger).filter(|other| *other != action)
     }
 
-    /// Binds `trigger` to `action`, as its last one; returns the action that it is taken from.
+    /// Binds `trigger` to `action`, as its last one. Returns the action that loses it.
     pub fn bind(&mut self, trigger: Trigger, action: Action) -> Result<Option<Action>, Unfit> {
         Bindings::fits(trigger, action)?;
         if self.action(trigger) == Some(action) {
@@ -81,8 +81,7 @@ impl Bindings {
         Some(self.table.remove(at).1)
     }
 
-    /// Resets the triggers of `action` to those in `preset`; other actions that have them here lose
-    /// them.
+    /// Resets the triggers of `action` to those in `preset`; other actions lose them.
     pub fn reset(&mut self, action: Action, preset: &Bindings) {
         self.table
             .retain(|(trigger, bound)| *bound != action && preset.action(*trigger) != Some(action));

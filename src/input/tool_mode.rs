@@ -1,6 +1,6 @@
 //! The effect of a tool on the voxels that it covers.
 
-/// The effect of the tool on the voxels it covers.
+/// The effect of the tool on the voxels that it covers.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum ToolMode {
     Add,
@@ -9,12 +9,12 @@ pub enum ToolMode {
     Recolour,
     /// Adds them to the mask.
     Protect,
-    /// Takes them out of the mask. The modifier that inverts the tool turns `Protect` into this.
+    /// Removes them from the mask. The inverting modifier turns `Protect` into this.
     Release,
 }
 
 impl ToolMode {
-    /// The modes that are offered.
+    /// The available modes.
     pub const ALL: [ToolMode; 4] =
         [ToolMode::Add, ToolMode::Subtract, ToolMode::Recolour, ToolMode::Protect];
 
@@ -28,7 +28,7 @@ impl ToolMode {
         }
     }
 
-    /// Returns the mode while the modifier that inverts the tool is held.
+    /// Returns the mode while the inverting modifier is held.
     pub fn inverted(self) -> ToolMode {
         match self {
             ToolMode::Add => ToolMode::Subtract,

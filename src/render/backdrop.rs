@@ -17,18 +17,18 @@ use crate::gpu::{
 };
 use crate::video::{Fit, Frame, Framing, Intrinsics};
 
-/// How a frame is shown.
+/// The display of a frame.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct VideoView {
     pub fit: Fit,
     pub mirror: bool,
-    /// The lens, for any frame size. None: no undistortion.
+    /// The lens, for any frame size; `None`: no undistortion.
     pub lens: Option<Intrinsics>,
     /// The colour beyond the frame. sRGB, 0 to 1.
     pub beyond: Vec3,
 }
 
-/// A frame and how it is shown.
+/// A frame and its display.
 #[derive(Clone, Copy, Debug)]
 pub struct Video<'a> {
     pub frame: &'a Frame,
@@ -59,7 +59,7 @@ pub struct Backdrop {
 }
 
 impl Backdrop {
-    /// For targets of `format` with a depth buffer.
+    /// Creates one for targets of `format` with a depth buffer.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Backdrop> {
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let bindings = [(0, vk::DescriptorType::SAMPLED_IMAGE, fragment)];
@@ -96,7 +96,7 @@ impl Backdrop {
         self.staging.begin(slot);
     }
 
-    /// Uploads a frame over the last one, unless it is there already. Before rendering begins.
+    /// Uploads a frame over the last one, unless it is there already. Call before rendering begins.
     pub fn bring(&mut self, recorder: &mut Recorder, frame: &Frame) -> Result<()> {
         let size = UVec2::new(frame.width, frame.height);
         if size.min_element() == 0 || self.arrived == Some(frame.arrived) {
@@ -110,7 +110,7 @@ impl Backdrop {
                 "video picture",
                 size,
                 1,
-                // Such a target encodes its input, so this format decodes.
+                // Such a target encodes its input: this format decodes it.
                 if self.linear { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM },
                 vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
             )?),

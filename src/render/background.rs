@@ -20,7 +20,7 @@ pub(super) struct BackgroundPass {
 }
 
 impl BackgroundPass {
-    /// For targets of `format` with a D32 depth buffer.
+    /// Creates one for targets of `format` with a D32 depth buffer.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<BackgroundPass> {
         let push = Some((vk::ShaderStageFlags::FRAGMENT, size_of::<CompositeView>()));
         let layout = PipelineLayout::new(device, "background", None, push)?;

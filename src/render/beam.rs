@@ -1,8 +1,8 @@
-//! Beams: a pass that finds how far the rays of each tile can go before any of them can hit a brick
-//! in use. The rays of the pixels start there.
+//! Beams: a pass that finds the distance at which the rays of each tile may first hit a brick in use. The rays of the
+//! pixels start there.
 //!
-//! Takes a volume and the rays of an eye; returns an image of distances, in lengths of the ray
-//! directions. It does not change what is seen: a walk from there finds the same voxel.
+//! Takes a volume and the rays of an eye; returns an image of distances, in lengths of the ray directions. The picture
+//! stays the same: a walk from there finds the same voxel.
 
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ const SHADERS: PixelShaders = PixelShaders {
     format: vk::Format::R32_SFLOAT,
 };
 
-/// Finds where rays start.
+/// Finds the start of rays.
 pub struct Beams {
     pass: PixelPass,
     sets: DescriptorSets,
@@ -46,7 +46,7 @@ pub struct Beams {
 }
 
 impl Beams {
-    /// For up to `eyes` eyes per frame.
+    /// Creates one for up to `eyes` eyes per frame.
     pub fn new(device: &Arc<Device>, stage: PixelStage, eyes: u32) -> Result<Beams> {
         let bindings = stage.bindings(&[(DILATED, vk::DescriptorType::SAMPLED_IMAGE)], STARTS);
         let set_layout = SetLayout::new(device, SHADERS.name, &bindings)?;

@@ -1,6 +1,6 @@
-//! Covers changed bricks by boxes to copy to the device. Exact copies would be one for each row of
-//! neighbouring bricks, thousands for a scattered edit, and a copy costs more than the bytes of a
-//! brick; so boxes may contain unchanged bricks.
+//! Covers changed bricks by boxes to copy to the device. Exact copies would take one per row of neighbouring bricks,
+//! thousands for a scattered edit, and a copy costs more than the bytes of a brick. Boxes may therefore contain
+//! unchanged bricks.
 //!
 //! Takes linear indices in a grid of bricks. Knows no device.
 
@@ -51,7 +51,7 @@ pub(super) fn cover(bricks: &mut [UVec3], boxes: &mut Vec<BrickBox>) {
     }
 }
 
-/// The same for at least one brick; returns the cost.
+/// Covers at least one brick. Returns the cost.
 fn cover_some(bricks: &mut [UVec3], boxes: &mut Vec<BrickBox>) -> usize {
     let around = BrickBox::around(bricks);
     let cost = around.bricks() + COPY_COST_BRICKS;

@@ -1,11 +1,10 @@
-//! The device's copy of a sculpture's colours: one buffer with a number for each brick (0: not
-//! painted, otherwise that of its page, counted from 1), then the pages, packed as in the
-//! sculpture; or those of the colours that show the mask ([`ShownColours`]).
+//! The device's copy of a sculpture's colours: one buffer with a number for each brick (0: not painted, otherwise that
+//! of its page, counted from 1), then the pages, packed as in the sculpture; or those of the mask's tints
+//! ([`ShownColours`]).
 //!
-//! It is uploaded as a whole at first, and afterwards by pages of changed bricks; when there are
-//! more pages than capacity, the buffer is copied to a larger one on the device. Where the colours
-//! exceed a limit of the device, making or updating the copy fails with the name of the limit, and
-//! the sculpture can still be drawn in its base colour.
+//! It is uploaded as a whole at first, and afterwards by pages of changed bricks; when there are more pages than
+//! capacity, the buffer is copied to a larger one on the device. Where the colours exceed a limit of the device, making
+//! or updating the copy fails with the name of the limit, and the sculpture can still be drawn in its base colour.
 
 use std::sync::Arc;
 
@@ -27,7 +26,7 @@ const STAGING_BYTES: u64 = 1 << 20;
 /// Largest gap between changed entries of the table that one copy bridges.
 const GAP_ENTRIES: u32 = 256;
 
-/// The values that the pages of all bricks depend on.
+/// The values on which the pages of all bricks depend.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Kind {
     depth: ColourDepth,
@@ -55,8 +54,8 @@ pub struct Colours {
     room: u32,
     kind: Kind,
     staging: Staging,
-    /// Reused allocations: bricks whose pages may have changed, those whose pages are to be uploaded, those whose
-    /// entries are, copies.
+    /// Reused allocations: bricks whose pages may have changed, bricks whose pages to upload, bricks whose entries to
+    /// upload, copies.
     affected: Vec<u32>,
     painted: Vec<u32>,
     entries: Vec<u32>,
@@ -108,12 +107,12 @@ impl Colours {
         }
     }
 
-    /// Bytes of a voxel's colour; 0 if the sculpture is shown in only one.
+    /// Returns the bytes of a voxel's colour; 0 if the sculpture has a single colour.
     pub fn bytes_per_voxel(&self) -> u32 {
         self.kind.depth.bytes() as u32
     }
 
-    /// Returns whether protected voxels are tinted: then these are the colours of a look, too.
+    /// Returns whether protected voxels are tinted. If so, looks use these colours, too.
     pub fn shows_mask(&self) -> bool {
         self.kind.shows_mask
     }
@@ -144,7 +143,7 @@ impl Colours {
         self.upload_pages_at_once(shown, &mut chunk)
     }
 
-    /// Returns a staging buffer for an upload that is waited for.
+    /// Returns a staging buffer for a blocking upload.
     fn chunk(&self) -> Result<Buffer> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let location = MemoryLocation::CpuToGpu;
@@ -177,7 +176,7 @@ impl Colours {
         Ok(())
     }
 
-    /// Copies of the pages of `bricks`, which follow each other from `offset` on.
+    /// Lists copies of the pages of `bricks`, which follow each other from `offset` on.
     fn find_page_copies(&mut self, bricks: &[u32], offset: u64) {
         let bytes = self.page_bytes() as u64;
         self.copies.clear();
@@ -201,7 +200,7 @@ impl Colours {
         if self.kind.depth == ColourDepth::None {
             return;
         }
-        // Pages that were freed are available to others.
+        // Freed pages are available to others.
         for &brick in changed {
             if shown.has_page(brick as usize) {
                 self.painted.push(brick);
@@ -272,7 +271,7 @@ impl Colours {
         Ok(())
     }
 
-    /// Where pages exceed the capacity, records the copy to a larger buffer with `record`.
+    /// If there are more pages than capacity, records the copy to a larger buffer with `record`.
     fn make_room(
         &mut self,
         record: impl FnOnce(&dyn Fn(&mut Recorder)) -> Result<()>,
@@ -309,7 +308,7 @@ impl Colours {
         Ok(())
     }
 
-    /// Records the upload of the entries that change, with small gaps between them.
+    /// Records the upload of the changed entries, bridging small gaps.
     fn upload_entries(&mut self, recorder: &mut Recorder) -> Result<()> {
         for near in self.entries.chunk_by(|a, b| b - a <= GAP_ENTRIES) {
             let (first, last) = (near[0] as usize, near[near.len() - 1] as usize);
@@ -322,8 +321,8 @@ impl Colours {
     }
 }
 
-/// Returns a buffer for the table of `bricks` bricks and `pages` pages of `page_bytes`, and its capacity in pages: with
-/// some reserve, as far as the device can address it.
+/// Returns a buffer for the table of `bricks` bricks and `pages` pages of `page_bytes`, and its capacity in pages, with
+/// some reserve if the device can address it.
 fn make_buffer(
     device: &Arc<Device>,
     bricks: usize,

@@ -26,7 +26,7 @@ pub(super) const PICTURE_FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 const INDEX: u32 = 0;
 const PICTURE: u32 = 1;
 
-/// Shaded pictures on the device, and which of their rows are there.
+/// Shaded pictures on the device, and their valid rows.
 #[derive(Default)]
 pub(super) struct ShadedPictures {
     pictures: Option<EyeImage>,
@@ -41,13 +41,13 @@ pub struct Composite {
     pictures: Option<EyeImage>,
     /// The rows of each eye's picture that are on the device.
     uploaded: Vec<Range<u32>>,
-    /// The part of each eye's picture that is shaded and has not been uploaded since.
+    /// The part of each eye's picture that was shaded after its last upload.
     pending: Vec<Pending>,
     staging: Staging,
 }
 
 impl Composite {
-    /// For targets of `format` and up to `eyes` eyes.
+    /// Creates one for targets of `format` and up to `eyes` eyes.
     pub fn new(device: &Arc<Device>, format: vk::Format, eyes: u32) -> Result<Composite> {
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let image = vk::DescriptorType::SAMPLED_IMAGE;
@@ -81,8 +81,8 @@ impl Composite {
         self.staging.begin(slot);
     }
 
-    /// Returns the pictures of all eyes, `size` pixels each, for a pass that shades on the device. Before rendering
-    /// begins; that pass leaves them in the layout of [`crate::gpu::Use::SHADER_READ`].
+    /// Returns the pictures of all eyes, `size` pixels each, for a pass that shades on the device. Call before
+    /// rendering begins; that pass leaves them in the layout of [`crate::gpu::Use::SHADER_READ`].
     pub fn pictures(&mut self, size: UVec2) -> Result<&mut EyeImage> {
         if self.pictures.as_ref().is_some_and(|pictures| pictures.size() != size) {
             self.pictures = None;
@@ -112,13 +112,13 @@ impl Composite {
         std::mem::swap(&mut self.pending, &mut other.pending);
     }
 
-    /// Notes that the picture of `eye` was shaded, or only these pixels of it.
+    /// Records that the picture of `eye` was shaded, or only these pixels of it.
     pub(super) fn note_shaded(&mut self, eye: u32, changed: Option<PixelRect>) {
         let pending = &mut self.pending[eye as usize];
         *pending = pending.and(changed);
     }
 
-    /// Uploads what was shaded of the picture of `eye` since it was uploaded last. Before rendering begins.
+    /// Uploads the part of the picture of `eye` that was shaded after its last upload. Call before rendering begins.
     pub(super) fn upload_shaded(
         &mut self,
         recorder: &mut Recorder,
@@ -133,9 +133,8 @@ impl Composite {
         }
     }
 
-    /// Uploads the rows of `visible` of the picture of `eye`; only those of `changed`, if nothing else
-    /// differs from the last upload. Before rendering begins; the pictures of all eyes have the
-    /// same size.
+    /// Uploads the rows of `visible` of the picture of `eye`, or only those of `changed`, if nothing else differs from
+    /// the last upload. Call before rendering begins; the pictures of all eyes have the same size.
     pub fn upload(
         &mut self,
         recorder: &mut Recorder,

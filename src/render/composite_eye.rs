@@ -1,5 +1,4 @@
-//! Where and how an eye's picture is drawn in a target: over which background, in which pixels, and the push constants of the
-//! passes that draw it.
+//! The drawing of an eye's picture in a target: its background, its pixels, and the push constants of the passes.
 //!
 //! Values alone; knows no pass and no device.
 
@@ -14,18 +13,18 @@ use crate::view::PixelRays;
 /// The background of the sculpture. Colours are sRGB, 0 to 1.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Background {
-    /// The contents of the target.
+    /// Keeps the contents of the target.
     Keep,
     /// A gradient from the upper to the lower edge.
     Gradient { top: Vec3, bottom: Vec3 },
 }
 
-/// Where an eye's picture is drawn in the target, and how.
+/// The drawing of an eye's picture in a target.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CompositeEye {
     /// Its number among the eyes of the picture.
     pub eye: u32,
-    /// The rays that the index map was made with.
+    /// The rays of the index map.
     pub rays: PixelRays,
     /// The projection of the target's depth.
     pub projection: Mat4,
@@ -37,7 +36,7 @@ pub struct CompositeEye {
     pub background: Background,
     /// The pixels of the map to draw; the target keeps its contents elsewhere.
     pub scissor: PixelRect,
-    /// The visible rect: nothing is seen outside of it.
+    /// The visible rect: nothing is visible outside of it.
     pub visible: PixelRect,
 }
 

@@ -1,4 +1,4 @@
-//! The pictures of a renderer in memory: index maps, and what the CPU makes of them, as pixels or as points.
+//! The pictures of a renderer in memory: index maps, and their shading by the CPU, as pixels or as points.
 //!
 //! Takes a frame description and the normals; shades all of the maps, or what has changed. Knows no device.
 
@@ -29,7 +29,7 @@ impl CpuPictures {
         self.maps.resize_with(eyes, || Arc::new(IndexMap::new(PixelRays::of_nothing())));
     }
 
-    /// Shades the maps. `note` takes each eye and the pixels that were shaded, if not all.
+    /// Shades the maps. Calls `note` with each eye and the pixels that were shaded, if not all.
     pub fn shade(
         &mut self,
         document: &Document,
@@ -62,7 +62,7 @@ impl CpuPictures {
         }
     }
 
-    /// Takes the lit points of the maps.
+    /// Lists the lit points of the maps.
     pub fn take_points(&mut self, document: &Document, desc: &FrameDesc, normals: &NormalStage) {
         let source = desc.source(document, normals.field());
         for ((map, cloud), eye) in self.maps.iter().zip(&mut self.clouds).zip(desc.eyes) {

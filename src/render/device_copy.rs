@@ -1,4 +1,4 @@
-//! The device's copy of a document: bits, colours and the areas of slices, each as a render mode needs it.
+//! The device's copy of a document: bits, colours and the areas of slices, each if a render mode needs it.
 //!
 //! Follows the changes of one document. Has frames of its own, in which it is updated and sampled; knows no pass.
 
@@ -26,7 +26,7 @@ pub(super) struct DeviceCopy {
 impl DeviceCopy {
     /// Copies the bits of `document`.
     pub fn new(device: &Arc<Device>, document: &mut Document) -> Result<DeviceCopy> {
-        // A new copy needs all bricks, whatever the document reports as changed.
+        // A new copy needs all bricks, whatever changes the document reports.
         let subscriber = ChangeSubscriber::default();
         let volume = document
             .drain_changes_for(&subscriber, |contents, _| Volume::new(device, &contents.grid))?;
@@ -41,7 +41,7 @@ impl DeviceCopy {
         })
     }
 
-    /// Updates what `mode` needs in the present frame, and drops what it does not need.
+    /// Updates the parts that `mode` needs in the present frame, and drops the others.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,

@@ -1,10 +1,8 @@
-//! Dilated occupancy: the bricks that are in use or touch one in use by a side, an edge or a
-//! corner. In a region without any of them, a bundle of rays up to a brick wide to either side
-//! passes through nothing (shaders/beam.comp.wgsl).
+//! Dilated occupancy: the bricks that are in use or touch one in use by a side, an edge or a corner. A bundle of rays
+//! up to a brick wide to either side meets nothing in a region without any of them (shaders/beam.comp.wgsl).
 //!
-//! Takes the occupancy of a grid; returns words of 4^3 bricks, a bit each, like
-//! [`Grid::occupancy_word`], with a margin of one block at each side of the grid for bricks outside of
-//! it. Knows no device.
+//! Takes the occupancy of a grid; returns words of 4^3 bricks, a bit each, like [`Grid::occupancy_word`], with a margin
+//! of one block at each side of the grid for bricks outside of it. Knows no device.
 
 use std::ops::Range;
 
@@ -29,7 +27,7 @@ pub struct DilatedOccupancy {
 }
 
 impl DilatedOccupancy {
-    /// Makes the dilated occupancy of `grid`.
+    /// Computes the dilated occupancy of `grid`.
     pub fn new(grid: &Grid) -> DilatedOccupancy {
         let dims = grid.occupancy_dims() + 2;
         let slab = (dims.x * dims.y) as usize;
@@ -83,8 +81,8 @@ impl DilatedOccupancy {
             let [before, after] = [i.checked_sub(width), Some(i + width)];
             *word = spread(1, at(&self.slab, before), self.slab[i], at(&self.slab, after));
         }
-        // The outermost words of a row reach no further: the ends of rows only meet words of the
-        // margin, whose bits point inwards.
+        // The outermost words of a row reach no further: the ends of rows only meet words of the margin, whose bits
+        // point inwards.
         let mut before = 0;
         for i in 0..size {
             let here = target[i];
@@ -120,7 +118,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
 
-        /// At first, and after changes in some slabs.
+        /// Checks the state at first, and after changes in some slabs.
         #[test]
         fn bricks_that_touch_one_in_use_are_set(
             bricks in (1u32..10, 1u32..10, 1u32..14),

@@ -1,8 +1,7 @@
-//! The device's copy of the dilated occupancy of a grid: a 3D image of `R32G32_UINT` in which a
-//! texel is a word of 4^3 bricks, a bit each.
+//! The device's copy of the dilated occupancy of a grid: a 3D image of `R32G32_UINT` in which a texel is a word of 4^3
+//! bricks, a bit each.
 //!
-//! It is small (46 KiB for 512^3 voxels), so all slabs of blocks that a change touches are uploaded
-//! again.
+//! It is small (46 KiB for 512^3 voxels), so all slabs of blocks touched by a change are uploaded again.
 
 use std::ops::Range;
 use std::sync::Arc;

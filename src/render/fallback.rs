@@ -1,8 +1,8 @@
-//! Painting with fallback: a sculpture that is too large for the device in one mode is drawn in the
-//! next best. Serves windows, files and headsets alike.
+//! Painting with fallback: a sculpture that is too large for the device in one mode is drawn in the next best. Serves
+//! windows, files and headsets alike.
 //!
-//! Takes a [`FrameDesc`]; returns a [`FrameReport`] of what was drawn and how. The caller decides what follows from a
-//! fallback (another mode from then on, a message).
+//! Takes a [`FrameDesc`]; returns a [`FrameReport`]. The caller reacts to a fallback (another mode from then on, a
+//! message).
 
 use std::sync::Arc;
 
@@ -24,22 +24,22 @@ pub struct Fallback {
 pub struct FrameReport {
     /// The mode of the picture; with `painted` false, the mode to go on with.
     pub mode: RenderMode,
-    /// False if the caller has kept [`FrameReport::mode`] for itself.
+    /// False if the caller keeps [`FrameReport::mode`] for its own painting.
     pub painted: bool,
-    /// The map of which voxel each pixel shows, one for each eye. The renderer reuses the memory of maps that nobody
-    /// holds any more.
+    /// The map from pixels to voxels, one for each eye. The renderer reuses the memory of maps that have no other
+    /// owner.
     pub pick_maps: Vec<Arc<IndexMap>>,
     pub times: RenderTimes,
-    /// False if the next picture, of the same, will be better: while normals or the smooth surface are missing
+    /// False if the next picture of the same scene will be better: while normals or the smooth surface are missing
     /// ([`Renderer::set_patience`]) or samples ([`Renderer::set_refinement`]).
     pub complete: bool,
-    /// In the order in which they happened.
+    /// In order.
     pub fallbacks: Vec<Fallback>,
 }
 
 impl Renderer {
-    /// Records what the pictures of `desc` need, in its mode or the first of its fallbacks that the
-    /// device can draw. `paints`: the modes that are to be painted here; at another one it stops.
+    /// Records the pictures of `desc`, in its mode or the first of its fallbacks that the device can draw. `paints`:
+    /// the modes to paint here; it stops at any other one.
     pub fn paint_with_fallback(
         &mut self,
         recorder: &mut Recorder,

@@ -18,7 +18,7 @@ use crate::shade::{Ground, Lighting};
 use crate::surface::{PixelRects, changed_pixels};
 use crate::view::{Eye, PixelRays};
 
-/// The values that the index maps of pictures depend on.
+/// The values on which the index maps of pictures depend.
 #[derive(Clone, Copy, PartialEq)]
 struct SampleKey {
     revision: u64,
@@ -36,7 +36,7 @@ impl SampleKey {
     }
 }
 
-/// The values that the current pictures depend on.
+/// The values on which the current pictures depend.
 pub(super) struct FrameCache {
     sample: SampleKey,
     lighting: Lighting,
@@ -77,14 +77,14 @@ impl FrameCache {
         }
     }
 
-    /// Returns whether pictures of `desc`, of the voxels, differ from these by edits of the sculpture only, and by
-    /// some.
+    /// Returns whether pictures of `desc` (of the voxels) differ from these by some edits of the sculpture, and by
+    /// nothing else.
     pub fn is_edited_only(&self, document: &Document, desc: &FrameDesc) -> bool {
         let sample = sample_key(document, desc, false);
         self.sample != sample && self.sample.differs_by_edits_only(&sample)
     }
 
-    /// Returns whether pictures of `desc` show the same places of the sculpture as these.
+    /// Returns whether pictures of `desc` show the same points of the sculpture as these.
     pub fn is_of(&self, document: &Document, desc: &FrameDesc) -> bool {
         self.sample == sample_key(document, desc, self.sample.smooth)
     }
@@ -94,7 +94,7 @@ impl FrameCache {
     }
 }
 
-/// How much of a picture is repeated.
+/// The part of a picture to repeat.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Redraw {
     All,
@@ -102,7 +102,7 @@ pub(super) enum Redraw {
     Changed,
 }
 
-/// The stages that a frame repeats.
+/// The stages to repeat in a frame.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct RedrawPlan {
     pub sample: Option<Redraw>,
@@ -117,8 +117,8 @@ impl RedrawPlan {
         sample.is_none() && shade.is_none() && compose.is_none()
     }
 
-    /// Returns the plan from the pictures of `before` to those of `desc`. `changes_known`: it is known which bricks
-    /// have changed since. `smooth`: [`super::level_stage::LevelStage::state`].
+    /// Returns the plan from the pictures of `before` to those of `desc`. `changes_known`: the bricks changed since are
+    /// known. `smooth`: [`super::level_stage::LevelStage::state`].
     pub fn new(
         before: Option<&FrameCache>,
         document: &Document,
@@ -133,7 +133,7 @@ impl RedrawPlan {
         };
         let sample = sample_key(document, desc, smooth.is_some());
         let same_light = before.lighting == desc.lighting;
-        // Any change of the document may cast another shadow.
+        // Any change of the document may change the shadow.
         let same_ground = before.ground == desc.ground
             && (desc.ground.is_none() || before.sample.revision == sample.revision);
         let same_back = before.background == desc.background
@@ -167,8 +167,8 @@ impl RedrawPlan {
     }
 }
 
-/// Returns the pixels of `eye`, which has `rays`, to repeat for [`Redraw::Changed`]: where tools or lines differ from
-/// those of `before`, or where the voxel or its shade may have changed with the `changed` bricks.
+/// Returns the pixels of `eye`, which has `rays`, to repeat for [`Redraw::Changed`]: those of tools or lines that
+/// differ from `before`, and those whose voxel or shade may have changed with the `changed` bricks.
 pub(super) fn pixels_to_compose(
     before: &FrameCache,
     document: &Document,
@@ -291,7 +291,7 @@ mod tests {
         let to_points =
             RedrawPlan::new(Some(&of_points), &document, &points, true, NormalsChange::None, None);
         assert_eq!(to_points, steps(None, None, all));
-        // Occlusion reaches voxels around the changed ones, filters whatever lies beside them in the picture.
+        // Occlusion reaches voxels around the changed ones, filters reach their neighbours in the picture.
         let (mut occluded, mut filtered) = (desc, desc);
         occluded.lighting.occlusion = true;
         filtered.lighting.smooth_normals = Smoothing::Near;

@@ -1,4 +1,4 @@
-//! The frame description: how a sculpture is to be seen, as values. A renderer takes it beside the document.
+//! The frame description: the view of a sculpture, as values. A renderer takes it beside the document.
 
 use glam::Affine3A;
 
@@ -12,20 +12,20 @@ use crate::shade::{
 };
 use crate::view::Eye;
 
-/// When pictures show the surface between the voxels, where a voxel covers more than a pixel, in modes that can, of
-/// sculptures that are not shown as cubes ([`SurfaceKind`]).
+/// When pictures show the smooth surface between the voxels, if a voxel covers more than a pixel. Applies to modes that
+/// can, and to sculptures not shown as cubes ([`SurfaceKind`]).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum SmoothSurface {
     #[default]
     Never,
-    /// At once where a GPU finds it; elsewhere it takes many times as long as the voxels, and is shown once a picture
-    /// is refined ([`super::Renderer::set_refinement`]).
+    /// At once on a GPU. Elsewhere it takes many times as long as the voxels, and is shown once a picture is refined
+    /// ([`super::Renderer::set_refinement`]).
     AtRest,
     Always,
 }
 
 impl SmoothSurface {
-    /// Returns the choice for a window or a headset: the smooth surface at rest, if it is asked for.
+    /// Returns the choice for a window or a headset: the smooth surface at rest, if requested.
     pub fn on_screen(asked_for: bool) -> SmoothSurface {
         if asked_for { SmoothSurface::AtRest } else { SmoothSurface::Never }
     }
@@ -40,7 +40,7 @@ impl SmoothSurface {
     }
 }
 
-/// A frame description: how a sculpture is to be seen.
+/// A frame description: the view of a sculpture.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameDesc<'a> {
     /// One or two of the same size in pixels.
@@ -48,9 +48,9 @@ pub struct FrameDesc<'a> {
     pub world_from_grid: Affine3A,
     pub mode: RenderMode,
     pub smooth_surface: SmoothSurface,
-    /// Edges are smooth in pictures that are not refined.
+    /// Antialiases pictures that are not refined.
     pub smooth_edges: bool,
-    /// Which of the samples of antialiased pictures this is ([`FrameDesc::of_sample`]); 0 for other pictures.
+    /// Index of the sample of antialiased pictures ([`FrameDesc::of_sample`]); 0 for other pictures.
     pub sample: u32,
     pub lighting: Lighting,
     /// Protected voxels are tinted.
@@ -66,7 +66,7 @@ pub struct FrameDesc<'a> {
 }
 
 impl<'a> FrameDesc<'a> {
-    /// This description of one of the samples of an antialiased picture, which these eyes take; each has sharp edges.
+    /// Returns this description for one sample of an antialiased picture, with the eyes of the sample and sharp edges.
     pub fn of_sample(self, eyes: &'a [Eye], sample: u32) -> FrameDesc<'a> {
         let lighting = self.lighting.of_sample(sample);
         let ground = self.ground.map(|ground| ground.of_sample(sample));
@@ -74,15 +74,15 @@ impl<'a> FrameDesc<'a> {
     }
 }
 
-/// A mask that is shown.
+/// A visible mask.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct MaskShown {
-    /// The colour that is shown of all voxels instead of their own.
+    /// Replaces the colour of every voxel.
     instead: Option<Rgb>,
 }
 
 impl MaskShown {
-    /// Returns the colours that shaders on a device look up; without a mask those of the voxels, which looks replace.
+    /// Returns the colours for shaders on a device; without a mask those of the voxels, which looks replace.
     pub fn colours(mask: Option<MaskShown>, contents: &Contents) -> ShownColours<'_> {
         let Contents { grid, material, .. } = contents;
         let instead = mask.and_then(|mask| mask.instead);
@@ -129,7 +129,7 @@ impl FrameDesc<'_> {
         ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: self.world_from_grid }
     }
 
-    /// Returns how far from a changed voxel those are whose shade may differ, where that is local.
+    /// Returns the distance from a changed voxel within which shades may differ, if that is limited.
     pub(super) fn reach_vx(&self) -> u32 {
         self.lighting.reach_vx().unwrap_or(NORMAL_REACH_VX)
     }
@@ -152,12 +152,12 @@ impl FrameDesc<'_> {
 mod tests {
     use super::*;
 
-    /// The headset's pictures are never refined, so it shows the surface where this is `Always`.
+    /// Checks that a headset shows the surface on GPUs: its pictures are never refined, so it needs `Always`.
     #[test]
     fn gpus_show_the_smooth_surface_always_and_processors_at_rest() {
         use SmoothSurface::{Always, AtRest, Never};
         let asked = SmoothSurface::on_screen(true);
-        // The mode that windows and headsets have on a GPU, if nobody chooses another.
+        // The default mode of windows and headsets on a GPU.
         assert_eq!(asked.of_mode(RenderMode::usual(false), false), Always);
         for mode in RenderMode::ALL {
             let (on_gpu, on_cpu) = match mode {

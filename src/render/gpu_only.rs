@@ -1,9 +1,8 @@
-//! The GPU-only pass: one fragment shader follows each pixel's ray to its voxel, lights it and writes colour and
-//! depth, over the background. Nothing is read back, and there is no index map.
+//! The GPU-only pass: one fragment shader follows each pixel's ray to its voxel, lights it and writes colour and depth,
+//! over the background. Nothing is read back, and there is no index map.
 //!
-//! Takes the bits on the device ([`Volume`]), the rays of an eye and what lights the surface. The normals are
-//! those of the software shader; colours are the voxels' where they are on the device ([`super::Colours`]), else
-//! one for all.
+//! Takes the bits on the device ([`Volume`]), the rays of an eye and the lights. The normals are those of the software
+//! shader; colours are the voxels' where they are on the device ([`super::Colours`]), else one for all.
 
 use std::sync::Arc;
 
@@ -34,7 +33,7 @@ pub struct GpuOnly {
 }
 
 impl GpuOnly {
-    /// For targets of `format` with a D32 depth buffer and up to `eyes` eyes.
+    /// Creates one for targets of `format` with a D32 depth buffer and up to `eyes` eyes.
     pub fn new(device: &Arc<Device>, format: vk::Format, eyes: u32) -> Result<GpuOnly> {
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let bindings = [
@@ -63,8 +62,8 @@ impl GpuOnly {
         self.beams.begin(slot);
     }
 
-    /// Records the beams that [`GpuOnly::draw`] needs for `eye`, which sees `volume` by `rays`.
-    /// Before rendering begins.
+    /// Records the beams that [`GpuOnly::draw`] needs for `eye`, which sees `volume` by `rays`. Call before rendering
+    /// begins.
     pub fn prepare(
         &mut self,
         recorder: &mut Recorder,
@@ -76,8 +75,8 @@ impl GpuOnly {
         Ok(())
     }
 
-    /// Draws `volume` as the eye of `view` sees it by its rays, lit as `surface` says, within
-    /// rendering. After [`GpuOnly::prepare`] in the same frame.
+    /// Draws `volume` as seen by the eye of `view`, lit as in `surface`, within rendering. Call after
+    /// [`GpuOnly::prepare`] in the same frame.
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,

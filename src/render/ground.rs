@@ -1,8 +1,8 @@
 //! Draws the ground below the sculpture: [`crate::shade::ground`] on the device.
 //!
-//! How much light reaches the ground is computed on the CPU, where the voxels are in every render mode, when voxels or
-//! the sun have changed; it is kept on the device as an image. The shader decides what a pixel shows. Drawn after the
-//! sculpture, where nothing is before it; writes no depth.
+//! The light that reaches the ground is computed on the CPU, which has the voxels in every render mode, when voxels or
+//! the sun have changed, and is kept on the device as an image. The shader shades the pixels. Drawn after the
+//! sculpture, where nothing is in front; writes no depth.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ use crate::shade::shadow::Sun;
 use crate::shade::{Ground, GroundLight, GroundPicture, GroundPlane};
 use crate::view::{Eye, PixelRays};
 
-/// The values that the light on the ground depends on.
+/// The values on which the light on the ground depends.
 #[derive(Clone, Copy, PartialEq)]
 struct Voxels {
     revision: u64,
@@ -39,14 +39,14 @@ pub struct GroundPass {
     voxels: Option<Voxels>,
     plane: Option<GroundPlane>,
     openness: Openness,
-    /// The sun for which the map was computed, besides the voxels.
+    /// The sun of the map, besides the voxels.
     sun: Option<Option<Sun>>,
     map: LightMap,
     slot: usize,
 }
 
 impl GroundPass {
-    /// For targets of `format` with a depth buffer.
+    /// Creates one for targets of `format` with a depth buffer.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<GroundPass> {
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let bindings = [(0, vk::DescriptorType::SAMPLED_IMAGE, fragment)];
@@ -55,7 +55,7 @@ impl GroundPass {
         let layout = PipelineLayout::new(device, "ground", Some(&set_layout), push)?;
         let shader =
             if is_srgb(format) { shaders::GROUND_LINEAR_FRAG } else { shaders::GROUND_FRAG };
-        // At an infinite distance, as if it were the background.
+        // At infinite distance, like the background.
         let pass = Graphics::screen("ground", shader, &layout, format, Some(Depth::TEST_ONLY));
         let pipeline =
             Pipeline::graphics(device, &Graphics { colour: Some((format, Blend::Alpha)), ..pass })?;
@@ -81,13 +81,13 @@ impl GroundPass {
         })
     }
 
-    /// Forgets what reaches the ground.
+    /// Forgets the light on the ground.
     pub fn forget(&mut self) {
         (self.voxels, self.plane, self.sun) = (None, None, None);
     }
 
-    /// Computes and uploads what reaches the ground of `document`, unless it is known. Before rendering begins; once
-    /// per frame, in `slot`. The sun may be that of any of the eyes.
+    /// Computes and uploads the light on the ground of `document`, unless it is known. Call before rendering begins,
+    /// once per frame, in `slot`. The sun may be that of any of the eyes.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,
@@ -117,7 +117,7 @@ impl GroundPass {
         Ok(())
     }
 
-    /// Draws the ground of `desc` as `eye` sees it, whose pixels have `rays`, within rendering.
+    /// Draws the ground of `desc` for `eye`, whose pixels have `rays`, within rendering.
     pub fn draw(
         &self,
         recorder: &mut Recorder,

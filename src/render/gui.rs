@@ -29,9 +29,9 @@ pub struct Gui {
     // Dropped first, once the device is idle.
     renderer: Renderer<GpuAllocator>,
     textures: HashMap<TextureId, Texture>,
-    /// There was no memory for what was to be drawn last.
+    /// Memory was lacking for the last shapes.
     lacks_shapes: bool,
-    /// Textures that memory was lacking for, to be tried again.
+    /// Textures for which memory was lacking, to be tried again.
     lacking: HashMap<TextureId, Vec<ImageDelta>>,
     /// The error to report when memory was lacking.
     lack: Option<GpuError>,
@@ -52,8 +52,8 @@ struct Texture {
     used: Use,
 }
 
-/// Changes of textures that wait for the next picture. Those still waiting when a window ends are dropped
-/// with it, which egui asks to be said.
+/// Changes of textures that wait for the next picture. Those that still wait when a window closes are dropped with it;
+/// egui wants this to be explicit.
 #[derive(Default)]
 pub struct TextureChanges(TexturesDelta);
 
@@ -84,7 +84,7 @@ impl Drop for TextureChanges {
 }
 
 impl Gui {
-    /// For targets of `format`.
+    /// Creates one for targets of `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Gui> {
         let mode = RenderMode::DynamicRendering(DynamicRendering {
             color_attachment_format: format,
@@ -118,8 +118,8 @@ impl Gui {
         })
     }
 
-    /// Records the upload of new textures. `slot`: [`crate::gpu::Frames::slot`]. A texture that
-    /// memory is lacking for is left out, and tried again the next time ([`Gui::take_lack`]).
+    /// Records the upload of new textures. `slot`: [`crate::gpu::Frames::slot`]. Skips a texture for which memory is
+    /// lacking, and tries it again the next time ([`Gui::take_lack`]).
     pub fn upload(
         &mut self,
         recorder: &mut Recorder,
@@ -161,8 +161,8 @@ impl Gui {
         self.lack.take()
     }
 
-    /// Frees the textures that egui no longer needs. After the frame that may use them; they stay
-    /// on the device until the frames in flight have finished.
+    /// Frees the textures that egui no longer needs. Call after the frame that may use them; they stay on the device
+    /// until the frames in flight have finished.
     pub fn free(&mut self, delta: &mut TexturesDelta) {
         for id in delta.free.drain() {
             self.lacking.remove(&id);
@@ -216,7 +216,7 @@ impl Gui {
         Ok(())
     }
 
-    /// Makes a texture of a size, unless it exists.
+    /// Creates a texture of a size, unless it exists.
     fn make(&mut self, id: TextureId, size: [u32; 2]) -> Result<()> {
         let fits = |texture: &Texture| texture.image.size()[..2] == size;
         if self.textures.get(&id).is_some_and(fits) {
@@ -235,8 +235,8 @@ impl Gui {
         Ok(())
     }
 
-    /// Records the interface into a target of `size` pixels. Once per frame. Where memory is lacking for its shapes, nothing
-    /// of it is shown ([`Gui::take_lack`]).
+    /// Records the interface into a target of `size` pixels. Once per frame. If memory is lacking for its shapes, shows
+    /// nothing of it ([`Gui::take_lack`]).
     pub fn draw(
         &mut self,
         recorder: &Recorder,

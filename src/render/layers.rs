@@ -1,7 +1,7 @@
 //! The layers of a picture around the sculpture: video behind it, the ground below it, edges smoothed, and tools, lines
-//! and reference pictures over it; and the pictures that all of them are drawn to.
+//! and reference pictures over it; and the target pictures of all of them.
 //!
-//! Takes a [`SampledFrame`]. Does not know how the sculpture is drawn: that comes in as a function.
+//! Takes a [`SampledFrame`]. Does not know how the sculpture is drawn: the caller passes a function for it.
 
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ pub(super) struct Layers {
 }
 
 impl Layers {
-    /// For pictures of `format`.
+    /// Creates one for pictures of `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Layers> {
         Ok(Layers {
             pictures: None,
@@ -49,18 +49,18 @@ impl Layers {
         self.format
     }
 
-    /// Returns the pictures, made to fit `eyes`.
+    /// Returns the pictures, resized for `eyes`.
     pub fn fit_pictures(&mut self, eyes: &[Eye]) -> Result<&mut Pictures> {
         pictures(&self.device, &mut self.pictures, self.format, eyes)
     }
 
-    /// Returns whether these are the reference pictures already.
+    /// Returns whether these reference pictures are set already.
     pub fn shows_references(&self, pictures: &[ReferencePicture]) -> bool {
         let shown = self.overlay.references.as_ref().map_or(&[][..], |known| &known.shown);
         shown == &pictures[..pictures.len().min(MAX_REFERENCES)]
     }
 
-    /// Uploads what is new of these reference pictures, at most [`MAX_REFERENCES`]. If this fails, there are none.
+    /// Uploads the new ones of these reference pictures, at most [`MAX_REFERENCES`]. After an error there are none.
     pub fn set_references(
         &mut self,
         recorder: &mut Recorder,
@@ -80,14 +80,14 @@ impl Layers {
         result
     }
 
-    /// Discards what is known of the document.
+    /// Discards the state that depends on the document.
     pub fn forget_document(&mut self) {
         if let Some(ground) = &mut self.ground {
             ground.forget();
         }
     }
 
-    /// Makes the ground of `desc` ready to be drawn, if it has one. Before rendering begins.
+    /// Prepares the ground of `desc`, if it has one. Call before rendering begins.
     pub fn prepare_ground(
         &mut self,
         recorder: &mut Recorder,
@@ -105,7 +105,7 @@ impl Layers {
         pass.update(recorder, slot, document, desc)
     }
 
-    /// Starts the pictures of a frame, for which they fit. Before rendering begins.
+    /// Starts the pictures of a frame, for which they fit. Call before rendering begins.
     pub fn begin(&mut self, recorder: &mut Recorder, frame: &SampledFrame) -> Result<()> {
         if let Some(video) = &frame.desc.video {
             let pass = match &mut self.backdrop {
@@ -161,7 +161,7 @@ impl Layers {
         }
     }
 
-    /// Draws what stands over the sculpture in the pixels of `view`, and ends them.
+    /// Draws everything over the sculpture in the pixels of `view`, and ends them.
     fn finish_area(
         &mut self,
         recorder: &mut Recorder,
@@ -181,7 +181,7 @@ impl Layers {
         Ok(())
     }
 
-    /// Draws what stands over the sculpture, which is in the picture already, in these pixels.
+    /// Draws everything over the sculpture, which is in the picture already, in these pixels.
     pub fn draw_over(
         &mut self,
         recorder: &mut Recorder,
@@ -205,7 +205,7 @@ impl Layers {
     }
 }
 
-/// Returns the rectangles of a `picture` whose colours depend on those of `areas` once edges are smooth.
+/// Returns the rectangles of a `picture` whose colours depend on those of `areas` after edge smoothing.
 fn with_edges(areas: &PixelRects, picture: PixelRect) -> PixelRects {
     let mut grown = PixelRects::NONE;
     for area in areas.as_slice().iter().filter(|area| !area.is_empty()) {

@@ -3,7 +3,7 @@
 //!
 //! Takes the device's copies of surface and normals and the rays of an eye; fills an [`IndexTarget`] that has normals.
 //! The device's twin of [`crate::shade::LevelSampler`]: maps are equal but for rounding. Always a fragment shader: it
-//! computes parts of a picture, too, and no device need be able to write such maps in other ways.
+//! also computes parts of a picture, and devices need not support other ways to write such maps.
 
 use std::sync::Arc;
 
@@ -35,11 +35,11 @@ const SHADERS: PixelShaders = PixelShaders {
     format: MAP_WITH_NORMALS,
 };
 
-/// The part of an index map to find the smooth surface in.
+/// A part of an index map of the smooth surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LevelTask {
     pub part: EyeTask,
-    /// Which of the samples of antialiased pictures it is for, as in [`crate::shade::LevelSampler::sample`].
+    /// Index of the sample of antialiased pictures, as in [`crate::shade::LevelSampler::sample`].
     pub sample: u32,
 }
 
@@ -53,7 +53,7 @@ pub struct LevelMarch {
 }
 
 impl LevelMarch {
-    /// For up to `eyes` eyes per frame.
+    /// Creates one for up to `eyes` eyes per frame.
     pub fn new(device: &Arc<Device>, eyes: u32) -> Result<LevelMarch> {
         let image = vk::DescriptorType::SAMPLED_IMAGE;
         let buffer = vk::DescriptorType::STORAGE_BUFFER;
@@ -78,7 +78,7 @@ impl LevelMarch {
         self.beams.begin(slot);
     }
 
-    /// Records the part of an index map that `task` describes, once per frame and eye. `target` must have normals.
+    /// Records the part of an index map described by `task`, once per frame and eye. `target` must have normals.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,

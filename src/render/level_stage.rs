@@ -1,9 +1,9 @@
-//! The smooth surface of a renderer's pictures: when it is drawn, what has changed of it, and the device's copy.
+//! The smooth surface of a renderer's pictures: when it is drawn, its changes, and the device's copy.
 //!
-//! Follows the grid and the normals of one document. The surface between voxels is drawn where a voxel covers more
-//! than a pixel of any picture; farther away nobody could see it. It is computed when it is first drawn: for a sculpture
-//! that was opened in portions, before which the voxels are shown. Modes that shade on the device find it there, all
-//! others on the CPU. A sculpture that is too large for it shows its voxels.
+//! Follows the grid and the normals of one document. The surface between voxels is drawn where a voxel covers more than
+//! a pixel of any picture; farther away it would be invisible. It is computed when it is first drawn: for an opened
+//! sculpture in portions, while pictures show the voxels. Modes that shade on the device find it there, all others on
+//! the CPU. A sculpture that is too large for it shows its voxels.
 
 use std::fmt::Display;
 use std::sync::Arc;
@@ -19,13 +19,13 @@ use crate::view::PixelRays;
 /// Reach of a voxel's level beyond the voxel: cells lie between the middles of voxels.
 const LEVEL_REACH_VX: u32 = 1;
 
-/// The demands of the next picture on the surface.
+/// The requirements of the next picture.
 pub(super) struct LevelWish {
-    /// Its mode can show the surface, and it is to.
+    /// Its mode can show the surface, and the surface is wanted.
     pub wanted: bool,
-    /// The device on which its mode shades, if it does.
+    /// The device that shades, if the mode shades on one.
     pub device: Option<Arc<Device>>,
-    /// How long it may be held up by a surface that has never been complete; none: until it is.
+    /// Longest delay by a surface that has never been complete; `None`: until it is.
     pub patience: Option<Duration>,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct LevelStage {
     sampler: LevelSampler,
     /// The present picture shows the smooth surface.
     active: bool,
-    /// It will, once the surface is complete.
+    /// It will show it once the surface is complete.
     pending: bool,
     /// The surface was complete, and follows edits at once.
     was_complete: bool,
@@ -44,16 +44,16 @@ pub(super) struct LevelStage {
     given_up: bool,
     /// Bricks whose levels, or normals between voxels, differ from those of the last picture, rising.
     changed: Vec<u32>,
-    /// Only while a mode uses it.
+    /// Exists only while a mode uses it.
     copy: Option<Levels>,
     march: Option<LevelMarch>,
-    /// The parts of maps on the device that are still to be found.
+    /// The outstanding parts of maps on the device.
     tasks: [Option<LevelTask>; MAX_EYES],
 }
 
 impl LevelStage {
-    /// Brings the surface up to date for a picture of `grid`, if it shows it.
-    /// `reshaded`: the bricks that have changed, or have other normals, since the last call; none: all may have.
+    /// Updates the surface for a picture of `grid`, if the picture shows it. `reshaded`: the bricks that have changed,
+    /// or have other normals, since the last call; `None`: all may have.
     pub fn update(
         &mut self,
         grid: &Grid,
@@ -82,7 +82,7 @@ impl LevelStage {
         (self.levels, self.copy, self.was_complete) = (None, None, false);
     }
 
-    /// Decides whether the next pictures show the surface, and if so, brings it up to date.
+    /// Decides whether the next pictures show the surface, and if so, updates it.
     pub fn show(&mut self, grid: &Grid, normals: &NormalField, wish: &LevelWish) -> Result<()> {
         self.changed.clear();
         self.tasks = [None; MAX_EYES];
@@ -118,7 +118,7 @@ impl LevelStage {
         self.given_up = true;
     }
 
-    /// Computes what is outstanding, on the device, too; returns whether that was all.
+    /// Computes all outstanding parts, on the device, too. Returns whether it is finished.
     fn complete(&mut self, grid: &Grid, normals: &NormalField, wish: &LevelWish) -> Result<bool> {
         let Some(levels) = &mut self.levels else { return Ok(false) };
         let start = Instant::now();
@@ -133,7 +133,7 @@ impl LevelStage {
         if let Some(device) = &wish.device {
             let copy = self.copy.as_mut();
             if !copy.is_some_and(|copy| copy.follow(grid, levels, &self.changed)) {
-                // The old one first, since both may not fit.
+                // Drops the old one first, since both may not fit.
                 self.copy = None;
                 self.copy = Some(Levels::new(device, grid, levels)?);
             }
@@ -141,7 +141,8 @@ impl LevelStage {
         Ok(true)
     }
 
-    /// Returns whether the picture shows the smooth surface; if so, whether it differs from that of the last picture.
+    /// Returns whether the picture shows the smooth surface, and if so, whether it differs from that of the last
+    /// picture.
     pub fn state(&self) -> Option<bool> {
         self.active.then_some(!self.changed.is_empty())
     }
@@ -151,7 +152,7 @@ impl LevelStage {
         self.pending
     }
 
-    /// Returns whether the picture shows the smooth surface, and the device finds it.
+    /// Returns whether the picture shows the smooth surface and the device finds it.
     pub fn is_on_device(&self) -> bool {
         self.active && self.copy.is_some()
     }
@@ -175,18 +176,19 @@ impl LevelStage {
         Some(SampledLevels { levels, normals, changed, sampler, is_on_device })
     }
 
-    /// Notes that the device is to find the surface in the pixels of a task.
+    /// Requests the surface from the device for the pixels of a task.
     pub fn ask_device(&mut self, task: LevelTask) {
         self.tasks[task.part.eye as usize] = Some(task);
     }
 
-    /// Takes back what else was asked for.
+    /// Cancels all other requests to the device.
     pub fn ask_device_only(&mut self, task: LevelTask) {
         self.tasks = [None; MAX_EYES];
         self.ask_device(task);
     }
 
-    /// Records what the device was asked for: brings its copy up to date, and fills the parts of maps. Once per frame.
+    /// Executes the requests on the device: records the update of its copy, and fills the parts of maps. Once per
+    /// frame.
     pub fn march(
         &mut self,
         device: &Arc<Device>,
@@ -209,7 +211,7 @@ impl LevelStage {
         Ok(())
     }
 
-    /// Returns whether the device was asked for anything since the last march.
+    /// Returns whether anything was requested from the device since the last march.
     pub fn has_tasks(&self) -> bool {
         self.tasks.iter().any(Option::is_some)
     }
@@ -225,12 +227,12 @@ pub(super) struct SampledLevels<'a> {
 }
 
 impl SampledLevels<'_> {
-    /// Returns whether the device finds it, and not the methods that sample.
+    /// Returns whether the device finds it instead of the methods that sample.
     pub fn is_on_device(&self) -> bool {
         self.is_on_device
     }
 
-    /// Returns the pixels in which anything can be seen.
+    /// Returns the pixels in which anything can be visible.
     pub fn visible(&self, rays: &PixelRays) -> PixelRect {
         pixels_of_grid(self.levels.cells(), &LevelSet::rays_of_cells(rays))
     }
@@ -240,7 +242,7 @@ impl SampledLevels<'_> {
         self.sampler.sample_rect(grid, self.normals, self.levels, rect, map);
     }
 
-    /// Samples `map` with `rays`, or only what has changed since it was sampled with them; returns the pixels then.
+    /// Samples `map` with `rays`, or only the changes since it was sampled with them; in that case returns the pixels.
     pub fn sample(
         &mut self,
         grid: &Grid,

@@ -1,9 +1,9 @@
 //! The device's copy of the smooth surface ([`LevelSet`]): a buffer with the page of each brick and the pages, a byte a
 //! voxel (shaders/level_field.wgsl), and the bits of the cells, in which rays find it.
 //!
-//! It is uploaded as a whole at first, and afterwards by the bricks that have changed. Its memory follows the surface;
-//! the bits of the cells take what those of the voxels do. Where either exceeds a limit of the device, that fails with
-//! the name of the limit, before anything of a frame is recorded.
+//! It is uploaded as a whole at first, and afterwards by the bricks that have changed. Its memory is in proportion to
+//! the surface; the bits of the cells take as much as those of the voxels. If either exceeds a limit of the device,
+//! that fails with the name of the limit, before anything of a frame is recorded.
 
 use std::sync::Arc;
 
@@ -52,8 +52,8 @@ impl Levels {
         })
     }
 
-    /// Notes that the levels or cells of `changed` bricks, rising, differ; false if it must be made anew, since it has
-    /// no room for them.
+    /// Records that the levels or cells of `changed` bricks (rising) differ. Returns false if there is no room for
+    /// them, so that a new copy is needed.
     pub fn follow(&mut self, grid: &Grid, levels: &LevelSet, changed: &[u32]) -> bool {
         self.outdated.extend_from_slice(changed);
         self.outdated.sort_unstable();
@@ -63,8 +63,8 @@ impl Levels {
             && self.outdated.len() * size_of::<PageLevels>() <= CHUNK_BYTES
     }
 
-    /// Brings the copy up to date with what [`Levels::follow`] was told of. Recorded in `recorder`, for frame `slot`,
-    /// once per frame. After an error the copy is out of date.
+    /// Updates the copy with the changes of [`Levels::follow`]. Recorded in `recorder`, for frame `slot`, once per
+    /// frame. After an error the copy is out of date.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,

@@ -49,25 +49,25 @@ pub struct LightOptions {
 #[derive(Clone, PartialEq, Default, Deserialize)]
 #[serde(from = "PathBuf")]
 pub struct MatcapFile {
-    /// Empty: the matcap is the program's own.
+    /// Empty: the program's own matcap.
     path: PathBuf,
     image: Matcap,
 }
 
 impl MatcapFile {
-    /// `image` as it was read from `path`.
+    /// Creates it from `image`, which was read from `path`.
     pub fn new(path: PathBuf, image: Matcap) -> MatcapFile {
         MatcapFile { path, image }
     }
 
-    /// None: the matcap is the program's own.
+    /// Returns the path; `None`: the program's own matcap.
     pub fn path(&self) -> Option<&Path> {
         Some(self.path.as_path()).filter(|path| !path.as_os_str().is_empty())
     }
 }
 
 impl From<PathBuf> for MatcapFile {
-    /// Makes the matcap of a file that is still to be read: a reader of settings replaces it by [`MatcapFile::new`].
+    /// Names the matcap of a file that is still to be read: a reader of settings replaces it by [`MatcapFile::new`].
     fn from(path: PathBuf) -> MatcapFile {
         MatcapFile { path, image: Matcap::built_in() }
     }

@@ -19,7 +19,7 @@ use crate::gpu::{
 /// A format to which every device can blend.
 const FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
-/// The kinds of image that a descriptor set names: a picture to add, or the mean to draw.
+/// The kinds of images in a descriptor set: a picture to add, or the mean to draw.
 const KINDS: usize = 2;
 const ADD: usize = 0;
 const RESOLVE: usize = 1;
@@ -75,8 +75,8 @@ impl Mean {
         self.mean = None;
     }
 
-    /// Adds the layers of `pictures`, the `count`-th to be added; the first replaces what was there. Leaves them in
-    /// the layout of [`Use::SHADER_READ`]. Once per frame.
+    /// Adds the layers of `pictures`, as the `count`-th picture; the first one replaces the former contents. Leaves
+    /// them in the layout of [`Use::SHADER_READ`]. Once per frame.
     pub fn add(
         &mut self,
         recorder: &mut Recorder,
@@ -124,7 +124,7 @@ impl Mean {
         Ok(())
     }
 
-    /// Draws the mean to the layers of `pictures`, which are of its size. Leaves them in the layout of
+    /// Draws the mean to the layers of `pictures`, which have its size. Leaves them in the layout of
     /// [`Use::COLOUR_TARGET`]. Once per frame, after [`Mean::add`].
     pub fn resolve(&mut self, recorder: &mut Recorder, pictures: &mut EyeImage) {
         let Some(mean) = &self.mean else { return };
@@ -144,7 +144,7 @@ fn set_index(slot: usize, kind: usize, eye: u32) -> usize {
     (slot * KINDS + kind) * MAX_EYES + eye as usize
 }
 
-/// Writes the layer of `eye` to a set, unless it stands there already.
+/// Writes the layer of `eye` to a set, unless it is there already.
 fn name(sets: &DescriptorSets, named: &mut [u64], set: usize, image: &EyeImage, eye: u32) {
     let image = image.image();
     if named[set] != image.id() {
@@ -153,7 +153,7 @@ fn name(sets: &DescriptorSets, named: &mut [u64], set: usize, image: &EyeImage, 
     }
 }
 
-/// A layer that is drawn to, and what becomes of its contents.
+/// A layer to draw to, and the treatment of its contents.
 struct Target<'a> {
     image: &'a EyeImage,
     eye: u32,

@@ -1,5 +1,5 @@
-//! Rendering: from a document and a frame description to pictures. The passes of a frame have a
-//! file each; they have no policy: the contents to draw come in as values.
+//! Rendering: from a document and a frame description to pictures. The passes of a frame have a file each; they have no
+//! policy: the contents to draw come in as values.
 
 pub mod backdrop;
 mod background;

@@ -3,7 +3,7 @@
 
 use serde::Deserialize;
 
-/// How the surface is sampled and shaded.
+/// The sampling and shading of the surface.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum RenderMode {
@@ -28,7 +28,7 @@ pub enum RenderMode {
     Quickstep,
 }
 
-/// How the voxel of each pixel is found.
+/// The way to find the voxel of each pixel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sampling {
     /// The exact ray caster.
@@ -41,7 +41,7 @@ pub enum Sampling {
     Within,
 }
 
-/// How the colour of each pixel is computed.
+/// The way to compute the colour of each pixel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Shading {
     Software,
@@ -104,7 +104,7 @@ impl RenderMode {
         self.shading() != Shading::Points
     }
 
-    /// Returns whether what is seen never leaves the device.
+    /// Returns whether the picture never leaves the device.
     pub fn shades_on_device(self) -> bool {
         matches!(self.shading(), Shading::Device | Shading::Within)
     }
@@ -114,7 +114,7 @@ impl RenderMode {
         !matches!(self, RenderMode::Ray | RenderMode::Quickstep)
     }
 
-    /// Returns the mode to use when a sculpture is too large for the device in this one.
+    /// Returns the mode for a sculpture that is too large for the device in this one.
     pub fn fallback(self) -> Option<RenderMode> {
         match self {
             RenderMode::GpuColour => Some(RenderMode::Gpu),

@@ -1,11 +1,10 @@
-//! The normals of a renderer's pictures: which are computed before a picture, which bricks are shaded again for
-//! them, and the device's copy.
+//! The normals of a renderer's pictures: their computation before a picture, the bricks to shade again, and the
+//! device's copy.
 //!
-//! Follows the grid of one document. Normals that edits change are computed before the next picture; those of a
-//! sculpture that was opened take as much of each picture's time as its caller allows, and estimates stand in for
-//! the rest. Where the CPU shades index maps, only those of the bricks that a picture shows are computed before it, and
-//! only estimated where pictures must not be held up; the others follow while the view rests, or before anything else
-//! looks at them.
+//! Follows the grid of one document. Normals that edits change are computed before the next picture; those of an opened
+//! sculpture take as much of each picture's time as its caller allows, and estimates stand in for the rest. Where the
+//! CPU shades index maps, only those of visible bricks are computed before a picture, or estimated if it must not be
+//! delayed. The others follow while the view rests, or before anything else reads them.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -31,11 +30,11 @@ pub(super) enum NormalsChange {
 #[derive(Default)]
 pub(super) struct NormalStage {
     field: NormalField,
-    /// How long a picture may be held up; none: until all is there.
+    /// Longest delay of a picture; `None`: until everything is computed.
     pub patience: Option<Duration>,
-    /// Bricks that changed or have other normals than in the last picture, rising.
+    /// Bricks that have changed, or have other normals, since the last picture, rising.
     reshaded: Vec<u32>,
-    /// Only while a mode uses it.
+    /// Exists only while a mode uses it.
     copy: Option<Normals>,
     /// The units written to the field since the last picture.
     written: Vec<u32>,
@@ -43,13 +42,13 @@ pub(super) struct NormalStage {
     pub took: Duration,
 }
 
-/// The distance, in voxels, within which all voxels lie that the normals of a changed brick's neighbours depend on: two
+/// The distance in voxels that contains every voxel on which the normals of a changed brick's neighbours depend: two
 /// bricks.
 const REACH_VX: u32 = 2 * BRICK_EDGE_VX;
 
 impl NormalStage {
-    /// Computes normals for a picture of `grid`, of which these bricks have changed since the last one; `None`:
-    /// all may have. `rests`: it shows the same as the last one, which had the normals of all that it shows.
+    /// Computes normals for a picture of `grid`, whose changed bricks are these; `None`: all may have changed. `rests`:
+    /// it shows the same as the last one, which had all the normals that it shows.
     pub fn update(&mut self, grid: &Grid, changed: Option<&[u32]>, rests: bool) -> NormalsChange {
         let had_estimates = self.field.has_estimates();
         let (start, patience) = (Instant::now(), self.patience);
@@ -65,18 +64,18 @@ impl NormalStage {
         self.finish(changed, had_estimates)
     }
 
-    /// Returns whether [`NormalStage::update_seen`] will put off what is not seen.
+    /// Returns whether [`NormalStage::update_seen`] will defer invisible bricks.
     pub fn can_defer(&self) -> bool {
         !self.field.has_estimates()
     }
 
-    /// Returns whether bricks were put off.
+    /// Returns whether bricks were deferred.
     pub fn has_deferred(&self) -> bool {
         self.field.deferred() > 0
     }
 
-    /// [`NormalStage::update`] for pictures with these maps, sampled after the edit. Normals that nobody sees are put
-    /// off. `moved`: the last pictures were of other eyes.
+    /// Does [`NormalStage::update`] for pictures with these maps, sampled after the edit. Defers invisible normals.
+    /// `moved`: the eyes have moved since the last pictures.
     pub fn update_seen(
         &mut self,
         grid: &Grid,
@@ -95,7 +94,7 @@ impl NormalStage {
         let precision =
             if self.patience.is_some() { Precision::Estimated } else { Precision::Refined };
         self.field.update_seen(grid, views, precision, &mut self.reshaded);
-        // If there are very many bricks, none is put off.
+        // If there are very many bricks, none is deferred.
         if self.field.has_estimates() {
             let patience = self.patience;
             self.field.update(grid, &mut self.reshaded, || {
@@ -112,15 +111,15 @@ impl NormalStage {
         self.reshaded.sort_unstable();
         self.reshaded.dedup();
         match differ {
-            // Estimates come or go everywhere.
+            // Estimates appear or disappear everywhere.
             _ if had_estimates != self.field.has_estimates() => NormalsChange::All,
             true => NormalsChange::Some,
             false => NormalsChange::None,
         }
     }
 
-    /// Brings the device's copy up to date if `shading` uses it, or else drops it. Recorded in `recorder`, for
-    /// frame `slot`, after [`NormalStage::update`] and once per frame.
+    /// Updates the device's copy if `shading` uses it, or else drops it. Recorded in `recorder`, for frame `slot`,
+    /// after [`NormalStage::update`] and once per frame.
     pub fn upload(
         &mut self,
         device: &Arc<Device>,
@@ -140,7 +139,7 @@ impl NormalStage {
         Ok(())
     }
 
-    /// Adds bricks to those that are shaded again.
+    /// Adds bricks to those to shade again.
     pub fn reshade(&mut self, bricks: &[u32]) {
         self.reshaded.extend_from_slice(bricks);
         self.reshaded.sort_unstable();

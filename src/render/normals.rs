@@ -1,9 +1,8 @@
-//! The device's copy of the normals of a sculpture's surface ([`NormalField`]): one buffer with the page of
-//! each brick, then the units of all pages, as they lie in memory (shaders/normal_field.wgsl).
+//! The device's copy of the normals of a sculpture's surface ([`NormalField`]): one buffer with the page of each brick,
+//! then the units of all pages, as they lie in memory (shaders/normal_field.wgsl).
 //!
-//! It is uploaded as a whole at first, and afterwards by the units that were written; when there are
-//! more than it has room for, it is uploaded anew. Where it exceeds a limit of the device, that fails with the
-//! name of the limit.
+//! It is uploaded as a whole at first, and afterwards by the written units; if there is no room for more units, it is
+//! uploaded anew. If it exceeds a limit of the device, that fails with the name of the limit.
 
 use std::sync::Arc;
 
@@ -21,7 +20,7 @@ const KIND: PagedKind = PagedKind {
 /// The copy.
 pub struct Normals {
     pages: PagedBuffer,
-    /// The [`NormalField::generation`] that the copy follows.
+    /// The [`NormalField::generation`] of the copy.
     generation: u64,
     device: Arc<Device>,
 }
@@ -34,8 +33,8 @@ impl Normals {
         Ok(Normals { pages, generation: field.generation(), device: device.clone() })
     }
 
-    /// Brings the copy up to date: `written` units and the entries of `bricks`, both rising, differ. Recorded in
-    /// `recorder`, for frame `slot`, once per frame. After an error the copy is out of date.
+    /// Updates the copy: `written` units and the entries of `bricks`, both rising, differ. Recorded in `recorder`, for
+    /// frame `slot`, once per frame. After an error the copy is out of date.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,

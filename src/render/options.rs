@@ -10,18 +10,18 @@ use crate::shade::{Lighting, Smoothing};
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RenderOptions {
-    /// None: the default mode of the device.
+    /// `None`: the default mode of the device.
     #[serde(deserialize_with = "mode_or_auto")]
     pub mode: Option<RenderMode>,
     pub fov_deg: f32,
-    /// The surface between near voxels instead of their cubes: in the window at rest, on a GPU always.
+    /// The smooth surface between near voxels instead of their cubes: in the window at rest, on a GPU always.
     pub smooth_surface: bool,
     pub smooth_normals: Smoothing,
     pub smooth_colours: Smoothing,
     pub occlusion: bool,
-    /// In the window: smooth edges while nothing moves.
+    /// In the window: antialiasing while nothing moves.
     pub refine: bool,
-    /// Smooth edges while something moves, and in the headset. None: where the device is a GPU.
+    /// Antialiasing while something moves, and in the headset. `None`: if the device is a GPU.
     #[serde(deserialize_with = "switch_or_auto")]
     pub smooth_edges: Option<bool>,
 }
@@ -94,7 +94,7 @@ impl Default for Finish {
 }
 
 impl Finish {
-    /// `lighting` with this finish.
+    /// Returns `lighting` with this finish.
     pub fn of(self, lighting: Lighting) -> Lighting {
         let Finish { smooth_normals, smooth_colours, occlusion } = self;
         Lighting { smooth_normals, smooth_colours, occlusion, ..lighting }

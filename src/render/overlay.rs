@@ -23,14 +23,14 @@ use crate::sculpture::Rgb;
 use crate::tools::solid::Solid;
 use crate::tools::solid::body::Body;
 
-/// Factor on the depth of lines, so that they lie before a surface that they coincide with.
+/// Factor on the depth of lines, which puts them in front of a surface that they coincide with.
 const LINE_DEPTH: f32 = 1.002;
-/// The same for the faces of tools, below their lines: more than depths of the surface and of the
-/// rasterizer differ by rounding.
+/// Likewise for the faces of tools, below their lines: more than the rounding difference between depths of the surface
+/// and of the rasterizer.
 const FACE_DEPTH: f32 = 1.0004;
-/// Pixels, in units of the rasterizer's sub-pixel precision, by which a face may be displaced on the
-/// screen: a vertex is rounded by up to one unit in x and in y. Seen at a flat angle, a fraction of
-/// a pixel makes more difference in depth than [`FACE_DEPTH`].
+/// Largest displacement of a face on the screen, in units of the rasterizer's sub-pixel precision: a vertex is rounded
+/// by up to one unit in x and in y. At a grazing angle, a fraction of a pixel changes the depth more than
+/// [`FACE_DEPTH`].
 const FACE_SHIFT: f32 = 2.0;
 
 /// Push constants of the `overlay_solid` stages.
@@ -51,7 +51,7 @@ struct SolidConstants {
 }
 
 impl SolidConstants {
-    /// `displaced_px`: by how much the rasterizer may displace a face.
+    /// Fills the constants. `displaced_px`: largest displacement of a face by the rasterizer.
     fn new(scene: &Scene, preview: &ToolPreview, side: usize, displaced_px: f32) -> SolidConstants {
         let primitive = &preview.primitive;
         let eye_from_tool = scene.eye_from_grid * grid_from_tool(primitive, preview.voxel_size);
@@ -62,7 +62,7 @@ impl SolidConstants {
         let rows = Mat3::from(eye_from_tool.matrix3).inverse();
         let round = primitive.shape().round().as_vec3();
         let row = |i: usize| rows.col(i).extend(round[i]).to_array();
-        // From afar single precision would not do.
+        // From afar, single precision is not enough.
         let in_double = DAffine3 {
             matrix3: Mat3::from(eye_from_tool.matrix3).as_dmat3(),
             translation: Vec3::from(eye_from_tool.translation).as_dvec3(),
@@ -76,13 +76,13 @@ impl SolidConstants {
         let [smallest, largest] = [f32::min, f32::max].map(|of| halves.into_iter().reduce(of));
         let body = &primitive.solid.spec().body;
         let faces = sagitta(body) * largest.unwrap_or_default();
-        // The farthest corner of the box about the solid is displaced the farthest.
+        // The farthest corner of the bounding box has the largest displacement.
         let farthest = (clip_w.truncate().abs().element_sum() + clip_w.w) * clip_z;
         let half_size = 0.5 * Vec2::from(scene.size.map(|n| n as f32));
         let pixels = half_size * Vec2::new(scene.projection.x_axis.x, scene.projection.y_axis.y);
         let displaced = displaced_px * farthest.max(0.0) / pixels.abs().min_element();
         let margin = steps + faces + displaced;
-        // A tangent of a ball within the solid stays so long within the margin.
+        // A tangent of this length to a ball within the solid stays within the margin.
         let radius = smallest.unwrap_or_default();
         let tangent = (2.0 * radius * margin).sqrt();
         let is_round = matches!(body, Body::Revolved { .. });
@@ -120,7 +120,7 @@ struct LineInstance {
     colour: [f32; 4],
 }
 
-/// Before the sculpture, behind it.
+/// In front of the sculpture, behind it.
 const SIDES: [vk::CompareOp; 2] = [vk::CompareOp::GREATER_OR_EQUAL, vk::CompareOp::LESS];
 
 /// The overlay's passes.
@@ -131,14 +131,14 @@ pub struct Overlay {
     /// First byte and number of vertices of each solid in the mesh.
     ranges: [(u64, u32); Solid::ALL.len()],
     instances: Staging,
-    /// By how many pixels the rasterizer may displace a face.
+    /// Largest displacement of a face by the rasterizer, in pixels.
     displaced_px: f32,
-    /// Made when there are any.
+    /// Created when there are any.
     pub(super) references: Option<References>,
 }
 
 impl Overlay {
-    /// For a target of `colour` with a depth attachment of `depth`.
+    /// Creates one for a target of `colour` with a depth attachment of `depth`.
     pub fn new(device: &Arc<Device>, colour: vk::Format, depth: vk::Format) -> Result<Overlay> {
         let both = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
         let solid_push = Some((both, size_of::<SolidConstants>()));
@@ -223,7 +223,7 @@ impl Overlay {
         if let Some(references) = &mut self.references {
             references.draw(recorder, scene);
         }
-        // Parts behind the sculpture come first, as they are farther.
+        // Parts behind the sculpture come first: they are farther away.
         for side in [1, 0] {
             self.draw_lines(recorder, scene, side)?;
             for preview in scene.previews {
@@ -286,12 +286,12 @@ fn with_opacity(Rgb(colour): Rgb, opacity: f32) -> [f32; 4] {
     [r, g, b, opacity]
 }
 
-/// As [`with_opacity`], a byte each.
+/// Returns the result of [`with_opacity`], with a byte for each value.
 fn bytes_with_opacity(Rgb([r, g, b]): Rgb, opacity: f32) -> [u8; 4] {
     [r, g, b, (opacity.clamp(0.0, 1.0) * 255.0).round() as u8]
 }
 
-/// `count` attributes of one format, each `bytes` long, one after the other.
+/// Returns `count` consecutive attributes of one format, each `bytes` long.
 fn attributes(format: vk::Format, bytes: usize, count: u32) -> Vec<Attribute> {
     (0..count)
         .map(|location| Attribute { location, format, offset: bytes * location as usize })

@@ -1,5 +1,4 @@
-//! Where tools and lines are in a picture: which pixels they may touch, and so which ones must be
-//! drawn again when they move.
+//! The pixels of tools and lines in a picture, which must be redrawn when these move.
 //!
 //! Pure geometry, a conservative twin of the overlay's shaders. Knows no device.
 
@@ -13,7 +12,7 @@ use crate::surface::{PixelRect, PixelRects};
 /// Margin around the bounding box of a shape's corners, for rounding.
 const MARGIN_PX: f32 = 1.0;
 
-/// Pixels on either side of a line that its soft edge covers (overlay_line.vert.wgsl).
+/// Pixels on either side of a line covered by its soft edge (overlay_line.vert.wgsl).
 const SOFT_EDGE_PX: f32 = 1.0;
 
 /// The projection of the grid to a picture of `size` pixels.
@@ -60,7 +59,7 @@ impl PictureOfGrid {
         self.pixels_about(&[line.from, line.to], reach)
     }
 
-    /// Returns the bounding pixels of points in the grid, grown by `reach_px`.
+    /// Returns the bounding rectangle of points in the grid, grown by `reach_px`.
     fn pixels_about(&self, points: &[Vec3], reach_px: f32) -> PixelRect {
         let clip = |point: &Vec3| self.clip_from_grid * point.extend(1.0);
         // Clip z is the near distance everywhere: reversed depth without a far plane.

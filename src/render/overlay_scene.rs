@@ -1,4 +1,4 @@
-//! The overlay of a picture as values: the tools and lines that are shown, and how they are seen.
+//! The overlay of a picture as values: the visible tools and lines, and their view.
 //!
 //! Knows no device and no pass.
 
@@ -7,13 +7,13 @@ use glam::{Affine3A, Mat3, Mat4, Quat, Vec3};
 use crate::sculpture::Rgb;
 use crate::tools::solid::Primitive;
 
-/// Half heights of pictures at distance 1 below which factors on depths shrink in proportion: a narrow view is one from
-/// afar, in which the same part of the depth is a longer way.
+/// For half heights of pictures at distance 1 below this, factors on depths shrink in proportion: a narrow view is one
+/// from afar, where the same share of the depth is a longer distance.
 const NARROW: f32 = 0.2;
-/// How far the surface of voxels may lie from the solid that they were made from, in voxels along the normal. A voxel is
-/// made where its middle is inside, so that none of its corners is farther outside than half its diagonal, 0.87.
+/// Largest distance between the surface of voxels and the solid that made them, in voxels along the normal. A voxel
+/// exists if its centre is inside, so none of its corners is farther outside than half its diagonal, 0.87.
 const STEPS_VX: f32 = 1.0;
-/// Faces of boxes this near to planes between voxels are the surface of voxels.
+/// Faces of boxes within this distance of planes between voxels coincide with the surface of voxels.
 const ON_PLANE_VX: f32 = 1e-3;
 
 /// A line in grid coordinates.
@@ -23,23 +23,23 @@ pub struct Line {
     pub to: Vec3,
     pub colour: Rgb,
     pub width_px: f32,
-    /// Opacity before the sculpture and behind it.
+    /// Opacity in front of the sculpture and behind it.
     pub opacity: [f32; 2],
 }
 
-/// The tool as it is shown.
+/// The displayed tool.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ToolPreview {
     pub primitive: Primitive,
     /// Edge lengths of the grid's voxels.
     pub voxel_size: Vec3,
     pub colour: Rgb,
-    /// Opacity before the sculpture and behind it.
+    /// Opacity in front of the sculpture and behind it.
     pub opacity: [f32; 2],
 }
 
 impl ToolPreview {
-    /// Returns how far the surface of the voxels that it makes may lie from it.
+    /// Returns the largest distance between it and the surface of the voxels that it makes.
     pub(super) fn steps_vx(&self) -> f32 {
         let Primitive { solid, centre_vx, half, rotation } = self.primitive;
         let half_vx = half * self.voxel_size.min_element() / self.voxel_size;
@@ -51,7 +51,7 @@ impl ToolPreview {
     }
 }
 
-/// One picture's overlay.
+/// The overlay of one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     pub eye_from_grid: Affine3A,
@@ -64,7 +64,7 @@ pub struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Returns the factor on depths that is `usual` for views of usual angles.
+    /// Returns the factor on depths, which is `usual` for common view angles.
     pub(super) fn nearer(&self, usual: f32) -> f32 {
         let half_height = self.projection.y_axis.y.abs().recip();
         1.0 + (usual - 1.0) * (half_height / NARROW).min(1.0)

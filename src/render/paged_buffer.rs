@@ -1,9 +1,9 @@
-//! A buffer on the device with a table, an entry for each brick, and units of some bytes that entries lead to. It holds
+//! A buffer on the device with a table of entries, one per brick, and the units of bytes to which they refer. It holds
 //! the normals ([`super::Normals`]) and the levels of the smooth surface ([`super::Levels`]).
 //!
 //! It is uploaded as a whole at first, and afterwards by the units and entries that were written. It has room for some
-//! more units than at first; an owner that has more makes a new one. Where it exceeds a limit of the device, that fails
-//! with the name of the limit. Knows nothing of what the units mean.
+//! additional units; an owner with more makes a new one. If it exceeds a limit of the device, that fails with the name
+//! of the limit. Does not know the meaning of units.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::gpu::{
 
 /// Most bytes in flight at once. Larger uploads are done in pieces, waiting for each.
 pub(super) const CHUNK_BYTES: usize = 8 << 20;
-/// Initial capacity of a frame for what was written, in bytes.
+/// Initial capacity of a frame for writes, in bytes.
 const STAGING_BYTES: u64 = 1 << 18;
 /// Largest gap between changed entries of the table that one copy bridges.
 const GAP_ENTRIES: u32 = 256;
@@ -34,7 +34,7 @@ pub(super) struct PagedKind {
 pub(super) struct PagedBuffer {
     kind: PagedKind,
     buffer: Buffer,
-    /// Entries of the table, and units for which there is room.
+    /// Number of entries of the table, and of units with room.
     entries: usize,
     room: usize,
     staging: Staging,
@@ -66,13 +66,13 @@ impl PagedBuffer {
         Ok(made)
     }
 
-    /// Returns whether it has room for a table and units of these numbers.
+    /// Returns whether it has room for so many entries and units.
     pub fn has_room(&self, entries: usize, units: usize) -> bool {
         self.entries == entries && units <= self.room
     }
 
-    /// Brings it up to date: the entries of `bricks` and the `written` units, both rising, differ. Recorded in
-    /// `recorder`, for frame `slot`, once per frame. After an error it is out of date.
+    /// Updates it: the entries of `bricks` and the `written` units, both rising, differ. Recorded in `recorder`, for
+    /// frame `slot`, once per frame. After an error it is out of date.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,
@@ -157,13 +157,12 @@ impl PagedBuffer {
     }
 }
 
-/// Bytes of a table, filled up so that units begin at a multiple of their size.
+/// Returns the bytes of a table, padded so that units begin at a multiple of their size.
 fn table_bytes(kind: PagedKind, entries: usize) -> u64 {
     (entries * 4).next_multiple_of(kind.unit_bytes) as u64
 }
 
-/// Returns a buffer for a table and `units`, with some reserve as far as the device can address it; and its capacity in
-/// units.
+/// Returns a buffer for a table and `units`, with some reserve if the device can address it, and its capacity in units.
 fn make_buffer(
     device: &Arc<Device>,
     kind: PagedKind,

@@ -1,7 +1,7 @@
 //! The passes of a renderer on the device: the sampler, those that shade and draw the sculpture, and the layers around
 //! it.
 //!
-//! Knows neither when a picture is repeated nor how far it has come.
+//! Does not know when a picture is repeated, nor its progress.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ pub(super) struct Passes {
     pub layers: Layers,
 }
 
-/// The images on the device in which a picture is made.
+/// The images on the device from which a picture is made.
 #[derive(Default)]
 pub(super) struct PictureImages {
     pub pictures: Option<Pictures>,
@@ -30,7 +30,7 @@ pub(super) struct PictureImages {
 }
 
 impl Passes {
-    /// For pictures of `format`.
+    /// Creates one for pictures of `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Passes> {
         Ok(Passes {
             sampler: Sampler::new(device)?,

@@ -13,7 +13,7 @@ pub(super) enum Pending {
 }
 
 impl Pending {
-    /// Returns the union with more pixels that have changed; none: all may have.
+    /// Returns the union with more changed pixels; `None`: all may have changed.
     pub fn and(self, more: Option<PixelRect>) -> Pending {
         let Some(more) = more else { return Pending::All };
         match self {

@@ -36,9 +36,8 @@ impl Pictures {
         Ok(Pictures { colour, depth })
     }
 
-    /// Starts drawing `area` of the picture of `eye`, infinitely far; the rest keeps its contents.
-    /// A gradient covers all of it; with [`Background::Keep`] the picture is transparent where
-    /// nothing is drawn, with premultiplied colours.
+    /// Starts drawing `area` of the picture of `eye`, at infinite depth; the rest keeps its contents. A gradient covers
+    /// all of it; with [`Background::Keep`] the undrawn part is transparent, with premultiplied colours.
     pub(super) fn begin(
         &mut self,
         recorder: &mut Recorder,
@@ -64,7 +63,7 @@ impl Pictures {
         recorder.begin_rendering_in(size.to_array(), area.corner_and_size(), colour, depth);
     }
 
-    /// Starts drawing over what is in `area` of the picture of `eye`.
+    /// Starts drawing over the contents of `area` of the picture of `eye`.
     pub(super) fn begin_over(&mut self, recorder: &mut Recorder, eye: u32, area: PixelRect) {
         self.colour.transition(recorder, eye, Use::COLOUR_TARGET);
         self.depth.transition(recorder, eye, Use::DEPTH_TARGET);

@@ -1,10 +1,10 @@
-//! Computes a value for each pixel of an image, by a compute shader or by a fragment shader that is
-//! drawn over all of it. Both wrap the same function of a pixel.
+//! Computes a value for each pixel of an image, by a compute shader or by a fragment shader that is drawn over all of
+//! it. Both wrap the same function of a pixel.
 //!
-//! On a GPU a compute shader needs no rasteriser and no blending. A software device spends more
-//! time on starting a workgroup than on a ray, and less on fragments; only there pixels are drawn.
+//! On a GPU a compute shader needs no rasteriser and no blending. A software device spends more time on starting a
+//! workgroup than on a ray, and less on fragments: only there, pixels are drawn.
 //!
-//! Takes the shaders, their bindings, and the image; does not know what they compute.
+//! Takes the shaders, their bindings, and the image; does not know their meaning.
 
 use std::sync::Arc;
 
@@ -54,7 +54,7 @@ impl PixelStage {
         all.map(|(binding, kind)| (binding, kind, self.flags())).collect()
     }
 
-    /// Returns how the image is used while a pass writes it.
+    /// Returns the usage of the image while a pass writes it.
     pub(super) fn target_usage(self) -> vk::ImageUsageFlags {
         match self {
             PixelStage::Compute => vk::ImageUsageFlags::STORAGE,
@@ -68,13 +68,13 @@ impl PixelStage {
 pub(super) struct PixelArea {
     /// The pixels to compute again. A compute shader computes all of the image.
     pub scissor: PixelRect,
-    /// The pixels that have a value of their own.
+    /// The pixels with values of their own.
     pub visible: PixelRect,
     /// The value of all others.
     pub rest: Load,
 }
 
-/// The layer of an image that a pass writes, and its pixels.
+/// The target layer of an image, and its pixels.
 pub(super) struct PixelTarget<'a> {
     pub image: &'a mut EyeImage,
     pub eye: u32,
@@ -97,7 +97,7 @@ pub(super) struct PixelPass {
 }
 
 impl PixelPass {
-    /// `constants`: the specialization constants of the shaders, from number 0 on.
+    /// Creates a pass. `constants`: the specialization constants of the shaders, from number 0 on.
     pub fn new(
         device: &Arc<Device>,
         shaders: &PixelShaders,
@@ -120,8 +120,8 @@ impl PixelPass {
         self.stage
     }
 
-    /// Records the computation of `target`; outside of rendering. A compute shader gets it by
-    /// `set`. Leaves it in the layout of the stage that wrote it.
+    /// Records the computation of `target`, outside of rendering. `set` binds it for a compute shader. Leaves it in the
+    /// layout of the stage that wrote it.
     pub fn record<T: Pod>(
         &self,
         recorder: &mut Recorder,

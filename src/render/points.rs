@@ -1,11 +1,11 @@
-//! The points pass: one lit point for each voxel that an eye sees.
+//! The points pass: one lit point for each visible voxel.
 //!
-//! A point covers the pixels whose rays meet its voxel's box, so it has no size to be rounded: up close points
-//! leave no gaps, far away they change from frame to frame only as the voxels themselves do, and the picture
-//! equals that of the software shader.
+//! A point covers the pixels whose rays meet its voxel's box, so it has no size to be rounded. Up close, points leave
+//! no gaps. Far away, they change from frame to frame only with the voxels. The picture equals that of the software
+//! shader.
 //!
-//! Takes the points of an index map ([`PointCloud`]) and the rays that it was made with; draws them over the
-//! background with the depth of the surface.
+//! Takes the points of an index map ([`PointCloud`]) and the rays that it was made with; draws them over the background
+//! with the depth of the surface.
 
 use std::sync::Arc;
 
@@ -33,14 +33,14 @@ pub struct Points {
     staging: Staging,
     /// The points of each eye in this frame.
     pieces: Vec<Option<(Piece, u32)>>,
-    /// Alignment of the points in the staging buffer, and how many bytes of them a shader can address.
+    /// Alignment of the points in the staging buffer, and the most bytes of them that a shader can address.
     align: u64,
     most_bytes: u64,
     margin_px: f32,
 }
 
 impl Points {
-    /// For targets of `format` with a D32 depth buffer and up to `eyes` eyes.
+    /// Creates one for targets of `format` with a D32 depth buffer and up to `eyes` eyes.
     pub fn new(device: &Arc<Device>, format: vk::Format, eyes: u32) -> Result<Points> {
         let (vertex, fragment) = (vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT);
         let bindings = [
@@ -90,8 +90,8 @@ impl Points {
         Ok(())
     }
 
-    /// Draws the points of the eye of `view` over the background, within rendering, to a cleared target or, if
-    /// the background is kept, one that holds depth. `view` has as many pixels as its rays.
+    /// Draws the points of the eye of `view` over the background, within rendering, to a cleared target or, if the
+    /// background is kept, one with valid depth. `view` has as many pixels as its rays.
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,
@@ -117,7 +117,7 @@ impl Points {
     }
 }
 
-/// `None` if the rays do not span a picture.
+/// Returns the push constants; `None` if the rays do not span a picture.
 fn point_view(view: &CompositeEye, margin_px: f32, linear: bool) -> Option<PointView> {
     let [clip_x, clip_y, clip_w] = clip_rows(&view.rays)?.map(|row| row.to_array());
     let CompositeView {

@@ -1,8 +1,8 @@
-//! The ray march: each pixel's ray walks through the grid by words and voxels, from where its
-//! tile's beam ([`super::beam`]) ends, and writes the first existing voxel to the index map.
+//! The ray march: each pixel's ray walks through the grid by words and voxels, from where its tile's beam
+//! ([`super::beam`]) ends, and writes the first existing voxel to the index map.
 //!
-//! Uses the same arithmetic as the ray caster on the CPU ([`crate::surface::raycast`]), so that the
-//! maps are equal up to rounding on devices without exact division.
+//! Uses the arithmetic of the ray caster on the CPU ([`crate::surface::raycast`]), so that the maps are equal up to
+//! rounding on devices without exact division.
 //!
 //! Takes a volume and the rays of an eye; fills an [`IndexTarget`].
 
@@ -43,7 +43,7 @@ pub struct RayMarch {
 }
 
 impl RayMarch {
-    /// For up to `eyes` eyes per frame.
+    /// Creates one for up to `eyes` eyes per frame.
     pub fn new(device: &Arc<Device>, stage: PixelStage, eyes: u32) -> Result<RayMarch> {
         let image = vk::DescriptorType::SAMPLED_IMAGE;
         let inputs = [VOLUME, STARTS].map(|binding| (binding, image));
@@ -67,8 +67,7 @@ impl RayMarch {
         self.beams.begin(slot);
     }
 
-    /// Records the part of an index map that `task` describes. Leaves the map as
-    /// [`PixelPass::record`] does.
+    /// Records the part of an index map described by `task`. Leaves the map as [`PixelPass::record`] does.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,

@@ -1,7 +1,7 @@
-//! Draws reference pictures: translucent rectangles in the scene that the sculpture hides and that hide it, as planes
-//! would.
+//! Draws reference pictures: translucent rectangles in the scene, with mutual occlusion between them and the sculpture.
 //!
-//! Takes pictures with their places as values, and keeps them on the device as long as they are given. Knows no files.
+//! Takes pictures with their placement as values, and keeps them on the device as long as they are given. Knows no
+//! files.
 
 use std::sync::Arc;
 
@@ -17,17 +17,17 @@ use crate::gpu::{
 };
 use crate::shade::Pixels;
 
-/// The most pictures that are shown at once; others are left out.
+/// Most pictures shown at once; others are skipped.
 pub const MAX_REFERENCES: usize = 8;
 
 /// A picture and its place in the scene.
 #[derive(Clone, Debug)]
 pub struct ReferencePicture {
-    /// The picture, at most 4096 pixels a side. The same ones are uploaded once.
+    /// The picture, at most 4096 pixels a side. Equal `Arc`s are uploaded once.
     pub pixels: Arc<Pixels>,
     /// To grid coordinates, from the picture's upper left corner at (0, 0) and its lower right one at (1, 1).
     pub grid_from_picture: Affine3A,
-    /// 0 to 1. At 0 it is kept on the device and not drawn.
+    /// 0 to 1. At 0 it stays on the device without being drawn.
     pub opacity: f32,
 }
 
@@ -65,7 +65,7 @@ pub(super) struct References {
 }
 
 impl References {
-    /// For targets of `format` with a depth buffer.
+    /// Creates one for targets of `format` with a depth buffer.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<References> {
         let name = "reference pictures";
         let fragment = vk::ShaderStageFlags::FRAGMENT;
@@ -94,7 +94,7 @@ impl References {
         })
     }
 
-    /// Uploads what is new of `pictures`, and forgets what is not among them. Before rendering begins.
+    /// Uploads the new ones of `pictures`, and frees all others. Call before rendering begins.
     pub fn bring(
         &mut self,
         recorder: &mut Recorder,
@@ -109,7 +109,7 @@ impl References {
         for picture in pictures {
             let pixels = &picture.pixels;
             if !self.images.iter().any(|(known, _)| is_in(known, picture)) {
-                // A target that encodes its input takes what this format decodes.
+                // This format decodes for a target that encodes its input.
                 let format = match self.linear {
                     true => vk::Format::R8G8B8A8_SRGB,
                     false => vk::Format::R8G8B8A8_UNORM,
@@ -131,7 +131,7 @@ impl References {
         self.slot = slot % FRAMES_IN_FLIGHT;
     }
 
-    /// Records the pictures into a target with the depth of the sculpture: first what is farthest behind.
+    /// Records the pictures into a target with the depth of the sculpture, farthest first.
     pub fn draw(&mut self, recorder: &mut Recorder, scene: &Scene) {
         let clip_from_grid = scene.projection * Mat4::from(scene.eye_from_grid);
         let mut order: Vec<(f32, &ReferencePicture)> = self

@@ -1,9 +1,9 @@
-//! Refining a resting picture: while a renderer's pictures stay the same, each frame adds a sample, a picture
-//! through eyes that are shifted by a fraction of a pixel, and shows the mean of all so far.
+//! Refining a resting picture: while a renderer's pictures stay the same, each frame adds a sample (a picture with the
+//! eyes shifted by a fraction of a pixel) and shows the mean of all so far.
 //!
 //! The samples have buffers of their own (index maps, shaded pixels, pictures). Picking and partial redraws therefore
-//! go on with the unshifted picture as if there had been no samples, and any movement is shown at once. This file
-//! decides when a picture counts as resting; the redraw plan says that it is the same.
+//! use the unshifted picture as if there were no samples, and any movement is shown at once. This file decides when a
+//! picture counts as resting; the redraw plan detects that it is unchanged.
 
 use std::sync::Arc;
 
@@ -19,16 +19,16 @@ use super::{Background, MAX_EYES, SmoothSurface};
 use crate::document::Document;
 use crate::gpu::{GpuError, Recorder, Result, Use};
 
-/// The frames that a picture stays the same before it is refined. While a person works, pictures change more often,
-/// and edges that become smooth now and then would flicker.
+/// Number of equal frames before a picture is refined. While a person works, pictures change more often, and occasional
+/// smooth edges would flicker.
 const REST_FRAMES: u32 = 6;
 
-/// Pixels of the smooth surface that are sampled in a frame: some 15 ms on two cores.
+/// Pixels of the smooth surface sampled per frame: some 15 ms on two cores.
 const SMOOTH_PIXELS: u32 = 1 << 16;
 
 impl Renderer {
-    /// Refines pictures that rest to the mean of this many samples, one more each frame, until the report of a frame
-    /// says that they are complete. 0 and 1: pictures are not refined.
+    /// Refines resting pictures to the mean of this many samples, one more per frame, until the report of a frame says
+    /// that they are complete. 0 and 1: no refinement.
     pub fn set_refinement(&mut self, samples: u32) {
         if samples != self.stages.refinement.samples {
             self.stages.refinement.samples = samples;
@@ -36,14 +36,14 @@ impl Renderer {
         }
     }
 
-    /// Whether refinement begins with the first frame that has the same pictures, for pictures that are to be saved,
-    /// and not only when nobody seems to be working.
+    /// Sets whether refinement begins with the first unchanged frame, for pictures to be saved, instead of after a
+    /// rest.
     pub fn refine_at_once(&mut self, at_once: bool) {
         self.stages.refinement.at_once = at_once;
     }
 
-    /// Adds a sample to the mean of the pictures of `desc` if it is time for one. `rests`: they are the same as in the
-    /// last frame.
+    /// Adds a sample to the mean of the pictures of `desc` if one is due. `rests`: they are the same as in the last
+    /// frame.
     pub(super) fn refine_if(
         &mut self,
         rests: bool,
@@ -92,7 +92,7 @@ impl Renderer {
         if smooth {
             self.stages.show_surface(document, desc, true)?;
             if self.stages.levels.is_pending() {
-                // More of it in the next frame.
+                // Continues in the next frame.
                 return Ok(());
             }
             // A grid that is too large for it shows its voxels.
@@ -126,7 +126,7 @@ impl Renderer {
         };
         let result = match found {
             Ok(true) => self.add_sample(recorder, slot, document, &desc, smooth).map(|()| true),
-            // The rest of it in the next frames.
+            // Continues in the next frames.
             unfinished => unfinished,
         };
         self.swap_buffers();
@@ -144,8 +144,8 @@ impl Renderer {
         result.map(|_| ())
     }
 
-    /// Samples the smooth surface in as many more rows of the present maps as a frame has time for; returns whether
-    /// that were all.
+    /// Samples the smooth surface in as many more rows of the present maps as fit into a frame. Returns whether these
+    /// were the last.
     fn find_smooth_rows(
         &mut self,
         recorder: &mut Recorder,
@@ -157,7 +157,7 @@ impl Renderer {
         let (width, height) = (eye.size.x.max(1), eye.size.y);
         let all = height * desc.eyes.len() as u32;
         let from = self.stages.refinement.rows;
-        // The rows are of one eye at a time.
+        // These rows belong to a single eye.
         let to = (from + (SMOOTH_PIXELS / width).max(1))
             .min((from / height.max(1) + 1) * height)
             .min(all);
@@ -185,7 +185,7 @@ impl Renderer {
         Ok(to == all)
     }
 
-    /// Makes a sample in the present buffers, whose maps may have been sampled, and then the mean.
+    /// Makes a sample in the present buffers, whose maps may have been sampled already, and then the mean.
     fn add_sample(
         &mut self,
         recorder: &mut Recorder,

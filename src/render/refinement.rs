@@ -1,13 +1,13 @@
-//! The state of the refinement of resting pictures: how far it has come, and the buffers of its samples.
+//! The state of the refinement of resting pictures: its progress, and the buffers of its samples.
 //!
-//! Knows no renderer; `refine` decides when a sample is added, and makes it.
+//! Knows no renderer; `refine` decides when to add a sample, and makes it.
 
 use super::cpu_pictures::CpuPictures;
 use super::mean::Mean;
 use super::passes::PictureImages;
 use super::pictures::Pictures;
 
-/// The buffers in which a picture is made, in memory and on the device.
+/// The buffers of a picture in progress, in memory and on the device.
 #[derive(Default)]
 pub(super) struct Buffers {
     pub cpu: CpuPictures,
@@ -17,15 +17,15 @@ pub(super) struct Buffers {
 /// The refinement of a renderer's pictures.
 #[derive(Default)]
 pub(super) struct Refinement {
-    /// The samples of a refined picture; 0 and 1: pictures are not refined.
+    /// The samples of a refined picture; 0 and 1: no refinement.
     pub samples: u32,
-    /// Whether a picture need not rest before it is refined.
+    /// Refines without waiting for a rest.
     pub at_once: bool,
-    /// How many frames in a row had the same pictures.
+    /// Number of consecutive frames with the same pictures.
     pub rested: u32,
     /// The samples in the mean.
     pub taken: u32,
-    /// Rows of pixels of the next sample, of all eyes, in which the smooth surface has been found.
+    /// Finished rows of the smooth surface in the next sample, of all eyes.
     pub rows: u32,
     /// The present pictures can be refined.
     pub possible: bool,
@@ -36,12 +36,12 @@ pub(super) struct Refinement {
 }
 
 impl Refinement {
-    /// Begins anew, with a picture that has just changed.
+    /// Starts anew with a changed picture.
     pub fn restart(&mut self) {
         (self.rested, self.taken, self.rows) = (0, 0, 0);
     }
 
-    /// Frees what samples are made in, and their mean; keeps its pipelines.
+    /// Frees the buffers of samples and their mean; keeps the pipelines.
     pub fn forget(&mut self) {
         let Refinement { samples, at_once, .. } = *self;
         let mut mean = self.mean.take();
@@ -49,7 +49,7 @@ impl Refinement {
         *self = Refinement { samples, at_once, mean, ..Refinement::default() };
     }
 
-    /// Returns how many samples are wanted, and whether at once.
+    /// Returns the number of samples, and whether to refine without a rest.
     pub fn policy(&self) -> (u32, bool) {
         (self.samples, self.at_once)
     }
@@ -59,12 +59,12 @@ impl Refinement {
         self.buffers.images.pictures.as_ref().filter(|_| self.taken > 1)
     }
 
-    /// [`Refinement::pictures`], mutable.
+    /// Returns [`Refinement::pictures`], mutable.
     pub fn pictures_mut(&mut self) -> Option<&mut Pictures> {
         self.buffers.images.pictures.as_mut().filter(|_| self.taken > 1)
     }
 
-    /// Returns whether the next frame of the same pictures has nothing to add.
+    /// Returns whether another frame of the same pictures would add nothing.
     pub fn is_complete(&self) -> bool {
         !self.possible || self.taken >= self.samples
     }

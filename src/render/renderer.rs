@@ -1,9 +1,9 @@
-//! From a sculpture to its pictures: sample, shade, compose with background and overlay. One
-//! renderer serves a window, a file or a headset; they differ in how they use the images.
+//! From a sculpture to its pictures: sample, shade, compose with background and overlay. One renderer serves a window,
+//! a file or a headset; they use the images differently.
 //!
 //! Takes a document and a [`FrameDesc`]; draws the pictures, one layer per eye, to images of its own, and repeats only
-//! what the desc changes. So an interface that changes over a resting sculpture costs a copy only. Knows no window, no
-//! camera and no tools: the contents to draw come in as values.
+//! what the desc changes. An interface that changes over a resting sculpture therefore costs only a copy. Knows no
+//! window, no camera and no tools: the contents to draw come in as values.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -35,7 +35,7 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// For pictures of `format`.
+    /// Creates one for pictures of `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Renderer> {
         Ok(Renderer {
             passes: Passes::new(device, format)?,
@@ -44,11 +44,11 @@ impl Renderer {
         })
     }
 
-    /// Records the pictures of `desc`; afterwards they are in [`Renderer::pictures`]. `slot`:
+    /// Records the pictures of `desc`, which are in [`Renderer::pictures`] afterwards. `slot`:
     /// [`crate::gpu::Frames::slot`]; once per frame.
     ///
-    /// A sculpture that is too large for the device is an error of [`crate::gpu::GpuError::Limit`]:
-    /// try again with the [`RenderMode::fallback`] of its mode.
+    /// A sculpture that is too large for the device is an error of [`crate::gpu::GpuError::Limit`]: try again with the
+    /// [`RenderMode::fallback`] of its mode.
     pub fn paint(
         &mut self,
         recorder: &mut Recorder,
@@ -58,8 +58,7 @@ impl Renderer {
     ) -> Result<()> {
         let painted = self.try_paint(recorder, slot, document, desc);
         if painted.is_err() {
-            // A second attempt follows the commands of the failed one, which may have stopped
-            // within rendering.
+            // A second attempt follows the commands of the failed one, which may have stopped within rendering.
             recorder.end_rendering_if_begun();
         }
         painted
@@ -80,7 +79,7 @@ impl Renderer {
         let moved = !known.is_some_and(|before| before.is_edited_only(document, desc));
         let defers = changes_known && !rests && self.stages.defers_normals(document, desc);
         if defers {
-            // The visible voxels must be known before.
+            // The visible voxels must be known first.
             let redraw = if moved { Redraw::All } else { Redraw::Changed };
             self.sample(document, desc, redraw)?;
         }
@@ -141,12 +140,12 @@ impl Renderer {
         &self.cpu.maps
     }
 
-    /// Returns the times. Those of the device are of the last picture that it is known to have finished.
+    /// Returns the times. Those of the device are of the last picture known to be finished.
     pub fn times(&self) -> RenderTimes {
         self.stages.times
     }
 
-    /// Returns all times of the picture painted last, for a caller that has waited for it.
+    /// Returns all times of the picture painted last. The caller must have waited for it.
     pub fn times_when_done(&mut self) -> Result<RenderTimes> {
         let Stages { cache, times, timer, .. } = &mut self.stages;
         if let Some(mode) = cache.as_ref().map(FrameCache::mode) {
@@ -162,8 +161,8 @@ impl Renderer {
         self.stages.forget_pictures()
     }
 
-    /// Takes the reference pictures of the next pictures, at most [`super::MAX_REFERENCES`]. Before
-    /// [`Renderer::paint`], in the same frame. If this fails, there are none.
+    /// Sets the reference pictures of the next pictures, at most [`super::MAX_REFERENCES`]. Call before
+    /// [`Renderer::paint`], in the same frame. After an error there are none.
     pub fn set_references(
         &mut self,
         recorder: &mut Recorder,
@@ -173,18 +172,18 @@ impl Renderer {
         if self.passes.layers.shows_references(pictures) {
             return Ok(());
         }
-        // All is drawn again: they may be anywhere.
+        // Draws everything again: they may be anywhere.
         self.stages.cache = None;
         self.passes.layers.set_references(recorder, slot, pictures)
     }
 
-    /// How long a picture may be held up by the normals of a sculpture that was opened: until they are complete
-    /// ([`Renderer::is_complete`]), estimates stand in for them. None: until all are there.
+    /// Sets the longest delay of a picture by the normals of an opened sculpture: until they are complete
+    /// ([`Renderer::is_complete`]), estimates replace them. `None`: until all are computed.
     pub fn set_patience(&mut self, patience: Option<Duration>) {
         self.stages.normals.patience = patience;
     }
 
-    /// Returns whether the last pictures have all normals. If not, the next ones have more.
+    /// Returns whether the last pictures have all normals. If not, the next ones will have more.
     pub fn is_complete(&self) -> bool {
         self.stages.has_all_normals()
     }
@@ -224,7 +223,7 @@ impl Renderer {
         result
     }
 
-    /// Shades the maps just sampled: on the CPU, as points, or on the device, all of them or what has changed.
+    /// Shades the maps just sampled: on the CPU, as points, or on the device, completely or only the changes.
     pub(super) fn shade(
         &mut self,
         recorder: &mut Recorder,
@@ -268,13 +267,12 @@ impl Renderer {
             }
             Shading::Within => {}
         }
-        // The normals of what is shaded are part of it.
+        // The normals are part of the shading.
         stages.times.shade_ms = ms_since(start) + stages.normals.took.as_secs_f32() * 1e3;
         Ok(())
     }
 
-    /// Composes the pictures back to front: only what differs from those of `before`, if they are
-    /// known.
+    /// Composes the pictures back to front, or only the differences from those of `before`, if they are known.
     pub(super) fn compose(
         &mut self,
         recorder: &mut Recorder,

@@ -1,5 +1,4 @@
-//! A frame whose sculpture is sampled, as the passes that shade and draw it see it: eye by eye, with the pixels to
-//! repeat.
+//! A sampled frame for the passes that shade and draw it: eye by eye, with the pixels to repeat.
 //!
 //! Values alone; knows no pass and no device.
 
@@ -21,31 +20,31 @@ pub(super) struct SampledFrame<'a> {
     pub slot: usize,
     pub document: &'a Document,
     pub desc: &'a FrameDesc<'a>,
-    /// How the sculpture is shaded.
+    /// The shading of the sculpture.
     pub shading: Shading,
     pub normals: &'a NormalStage,
     pub cpu: &'a CpuPictures,
     /// The visible rect of each eye.
     pub visible: [PixelRect; MAX_EYES],
-    /// The pictures that are drawn over, if only what differs from them is to be composed.
+    /// The pictures to draw over, if only the differences from them are composed.
     pub before: Option<&'a FrameCache>,
 }
 
-/// What one eye sees of a frame.
+/// One eye's part of a frame.
 pub(super) struct FrameEye<'a> {
     pub eye: &'a Eye,
     pub map: &'a IndexMap,
     /// The pixels to compose.
     pub rects: PixelRects,
-    /// The sculpture in one colour.
+    /// The sculpture in a single colour.
     pub surface: Surface<'a>,
     pub scene: Scene<'a>,
-    /// Its place in the picture, with all pixels.
+    /// Its area in the picture, with all pixels.
     pub view: CompositeEye,
 }
 
 impl<'a> SampledFrame<'a> {
-    /// What the eyes see, one after the other.
+    /// Returns each eye's part of the frame, one after another.
     pub fn eyes(&self) -> impl Iterator<Item = FrameEye<'a>> {
         let SampledFrame { desc, cpu, .. } = *self;
         let eyes = (0..).zip(desc.eyes).zip(&cpu.maps);
@@ -83,7 +82,7 @@ impl<'a> SampledFrame<'a> {
         FrameEye { eye, map, rects, surface: self.surface(eye), scene, view }
     }
 
-    /// Returns the surface of the sculpture in one colour.
+    /// Returns the surface of the sculpture in a single colour.
     pub fn surface(&self, eye: &Eye) -> Surface<'a> {
         let estimates = !self.normals.field().is_complete();
         self.desc.surface(self.document, estimates, eye)

@@ -1,8 +1,8 @@
-//! Finds the voxel of every pixel by any of the samplings, with the device resources that they
-//! need: the copy of bits and colours, the slices' areas, readback.
+//! Finds the voxel of every pixel by any of the samplings, with their device resources: the copy of bits and colours,
+//! the slices' areas, readback.
 //!
-//! The maps end up both in memory, for the software shader and for picking, and on the device, for
-//! the composite, with a layer per eye. Where the device also shades, they stay there.
+//! The maps end up both in memory, for the software shader and for picking, and on the device, for the composite, with
+//! a layer per eye. Where the device also shades, they stay there.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -28,16 +28,16 @@ use crate::view::PixelRays;
 type Whole = fn(&Grid, &PixelRays, &mut IndexMap);
 type InRect = fn(&Grid, &mut IndexMap, PixelRect);
 
-/// What to sample of a document, and in which mode.
+/// The document to sample, and the mode.
 #[derive(Clone, Copy)]
 pub(super) struct SampleRequest<'a> {
     /// One set of rays per eye, all with the same size in pixels.
     pub rays: &'a [PixelRays],
     pub mode: RenderMode,
-    /// How the copy of the document shows the mask.
+    /// The display of the mask by the copy of the document.
     pub mask: Option<MaskShown>,
-    /// The only bricks that have changed since the maps were sampled with the same rays in the same mode; then only the
-    /// pixels that may see them are sampled.
+    /// The only bricks that have changed since the maps were sampled with the same rays in the same mode. Only the
+    /// pixels that may see them are sampled then.
     pub changed: Option<&'a [u32]>,
 }
 
@@ -59,7 +59,7 @@ impl EyeRows {
 
 /// Samples the surface of one document.
 pub struct Sampler {
-    /// Made when first needed: the ray casters do not use it.
+    /// Created when first needed: the ray casters do not use it.
     copy: Option<DeviceCopy>,
     passes: SamplingPasses,
     readbacks: [IndexReadback; MAX_EYES],
@@ -68,14 +68,14 @@ pub struct Sampler {
     staging: Staging,
     /// The parts of the maps in memory that are not yet on the device.
     pending: [Pending; MAX_EYES],
-    /// The visible rects: nothing is seen outside of them.
+    /// The visible rects: nothing is visible outside of them.
     visible: [PixelRect; MAX_EYES],
     read_back_ms: Option<f32>,
     device_ms: Option<f32>,
     device: Arc<Device>,
 }
 
-/// Maps on the device, and what is known of them.
+/// Maps on the device, and their state.
 pub(super) struct DeviceMaps {
     maps: Option<IndexTarget>,
     pending: [Pending; MAX_EYES],
@@ -92,7 +92,7 @@ impl Default for DeviceMaps {
     }
 }
 
-/// The passes that sample on the device, made when first needed.
+/// The passes that sample on the device, created when first needed.
 #[derive(Default)]
 struct SamplingPasses {
     slicing: Option<Slicing>,
@@ -177,12 +177,11 @@ impl Sampler {
         Some((&copy.volume, copy.colours.as_ref()))
     }
 
-    /// Fills `maps` with what the rays of `request` see of the document. A map without other owners
-    /// keeps its allocation. Where the device also shades, the maps are not known in memory
-    /// ([`IndexMap::is_known`]).
+    /// Fills `maps` with the voxels that the rays of `request` see. A map without other owners keeps its allocation. If
+    /// the device also shades, the maps are not known in memory ([`IndexMap::is_known`]).
     ///
-    /// `smooth`: the surface to sample instead of the voxels, whatever the mode's own sampling is. Where it is on the
-    /// device, this brings only the copy of the document up to date, and the passes that draw do the rest.
+    /// `smooth`: the surface to sample instead of the voxels, whatever the mode's own sampling is. If it is on the
+    /// device, this only updates the copy of the document; the passes that draw do the rest.
     pub(super) fn sample(
         &mut self,
         document: &mut Document,
@@ -341,7 +340,7 @@ impl Sampler {
         tasks
     }
 
-    /// Copies to `maps` what the submission `serial` of frame `slot` has read back.
+    /// Copies the maps that the submission `serial` of frame `slot` has read back to `maps`.
     fn fetch_maps(
         &mut self,
         tasks: &[Option<EyeTask>; MAX_EYES],
@@ -360,19 +359,19 @@ impl Sampler {
         Ok(())
     }
 
-    /// Returns the time of reading back the maps sampled last, in milliseconds; none if they were not read back.
+    /// Returns the time to read back the maps sampled last, in milliseconds; `None` if they were not read back.
     pub fn read_back_ms(&self) -> Option<f32> {
         self.read_back_ms
     }
 
-    /// Returns the device's time for the maps, in milliseconds, without upload and readback: for those sampled last, or
-    /// if they stay on the device, for the last that it is known to have finished. None if it does not sample or has no
+    /// Returns the device's time for the maps, in milliseconds, without upload and readback: of the maps sampled last,
+    /// or if they stay on the device, of the last ones known to be finished. `None` if it does not sample or has no
     /// time stamps.
     pub fn device_ms(&self) -> Option<f32> {
         self.device_ms
     }
 
-    /// The same for the maps sampled last, in `mode`, for a caller that has waited for them.
+    /// Returns that time for the maps sampled last, in `mode`. The caller must have waited for them.
     pub fn device_ms_when_done(&self, mode: RenderMode) -> Result<Option<f32>> {
         let timer = self.copy.as_ref().and_then(|copy| copy.timer.as_ref());
         match (mode.sampling(), timer) {
@@ -381,8 +380,7 @@ impl Sampler {
         }
     }
 
-    /// Drops the device's copy: after an error that may have left it out of date, or when another
-    /// document follows.
+    /// Drops the device's copy: after an error that may have left it out of date, or before another document.
     pub fn forget_copy(&mut self) {
         self.copy = None;
         self.device_ms = None;

@@ -1,8 +1,8 @@
 //! The parts shared by the passes that draw a sculpture to a target: the background, a descriptor set for each frame in
 //! flight and eye, the layout of their pipelines, and the recording of a draw.
 //!
-//! Takes the bindings and push constants of a pass when it is made; in a frame the images that its shaders read,
-//! a pipeline and the eye's place on the target. Does not know what a pass draws.
+//! Takes the bindings and push constants of a pass when it is made; in a frame the images that its shaders read, a
+//! pipeline and the eye's place on the target. Does not know the contents of a pass.
 
 use std::sync::Arc;
 
@@ -16,10 +16,10 @@ use crate::gpu::{
     PipelineLayout, Recorder, Result, SetLayout,
 };
 
-/// Images that the shaders of a pass read, at most.
+/// Most images read by the shaders of a pass.
 const MAX_IMAGES: usize = 2;
 
-/// An image that the shaders read, where they find it, and its view for one eye.
+/// An image read by the shaders, its binding, and its view for one eye.
 pub(super) struct Input<'a> {
     pub binding: u32,
     pub image: &'a Image,
@@ -40,8 +40,8 @@ pub(super) struct ScreenPass {
 }
 
 impl ScreenPass {
-    /// For targets of `format` with a D32 depth buffer and up to `eyes` eyes. `push` is the type of the push
-    /// constants, `stages` those that read them.
+    /// Creates one for targets of `format` with a D32 depth buffer and up to `eyes` eyes. `push` is the type of the
+    /// push constants, `stages` those that read them.
     pub fn new<Push: Pod>(
         device: &Arc<Device>,
         name: &'static str,
@@ -93,7 +93,7 @@ impl ScreenPass {
         self.slot * self.eyes as usize + eye as usize
     }
 
-    /// Writes the images that shaders read for `eye` to its set, unless they stand there already.
+    /// Writes the images that shaders read for `eye` to its set, unless they are there already.
     pub fn write_inputs<const N: usize>(&mut self, eye: u32, inputs: [Input<'_>; N]) {
         const { assert!(N <= MAX_IMAGES) };
         let set = self.set(eye);
@@ -117,7 +117,8 @@ impl ScreenPass {
         self.background.draw(recorder, view);
     }
 
-    /// Draws `vertices` vertices with the set of the eye of `view`, where that shows the sculpture, within rendering.
+    /// Draws `vertices` vertices with the set of the eye of `view` in the visible part of the sculpture, within
+    /// rendering.
     pub fn draw<Push: Pod>(
         &self,
         recorder: &mut Recorder,

@@ -1,8 +1,7 @@
-//! The passes that shade a sculpture on the device and draw it to pictures, one for each kind of shading. On a device
-//! that is this processor, background and sculpture are computed and copied where they can be
-//! ([`super::software_composite`]).
+//! The passes that shade a sculpture on the device and draw it to pictures, one for each kind of shading. On a software
+//! device, background and sculpture are computed and copied if possible ([`super::software_composite`]).
 //!
-//! Takes a [`SampledFrame`]; what lies around the sculpture is drawn by [`Layers`].
+//! Takes a [`SampledFrame`]; [`Layers`] draws everything around the sculpture.
 
 use std::sync::Arc;
 
@@ -26,7 +25,7 @@ use crate::surface::{PixelRects, changed_pixels};
 /// See the module text.
 pub(super) struct SculpturePasses {
     pub composite: Composite,
-    /// The passes of some modes, made when first needed.
+    /// The passes of some modes, created when first needed.
     software_composite: Option<SoftwareComposite>,
     points: Option<Points>,
     surface_shade: Option<SurfaceShade>,
@@ -36,7 +35,7 @@ pub(super) struct SculpturePasses {
 }
 
 impl SculpturePasses {
-    /// For pictures of `format`.
+    /// Creates one for pictures of `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<SculpturePasses> {
         Ok(SculpturePasses {
             composite: Composite::new(device, format, MAX_EYES as u32)?,
@@ -49,7 +48,7 @@ impl SculpturePasses {
         })
     }
 
-    /// Shades the maps on the device, all of them or what has changed.
+    /// Shades the maps on the device, completely or only the changes.
     pub fn shade(
         &mut self,
         recorder: &mut Recorder,
@@ -116,8 +115,8 @@ impl SculpturePasses {
         }
     }
 
-    /// Composes by [`SoftwareComposite`]. The layout of pixels: whether blue comes first, and whether the device encodes
-    /// them.
+    /// Composes with [`SoftwareComposite`]. The layout of pixels: whether blue comes first, and whether the device
+    /// encodes them.
     fn compute(
         &mut self,
         recorder: &mut Recorder,
@@ -158,7 +157,7 @@ impl SculpturePasses {
         Ok(())
     }
 
-    /// Draws shaded pictures, which are on the device, by their maps.
+    /// Draws shaded pictures, which are on the device, using their maps.
     fn draw_shaded(
         &mut self,
         recorder: &mut Recorder,
@@ -210,7 +209,7 @@ impl SculpturePasses {
         Ok(())
     }
 
-    /// Draws by the pass that samples and lights, too.
+    /// Draws with the pass that also samples and lights.
     fn draw_within(
         &mut self,
         recorder: &mut Recorder,

@@ -25,7 +25,7 @@ pub(super) const UNIFORMS: u32 = 5;
 pub(super) const NORMALS: u32 = 7;
 pub(super) const MATCAP: u32 = 8;
 
-/// A sculpture and how it is lit, for one eye.
+/// A sculpture and its lighting, for one eye.
 #[derive(Clone, Copy)]
 pub struct Surface<'a> {
     /// Size of the grid in voxels.
@@ -33,9 +33,9 @@ pub struct Surface<'a> {
     /// None: every voxel has the base colour.
     pub colours: Option<&'a Colours>,
     pub base: Rgb,
-    /// The normals that are looked up when the device shades the surface.
+    /// The normals for shading on the device.
     pub normals: Option<&'a Normals>,
-    /// Normals are incomplete, and estimates stand in for missing ones.
+    /// Normals are incomplete: estimates replace missing ones.
     pub estimates: bool,
     pub pose: ShadePose,
     pub lighting: &'a Lighting,
@@ -64,9 +64,9 @@ impl Surface<'_> {
 pub(super) struct Uniforms {
     staging: Staging,
     align: u64,
-    /// Bound where there are no colours.
+    /// Bound if there are no colours.
     nothing: Buffer,
-    /// The matcaps in use since the start: few, as [`Matcap`] says.
+    /// The matcaps used since the start: few, as [`Matcap`] says.
     matcaps: Vec<(Matcap, Buffer)>,
     device: Arc<Device>,
 }

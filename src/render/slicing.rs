@@ -1,10 +1,8 @@
-//! The slicing pass: the areas of a grid, drawn layer by layer from front to back, give an index
-//! map.
+//! The slicing pass: the areas of a grid, drawn layer by layer from front to back, give an index map.
 //!
-//! After J. Mueller's slicing core (2005), with two changes. A fragment does not read one texel on
-//! the middle plane of its slice but walks the voxels that its ray crosses within the layer, so
-//! that the map equals the ray caster's. And a layer may be thicker than one voxel, which needs
-//! fewer fragments.
+//! After J. Mueller's slicing core (2005), with two changes. Instead of reading one texel on the middle plane of its
+//! slice, a fragment walks the voxels that its ray crosses within the layer, so that the map equals the ray caster's. A
+//! layer may be thicker than one voxel, which takes fewer fragments.
 //!
 //! Takes a volume, the areas along its axes and the rays of an eye; fills an [`IndexTarget`].
 
@@ -36,7 +34,7 @@ pub struct Slicing {
     instances: Vec<SliceInstance>,
     slot: usize,
     margin_px: f32,
-    /// Thickness of a layer in voxels; that of a slab if not set.
+    /// Thickness of a layer in voxels; `None`: that of a slab.
     thickness: Option<u32>,
 }
 
@@ -102,9 +100,8 @@ impl Slicing {
         }
     }
 
-    /// Draws the part of an index map that `task` describes, of the volume given to
-    /// [`Slicing::begin`]. `areas` must be up to date with it. Leaves the map in the layout of
-    /// [`crate::gpu::Use::COLOUR_TARGET`].
+    /// Draws the part of an index map described by `task`, of the volume given to [`Slicing::begin`]. `areas` must be
+    /// up to date with it. Leaves the map in the layout of [`crate::gpu::Use::COLOUR_TARGET`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
@@ -151,13 +148,12 @@ fn instance(rect: &LayerRect) -> SliceInstance {
     }
 }
 
-/// Returns how far the device may draw a corner off its position, in pixels: its sub-pixel precision.
+/// Returns the largest displacement of a corner by the device, in pixels: its sub-pixel precision.
 pub(super) fn corner_margin_px(device: &Device) -> f32 {
     0.5f32.powi(device.limits().sub_pixel_precision_bits as i32)
 }
 
-/// Rows that take `p - origin` of a point p to its clip x, y and w. `None` if the rays do not span
-/// a picture.
+/// Returns rows that map `p - origin` of a point p to its clip x, y and w; `None` if the rays do not span a picture.
 pub(super) fn clip_rows(rays: &PixelRays) -> Option<[Vec3; 3]> {
     let columns =
         DMat3::from_cols(rays.step_x.as_dvec3(), rays.step_y.as_dvec3(), rays.corner.as_dvec3());
@@ -173,7 +169,7 @@ pub(super) fn clip_rows(rays: &PixelRays) -> Option<[Vec3; 3]> {
     Some([clip_x, clip_y, rows.z_axis].map(|row| row.as_vec3()))
 }
 
-/// `None` if the rays do not span a picture.
+/// Returns the push constants; `None` if the rays do not span a picture.
 fn slice_view(
     rays: &PixelRays,
     volume: &Volume,

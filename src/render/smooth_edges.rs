@@ -1,9 +1,9 @@
 //! Smooths the edges of pictures that are not refined: those of moving ones, and of a headset. One pass between the
 //! sculpture, which is drawn to an image of its own, and tools and lines, which stay sharp.
 //!
-//! Edges are where the depth leaps by more than some voxels, so colours of the surface are not blurred. Works on the
-//! pictures of every render mode, and on each eye alone. For GPUs: lavapipe runs the search for the ends of steps at
-//! every pixel, not only at edges, which takes some 60 ms for 640x480 pixels on two cores.
+//! Edges are jumps of the depth by more than some voxels, so colours of the surface are not blurred. Works on the
+//! pictures of every render mode, and on each eye separately. For GPUs: lavapipe runs the search for the ends of steps
+//! at every pixel, not only at edges, which takes some 60 ms for 640x480 pixels on two cores.
 
 use std::sync::Arc;
 
@@ -19,12 +19,12 @@ use crate::gpu::{
     PipelineLayout, Recorder, Result, SetLayout, Use, shaders,
 };
 
-/// How far from a pixel those are that its colour depends on.
+/// Distance within which other pixels affect the colour of a pixel.
 pub(super) const REACH_PX: u32 = 14;
-/// Two surfaces are at least so many voxels apart.
+/// Least distance between two separate surfaces, in voxels.
 const LEAP_VX: f32 = 10.0;
 
-/// The pass, and the pictures before it.
+/// The pass, and its input pictures.
 pub(super) struct SmoothEdges {
     pipeline: Pipeline,
     sets: DescriptorSets,
@@ -38,7 +38,7 @@ pub(super) struct SmoothEdges {
 }
 
 impl SmoothEdges {
-    /// For pictures of `format`.
+    /// Creates one for pictures of `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<SmoothEdges> {
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let name = "smooth edges";
@@ -60,7 +60,7 @@ impl SmoothEdges {
         })
     }
 
-    /// Starts a frame that uses `slot` ([`crate::gpu::Frames::slot`]) and makes `pictures`.
+    /// Starts a frame of `pictures` that uses `slot` ([`crate::gpu::Frames::slot`]).
     pub fn begin(&mut self, slot: usize, pictures: &Pictures) -> Result<()> {
         self.slot = slot % FRAMES_IN_FLIGHT;
         let (size, eyes) = (pictures.colour.size(), pictures.colour.eyes());
@@ -75,7 +75,7 @@ impl SmoothEdges {
         Ok(())
     }
 
-    /// Starts drawing the sculpture to the pixels of `view`, with the depth of `pictures`, as [`Pictures::begin`].
+    /// Starts drawing the sculpture to the pixels of `view`, with the depth of `pictures`, like [`Pictures::begin`].
     pub fn begin_sculpture(
         &mut self,
         recorder: &mut Recorder,
@@ -88,7 +88,7 @@ impl SmoothEdges {
         std::mem::swap(sharp, &mut pictures.colour);
     }
 
-    /// Ends it, draws the pixels of `view` with smooth edges to `pictures`, and goes on drawing over them.
+    /// Ends it, draws the pixels of `view` with smooth edges to `pictures`, and continues drawing over them.
     pub fn finish(
         &mut self,
         recorder: &mut Recorder,
@@ -120,7 +120,7 @@ impl SmoothEdges {
         recorder.bind_set(&self.pipeline, self.sets.set(set));
         let columns = Mat3::from(world_from_grid.matrix3).to_cols_array_2d();
         let voxel = columns.map(|column| glam::Vec3::from(column).length()).into_iter();
-        // A way through the depth changes the nearness by its square over the near plane's distance.
+        // A step in depth changes the nearness by its square over the near plane's distance.
         let leap = LEAP_VX * voxel.fold(0.0, f32::max) / projection.w_axis.z;
         let view = EdgesView { size: size.to_array(), leap, linear: self.linear.into() };
         recorder.push(self.pipeline.layout(), &view);

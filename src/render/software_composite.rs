@@ -1,9 +1,9 @@
 //! Composition on a software device: colours and depths are computed by [`Composition`] and copied to the pictures. A
-//! device that is this processor would take several times as long to draw them, and the maps and shaded pictures would
-//! have to be copied to it, too.
+//! software device would take several times as long to draw them, and would also need copies of the maps and shaded
+//! pictures.
 //!
-//! Takes the samples and the shading that the CPU has computed; leaves the pictures as drawing would. Anything over the
-//! sculpture is drawn as ever.
+//! Takes the samples and the shading of the CPU; leaves the pictures as drawing would. Everything over the sculpture is
+//! drawn as usual.
 
 use std::sync::Arc;
 
@@ -20,8 +20,8 @@ pub(super) struct SoftwareComposite {
     staging: Staging,
 }
 
-/// Returns how pixels of a format are stored: whether blue comes first, and whether the device encodes them. None of
-/// formats that are not stored in a byte for each channel.
+/// Returns the storage of pixels of a format: whether blue comes first, and whether the device encodes them; `None` for
+/// formats without a byte per channel.
 pub(super) fn layout_of(format: vk::Format) -> Option<(bool, bool)> {
     let is_bgra = match format {
         vk::Format::R8G8B8A8_UNORM

@@ -15,16 +15,16 @@ const SEGMENTS: usize = 96;
 /// Segments along each half of an edge of a rounded cuboid, an eighth of a circle.
 const EDGE_SEGMENTS: usize = SEGMENTS / 8;
 
-/// A corner of a triangle. With half extents `round` of the rounding ellipsoid it lies at
-/// `core * (1 - round) + offset * round`.
+/// A corner of a triangle. With half extents `round` of the rounding ellipsoid, it is at `core * (1 - round) + offset *
+/// round`.
 #[derive(Clone, Copy, PartialEq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Vertex {
     /// The point of the core; 0 where there is none.
     pub core: [f32; 3],
-    /// The point of the ellipsoid, as one of the unit ball; else the vertex itself.
+    /// The point of the ellipsoid, on the unit ball; without a core, the vertex itself.
     pub offset: [f32; 3],
-    /// The normal where `round` is 1; else it is to be divided by it, axis by axis.
+    /// The normal where `round` is 1; otherwise divide it by `round`, axis by axis.
     pub normal: [f32; 3],
 }
 
@@ -54,7 +54,7 @@ pub fn triangles(body: &Body) -> Vec<[Vertex; 3]> {
     }
 }
 
-/// Returns how far the triangles lie within the solid at most, in tool space.
+/// Returns the largest depth of the triangles within the solid, in tool space.
 pub fn sagitta(body: &Body) -> f32 {
     match body {
         Body::Faces { .. } => 0.0,
@@ -66,7 +66,7 @@ pub fn sagitta(body: &Body) -> f32 {
 /// A point of a profile with its normal.
 type ProfileStep = (ProfilePoint, Vec2);
 
-/// Returns the steps of a profile; arcs about different points are connected.
+/// Returns the steps of a profile. Joins arcs about different points.
 fn steps(profile: &[Stretch]) -> Vec<[ProfileStep; 2]> {
     let mut out: Vec<[ProfileStep; 2]> = Vec::new();
     for stretch in profile {
@@ -89,7 +89,7 @@ fn steps(profile: &[Stretch]) -> Vec<[ProfileStep; 2]> {
     out
 }
 
-/// Returns the triangles that a profile, from the top down along the outside, sweeps around the y axis.
+/// Returns the triangles that a profile (from the top down along the outside) sweeps around the y axis.
 fn revolved(profile: &[[ProfileStep; 2]]) -> Vec<[Vertex; 3]> {
     let at = |(p, normal): ProfileStep, segment: usize| {
         let (sin, cos) = (TAU * segment as f32 / SEGMENTS as f32).sin_cos();
@@ -124,10 +124,9 @@ fn faces() -> impl Iterator<Item = [Vec3; 3]> {
     })
 }
 
-/// Returns the faces of a cube, each bent over its edges up to where it meets its neighbours, a corner of the core at a
-/// time.
+/// Returns the faces of a cube, each bent over its edges up to its neighbours, a corner of the core at a time.
 fn rounded_cuboid() -> Vec<[Vertex; 3]> {
-    // Tangents of the angles from the face's middle, and which side of the core they belong to.
+    // Tangents of the angles from the face's middle, and the side of the core that they belong to.
     let stops: Vec<(f32, f32)> = [-1.0, 1.0]
         .into_iter()
         .flat_map(|side: f32| {
@@ -170,8 +169,8 @@ mod tests {
         Vec3::from(vertex.core) * (1.0 - round) + Vec3::from(vertex.offset) * round * offset_scale
     }
 
-    /// Every mesh lies on the surface of the solid that the tool computes with, is closed, and
-    /// faces outwards.
+    /// Checks that every mesh lies on the surface of the solid that the tool computes with, is closed, and faces
+    /// outwards.
     #[test]
     fn meshes_are_the_surfaces_of_the_solids() {
         let third = 1.0 / 3.0;
@@ -181,7 +180,7 @@ mod tests {
             (Solid::Pyramid, Vec3::ONE, 8.0 / 3.0),
             (Solid::Cylinder, Vec3::ONE, TAU),
             (Solid::Cone, Vec3::ONE, TAU / 3.0),
-            // In tool space the tube is stretched by what the solid is flatter than wide.
+            // In tool space the tube is stretched by the flatness of the solid.
             (Solid::Torus, Vec3::ONE, 2.0 * PI * PI * (2.0 * third) * third * third),
             (Solid::Torus, Vec3::new(4.0, 0.4, 4.0), 2.0 * PI * PI * 0.9 * 0.1),
             (Solid::Capsule, Vec3::new(1.0, 2.0, 1.0), PI + 2.0 / 3.0 * PI),

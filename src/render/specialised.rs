@@ -1,10 +1,9 @@
-//! Pipelines of one pass with different specialization constants, made when first needed.
+//! Pipelines of one pass with different specialization constants, created when first needed.
 //!
-//! A branch on such a constant costs nothing. No branch may depend on a uniform: lavapipe would run
-//! both sides, and that of Mesa 22 clones and compiles the shader for every picture and keeps all
-//! copies. So a value that changes while looking, such as the position of a lamp or its intensity,
-//! is a uniform; whether something exists is a constant. Constants should have few different
-//! values.
+//! A branch on such a constant costs nothing. No branch may depend on a uniform: lavapipe would run both sides, and
+//! that of Mesa 22 clones and compiles the shader for every picture and keeps all copies. Therefore a value that
+//! changes continuously, such as the position of a lamp or its intensity, is a uniform; the existence of a feature is a
+//! constant. Constants should have few different values.
 
 use crate::gpu::Result;
 
@@ -18,7 +17,7 @@ impl<const N: usize, P> Specialised<N, P> {
         Specialised { made: Vec::new() }
     }
 
-    /// Returns the pipeline with `constants`, made by `make` if it does not exist.
+    /// Returns the pipeline with `constants`, created by `make` if it does not exist.
     pub fn get(
         &mut self,
         constants: [u32; N],

@@ -1,8 +1,8 @@
-//! The stages of a renderer's pictures: what has changed since the last ones, how far normals, smooth surface and
-//! refinement have come, and the times that all took.
+//! The stages of a renderer's pictures: the changes since the last ones, the progress of normals, smooth surface and
+//! refinement, and the times.
 //!
-//! Follows one document. Says what is to be repeated and what is outstanding; the passes draw. Where the device finds the
-//! smooth surface, that is recorded with the passes that draw, in the frames of the screen: by then the device's copy of
+//! Follows one document. Decides what to repeat and what is outstanding; the passes draw. If the device finds the
+//! smooth surface, that is recorded with the passes that draw, in the frames of the screen, when the device's copy of
 //! the normals is up to date.
 
 use std::sync::Arc;
@@ -26,7 +26,7 @@ pub(super) struct Stages {
     pub changed: Vec<u32>,
     pub normals: NormalStage,
     pub levels: LevelStage,
-    /// The values that the pictures were made from; none while they are incomplete.
+    /// The values from which the pictures were made; `None` while they are incomplete.
     pub cache: Option<FrameCache>,
     pub refinement: Refinement,
     pub times: RenderTimes,
@@ -49,7 +49,7 @@ impl Stages {
         })
     }
 
-    /// Discards what is known of the pictures. They are drawn from scratch.
+    /// Discards all state of the pictures, which are drawn from scratch.
     pub fn forget_pictures(&mut self) -> Result<()> {
         self.cache = None;
         self.refinement.forget();
@@ -58,7 +58,7 @@ impl Stages {
         Ok(())
     }
 
-    /// Collects the bricks that have changed since the last picture; false if all may have.
+    /// Collects the bricks that have changed since the last picture. Returns false if all may have.
     pub fn drain_changes(&mut self, document: &mut Document) -> bool {
         let changed = &mut self.changed;
         document.drain_changes_for(&self.subscriber, |_, bricks| {
@@ -68,15 +68,14 @@ impl Stages {
         })
     }
 
-    /// Returns whether there are normals to compute, and those of bricks that the next picture does not show are put
-    /// off.
+    /// Returns whether there are normals to compute and those of invisible bricks are deferred.
     pub fn defers_normals(&self, document: &Document, desc: &FrameDesc) -> bool {
         (!self.changed.is_empty() || self.normals.has_deferred())
             && self.can_defer_normals(document, desc)
     }
 
-    /// Returns whether the normals of bricks that the next picture does not show can be put off: where the CPU shades
-    /// the voxels of index maps in memory.
+    /// Returns whether the normals of invisible bricks can be deferred: if the CPU shades the voxels of index maps in
+    /// memory.
     fn can_defer_normals(&self, document: &Document, desc: &FrameDesc) -> bool {
         let smooth =
             desc.is_smooth(SmoothSurface::Always, document.contents(), self.device.is_software());
@@ -101,12 +100,12 @@ impl Stages {
         self.normals.field().is_complete()
     }
 
-    /// Returns whether the last pictures have all normals, and the smooth surface if they are to show it.
+    /// Returns whether the last pictures have all normals, and the smooth surface if they should show it.
     pub fn is_complete(&self) -> bool {
         self.has_all_normals() && !self.levels.is_pending()
     }
 
-    /// Brings the smooth surface up to date for pictures of `desc`. Returns [`LevelStage::state`].
+    /// Updates the smooth surface for pictures of `desc`. Returns [`LevelStage::state`].
     pub fn follow_surface(
         &mut self,
         document: &Document,
@@ -124,7 +123,7 @@ impl Stages {
         Ok(self.levels.state())
     }
 
-    /// Decides whether the samples of refined pictures, which are made next, show the surface.
+    /// Decides whether the samples of refined pictures, made next, show the surface.
     pub fn show_surface(
         &mut self,
         document: &Document,
@@ -140,12 +139,12 @@ impl Stages {
         LevelWish { wanted, device, patience: self.normals.patience }
     }
 
-    /// Returns how pictures of `mode` are shaded: where the device finds the smooth surface, from an index map there.
+    /// Returns the shading of pictures of `mode`: from an index map on the device if that finds the smooth surface.
     pub fn shading(&self, mode: RenderMode) -> Shading {
         if self.levels.is_on_device() { Shading::Device } else { mode.shading() }
     }
 
-    /// Asks the device for the smooth surface in `maps`, just sampled, or what has changed of it. `visible`: the visible
+    /// Requests the smooth surface from the device in `maps`, just sampled, or only its changes. `visible`: the visible
     /// rect of each eye.
     pub fn ask_for_surface(
         &mut self,
@@ -167,13 +166,13 @@ impl Stages {
         }
     }
 
-    /// Asks the device for the smooth surface in some rows of a map, and for nothing else.
+    /// Requests the smooth surface from the device in some rows of a map, and nothing else.
     pub fn ask_for_rows(&mut self, rows: &EyeRows, sample: u32, visible: PixelRect) {
         let part = EyeTask { eye: rows.eye as u32, rays: rows.rays, scissor: rows.rect(), visible };
         self.levels.ask_device_only(LevelTask { part, sample });
     }
 
-    /// Records what the device was asked for. `maps` are those of the last sampling.
+    /// Records the requests to the device. `maps` are those of the last sampling.
     pub fn march_to_surface(
         &mut self,
         recorder: &mut Recorder,

@@ -1,7 +1,7 @@
-//! Draws the pictures of two eyes, and the interface over them, to one screen, in any
-//! [`StereoLayout`]. [`StereoLayout::pixel`] is its twin on the CPU.
+//! Draws the pictures of two eyes, and the interface over them, to one screen, in any [`StereoLayout`].
+//! [`StereoLayout::pixel`] is its twin on the CPU.
 //!
-//! Takes images; does not know what they show.
+//! Takes images; does not know their contents.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub struct StereoSources<'a> {
     pub pictures: &'a EyeImage,
     /// Their upper left corner in the window, in pixels.
     pub corner: IVec2,
-    /// The interface, premultiplied, of the size of the window.
+    /// The interface, premultiplied, with the size of the window.
     pub interface: &'a EyeImage,
 }
 
@@ -41,7 +41,7 @@ pub struct Stereo {
 }
 
 impl Stereo {
-    /// For targets of `format`.
+    /// Creates one for targets of `format`.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Stereo> {
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let image = vk::DescriptorType::SAMPLED_IMAGE;
@@ -73,8 +73,8 @@ impl Stereo {
         }
     }
 
-    /// Fills a target of the size of the window, within rendering. With [`StereoLayout::Layers`]
-    /// the target is that of `eye`.
+    /// Fills a target with the size of the window, within rendering. With [`StereoLayout::Layers`] the target is that
+    /// of `eye`.
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,

@@ -17,7 +17,7 @@ pub const CONVERGENCE_PERCENT: RangeInclusive<f32> = 20.0..=400.0;
 pub struct StereoOptions {
     pub layout: StereoLayout,
     pub eye_distance_mm: f32,
-    /// Between the eyes and the screen.
+    /// Distance between the eyes and the screen.
     pub viewing_distance_mm: f32,
     pub convergence_percent: f32,
     pub swap_eyes: bool,

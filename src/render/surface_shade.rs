@@ -1,8 +1,7 @@
-//! Shading on the device: a pass that makes the picture of an eye from its index map, which never
-//! leaves the device.
+//! Shading on the device: a pass that makes the picture of an eye from its index map, which never leaves the device.
 //!
-//! The picture equals the software shader's ([`crate::shade::shade`]) up to rounding; alpha is 0
-//! where nothing is seen.
+//! The picture equals the software shader's ([`crate::shade::shade`]) up to rounding; alpha is 0 where nothing is
+//! visible.
 
 use std::sync::Arc;
 
@@ -31,7 +30,7 @@ const SHADERS: PixelShaders = PixelShaders {
     format: PICTURE_FORMAT,
 };
 
-/// The index maps that are shaded, and the pictures of them, of the same size; a layer of both per eye.
+/// The index maps and their pictures, of the same size, with a layer of both per eye.
 pub struct ShadingImages<'a> {
     pub maps: &'a mut IndexTarget,
     pub pictures: &'a mut EyeImage,
@@ -52,7 +51,7 @@ pub struct SurfaceShade {
 }
 
 impl SurfaceShade {
-    /// For up to `eyes` eyes per frame.
+    /// Creates one for up to `eyes` eyes per frame.
     pub fn new(device: &Arc<Device>, stage: PixelStage, eyes: u32) -> Result<SurfaceShade> {
         let inputs = [
             (VOLUME, vk::DescriptorType::SAMPLED_IMAGE),
@@ -84,8 +83,8 @@ impl SurfaceShade {
         self.uniforms.begin(slot);
     }
 
-    /// Records the part of an eye's picture of `volume` that `task` describes. Leaves it in the
-    /// layout of [`Use::SHADER_READ`].
+    /// Records the part of an eye's picture of `volume` described by `task`. Leaves it in the layout of
+    /// [`Use::SHADER_READ`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder,

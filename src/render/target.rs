@@ -13,44 +13,43 @@ use crate::sculpture::NO_VOXEL;
 use crate::surface::{IndexMap, PixelRect};
 use crate::view::PixelRays;
 
-/// The part of an eye's index map or picture that a pass draws.
+/// The part of an eye's index map or picture to draw.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct EyeTask {
     pub eye: u32,
     pub rays: PixelRays,
     /// The pixels to draw; the others keep their contents.
     pub scissor: PixelRect,
-    /// The visible rect: nothing is seen outside of it.
+    /// The visible rect: nothing is visible outside of it.
     pub visible: PixelRect,
 }
 
 impl EyeTask {
-    /// Returns all pixels, with a visible rect of the whole picture.
+    /// Returns a task of all pixels, with a visible rect of the whole picture.
     pub fn whole(eye: u32, rays: PixelRays) -> EyeTask {
         let scissor = PixelRect::of_picture(rays.size);
         EyeTask { eye, rays, scissor, visible: scissor }
     }
 }
 
-/// Index maps on the device: an image of voxel indices and the depth buffer that they are drawn
-/// with.
+/// Index maps on the device: an image of voxel indices and its depth buffer.
 pub struct IndexTarget {
     index: EyeImage,
     depth: EyeImage,
     has_normals: bool,
 }
 
-/// The format of maps that have a normal beside each voxel (shaders/level_march.frag.wgsl).
+/// The format of maps with a normal beside each voxel (shaders/level_march.frag.wgsl).
 pub(super) const MAP_WITH_NORMALS: vk::Format = vk::Format::R32G32_UINT;
 
 impl IndexTarget {
-    /// For pictures of `size` pixels and `eyes` layers.
+    /// Creates one for pictures of `size` pixels and `eyes` layers.
     pub fn new(device: &Arc<Device>, size: UVec2, eyes: u32) -> Result<IndexTarget> {
         let usage = vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_DST;
         IndexTarget::of(device, size, eyes, vk::Format::R32_UINT, usage)
     }
 
-    /// For maps of the smooth surface, which the device alone makes and reads.
+    /// Creates one for maps of the smooth surface, which the device alone makes and reads.
     pub fn with_normals(device: &Arc<Device>, size: UVec2, eyes: u32) -> Result<IndexTarget> {
         IndexTarget::of(device, size, eyes, MAP_WITH_NORMALS, vk::ImageUsageFlags::empty())
     }
@@ -77,7 +76,7 @@ impl IndexTarget {
         self.has_normals
     }
 
-    /// Pixels.
+    /// Returns the size in pixels.
     pub fn size(&self) -> UVec2 {
         self.index.size()
     }
@@ -91,7 +90,7 @@ impl IndexTarget {
         &self.index
     }
 
-    /// Starts drawing the part of an index map that `task` describes, cleared to "no voxel".
+    /// Starts drawing the part of an index map described by `task`, cleared to "no voxel".
     pub fn begin(&mut self, recorder: &mut Recorder, task: &EyeTask) {
         let (eye, scissor) = (task.eye, task.scissor);
         self.index.begin_overwrite_area(
@@ -133,7 +132,7 @@ impl IndexTarget {
         self.index.upload_rows(recorder, eye, piece, rows);
     }
 
-    /// The same, but the other rows keep their contents.
+    /// Uploads rows likewise, but keeps the other rows.
     pub fn update(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
         self.index.update_rows(recorder, eye, piece, rows);
     }
@@ -144,20 +143,20 @@ impl IndexTarget {
     }
 }
 
-/// Index maps being read back, one per frame slot, so that they can be read in the same frame or a
-/// later one. Each comes with the rays that it was made with.
+/// Index maps being read back, one per frame slot, for reading in the same frame or a later one. Each comes with its
+/// rays.
 pub struct IndexReadback {
     readback: Readback,
     tasks: [Option<EyeTask>; crate::gpu::FRAMES_IN_FLIGHT],
 }
 
 impl IndexReadback {
-    /// For one eye.
+    /// Creates one for one eye.
     pub fn new(device: &Arc<Device>) -> IndexReadback {
         IndexReadback { readback: Readback::new(device, "index map"), tasks: Default::default() }
     }
 
-    /// Records the readback of the rows of a map that `task` has drawn.
+    /// Records the readback of the rows of a map drawn by `task`.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,

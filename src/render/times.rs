@@ -11,24 +11,23 @@ use crate::gpu::{Device, Recorder, Result, Timer};
 pub struct RenderTimes {
     /// Sampling, with upload and readback.
     pub sample_ms: f32,
-    /// The part of it for reading back the maps once they were complete; none if they stay on the
-    /// device or are made in memory.
+    /// The part of it that reads back complete maps; `None` if they stay on the device or are made in memory.
     pub read_back_ms: Option<f32>,
     /// The software shader.
     pub shade_ms: f32,
     pub device: DeviceTimes,
 }
 
-/// The device's times of a picture, for all eyes, by its own time stamps, in milliseconds. None for
-/// stages that do not run on the device, and if its queue has no time stamps.
+/// The device's times of a picture, for all eyes, by its own time stamps, in milliseconds. `None` for stages that do
+/// not run on the device, and if its queue has no time stamps.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct DeviceTimes {
     /// Slices or the march, without upload and readback.
     pub sample_ms: Option<f32>,
     /// The shader from index maps to pictures.
     pub shade_ms: Option<f32>,
-    /// The composite, or what draws in its place: points, or the shader that samples and lights;
-    /// with background, tools and lines.
+    /// The composite, or its replacement: points, or the shader that samples and lights; with background, tools and
+    /// lines.
     pub compose_ms: Option<f32>,
 }
 
@@ -45,8 +44,7 @@ impl PictureTimer {
         Ok(PictureTimer { timer: Timer::new(device, "times of pictures")? })
     }
 
-    /// Starts a frame that uses `slot` and draws `mode`. Stores in `times` those of the slot's last
-    /// frame.
+    /// Starts a frame that uses `slot` and draws `mode`. Stores the times of the slot's last frame in `times`.
     pub fn begin(
         &mut self,
         recorder: &mut Recorder,
@@ -71,7 +69,7 @@ impl PictureTimer {
         }
     }
 
-    /// Stores in `times` those of the current frame, which drew `mode`, if it has finished.
+    /// Stores the times of the current frame, which drew `mode`, in `times` if it has finished.
     pub fn latest(&self, mode: RenderMode, times: &mut DeviceTimes) -> Result<()> {
         let Some(timer) = &self.timer else { return Ok(()) };
         note(timer.latest()?, mode, times);
@@ -79,9 +77,9 @@ impl PictureTimer {
     }
 }
 
-/// Takes over the known times; `mode` is the present one.
+/// Adopts the known times; `mode` is the present one.
 fn note([shade_ms, compose_ms]: [Option<f32>; 2], mode: RenderMode, times: &mut DeviceTimes) {
-    // Times of another mode are dropped.
+    // Drops the times of another mode.
     let shades = mode.shading() == Shading::Device;
     times.shade_ms = shade_ms.or(times.shade_ms).filter(|_| shades);
     times.compose_ms = compose_ms.or(times.compose_ms);

@@ -1,9 +1,9 @@
 //! Final pictures on the device: the twin of [`crate::trace::trace`], pass by pass in a compute shader.
 //!
 //! Takes a sculpture, a camera and options; gives the film, whose pixels differ from those of the CPU by rounding, and
-//! where a rounding makes a path take another way. It uploads its own copies of bits, colours and normals and is done
-//! with them at the end, so it shares nothing with what draws windows. The work is submitted in bands of rows, so that no
-//! submission takes long, and cancelling is possible between them.
+//! by paths that rounding diverts. It uploads its own copies of bits, colours and normals and frees them at the end, so
+//! it shares nothing with the rendering of windows. The work is submitted in bands of rows, so that no submission takes
+//! long; it can be cancelled between them.
 
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ const SQUARE_PX: u32 = 8;
 /// Bytes that are read back at once.
 const CHUNK_BYTES: u64 = 8 << 20;
 
-/// Why there is no final picture from a device.
+/// The reason why a device gives no final picture.
 #[derive(Debug, Error)]
 pub enum DeviceTraceError {
     #[error(transparent)]
@@ -74,7 +74,7 @@ struct DeviceTracer {
     pipeline: Pipeline,
     sets: DescriptorSets,
     film: Buffer,
-    // Referred to by the set.
+    // The set refers to it.
     _volume: Volume,
     _colours: Option<Colours>,
     _normals: Normals,
@@ -187,7 +187,7 @@ impl DeviceTracer {
     }
 
     fn record_band(&self, recorder: &mut Recorder, push: &TraceRays, height: u32) {
-        // Each pixel is added to what the pass before it has left; the first pass begins at 0.
+        // Each pixel is added to the result of the pass before; the first pass begins at 0.
         recorder.buffer_barrier(Use::SHADER_WRITE, Use::SHADER_READ);
         recorder.buffer_barrier(Use::SHADER_WRITE, Use::SHADER_WRITE);
         recorder.bind_pipeline(&self.pipeline);

@@ -1,11 +1,11 @@
-//! The device's copy of a grid's bits: a 3D image of `R32G32_UINT`, in which a texel is a word of
-//! 4^3 voxels (low and high 32 bits) and the eight words of a brick follow each other along x. So a
-//! row of bricks has the same bytes in grid and image, and nothing is repacked.
+//! The device's copy of a grid's bits: a 3D image of `R32G32_UINT`, in which a texel is a word of 4^3 voxels (low and
+//! high 32 bits) and the eight words of a brick follow each other along x. A row of bricks has the same bytes in grid
+//! and image, so nothing is repacked.
 //!
 //! The dilated occupancy ([`super::dilated_occupancy_image`]) belongs to it.
 //!
-//! It is uploaded as a whole at first, and afterwards by boxes with the bricks that changed
-//! ([`super::brick_boxes`]). Knows no colours and no history: undo is a change like any other.
+//! It is uploaded as a whole at first, and afterwards by boxes with the bricks that changed ([`super::brick_boxes`]).
+//! Knows no colours and no history: undo is a change like any other.
 
 use std::sync::Arc;
 
@@ -65,8 +65,8 @@ impl Volume {
     }
 
     /// Updates the copy with `changed` bricks (as from [`crate::document::Document::drain_changes`]; `None` means all,
-    /// perhaps of another size). The copies are recorded in `recorder`, for frame `slot`; data beyond the capacity of
-    /// a frame are uploaded at once. After an error the copy is out of date.
+    /// perhaps of another size). Records the copies in `recorder`, for frame `slot`; uploads data beyond the capacity
+    /// of a frame at once. After an error the copy is out of date.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,
@@ -109,7 +109,7 @@ impl Volume {
         self.dilated.image()
     }
 
-    /// Returns size of the grid in voxels.
+    /// Returns the size of the grid in voxels.
     pub fn dims(&self) -> UVec3 {
         self.dims
     }
@@ -185,8 +185,7 @@ impl Volume {
     }
 }
 
-/// Writes the bricks of `boxes` to `target`, one box after the other, and their copies to the image
-/// to `copies`.
+/// Writes the bricks of `boxes` to `target`, one box after another, and their copies to the image to `copies`.
 fn pack(grid: &Grid, boxes: &[BrickBox], target: &mut [u8], copies: &mut Vec<vk::BufferImageCopy>) {
     copies.clear();
     let mut offset = 0;

@@ -1,9 +1,8 @@
-//! Warm-up of a renderer: compiles the pipelines of its first picture in advance, on a thread that
-//! may wait.
+//! Warm-up of a renderer: compiles the pipelines of its first picture in advance, on a thread that may block.
 //!
-//! Takes the properties of a picture that select pipelines and specialization constants. Renders a
-//! small picture with them and waits for it. So no pass can be missed, and drivers that compile
-//! shaders at the first draw call have done so, too. Knows no window and no headset.
+//! Takes the properties of a picture that select pipelines and specialization constants. Renders a small picture with
+//! them and waits for it, so that no pass is missed and drivers compile even shaders that they defer to the first draw
+//! call. Knows no window and no headset.
 
 use std::time::{Duration, Instant};
 
@@ -37,8 +36,8 @@ pub struct WarmUp {
 }
 
 impl WarmUp {
-    /// Creates all pipelines of such pictures of `renderer`, for one eye or two, including the tool preview and lines,
-    /// and of refining them, but not of video and ground. Waits for the device. The next picture is drawn from scratch.
+    /// Creates all pipelines of such pictures of `renderer`, for one eye or two, including tool preview, lines and
+    /// refinement, but not video and ground. Waits for the device. The next picture is drawn from scratch.
     pub fn run(&self, renderer: &mut Renderer) -> Result<()> {
         let begun = Instant::now();
         let mut document = document(self.depth)?;
@@ -83,8 +82,8 @@ impl WarmUp {
         let (samples, at_once) = renderer.stages.refinement.policy();
         renderer.set_refinement(2);
         renderer.refine_at_once(true);
-        // With estimates of normals, which are another pipeline, with all normals, and the samples of the mean; last
-        // the smooth surface.
+        // With estimates of normals, which take another pipeline, with all normals, and the samples of the mean;
+        // finally the smooth surface.
         let (never, smooth) = (SmoothSurface::Never, SmoothSurface::on_screen(true));
         for (patience_here, smooth_surface) in [
             (Some(Duration::ZERO), never),

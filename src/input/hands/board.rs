@@ -6,9 +6,9 @@ use glam::{Quat, Vec2, Vec3};
 use super::Change;
 use crate::view::Pose;
 
-/// From the palm to the middle of the board's lower edge, in the hand's space, in metres.
+/// Offset from the palm to the middle of the board's lower edge, in the hand's space, in metres.
 const ABOVE_HAND_M: Vec3 = Vec3::new(0.0, 0.06, -0.04);
-/// How far the board tilts from upright towards the hand's own tilt.
+/// Tilt of the board from upright towards the hand's own tilt.
 const LEAN_RAD: f32 = -0.35;
 /// Length of the ray, in metres.
 const REACH_M: f32 = 3.0;
@@ -22,10 +22,10 @@ pub struct Board {
     pub size_m: Vec2,
 }
 
-/// Where a ray hits a board.
+/// The hit of a ray on a board.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Hit {
-    /// From the upper left corner, 0 to 1 each.
+    /// Position from the upper left corner, 0 to 1 each.
     pub at: Vec2,
     /// In metres of the room.
     pub point: Vec3,
@@ -48,12 +48,12 @@ impl Board {
         Board { pose: grip.then(&foot).then(&middle), size_m }
     }
 
-    /// Returns where the ray of a hand hits the front of the board, if it does.
+    /// Returns the hit of a hand's ray on the front of the board, if there is one.
     pub fn hit(&self, aim: &Pose) -> Option<Hit> {
         self.hit_plane(aim).filter(Hit::is_inside)
     }
 
-    /// Returns where the ray of a hand hits the plane of the board's front, also outside of the board.
+    /// Returns the hit of a hand's ray on the plane of the board's front, also outside of the board.
     fn hit_plane(&self, aim: &Pose) -> Option<Hit> {
         let (origin, direction) = (self.pose.own(aim.position), aim.forward());
         let direction = self.pose.rotation.inverse() * direction;
@@ -68,8 +68,8 @@ impl Board {
     }
 }
 
-/// The point that a ray points at, held still while the trigger is pulled, since pulling turns the
-/// hand. A ray that moves further than that drags.
+/// The point under a ray, held still while the trigger is pulled, since pulling turns the hand. A ray that moves
+/// further drags.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct Pointing {
     /// The ray of the last call.
@@ -81,12 +81,12 @@ pub(super) struct Pointing {
 }
 
 impl Pointing {
-    /// Further than pulling turns the hand, as a tangent: 1.5 degrees.
+    /// Largest turn of the hand by a pull, as a tangent: 1.5 degrees.
     const DRIFT: f32 = 0.026;
     /// Travel of the trigger at which a pull begins.
     const BEGUN: f32 = 0.05;
 
-    /// Returns where the hand points on `board`. `travel`: of the trigger, 0 to 1; `change`: of its switch; `down`: the
+    /// Returns the hand's point on `board`. `travel`: of the trigger, 0 to 1; `change`: of its switch; `down`: the
     /// present state of its switch.
     pub fn step(
         &mut self,
@@ -115,7 +115,7 @@ impl Pointing {
         if !pulled {
             self.kept = None;
         } else if self.kept.is_none() && (!held || change == Some(Change::Pressed)) {
-            // Where it pointed before the finger moved.
+            // Its position before the finger moved.
             self.kept = before.filter(near).or(hit);
         }
         match self.kept {
@@ -124,7 +124,7 @@ impl Pointing {
                 self.dragging = true;
                 hit
             }
-            // The ray moves to something else with the trigger half pulled.
+            // The ray moves elsewhere with the trigger half pulled.
             Some(_) => {
                 (self.kept, self.least) = (None, travel);
                 hit

@@ -1,8 +1,7 @@
-//! How hands that hold the sculpture carry it: one hand moves and rotates it rigidly, two hands
-//! rotate and scale it so that both points stay under them.
+//! Carries the sculpture with the hands that hold it: one hand moves and rotates it rigidly, two hands rotate and scale
+//! it with both points fixed to them.
 //!
-//! Takes poses of the gripping hands; returns the [`Similarity`] since the last call. Everything in
-//! metres of the room.
+//! Takes poses of the gripping hands; returns the [`Similarity`] since the last call. Everything in metres of the room.
 
 use glam::Quat;
 
@@ -10,7 +9,7 @@ use super::{HandSide, HandsState};
 use crate::input::pace::is_plausible_step;
 use crate::view::{Pose, Similarity};
 
-/// Hands closer than this give no direction, in metres.
+/// Hands closer than this define no direction, in metres.
 const LEAST_SPAN_M: f32 = 0.02;
 
 /// Hands that grip, with their poses at the last call.
@@ -25,8 +24,8 @@ impl Grab {
         self.held.iter().any(Option::is_some)
     }
 
-    /// Returns the movement of the sculpture since the last call, `dt_s` ago. `gripping`: which hands hold it now, by
-    /// [`HandSide::index`].
+    /// Returns the movement of the sculpture since the last call, `dt_s` ago. `gripping`: the hands that hold it now,
+    /// by [`HandSide::index`].
     pub fn step(
         &mut self,
         gripping: [bool; 2],
@@ -36,8 +35,7 @@ impl Grab {
         let now =
             HandSide::ALL.map(|side| state.hand(side).grip.filter(|_| gripping[side.index()]));
         let before = std::mem::replace(&mut self.held, now);
-        // A hand counts from the call after it has gripped, so that nothing jumps to it or follows
-        // a jump of tracking.
+        // A hand counts from the call after its grip, so that nothing jumps to it or follows a jump of tracking.
         let pair = |i: usize| {
             let (from, to) = (before[i]?, now[i]?);
             is_plausible_step(from.position, to.position, dt_s).then_some((from, to))
@@ -52,8 +50,8 @@ impl Grab {
     }
 }
 
-/// Returns the similarity that follows the span between two hands: its middle, direction and length, and half of the
-/// twist of each hand about it.
+/// Returns the similarity of two hands: the change of their midpoint, direction and distance, and half of the twist of
+/// each about the line between them.
 fn between(left: (Pose, Pose), right: (Pose, Pose)) -> Similarity {
     let (old, new) = (right.0.position - left.0.position, right.1.position - left.1.position);
     let middle = (left.0.position + right.0.position) * 0.5;
@@ -68,7 +66,7 @@ fn between(left: (Pose, Pose), right: (Pose, Pose)) -> Similarity {
         // The rotation about the axis: swing-twist decomposition.
         let along = turn.xyz().dot(axis);
         let angle = 2.0 * along.atan2(turn.w);
-        // The same rotation, the short way round.
+        // The same rotation by the smaller angle.
         (angle + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU) - std::f32::consts::PI
     };
     let twist = 0.5 * (twist(left) + twist(right));
@@ -116,7 +114,7 @@ mod tests {
             prop_assert_eq!(moved.scale, 1.0);
         }
 
-        /// Two points under two hands stay under them, however the hands move.
+        /// Checks that two points under two hands stay under them.
         #[test]
         fn points_held_by_two_hands_stay_under_both(
             a in pose(), b in pose(), c in pose(), d in pose(),
@@ -130,7 +128,7 @@ mod tests {
             prop_assert!(moved.apply(b.position).abs_diff_eq(d.position, 1e-3));
         }
 
-        /// Hands that move as one body carry the sculpture rigidly, including its twist.
+        /// Checks that hands moving as one body carry the sculpture rigidly, including its twist.
         #[test]
         fn two_hands_that_move_as_one_body_move_it_rigidly(a in pose(), b in pose(), motion in pose()) {
             prop_assume!(a.position.distance(b.position) > 0.1);

@@ -1,12 +1,11 @@
-//! Maps the state of two controllers to controller events: which hand holds the sculpture, where the
-//! tool is, what a press acts on.
+//! Maps the state of two controllers to controller events: the hand that holds the sculpture, the pose of the tool, and
+//! the target of a press.
 //!
-//! The **main** hand has the tool: its trigger uses it, its stick resizes it. The **off** hand has
-//! the board, undo and redo. Either grip holds the sculpture, both scale it; the off hand's trigger
-//! also holds it, for controllers without a grip. A tap of the off trigger or of a menu button
-//! toggles the board, a long press of a menu button brings everything in front of the person. Over
-//! the board the main trigger clicks and the main stick scrolls. A button of the main hand picks
-//! the colour that the tool touches.
+//! The **main** hand has the tool: its trigger uses it, its stick resizes it. The **off** hand has the board, undo and
+//! redo. Either grip holds the sculpture, both scale it; the off hand's trigger also holds it, for controllers without
+//! a grip. A tap of the off trigger or of a menu button toggles the board, a long press of a menu button brings
+//! everything in front of the person. Over the board the main trigger clicks and the main stick scrolls. A button of
+//! the main hand picks the colour that the tool touches.
 
 use glam::Vec2;
 
@@ -32,29 +31,29 @@ const REPEAT_EVERY_S: f64 = 0.2;
 const REST_M: f32 = 0.002;
 const REST_RAD: f32 = 0.02;
 
-/// How controllers are interpreted.
+/// The interpretation of controllers.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HandSettings {
     /// The hand with the tool.
     pub main: HandSide,
     pub response: Response,
-    /// From the main hand to the tool along its ray, in metres.
+    /// Distance from the main hand to the tool along its ray, in metres.
     pub reach_m: f32,
 }
 
-/// A controller event, in the order in which they are to be executed.
+/// A controller event, in order of execution.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum HandEvent {
     /// The sculpture is carried.
     Carry(Similarity),
     /// The position of the tool in the room.
     Tool(Pose),
-    /// Use of the tool begins or ends.
+    /// The use of the tool begins or ends.
     Press,
     Release,
-    /// How far the tool's trigger is pressed, 0 to 1; 1 when it is released.
+    /// Pressure of the tool's trigger, 0 to 1; 1 when it is released.
     Pressure(f32),
-    /// The tool becomes larger by notches, or smaller below 0.
+    /// Enlarges the tool by notches, or shrinks it below 0.
     Resize(f32),
     /// Picks the colour that the tool touches or points at.
     Pick,
@@ -64,13 +63,13 @@ pub enum HandEvent {
     ToggleBoard,
     /// Brings everything in front of the person.
     Recentre,
-    /// The ray points at this point of the board, from its upper left corner, 0 to 1 each.
+    /// Position of the ray on the board, from its upper left corner, 0 to 1 each.
     Point(Vec2),
     /// The ray has left the board.
     PointAway,
-    /// The trigger is pressed or released as the button of the board's pointer.
+    /// The trigger is pressed or released as the pointer's button on the board.
     Click(bool),
-    /// Scrolls the board by points; positive values show what is above and to the left.
+    /// Scrolls the board by points; positive values reveal the content above and to the left.
     Scroll(Vec2),
 }
 
@@ -86,7 +85,7 @@ enum PressTarget {
 /// A stick that triggers once for each push to the side, and repeats while it stays there.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct Flick {
-    /// The side, -1 or 1, and when it repeats.
+    /// The side, -1 or 1, and the time of its repetition.
     held: Option<(f32, f64)>,
 }
 
@@ -117,7 +116,7 @@ impl Flick {
 /// A button with a tap and possibly a long press.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct Hold {
-    /// When it was pressed; none after a long press has been reported.
+    /// Time of the press; `None` after a long press has been reported.
     since_s: Option<f64>,
     switch: Switch,
 }
@@ -133,7 +132,7 @@ pub struct HandMapper {
     grips: [Switch; 2],
     menu: [Hold; 2],
     main_trigger: Switch,
-    /// The pressure of the main trigger as it was last reported.
+    /// The last reported pressure of the main trigger.
     pressure: f32,
     off_trigger: Hold,
     press_target: Option<PressTarget>,
@@ -171,7 +170,7 @@ impl HandMapper {
         &self.settings
     }
 
-    /// Moves the tool to a hand; everything held is released.
+    /// Moves the tool to a hand. Releases everything held.
     pub fn set_main(&mut self, main: HandSide, events: &mut Vec<HandEvent>) {
         if self.settings.main != main {
             self.release_all(events);
@@ -197,7 +196,7 @@ impl HandMapper {
         self.grab.is_holding()
     }
 
-    /// Returns the events since the last update. `board`: where the board is, while it is visible.
+    /// Returns the events since the last update. `board`: its pose, while it is visible.
     pub fn update(&mut self, state: &HandsState, board: Option<&Board>) -> Vec<HandEvent> {
         let mut events = Vec::new();
         let mut state = state.plausible();
@@ -310,7 +309,7 @@ impl HandMapper {
         Pose { position, rotation: aim.rotation }
     }
 
-    /// Ends the stroke where tracking jumps, instead of cutting along the jump.
+    /// Ends the stroke at a jump of tracking, instead of cutting along the jump.
     fn lift_at_jump(
         &mut self,
         aim: Option<Pose>,
@@ -361,7 +360,7 @@ impl HandMapper {
         }
         if self.press_target == Some(PressTarget::Lifted) && self.pace.is_calm(now_s) {
             self.press_target = Some(PressTarget::Tool);
-            // The tool starts where the hand is, however long it was at rest.
+            // The tool starts at the hand, however long that was at rest.
             self.last_tool = None;
             self.move_tool(aim, false, events);
             events.push(HandEvent::Press);

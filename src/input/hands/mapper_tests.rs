@@ -99,12 +99,12 @@ fn a_jump_lifts_the_tool_until_the_hand_is_slow() {
     let events = person.frame_after(0.1);
     let [HandEvent::Tool(tool), HandEvent::Press] = events[..] else { panic!("{events:?}") };
     assert!((tool.position.x - 0.75).abs() < 1e-5);
-    // Pulled while the hand is not trusted, and released before it is.
+    // Pulled while the hand is not trusted, and released before it is again.
     person.shift(Right, Vec3::X * -0.5);
     assert!(matches!(person.frame()[..], [HandEvent::Release, HandEvent::Tool(_)]));
     person.hand(Right).trigger = 0.0;
     assert_eq!(person.frame_after(0.2), []);
-    // A pause does not allow any distance: only part of its time counts.
+    // Only part of a pause counts, so it does not permit every distance.
     person.hand(Right).trigger = 1.0;
     person.frame();
     person.shift(Right, Vec3::X * 0.7);

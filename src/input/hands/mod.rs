@@ -1,6 +1,6 @@
-//! The controllers of a headset: poses, triggers, grips and sticks with their times to controller
-//! events ([`mapper`]), carrying and scaling with the grips ([`grab`]), the board on the off hand and
-//! the ray that points at it ([`board`]).
+//! The controllers of a headset: from poses, triggers, grips and sticks with their times to controller events
+//! ([`mapper`]), carrying and scaling with the grips ([`grab`]), the board on the off hand and the ray that points at
+//! it ([`board`]).
 //!
 //! Pure, in metres and seconds: knows no headset, no clock and no sculpture.
 
@@ -16,7 +16,7 @@ pub use mapper::{HandEvent, HandMapper, HandSettings};
 
 use crate::view::Pose;
 
-/// Which hand.
+/// The side of a hand.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HandSide {
@@ -67,7 +67,7 @@ pub struct HandState {
 }
 
 impl HandState {
-    /// Returns the same without invalid values: poses that are not finite, sticks out of range.
+    /// Returns the state without invalid values: poses that are not finite, sticks out of range.
     fn plausible(&self) -> HandState {
         let valid = |x: f32| if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
         HandState {
@@ -89,7 +89,7 @@ pub struct HandsState {
 }
 
 impl HandsState {
-    /// Returns the same without invalid values.
+    /// Returns the state without invalid values.
     fn plausible(&self) -> HandsState {
         HandsState { hands: self.hands.map(|hand| hand.plausible()), ..*self }
     }
@@ -117,7 +117,7 @@ impl Switch {
     const PRESS: f32 = 0.6;
     const RELEASE: f32 = 0.4;
 
-    /// `travel`: 0 to 1; NaN is no press.
+    /// Updates the switch. `travel`: 0 to 1; NaN counts as released.
     fn feed(&mut self, travel: f32) -> Option<Change> {
         let down = if self.down { travel > Self::RELEASE } else { travel >= Self::PRESS };
         let change = match (self.down, down) {
@@ -129,7 +129,7 @@ impl Switch {
         change
     }
 
-    /// Returns how far it is pressed beyond where it is released, 0 to 1; 1 while it is not.
+    /// Returns the pressure beyond the release point, 0 to 1; 1 while it is off.
     fn pressure(&self, travel: f32) -> f32 {
         match self.down {
             true => ((travel - Self::RELEASE) / (1.0 - Self::RELEASE)).clamp(0.0, 1.0),

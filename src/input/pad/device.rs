@@ -1,7 +1,6 @@
-//! Connected gamepads: a thread that sleeps until one of them has an event, through gilrs, and the
-//! motors for rumble.
+//! Connected gamepads: a thread that sleeps until one of them has an event, through gilrs, and the motors for rumble.
 //!
-//! Returns [`PadNews`]; knows nothing of what they are for.
+//! Returns [`PadNews`]; does not know their purpose.
 
 use std::thread;
 use std::time::Instant;
@@ -24,7 +23,7 @@ pub struct PadNews {
 pub enum PadChange {
     Came {
         name: String,
-        /// None if the pad has no motors.
+        /// `None` if the pad has no motors.
         motor: Option<Box<dyn Motor>>,
     },
     Went,
@@ -33,13 +32,13 @@ pub enum PadChange {
 
 /// The motors of a pad.
 pub trait Motor: Send + std::fmt::Debug {
-    /// Rumbles with a strength of 0 to 1 from now on. It ends by itself soon unless it is called
-    /// again, so that a hanging program leaves no pad rumbling.
+    /// Rumbles with a strength of 0 to 1 from now on. It ends soon unless the call is repeated, so that a hanging
+    /// program leaves no pad rumbling.
     fn shake(&mut self, strength: f32);
 }
 
-/// Starts the thread, which calls `tell` with all events until that returns false. Pads that are
-/// connected already come first. A system without gamepad support is only logged.
+/// Starts the thread, which calls `tell` with all events until that returns false. Connected pads come first. A system
+/// without gamepad support is only logged.
 pub fn listen(tell: impl Fn(PadNews) -> bool + Send + 'static) {
     let started = thread::Builder::new().name("gamepads".to_string()).spawn(move || {
         if let Err(error) = serve(&tell) {
@@ -51,7 +50,7 @@ pub fn listen(tell: impl Fn(PadNews) -> bool + Send + 'static) {
     }
 }
 
-/// The force feedback thread of gilrs wakes up every 50 ms, so it is started with the first pad.
+/// Opens gilrs. Its force feedback thread wakes up every 50 ms, so it is started with the first pad.
 fn open(motors: bool) -> Result<Gilrs, Box<gilrs::Error>> {
     // Dead zones and D-pads are handled here and in `stick`: the filters of gilrs treat one axis at
     // a time, which distorts slow diagonal pushes.
@@ -176,7 +175,7 @@ const BUTTONS: [(PadButton, Button); 16] = [
 
 /// Milliseconds after which rumble ends unless it is renewed.
 const DEADLINE_MS: u32 = 300;
-/// Share of the strength for the weak motor, which hums where the strong one thuds.
+/// Share of the strength for the weak motor, whose vibration is finer.
 const WEAK_SHARE: f32 = 0.6;
 
 /// One effect for the lifetime of the pad: its gain is the strength.

@@ -1,9 +1,8 @@
-//! Gamepads to events: which pad is active, in which mode, what is held, how far sticks have moved
-//! something since the last frame.
+//! Gamepads to events: the active pad, its mode, held buttons, and the movement by sticks since the last frame.
 //!
-//! Takes states of pads with their times, and a key table; returns [`PadEvent`]s in order. The
-//! movement of a stick is speed times time, integrated from state to state and not from frame to
-//! frame, so that it does not depend on the frame rate.
+//! Takes states of pads with their times, and a key table; returns [`PadEvent`]s in order. The movement of a stick is
+//! its speed integrated over time, from state to state instead of from frame to frame, so that it does not depend on
+//! the frame rate.
 
 use glam::{Vec2, Vec3};
 
@@ -14,7 +13,7 @@ use crate::input::bindings::Bindings;
 use crate::input::mapper::ActionEvent;
 use crate::input::trigger::Trigger;
 
-/// Longest pause between two frames that counts, in seconds, so that nothing leaps.
+/// Longest counted pause between two frames, in seconds, which prevents jumps.
 const LONGEST_STEP_S: f64 = 0.5;
 /// Seconds until a held button repeats, and between repeats.
 const REPEAT_AFTER_S: f64 = 0.4;
@@ -77,16 +76,16 @@ pub struct PadMapper {
     leader: Option<PadId>,
     /// Buttons that are bound in the key table.
     bound: PadButtons,
-    /// Another program has the focus: pads are not meant for this one.
+    /// Another program has the focus: pads control that one.
     deaf: bool,
     /// Actions held by buttons.
     holds: Vec<(PadButton, Action)>,
     repeat: Option<Repeat>,
-    /// The pad holds the pointer's button.
+    /// The pad holds down the pointer's button.
     presses: bool,
     /// Sticks are integrated up to this time, in seconds.
     counted_s: f64,
-    /// And at most this much later.
+    /// And at most for this much longer.
     since_s: f64,
     events: Vec<PadEvent>,
 }
@@ -134,14 +133,14 @@ impl PadMapper {
         self.presses || self.holds.iter().any(|(_, action)| *action == Action::Apply)
     }
 
-    /// A pad was connected.
+    /// Adds a connected pad.
     pub fn came(&mut self, id: PadId, name: String) {
         self.pads.retain(|pad| pad.id != id);
         self.pads.push(Pad { id, name, state: PadState::default() });
         self.leader.get_or_insert(id);
     }
 
-    /// A pad was disconnected; the buttons that it held are released. Returns its name.
+    /// Removes a disconnected pad and releases the buttons that it held. Returns its name.
     pub fn went(&mut self, id: PadId) -> Option<String> {
         let at = self.pads.iter().position(|pad| pad.id == id)?;
         if self.leader == Some(id) {
@@ -188,7 +187,7 @@ impl PadMapper {
         }
     }
 
-    /// Switches to the next mode; everything held is released.
+    /// Switches to the next mode. Releases everything held.
     pub fn next_mode(&mut self) {
         self.release();
         self.mode = self.mode.next();
@@ -207,8 +206,8 @@ impl PadMapper {
         }
     }
 
-    /// Whether pads are meant for this program. If not, everything held is released, and sticks
-    /// count as centred until their pad reports them again.
+    /// Sets whether pads control this program. If not, everything held is released, and sticks count as centred until
+    /// their pad reports them again.
     pub fn set_listening(&mut self, listening: bool) {
         self.deaf = !listening;
         if listening {
@@ -306,8 +305,8 @@ impl PadMapper {
         }
     }
 
-    /// Speeds of moving and rotating in this mode, each 0 to 1. Shoulder buttons that are bound in
-    /// the key table move nothing.
+    /// Returns the speeds of moving and rotating in this mode, each 0 to 1. Shoulder buttons bound in the key table
+    /// move nothing.
     fn speeds(&self, state: &PadState) -> (Vec3, Vec3) {
         let left = self.response.speed(state.left);
         if self.mode == PadMode::OnlyMouse {

@@ -26,7 +26,7 @@ fn pushing(x: f32, y: f32) -> PadState {
     PadState { left: Vec2::new(x, y), ..PadState::default() }
 }
 
-/// Seconds that the glides among `asks` move for at full speed.
+/// Returns the shift of all glides among `events`, in seconds at full speed.
 fn shift(events: &[PadEvent]) -> Vec3 {
     let each = events.iter().map(|event| match event {
         PadEvent::Glide(glide) => glide.shift,
@@ -36,7 +36,7 @@ fn shift(events: &[PadEvent]) -> Vec3 {
 }
 
 proptest! {
-    /// However often pictures are drawn, the stick moves something equally far.
+    /// Checks that the stick moves something equally far at every frame rate.
     #[test]
     fn the_displacement_does_not_depend_on_the_rate_of_pictures(
         pushes in prop::collection::vec((-1.0f32..1.0, -1.0f32..1.0, 0.01f64..0.3), 1..12),
@@ -233,7 +233,7 @@ fn a_long_pause_between_pictures_does_not_fling_the_tool_away() {
     let mut mapper = mapper(PadMode::UseTool);
     mapper.update(PAD, pushing(1.0, 0.0), 1.0, &bindings);
     for i in 0..100 {
-        // A shaky thumb says much in that time.
+        // A shaky thumb causes many events in that time.
         let x = if i % 2 == 0 { 1.0 } else { 1.0 - f32::EPSILON };
         mapper.update(PAD, pushing(x, 0.0), 1.0 + f64::from(i) * 0.2, &bindings);
     }

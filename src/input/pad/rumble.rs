@@ -1,14 +1,13 @@
-//! Strength of rumble: it depends on the voxels changed per frame, along a curve with a limit, and
-//! pauses after some time.
+//! Strength of rumble: maps the voxels changed per frame along a curve with a limit, and pauses after some time.
 
 /// The curve of the strength.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RumbleCurve {
     /// Largest strength, 0 to 1.
     pub limit: f32,
-    /// Voxels changed in one frame that give the limit.
+    /// Voxels changed in one frame for the limit.
     pub full_voxels: f32,
-    /// After this many seconds without a break it pauses for half as long, against numb hands.
+    /// Longest rumble without a break, in seconds; a pause of half that time follows, against numb hands.
     pub longest_s: f32,
 }
 
@@ -18,21 +17,21 @@ const FADE_S: f32 = 0.08;
 const LEAST: f32 = 0.02;
 /// How much faster hands recover than they tire.
 const RECOVERY: f32 = 2.0;
-/// Exponent of the curve: few voxels can be felt, too.
+/// Exponent of the curve, which makes even few voxels perceptible.
 const EXPONENT: f32 = 0.5;
 
 /// The state between frames.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Rumble {
     strength: f32,
-    /// Seconds of rumble that the hands have not recovered from.
+    /// Seconds of rumble from which the hands have not recovered.
     tired_s: f32,
     pausing: bool,
 }
 
 impl Rumble {
     /// Returns the strength from now on, 0 to the limit. `bite`: voxels changed since the last call, `dt_s` ago; `None`
-    /// while no tool is used: it stops at once.
+    /// while no tool is used, which stops at once.
     pub fn step(&mut self, bite: Option<u64>, dt_s: f32, curve: &RumbleCurve) -> f32 {
         let dt_s = dt_s.max(0.0);
         if self.strength > 0.0 {
@@ -58,7 +57,7 @@ impl Rumble {
         self.strength
     }
 
-    /// Returns whether it rumbles now, so that it must be updated.
+    /// Returns whether it rumbles and must be updated.
     pub fn is_shaking(&self) -> bool {
         self.strength > 0.0
     }

@@ -1,5 +1,5 @@
-//! Taps of the left Shift key: pressed and released with no other key, button or wheel in between,
-//! so that Shift as a modifier never counts.
+//! Taps of the left Shift key: pressed and released with no other key, button or wheel in between. Shift as a modifier
+//! never counts.
 
 use egui::{Event, Key};
 
@@ -11,7 +11,7 @@ pub struct ShiftTap {
 }
 
 impl ShiftTap {
-    /// Returns true if `event` completes a tap.
+    /// Processes an event. Returns true if `event` completes a tap.
     pub fn feed(&mut self, event: &Event) -> bool {
         match *event {
             Event::Key { key: Key::ShiftLeft, pressed: true, repeat, modifiers, .. } => {

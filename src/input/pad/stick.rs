@@ -1,4 +1,4 @@
-//! From stick position to speed: a round dead zone around the centre, then a curve.
+//! Maps stick deflection to speed: a round dead zone around the centre, then a curve.
 
 use glam::Vec2;
 
@@ -8,14 +8,13 @@ pub struct Response {
     /// Radius of the dead zone as a share of the travel, 0 to below 1: sticks do not return to
     /// their exact centre.
     pub dead_zone: f32,
-    /// Exponent from travel outside of the dead zone to speed: 1 is linear, more gives finer
-    /// control of slow movements.
+    /// Exponent from travel outside of the dead zone to speed: 1 is linear, more gives finer control of slow movements.
     pub curve: f32,
 }
 
 impl Response {
     /// Returns the speed of a stick, of length 0 to 1, in the direction of its push. It starts at 0 at the edge of the
-    /// dead zone, so that nothing jumps; a push into a corner is no faster than one straight ahead.
+    /// dead zone, without a jump. A diagonal push is no faster than a straight one.
     pub fn speed(&self, stick: Vec2) -> Vec2 {
         let deflection = stick.length();
         if !deflection.is_finite() || deflection <= self.dead_zone {
@@ -79,7 +78,7 @@ mod tests {
             prop_assert!(a.perp_dot(at(one, 1.0)).abs() < 1e-4 && a.dot(at(one, 1.0)) >= 0.0);
         }
 
-        /// Motion starts at 0, and a small step of the stick is a small step of speed.
+        /// Checks that motion starts at 0, and a small step of the stick is a small step of speed.
         #[test]
         fn nothing_jumps(
             dead_zone in 0.0f32..0.9, curve in 1.0f32..5.0, angle in -4.0f32..4.0, deflection in 0.0f32..1.0,

@@ -1,5 +1,5 @@
-//! Pens of graphics tablets as values: what a pen reports ([`PenSample`]), what of it counts for a tool ([`PenTouch`]),
-//! and how both go together with the pointer that the window system or [`PenPointer`] makes of a pen.
+//! Pens of graphics tablets as values: the reports of a pen ([`PenSample`]), the part that affects a tool
+//! ([`PenTouch`]), and their link to the pointer that the window system or [`PenPointer`] makes of a pen.
 //!
 //! Knows no window system: the back ends in `screen::pen` give samples.
 
@@ -15,10 +15,10 @@ pub use options::{EXPONENTS, FULL, PenCurve, PenOptions};
 pub use pointer::PenPointer;
 pub use track::PenTrack;
 
-/// Furthest that a pen is believed to lean, in degrees.
+/// Largest valid tilt of a pen, in degrees.
 const MOST_TILT_DEG: f32 = 90.0;
 
-/// Which end of the pen points at the tablet.
+/// The end of the pen that points at the tablet.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum PenEnd {
     #[default]
@@ -31,19 +31,19 @@ pub enum PenEnd {
 pub struct PenSample {
     /// In pixels from the window's upper left corner.
     pub position_px: Vec2,
-    /// 0 to 1; none where the tablet feels none. 0 while the pen hovers.
+    /// 0 to 1; `None` if the tablet does not report it. 0 while the pen hovers.
     pub pressure: Option<f32>,
-    /// How far the pen leans to the right, and towards the person; zero if it stands upright.
+    /// Tilt to the right, and towards the person; zero for an upright pen.
     pub tilt_deg: Vec2,
     pub end: PenEnd,
-    /// Which end touches ([`Button::Left`] or [`Button::Eraser`]), and the buttons that are held.
+    /// The touching end ([`Button::Left`] or [`Button::Eraser`]), and the held buttons.
     pub buttons: Buttons,
     /// Whether the pen is over the window; false once, when it has left.
     pub is_near: bool,
 }
 
 impl PenSample {
-    /// Returns the button that the end of the pen is.
+    /// Returns the button of the pen's end.
     pub fn tip(&self) -> Button {
         match self.end {
             PenEnd::Tip => Button::Left,
@@ -56,7 +56,7 @@ impl PenSample {
         self.buttons.has(Button::Left) || self.buttons.has(Button::Eraser)
     }
 
-    /// Returns the sample, or none if a driver has sent what is no number.
+    /// Returns the sample, or `None` if a driver has sent an invalid number.
     pub fn checked(self) -> Option<PenSample> {
         let limit = Vec2::splat(MOST_TILT_DEG);
         let tilt_deg = if self.tilt_deg.is_finite() { self.tilt_deg } else { Vec2::ZERO };
@@ -68,36 +68,36 @@ impl PenSample {
         })
     }
 
-    /// Returns how it touches, if it does.
+    /// Returns the touch, if there is one.
     pub fn touch(&self) -> Option<PenTouch> {
         let pressure = self.pressure.unwrap_or(1.0);
         self.is_down().then_some(PenTouch { pressure, tilt_deg: self.tilt_deg })
     }
 }
 
-/// How a pen or a finger touches.
+/// The touch of a pen or a finger.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PenTouch {
     /// 0 to 1.
     pub pressure: f32,
-    /// As in [`PenSample`]; zero where it is not known.
+    /// As in [`PenSample`]; zero if it is not known.
     pub tilt_deg: Vec2,
 }
 
 impl PenTouch {
-    /// Returns a touch of which nothing but the pressure is known.
+    /// Returns a touch with a pressure and no tilt.
     pub fn of_pressure(pressure: f32) -> PenTouch {
         PenTouch { pressure, tilt_deg: Vec2::ZERO }
     }
 
-    /// Returns how far the pen leans, whichever way, in degrees from upright.
+    /// Returns the tilt of the pen in any direction, in degrees from upright.
     pub fn lean_deg(&self) -> f32 {
         let slope = Vec2::new(slope(self.tilt_deg.x), slope(self.tilt_deg.y)).length();
         slope.atan().to_degrees()
     }
 }
 
-/// Returns the slope of an axis that leans by an angle in degrees.
+/// Returns the slope of an axis tilted by an angle in degrees.
 fn slope(tilt_deg: f32) -> f32 {
     tilt_deg.clamp(-89.0, 89.0).to_radians().tan()
 }

@@ -1,18 +1,18 @@
-//! Options of pens: the effect of a hand's pressure.
+//! Options of pens: the pressure curve.
 
 use serde::Deserialize;
 
 use crate::options::{InvalidOption, require_in};
 
-/// Exponents that are offered.
+/// Available exponents.
 pub const EXPONENTS: std::ops::RangeInclusive<f32> = 0.25..=4.0;
 /// Pressures that may count as full.
 pub const FULL: std::ops::RangeInclusive<f32> = 0.2..=1.0;
 
-/// From what a tablet reports to what a tool gets.
+/// Maps a tablet's pressure to that of a tool.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PenCurve {
-    /// 1 is a straight line; below, a light hand does more, and above, less.
+    /// 1 is linear; less strengthens a light press, more weakens it.
     pub exponent: f32,
     /// The pressure that counts as full, as a share of the tablet's range.
     pub full_at: f32,
@@ -25,7 +25,7 @@ impl Default for PenCurve {
 }
 
 impl PenCurve {
-    /// Returns the value that a pressure of 0 to 1 counts for, 0 to 1. It never falls as the pressure grows.
+    /// Returns the effective pressure, 0 to 1, for a pressure of 0 to 1. It never falls as the pressure grows.
     pub fn of(&self, pressure: f32) -> f32 {
         let pressure = if pressure.is_nan() { 1.0 } else { pressure.clamp(0.0, 1.0) };
         (pressure / self.full_at.clamp(*FULL.start(), *FULL.end())).min(1.0).powf(self.exponent)

@@ -1,11 +1,11 @@
-//! The pointer that a pen is where the window system sends no events of a mouse for it: the tip presses the first
-//! button, as does the eraser, and the buttons on the barrel press the others, as they do elsewhere.
+//! The pointer of a pen, for window systems that send no mouse events for it. The tip and the eraser press the first
+//! button; the buttons on the barrel press the others, as elsewhere.
 
 use egui::{Event, Modifiers, PointerButton, pos2};
 
 use super::{Button, Buttons, PenSample};
 
-/// Parts of a pen that are held as buttons of a pointer.
+/// Parts of a pen that act as buttons of a pointer.
 const HELD: [(Button, PointerButton); 7] = [
     (Button::Left, PointerButton::Primary),
     (Button::Eraser, PointerButton::Primary),
@@ -24,7 +24,7 @@ pub struct PenPointer {
 }
 
 impl PenPointer {
-    /// Returns the events that a sample causes, with the modifier keys that are held.
+    /// Returns the pointer events of a sample, with the held modifier keys.
     pub fn events(
         &mut self,
         sample: &PenSample,
@@ -51,7 +51,7 @@ impl PenPointer {
     }
 }
 
-/// Returns the button of a pen that may be behind one of a pointer. X11 numbers those of the barrel in another order.
+/// Returns the pen button that may have caused a pointer button. X11 numbers those of the barrel in another order.
 pub(super) fn behind(button: PointerButton, held: impl Fn(Button) -> bool) -> Option<Button> {
     let own = match button {
         PointerButton::Primary => [Button::Left, Button::Eraser, Button::Eraser],

@@ -1,8 +1,8 @@
-//! The acts of pens since the last pass, beside the pointer that they lead: which button of the pen a press of the
-//! pointer was, and how the pen touched at each of its moves.
+//! Pen events since the last pass, matched to the pointer that they lead: the pen button of a pointer press, and the
+//! touch at each pointer move.
 //!
 //! The window system, or [`PenPointer`](super::PenPointer), moves the pointer; samples may come on another connection.
-//! So both are brought together by place and by what has changed.
+//! Both are matched by position and by changes.
 
 use std::collections::VecDeque;
 
@@ -11,40 +11,40 @@ use glam::Vec2;
 
 use super::{Button, Buttons, PenSample, PenTouch, pointer};
 
-/// How far a move of the pointer may be from the sample that caused it, in pixels.
+/// Largest distance between a pointer move and its sample, in pixels.
 const SAME_PX: f32 = 1.5;
 /// Most samples that are kept: seconds of a fast tablet.
 const MOST: usize = 4096;
-/// Passes after which a sample is forgotten that no event of the pointer has come for.
+/// Passes after which a sample without a pointer event is forgotten.
 const LASTS: u32 = 4;
 
-/// A sample with what was pressed since the one before.
+/// A sample with the buttons pressed since the one before.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     sample: PenSample,
     pressed: Buttons,
-    /// Passes that it has been there.
+    /// Its age in passes.
     age: u32,
 }
 
-/// The acts of pens over one window.
+/// Pen events over one window.
 #[derive(Debug, Default)]
 pub struct PenTrack {
     steps: VecDeque<Step>,
     /// Buttons held after all of them.
     held: Buttons,
-    /// The sample that the pointer has come to.
+    /// The sample that the pointer has reached.
     at: Option<PenSample>,
-    /// Buttons of the pointer that a pen has pressed, and which of its own they are.
+    /// Pointer buttons pressed by a pen, with the pen's own buttons.
     pressed: Vec<(PointerButton, Button)>,
-    /// The button that a pen has pressed since it was last asked for.
+    /// The pen button pressed since the last query.
     heard: Option<Button>,
-    /// How the pen touches, as it was said last.
+    /// The last reported touch.
     said: Option<PenTouch>,
 }
 
 impl PenTrack {
-    /// Takes a sample.
+    /// Adds a sample.
     pub fn push(&mut self, sample: &PenSample) {
         let Some(sample) = sample.checked() else { return };
         let before = std::mem::replace(&mut self.held, sample.buttons);
@@ -57,23 +57,23 @@ impl PenTrack {
         self.steps.push_back(Step { sample, pressed, age: 0 });
     }
 
-    /// Returns the button pressed last, once. The tip is none: it is the left button to everybody.
+    /// Returns the button pressed last, once. The tip is excluded: it is the left button everywhere.
     pub fn take_heard(&mut self) -> Option<Button> {
         self.heard.take().filter(|button| *button != Button::Left)
     }
 
-    /// The pointer has moved, in pixels of the window: goes to the first sample that is there.
+    /// Moves the pointer, in pixels of the window, to the first sample at that position.
     pub fn moved(&mut self, to_px: Vec2) {
         let near = |step: &Step| step.sample.position_px.distance(to_px) <= SAME_PX;
         if let Some(found) = self.steps.iter().position(near) {
-            // A press is gone to by its own event alone.
+            // A press is reached only by its own event.
             let mut until = self.steps.range(..=found);
             let press = until.position(|step| step.pressed != Buttons::NONE);
             self.go(press.unwrap_or(found + 1));
         }
     }
 
-    /// A button of the pointer is pressed: the pen's button that it is; none if it is a mouse's.
+    /// Handles a press of a pointer button. Returns the pen's button; `None` for a mouse.
     pub fn press(&mut self, button: PointerButton) -> Option<Button> {
         let find = |step: &Step| pointer::behind(button, |own| step.pressed.has(own));
         let (count, own) =
@@ -88,32 +88,32 @@ impl PenTrack {
         Some(own)
     }
 
-    /// A button of the pointer is released: the pen's button that it was.
+    /// Handles a release of a pointer button. Returns the pen's button.
     pub fn release(&mut self, button: PointerButton) -> Option<Button> {
         let held = self.pressed.iter().position(|(held, _)| *held == button)?;
         Some(self.pressed.remove(held).1)
     }
 
-    /// Returns how the pen touches where the pointer has come to; none if it hovers or there is none.
+    /// Returns the touch of the pen at the pointer; `None` if it hovers or there is none.
     pub fn touch(&self) -> Option<PenTouch> {
         let is_held = |(_, own): &(PointerButton, Button)| !own.is_on_barrel();
         self.pressed.iter().any(is_held).then_some(self.at?.touch()).flatten()
     }
 
-    /// Returns how the pen touches now, if that was not said before.
+    /// Returns the present touch, if it has changed since the last report.
     pub fn news(&mut self) -> Option<Option<PenTouch>> {
         let now = self.touch();
         (std::mem::replace(&mut self.said, now) != now).then_some(now)
     }
 
-    /// The pass is over. Samples may be ahead of the pointer, on another connection: they wait for it, but not for long.
+    /// Ends the pass. Samples from another connection may be ahead of the pointer: they wait for it, but not for long.
     pub fn finish(&mut self) {
         self.steps.iter_mut().for_each(|step| step.age += 1);
         let old = self.steps.iter().take_while(|step| step.age > LASTS).count();
         self.go(old);
     }
 
-    /// The window has lost the focus, and nothing is held any more.
+    /// Releases everything when the window loses the focus.
     pub fn let_go(&mut self) {
         *self = PenTrack { held: self.held, ..PenTrack::default() };
     }
@@ -163,7 +163,7 @@ mod tests {
         assert_eq!(track.release(Primary), Some(Button::Left));
         assert_eq!(pressure(&track), None);
         (0..=LASTS).for_each(|_| track.finish());
-        // Now a mouse.
+        // Now it is a mouse.
         assert_eq!(track.press(Primary), None);
         assert_eq!((track.release(Primary), pressure(&track)), (None, None));
     }
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(track.news(), Some(Some(PenTouch::of_pressure(0.7))));
         track.release(Primary);
         assert_eq!(track.news(), Some(None));
-        // A pen that presses harder where it is.
+        // A pen that presses harder in place.
         track.push(&sample(8.0, 0.2, &[]));
         track.push(&sample(8.0, 0.3, &[Button::Left]));
         track.push(&sample(8.0, 0.4, &[Button::Left]));
