@@ -77,18 +77,17 @@ pub use workspace::Workspace;
 const SMALLEST: LogicalSize<u32> = LogicalSize::new(640, 480);
 /// A device lost again within this time is an error.
 const RESTART_INTERVAL: Duration = Duration::from_secs(20);
-/// Longest wait for a swapchain image; a compositor may give none to a hidden window.
+/// Longest wait for a swapchain image; a compositor may not give one to a hidden window.
 const PATIENCE: Duration = Duration::from_millis(200);
-/// The same while a headset shows pictures, which have priority.
+/// The same wait while a headset shows pictures, which have priority.
 const BRIEFLY: Duration = Duration::from_millis(2);
-/// When a window without a free image tries again.
+/// Time until a window without a free image tries again.
 const ASK_AGAIN: Duration = Duration::from_millis(250);
 /// Interval of redraws of the window while a headset is used.
 const MIRROR_EVERY: Duration = Duration::from_millis(100);
 
-/// Opens the window, on a device made with `device`, and works on `session` until the user leaves.
-/// `eye_screenshots`: a folder for pictures of what the eyes in a headset see. `journals`: where earlier sessions may
-/// have left theirs.
+/// Opens the window, on a device made with `device`, and works on `session` until the user leaves. `eye_screenshots`: a
+/// folder for pictures of what the eyes in a headset see. `journals`: the place of the journals of earlier sessions.
 pub fn run(
     session: Session,
     config: Config,
@@ -147,7 +146,7 @@ struct App {
     headset: Option<Headset>,
     /// Dropped before the windows.
     pens: WindowPens,
-    /// When the window was last redrawn for the headset.
+    /// Time of the last redraw of the window for the headset.
     mirrored: Option<Instant>,
     config: Config,
     device: DeviceOptions,
@@ -156,9 +155,9 @@ struct App {
     started: Instant,
     /// The window with the keyboard focus.
     focused: Option<WindowId>,
-    /// Window and device, once the event loop runs.
+    /// Window and device; `None` before the event loop runs.
     view: Option<MainWindow>,
-    /// When the device was last recreated.
+    /// Time of the last recreation of the device.
     restarted: Option<Instant>,
     /// The program is idle, and has logged it.
     resting: bool,
@@ -180,8 +179,8 @@ impl App {
         self.update(frame)
     }
 
-    /// The same, but for a window that is not visible (`frame` is None) without drawing: requests may
-    /// come from another window, from a headset or a closing window, and are processed all the same.
+    /// Does the same for a window that is not visible (`frame` is `None`), without drawing. Requests from another
+    /// window, a headset or a closing window are still processed.
     fn update(&mut self, frame: Option<Frame>) -> Result<(), GpuError> {
         let Some(view) = &mut self.view else { return Ok(()) };
         let started = Instant::now();
@@ -220,8 +219,7 @@ impl App {
         Ok(())
     }
 
-    /// Draws the window when that is due, or updates without drawing if the window system does not ask
-    /// for a redraw.
+    /// Draws the window when due, or updates without drawing if the window system does not ask for a redraw.
     fn poll_window(&mut self) -> Result<(), GpuError> {
         let now = Instant::now();
         let Some(view) = &mut self.view else { return Ok(()) };
@@ -274,8 +272,7 @@ impl App {
         Ok(())
     }
 
-    /// Recreates a lost device or surface, once; other failures end the program, after the sculpture
-    /// was saved.
+    /// Recreates a lost device or surface, once. Other failures end the program after the sculpture was saved.
     fn recover(&mut self, error: GpuError) -> Result<(), AppError> {
         let lost = matches!(
             error,
@@ -322,7 +319,7 @@ impl App {
         }
     }
 
-    /// Returns when the next window is to be redrawn.
+    /// Returns when the next window must be redrawn.
     fn wake(&self) -> Option<Instant> {
         let main = self.view.as_ref().and_then(|view| view.pane.wake());
         main.into_iter().chain(self.detached.wake()).min()
@@ -337,8 +334,7 @@ impl App {
         }
     }
 
-    /// Handles an event of the headset, a frame included; at intervals the window shows what is done
-    /// there.
+    /// Handles an event of the headset, including frames. At intervals the window mirrors the headset.
     fn handle_headset(&mut self, connection: Connection, event: XrEvent) {
         let Some(headset) = &mut self.headset else { return };
         headset.handle(&mut self.workspace, connection, event);
@@ -361,7 +357,7 @@ impl App {
         }
     }
 
-    /// Logs when the program becomes idle and when it is busy again, for tests that wait for it.
+    /// Logs when the program becomes idle or busy, for tests that wait for it.
     fn note_rest(&mut self) {
         let soon = Instant::now() + Duration::from_secs(1);
         let pending = self.view.as_ref().is_some_and(|view| view.pane.is_pending());
@@ -384,7 +380,7 @@ impl App {
         // A save in progress is completed.
         self.workspace.finish_job();
         if self.failed.is_none() && self.workspace.is_leaving() {
-            // All is saved, or the person has said that it need not be.
+            // Everything is saved, or the person has said that it need not be.
             self.workspace.session_mut().discard_journal();
         }
         self.note_windows();
@@ -431,8 +427,8 @@ impl ApplicationHandler<Wake> for App {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, id: WindowId, event: WindowEvent) {
         if let WindowEvent::Focused(focused) = event
-            // When the focus moves between windows of the program, either event may come first.
-            // Without a window manager several windows may have the focus.
+            // When the focus moves between windows of the program, either event may come first. Without a window
+            // manager several windows may have the focus.
             && (focused || self.focused == Some(id))
         {
             self.focused = focused.then_some(id);

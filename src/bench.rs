@@ -48,7 +48,7 @@ use report::{DeviceReport, ModeReport, Report, SceneReport};
 use statistics::{Times, measure};
 use subjects::{Subject, eyes_of};
 
-/// How much is measured.
+/// The extent of the measurements.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
 pub enum Suite {
     /// A few seconds per scene
@@ -66,7 +66,7 @@ impl Suite {
         }
     }
 
-    /// Pictures per mode and scene, and per feature.
+    /// Returns the number of pictures per mode and scene, and per feature.
     fn frames(self) -> usize {
         match self {
             Suite::Quick => 20,
@@ -74,7 +74,7 @@ impl Suite {
         }
     }
 
-    /// Edits per scene and mode, of radius 32 and 64.
+    /// Returns the number of edits per scene and mode, of radius 32 and 64.
     fn strokes(self) -> [usize; 2] {
         match self {
             Suite::Quick => [1000, 40],
@@ -82,7 +82,7 @@ impl Suite {
         }
     }
 
-    /// Longest time per figure; slow modes then have fewer pictures.
+    /// Returns the longest time per figure; slow modes then have fewer pictures.
     fn patience(self) -> Duration {
         match self {
             Suite::Quick => Duration::from_secs(2),
@@ -97,7 +97,7 @@ impl Suite {
         }
     }
 
-    /// Samples of a final picture.
+    /// Returns the samples of a final picture.
     fn final_samples(self) -> u32 {
         match self {
             Suite::Quick => 2,
@@ -120,7 +120,7 @@ const LEAST_RUNS: usize = 5;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Only {
     Kernel(Kernel),
-    /// How exact normals are.
+    /// The accuracy of normals.
     Normals,
 }
 
@@ -144,7 +144,7 @@ pub struct BenchJob {
     pub import: ImportOptions,
 }
 
-/// Why a benchmark failed.
+/// The reason why a benchmark failed.
 #[derive(Debug, Error)]
 pub enum BenchError {
     #[error("cannot use {subject}: {}", told(error))]
@@ -296,7 +296,7 @@ fn measure_scene(
     progress.end();
     progress.begin("measuring files");
     let contents = document.contents();
-    // Few runs of the slow formats, which differ by little.
+    // Few runs of the slow formats, which vary little.
     let (own, other): ([&str; 1], [&str; 1]) = (["vsc"], ["pvm"]);
     let limits = config.limits();
     let mut files =

@@ -242,7 +242,7 @@ fn misspelt_job(command: &clap::Command, arguments: &[OsString]) -> Option<Strin
     let lenient = command.clone().ignore_errors(true).disable_help_flag(true);
     let matches = lenient.try_get_matches_from(arguments).ok()?;
     let file = matches.get_one::<PathBuf>("file").filter(|file| !file.exists())?;
-    // A word with an extension or a folder is meant as a file.
+    // A word with an extension or a folder means a file.
     let word = file.to_str().filter(|_| Path::new(file.file_name().unwrap_or_default()) == file)?;
     if matches.subcommand_name().is_some() || file.extension().is_some() {
         return None;
@@ -285,14 +285,14 @@ fn refuse(words: &clap::Error) -> ExitCode {
     }
 }
 
-/// Returns how journals are kept by these settings.
+/// Returns the options of journals by these settings.
 fn journal_options(config: &Config) -> JournalOptions {
     let journal_dir = JournalDir::new(&folders::journal_folder());
     JournalOptions { max_bytes: config.journal.max_bytes(), ..JournalOptions::new(journal_dir) }
 }
 
 fn dispatch(cli: Cli) -> Result<(), ProgramError> {
-    // The program's texts about itself do not depend on settings, which may be wrong.
+    // The program's texts about itself must not depend on settings, which may be invalid.
     let is_help =
         matches!(cli.job, Some(Job::Commands { .. } | Job::Completions { .. } | Job::Man { .. }));
     let config = match is_help {

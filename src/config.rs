@@ -1,9 +1,9 @@
-//! The settings: reads TOML text into the options types of all rooms, checks them, and names the file
-//! and the key in errors.
+//! The settings: reads TOML text into the options types of all rooms, checks them, and reports the file and the key in
+//! errors.
 //!
-//! The rooms own their options with defaults and checks; this room only adds the names of the
-//! sections. It stands on top: only the program, its command line and its jobs import it.
-//! `config/default.toml` documents every key and equals [`Config::default`].
+//! The rooms own their options with defaults and checks; this room only adds the names of the sections. It stands on
+//! top: only the program, its command line and its jobs import it. `config/default.toml` documents every key and equals
+//! [`Config::default`].
 
 use std::path::{Path, PathBuf};
 
@@ -39,7 +39,7 @@ pub use profile::Profile;
 /// The commented file of all defaults.
 pub const DEFAULT_TOML: &str = include_str!("../config/default.toml");
 
-/// Why the settings cannot be used.
+/// The reason why the settings cannot be used.
 #[derive(Debug, Error)]
 pub enum ConfigError {
     #[error("cannot read the settings {path}: {error}")]
@@ -52,7 +52,7 @@ pub enum ConfigError {
     Matcap { path: PathBuf, file: PathBuf, error: FormatError },
 }
 
-/// All settings, a field a section.
+/// All settings, one field per section.
 #[derive(Clone, PartialEq, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
@@ -77,12 +77,12 @@ pub struct Config {
 }
 
 impl Config {
-    /// Reads the named file; without a name the user's own file if it exists, else the defaults.
+    /// Reads the named file; without a name, the user's own file if it exists, or else the defaults.
     pub fn load(path: Option<&Path>) -> Result<Config, ConfigError> {
         Config::load_over(None, path)
     }
 
-    /// Returns the same over the settings of a profile.
+    /// Reads the settings over those of a profile.
     pub fn load_over(profile: Option<Profile>, path: Option<&Path>) -> Result<Config, ConfigError> {
         let own = folders::personal_file();
         let path = match (path, &own) {
@@ -167,7 +167,7 @@ impl Config {
         PictureOptions { stereo: self.stereo, lighting, device }
     }
 
-    /// Returns the options that the interface starts with.
+    /// Returns the initial options of the interface.
     pub fn ui_options(&self) -> UiOptions<'_> {
         UiOptions {
             window: &self.window,
@@ -183,7 +183,7 @@ impl Config {
         }
     }
 
-    /// Returns the block that a session begins with.
+    /// Returns the initial block of a session.
     pub fn new_sculpture(&self) -> NewSculpture {
         self.new.sculpture()
     }
@@ -205,8 +205,8 @@ mod tests {
     #[test]
     fn the_commented_file_is_the_default_and_names_every_key() {
         assert_eq!(parse(DEFAULT_TOML).unwrap(), Config::default());
-        // Every key missing from the file would show here: remove lines one by one and the
-        // result must still parse, add all and nothing is unknown.
+        // Every key missing from the file would show here: remove lines one by one and the result must still parse, add
+        // all and nothing is unknown.
         fn keys(value: &toml::Value) -> usize {
             match value {
                 toml::Value::Table(table) => table.values().map(|v| 1 + keys(v)).sum(),

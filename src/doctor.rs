@@ -1,11 +1,11 @@
-//! The job `doctor`: reports what this machine offers, and what to install if something is missing.
-//! It changes nothing and never fails.
+//! The job `doctor`: reports the abilities of this machine, and what to install if something is missing. It changes
+//! nothing and never fails.
 
 use crate::folders::{self, personal_file};
 use crate::gpu;
 use crate::screen::{headset, pen};
 
-/// Returns the facts that any report of a fault needs: the program, the system and the folders, a line each.
+/// Returns the facts for every bug report: the program, the system and the folders, one line each.
 pub fn system() -> Vec<String> {
     vec![
         format!(
@@ -34,7 +34,7 @@ fn operating_system() -> String {
     format!("{name}{kernel}, {}", std::env::consts::ARCH)
 }
 
-/// Wayland, X11 or none, by the variables that say so.
+/// Returns Wayland, X11 or none, by the environment variables.
 fn graphical_session() -> String {
     if !cfg!(target_os = "linux") {
         return "that of the system".to_owned();

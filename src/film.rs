@@ -1,8 +1,8 @@
-//! The job `film`: a turntable of a sculpture, or the time lapse of a script or of what was done, frame by frame.
+//! The job `film`: a turntable of a sculpture, or the time lapse of a script or of a session, frame by frame.
 //!
-//! Frame i depends on nothing but the sculpture or the script, the options, and i, so that any part of a film can be
-//! made anywhere. One frame is in memory at a time. Takes a [`FilmJob`]; writes a folder of pictures, an animated PNG
-//! or GIF, or raw video. Must not know windows.
+//! Frame i depends only on the sculpture or the script, the options, and i, so that any part of a film can be made
+//! anywhere. One frame is in memory at a time. Takes a [`FilmJob`]; writes a folder of pictures, an animated PNG or
+//! GIF, or raw video. Must not know windows.
 
 mod frames;
 mod framing;
@@ -43,10 +43,10 @@ pub const SCRIPT_ENDING: &str = "sculpt";
 pub enum Subject {
     /// A sculpture or volume, or a script by its extension.
     File(PathBuf),
-    /// A sculpture that is open.
+    /// An open sculpture.
     Sculpture { contents: Arc<Contents>, placement: Placement },
-    /// How an open sculpture came to be, as far as undo leads back. `store`: holds the steps that memory has no room
-    /// for.
+    /// The history of an open sculpture, as far back as undo goes. `store`: holds the steps that do not fit into
+    /// memory.
     Steps { now: Box<DocumentSnapshot>, store: Option<Arc<dyn StepStore>> },
 }
 
@@ -54,7 +54,7 @@ pub enum Subject {
 #[derive(Debug)]
 pub struct FilmJob {
     pub subject: Subject,
-    /// The file that a script starts from.
+    /// The initial file of a script.
     pub input: Option<PathBuf>,
     pub out: PathBuf,
     /// The number of frames of the whole film.
@@ -63,7 +63,8 @@ pub struct FilmJob {
     pub range: FrameRange,
     /// Frames per second.
     pub fps: u16,
-    /// How far the sculpture turns in the film; none: once around in a turntable, not at all in a time lapse.
+    /// The angle by which the sculpture turns in the film; `None`: once around in a turntable, not at all in a time
+    /// lapse.
     pub spin_deg: Option<f32>,
     /// Its turn is that of the first frame.
     pub picture: PictureRequest,
@@ -87,7 +88,7 @@ impl FilmJob {
     }
 }
 
-/// Why a film could not be made.
+/// The reason why a film could not be made.
 #[derive(Debug, Error)]
 pub enum FilmError {
     #[error(transparent)]
@@ -112,7 +113,7 @@ pub enum FilmError {
     Cancelled,
 }
 
-/// Makes a film, or a part of one, and says so.
+/// Makes a film, or a part of one, and reports it.
 pub fn run(job: &FilmJob, context: &Context) -> Result<(), FilmError> {
     let frames = make(job, context)?;
     let (UVec2 { x, y }, out) = (job.picture.size, job.out.display());
@@ -121,7 +122,7 @@ pub fn run(job: &FilmJob, context: &Context) -> Result<(), FilmError> {
     Ok(())
 }
 
-/// Makes a film, or a part of one. Gives the frames that it made, counted from 0.
+/// Makes a film, or a part of one. Returns the frames that it made, counted from 0.
 pub fn make(job: &FilmJob, context: &Context) -> Result<Range<u32>, FilmError> {
     let view = job.picture.view(context.config);
     if view.stereo == StereoLayout::Layers {
@@ -163,7 +164,7 @@ pub fn make(job: &FilmJob, context: &Context) -> Result<Range<u32>, FilmError> {
     written.map(|()| part)
 }
 
-/// Refuses outputs that are inputs, by whatever name.
+/// Refuses outputs that are also inputs, under any name.
 fn refuse_inputs<'a>(
     outputs: &[PathBuf],
     inputs: impl Iterator<Item = &'a Path>,

@@ -14,8 +14,8 @@ pub fn personal_folder() -> Option<PathBuf> {
     project().map(|project| project.config_dir().to_path_buf())
 }
 
-/// Returns the folder for state that is no setting, such as recovered work: on systems without such a folder the one
-/// for local data, and without a home folder the temporary one.
+/// Returns the folder for state other than settings, such as recovered work. On systems without such a folder it is the
+/// one for local data, and without a home folder the temporary one.
 pub fn state_folder() -> PathBuf {
     let of = |project: ProjectDirs| {
         project.state_dir().unwrap_or(project.data_local_dir()).to_path_buf()
@@ -23,7 +23,7 @@ pub fn state_folder() -> PathBuf {
     project().map_or_else(std::env::temp_dir, of)
 }
 
-/// Returns the folder of the journals of sessions, and of the undo steps that memory has no room for.
+/// Returns the folder of the journals of sessions, and of undo steps that do not fit into memory.
 pub fn journal_folder() -> PathBuf {
     state_folder().join("journals")
 }
@@ -33,7 +33,7 @@ pub fn saved_history_folder() -> PathBuf {
     state_folder().join("histories")
 }
 
-/// Returns the folder for what can be made again. None without a home folder.
+/// Returns the folder for reproducible files; `None` without a home folder.
 pub fn cache_folder() -> Option<PathBuf> {
     project().map(|project| project.cache_dir().to_path_buf())
 }
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn linux_uses_the_xdg_folders() {
-        // The environment is read as it is: tests share one process and must not change it.
+        // The environment is left unchanged: tests share one process.
         let home = std::env::var_os("HOME").map(PathBuf::from).expect("a home");
         let base = |name: &str, usual: &str| {
             let named = std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());

@@ -78,7 +78,7 @@ impl DemoScene {
     }
 }
 
-/// The values that every job works with.
+/// The values used by every job.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
     pub config: &'a Config,
@@ -108,9 +108,9 @@ impl Context<'_> {
 pub struct PictureRequest {
     /// Pixels.
     pub size: UVec2,
-    /// None: the mode of the settings.
+    /// `None`: the mode of the settings.
     pub mode: Option<RenderMode>,
-    /// The voxels' cubes, whatever the settings say, instead of the smooth surface between them.
+    /// Shows the voxels' cubes instead of the smooth surface, whatever the settings say.
     pub voxels: bool,
     /// From the centre to the eye.
     pub camera: Vec3,
@@ -120,13 +120,13 @@ pub struct PictureRequest {
     pub turn_deg: f32,
     /// 1 fits the whole sculpture.
     pub zoom: f32,
-    /// Parallel lines stay parallel.
+    /// Uses parallel projection.
     pub orthographic: bool,
-    /// None: the layout of the settings.
+    /// `None`: the layout of the settings.
     pub stereo: Option<StereoLayout>,
     /// The colour of the ground, if there is one.
     pub ground: Option<Rgb>,
-    /// Whose mean is the picture; 1 is without antialiasing.
+    /// The picture is the mean of so many; 1: without antialiasing.
     pub samples: u32,
 }
 
@@ -134,7 +134,7 @@ impl PictureRequest {
     /// From the upper right in front: the view in which most shapes are easiest to read.
     pub const THREE_QUARTER: Vec3 = Vec3::new(0.8, 0.6, 1.0);
 
-    /// Returns the view, with what the request leaves to the settings.
+    /// Returns the view, with the settings for everything that the request leaves open.
     pub fn view(&self, config: &Config) -> picture::View {
         picture::View {
             size: self.size,
@@ -177,7 +177,7 @@ impl Default for PictureRequest {
     }
 }
 
-/// Why a job failed.
+/// The reason why a job failed.
 #[derive(Debug, Error)]
 pub enum JobError {
     #[error("{}", told(.0))]
@@ -240,7 +240,7 @@ pub fn render(
     render_session(session, out, picture, context)
 }
 
-/// Renders a file to a final picture, by tracing light on the CPU or on a device.
+/// Renders a file to a final picture, by path tracing on the CPU or on a device.
 pub fn render_final(
     file: &Path,
     out: &Path,
@@ -264,8 +264,7 @@ pub fn render_final(
     Ok(())
 }
 
-/// Draws a marker whose black square is `size_mm` wide: an SVG if the name says so, otherwise a
-/// PNG.
+/// Draws a marker whose black square is `size_mm` wide, as an SVG if the name has that extension, otherwise a PNG.
 pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
     let is_svg = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
     let drawing = match is_svg {
@@ -283,16 +282,16 @@ pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
     Ok(())
 }
 
-/// How [`convert`] makes a mesh.
+/// The options of [`convert`] for meshes.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MeshRequest {
-    /// Its surface; none: as the sculpture is shown.
+    /// Its surface; `None`: the one that the sculpture shows.
     pub kind: Option<MeshKind>,
-    /// The rest.
+    /// All other options.
     pub options: MeshOptions,
 }
 
-/// Converts a file to the format of the extension of `output`; to a mesh as `mesh` says, if that is one.
+/// Converts a file to the format of the extension of `output`, with the options of `mesh` if that is one.
 pub fn convert(
     input: &Path,
     output: &Path,

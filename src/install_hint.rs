@@ -1,6 +1,6 @@
 //! Advice on installing missing software on this operating system: ends of error messages.
 
-/// If there is no Vulkan loader.
+/// For a missing Vulkan loader.
 pub const VULKAN_LOADER: &str = if cfg!(windows) {
     "install the current driver of the graphics card, from its maker's site"
 } else if cfg!(target_os = "macos") {
@@ -10,14 +10,14 @@ pub const VULKAN_LOADER: &str = if cfg!(windows) {
      (mesa-vulkan-drivers)"
 };
 
-/// If the Vulkan loader is too old.
+/// For a Vulkan loader that is too old.
 pub const NEWER_VULKAN_LOADER: &str = if cfg!(target_os = "linux") {
     "update libvulkan1 (Fedora: vulkan-loader)"
 } else {
     "install the current driver of the graphics card"
 };
 
-/// If there is a loader but no device.
+/// For a loader without a device.
 pub const VULKAN_DRIVER: &str = if cfg!(target_os = "linux") {
     "install a driver (Debian, Ubuntu: mesa-vulkan-drivers, which also brings the software renderer \
      lavapipe)"
@@ -25,14 +25,14 @@ pub const VULKAN_DRIVER: &str = if cfg!(target_os = "linux") {
     VULKAN_LOADER
 };
 
-/// If the validation layer was requested but is not installed.
+/// For a requested validation layer that is not installed.
 pub const VALIDATION_LAYER: &str = if cfg!(target_os = "linux") {
     "install it (Debian, Ubuntu: vulkan-validationlayers)"
 } else {
     "install the Vulkan SDK"
 };
 
-/// If there is no OpenXR loader.
+/// For a missing OpenXR loader.
 pub const OPENXR_LOADER: &str = if cfg!(windows) {
     "put openxr_loader.dll beside the program (it comes with the OpenXR SDK)"
 } else {

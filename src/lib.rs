@@ -3,7 +3,7 @@
 //! ARCHITECTURE.md is the map of the rooms below.
 
 #![cfg_attr(not(test), warn(clippy::too_many_lines))]
-// They panic where nobody reads: see `terminal`.
+// These macros panic without a reader: see `terminal`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod app;

@@ -1,6 +1,6 @@
 //! The reference of the brushes (`docs/tools.md`), made from their descriptions.
 //!
-//! From the descriptions and the keys of a preset to a page in Markdown. Knows no window.
+//! Takes the descriptions and the keys of a preset; gives a page in Markdown. Knows no window.
 
 use std::fmt::{self, Display, Write};
 
@@ -20,8 +20,8 @@ says how to work with them, [Scripts](scripting.md#scripts) what the arguments o
 
 ";
 
-/// Returns the page about all brushes, with the keys of the preset that the program begins with. An error if the
-/// presets that come with the program cannot be read.
+/// Returns the page about all brushes, with the keys of the default preset. Fails if the built-in presets cannot be
+/// read.
 pub fn brushes() -> Result<String, BindingsError> {
     let presets = Bindings::presets()?;
     let page = presets.first().map(|bindings| BrushReference { bindings }.to_string());
@@ -93,7 +93,7 @@ fn options(f: &mut fmt::Formatter<'_>, spec: &BrushSpec) -> fmt::Result {
     Ok(())
 }
 
-/// Returns the values that an option can have.
+/// Returns the valid values of an option.
 fn values(param: &Param) -> String {
     match param.domain {
         Domain::Radius => "px or vx".to_string(),

@@ -1,7 +1,7 @@
-//! A message for the person, as a value: what the editor, the viewpoint and the controls return
-//! where they have something to say. Knows no interface; `app` shows it.
+//! A message for the person, as a value returned by the editor, the viewpoint and the controls. Knows no interface;
+//! `app` shows it.
 
-/// Something to tell the person.
+/// A message for the person.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Notice {
     Note(String),

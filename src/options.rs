@@ -1,7 +1,7 @@
-//! The contract of options: every room owns a type with its options, their defaults and a check, and
-//! reports a value that cannot be used as an [`InvalidOption`].
+//! The contract of options: every room owns a type with its options, their defaults and a check, and reports an invalid
+//! value as an [`InvalidOption`].
 //!
-//! Must not know which options there are, nor the file that they come from: `config` adds both.
+//! Must not know the options, nor their file: `config` adds both.
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -9,13 +9,13 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, de};
 
-/// An option whose value cannot be used.
+/// An option with an invalid value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InvalidOption {
     /// The option's path within its options type, such as `size_m` or `lamps.intensity`.
     pub key: &'static str,
     pub value: String,
-    /// The rule that the value must meet, such as "must be 0 to 1".
+    /// The rule for the value, such as "must be 0 to 1".
     pub rule: &'static str,
 }
 
@@ -32,7 +32,7 @@ pub fn require(
     }
 }
 
-/// Fails with `rule` unless `value` lies in `range`. NaN lies in no range.
+/// Fails with `rule` unless `value` is in `range`. NaN is in no range.
 pub fn require_in<T: PartialOrd + Display>(
     range: RangeInclusive<T>,
     key: &'static str,

@@ -49,7 +49,7 @@ pub const FINAL_ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", LINEAR_ENDING];
 /// JPEG quality, of 100: keeps lines clean.
 const JPEG_QUALITY: u8 = 92;
 
-/// Why a picture could not be made.
+/// The reason why a picture could not be made.
 #[derive(Debug, Error)]
 pub enum PictureError {
     #[error("{0}; `--mode ray` renders without Vulkan")]
@@ -62,7 +62,7 @@ pub enum PictureError {
     Encode(#[from] ImageError),
     #[error(transparent)]
     Trace(#[from] TraceError),
-    /// `--trace-on gpu` without a device that can.
+    /// `--trace-on gpu` without a suitable device.
     #[error("{0}; `--trace-on cpu` needs no Vulkan")]
     TraceDevice(GpuError),
     #[error(
@@ -71,7 +71,7 @@ pub enum PictureError {
     SmoothOnDevice,
 }
 
-/// The options that pictures depend on, besides document and view.
+/// The options of pictures, besides document and view.
 #[derive(Clone, Debug)]
 pub struct PictureOptions {
     pub stereo: StereoOptions,
@@ -85,31 +85,31 @@ pub struct PictureOptions {
 pub struct View {
     pub size: UVec2,
     pub mode: RenderMode,
-    /// Draw the surface between the voxels where a voxel covers more than a pixel, in modes that can.
+    /// Draws the smooth surface where a voxel covers more than a pixel, in modes that can.
     pub smooth_surface: bool,
-    /// From the centre of the bounding box to the eye, where `up` is y.
+    /// From the centre of the bounding box to the eye, with y along `up`.
     pub direction: Vec3,
-    /// The axis that points up in the picture, where the sky is.
+    /// The axis that points up in the picture, to the sky.
     pub up: Vec3,
     /// The angle by which the sculpture is turned about `up`.
     pub turn_rad: f32,
     /// 1 fits the bounding box; more is closer.
     pub zoom: f32,
-    /// Parallel lines stay parallel.
+    /// Uses parallel projection.
     pub orthographic: bool,
     pub fov_y_rad: f32,
-    /// The layout of two eyes, which are those of [`PictureOptions::stereo`].
+    /// The layout of the two eyes of [`PictureOptions::stereo`].
     pub stereo: StereoLayout,
     /// The ground below the sculpture.
     pub ground: Option<Ground>,
-    /// The samples whose mean is the picture: 1, without antialiasing, to [`crate::view::MAX_SAMPLES`].
+    /// The picture is the mean of so many samples: from 1, without antialiasing, to [`crate::view::MAX_SAMPLES`].
     pub samples: u32,
 }
 
-/// Where a picture is taken from.
+/// The camera of a picture, relative to the sculpture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CameraPlacement {
-    /// In a stereo picture the one between the two.
+    /// In a stereo picture, the one between the two.
     pub eye: Eye,
     pub world_from_grid: Affine3A,
     /// From the eye to the middle of the sculpture, along the line of sight.
@@ -132,12 +132,12 @@ impl View {
         }
     }
 
-    /// Returns the lighting of the options, with the sky where this view has it.
+    /// Returns the lighting of the options, with the sky along this view's `up`.
     fn lighting(&self, options: &PictureOptions) -> Lighting {
         Lighting { up: self.up, ..options.lighting }
     }
 
-    /// Returns the camera that frames points of the world, where voxels have edges of this length.
+    /// Returns the camera that frames points of the world, for voxels with edges of this length.
     pub fn camera(&self, points: &[Vec3], voxel_edge: f32) -> Camera {
         let direction = Quat::from_rotation_arc(Vec3::Y, self.up) * self.direction;
         let aspect = self.size.x as f32 / self.size.y as f32;
@@ -149,7 +149,7 @@ impl View {
         }
     }
 
-    /// Returns the orthographic camera that looks as `camera` does and frames the same points: with parallel rays those
+    /// Returns the orthographic camera that looks like `camera` and frames the same points: with parallel rays, points
     /// behind the middle look as large as those before it.
     fn orthographic_camera(&self, camera: &Camera, points: &[Vec3], voxel_edge: f32) -> Camera {
         let Eye { eye_from_world, projection, .. } = camera.eye(self.size);
@@ -172,7 +172,7 @@ pub fn voxel_edge(world_from_grid: &Affine3A) -> f32 {
 }
 
 /// Returns points around the sculpture, in grid coordinates: the corners of the first and the last brick in use of
-/// every row, clipped to the bounding box. The corners of the grid if it is empty.
+/// every row, clipped to the bounding box. For an empty grid, returns its corners.
 pub fn outline(grid: &Grid) -> Vec<Vec3> {
     let (min, max) = grid.opaque_bounds().unwrap_or((UVec3::ZERO, grid.dims()));
     let corners = |low: UVec3, high: UVec3| {
@@ -205,7 +205,7 @@ pub fn render(
     PictureMaker::new(options).make(document, view, &view.placement(document))
 }
 
-/// Returns one picture of those of two eyes, unless the layout keeps them apart.
+/// Combines the pictures of two eyes into one, unless the layout keeps them apart.
 fn compose_eyes(pictures: Vec<RgbImage>, view: &View) -> Vec<RgbImage> {
     match (view.stereo, pictures.as_slice()) {
         (StereoLayout::Mono | StereoLayout::Layers, _) => pictures,
@@ -218,8 +218,8 @@ fn compose_eyes(pictures: Vec<RgbImage>, view: &View) -> Vec<RgbImage> {
     }
 }
 
-/// Renders to a file, PNG or JPEG by its extension, or to two with `.left` and `.right` before it;
-/// a file appears only when it is complete. Returns the paths.
+/// Renders to a file, PNG or JPEG by its extension, or to two with `.left` and `.right` before it. A file appears only
+/// when it is complete. Returns the paths.
 pub fn render_to_file(
     document: &mut Document,
     view: &View,
@@ -252,14 +252,14 @@ pub fn encoded(picture: &RgbImage, ending: &str) -> Result<Vec<u8>, ImageError> 
     Ok(file.into_inner())
 }
 
-/// The eyes of a picture, and where the sculpture stands before them.
+/// The eyes of a picture, and the placement of the sculpture before them.
 #[derive(Clone, Copy)]
 struct PlacedEyes<'a> {
     eyes: &'a [Eye],
     world_from_grid: Affine3A,
 }
 
-/// Renders without Vulkan, by `mode`.
+/// Renders without Vulkan, in `mode`.
 fn render_by_casting(
     document: &mut Document,
     followed: &mut FollowedNormals,
@@ -349,7 +349,7 @@ fn render_on_device(
         shifted.iter_mut().zip(eyes).for_each(|(shifted, eye)| *shifted = eye.sample(sample));
         let desc = FrameDesc { mode, ..desc.of_sample(&shifted, sample) };
         let mut recorder = frames.begin()?;
-        // Modes that need no device are cast without the limits of this one.
+        // Modes without a device are cast without the limits of this one.
         let paints = RenderMode::needs_device;
         let slot = frames.slot();
         let report = renderer.paint_with_fallback(&mut recorder, slot, document, &desc, paints)?;

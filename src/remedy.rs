@@ -1,7 +1,7 @@
-//! Names the setting or flag of the program that lifts what the core has refused.
+//! Names the program's setting or flag that lifts a refusal of the core.
 //!
-//! Takes errors of the core, which know neither; gives the end of their message. Knows no interface: whoever shows an
-//! error shows [`told`] of it.
+//! Takes errors of the core, which know neither; gives the end of their message. Knows no interface: all parts show
+//! errors through [`told`].
 
 use std::fmt::Display;
 
@@ -23,7 +23,7 @@ pub fn told(error: &(impl Remedy + ?Sized)) -> String {
 
 /// An error of the core, for which the program may have a setting or flag.
 pub trait Remedy: Display {
-    /// Goes on where the message ends; empty where that says all there is to do. The message of an error that holds
+    /// Returns the continuation of the message; empty if the message is complete. The message of an error that wraps
     /// another one ends with that of the other.
     fn remedy(&self) -> &'static str;
 }
@@ -167,7 +167,7 @@ mod tests {
         GridError::Memory { dims: UVec3::splat(1024), needed_mib: 144, budget_mib: 64 }
     }
 
-    /// The settings are named by the program alone, and at the end of the message, however deep the error lies.
+    /// Checks that only the program names settings, at the end of the message, at any depth of the error.
     #[test]
     fn a_limit_of_memory_names_its_setting() {
         let (needed_mib, budget_mib) = (2, 1);

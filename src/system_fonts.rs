@@ -1,8 +1,8 @@
-//! Finds fonts of the operating system by the letters that they have, for what the program's own fonts lack: names of files
-//! in Chinese, Japanese, Korean and many other scripts.
+//! Finds fonts of the operating system by letters that the program's own fonts lack: names of files in Chinese,
+//! Japanese, Korean and many other scripts.
 //!
-//! Takes folders and letters, gives the bytes of whole font files. Of each file it looks at the table of letters alone, until
-//! all letters are found. Must not know who draws them.
+//! Takes folders and letters, gives the bytes of whole font files. Reads only the character map of each file, until all
+//! letters are found. Must not know who draws them.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -14,11 +14,11 @@ use std::time::{Duration, Instant};
 use skrifa::raw::tables::cmap::Cmap;
 use skrifa::raw::{FontData, FontRead};
 
-/// Bounds of what is looked through, so that no folder, however large, takes long.
+/// Limits of the search, so that no folder, however large, takes long.
 const MOST_FILES: usize = 8192;
 const DEEPEST: usize = 8;
 const LONGEST: Duration = Duration::from_secs(10);
-/// Faces of a collection, tables of a face, and bytes of a table of letters that are believed.
+/// Most valid faces of a collection, tables of a face, and bytes of a character map.
 const MOST_FACES: u32 = 64;
 const MOST_TABLES: u16 = 128;
 const MOST_CMAP_BYTES: u32 = 8 << 20;
@@ -27,13 +27,13 @@ const MOST_CMAP_BYTES: u32 = 8 << 20;
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Face {
     pub path: PathBuf,
-    /// Which one of a collection.
+    /// Its index in a collection.
     pub index: u32,
-    /// Those of the letters asked for that the font has.
+    /// The wanted letters that the font has.
     pub letters: BTreeSet<char>,
 }
 
-/// Returns the folders in which this system keeps fonts, the person's own first.
+/// Returns the folders of the system's fonts, the person's own first.
 pub fn folders() -> Vec<PathBuf> {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
     let within = |name: &str, parts: &[&str]| {
@@ -56,14 +56,14 @@ pub fn folders() -> Vec<PathBuf> {
         ];
         let shared = set("XDG_DATA_DIRS").unwrap_or("/usr/local/share:/usr/share".into());
         all.extend(std::env::split_paths(&shared).map(|folder| Some(folder.join("fonts"))));
-        // Where a sandbox shows those of the system.
+        // The place where a sandbox shows those of the system.
         all.push(Some("/run/host/fonts".into()));
         all
     };
     found.into_iter().flatten().collect()
 }
 
-/// Faces that have the letters, as few as come by taking the likeliest first. Letters that no font has are left out.
+/// Returns faces that have the letters, greedily from the likeliest files. Skips letters that no font has.
 pub fn find(folders: &[PathBuf], letters: &BTreeSet<char>) -> Vec<Face> {
     let began = Instant::now();
     let mut files = Vec::new();
@@ -109,7 +109,7 @@ fn gather(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// Orders files: upright fonts of usual weight without serifs first, and fonts that draw any letter as a box last.
+/// Ranks files: upright fonts of normal weight without serifs first, and fonts that draw every letter as a box last.
 fn unlikeliness(path: &Path) -> usize {
     const WORDS: [(&str, usize); 14] = [
         ("lastresort", 100),
@@ -132,7 +132,7 @@ fn unlikeliness(path: &Path) -> usize {
     WORDS.iter().filter(|(word, _)| name.contains(word)).map(|(_, weight)| weight).sum()
 }
 
-/// Returns the face of a file that has most of the letters; none if it has none of them.
+/// Returns the face of a file that has most of the letters; `None` if it has none of them.
 fn best_face(path: &Path, letters: &BTreeSet<char>) -> Result<Option<Face>> {
     let mut file = File::open(path)?;
     let mut best: Option<Face> = None;
@@ -145,7 +145,7 @@ fn best_face(path: &Path, letters: &BTreeSet<char>) -> Result<Option<Face>> {
     Ok(best)
 }
 
-/// Returns where the faces of a file begin.
+/// Returns the offsets of the faces of a file.
 fn face_starts(file: &mut File) -> Result<Vec<u32>> {
     let head: [u8; 12] = read_at(file, 0)?;
     match &head[..4] {
@@ -159,7 +159,7 @@ fn face_starts(file: &mut File) -> Result<Vec<u32>> {
     }
 }
 
-/// Returns those of the letters that the face which begins there can draw.
+/// Returns the letters that the face at `start` can draw.
 fn letters_of(file: &mut File, start: u32, letters: &BTreeSet<char>) -> Result<BTreeSet<char>> {
     let head: [u8; 6] = read_at(file, start)?;
     let tables = u16::from_be_bytes([head[4], head[5]]).min(MOST_TABLES);
@@ -169,7 +169,7 @@ fn letters_of(file: &mut File, start: u32, letters: &BTreeSet<char>) -> Result<B
         let word = |at: usize| u32::from_be_bytes([row[at], row[at + 1], row[at + 2], row[at + 3]]);
         match &row[..4] {
             b"cmap" => cmap = Some((word(8), word(12))),
-            // Pictures of letters alone cannot be drawn.
+            // Bitmap glyphs alone cannot be drawn.
             b"glyf" | b"CFF " | b"CFF2" => has_outlines = true,
             _ => {}
         }
@@ -214,7 +214,7 @@ mod tests {
             let mut font = font.to_vec();
             let tables = u16::from_be_bytes([font[4], font[5]]) as usize;
             for table in 0..tables {
-                // Tables are found from the beginning of the file.
+                // Offsets of tables are relative to the beginning of the file.
                 let at = 12 + 16 * table + 8;
                 let own = u32::from_be_bytes(font[at..at + 4].try_into().unwrap());
                 font[at..at + 4].copy_from_slice(&(own + start).to_be_bytes());

@@ -1,7 +1,7 @@
 //! Output on a terminal: results on standard output; notices and the log on standard error.
 //!
-//! `println!` and `eprintln!` panic when the reader is gone or the disk is full, and a panic costs work.
-//! Here a result that cannot be written is an error, and everything else may be lost.
+//! `println!` and `eprintln!` panic when the reader is gone or the disk is full, and a panic costs work. Here, a result
+//! that cannot be written is an error, and everything else may be lost.
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -13,10 +13,10 @@ use tracing_subscriber::fmt::MakeWriter;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
-/// Why a result could not be written.
+/// The reason why a result could not be written.
 #[derive(Debug, Error)]
 pub enum OutputError {
-    /// The reader has closed the pipe, as `head` does when it has enough: no failure.
+    /// The reader has closed the pipe, like `head` when it has enough: no failure.
     #[error("the reader of the results has gone")]
     ReaderGone,
     #[error("cannot write to the standard output: {0}")]
@@ -31,17 +31,17 @@ pub fn print_result(text: impl Display) -> Result<(), OutputError> {
     })
 }
 
-/// Prints on standard output what has already been done, in files: this text may be lost.
+/// Prints a report on standard output about work done in files: this text may be lost.
 pub fn print_done(text: impl Display) {
     let _ = line(std::io::stdout().lock(), text);
 }
 
-/// Prints on standard error what is not a result.
+/// Prints a message other than a result on standard error.
 pub fn print_notice(text: impl Display) {
     let _ = line(std::io::stderr().lock(), text);
 }
 
-/// Returns a single write, so that lines of several processes do not mix.
+/// Writes a line in a single call, so that lines of several processes do not mix.
 fn line(mut to: impl Write, text: impl Display) -> std::io::Result<()> {
     to.write_all(format!("{text}\n").as_bytes())?;
     to.flush()
@@ -56,10 +56,9 @@ const DEFAULT_LOG: &str = "error,virtual_sculpture=warn,sculpture_core=warn,trac
 const VERBOSE_LOG: &str =
     "warn,virtual_sculpture=debug,sculpture_core=debug,tracking=debug,egui=off";
 
-/// Starts writing the log to standard error: warnings of this program, with `quiet` errors only, and with
-/// `verbose` what the program does.
-/// `RUST_LOG` overrides that, as a list of `level` and `target=level`. Colours only on a terminal
-/// without `NO_COLOR`.
+/// Starts the log on standard error: warnings of this program, with `quiet` errors only, and with `verbose` its
+/// activity. `RUST_LOG` overrides that, as a list of `level` and `target=level`. Colours only on a terminal without
+/// `NO_COLOR`.
 pub fn init_log(quiet: bool, verbose: bool) {
     use std::io::IsTerminal;
     let default = match (quiet, verbose) {
@@ -84,7 +83,7 @@ pub fn init_log(quiet: bool, verbose: bool) {
     }
 }
 
-/// Standard error for the log. A line that cannot be written is lost.
+/// Standard error for the log. Lines that cannot be written are lost.
 struct Log;
 
 impl<'a> MakeWriter<'a> for Log {

@@ -1,7 +1,7 @@
-//! Times as people read them. Knows no clock.
+//! Times as text for people. Knows no clock.
 
-/// Returns a time in seconds since 1970 as people read it, by the algorithm of Howard Hinnant ("chrono-Compatible
-/// Low-Level Date Algorithms", civil_from_days).
+/// Formats a time in seconds since 1970 for people, by the algorithm of Howard Hinnant ("chrono-Compatible Low-Level
+/// Date Algorithms", civil_from_days).
 pub fn utc_text(unix_s: u64) -> String {
     // Beyond the year 9999 a clock is wrong anyway.
     let unix_s = unix_s.min(253_402_300_799);

@@ -49,7 +49,7 @@ fn parse_seconds(text: &str) -> Result<Duration, String> {
     seconds.ok_or_else(|| "must be a number of seconds".to_string())
 }
 
-/// Why tracking ended.
+/// The reason why tracking ended.
 #[derive(Debug, Error)]
 pub enum TrackError {
     #[error(
@@ -84,7 +84,7 @@ pub fn run(args: &TrackArgs, config: &Config) -> Result<(), TrackError> {
     }
 }
 
-/// Pauses; returns whether the job continues.
+/// Pauses. Returns whether the job continues.
 fn goes_on(args: &TrackArgs, sources: &[Box<dyn Source>], started: Instant) -> bool {
     std::thread::sleep(LOOK_EVERY);
     let over = args.seconds.is_some_and(|limit| started.elapsed() >= limit);
@@ -137,7 +137,7 @@ fn serve(
     }
 }
 
-/// The events since the last line of the monitor.
+/// The events since the monitor's last line.
 #[derive(Default)]
 struct Tally {
     pose: Option<HeadPose>,

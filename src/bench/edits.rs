@@ -41,7 +41,7 @@ impl EditReport {
 /// Edge of the block that is edited.
 const BLOCK_VX: u32 = 512;
 
-/// A piece of a stroke of a solid of half edge 64, as the editor makes them.
+/// A segment of a stroke with a solid of half edge 64, as made by the editor.
 const SWEEP_VX: Vec3 = Vec3::new(9.0, 7.0, 6.0);
 
 /// Returns the measured commands, each on a full block.
@@ -93,7 +93,7 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
     Ok(reports)
 }
 
-/// Applies a command again and again, each time taken back.
+/// Applies a command repeatedly, undoing it each time.
 pub(super) fn timed(
     document: &mut Document,
     name: &str,
@@ -111,7 +111,8 @@ pub(super) fn timed(
     Ok(times.map(|times| EditReport::of(name, voxels, times)))
 }
 
-/// Meshes of the cheese that follow a ball of radius 64 carved out of its middle; the blocks made anew for voxels.
+/// Meshes of the cheese after a ball of radius 64 is carved out of its middle: the blocks remade for the changed
+/// voxels.
 fn meshes_made_anew(document: &mut Document, runs: usize) -> Result<Vec<EditReport>, CommandError> {
     document.apply(&Command::Begin { label: String::new() })?;
     for sphere in &holes() {
@@ -137,7 +138,7 @@ fn meshes_made_anew(document: &mut Document, runs: usize) -> Result<Vec<EditRepo
             number += 1;
             document.drain_changes_for(&subscriber, |contents, bricks| {
                 let version = ContentsVersion { number, changed: bricks.map(<[u32]>::to_vec) };
-                // Limits that have room for the cheese have room for its mesh; without one there is nothing to measure.
+                // Limits with room for the cheese have room for its mesh; without one there is nothing to measure.
                 let made = kept.update(contents, &version, &limits, &());
                 made.ok().map(|[anew, _]| (start.elapsed(), anew))
             })
@@ -256,7 +257,7 @@ pub struct EditToImage {
     pub composite: Option<Times>,
 }
 
-/// Edits until the sculpture is restored: few enough to leave most of it.
+/// Number of edits until the sculpture is restored: few enough to leave most of it.
 const BITES: usize = 20;
 
 /// Subtracts balls at the visible surface, and measures each from the command to the shaded
@@ -279,7 +280,7 @@ pub fn edit_to_image(
         && missed < 1000
         && (shaded.len() < LEAST_RUNS || measured < patience)
     {
-        // With a ray of its own, since some modes have no index map in memory.
+        // With separate rays, since some modes have no index map in memory.
         let rays = *pictures.rays();
         let at = random.next_u64();
         let (x, y) = (at as u32 % rays.size.x, (at >> 32) as u32 % rays.size.y);

@@ -1,8 +1,7 @@
 //! The cost of features of pictures: whole pictures with a feature and without it, in turn.
 //!
-//! Takes the pictures of a mode; gives, for each feature that the mode has, the times of pictures with it, and how
-//! many milliseconds longer these take than those without it. Needs a Vulkan device: without one there are only
-//! kernels.
+//! Takes the pictures of a mode; gives, for each feature of the mode, the times of pictures with it, and the additional
+//! milliseconds over pictures without it. Needs a Vulkan device: without one there are only kernels.
 
 use std::time::{Duration, Instant};
 
@@ -25,7 +24,7 @@ const MAGNIFICATION: f32 = 4.0;
 /// The shadow of a sun whose disc takes this angle, in degrees.
 const SHADOW: Shadow = Shadow { sun_deg: 0.5, sample: 0 };
 
-/// The light on it is known after the first picture: the eye is displaced, and the lamp does not turn.
+/// The light on it is known after the first picture: only the eye moves, not the lamp.
 const GROUND: Ground = Ground {
     up: Vec3::Y,
     colour: GROUND_COLOUR,
@@ -79,7 +78,7 @@ pub fn features(
     Ok(reports)
 }
 
-/// Pictures of two looks in turn, so that whatever else the machine does slows both.
+/// Renders pictures of two looks in turn, so that other load on the machine slows both.
 fn compare(
     name: &str,
     looks: [&Look; 2],

@@ -1,4 +1,4 @@
-//! How long a final picture of a scene takes: what is found before, tracing, and the filter.
+//! The time of a final picture of a scene: preparation, tracing, and the filter.
 //!
 //! Takes a sculpture and an eye; few samples, since the time goes with their number.
 

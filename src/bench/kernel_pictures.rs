@@ -20,7 +20,7 @@ pub struct KernelPictures {
     lighting: Lighting,
     views: Vec<View>,
     normals: NormalField,
-    /// Kept for its memory.
+    /// Kept for its allocation.
     reshaded: Vec<u32>,
 }
 
@@ -51,7 +51,7 @@ impl Caster {
 }
 
 impl KernelPictures {
-    /// None if the mode needs a device.
+    /// Creates one; `None` if the mode needs a device.
     pub fn new(scene: &Scene, document: &mut Document) -> Option<KernelPictures> {
         let Scene { mode, eyes, lighting } = *scene;
         let world_from_grid = document.world_from_grid();
@@ -71,7 +71,7 @@ impl KernelPictures {
         Some(pictures)
     }
 
-    /// Whole pictures.
+    /// Renders whole pictures.
     pub fn whole(&mut self, document: &mut Document) -> StageTimes {
         let normals = &mut self.normals;
         document.drain_changes(|contents, changed| {

@@ -18,7 +18,7 @@ pub struct Machine {
     pub vectors: String,
     /// Bytes read and written per second by a memory copy on all threads.
     pub copy_bytes_per_s: f64,
-    /// Vulkan device and driver, or why there is none.
+    /// Vulkan device and driver, or the reason why there is none.
     pub vulkan: String,
     pub os: &'static str,
     /// Load average of the last minute: a quiet machine has less than 1 besides the benchmark.
@@ -39,7 +39,7 @@ impl Machine {
     }
 }
 
-/// Name of the first processor, which Linux has in a file; unknown elsewhere.
+/// Returns the name of the first processor, which Linux has in a file; unknown elsewhere.
 fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;
@@ -55,7 +55,7 @@ fn vectors() -> String {
     level.split('(').next().unwrap_or_default().to_lowercase()
 }
 
-/// Returns the fastest of some copies between two buffers larger than any cache.
+/// Returns the fastest of several copies between two buffers larger than any cache, in bytes per second.
 fn copy_bytes_per_s() -> f64 {
     const BYTES: usize = 128 << 20;
     let from = vec![1u64; BYTES / 8];
@@ -71,7 +71,7 @@ fn copy_bytes_per_s() -> f64 {
     2.0 * BYTES as f64 / best
 }
 
-/// Peak memory of the process in bytes, which Linux has in a file.
+/// Returns the peak memory of the process in bytes, which Linux has in a file.
 pub fn peak_memory_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find(|line| line.starts_with("VmHWM:"))?;

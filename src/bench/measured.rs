@@ -41,9 +41,8 @@ impl StageTimes {
 /// The latency of a picture after an edit.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AfterEdit {
-    /// Until it was shaded.
+    /// Time until it was shaded.
     pub shaded: Duration,
-    /// From there to the finished picture; none if the device shades as it draws, or there is no
-    /// device.
+    /// From there to the finished picture; `None` if the device shades as it draws, or there is no device.
     pub composite: Option<Duration>,
 }

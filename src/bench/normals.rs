@@ -1,9 +1,9 @@
-//! How exact normals are: angles between the normals of voxels and those of the analytic surfaces that the voxels
-//! were made from, at random places and turns.
+//! The accuracy of normals: angles between the normals of voxels and those of the analytic surfaces that made the
+//! voxels, at random positions and rotations.
 //!
-//! Gives a table of the mean and the 99th percentile for each shape, of the moment of 81 voxels
-//! ([`crate::shade::normal`]) and of the field ([`NormalField`]); and, for the ball of radius 100 lit from the
-//! eye, how much the brightness of places at equal angle scatters.
+//! Gives a table of the mean and the 99th percentile for each shape, for the moment of 81 voxels
+//! ([`crate::shade::normal`]) and for the field ([`NormalField`]); and, for the ball of radius 100 lit from the eye,
+//! the scatter of brightness at equal angles.
 
 use glam::{Mat3, Quat, UVec3, Vec3};
 
@@ -14,7 +14,7 @@ use crate::sculpture::{Brick, Grid, GridError};
 use crate::shade::NormalField;
 use crate::shade::normal::gradient;
 
-/// Half the edge of the cube about the place that is looked at, and half that of the grid around it.
+/// Half the edge of the cube around the examined place, and half that of the grid around it.
 const LOOK_VX: f32 = 20.0;
 const GRID_VX: u32 = 44;
 
@@ -29,7 +29,7 @@ struct Row {
 #[derive(Default)]
 struct Spread {
     degrees: Vec<f32>,
-    /// Brightness and what it should be, where the eye is in a fixed direction.
+    /// Actual and ideal brightness, if the eye is in a fixed direction.
     brightness: Vec<[f32; 2]>,
 }
 
@@ -43,7 +43,7 @@ impl Spread {
         }
     }
 
-    /// Mean and 99th percentile, in degrees.
+    /// Returns mean and 99th percentile, in degrees.
     fn figures(&mut self) -> [f32; 2] {
         self.degrees.sort_unstable_by(f32::total_cmp);
         let count = self.degrees.len();
@@ -52,8 +52,8 @@ impl Spread {
         [mean, self.degrees.get(rank).copied().unwrap_or_default()]
     }
 
-    /// Returns the largest standard deviation of brightness among places at equal angle (in tenths of its cosine), in
-    /// per cent of the range of brightness.
+    /// Returns the largest standard deviation of brightness at equal angles (in tenths of its cosine), in per cent of
+    /// the range of brightness.
     fn ring(&self) -> f32 {
         let deviation = |tenth: usize| {
             let at_angle = |[cosine, _]: &&[f32; 2]| (cosine * 10.0) as usize == tenth;
@@ -94,7 +94,7 @@ pub fn report(progress: &dyn Progress) -> Result<String, GridError> {
     Ok(text)
 }
 
-/// Returns a grid of the voxels whose middles are `inside`, and its field.
+/// Returns a grid of the voxels whose centres are `inside`, and its field.
 fn grid_of(edge_vx: u32, inside: &(dyn Fn(Vec3) -> bool + Sync)) -> Result<Grid, GridError> {
     let mut grid = Grid::new(UVec3::splat(edge_vx), Vec3::ONE, 1 << 30)?;
     grid.fill_bricks(|b| {
@@ -108,7 +108,7 @@ fn grid_of(edge_vx: u32, inside: &(dyn Fn(Vec3) -> bool + Sync)) -> Result<Grid,
     Ok(grid)
 }
 
-/// Calls `take` with the middle of each surface voxel for which `wanted` gives a row and an exact normal.
+/// Calls `take` with the centre of each surface voxel for which `wanted` gives a row and an exact normal.
 fn compare(
     grid: &Grid,
     to_eye: Vec3,
@@ -182,7 +182,7 @@ fn plane(random: &mut Random) -> Result<Row, GridError> {
     Ok(row)
 }
 
-/// Faces, by distance from the nearest edge.
+/// Measures faces, by distance from the nearest edge.
 fn cube(random: &mut Random) -> Result<[Row; 4], GridError> {
     let bands = ["beyond 3 voxels", "2 to 3", "1 to 2", "0 to 1"];
     let mut rows = bands.map(|band| row(format!("cubes, from edges {band}")));
@@ -207,7 +207,7 @@ fn cube(random: &mut Random) -> Result<[Row; 4], GridError> {
     Ok(rows)
 }
 
-/// Walls of two voxels: the sides.
+/// Measures the sides of walls of two voxels.
 fn wall(random: &mut Random) -> Result<Row, GridError> {
     let mut rows = [row("walls 2 voxels thick")];
     for turn in 0..9 {
@@ -216,7 +216,7 @@ fn wall(random: &mut Random) -> Result<Row, GridError> {
         let height = |p: Vec3| (p - place).dot(out);
         let grid = grid_of(2 * GRID_VX, &|p| height(p).abs() <= 1.0)?;
         compare(&grid, out, &mut rows, &|p| {
-            // In the very middle neither side is right.
+            // Exactly in the middle, neither side is right.
             let side = Some(height(p)).filter(|height| height.abs() > 0.3)?;
             is_inner(p).then_some((0, out * side.signum()))
         });

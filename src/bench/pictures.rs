@@ -30,7 +30,7 @@ enum Maker {
     Kernels(Box<KernelPictures>),
 }
 
-/// How the sculpture is lit and seen, for comparisons.
+/// The light and view of the sculpture, for comparisons.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     pub lighting: Lighting,
@@ -57,11 +57,11 @@ struct Rendered {
     is_beside: bool,
 }
 
-/// How long normals of a sculpture that was opened may hold up a picture after an edit, as in the window.
+/// Longest delay of a picture after an edit by the normals of an opened sculpture, as in the window.
 const PATIENCE: Duration = Duration::from_millis(6);
 
 impl Pictures {
-    /// None if the mode needs a device and there is none.
+    /// Creates one; `None` if the mode needs a device and there is none.
     pub fn new(
         scene: &Scene,
         document: &mut Document,
@@ -79,7 +79,7 @@ impl Pictures {
         Ok(Some(Pictures { rays, maker }))
     }
 
-    /// Switches to another mode; false if that needs another value of this type.
+    /// Switches to another mode. Returns false if that needs another value of this type.
     pub fn turn_to(&mut self, mode: RenderMode) -> bool {
         match &mut self.maker {
             Maker::Renderer(rendered) => {
@@ -90,7 +90,7 @@ impl Pictures {
         }
     }
 
-    /// Sets how further pictures look; none: as the scene says. False where there is no device.
+    /// Sets the look of further pictures; `None`: that of the scene. Returns false without a device.
     pub fn set_look(&mut self, look: Option<&Look>) -> bool {
         match &mut self.maker {
             Maker::Renderer(rendered) => {
@@ -106,7 +106,7 @@ impl Pictures {
         &self.rays
     }
 
-    /// Returns a whole picture.
+    /// Renders a whole picture.
     pub fn whole(&mut self, document: &mut Document) -> Result<StageTimes> {
         match &mut self.maker {
             Maker::Renderer(rendered) => rendered.whole(document),
@@ -114,7 +114,7 @@ impl Pictures {
         }
     }
 
-    /// The picture that a window shows of the view at rest, after that of an edit.
+    /// Renders the picture that a window shows of the view at rest, after that of an edit.
     pub fn settle(&mut self, document: &mut Document) -> Result<()> {
         match &mut self.maker {
             Maker::Renderer(rendered) => rendered.draw(document).map(drop),
@@ -122,7 +122,7 @@ impl Pictures {
         }
     }
 
-    /// Returns the picture after an edit, from the same position as the last one.
+    /// Renders the picture after an edit, from the same position as the last one.
     pub fn after_edit(&mut self, document: &mut Document) -> Result<AfterEdit> {
         match &mut self.maker {
             Maker::Renderer(rendered) => rendered.after_edit(document),
@@ -151,15 +151,14 @@ impl Rendered {
     }
 
     fn whole(&mut self, document: &mut Document) -> Result<StageTimes> {
-        // The renderer repeats nothing that has not changed.
+        // The renderer does not repeat unchanged pictures.
         self.is_beside = !self.is_beside;
         self.renderer.set_patience(None);
         self.draw(document)
     }
 
     fn after_edit(&mut self, document: &mut Document) -> Result<AfterEdit> {
-        // From the same position, so that only the effect of the edit is repeated; and held up no longer than the
-        // window's are.
+        // From the same position, so that only the effect of the edit is repeated; with the window's limit on delays.
         self.renderer.set_patience(Some(PATIENCE));
         let times = self.draw(document)?;
         Ok(match self.mode.shading() {

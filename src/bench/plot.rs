@@ -14,7 +14,7 @@ const TOP: f64 = 64.0;
 const COLOURS: [&str; 8] =
     ["#3b6ea5", "#d08c3a", "#5a9a5f", "#b5534f", "#7a64a8", "#7d7d7d", "#3f9a98", "#b86aa0"];
 
-/// Returns the median frame of each mode in each scene.
+/// Returns a plot of the median frame of each mode in each scene.
 pub fn svg(report: &Report) -> String {
     let frames = || report.scenes.iter().flat_map(|s| &s.modes).map(|m| m.frame.median_ms);
     let least = frames().fold(f64::INFINITY, f64::min).clamp(1e-3, 1e4);

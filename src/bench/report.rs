@@ -55,11 +55,11 @@ pub struct ModeReport {
     /// The median frame, divided by that of the exact ray caster.
     pub to_ray: Option<f64>,
     pub device: DeviceReport,
-    /// The costs of features of the picture; none without a device.
+    /// The costs of features of the picture; empty without a device.
     pub features: Vec<FeatureReport>,
     /// The time from subtracting a ball of radius 32 to the shaded picture.
     pub edit_32: Option<Times>,
-    /// The time from there to the finished picture; none if the device shades.
+    /// The time from there to the finished picture; `None` if the device shades.
     pub edit_32_composite: Option<Times>,
     pub edit_64: Option<Times>,
     pub edit_64_composite: Option<Times>,
@@ -162,7 +162,7 @@ impl fmt::Display for Report {
 }
 
 impl Report {
-    /// Empty if the device has no time stamps.
+    /// Writes the device's times; nothing if it has no time stamps.
     fn write_device_times(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let modes = || self.scenes.iter().flat_map(|s| s.modes.iter().map(move |mode| (s, mode)));
         let timed = |mode: &ModeReport| mode.device.stages().iter().any(Option::is_some);
@@ -195,7 +195,7 @@ impl Report {
         Ok(())
     }
 
-    /// Returns a column for each feature that any mode has.
+    /// Writes a column for each feature of any mode.
     fn write_features(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let modes = || self.scenes.iter().flat_map(|s| s.modes.iter().map(move |mode| (s, mode)));
         let mut names: Vec<&str> = Vec::new();
@@ -225,7 +225,7 @@ impl Report {
     }
 }
 
-/// Minimum, median and 99th percentile.
+/// Formats minimum, median and 99th percentile.
 fn three(times: Option<Times>) -> String {
     times.map_or("-".to_string(), |t| format!("{:.2} {:.2} {:.2}", t.min_ms, t.median_ms, t.p99_ms))
 }

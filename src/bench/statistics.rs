@@ -15,7 +15,7 @@ pub struct Times {
 }
 
 impl Times {
-    /// None without runs.
+    /// Computes the times; `None` without runs.
     pub fn of(runs: &[Duration]) -> Option<Times> {
         let mut sorted: Vec<f64> = runs.iter().map(|run| run.as_secs_f64() * 1e3).collect();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -32,7 +32,7 @@ impl Times {
     }
 }
 
-/// Calls `f` once for warm-up and `runs` times for the times that it returns.
+/// Calls `f` once for warm-up and `runs` times for the returned times.
 pub fn measure<E>(
     runs: usize,
     mut f: impl FnMut() -> Result<Duration, E>,

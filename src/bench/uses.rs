@@ -1,5 +1,5 @@
-//! Benchmarks of single uses of all brushes, of masks and of symmetry, as a person makes them: on the face of a coloured
-//! block of 512³ voxels with a hollow, seen from half a block before it.
+//! Benchmarks of single uses of all brushes, of masks and of symmetry, like those of a person: on the face of a
+//! coloured block of 512³ voxels with a hollow, seen from half a block away.
 
 use std::path::Path;
 
@@ -81,8 +81,7 @@ pub fn uses(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError
 /// The radius of the brushes, in voxels.
 const RADIUS_VX: f32 = 48.0;
 
-/// Returns a brush with its first options, as a hand uses it: under an outline over the hollow, or in a ball at its
-/// rim.
+/// Returns a use of a brush with its default options: under an outline over the hollow, or in a ball at its rim.
 fn used(brush: BrushId) -> Option<BrushUse> {
     let spec = brush.spec();
     let options = BrushOptions::first(brush).with(RADIUS, RADIUS_VX);
@@ -101,11 +100,11 @@ fn used(brush: BrushId) -> Option<BrushUse> {
             DabPlace::Held { start_vx: rim, by_vx, normal, right: Vec3::X, edges }
         }
     };
-    // Without an open stroke, the surface of its beginning is the one that is there.
+    // Without an open stroke, the surface of its beginning is the present one.
     (spec.dab)(&Dab { options: &options, place }).map(|used| used.on(BrushSurface::Now))
 }
 
-/// Returns a voxel a ray.
+/// Returns a footprint with one voxel per ray.
 fn from_above() -> Footprint {
     Footprint {
         eye_vx: TOP_VX + Vec3::Y * 256.0,
@@ -118,11 +117,11 @@ fn from_above() -> Footprint {
     }
 }
 
-/// Brushes in other places, with an image, and as the first versions smoothed.
+/// Returns further uses: brushes in other places, with an image, and smoothing as in the first versions.
 fn further_brushes() -> [(&'static str, BrushUse); 4] {
     let footprint = from_above();
     let painted = |footprint| BrushUse::under(BrushId::Paint, footprint).with(COLOUR, PAINT);
-    // As at 1024^3 in whole view, and from ten degrees above the surface.
+    // As at 1024^3 with the whole view, and from ten degrees above the surface.
     let wide = Footprint { across: Vec3::X * 2.0, down: Vec3::Z * 2.0, ..footprint };
     let direction = Vec3::new(0.985, -0.174, 0.0);
     let aslant = Footprint {
@@ -168,7 +167,7 @@ fn mask_ball(radius: f32) -> Command {
     Command::Mask(MaskChange::Put { adds: true, what })
 }
 
-/// 64 by 64 pixels.
+/// Returns stripes of 64 by 64 pixels.
 fn stripes() -> Option<Texture> {
     let pixel = |i: u32| match i % 64 / 8 % 2 {
         0 => Rgb::new(240, 240, 230),
@@ -188,10 +187,10 @@ mod tests {
         for report in &reports {
             assert!(report.voxels > 0, "{report:?}");
         }
-        // A ball over another one counts only the voxels that it takes away, not those already gone or masked.
+        // A ball over another one counts only the voxels that it removes, not those already gone or masked.
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
         assert!(voxels("sphere of 64 over") < voxels("sphere of 64 and") / 2);
-        // Two of them do not overlap, eight a little.
+        // Two of them do not overlap; eight overlap slightly.
         let (two, eight) = (voxels("sphere of 64 and"), voxels("sphere of 64, eightfold"));
         assert!(2 * eight > 5 * two && eight < 4 * two, "{two} {eight}");
     }

@@ -93,8 +93,7 @@ impl ImportArgs {
     }
 }
 
-/// Returns a file to be written, whose ending says what it becomes: so that no file is overwritten by something else by
-/// a slip.
+/// Parses a file to write, whose extension must be one of `endings`, so that a slip does not overwrite another file.
 pub(super) fn named(endings: &'static [&'static str]) -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(move |path| {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
@@ -158,7 +157,7 @@ pub enum GroundChoice {
 }
 
 impl GroundChoice {
-    /// Returns the colour of the ground, if there is to be one.
+    /// Returns the colour of the ground, if there is one.
     pub fn colour(self) -> Option<Rgb> {
         match self {
             GroundChoice::None => None,

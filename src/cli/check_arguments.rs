@@ -58,7 +58,7 @@ fn parse_angle(text: &str) -> Result<f32, String> {
     }
 }
 
-/// Returns width x depth x height, as printers are described, to x, y and z, y being up.
+/// Parses width x depth x height, as printers are described, to x, y and z, with y up.
 fn parse_bed(text: &str) -> Result<Vec3, String> {
     let lengths: Result<Vec<f32>, String> = text.split(['x', 'X']).map(parse_length).collect();
     match lengths.as_deref() {

@@ -1,4 +1,4 @@
-//! Why the program failed, and the exit code of each failure.
+//! The errors of the program, and the exit code of each.
 
 use thiserror::Error;
 
@@ -16,7 +16,7 @@ use crate::terminal::OutputError;
 use crate::track::TrackError;
 use crate::view::MAX_SAMPLES;
 
-/// Why arguments cannot be used together.
+/// The reason why arguments cannot be used together.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum ArgumentError {
     #[error(
@@ -35,7 +35,7 @@ pub enum ArgumentError {
     LinearFile,
 }
 
-/// Why the program failed.
+/// The error that ends the program.
 #[derive(Debug, Error)]
 pub enum ProgramError {
     #[error(transparent)]
@@ -101,7 +101,7 @@ impl ProgramError {
         }
     }
 
-    /// Returns whether nothing failed, but the reader of standard output has closed it.
+    /// Returns whether the only failure is that the reader of standard output has closed it.
     pub fn is_reader_gone(&self) -> bool {
         let error = match self {
             ProgramError::Output(error)

@@ -78,7 +78,7 @@ pub struct FinalArgs {
 }
 
 impl FinalArgs {
-    /// Returns the options of a final picture; none if the picture is to be of normal quality.
+    /// Returns the options of a final picture; `None` for normal quality.
     pub fn options(
         &self,
         picture: &PictureArgs,
@@ -127,7 +127,7 @@ impl FinalArgs {
         Ok(Some(options))
     }
 
-    /// Returns the name of an argument that was given, if any was.
+    /// Returns the name of an argument that was given, if any.
     fn first_given(&self) -> Option<&'static str> {
         let given = [
             (self.sun.is_some(), "sun"),
@@ -153,7 +153,7 @@ fn parse_number(text: &str, least: f32, most: f32) -> Result<f32, String> {
     }
 }
 
-/// Returns as many numbers as there are ranges, separated by commas.
+/// Parses as many numbers as there are ranges, separated by commas.
 fn parse_numbers<const N: usize>(text: &str, ranges: [[f32; 2]; N]) -> Option<[f32; N]> {
     let parts: Vec<&str> = text.split(',').collect();
     let parts = <[&str; N]>::try_from(parts).ok()?;

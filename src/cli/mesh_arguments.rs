@@ -35,7 +35,7 @@ fn up_help() -> String {
 }
 
 impl MeshArgs {
-    /// Returns the options of the mesh that `output` is to be; none if it is no mesh and no option of meshes was given.
+    /// Returns the options of the mesh for `output`; `None` if it is no mesh and no option of meshes was given.
     pub fn options(&self, output: &Path, form: ExportForm) -> Option<MeshRequest> {
         let MeshArgs { mesh, triangles, points, up, millimetres } = *self;
         let is_asked_for = mesh.is_some() || points || triangles.is_some();

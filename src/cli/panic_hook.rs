@@ -1,17 +1,17 @@
-//! The program's message when a fault of its own ends it: where the work is.
+//! The message when an internal error ends the program, with the place of the work.
 //!
-//! A hook that runs before anything else is torn down; it puts every journal on the disk.
+//! A hook that runs before anything is dropped; it writes every journal to the disk.
 
 use std::time::Duration;
 
 use crate::persist::journal;
 use crate::terminal;
 
-/// How long a disk may take.
+/// Longest wait for a disk.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// From now on a panic of the main thread syncs the journals and says where they are. Panics of other threads do not
-/// end the program: their work has failed, and the failure is reported there.
+/// Installs the hook: a panic of the main thread syncs the journals and reports their place. Panics of other threads do
+/// not end the program: their work fails, and the failure is reported there.
 pub fn install() {
     let main = std::thread::current().id();
     let before = std::panic::take_hook();

@@ -48,7 +48,7 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    /// Returns the job, by the settings; `journal`: how they keep journals.
+    /// Returns the job by the settings. `journal`: their options of journals.
     pub fn job(self, config: &Config, journal: JournalOptions) -> Result<RunJob, ArgumentError> {
         Ok(RunJob {
             script: self.script,

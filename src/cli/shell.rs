@@ -13,7 +13,7 @@ pub fn completions(shell: Shell, mut command: Command) -> Result<(), OutputError
     terminal::print_result(String::from_utf8_lossy(&script).trim_end())
 }
 
-/// Prints the manual page of the program, or of one of its jobs, in roff. False: there is no such job.
+/// Prints the manual page of the program, or of one of its jobs, in roff. Returns false if there is no such job.
 pub fn manual(command: Command, job: Option<&str>) -> Result<bool, OutputError> {
     let mut command = command;
     // Names jobs after the program, and gives them its options.
@@ -26,7 +26,7 @@ pub fn manual(command: Command, job: Option<&str>) -> Result<bool, OutputError> 
         },
     };
     let mut roff = Vec::new();
-    // A vector takes whatever is written.
+    // A vector accepts any write.
     clap_mangen::Man::new(page).render(&mut roff).map_err(OutputError::Output)?;
     terminal::print_result(String::from_utf8_lossy(&roff).trim_end())?;
     Ok(true)

@@ -12,8 +12,8 @@ use crate::progress_bar::Bar;
 use crate::session::{FileAccess, Session};
 use crate::terminal;
 
-/// Without a job: the window if there is a display, otherwise the headset if one is wanted. The demo shows what the program
-/// does on a machine without either, but writes files, and so is made only on demand (`--or-demo`).
+/// Runs the program without a job: the window if there is a display, otherwise the headset if one is wanted. The demo
+/// works on a machine without either, but writes files, and so runs only on demand (`--or-demo`).
 pub fn window_or_demo(
     cli: Cli,
     config: Config,

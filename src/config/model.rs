@@ -1,4 +1,5 @@
-//! The sections of the model: memory limits in MiB, the journal, the histories of saved files, and the sculpture that a session begins with.
+//! The sections of the model: memory limits in MiB, the journal, the histories of saved files, and the initial
+//! sculpture of a session.
 //!
 //! The model has types of its own for these ([`Limits`], [`NewSculpture`]); these are their text form.
 
@@ -65,7 +66,7 @@ impl JournalSettings {
         require_in(1..=1 << 24, "max_mib", self.max_mib, "must be 1 to 16777216 MiB")
     }
 
-    /// Returns size from which on a journal is begun anew.
+    /// Returns the size from which on a journal is begun anew.
     pub fn max_bytes(&self) -> u64 {
         self.max_mib << 20
     }
@@ -89,7 +90,7 @@ impl SavedHistorySettings {
         require_in(1..=1 << 24, "max_mib", self.max_mib, "must be 1 to 16777216 MiB")
     }
 
-    /// Returns how histories are kept by these settings, in the folder for state.
+    /// Returns the options of histories by these settings, in the folder for state.
     pub fn options(&self) -> SavedHistoryOptions {
         SavedHistoryOptions::new(&folders::saved_history_folder(), self.max_mib << 20)
     }
@@ -98,7 +99,7 @@ impl SavedHistorySettings {
 #[derive(Clone, PartialEq, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct AutosaveSettings {
-    /// How long there may be unsaved changes of a sculpture that has a file; 0: until the person saves.
+    /// Longest time of unsaved changes of a sculpture with a file; 0: until the person saves.
     pub minutes: u32,
 }
 

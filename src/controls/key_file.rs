@@ -17,8 +17,8 @@ pub(super) struct KeyFile {
 }
 
 impl Controls {
-    /// Uses the tables in a file, if it exists, and from now on writes every change to it. A file that
-    /// cannot be used is reported, and the presets are used as shipped.
+    /// Loads the tables of a file, if it exists, and writes every change to it from now on. Reports an unusable file,
+    /// and uses the presets as shipped.
     pub fn keep_keys_in(&mut self, path: PathBuf) -> Option<Notice> {
         let read = std::fs::read_to_string(&path);
         let parsed = match read {
@@ -84,7 +84,7 @@ impl Controls {
     }
 }
 
-/// Writes the file; one that could not be used is renamed to the path that is returned.
+/// Writes the file. Renames an unusable one, and returns its new path.
 fn write(file: &mut KeyFile, text: &str) -> std::io::Result<Option<PathBuf>> {
     let KeyFile { path, unusable } = file;
     if let Some(folder) = path.parent().filter(|folder| *folder != Path::new("")) {

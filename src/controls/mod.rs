@@ -26,7 +26,7 @@ pub struct Controls {
     pristine: Vec<Bindings>,
     /// Index of the table in use.
     pub preset: usize,
-    /// Where changes to the tables are saved, if anywhere.
+    /// The file for changes to the tables, if there is one.
     key_file: Option<KeyFile>,
     /// Keys and buttons held in the main window.
     mapper: Mapper,
@@ -118,7 +118,7 @@ impl Controls {
         bindings.map_or(Vec::new(), |bindings| self.pads.take(now_s, bindings))
     }
 
-    /// A panel's window was closed: releases the keys held in it.
+    /// Releases the keys held in the window of a panel that was closed.
     pub fn panel_closed(&mut self, panel: Panel) -> Vec<ActionEvent> {
         let released = self.handle(Some(panel), &[DeviceEvent::FocusLost]);
         self.panel_mappers.remove(&panel);

@@ -1,8 +1,8 @@
-//! The gamepads: states to events, the pointer moved by a stick, and rumble by the voxels that the tool
+//! The gamepads: turns states into events, moves the pointer with a stick, and rumbles with the voxels that the tool
 //! changes.
 //!
-//! Takes times in seconds since the program's start; the pointer's movements are returned as events for
-//! egui, like those of the mouse.
+//! Takes times in seconds since the program's start; the pointer's movements are returned as events for egui, like
+//! those of the mouse.
 
 use egui::{Color32, Context, Event, Id, LayerId, Order, PointerButton, Pos2, Stroke};
 
@@ -12,11 +12,11 @@ use crate::input::pad::{GamepadOptions, Glide, PadEvent, PadId, PadMapper, PadMo
 use crate::input::{Bindings, Trigger};
 use crate::notice::Notice;
 
-/// If the pointer is farther than this from its last position by the pad, the mouse has moved it.
+/// If the pointer is farther than this from the pad's last position for it, the mouse has moved it.
 const POINTER_SLACK: f32 = 2.0;
 
-/// Movements are divided into steps of so many seconds at full speed: the length of a sideways step
-/// depends on the depth, so otherwise the path would depend on the frame rate.
+/// Movements are divided into steps of so many seconds at full speed: the length of a sideways step depends on the
+/// depth, so the path would otherwise depend on the frame rate.
 pub const STEP_S: f32 = 1.0 / 60.0;
 
 /// The state of a gamepad for the interface.
@@ -36,7 +36,7 @@ pub struct Pads {
     mapper: PadMapper,
     motors: Vec<(PadId, Box<dyn Motor>)>,
     rumble: Rumble,
-    /// Voxels that tools had changed in total at the last update of the rumble.
+    /// Total number of voxels changed by tools at the last update of the rumble.
     felt_voxels: u64,
     /// Time of the last update of the rumble, in seconds.
     shaken_s: f64,
@@ -122,7 +122,7 @@ impl Pads {
         }
     }
 
-    /// Toggles rumble; returns whether it is now on.
+    /// Toggles rumble. Returns whether it is now on.
     pub fn toggle_rumble(&mut self) -> bool {
         self.settings.rumble ^= true;
         self.settings.rumble
@@ -138,8 +138,8 @@ impl Pads {
         &self.settings
     }
 
-    /// Updates the rumble by the voxels that tools have changed since the last call. `voxels_changed`: in
-    /// total since the program's start; `felt`: a tool that causes rumble is in use.
+    /// Updates the rumble by the voxels changed by tools since the last call. `voxels_changed`: in total since the
+    /// program's start; `felt`: a tool that causes rumble is in use.
     pub fn shake(&mut self, now_s: f64, voxels_changed: u64, felt: bool) {
         let dt_s = (now_s - self.shaken_s).clamp(0.0, 1.0) as f32;
         self.shaken_s = now_s;
@@ -156,7 +156,7 @@ impl Pads {
         }
     }
 
-    /// Draws a pointer where the system's cannot be moved.
+    /// Draws a pointer if the system's cannot be moved.
     pub fn draw_pointer(&self, ctx: &Context) {
         if let (true, Some(at)) = (self.draws_pointer, self.pointer) {
             let painter = ctx.layer_painter(LayerId::new(Order::Debug, Id::new("pad pointer")));
@@ -185,7 +185,7 @@ impl Pads {
         at
     }
 
-    /// Moves the pointer within the window; returns its new position.
+    /// Moves the pointer within the window. Returns its new position.
     pub fn move_pointer(&mut self, glide: &Glide, ctx: &Context, start: Pos2) -> Event {
         let by = glide.shift.truncate() * self.settings.pointer_speed;
         let at = self.pointer_at(ctx, start) + egui::vec2(by.x, -by.y);

@@ -1,14 +1,14 @@
-//! Outlines: the outer border of each dark region that could be a marker.
+//! Outlines: the outer border of each dark region that may be a marker.
 //!
-//! Follows borders by Moore's method (S. Suzuki, K. Abe: "Topological structural analysis of
-//! digitized binary images by border following", 1985, for the termination criterion).
+//! Follows borders by Moore's method (S. Suzuki, K. Abe: "Topological structural analysis of digitized binary images by
+//! border following", 1985, for the termination criterion).
 
 /// The eight neighbours clockwise from the right, y down.
 const AROUND: [(i32, i32); 8] =
     [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
 
-/// Outer borders of the 8-connected regions of `dark` with at least `shortest` steps, clockwise, in
-/// pixels. Regions that touch the edge of the picture are left out: they are not seen completely.
+/// Returns the outer borders of the 8-connected regions of `dark` with at least `shortest` steps, clockwise, in pixels.
+/// Skips regions at the edge of the picture, which are incomplete.
 pub fn outlines(
     dark: &[bool],
     width: usize,
@@ -22,7 +22,7 @@ pub fn outlines(
         if !dark[start] || done[start] {
             continue;
         }
-        // Rows are scanned from the top, so this is the uppermost, leftmost pixel of a region.
+        // Rows are scanned from the top, so this is the topmost, leftmost pixel of a region.
         let mut size = 0;
         let mut at_rim = false;
         done[start] = true;
@@ -57,7 +57,7 @@ pub fn outlines(
     found
 }
 
-/// Returns the border of the region whose uppermost, leftmost pixel is `start`.
+/// Returns the border of the region with the topmost, leftmost pixel `start`.
 fn follow(dark: &[bool], width: usize, height: usize, start: usize) -> Vec<(i32, i32)> {
     let is_dark = |x: i32, y: i32| {
         x >= 0
@@ -72,7 +72,7 @@ fn follow(dark: &[bool], width: usize, height: usize, start: usize) -> Vec<(i32,
     let mut second = None;
     // A border passes a pixel at most four times.
     for _ in 0..4 * dark.len() {
-        // Clockwise, starting behind the pixel that we came from.
+        // Clockwise, starting after the pixel before.
         let step = (1..=8).map(|turn| (from + turn) % 8).find(|&direction| {
             let (dx, dy) = AROUND[direction];
             is_dark(at.0 + dx, at.1 + dy)

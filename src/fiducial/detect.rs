@@ -22,11 +22,11 @@ pub struct Sighting {
 const MARGIN: u32 = 6;
 /// Least contrast between the paper and the rim.
 const LEAST_CONTRAST: f64 = 20.0;
-/// Cells of the rim that may look white, such as in a glint.
+/// Most cells of the rim that may look white, such as in a glint.
 const MAX_RIM_WRONG: usize = 2;
 
-/// Returns the markers of the family in a picture, each number once: where it is largest. `lens` is that of the camera;
-/// it is scaled to the size of the picture.
+/// Returns the markers of the family in a picture; of equal numbers, the largest. `lens` is that of the camera; it is
+/// scaled to the size of the picture.
 pub fn detect(grey: &Grey, lens: &Intrinsics) -> Vec<Sighting> {
     let (Ok(width), Ok(height)) = (u32::try_from(grey.width), u32::try_from(grey.height)) else {
         return Vec::new();
@@ -101,7 +101,7 @@ fn place(x: i32, y: i32) -> DVec2 {
     (DVec2::new(f64::from(x), f64::from(y)) + 0.5) * (2.0 / CELLS as f64) - 1.0
 }
 
-/// Mean brightness around the centre of a cell.
+/// Returns the mean brightness around the centre of a cell.
 fn cell(grey: &Grey, lens: &Intrinsics, map: &DMat3, x: i32, y: i32) -> f64 {
     const ASIDE: f64 = 0.2 * 2.0 / CELLS as f64;
     let middle = place(x, y);

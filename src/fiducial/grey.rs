@@ -14,7 +14,7 @@ pub struct Grey {
 }
 
 impl Grey {
-    /// From rows of RGBA, 8 bits each; missing pixels are black.
+    /// Converts rows of RGBA, 8 bits each; missing pixels are black.
     pub fn from_rgba(width: u32, height: u32, rgba: &[u8]) -> Grey {
         let (width, height) = (width as usize, height as usize);
         let mut pixels: Vec<u8> = rgba
@@ -29,7 +29,7 @@ impl Grey {
         Grey { width, height, pixels }
     }
 
-    /// Bilinear brightness; pixel centres are at integers. Clamped to the edge.
+    /// Returns the bilinear brightness; pixel centres are at integers. Clamped to the edge.
     pub fn at(&self, place: DVec2) -> f64 {
         if self.pixels.is_empty() {
             return 0.0;
@@ -45,7 +45,7 @@ impl Grey {
         upper * (1.0 - fy) + lower * fy
     }
 
-    /// Blur with weights 1 2 1 along both axes, against noise.
+    /// Returns the picture blurred with weights 1 2 1 along both axes, against noise.
     pub fn blurred(&self) -> Grey {
         let (w, h) = (self.width, self.height);
         let mut across = vec![0u16; w * h];

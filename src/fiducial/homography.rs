@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// Returns the map from (-1, -1), (1, -1), (1, 1), (-1, 1) to `corners`; None if three of them are collinear. (P.
+/// Returns the map from (-1, -1), (1, -1), (1, 1), (-1, 1) to `corners`; `None` if three of them are collinear. (P.
 /// Heckbert: "Fundamentals of Texture Mapping and Image Warping", 1989.)
 pub fn from_square(corners: &[DVec2; 4]) -> Option<DMat3> {
     let [a, b, c, d] = *corners;

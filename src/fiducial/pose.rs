@@ -54,7 +54,7 @@ pub fn poses(corners: &[DVec2; 4], size_m: f64, focal_px: f64) -> Vec<MarkerPose
     found
 }
 
-/// In picture axes: x right, y down, z forwards, for camera and marker alike.
+/// A pose in picture axes, x right, y down, z forwards, for camera and marker alike.
 #[derive(Clone, Copy)]
 struct Guess {
     rotation: DQuat,
@@ -79,7 +79,7 @@ fn square(half_m: f64) -> [DVec3; 4] {
         .map(|(x, y)| DVec3::new(x * half_m, y * half_m, 0.0))
 }
 
-/// The columns of the homography are, up to a factor, two axes of the marker and its position (Z.
+/// Returns the pose of a homography, whose columns are, up to a factor, two axes of the marker and its position (Z.
 /// Zhang, 2000).
 fn first_guess(corners: &[DVec2; 4], half_m: f64) -> Option<Guess> {
     let map = homography::from_square(corners)?;
@@ -100,7 +100,7 @@ fn first_guess(corners: &[DVec2; 4], half_m: f64) -> Option<Guess> {
     })
 }
 
-/// Levenberg-Marquardt on the distances of the corners.
+/// Refines a pose by Levenberg-Marquardt on the distances of the corners.
 fn refine(mut guess: Guess, corners: &[DVec2; 4], half_m: f64, focal_px: f64) -> Guess {
     let points = square(half_m);
     let error = |guess: &Guess| -> f64 {
@@ -168,7 +168,7 @@ fn refine(mut guess: Guess, corners: &[DVec2; 4], half_m: f64, focal_px: f64) ->
     guess
 }
 
-/// Gaussian elimination with pivoting; None for a singular system.
+/// Solves the system by Gaussian elimination with pivoting; `None` if it is singular.
 fn solve(mut system: [[f64; 7]; 6]) -> Option<[f64; 6]> {
     for column in 0..6 {
         let pivot = (column..6)

@@ -13,7 +13,7 @@ use crate::video::Intrinsics;
 pub const SHORTEST_SIDE_PX: f64 = 10.0;
 /// Largest deviation of an outline from its sides, as a share of its length.
 const SLACK: f64 = 0.02;
-/// How often edges are searched, starting from where they were found last.
+/// Number of searches for edges, each starting from the last result.
 const ROUNDS: usize = 3;
 /// Least change of brightness across an edge.
 const LEAST_CONTRAST: f64 = 12.0;
@@ -72,7 +72,7 @@ fn split(points: &[DVec2], from: usize, to: usize, tolerance: f64, found: &mut V
     }
 }
 
-/// Returns the corners as rays, from the edges between dark inside and bright outside. None if an edge is not found.
+/// Returns the corners as rays, from the edges between dark inside and bright outside; `None` if an edge is not found.
 pub fn refine(grey: &Grey, lens: &Intrinsics, corners_px: [DVec2; 4]) -> Option<[DVec2; 4]> {
     let mut rays = [DVec2::ZERO; 4];
     for (ray, pixel) in rays.iter_mut().zip(corners_px) {

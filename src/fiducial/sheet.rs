@@ -9,12 +9,12 @@ const PAPER_CELLS: usize = 1;
 /// Pixels per cell of a PNG.
 const CELL_PX: u32 = 64;
 
-/// Side of the whole drawing, paper included, of a marker with a rim `size_mm` wide.
+/// Returns the side of the whole drawing, paper included, for a marker with a rim `size_mm` wide.
 pub fn side_mm(size_mm: f64) -> f64 {
     size_mm * (CELLS + 2 * PAPER_CELLS) as f64 / CELLS as f64
 }
 
-/// Returns a drawing of marker `id` whose black rim is `size_mm` wide. None for an unknown number.
+/// Returns a drawing of marker `id` whose black rim is `size_mm` wide; `None` for an unknown number.
 pub fn svg(id: u32, size_mm: f64) -> Option<String> {
     family::is_white(id, 0, 0)?;
     let cell = size_mm / CELLS as f64;
@@ -40,7 +40,7 @@ pub fn svg(id: u32, size_mm: f64) -> Option<String> {
     Some(out)
 }
 
-/// Returns the same as a PNG with its print size. None for an unknown number.
+/// Returns that drawing as a PNG with its print size; `None` for an unknown number.
 pub fn png(id: u32, size_mm: f64) -> Option<Vec<u8>> {
     family::is_white(id, 0, 0)?;
     let side = (CELLS + 2 * PAPER_CELLS) as u32 * CELL_PX;

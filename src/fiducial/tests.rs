@@ -1,4 +1,4 @@
-//! Markers drawn into pictures as a camera sees them, found again.
+//! Tests detection on markers drawn like camera pictures.
 
 use glam::{DQuat, DVec2, DVec3};
 
@@ -7,7 +7,7 @@ use crate::video::Intrinsics;
 
 const SIZE_M: f64 = 0.08;
 
-/// A picture of a marker, and what is known of it.
+/// A picture of a marker, with its true pose.
 struct Snapshot {
     lens: Intrinsics,
     truth: MarkerPose,
@@ -37,7 +37,7 @@ fn pose(tilt_deg: f64, azimuth_deg: f64, spin_deg: f64, place_m: [f64; 3]) -> Ma
     }
 }
 
-/// The same numbers every time (xorshift).
+/// A deterministic random generator (xorshift).
 struct Dice(u64);
 
 impl Dice {
@@ -48,7 +48,7 @@ impl Dice {
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Near enough to a normal distribution: twelve uniform ones.
+    /// Returns an approximately normal number: the sum of twelve uniform ones.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
     }
@@ -59,7 +59,7 @@ impl Snapshot {
         Snapshot { lens, truth, blur: true, noise: 2.0, ink: [30.0, 215.0] }
     }
 
-    /// Brightness that comes from a direction: marker on a sheet of paper on a chequered table.
+    /// Returns the brightness from a direction: a marker on a sheet of paper on a chequered table.
     fn light(&self, ray: DVec2, id: u32) -> f64 {
         let inverse = self.truth.rotation.inverse();
         let eye = inverse * -self.truth.translation_m;
@@ -86,7 +86,7 @@ impl Snapshot {
     fn take(&self, id: u32) -> Grey {
         let (w, h) = (self.lens.width as usize, self.lens.height as usize);
         let ray = |x: f64, y: f64| self.lens.ray_from_pixel(DVec2::new(x, y)).unwrap();
-        // Rays at the corners of pixels; between them nearly straight.
+        // Rays at the corners of pixels; nearly straight between them.
         let rays: Vec<DVec2> = (0..=h)
             .flat_map(|y| (0..=w).map(move |x| (x, y)))
             .map(|(x, y)| ray(x as f64 - 0.5, y as f64 - 0.5))
@@ -117,8 +117,8 @@ impl Snapshot {
         Grey { width: w, height: h, pixels: linear.iter().map(noisy).collect() }
     }
 
-    /// Largest distance in pixels between where a box on the marker is and where the pose found
-    /// says: what a person sees of the error.
+    /// Returns the largest distance in pixels between the true position of a box on the marker and the one by the found
+    /// pose: the visible error.
     fn registration_px(&self, found: &MarkerPose) -> f64 {
         let pixel = |pose: &MarkerPose, point| {
             let p = pose.apply(point);

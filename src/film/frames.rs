@@ -1,6 +1,6 @@
-//! The frames of a film that is written: their properties, where their pictures come from, and the end of a file of them.
+//! The frames of a film being written: their properties, the source of their pictures, and the end of their file.
 //!
-//! Values and errors that all kinds of files share; knows no kind.
+//! Values and errors shared by all kinds of files; knows no kind.
 
 use std::io::{BufWriter, Error};
 use std::ops::Range;
@@ -13,7 +13,7 @@ use image::RgbImage;
 use super::FilmError;
 use crate::format::store::AtomicFile;
 
-/// Bytes that are written at once.
+/// Number of bytes written at once.
 pub(super) const BUFFER_BYTES: usize = 1 << 20;
 
 /// The properties of a film.
@@ -31,7 +31,7 @@ pub struct Format {
 pub type NextPicture<'a> = dyn FnMut(u32) -> Result<Arc<RgbImage>, FilmError> + 'a;
 
 impl Format {
-    /// Returns the file of a frame: counted from 1, with digits enough for the whole film, at least four.
+    /// Returns the file of a frame, counted from 1, with enough digits for the whole film, at least four.
     pub fn frame_path(&self, folder: &Path, frame: u32) -> PathBuf {
         let digits = self.frames.to_string().len().max(4);
         folder.join(format!("frame-{:0digits$}.png", frame + 1))

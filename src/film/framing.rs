@@ -1,6 +1,6 @@
 //! The camera of a film: at rest, so that the whole sculpture is in the picture at every turn.
 //!
-//! Made of the view of a picture and the sculpture of the last frame, whose placement all frames have. Pure.
+//! Made from the view of a picture and the sculpture of the last frame, whose placement all frames share. Pure.
 
 use glam::{Affine3A, Quat, Vec3};
 
@@ -26,7 +26,7 @@ pub struct Framing {
 }
 
 impl Framing {
-    /// For `document` as it is in the last frame. One that does not spin is framed as a picture of it is.
+    /// Frames `document` in its state of the last frame. Without a spin, it is framed like a single picture.
     pub fn new(view: &View, document: &Document, spins: bool) -> Framing {
         let (placement, up) = (*document.placement(), view.up);
         if !spins {
@@ -53,7 +53,7 @@ impl Framing {
     }
 }
 
-/// Returns points around what `points` sweep when they turn about an axis.
+/// Returns points around the region swept by `points` about an axis.
 fn swept(points: impl Iterator<Item = Vec3> + Clone, axis: Vec3, pivot: Vec3) -> Vec<Vec3> {
     let height = |point: Vec3| (point - pivot).dot(axis);
     let (low, high) = points
@@ -114,7 +114,7 @@ mod tests {
         }
     }
 
-    /// Returns a long bar in a corner of the grid, which is turned and moved.
+    /// Returns a long bar in a corner of the grid, rotated and moved.
     fn document() -> Document {
         let new = NewSculpture {
             dims: UVec3::new(96, 64, 48),

@@ -11,12 +11,12 @@ use super::FilmError;
 use super::frames::{BUFFER_BYTES, Format, NextPicture, cannot_write, finish};
 use crate::format::store::AtomicFile;
 
-/// Viewers show frames that are to last for less than two hundredths of a second much longer.
+/// Viewers show frames shorter than two hundredths of a second for much longer.
 pub const MAX_FPS: u16 = 50;
-/// How few of the pixels colours are chosen by: the crate's compromise between speed and quality.
+/// One pixel in so many decides about the colours: the crate's compromise between speed and quality.
 const SAMPLING: i32 = 10;
 
-/// Repeats for ever.
+/// Writes a GIF that repeats forever.
 pub fn write(
     file: AtomicFile,
     path: &Path,
@@ -39,7 +39,7 @@ pub fn write(
     finish(encoder.into_inner().map_err(failed)?, path)
 }
 
-/// Whether a film can be a GIF.
+/// Checks whether a film can be a GIF.
 pub fn check(format: &Format) -> Result<(), &'static str> {
     if format.fps > MAX_FPS {
         return Err("a GIF has at most 50 frames a second; choose fewer with `--fps`");
@@ -52,7 +52,7 @@ fn size(format: &Format) -> Result<[u16; 2], &'static str> {
     Ok([side(format.size.x)?, side(format.size.y)?])
 }
 
-/// Returns how long a frame is shown: rounded so that the error never adds up.
+/// Returns the duration of a frame, rounded so that errors do not accumulate.
 fn delay_cs(frame: u32, fps: u16) -> u16 {
     let begins = |frame: u64| (100 * frame + u64::from(fps) / 2) / u64::from(fps);
     (begins(u64::from(frame) + 1) - begins(frame.into())) as u16

@@ -1,15 +1,15 @@
-//! A time lapse, of a script or of the steps of a session: which of its commands have been executed in each frame.
+//! A time lapse of a script or of the steps of a session: the commands executed before each frame.
 //!
-//! Time is counted in *steps*, the commands that change what is seen, so that a film does not stand still while a
-//! script only moves its marker. Anything before the first step belongs to the beginning, also a new or opened
-//! sculpture. `save` is left out: a film writes no other file.
+//! Time is counted in *steps*, the commands with a visible effect, so that a film does not stand still while a script
+//! only moves its marker. Everything before the first step belongs to the beginning, including a new or opened
+//! sculpture. `save` is skipped: a film writes no other file.
 
 use std::path::{Path, PathBuf};
 
 use crate::command::Command;
 use crate::headless::{self, JobError};
 
-/// The commands and where steps end.
+/// The commands and the ends of steps.
 #[derive(Debug)]
 pub struct Lapse {
     /// The path of the script, for messages.
@@ -26,7 +26,7 @@ impl Lapse {
         Ok(Lapse::new(path, headless::script_commands(&text, path)?))
     }
 
-    /// Returns the steps of a session of which so many can be undone: back to the first, then forward one by one.
+    /// Returns the steps of a session that can undo so many: back to the first, then forward one by one.
     pub fn of_steps(undos: usize) -> Lapse {
         let back = Command::Undo { steps: Some(u32::try_from(undos).unwrap_or(u32::MAX)) };
         let forward = Command::Redo { steps: Some(1) };
@@ -55,7 +55,7 @@ impl Lapse {
         Lapse { path: path.to_path_buf(), commands, ends }
     }
 
-    /// Returns the files that its commands read.
+    /// Returns the files read by its commands.
     pub fn inputs(&self) -> impl Iterator<Item = &Path> {
         self.commands.iter().filter_map(|(_, command)| match command {
             Command::Open { path, .. } => Some(path.as_path()),
@@ -63,8 +63,8 @@ impl Lapse {
         })
     }
 
-    /// Returns how many commands are executed in a frame, counted from 0, of `frames`: the first shows the beginning,
-    /// the last one all.
+    /// Returns the number of commands executed before a frame, counted from 0, of `frames`: the first shows the
+    /// beginning, the last one everything.
     pub fn commands_at(&self, frame: u32, frames: u32) -> usize {
         let (steps, last) = (self.ends.len() as u64 - 1, u64::from(frames) - 1);
         let step = match last {
@@ -75,7 +75,7 @@ impl Lapse {
     }
 }
 
-/// Returns whether a command changes what is seen.
+/// Returns whether a command has a visible effect.
 fn is_step(command: &Command) -> bool {
     match command {
         Command::New(_)

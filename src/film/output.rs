@@ -1,7 +1,7 @@
 //! The files of a film: a folder of pictures, an animated PNG or GIF, or raw video.
 //!
-//! Takes pictures one by one, each written before the next is asked for. A file appears under its name when it is
-//! complete: a film that fails or is cancelled leaves whole pictures in its folder, or no file.
+//! Takes pictures one by one, and writes each before it requests the next. A file gets its name when it is complete: a
+//! failed or cancelled film leaves whole pictures in its folder, or no file.
 
 use std::fs;
 use std::io::{BufWriter, Error, Write};
@@ -39,8 +39,8 @@ enum Target {
 }
 
 impl Form {
-    /// Returns the form that a name stands for. A name without an extension, with a slash at its end, or of a folder,
-    /// stands for a folder.
+    /// Returns the form for a name. A name without an extension, with a slash at its end, or of an existing folder
+    /// means a folder.
     pub fn of(path: &Path) -> Result<Form, String> {
         let ends_with_slash = path.to_string_lossy().ends_with(std::path::is_separator);
         let ending = path.extension().filter(|_| !ends_with_slash && !path.is_dir());
@@ -57,7 +57,7 @@ impl Form {
         }
     }
 
-    /// Returns the files that a film consists of.
+    /// Returns the files of a film.
     pub fn paths(self, path: &Path, format: &Format) -> Vec<PathBuf> {
         match self {
             Form::Folder => format.part.clone().map(|f| format.frame_path(path, f)).collect(),
@@ -67,7 +67,7 @@ impl Form {
 }
 
 impl Output {
-    /// Begins a film at `path`; fails at once if nothing can be written there.
+    /// Begins a film at `path`. Fails at once if nothing can be written there.
     pub fn create(form: Form, path: &Path, format: Format) -> Result<Output, FilmError> {
         let begin =
             |path: &Path| AtomicFile::create(path).map_err(|error| cannot_write(path, error));
@@ -111,7 +111,7 @@ fn write_folder(folder: &Path, format: &Format, next: &mut NextPicture) -> Resul
     Ok(())
 }
 
-/// Repeats for ever. Viewers that know no animation show the first frame.
+/// Writes an animated PNG that repeats forever. Viewers without animation show the first frame.
 fn write_animated_png(
     file: AtomicFile,
     path: &Path,

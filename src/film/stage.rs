@@ -1,7 +1,7 @@
 //! The scene of a film: the sculpture of each frame before the camera at rest.
 //!
-//! A script is executed twice: to its end, for the camera, and again as the frames go on. So a part of a film needs no
-//! other part. Frames are asked for in rising order.
+//! A script is executed twice: to its end, for the camera, and again along with the frames, so that a part of a film
+//! needs no other part. Frames are requested in rising order.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use crate::session::{Session, SessionError};
 
 /// The sculpture of a film.
 pub enum Scene {
-    /// With files, as scripts need it.
+    /// With files, as scripts need.
     Session(Box<Session>),
     Document(Box<Document>),
 }
@@ -58,18 +58,18 @@ impl Scene {
 pub struct Stage<'a> {
     scene: Scene,
     lapse: Option<Lapse>,
-    /// How many commands have been executed.
+    /// Number of executed commands.
     executed: usize,
     view: View,
     timing: Timing,
     framing: Framing,
     maker: PictureMaker,
     progress: &'a dyn Progress,
-    /// The picture made last, with its turn and number of commands: nothing may happen for some frames.
+    /// The last picture, with its turn and number of commands: nothing may change for some frames.
     last: Option<(usize, f32, Arc<RgbImage>)>,
 }
 
-/// Returns the sculpture of a turntable, or the one that a script starts from.
+/// Returns the sculpture of a turntable, or the initial one of a script.
 pub fn begin(job: &FilmJob, context: &Context) -> Result<Scene, FilmError> {
     let file = match &job.subject {
         Subject::Sculpture { contents, placement } => {
@@ -96,7 +96,7 @@ pub fn begin(job: &FilmJob, context: &Context) -> Result<Scene, FilmError> {
 }
 
 impl<'a> Stage<'a> {
-    /// `scene` is as it [begins](begin).
+    /// Creates a stage for `scene` in its [initial](begin) state.
     pub fn new(
         job: &FilmJob,
         mut scene: Scene,
@@ -118,7 +118,7 @@ impl<'a> Stage<'a> {
         }
         let framing = Framing::new(&view, scene.document(), timing.spins());
         if lapse.is_some() {
-            // The first one goes before the second one comes.
+            // Drop the first one before the second one is made.
             drop(scene);
             scene = begin(job, context)?;
         }
@@ -126,7 +126,7 @@ impl<'a> Stage<'a> {
         Ok(Stage { scene, lapse, executed: 0, view, timing, framing, maker, progress, last: None })
     }
 
-    /// Returns the picture of a frame, counted from 0, which is not before that of the last call.
+    /// Returns the picture of a frame, counted from 0. Frames must not decrease from call to call.
     pub fn picture(&mut self, frame: u32) -> Result<Arc<RgbImage>, FilmError> {
         go_on(self.progress)?;
         if let Some(lapse) = &self.lapse {
@@ -147,7 +147,7 @@ impl<'a> Stage<'a> {
         let placement = self.framing.placement(self.scene.document(), turn_rad);
         let pictures = self.maker.make(self.scene.document_mut(), &self.view, &placement);
         let mut pictures = pictures.map_err(JobError::from)?;
-        // No layout but `layers`, which films refuse, makes more.
+        // Only the layout `layers`, which films refuse, makes more.
         let picture = Arc::new(pictures.swap_remove(0));
         self.last = Some((self.executed, turn_rad, picture.clone()));
         Ok(picture)

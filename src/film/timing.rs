@@ -1,4 +1,4 @@
-//! When what happens in a film: the turn of each frame, and parts of a film. Pure.
+//! The timing of a film: the turn of each frame, and parts of a film. Pure.
 
 use std::fmt;
 use std::ops::Range;
@@ -10,12 +10,12 @@ pub struct Timing {
     pub frames: u32,
     /// The turn of the first frame.
     pub turn_deg: f32,
-    /// From the first frame to the one that would follow the last: a whole turn repeats without a jump.
+    /// From the first frame to the one after the last: a whole turn repeats without a jump.
     pub spin_deg: f32,
 }
 
 impl Timing {
-    /// Returns the angle by which the sculpture is turned in a frame, counted from 0.
+    /// Returns the turn of the sculpture in a frame, counted from 0.
     pub fn turn_rad(&self, frame: u32) -> f32 {
         let share = f64::from(frame) / f64::from(self.frames);
         let turn_deg = f64::from(self.turn_deg) + f64::from(self.spin_deg) * share;
@@ -35,7 +35,7 @@ pub struct FrameRange {
 }
 
 impl FrameRange {
-    /// Returns its frames counted from 0, if a film of that many has all of them.
+    /// Returns its frames counted from 0, if a film of that length has all of them.
     pub fn within(&self, frames: u32) -> Option<Range<u32>> {
         let (first, last) = (self.first.unwrap_or(1), self.last.unwrap_or(frames));
         (1 <= first && first <= last && last <= frames).then(|| first - 1..last)

@@ -1,17 +1,17 @@
 //! Raw video, YUV4MPEG2 as ffmpeg and mjpegtools read it: the header and the planes of a frame. Pure.
 //!
-//! 4:4:4, so that odd sizes need no rule and colours lose nothing, in the matrix (BT.601) and range (limited) that
-//! readers assume where nothing is said. Whole numbers only: the bytes are the same on every machine.
+//! 4:4:4, so that odd sizes need no rule and colours lose nothing, in the default matrix (BT.601) and range (limited)
+//! of readers. Uses integers only: the bytes are the same on every machine.
 
 use glam::UVec2;
 use image::RgbImage;
 
-/// Before each frame.
+/// Precedes each frame.
 pub const FRAME: &[u8] = b"FRAME\n";
 
-/// Binary digits of the factors below after the point.
+/// Number of fractional bits of the factors below.
 const SHIFT: u32 = 16;
-/// Luma, Cb and Cr of red, green and blue, by 2^[`SHIFT`]. Those of Cb and Cr add up to 0: grey stays grey.
+/// Luma, Cb and Cr of red, green and blue, times 2^[`SHIFT`]. Those of Cb and Cr add up to 0: grey stays grey.
 const FACTORS: [[i32; 3]; 3] =
     [[16829, 33039, 6416], [-9714, -19071, 28785], [28785, -24104, -4681]];
 const OFFSETS: [i32; 3] = [16, 128, 128];
@@ -21,7 +21,7 @@ pub fn header(size: UVec2, fps: u16) -> String {
     format!("YUV4MPEG2 W{x} H{y} F{fps}:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n")
 }
 
-/// Replaces `planes` with those of a picture: Y', Cb, Cr.
+/// Fills `planes` with those of a picture: Y', Cb, Cr.
 pub fn write_planes(picture: &RgbImage, planes: &mut Vec<u8>) {
     planes.clear();
     for (factors, offset) in FACTORS.iter().zip(OFFSETS) {

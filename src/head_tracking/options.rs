@@ -33,7 +33,7 @@ pub enum SourceAddress {
     /// The address to listen at for opentrack.
     Opentrack(SocketAddr),
     Script(PathBuf),
-    /// A headset that is used as a tracker only, in the space of this origin.
+    /// A headset used only as a tracker, in the space of this origin.
     Openxr(RoomOrigin),
 }
 
@@ -74,7 +74,7 @@ impl<'de> Deserialize<'de> for SourceAddress {
 }
 
 impl SourceAddress {
-    /// Returns the name under which its poses come ([`tracking::HeadPose::source`]).
+    /// Returns the source name of its poses ([`tracking::HeadPose::source`]).
     pub fn label(&self) -> String {
         match self {
             SourceAddress::None => "none".to_owned(),
@@ -145,7 +145,7 @@ impl Default for TrackingOptions {
 }
 
 impl TrackingOptions {
-    /// Returns the calibration of these options. A calibration file replaces all of it but the eye position.
+    /// Returns the calibration of these options. A calibration file replaces everything except the eye position.
     pub fn calibration(&self) -> Calibration {
         let given = Calibration::from_values(
             self.translation_m.into(),
@@ -200,7 +200,7 @@ impl TrackingOptions {
         self.controls.parse().ok()
     }
 
-    /// Buttons or channels with their actions.
+    /// Returns the buttons or channels with their actions.
     pub fn bound(table: &BTreeMap<String, String>) -> impl Iterator<Item = (u32, Action)> {
         table.iter().filter_map(|(number, name)| Some((number.parse().ok()?, Action::named(name)?)))
     }
@@ -250,8 +250,7 @@ impl TrackingOptions {
     }
 }
 
-/// Checks that every entry binds one of `count` numbers to an action of a key, or where
-/// `wheel_allowed`, of the wheel.
+/// Checks that every entry binds one of `count` numbers to an action of a key, or, if `wheel_allowed`, of the wheel.
 fn check_bindings(
     key: &'static str,
     table: &BTreeMap<String, String>,

@@ -14,7 +14,7 @@ use super::SourceAddress;
 use crate::format::store;
 use crate::screen::headset::{HeadsetTracker, SessionHead};
 
-/// Why a source of poses cannot be opened.
+/// The reason why a source of poses cannot be opened.
 #[derive(Debug, Error)]
 pub enum SourceError {
     #[error("cannot listen for opentrack at {0}: {1}")]
@@ -27,9 +27,9 @@ pub enum SourceError {
     Script(PathBuf, ScriptError),
 }
 
-/// Opens a source, and a second VRPN device for buttons and analogs if `controls` names one. Servers and
-/// senders may start later: their sources wait for them. `session_head`: of the headset in use by the program,
-/// which is then asked for its own pose.
+/// Opens a source, and a second VRPN device for buttons and analogs if `controls` names one. Servers and senders may
+/// start later: their sources wait for them. `session_head`: of the program's own headset, which becomes the source of
+/// its pose.
 pub fn open(
     address: &SourceAddress,
     controls: Option<&DeviceAddress>,

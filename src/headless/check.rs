@@ -12,10 +12,10 @@ use crate::format::options::ImportOptions;
 use crate::print_check::{self, CheckOptions, Checked, Finding, Place};
 use crate::terminal;
 
-/// Places of a kind that are printed as text; JSON has more.
+/// Places of each kind that are printed as text; JSON has more.
 const PRINTED: usize = 10;
 
-/// Checks a file and prints what was found; an error if it cannot be printed as it is.
+/// Checks a file and prints the findings. Fails if it cannot be printed unchanged.
 pub fn check(
     file: &Path,
     options: &CheckOptions,
@@ -64,7 +64,7 @@ fn text_of(checked: &Checked, options: &CheckOptions) -> String {
     lines.join("\n")
 }
 
-/// Width, height and depth.
+/// Formats width, height and depth.
 fn of(size: Vec3) -> String {
     size.to_array()
         .map(|mm| format!("{:.2}", mm).trim_end_matches('0').trim_end_matches('.').to_string())

@@ -9,7 +9,7 @@ use crate::format::options::ImportOptions;
 use crate::format::{self, Info, Texts};
 use crate::terminal;
 
-/// Prints the contents of a file; as one line of JSON if asked for.
+/// Prints the contents of a file, as one line of JSON if requested.
 pub fn info(
     file: &Path,
     import: &ImportOptions,
@@ -26,7 +26,7 @@ pub fn info(
     Ok(())
 }
 
-/// Returns the same facts as in the text. A fact that the file does not state is null.
+/// Returns the facts of the text as JSON. A fact that the file does not state is null.
 fn value_of(info: &Info) -> Value {
     let Info { kind, file_bytes, dims, voxel_size, samples, texts, densities, signature, .. } =
         info;

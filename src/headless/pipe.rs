@@ -1,9 +1,9 @@
-//! `run -`: commands from standard input, each answered by one line of JSON on standard output, so that
-//! another program can drive this one through a pipe.
+//! `run -`: commands from standard input, each answered by one line of JSON on standard output, so that another program
+//! can drive this one through a pipe.
 //!
-//! Takes a session and lines of the script language; gives an [`Answer`] a line, empty lines and comments
-//! included. A command that fails changes nothing, and the next one is read; a line that is too long is refused like any
-//! other. Does not know what the driver does with the answers.
+//! Takes a session and lines of the script language; gives one [`Answer`] per line, including empty lines and comments.
+//! A failed command changes nothing, and the next one is read; an overlong line is refused likewise. Does not know the
+//! driver.
 
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -20,7 +20,7 @@ use crate::terminal::{self, OutputError};
 /// The script that stands for standard input.
 pub const STANDARD_INPUT: &str = "-";
 
-/// The longest line read, in bytes: more than a stroke of hours. A longer one is no script.
+/// Longest line read, in bytes: more than a stroke of hours. A longer one is no script.
 const LONGEST_LINE: u64 = 64 << 20;
 
 /// The answer to a line.
@@ -29,15 +29,15 @@ struct Answer<'a> {
     /// The line of standard input, counted from 1.
     line: usize,
     ok: bool,
-    /// Why the command was refused.
+    /// The reason for refusing the command.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
-    /// Steps that `undo` and `redo` went.
+    /// Number of steps undone or redone.
     #[serde(skip_serializing_if = "Option::is_none")]
     steps: Option<u32>,
     /// Size of the sculpture in voxels.
     dims: [u32; 3],
-    /// How many of them exist.
+    /// Number of existing voxels.
     voxels: u64,
     /// The file of the sculpture.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -51,8 +51,8 @@ pub fn reads_input(job: &RunJob) -> bool {
     job.script == Path::new(STANDARD_INPUT)
 }
 
-/// Executes the lines of standard input until it ends. Returns how many were refused. After an error, the lines that
-/// were executed before stay done.
+/// Executes the lines of standard input until it ends. Returns the number of refused ones. After an error, the lines
+/// executed before stay done.
 pub fn converse(session: &mut Session, progress: &dyn Progress) -> Result<usize, JobError> {
     answer_lines(session, std::io::stdin().lock(), progress, &mut |answer| {
         terminal::print_result(answer)
@@ -76,7 +76,7 @@ fn answer_lines(
         line += 1;
         let is_too_long = read as u64 == LONGEST_LINE && !bytes.ends_with(b"\n");
         let done = if is_too_long {
-            // The rest up to its end is not kept.
+            // The rest of the line is not kept.
             bytes = Vec::new();
             input.skip_until(b'\n').map_err(JobError::Input)?;
             Err(format!(
@@ -104,7 +104,7 @@ fn answer_lines(
         };
         // A change is in the journal before the answer reports it.
         session.wait_for_journal();
-        // Paths that are no Unicode are the only values that JSON cannot hold.
+        // Only paths that are not Unicode cannot be represented in JSON.
         let said = serde_json::to_string(&said)
             .or_else(|_| serde_json::to_string(&Answer { file: None, ..said }))
             .map_err(|error| JobError::Input(error.into()))?;
@@ -115,7 +115,7 @@ fn answer_lines(
     }
 }
 
-/// Executes one line. Returns the steps that an undo or redo went, or what is wrong.
+/// Executes one line. Returns the number of steps undone or redone, or the error.
 fn execute(
     session: &mut Session,
     line: &[u8],
@@ -211,7 +211,7 @@ mod tests {
             assert!(lines[0]["error"].as_str().unwrap().contains("64 MiB"));
             assert_eq!((&lines[1]["line"], &lines[1]["voxels"]), (&2.into(), &0.into()));
         }
-        // Also where the input ends within it.
+        // Also if the input ends within it.
         let long = std::io::BufReader::new(std::io::repeat(b'x').take(2 * LONGEST_LINE));
         let (lines, ended) = answers(long);
         assert_eq!((ended.unwrap(), lines.len()), (1, 1));

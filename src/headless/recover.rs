@@ -1,7 +1,7 @@
-//! `recover`: the work left by sessions that did not end as they should have, without a window.
+//! `recover`: restores the work of sessions that did not end normally, without a window.
 //!
 //! Takes the folder of the journals; lists them, as text or as JSON for programs, writes the sculpture of one to a new
-//! file, or removes one. Journals of sessions that are still running are not shown.
+//! file, or removes one. Skips journals of sessions that are still running.
 
 use std::path::{Path, PathBuf};
 
@@ -20,13 +20,13 @@ use crate::time_text::utc_text;
 /// The arguments of [`recover`].
 #[derive(Debug)]
 pub struct RecoverJob {
-    /// Where the journals lie.
+    /// The folder of the journals.
     pub journal_dir: JournalDir,
-    /// Which of them; none: list all.
+    /// The number of a journal; `None`: list all.
     pub number: Option<u64>,
     /// The file to write.
     pub out: Option<PathBuf>,
-    /// Remove the journal, after the file is written.
+    /// Remove the journal after writing the file.
     pub discard: bool,
     /// List them as JSON.
     pub json: bool,
@@ -40,11 +40,11 @@ pub fn recover(job: &RecoverJob, context: &Context) -> Result<(), JobError> {
         None => None,
     };
     if let (Some(difference), Some(out)) = (difference, &job.out) {
-        // A replay that differs may not be the work that was made: the journal stays.
+        // A replay that differs may not be the work that was done: the journal stays.
         return Err(JobError::ReplayDiffers { out: out.clone(), number, difference });
     }
     if job.discard {
-        // Opened, so that nobody's work is removed.
+        // Opens it first, so that no journal in use is removed.
         let _locked = open(&job.journal_dir, number)?;
         let failed = |error| JobError::Journal { path: job.journal_dir.path(number), error };
         job.journal_dir.remove(number).map_err(failed)?;
@@ -66,7 +66,7 @@ fn open(journal_dir: &JournalDir, number: u64) -> Result<crate::persist::files::
     }
 }
 
-/// Writes the sculpture of a journal to a file that is not there yet. Returns where the replay differed.
+/// Writes the sculpture of a journal to a new file. Returns where the replay differed.
 fn write(
     journal_dir: &JournalDir,
     number: u64,
@@ -97,7 +97,7 @@ fn list(journal_dir: &JournalDir, as_json: bool, context: &Context) -> Result<()
         let source = match journal_dir.open(number) {
             AbandonedJournal::Journal(source) => source,
             AbandonedJournal::InUse => continue,
-            // Removed since, as its session has ended.
+            // Removed meanwhile: its session has ended.
             AbandonedJournal::Unreadable(error) if error.kind() == std::io::ErrorKind::NotFound => {
                 continue;
             }
@@ -132,7 +132,7 @@ fn list(journal_dir: &JournalDir, as_json: bool, context: &Context) -> Result<()
     Ok(())
 }
 
-/// A journal that gives nothing back: removing it is up to the person.
+/// Describes a journal that cannot be restored. Removing it is up to the person.
 fn damaged(number: u64, error: &str, as_json: bool) -> Result<Value, JobError> {
     if !as_json {
         terminal::print_result(format_args!("{number}: cannot be recovered: {error}"))?;

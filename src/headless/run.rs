@@ -1,6 +1,6 @@
 //! `run`: executes a script, or commands from standard input, and saves, renders or hashes the result.
 //!
-//! A journal is kept only if it is asked for, since a script can be run again.
+//! A journal is kept only on request, since a script can be run again.
 
 use std::path::PathBuf;
 
@@ -21,8 +21,8 @@ use crate::session::{FileAccess, Session};
 use crate::shade::portrait;
 use crate::terminal;
 
-/// Runs a script; saves and renders the result if requested. The script `-` is standard input, whose lines
-/// are answered; of them, those that fail do not keep the others from being executed.
+/// Runs a script; saves and renders the result if requested. The script `-` is standard input, whose lines are
+/// answered; failed lines do not stop the others.
 pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
     if pipe::reads_input(job) {
         return run_piped(job, context);
@@ -49,7 +49,7 @@ pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
     }
 }
 
-/// [`run`] for standard input. Nothing but answers and hashes is printed on standard output.
+/// Does [`run`] for standard input. Prints only answers and hashes on standard output.
 fn run_piped(job: &RunJob, context: &Context) -> Result<(), JobError> {
     let mut session = job.session(context)?;
     let refused = pipe::converse(&mut session, &());
@@ -87,14 +87,14 @@ pub struct RunJob {
     pub import: ImportOptions,
     /// Print hashes of the scene and of its picture.
     pub hash: bool,
-    /// Where undo steps go that memory has no room for.
+    /// Folder of undo steps that do not fit into memory.
     pub history_folder: PathBuf,
-    /// How to keep the undo histories of the files that are opened and saved; none: not at all, so that a script does
-    /// the same wherever it is run.
+    /// The options for undo histories of opened and saved files; `None`: no histories, so that a script does the same
+    /// everywhere.
     pub saved_history: Option<SavedHistoryOptions>,
-    /// Not to save to the files that are opened.
+    /// Does not save to opened files.
     pub read_only: bool,
-    /// How to keep a journal; none: not at all, since a script can be run again.
+    /// The options of a journal; `None`: no journal, since a script can be run again.
     pub journal: Option<JournalOptions>,
 }
 
@@ -125,14 +125,14 @@ impl RunJob {
     }
 }
 
-/// Hashes of the scene, and of its picture as the CPU shades it: the same for any number of threads.
+/// Returns hashes of the scene, and of its picture as shaded by the CPU: the same for any number of threads.
 fn hashes(document: &Document) -> [Digest; 2] {
     const PICTURE_PX: UVec2 = UVec2::new(640, 480);
     let contents = document.contents();
     [Digest::of(contents), Digest::of_bytes(portrait(contents, PICTURE_PX).bytes())]
 }
 
-/// Says what went wrong with the history on disk and with those of saved files.
+/// Reports errors of the history on disk and of those of saved files.
 fn tell_of_history(session: &Session) {
     session.wait_for_saved_history();
     while let Some(message) = session.take_history_message() {
@@ -140,7 +140,7 @@ fn tell_of_history(session: &Session) {
     }
 }
 
-/// Says what went wrong with the journal, and where unsaved changes are kept that nobody has saved.
+/// Reports errors of the journal, and the place of unsaved changes.
 fn tell_of_journal(session: &Session) {
     tell_of_history(session);
     session.wait_for_journal();

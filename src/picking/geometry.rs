@@ -1,5 +1,5 @@
-//! The geometry of picking: from a pixel of the picture to a point of the grid and back, and which axes
-//! of the grid lie across, up and into the screen. Pure functions of rays, grid and index map.
+//! The geometry of picking: from a pixel of the picture to a point of the grid and back, and the grid axes that lie
+//! across, up and into the screen. Pure functions of rays, grid and index map.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::sculpture::Grid;
 use crate::surface::{IndexMap, raycast};
 use crate::view::{Eye, PixelRays};
 
-/// A point of the surface and the face of a voxel that it lies on.
+/// A point of the surface with its voxel face.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SurfacePoint {
     pub point: Vec3,
@@ -18,11 +18,11 @@ pub struct SurfacePoint {
     pub face: Vec3,
 }
 
-/// Returns where the ray through the point `at` (pixels) meets the face that is seen there.
+/// Returns the point where the ray through `at` (pixels) meets the visible face there.
 ///
-/// The picture has one ray a pixel, through its middle: that one says which face it is. The ray through `at` may pass
-/// that face by, or come from behind a neighbour; then it is the point of the face that is nearest to where it meets
-/// the face's plane.
+/// The picture has one ray per pixel, through its centre, which determines the face. The ray through `at` may miss that
+/// face, or come from behind a neighbour; then the result is the point of the face nearest to the ray's hit on the
+/// face's plane.
 pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<SurfacePoint> {
     let voxel = grid.voxel_coords(voxel_at(map, grid, at)?);
     let low = voxel.as_vec3();
@@ -33,15 +33,15 @@ pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<SurfacePoi
     let outwards = if direction[axis] > 0.0 { -1.0 } else { 1.0 };
     let plane = low[axis] + 0.5 + 0.5 * outwards;
     let t = (plane - origin[axis]) / direction[axis];
-    // A ray along the face has no such point, and meets the voxel's middle.
+    // A ray along the face has no such point: uses the voxel's centre.
     let met = if t.is_finite() { origin + direction * t.max(0.0) } else { low + 0.5 };
     let mut point = met.clamp(low, low + 1.0);
     point[axis] = plane;
     Some(SurfacePoint { point, face: Vec3::AXES[axis] * outwards })
 }
 
-/// Returns the axis of the face by which a ray comes to a voxel that it sees: the last plane that it crosses of those
-/// whose faces lie open. A ray that rounding has brought to the voxel crosses them in nearly the same order.
+/// Returns the axis of the face by which a ray enters a visible voxel: the last plane that it crosses among the open
+/// faces. A ray that reaches the voxel only by rounding crosses them in nearly the same order.
 fn seen_face(grid: &Grid, voxel: UVec3, origin: Vec3, direction: Vec3) -> usize {
     let enter = |axis: usize| {
         let near = voxel[axis] as f32 + if direction[axis] < 0.0 { 1.0 } else { 0.0 };
@@ -57,11 +57,11 @@ fn seen_face(grid: &Grid, voxel: UVec3, origin: Vec3, direction: Vec3) -> usize 
     };
     let mut axes = [0, 1, 2];
     axes.sort_by(|a, b| enter(*b).total_cmp(&enter(*a)));
-    // Where an edit has buried the voxel since, the face is the one that it had.
+    // If an edit has buried the voxel meanwhile, uses its former face.
     axes.into_iter().find(|axis| direction[*axis] != 0.0 && is_open(*axis)).unwrap_or(axes[0])
 }
 
-/// Returns the point of the ray through `at` as far from the eye as `last`, or the nearest one in the grid's box.
+/// Returns the point of the ray through `at` at the depth of `last`, or the nearest one in the grid's box.
 pub fn box_point(sight: &Sight, dims: UVec3, at: Vec2, last: Vec3) -> Option<Vec3> {
     let rays = &sight.rays;
     let direction = rays.direction_at(at.x, at.y);
@@ -70,8 +70,8 @@ pub fn box_point(sight: &Sight, dims: UVec3, at: Vec2, last: Vec3) -> Option<Vec
     Some(sight.at_depth(at, depth))
 }
 
-/// Returns the index of the voxel seen at `at` (pixels). Where only the device knows what is seen, the pixel's ray is
-/// cast into the grid.
+/// Returns the index of the voxel seen at `at` (pixels). If only the device knows it, casts the pixel's ray into the
+/// grid.
 pub fn voxel_at(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<u32> {
     if at.cmplt(Vec2::ZERO).any() || at.cmpge(map.rays.size.as_vec2()).any() {
         return None;
@@ -84,7 +84,7 @@ pub fn voxel_at(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<u32> {
     Some(grid.voxel_index(hit.voxel))
 }
 
-/// Returns a map that keeps what is seen now, whatever becomes of the grid.
+/// Returns a map of the present picture that is independent of later changes of the grid.
 pub fn lasting(map: &Arc<IndexMap>, grid: &Grid) -> Arc<IndexMap> {
     if map.is_known() {
         return map.clone();
@@ -94,8 +94,8 @@ pub fn lasting(map: &Arc<IndexMap>, grid: &Grid) -> Arc<IndexMap> {
     Arc::new(known)
 }
 
-/// Returns where a ray from outside enters a box, in lengths of its direction, and the face that it enters by, as a
-/// unit vector out of the box.
+/// Returns where a ray from outside enters a box, in lengths of its direction, and the face of entry, as a unit vector
+/// out of the box.
 pub fn entered_face(origin: Vec3, direction: Vec3, min: Vec3, max: Vec3) -> Option<(f32, Vec3)> {
     let (enter, _) = enter_box(origin, direction, min, max).filter(|(enter, _)| *enter > 0.0)?;
     let entered = ((min - origin) / direction).min((max - origin) / direction);
@@ -111,7 +111,7 @@ fn enter_box(origin: Vec3, direction: Vec3, min: Vec3, max: Vec3) -> Option<(f32
     (enter <= leave && leave >= 0.0).then_some((enter, leave))
 }
 
-/// Axes of the grid as the screen shows them, each a unit vector along plus or minus x, y or z.
+/// The grid axes as the screen shows them, each a unit vector along plus or minus x, y or z.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ScreenAxes {
     pub right: Vec3,
@@ -151,31 +151,30 @@ impl Sight {
         }
     }
 
-    /// Returns where the axes of the grid point in the picture, as unit vectors: x right, y up, z to the viewer.
+    /// Returns the directions of the grid axes in the picture, as unit vectors: x right, y up, z to the viewer.
     pub fn axes_in_picture(&self) -> [Vec3; 3] {
         let m = self.eye_from_grid.matrix3;
         [m.x_axis, m.y_axis, m.z_axis].map(|column| Vec3::from(column).normalize_or_zero())
     }
 
-    /// Returns distance of a point of the grid from the eye plane, in world units.
+    /// Returns the distance of a grid point from the eye plane, in world units.
     pub fn depth(&self, point: Vec3) -> f32 {
         -self.eye_from_grid.transform_point3(point).z
     }
 
-    /// Returns the pixel at which a point of the grid is seen; none behind the eye.
+    /// Returns the pixel of a grid point; `None` behind the eye.
     pub fn pixel_of(&self, point: Vec3) -> Option<Vec2> {
         let clip = self.clip_from_grid * point.extend(1.0);
         let seen = clip.w > 0.0;
         seen.then(|| (clip.xy() / clip.w * 0.5 + 0.5) * self.rays.size.as_vec2())
     }
 
-    /// Returns the point of the grid seen at `at` (pixels) in the plane `depth` before the eye.
+    /// Returns the grid point seen at `at` (pixels) in the plane `depth` before the eye.
     pub fn at_depth(&self, at: Vec2, depth: f32) -> Vec3 {
         self.rays.origin + self.rays.direction_at(at.x, at.y) * depth
     }
 
-    /// Returns the assignment of grid axes to screen axes that fits best: of the six, the one with the largest sum of
-    /// cosines.
+    /// Returns the best assignment of grid axes to screen axes: of the six, the one with the largest sum of cosines.
     pub fn screen_axes(&self) -> ScreenAxes {
         let columns = self.axes_in_picture();
         let cosine = |grid: usize, screen: usize| columns[grid][screen];
@@ -194,8 +193,8 @@ impl Sight {
         ScreenAxes { right: axis(0), up: axis(1), near: axis(2) }
     }
 
-    /// Returns how far along an axis of the grid a drag of `pixels` moves something at `point`, in voxels: as far as
-    /// the pointer moves at that depth.
+    /// Returns how far along a grid axis a drag of `pixels` moves something at `point`, in voxels: as far as the
+    /// pointer moves at that depth.
     pub fn along(&self, axis: Vec3, pixels: f32, point: Vec3) -> f32 {
         let world_per_pixel = {
             let step = self.eye_from_grid.transform_vector3(self.rays.step_y);
@@ -249,12 +248,12 @@ mod tests {
         let at = |x, last| box_point(&sight, dims, Vec2::new(x, 50.0), last).unwrap();
         let point = at(100.0, Vec3::splat(8.0));
         assert!(point.abs_diff_eq(Vec3::splat(8.0), 1e-3), "{point}");
-        // Across the picture its depth stays, also where the ray leaves the box by a side.
+        // Across the picture its depth stays, even if the ray leaves the box by a side.
         for x in 90..110 {
             assert!((at(x as f32, Vec3::splat(8.0)).z - 8.0).abs() < 1e-3);
             assert!((at(x as f32, Vec3::new(0.0, 0.0, 13.0)).z - 13.0).abs() < 1e-3);
         }
-        // Work at another place leads to the border.
+        // A depth outside of the box leads to its border.
         assert!((at(100.0, Vec3::new(8.0, 8.0, 40.0)).z - 16.0).abs() < 1e-3);
         assert_eq!(box_point(&sight, dims, Vec2::ZERO, Vec3::splat(8.0)), None);
     }
@@ -269,7 +268,7 @@ mod tests {
     }
 
     proptest! {
-        /// The three axes are different ones in every pose, and none points the wrong way.
+        /// Checks that the three axes are different in every pose, and none points the wrong way.
         #[test]
         fn screen_axes_are_a_frame(x in -3.0f32..3.0, y in -3.0f32..3.0, z in -3.0f32..3.0) {
             let rotation = Quat::from_euler(glam::EulerRot::XYZ, x, y, z);

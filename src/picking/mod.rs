@@ -1,8 +1,7 @@
-//! Picking: which voxel and which point of the grid lie under a pixel of the picture.
+//! Picking: the voxel and the grid point under a pixel of the picture.
 //!
-//! [`Picker`] is the view of the last picture as a value: where the eye is relative to the grid,
-//! and the index map that the renderer reported. The geometry is in [`geometry`]. Knows no tool, no
-//! window and no Vulkan.
+//! [`Picker`] is the view of the last picture as a value: the eye relative to the grid, and the index map reported by
+//! the renderer. The geometry is in [`geometry`]. Knows no tool, no window and no Vulkan.
 
 pub mod geometry;
 
@@ -23,12 +22,12 @@ pub struct Picker {
 }
 
 impl Picker {
-    /// `map`: the voxels of the last picture; none before there is one.
+    /// Creates a picker. `map`: the voxels of the last picture; `None` before there is one.
     pub fn new(sight: Sight, map: Option<Arc<IndexMap>>) -> Picker {
         Picker { sight, map }
     }
 
-    /// Returns the view of the grid that the next picture will have.
+    /// Returns the view of the grid in the next picture.
     pub fn sight(&self) -> &Sight {
         &self.sight
     }
@@ -38,8 +37,8 @@ impl Picker {
         self.map.as_ref()
     }
 
-    /// Returns the point of the grid under a pixel: on the surface that was seen, or, while the grid is empty, in the
-    /// plane of the view through `last`, as far as that lies in the grid.
+    /// Returns the grid point under a pixel: on the visible surface, or, while the grid is empty, in the view plane
+    /// through `last`, clamped to the grid.
     pub fn target(&self, grid: &Grid, at: Vec2, last: Vec3) -> Option<Vec3> {
         if grid.opaque_count() == 0 {
             return geometry::box_point(&self.sight, grid.dims(), at, last);
@@ -52,7 +51,7 @@ impl Picker {
         Some(grid.voxel_coords(geometry::voxel_at(self.map.as_ref()?, grid, at)?))
     }
 
-    /// Returns the direction out of the surface under a pixel: of the face of the voxel, or with `smooth` of the
+    /// Returns the direction out of the surface under a pixel: the normal of the voxel's face, or with `smooth` of the
     /// surface around it. Zero beside the surface.
     pub fn normal(&self, grid: &Grid, at: Vec2, smooth: bool) -> Vec3 {
         let Some(map) = &self.map else { return Vec3::ZERO };

@@ -1,8 +1,8 @@
 //! Pictures of linear light as OpenEXR files: one part, scan lines, no compression.
 //!
-//! From named channels to the bytes of a file, as the document "OpenEXR File Layout" describes them. Half floats hold
-//! light and directions, floats distances. Written here rather than by a crate, since reading and compressing, which
-//! are most of the format, are not needed. Knows no pictures beyond their numbers.
+//! Turns named channels into the bytes of a file, as described in "OpenEXR File Layout". Half floats hold light and
+//! directions, floats distances. It needs no crate, since reading and compressing, which are most of the format, are
+//! not needed. Knows no pictures beyond their numbers.
 
 use glam::UVec2;
 
@@ -36,7 +36,7 @@ pub fn encoded(size: UVec2, mut channels: Vec<Channel>) -> Vec<u8> {
     header(&mut file, size, &channels);
     let (width, height) = (size.x as usize, size.y as usize);
     let row_bytes: usize = channels.iter().map(|channel| channel.samples.bytes() * width).sum();
-    // Where each row begins, with its number and length.
+    // The offset of each row, with its number and length.
     let first = file.len() + height * 8;
     let block = 8 + row_bytes;
     for y in 0..height {
@@ -91,7 +91,7 @@ fn header(file: &mut Vec<u8>, size: UVec2, channels: &[Channel]) {
 }
 
 impl Samples {
-    /// As the format numbers the types.
+    /// Returns the format's number of the type.
     fn kind(&self) -> u32 {
         match self {
             Samples::Half(_) => 1,
@@ -118,7 +118,7 @@ impl Samples {
     }
 }
 
-/// Returns the nearest half float, even at ties; a value that is too large becomes the largest finite one.
+/// Returns the nearest half float, with ties to even; too large values become the largest finite one.
 fn half(value: f32) -> u16 {
     let sign = (value.to_bits() >> 16) as u16 & 0x8000;
     if value.is_nan() {
@@ -145,7 +145,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// Returns a half float as a number, by its definition.
+    /// Returns the number of a half float, by its definition.
     fn number(half: u16) -> f64 {
         let (exponent, mantissa) = (i32::from(half >> 10 & 31), f64::from(half & 0x3FF));
         let size = match exponent {
@@ -155,7 +155,7 @@ pub(super) mod tests {
         if half >> 15 == 1 { -size } else { size }
     }
 
-    /// Reads a file of the kind that is written here.
+    /// Reads a file of the kind written here.
     pub fn read(file: &[u8]) -> (UVec2, BTreeMap<String, Vec<f64>>) {
         let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap());
         let text = |at: &mut usize| {
@@ -237,7 +237,7 @@ pub(super) mod tests {
         for bits in 0..0x7C00u16 {
             let exact = number(bits) as f32;
             assert_eq!((half(exact), half(-exact)), (bits, bits | 0x8000));
-            // The middle to the next one goes to the even of the two.
+            // The middle to the next one rounds to even.
             if bits < 0x7BFF {
                 let middle = ((number(bits) + number(bits + 1)) / 2.0) as f32;
                 assert_eq!(half(middle), bits + (bits & 1), "{bits:x}");

@@ -1,6 +1,6 @@
 //! The final picture of a sculpture as a file: traced, denoised, and written as PNG, JPEG or OpenEXR.
 //!
-//! Takes contents, a camera and options, so that it can run on any thread; writes nothing unless all of it went well.
+//! Takes contents, a camera and options, so that it can run on any thread; writes nothing unless everything succeeds.
 //! Knows no documents and no windows.
 
 use std::path::Path;
@@ -21,24 +21,24 @@ use crate::trace::{self, Film, PixelSum, TraceCamera, TraceError, TraceOptions};
 /// The extension of pictures of linear light.
 pub const LINEAR_ENDING: &str = "exr";
 
-/// The processor that traces light.
+/// The processor of the path tracer.
 #[derive(Clone, Debug, Default)]
 pub enum TraceOn {
     /// All cores: the same picture on every run.
     #[default]
     Cpu,
-    /// A Vulkan device: the same picture but for rounding.
+    /// A Vulkan device: the same picture except for rounding.
     Gpu(DeviceOptions),
 }
 
-/// How a final picture is made.
+/// The options of a final picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FinalOptions {
     pub trace: TraceOptions,
-    /// Show the surface between the voxels where a voxel covers more than a pixel, of sculptures that are not shown as
-    /// cubes. Not on a device.
+    /// Shows the smooth surface where a voxel covers more than a pixel, for sculptures not shown as cubes. Not on a
+    /// device.
     pub smooth_surface: bool,
-    /// Whether the noise that remains is removed.
+    /// Removes the remaining noise.
     pub denoise: bool,
     /// Doubles the light of PNG and JPEG with each unit.
     pub exposure_ev: f32,
@@ -60,8 +60,8 @@ pub struct FinalPicture<'a> {
     pub on: &'a TraceOn,
 }
 
-/// Makes a final picture and writes it to `path`, in the format of its extension. `watch` sees the sums so far and their
-/// number of samples after each pass on the CPU.
+/// Makes a final picture and writes it to `path`, in the format of its extension. `watch` receives the sums so far and
+/// their number of samples after each pass on the CPU.
 pub fn write_final(
     picture: FinalPicture,
     path: &Path,
@@ -133,7 +133,7 @@ fn normals_of(contents: &Contents, progress: &dyn Progress) -> Result<NormalFiel
     if normals.is_complete() { Ok(normals) } else { Err(TraceError::Cancelled) }
 }
 
-/// Returns the smooth surface; none of a grid that is too large for it, as in pictures of the window.
+/// Returns the smooth surface; `None` for a grid that is too large for it, as in pictures of the window.
 fn smooth_surface(grid: &Grid, normals: &NormalField) -> Option<LevelSet> {
     let made = LevelSet::new(grid, Limits::default().grid_bytes);
     let mut levels =
@@ -151,8 +151,8 @@ fn screen_picture(film: &Film, exposure_ev: f32) -> RgbImage {
     })
 }
 
-/// Light, distance, and what compositing and other filters need: colours, normals, and the sculpture's share of each
-/// pixel.
+/// Returns a file with light, distance, and the inputs of compositing and other filters: colours, normals, and the
+/// sculpture's share of each pixel.
 fn linear_file(film: &Film) -> Vec<u8> {
     let channel = |name, of: &dyn Fn(&PixelSum) -> f32| {
         let values = film.pixels().iter().map(of).collect();

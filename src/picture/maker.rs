@@ -1,5 +1,5 @@
-//! Makes pictures of one document, one after the other, and keeps between them what need not be made again: the
-//! device with its renderer, and the normals, which follow the document's changes.
+//! Makes pictures of one document one after another, and keeps reusable state between them: the device with its
+//! renderer, and the normals, which follow the document's changes.
 //!
 //! A picture does not depend on those made before it. Knows no files.
 
@@ -23,12 +23,12 @@ use crate::view::StereoLayout;
 pub struct PictureMaker {
     options: PictureOptions,
     followed: FollowedNormals,
-    /// Made for the first picture that needs it.
+    /// Created for the first picture that needs it.
     painter: Option<Painter>,
 }
 
 impl PictureMaker {
-    /// For pictures of one document; another one needs a maker of its own.
+    /// Creates one for pictures of one document; another one needs a maker of its own.
     pub fn new(options: &PictureOptions) -> PictureMaker {
         let followed = FollowedNormals::default();
         PictureMaker { options: options.clone(), followed, painter: None }
@@ -69,14 +69,14 @@ impl PictureMaker {
 #[derive(Default)]
 pub(super) struct FollowedNormals {
     field: NormalField,
-    /// Once it was wanted.
+    /// `None` until it was needed.
     levels: Option<LevelSet>,
     subscriber: ChangeSubscriber,
 }
 
 impl FollowedNormals {
-    /// Returns all normals of the document as it is now, and if `smooth`, its smooth surface. A grid that is too large
-    /// for it has none.
+    /// Returns all present normals of the document, and with `smooth` its smooth surface. A grid that is too large for
+    /// it has none.
     pub fn of(
         &mut self,
         document: &mut Document,
@@ -107,12 +107,12 @@ impl FollowedNormals {
     }
 }
 
-/// A device and what renders on it.
+/// A device with its renderer.
 pub(super) struct Painter {
     pub frames: Frames,
     pub renderer: Renderer,
     pub device: Arc<Device>,
-    /// Whether fallbacks were reported: those of one picture are enough.
+    /// Whether fallbacks were reported: once is enough.
     pub warned: bool,
 }
 

@@ -1,8 +1,8 @@
 //! The mean of the samples of a picture, in linear light.
 //!
-//! Takes pictures of 8-bit sRGB one after the other, gives their mean. Light is linear in the square of a value, as
-//! for the shaders ([`crate::shade::illumination`]). Sums are whole numbers, so the mean does not depend on the
-//! order, and that of one picture is this picture to the bit. Does not know where pictures come from.
+//! Takes pictures of 8-bit sRGB one after another, gives their mean. Light is linear in the square of a value, as for
+//! the shaders ([`crate::shade::illumination`]). Sums are integers, so the mean does not depend on the order, and that
+//! of one picture is bit-identical. Does not know where pictures come from.
 
 use glam::UVec2;
 use image::{Rgb, RgbImage};
@@ -16,7 +16,7 @@ pub(super) struct Mean {
 }
 
 impl Mean {
-    /// Makes the mean of no picture yet.
+    /// Starts without a picture.
     pub fn new(size: UVec2) -> Mean {
         Mean { size, sums: vec![[0; 3]; size.x as usize * size.y as usize], count: 0 }
     }
@@ -31,7 +31,7 @@ impl Mean {
         self.count += 1;
     }
 
-    /// Returns the mean of what was added.
+    /// Returns the mean of the pictures.
     pub fn picture(&self) -> RgbImage {
         let share = 1.0 / f64::from(self.count.max(1));
         RgbImage::from_fn(self.size.x, self.size.y, |x, y| {

@@ -1,6 +1,5 @@
-//! The console of the program on Windows, which starts it without one: no black window opens beside
-//! the program's own, and output still reaches the console it was started from. Does nothing
-//! elsewhere.
+//! The console of the program on Windows. Windows starts it without one, so no black window opens beside the program's
+//! own, and output still reaches the console that started it. Does nothing elsewhere.
 
 /// Attaches to the console of the parent process, if it has one. Redirected streams stay as they
 /// are.
@@ -12,8 +11,7 @@ pub fn attach() {
     unsafe { AttachConsole(ATTACH_PARENT_PROCESS) };
 }
 
-/// Shows an error in a message box if standard error leads nowhere, as when started from the
-/// Explorer.
+/// Shows an error in a message box if standard error is connected to nothing, as after a start from the Explorer.
 #[cfg(windows)]
 pub fn show(text: &str) {
     use std::os::windows::io::AsRawHandle;

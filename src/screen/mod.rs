@@ -1,4 +1,4 @@
-//! Screens: where eyes come from and where images go.
+//! Screens: the sources of eyes and the destinations of images.
 
 pub mod console;
 pub mod headset;

@@ -20,7 +20,7 @@ pub struct Offscreen {
 }
 
 impl Offscreen {
-    /// `size` pixels for each of `eyes` eyes (1 or 2).
+    /// Creates a target of `size` pixels for each of `eyes` eyes (1 or 2).
     pub fn new(device: &Arc<Device>, size: UVec2, eyes: u32) -> Result<Offscreen> {
         use vk::ImageUsageFlags as Usage;
         let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC;
@@ -31,7 +31,7 @@ impl Offscreen {
         Ok(Offscreen { colour, depth, device: device.clone() })
     }
 
-    /// Pixels.
+    /// Returns the size in pixels.
     pub fn size(&self) -> UVec2 {
         self.colour.size()
     }
@@ -40,7 +40,7 @@ impl Offscreen {
         self.colour.eyes()
     }
 
-    /// Starts rendering for `eye`, cleared to transparent black, infinitely far.
+    /// Starts rendering for `eye`, cleared to transparent black at infinite depth.
     pub fn begin(&mut self, recorder: &mut Recorder, eye: u32) {
         self.colour.begin_overwrite(recorder, eye, Use::COLOUR_TARGET);
         self.depth.begin_overwrite(recorder, eye, Use::DEPTH_TARGET);

@@ -1,10 +1,9 @@
-//! The swapchain of a window: where finished pictures are presented, and what happens when the
-//! window is resized or minimised, or its surface is lost.
+//! The swapchain of a window: presents finished pictures, and handles a window that is resized or minimised, or whose
+//! surface is lost.
 //!
-//! Takes a surface and sizes; returns a [`Target`] to draw to, or none while nothing can be drawn.
-//! Knows nothing of what is drawn, nor of winit: events of the window system come in as sizes.
-//! Presenting never blocks where the driver has a mailbox, so callers must not draw more often than
-//! the screen refreshes ([`WindowScreen::is_paced`]).
+//! Takes a surface and sizes; returns a [`Target`] to draw to, or none while nothing can be drawn. Does not know the
+//! contents, nor winit: events of the window system come in as sizes. Presenting never blocks where the driver has a
+//! mailbox, so callers must not draw more often than the screen refreshes ([`WindowScreen::is_paced`]).
 
 mod choices;
 
@@ -19,7 +18,7 @@ use crate::gpu::{
     Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Surface, Use,
 };
 
-/// How long a window system may refuse a swapchain before that is an error.
+/// Time for which a window system may refuse a swapchain before that is an error.
 const GIVE_UP_AFTER: Duration = Duration::from_secs(10);
 
 /// An acquired image of the window, to be drawn and presented.
@@ -42,7 +41,7 @@ impl Target {
         ImagePart { layers: self.layers, ..ImagePart::colour(self.image, 0) }
     }
 
-    /// Returns number of layers: 2 in a quad-buffered window.
+    /// Returns the number of layers: 2 in a quad-buffered window.
     pub fn layers(&self) -> u32 {
         self.layers
     }
@@ -52,8 +51,8 @@ impl Target {
         self.views[eye.min(1)]
     }
 
-    /// The use before the first barrier: the window system has finished once [`Target::wait`] has
-    /// been waited for, and the contents may be discarded.
+    /// The use before the first barrier: the window system has finished after [`Target::wait`], and the contents may be
+    /// discarded.
     pub const FIRST: Use = Use::COPY_TARGET.discarded();
 
     /// Returns the semaphore that a submission waits for before it copies or draws to the image.
@@ -63,7 +62,7 @@ impl Target {
         vk::SemaphoreSubmitInfo::default().semaphore(self.acquired).stage_mask(stages)
     }
 
-    /// Returns the semaphore that the submission signals which finishes the image.
+    /// Returns the semaphore for the submission that finishes the image to signal.
     pub fn signal(&self) -> vk::SemaphoreSubmitInfo<'static> {
         vk::SemaphoreSubmitInfo::default()
             .semaphore(self.finished)
@@ -86,7 +85,7 @@ pub struct WindowScreen {
     can_layer: bool,
     /// The swapchain no longer fits the window.
     stale: bool,
-    /// Since when the window system has been refusing.
+    /// Time since the window system has been refusing.
     refused: Option<Instant>,
     surface: Surface,
     device: Arc<Device>,
@@ -106,7 +105,7 @@ struct SwapImage {
 }
 
 impl WindowScreen {
-    /// `size`: of the window, in pixels.
+    /// Creates the swapchain. `size`: of the window, in pixels.
     pub fn new(device: &Arc<Device>, surface: Surface, size: [u32; 2]) -> Result<WindowScreen> {
         let format = choose_format(device, &surface)?;
         let mut screen = WindowScreen {
@@ -139,17 +138,17 @@ impl WindowScreen {
         self.mode == vk::PresentModeKHR::FIFO
     }
 
-    /// The window was resized, in pixels; zero while it is minimised.
+    /// Notes the new size of the window, in pixels; zero while it is minimised.
     pub fn resize(&mut self, size: [u32; 2]) {
         self.stale |= self.size != size;
         self.size = size;
     }
 
-    /// Returns the next image to draw to, waiting up to `patience`; none while the window is minimised or hidden, or
+    /// Returns the next image to draw to, waiting up to `patience`; `None` while the window is minimised or hidden, or
     /// the window system is busy with it. `slot` is that of the current frame ([`crate::gpu::Frames::slot`]), whose
     /// semaphore is free again.
     pub fn acquire(&mut self, slot: usize, patience: Duration) -> Result<Option<Target>> {
-        // A swapchain that is out of date at once is made again, but not forever.
+        // A swapchain that is immediately out of date is recreated, but not forever.
         for _ in 0..3 {
             if self.size.contains(&0) {
                 return Ok(None);
@@ -205,7 +204,7 @@ impl WindowScreen {
         Ok(Some(target))
     }
 
-    /// Presents a finished target; false if the window has changed too much to show it.
+    /// Presents a finished target. Returns false if the window has changed too much to show it.
     pub fn present(&mut self, target: &Target) -> Result<bool> {
         let Some(swapchain) = &self.swapchain else { return Ok(false) };
         let (chains, indices, waits) = ([swapchain.handle], [target.index], [target.finished]);
@@ -225,8 +224,8 @@ impl WindowScreen {
         }
     }
 
-    /// Recovers from a failure of the window system; returns when to try again, which is at once
-    /// except for [`Recovery::Later`].
+    /// Recovers from a failure of the window system. Returns when to try again: at once, except for
+    /// [`Recovery::Later`].
     fn recover(&mut self, error: GpuError) -> Result<Recovery> {
         let recovery = match &error {
             GpuError::Vulkan { result, .. } => choices::recovery(*result),
@@ -246,7 +245,7 @@ impl WindowScreen {
         if recovery == Recovery::NewSurface {
             let renewed =
                 self.surface.renew().and_then(|()| choose_format(&self.device, &self.surface));
-            // Another format needs other pipelines, which the caller has made.
+            // Another format needs other pipelines, which belong to the caller.
             if renewed.map(|format| format.format).ok() != Some(self.format.format) {
                 return Err(error);
             }
@@ -305,8 +304,8 @@ impl WindowScreen {
         self.can_layer
     }
 
-    /// Uses images with a layer per eye, or with one layer, from the next one on. Without
-    /// [`WindowScreen::can_layer`] it is always one.
+    /// Uses images with a layer per eye, or with one layer, from the next one on. Without [`WindowScreen::can_layer`]
+    /// it is always one.
     pub fn set_layered(&mut self, layered: bool) {
         let layers = if layered && self.can_layer { 2 } else { 1 };
         self.stale |= self.layers != layers;
@@ -320,12 +319,12 @@ impl WindowScreen {
             .map_err(|error| GpuError::vulkan("ask what the window can show", error))
     }
 
-    /// Makes the swapchain again for the present window.
+    /// Recreates the swapchain for the present window.
     fn rebuild(&mut self) -> Result<()> {
         let capabilities = self.capabilities()?;
         let size = choices::extent(&capabilities, self.size);
         if size.contains(&0) {
-            // No swapchain can be made, and the old one cannot be drawn to.
+            // No swapchain can be created, and the old one cannot be drawn to.
             self.device.wait_idle()?;
             self.drop_swapchain();
             return Ok(());
@@ -403,7 +402,7 @@ impl WindowScreen {
         }
     }
 
-    /// Nothing may use the image any more.
+    /// Destroys an image that nothing uses any more.
     fn drop_image(&self, image: SwapImage) {
         let raw = self.device.raw();
         // SAFETY: ours, and unused; null handles are ignored.
@@ -415,7 +414,7 @@ impl WindowScreen {
         }
     }
 
-    /// The device must be idle.
+    /// Destroys the swapchain. The device must be idle.
     fn drop_swapchain(&mut self) {
         let Some(swapchain) = self.swapchain.take() else { return };
         for image in swapchain.images {

@@ -20,7 +20,7 @@ use super::frame::check_size;
 use super::http::Url;
 use super::rate::Rate;
 
-/// Where a video comes from.
+/// The source of a video.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Address {
     Camera(CameraAddress),
@@ -28,7 +28,7 @@ pub enum Address {
     Http(Url),
 }
 
-/// A camera of this computer with the requested mode. It may use a similar one.
+/// A camera of this computer with the requested mode; it may use a similar one.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CameraAddress {
     pub device: PathBuf,
@@ -54,7 +54,7 @@ pub struct FilmAddress {
     pub kind: FilmKind,
     /// Repeat at the end.
     pub repeat: bool,
-    /// Overrides that of the film.
+    /// Overrides the rate of the film.
     pub rate: Option<Rate>,
     pub colour: ColourChoice,
 }

@@ -18,7 +18,7 @@ pub enum Range {
     Full,
 }
 
-/// How to decode Y'CbCr.
+/// The decoding of Y'CbCr.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Colour {
     pub matrix: Matrix,
@@ -29,7 +29,7 @@ impl Colour {
     /// The default of cameras and films.
     pub const DEFAULT: Colour = Colour { matrix: Matrix::Bt601, range: Range::Limited };
 
-    /// Factors of luma, Cr to red, Cb to green, Cr to green, Cb to blue, and the luma of black.
+    /// Returns the factors of luma, Cr to red, Cb to green, Cr to green, Cb to blue, and the luma of black.
     pub fn factors(self) -> ([f64; 5], f64) {
         // Weights of red and blue in luma, from the two recommendations.
         let (red, blue): (f64, f64) = match self.matrix {

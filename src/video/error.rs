@@ -3,7 +3,7 @@
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Why there is no frame, or no more.
+/// The reason why there are no frames, or no more.
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
     /// The text is not an address of a video.
@@ -43,11 +43,10 @@ impl VideoError {
     }
 }
 
-/// Turns a panic of `work` into an error. Libraries for cameras and codecs have assertions on what
-/// drivers and files contain, which must not cost more than the frame or the source.
+/// Turns a panic of `work` into an error. Libraries for cameras and codecs have assertions about drivers and files,
+/// which must not cost more than the frame or the source.
 ///
-/// State that `work` modifies must be harmless when half done: frames not yet shown, readers not
-/// used again.
+/// State that `work` modifies must be harmless when half done: frames not yet shown, readers not used again.
 pub(super) fn guarded<T>(
     subject: &str,
     work: impl FnOnce() -> Result<T, VideoError>,

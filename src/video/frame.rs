@@ -21,11 +21,11 @@ pub struct Frame {
     /// sRGB-encoded RGBA, 8 bits each, alpha always 255; rows from the top, no padding:
     /// `width * height * 4` bytes.
     pub pixels: Vec<u8>,
-    /// When it came from the camera, or was due in the film.
+    /// Time of its arrival from the camera, or its time in the film.
     pub arrived: Instant,
     /// Position in the film (restarts when it repeats), or time since the camera was opened.
     pub position: Duration,
-    /// Counts the frames of one source from 1; gaps are frames that nobody polled.
+    /// Counts the frames of one source from 1; gaps are frames that were not polled.
     pub sequence: u64,
 }
 

@@ -1,5 +1,5 @@
-//! How a frame is placed on a screen of another shape: fitted, filling or stretched, and mirrored.
-//! Pure; x to the right, y down, both 0 to 1 from the upper left corner.
+//! The placement of a frame on a screen of another shape: fitted, filling or stretched, and mirrored. Pure; x to the
+//! right, y down, both 0 to 1 from the upper left corner.
 
 use glam::{UVec2, Vec2};
 use serde::Deserialize;
@@ -26,8 +26,8 @@ pub struct Framing {
 }
 
 impl Framing {
-    /// Sizes in pixels (pixels are square); a side of 0, as of a minimised window, counts as 1. A
-    /// mirrored frame shows its left on the right.
+    /// Computes the framing. Sizes are in pixels (pixels are square); a side of 0, as of a minimised window, counts as
+    /// 1. A mirrored frame shows its left on the right.
     pub fn new(picture: UVec2, screen: UVec2, fit: Fit, mirror: bool) -> Framing {
         let picture = picture.max(UVec2::ONE).as_vec2();
         let screen = screen.max(UVec2::ONE).as_vec2();

@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use crate::view::eye::Frustum;
 
-/// Why a lens cannot be used.
+/// The reason why a lens cannot be used.
 #[derive(Debug, Error)]
 pub enum IntrinsicsError {
     #[error("the camera's lens: {0}")]
@@ -46,9 +46,9 @@ pub struct Intrinsics {
 
 /// Largest number of Newton steps; four are enough for typical lenses.
 const MAX_STEPS: usize = 30;
-/// How often one of them is halved.
+/// Largest number of halvings of a step.
 const MAX_HALVINGS: usize = 20;
-/// The least determinant of the derivative of the distortion: below it, the picture is taken to fold.
+/// Least determinant of the derivative of the distortion: below it, the picture counts as folded.
 const LEAST_DETERMINANT: f64 = 1e-3;
 /// Tolerance of an inverted position, in pixels.
 const TOLERANCE_PX: f64 = 1e-6;
@@ -112,8 +112,8 @@ impl Intrinsics {
         distorted * DVec2::new(self.fx, self.fy) + DVec2::new(self.cx, self.cy)
     }
 
-    /// Returns the ray of a pixel: its undistorted position. None where the lens sends no light, which
-    /// [`Intrinsics::check`] rules out within the picture.
+    /// Returns the ray of a pixel: its undistorted position; `None` where the lens sends no light, which
+    /// [`Intrinsics::check`] excludes within the picture.
     pub fn ray_from_pixel(&self, pixel: DVec2) -> Option<DVec2> {
         let focal = DVec2::new(self.fx, self.fy);
         let target = (pixel - DVec2::new(self.cx, self.cy)) / focal;
@@ -128,10 +128,10 @@ impl Intrinsics {
         Some(ray)
     }
 
-    /// Newton's method for `distort(ray) = aim`. Where the distortion hardly grows, a whole step may lead far beyond the
-    /// solution and over a fold: steps are halved until they lead nearer to it on this side.
+    /// Solves `distort(ray) = aim` by Newton's method. Where the distortion hardly grows, a whole step may lead far
+    /// beyond the solution and over a fold; steps are halved until they lead nearer to it on this side.
     fn invert(&self, aim: DVec2, start: DVec2, tolerance: f64) -> Option<DVec2> {
-        // The error at a ray and the derivative there; none beyond a fold.
+        // The error at a ray and the derivative there; `None` beyond a fold.
         let at = |ray: DVec2| {
             let (distorted, change) = self.distort(ray);
             (change.determinant() > LEAST_DETERMINANT).then_some((distorted - aim, change))
@@ -176,14 +176,14 @@ impl Intrinsics {
         (ray * radial + tangential, change)
     }
 
-    /// Texture position of a ray, 0 to 1 from the upper left corner.
+    /// Returns the texture position of a ray, 0 to 1 from the upper left corner.
     pub fn uv_from_ray(&self, ray: DVec2) -> DVec2 {
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
         (self.pixel_from_ray(ray) + 0.5) / size
     }
 
     /// Returns the texture position for each pixel of an undistorted picture (this lens with k and p zero, scaled to
-    /// `width` x `height`), row by row. Outside 0 to 1 the camera saw nothing.
+    /// `width` x `height`), row by row. Positions outside 0 to 1 are beyond the camera's picture.
     pub fn undistort_map(&self, width: u32, height: u32) -> Vec<Vec2> {
         let ideal = self.scaled(width, height);
         let (focal, centre) = (DVec2::new(ideal.fx, ideal.fy), DVec2::new(ideal.cx, ideal.cy));
@@ -196,8 +196,8 @@ impl Intrinsics {
             .collect()
     }
 
-    /// Returns the same lens for a picture of another size. Only valid where the camera scales its picture and does not
-    /// crop it.
+    /// Returns the lens for a picture of another size. Only valid if the camera scales its picture and does not crop
+    /// it.
     pub fn scaled(&self, width: u32, height: u32) -> Intrinsics {
         let x = f64::from(width) / f64::from(self.width.max(1));
         let y = f64::from(height) / f64::from(self.height.max(1));
@@ -213,7 +213,7 @@ impl Intrinsics {
         }
     }
 
-    /// Returns the frustum of the undistorted picture, for the projection of an eye that sees what the camera sees.
+    /// Returns the frustum of the undistorted picture, for the projection of an eye that matches the camera.
     pub fn frustum(&self) -> Frustum {
         let (w, h) = (f64::from(self.width), f64::from(self.height));
         let (x, y) = (self.cx + 0.5, self.cy + 0.5);

@@ -1,4 +1,4 @@
-//! Lenses: there and back, against published formulas, and refusals.
+//! Tests of lenses: inversion, published formulas, and refusals.
 
 use glam::DVec2;
 use proptest::prelude::*;
@@ -46,7 +46,7 @@ fn a_pinhole_is_its_frustum() {
 fn the_undistorted_picture_has_straight_lines() {
     let lens = Intrinsics::parse(WEBCAM).unwrap();
     let map = lens.undistort_map(128, 72);
-    // Taking a picture of the world by the map and by the lens must be the same.
+    // Sampling a picture of the world by the map and by the lens must be the same.
     let ideal = lens.scaled(128, 72);
     for (x, y) in [(0, 0), (127, 0), (64, 36), (3, 71), (100, 20)] {
         let ray =
@@ -87,7 +87,7 @@ fn bad_lenses_are_refused() {
         ("cx", "-5"),
         ("cy", "721"),
         ("width", "0"),
-        // The edge would be seen where the middle is.
+        // The edge would appear at the middle.
         ("k1", "-3"),
         ("k3", "-1e6"),
         ("p1", "5"),
@@ -101,7 +101,7 @@ fn bad_lenses_are_refused() {
     assert!(Intrinsics::parse("").is_err());
 }
 
-/// Half way to the corner the distortion hardly grows, but it does not fold.
+/// Halfway to the corner the distortion hardly grows, but it does not fold.
 #[test]
 fn a_lens_that_nearly_folds_is_accepted() {
     let lens = Intrinsics {
@@ -124,7 +124,7 @@ proptest! {
         p2 in -0.003..0.003f64, k3 in -0.01..0.01f64, x in 0.0..1.0f64, y in 0.0..1.0f64,
     ) {
         let lens = Intrinsics { k1, k2, p1, p2, k3, ..Intrinsics::pinhole(800, 600, fov) };
-        // A lens that folds is refused; all others answer everywhere.
+        // A lens that folds is refused; all others invert everywhere.
         if lens.check().is_ok() {
             let pixel = DVec2::new(x * 799.0, y * 599.0);
             let ray = lens.ray_from_pixel(pixel);

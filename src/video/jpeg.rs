@@ -1,8 +1,7 @@
-//! JPEG pictures: decoding, and finding where each begins and ends in a stream (films, and phones
-//! that send multipart HTTP).
+//! JPEG pictures: decoding, and splitting a stream into pictures (films, and phones that send multipart HTTP).
 //!
-//! A JPEG delimits itself: marker segments have lengths, and coded data escapes every 0xFF. So the
-//! splitter needs no frame sizes from outside, which are often wrong. ITU-T T.81, B.1.
+//! A JPEG delimits itself: marker segments have lengths, and coded data escapes every 0xFF. So the splitter needs no
+//! frame sizes from outside, which are often wrong. ITU-T T.81, B.1.
 
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -18,8 +17,8 @@ const EOI: u8 = 0xD9;
 const SOS: u8 = 0xDA;
 const DHT: u8 = 0xC4;
 
-/// The APP0 segment of a film's picture, behind the start marker. With it the decoder uses the
-/// standard Huffman tables, which webcams leave out.
+/// The APP0 segment of a film's picture, after the start marker. It makes the decoder use the standard Huffman tables,
+/// which webcams omit.
 const AVI1: [u8; 9] = [0xFF, 0xE0, 0, 7, b'A', b'V', b'I', b'1', 0];
 
 /// The position of the splitter in a picture.
@@ -41,7 +40,7 @@ enum Place {
     DataCode,
 }
 
-/// Cuts a stream of bytes into pictures, and says what it threw away.
+/// Cuts a stream of bytes into pictures, and counts discarded ones.
 #[derive(Debug)]
 pub struct Splitter {
     place: Place,
@@ -67,12 +66,12 @@ impl Splitter {
         }
     }
 
-    /// Reads until a picture is complete or `bytes` are used up. Returns how many bytes were used
-    /// and whether [`Splitter::swap_picture`] now has a picture.
+    /// Reads until a picture is complete or `bytes` are used up. Returns the number of used bytes and whether
+    /// [`Splitter::swap_picture`] now has a picture.
     pub fn feed(&mut self, bytes: &[u8]) -> (usize, bool) {
         let mut used = 0;
         while let Some(&byte) = bytes.get(used) {
-            // The two states with most of the bytes skip ahead.
+            // The two states with most bytes skip ahead.
             let rest = &bytes[used..];
             match self.place {
                 Place::Segment { left, code } => {
@@ -113,7 +112,7 @@ impl Splitter {
         (used, false)
     }
 
-    /// Consumes one byte where single bytes matter. True at the end of a picture.
+    /// Consumes a single byte. Returns true at the end of a picture.
     fn step(&mut self, byte: u8) -> bool {
         if self.place == Place::Outside {
             self.outside += 1;
@@ -131,7 +130,7 @@ impl Splitter {
             (Place::Code | Place::DataCode, 0xFF) => {}
             (Place::DataCode, 0 | 0xD0..=0xD7) => self.place = Place::Data,
             (Place::Code | Place::DataCode, SOI) => {
-                // The picture was cut off, and this is the next one.
+                // The picture was cut off; this is the next one.
                 self.broken += 1;
                 self.begin();
             }
@@ -179,8 +178,8 @@ impl Splitter {
         self.place = Place::Outside;
     }
 
-    /// Swaps the picture that [`Splitter::feed`] announced for an old buffer. It can be decoded on
-    /// its own: standard Huffman tables are added if it has none.
+    /// Swaps the picture announced by [`Splitter::feed`] for an old buffer. It can be decoded on its own: standard
+    /// Huffman tables are added if it has none.
     pub fn swap_picture(&mut self, picture: &mut Vec<u8>) {
         if !self.has_tables && self.picture.len() > 2 {
             self.picture.splice(2..2, AVI1);
@@ -197,19 +196,19 @@ impl Splitter {
         self.outside = 0;
     }
 
-    /// Bytes outside of pictures since the last picture.
+    /// Returns the number of bytes outside of pictures since the last picture.
     pub fn outside(&self) -> usize {
         self.outside
     }
 
-    /// Returns number of damaged pictures since the last call.
+    /// Returns the number of damaged pictures since the last call.
     pub fn take_broken(&mut self) -> u64 {
         std::mem::take(&mut self.broken)
     }
 }
 
-/// Decodes one picture, whose colours are BT.601 in full range (JFIF), into `frame`. Kinds that
-/// cameras do not send count as damaged: arithmetic coding, 12 bits, unknown CMYK.
+/// Decodes one picture, whose colours are BT.601 in full range (JFIF), into `frame`. Kinds that cameras do not send
+/// count as damaged: arithmetic coding, 12 bits, unknown CMYK.
 pub fn decode(picture: &[u8], subject: &str, frame: &mut Frame) -> Decoded {
     // The decoder may panic on bad input.
     match guarded(subject, || decode_rgba(picture, subject, frame)) {
@@ -230,7 +229,7 @@ fn decode_rgba(picture: &[u8], subject: &str, frame: &mut Frame) -> Result<(), V
         return Err(VideoError::malformed(subject, "a JPEG without a size"));
     };
     check_size(width as u64, height as u64, subject)?;
-    // The colour space is decided while decoding, so the buffer must have the size that it reports.
+    // The colour space is known only after decoding, so the buffer must have the reported size.
     let bytes = decoder.output_buffer_size();
     if bytes != Some(width * height * 4) {
         return Err(VideoError::unsupported(subject, "a JPEG that does not give RGBA"));

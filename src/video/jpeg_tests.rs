@@ -1,4 +1,4 @@
-//! Cutting streams into pictures and decoding them: what cameras send, and what they should not.
+//! Tests the splitting of streams and the decoding of pictures, valid and damaged.
 
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use super::frame::Frame;
 use super::jpeg::{Splitter, decode};
 use super::reader::Decoded;
 
-/// Returns a soft picture, other for each `seed`, that compresses with little loss.
+/// Returns a soft picture, different for each `seed`, that compresses with little loss.
 fn pixels(width: u16, height: u16, seed: u8) -> Vec<u8> {
     let mut rgb = Vec::new();
     for y in 0..u32::from(height) {
@@ -51,7 +51,7 @@ fn without_tables(jpeg: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Returns everything that a splitter finds in bytes which come in pieces.
+/// Returns everything that a splitter finds in bytes delivered in pieces.
 fn cut(bytes: &[u8], piece: usize) -> (Vec<Vec<u8>>, u64) {
     let (mut splitter, mut found) = (Splitter::new(), Vec::new());
     for mut bytes in bytes.chunks(piece.max(1)) {
@@ -98,7 +98,7 @@ fn the_kinds_that_cameras_send() {
     ];
     let rgb = pixels(50, 38, 1);
     for (kind, jpeg) in kinds {
-        // Twice, with noise between and behind as cameras pad their buffers.
+        // Twice, with noise between and after, like cameras that pad their buffers.
         let stream = [&jpeg[..], &[0, 0xFF, 0, 7], &jpeg[..], &[0; 9]].concat();
         for piece in [1, 7, stream.len()] {
             let (found, broken) = cut(&stream, piece);
@@ -145,7 +145,7 @@ fn a_picture_that_breaks_off_costs_only_itself() {
     let jpeg = plain(1);
     for at in [3, 20, 200, jpeg.len() / 2, jpeg.len() - 3, jpeg.len() - 1] {
         let (found, broken) = cut(&[&jpeg[..at], &jpeg[..], &jpeg[..at]].concat(), 64);
-        // A cut in a segment takes the following picture for its content.
+        // After a cut in a segment, the following picture counts as its content.
         assert!(found.len() <= 1 && broken >= 1, "{at}: {} {broken}", found.len());
         let (found, _) = cut(&[&jpeg[..at], &jpeg[..], &jpeg[..], &jpeg[..]].concat(), 64);
         assert!(found.len() >= 2 && found.last() == Some(&jpeg), "{at}");
@@ -167,7 +167,7 @@ fn nonsense_is_broken_and_bounded() {
         assert!(matches!(decode(bad, "x", &mut frame), Decoded::Broken(_)), "{}", bad.len());
     }
     assert!(frame.pixels.len() < 1 << 20);
-    // 40 MiB of coded data without an end are given up, not kept.
+    // 40 MiB of coded data without an end are dropped, not kept.
     let mut splitter = Splitter::new();
     splitter.feed(&jpeg[..jpeg.len() - 2]);
     let block = vec![1; 1 << 20];

@@ -1,8 +1,8 @@
-//! The eye of a camera: the view that matches the video behind the sculpture, and the placement of
-//! the sculpture on a marker.
+//! The eye of a camera: the view that matches the video behind the sculpture, and the placement of the sculpture on a
+//! marker.
 //!
-//! Takes the camera's pose, its lens and the framing of its video; returns an [`Eye`]. The video
-//! must be shown undistorted for the two to match.
+//! Takes the camera's pose, its lens and the framing of its video; returns an [`Eye`]. The two match only if the video
+//! is shown undistorted.
 
 use glam::{Affine3A, Mat3, UVec2, Vec2, Vec3};
 
@@ -20,7 +20,7 @@ pub struct Stand {
 }
 
 impl Stand {
-    /// From the world to the marker's axes (x right, y up on the paper, z out of it, metres).
+    /// Returns the transform from the world to the marker's axes (x right, y up on the paper, z out of it, metres).
     pub fn marker_from_world(&self) -> Affine3A {
         let turn = Mat3::from_cols(Vec3::X, Vec3::Z, Vec3::NEG_Y);
         Affine3A::from_mat3(turn * self.m_per_unit)
@@ -45,7 +45,7 @@ impl Stand {
     }
 }
 
-/// Returns the frustum of the screen if that of the frame is `whole`. A mirrored frame swaps left and right.
+/// Returns the frustum of the screen from that of the frame, `whole`. A mirrored frame swaps left and right.
 fn framed(whole: &Frustum, framing: &Framing) -> Frustum {
     let (low, high) =
         (framing.picture_from_screen(Vec2::ZERO), framing.picture_from_screen(Vec2::ONE));
@@ -74,7 +74,7 @@ mod tests {
     }
 
     proptest! {
-        /// A point of the world is drawn where the camera's picture of it is shown.
+        /// Checks that a point of the world is drawn at its position in the camera's picture.
         #[test]
         fn sculpture_and_picture_match(
             x in -3.0f32..3.0, y in 0.0f32..3.0, z in -3.0f32..3.0,

@@ -41,7 +41,7 @@ impl Reader for Mjpeg {
             let bytes =
                 self.file.fill_buf().map_err(|error| VideoError::io(&*self.subject, error))?;
             if bytes.is_empty() {
-                // A truncated recording is shown as far as it goes.
+                // A truncated recording is shown up to its end.
                 self.splitter.reset();
                 if self.index == 0 {
                     let problem = "it contains no complete JPEG picture";

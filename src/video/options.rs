@@ -1,4 +1,4 @@
-//! Options of the video behind the sculpture: its source, how its frames are fitted, and the lens.
+//! Options of the video behind the sculpture: its source, the fitting of its frames, and the lens.
 
 use std::path::PathBuf;
 

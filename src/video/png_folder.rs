@@ -21,7 +21,7 @@ const MAX_PICTURES: usize = 1_000_000;
 pub struct PngFolder {
     paths: Vec<PathBuf>,
     rate: Rate,
-    /// The size of the first picture decoded; all others must have it.
+    /// The size of the first decoded picture, required of all others.
     size: Option<(u32, u32)>,
     bytes: Vec<u8>,
     samples: Vec<u8>,
@@ -62,7 +62,7 @@ impl PngFolder {
         })
     }
 
-    /// Name of the last picture, for messages.
+    /// Returns the name of the last picture, for messages.
     fn subject(&self) -> String {
         let path = self.index.checked_sub(1).and_then(|i| self.paths.get(i));
         path.map(|path| path.display().to_string()).unwrap_or_default()
@@ -139,7 +139,7 @@ fn expand(samples: &[u8], channels: usize, sample_bytes: usize, out: &mut [u8]) 
     }
 }
 
-/// Compares the texts between numbers and the values of the numbers, so that 2 precedes 10.
+/// Compares texts between numbers as text and numbers by value, so that 2 precedes 10.
 fn natural_order(a: &str, b: &str) -> Ordering {
     let (mut a, mut b) = (a, b);
     loop {

@@ -1,5 +1,5 @@
-//! The decoding thread: films at their rate, cameras as their frames come, and reconnecting to lost
-//! cameras. Knows readers only by their trait; puts frames and states into the slot.
+//! The decoding thread: films at their rate, camera frames as they arrive, and reconnection to lost cameras. Knows
+//! readers only by their trait; puts frames and states into the slot.
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -12,13 +12,13 @@ use super::slot::{Slot, State, lock};
 /// Opens a reader; called again after each loss of a camera.
 pub type Open = Box<dyn FnMut(&Stop) -> Result<Box<dyn Reader>, VideoError> + Send>;
 
-/// How a source is played.
+/// The playback of a source.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Play {
     /// Frames are shown at their times.
     Film { repeat: bool },
-    /// Frames are shown as they come. A camera that is gone or silent is tried again after
-    /// `first_wait`, then after twice that, and so on up to `longest_wait`.
+    /// Frames are shown as they arrive. A camera that is gone or silent is tried again after `first_wait`, then after
+    /// twice that, and so on up to `longest_wait`.
     Camera { silence: Duration, first_wait: Duration, longest_wait: Duration },
 }
 
@@ -31,13 +31,13 @@ impl Play {
     };
 }
 
-/// A film that is late by more than this continues from where it is, without catching up (the
-/// computer slept, the disk stalled).
+/// A film that is later than this continues from its present position without catching up (the computer slept, the disk
+/// stalled).
 const TOO_FAR_BEHIND: Duration = Duration::from_secs(1);
-/// On a machine that is too slow, a film still shows a frame at least this often.
+/// Longest time between shown frames of a film on a machine that is too slow.
 const LONGEST_SKIP: Duration = Duration::from_millis(250);
 
-/// Why a session ended without an error.
+/// The reason for the end of a session without an error.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Done {
     Stopped,
@@ -77,7 +77,7 @@ struct Pump<'a> {
 }
 
 impl Pump<'_> {
-    /// From opening to the end or an error.
+    /// Runs from opening to the end or an error.
     fn session(&mut self, subject: &str, open: &mut Open, play: Play) -> Result<Done, VideoError> {
         let mut reader = open(self.stop)?;
         lock(self.slot).stats.opened += 1;

@@ -1,4 +1,4 @@
-//! The decoding thread over readers that do as they are told: pace, loss, return, panic.
+//! Tests the decoding thread with scripted readers: pace, loss, return, panic.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use super::reader::{Decoded, Fetched, Reader, Stop};
 use super::slot::State;
 use super::source::VideoSource;
 
-/// The act of a reader at one call of fetch (and the decode after it).
+/// The action of a reader at one call of fetch (and the decode after it).
 #[derive(Clone, Debug)]
 enum Act {
     Give(u64),
@@ -67,8 +67,8 @@ impl Reader for Scripted {
     }
 }
 
-/// Returns a source whose readers follow the scripts in turn; when there are none left, opening fails. Each opening
-/// waits for a word over the channel, so that what came before can be looked at.
+/// Returns a source whose readers follow the scripts in turn; after the last one, opening fails. Each opening waits for
+/// a message over the channel, so that the test can inspect the state before it.
 fn source(scripts: &[&[Act]], play: Play) -> (VideoSource, Sender<()>) {
     let mut scripts: VecDeque<Vec<Act>> = scripts.iter().map(|acts| acts.to_vec()).collect();
     let (go, gate) = mpsc::channel();
@@ -89,7 +89,7 @@ const CAMERA: Play = Play::Camera {
     longest_wait: Duration::from_millis(20),
 };
 
-/// Polls until `done`, for a minute at most.
+/// Polls until `done`, for at most a minute.
 fn until(source: &mut VideoSource, done: impl Fn(&VideoSource) -> bool) {
     let start = Instant::now();
     while !done(source) {

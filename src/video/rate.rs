@@ -11,10 +11,10 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// The rate of films that have none.
+    /// The rate of films that do not state one.
     pub const DEFAULT: Rate = Rate { frames: 30, seconds: 1 };
 
-    /// None outside 0.01 to 1000 frames per second.
+    /// Returns the rate; `None` outside 0.01 to 1000 frames per second.
     pub fn new(frames: u32, seconds: u32) -> Option<Rate> {
         let (f, s) = (u64::from(frames), u64::from(seconds));
         (s > 0 && f * 100 >= s && f <= s * 1000).then_some(Rate { frames, seconds })
@@ -24,12 +24,12 @@ impl Rate {
         f64::from(self.frames) / f64::from(self.seconds)
     }
 
-    /// Numerator and denominator of the frames per second.
+    /// Returns numerator and denominator of the frames per second.
     pub fn fraction(self) -> (u32, u32) {
         (self.frames, self.seconds)
     }
 
-    /// Returns when frame number `index`, counted from 0, is due.
+    /// Returns the time of frame number `index`, counted from 0.
     pub fn time_of(self, index: u64) -> Duration {
         let nanos =
             u128::from(index) * u128::from(self.seconds) * 1_000_000_000 / u128::from(self.frames);
@@ -40,7 +40,7 @@ impl Rate {
 impl FromStr for Rate {
     type Err = String;
 
-    /// `30`, `29.97` or `30000/1001`.
+    /// Parses `30`, `29.97` or `30000/1001`.
     fn from_str(text: &str) -> Result<Rate, String> {
         let rule = || format!("{text:?} is not a frame rate between 0.01 and 1000 per second");
         let rate = if let Some((frames, seconds)) = text.split_once('/') {

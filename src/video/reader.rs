@@ -34,25 +34,23 @@ pub enum Decoded {
     Broken(VideoError),
 }
 
-/// An opened film or camera. Fetching and decoding are separate, so that late pictures are not
-/// decoded at all.
+/// An opened film or camera. Fetching and decoding are separate, so that late pictures need not be decoded.
 pub trait Reader {
-    /// Fetches the next picture; of a camera the newest. Waits a tenth of a second at most. After
-    /// an error the reader is of no further use.
+    /// Fetches the next picture, or of a camera the newest. Waits a tenth of a second at most. After an error the
+    /// reader is unusable.
     fn fetch(&mut self) -> Result<Fetched, VideoError>;
 
-    /// Decodes the fetched picture into `frame`, resizing it. After an error the reader is of no
-    /// further use.
+    /// Decodes the fetched picture into `frame`, resizing it. After an error the reader is unusable.
     fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError>;
 
-    /// Returns to the first picture of a film. Returns the length that was played.
+    /// Returns to the first picture of a film. Returns the played length.
     fn rewind(&mut self) -> Result<Duration, VideoError>;
 }
 
-/// How long [`Reader::fetch`] may wait if nothing comes.
+/// Longest wait of [`Reader::fetch`].
 pub const FETCH_WAIT: Duration = Duration::from_millis(100);
 
-/// Held by the decoding thread: tells when the owner of the source is gone.
+/// Held by the decoding thread: detects that the owner of the source is gone.
 #[derive(Debug)]
 pub struct Stop(Receiver<Infallible>);
 
@@ -72,7 +70,7 @@ impl Stop {
         matches!(self.0.try_recv(), Err(TryRecvError::Disconnected))
     }
 
-    /// Sleeps; true if the thread must stop, without delay.
+    /// Sleeps. Returns true without delay if the thread must stop.
     pub fn wait(&self, time: Duration) -> bool {
         matches!(self.0.recv_timeout(time), Err(RecvTimeoutError::Disconnected))
     }

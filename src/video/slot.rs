@@ -17,7 +17,7 @@ pub enum State {
     Lost(Arc<VideoError>),
     /// The film has ended and does not repeat; the last frame stays.
     Ended,
-    /// The film cannot be shown (any further); the last frame stays.
+    /// The film cannot be shown, or not any further; the last frame stays.
     Failed(Arc<VideoError>),
 }
 
@@ -42,7 +42,7 @@ pub struct Stats {
     pub stale: u64,
     /// Skipped as damaged.
     pub broken: u64,
-    /// How often the source was opened successfully.
+    /// Number of successful openings.
     pub opened: u64,
 }
 
@@ -69,8 +69,8 @@ impl Slot {
         self.state = State::Live;
     }
 
-    /// Swaps the newest frame out, leaving the reader's old one for its allocation. False if none
-    /// has come since the last call.
+    /// Swaps the newest frame out, leaving the reader's old one for its allocation. Returns false if none has come
+    /// since the last call.
     pub fn take(&mut self, frame: &mut Frame) -> bool {
         if self.fresh {
             std::mem::swap(&mut self.frame, frame);

@@ -1,4 +1,4 @@
-//! A running video source as the program uses it: it never blocks and never fails to answer.
+//! A running video source for the program: it never blocks and never fails to answer.
 
 use std::convert::Infallible;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
@@ -19,11 +19,10 @@ use super::slot::{Slot, State, Stats};
 use super::v4l2::Camera;
 use super::y4m::Y4m;
 
-/// How long to wait for the thread of a dropped source, which may be connecting.
+/// Longest wait for the thread of a dropped source, which may be connecting.
 const LAST_WAIT: Duration = Duration::from_millis(250);
 
-/// Frames from a camera, a film or a phone, decoded on a thread of their own that ends with this
-/// value.
+/// Frames from a camera, a film or a phone, decoded on a separate thread that ends with this value.
 #[derive(Debug)]
 pub struct VideoSource {
     slot: Arc<Mutex<Slot>>,
@@ -93,7 +92,7 @@ impl VideoSource {
         let thread = thread::Builder::new()
             .name("video".into())
             .spawn(move || {
-                // Dropped at the end, however it ends.
+                // Dropped at the end, in every case.
                 let _finish = finish;
                 pump::run(&subject, open, play, &for_thread, &stop);
             })
@@ -114,7 +113,7 @@ impl VideoSource {
         let mut slot = match self.slot.try_lock() {
             Ok(slot) => slot,
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
-            // The thread is swapping a frame in right now; the next call gets it.
+            // The thread is swapping a frame in; the next call gets it.
             Err(TryLockError::WouldBlock) => return None,
         };
         self.state = slot.state.clone();
@@ -124,17 +123,17 @@ impl VideoSource {
         fresh.then_some(&self.front)
     }
 
-    /// Returns the last frame of [`VideoSource::poll`], also after the camera is gone.
+    /// Returns the last frame of [`VideoSource::poll`], even after the camera is gone.
     pub fn frame(&self) -> Option<&Frame> {
         (self.front.sequence > 0).then_some(&self.front)
     }
 
-    /// As of the last [`VideoSource::poll`].
+    /// Returns the state as of the last [`VideoSource::poll`].
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// As of the last [`VideoSource::poll`].
+    /// Returns the counters as of the last [`VideoSource::poll`].
     pub fn stats(&self) -> Stats {
         self.stats
     }
@@ -143,8 +142,8 @@ impl VideoSource {
 impl Drop for VideoSource {
     fn drop(&mut self) {
         self.running = None;
-        // Wait, so that the camera is free when the next source opens it; but a thread that is in a
-        // connect or a name lookup ends by itself.
+        // Wait, so that the camera is free when the next source opens it; a thread in a connect or a name lookup ends
+        // by itself.
         let ended = self.finished.recv_timeout(LAST_WAIT) == Err(RecvTimeoutError::Disconnected);
         if let Some(thread) = self.thread.take().filter(|_| ended) {
             // Its panics have been turned into states.

@@ -80,7 +80,7 @@ impl Reader for Y4m {
             return Err(VideoError::malformed(&*self.subject, problem));
         }
         self.picture.clear();
-        // Grows with the data present, not with what the header claims.
+        // Grows with the present data, not with the header's claims.
         let got = (&mut self.file)
             .take(self.picture_len as u64)
             .read_to_end(&mut self.picture)
@@ -115,7 +115,7 @@ impl Reader for Y4m {
     }
 }
 
-/// Returns a line without its end, None at the end of the file.
+/// Returns a line without its end; `None` at the end of the file.
 fn read_line(file: &mut impl BufRead, subject: &str) -> Result<Option<Vec<u8>>, VideoError> {
     let mut line = Vec::new();
     file.take(MAX_LINE as u64)
@@ -159,7 +159,7 @@ impl Header {
                 'C' => chroma = value,
                 'X' if value == "COLORRANGE=FULL" => range = Some(Range::Full),
                 'X' if value == "COLORRANGE=LIMITED" => range = Some(Range::Limited),
-                // Interlacing, pixel aspect and comments do not change how to read it.
+                // Interlacing, pixel aspect and comments do not matter for reading.
                 _ => {}
             }
         }

@@ -34,8 +34,8 @@ pub struct Planes<'a> {
     pub width: usize,
     /// Pixels.
     pub height: usize,
-    /// Line stride of the first plane, in bytes. That of separate chroma planes is `1 << across`
-    /// times smaller, rounded up.
+    /// Line stride of the first plane, in bytes. The stride of separate chroma planes is `1 << across` times smaller,
+    /// rounded up.
     pub stride: usize,
     pub data: &'a [u8],
 }
@@ -51,7 +51,7 @@ impl Layout {
         }
     }
 
-    /// Returns size of a picture in bytes. None if it overflows a `usize`.
+    /// Returns the size of a picture in bytes; `None` if it overflows a `usize`.
     pub fn byte_len(self, height: usize, stride: usize) -> Option<usize> {
         let luma = stride.checked_mul(height)?;
         let colour = match self {
@@ -132,7 +132,7 @@ pub fn to_rgba(
     Ok(())
 }
 
-/// [`to_rgba`] after the checks, for each vector instruction level.
+/// Does [`to_rgba`] after the checks, for each vector instruction level.
 #[inline(always)]
 fn convert<S: Simd>(_: S, planes: Planes, factors: Factors, lines: &mut Lines, out: &mut [u8]) {
     let Planes { layout, width, height, stride, data } = planes;
@@ -216,7 +216,7 @@ fn spread(samples: &[u8], across: u32, out: &mut [u8]) {
 /// Pixels converted together: they fill the registers of any x86-64 or ARM.
 const BLOCK: usize = 16;
 
-/// All slices have one length, except `out` with four times that.
+/// Converts a line. All slices have one length, except `out` with four times that.
 #[inline(always)]
 fn convert_line(factors: Factors, luma: &[u8], cb: &[u8], cr: &[u8], out: &mut [u8]) {
     let ((luma, luma_end), (cb, cb_end), (cr, cr_end)) =
@@ -248,7 +248,7 @@ fn convert_block(
 ) {
     let half = 1 << (FRACTION_BITS - 1);
     let times = |value: i16, factor: i16| i32::from(value) * i32::from(factor);
-    // Clamped in 16 bits, for which plain SSE2 has instructions.
+    // Clamped in 16 bits, which plain SSE2 supports.
     let byte = |value: i32| ((value >> FRACTION_BITS) as i16).clamp(0, 255) as u16;
     let (mut r, mut g, mut b) = ([0u16; BLOCK], [0u16; BLOCK], [0u16; BLOCK]);
     for i in 0..BLOCK {

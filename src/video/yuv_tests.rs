@@ -1,4 +1,4 @@
-//! The whole-number conversion against one in floating point that looks each pixel up by itself.
+//! Tests the integer conversion against a floating-point one that reads each pixel separately.
 
 use proptest::prelude::*;
 
@@ -23,7 +23,8 @@ const LAYOUTS: [Layout; 8] = [
     Layout::Grey,
 ];
 
-/// Published factors: Cr to red, Cb to green, Cr to green, Cb to blue (ITU-R BT.601-7, BT.709-6).
+/// Returns the colour by the published factors: Cr to red, Cb to green, Cr to green, Cb to blue (ITU-R BT.601-7,
+/// BT.709-6).
 fn reference_rgb(colour: Colour, [y, cb, cr]: [u8; 3]) -> [f64; 3] {
     let (y, cb, cr) = (f64::from(y), f64::from(cb) - 128.0, f64::from(cr) - 128.0);
     let (y, [rv, gu, gv, bu]) = match (colour.matrix, colour.range) {
@@ -39,7 +40,7 @@ fn reference_rgb(colour: Colour, [y, cb, cr]: [u8; 3]) -> [f64; 3] {
     [y + rv * cr, y + gu * cb + gv * cr, y + bu * cb].map(|v| v.clamp(0.0, 255.0))
 }
 
-/// Luma, Cb and Cr of one pixel, by the definitions of the formats.
+/// Returns luma, Cb and Cr of one pixel, by the definitions of the formats.
 fn sample(planes: Planes, x: usize, y: usize) -> [u8; 3] {
     let Planes { layout, height, stride, data, .. } = planes;
     let at = |i: usize| data[i];
@@ -95,7 +96,7 @@ fn colours_known_by_name() {
 
 #[test]
 fn every_colour_is_within_one_step() {
-    // All of Cb and Cr over the lumas of a stride that meets every residue.
+    // All of Cb and Cr over lumas with a stride of every residue.
     let mut lines = Lines::default();
     let mut out = vec![0; 256 * 4];
     for colour in COLOURS {
@@ -119,7 +120,7 @@ fn every_colour_is_within_one_step() {
                 }
             }
         }
-        // Rounded the other way only where the exact value is next to the middle of two steps.
+        // Rounded differently only if the exact value is next to the middle of two steps.
         assert!(off * 50 < all, "{colour:?}: {off} of {all}");
     }
 }

@@ -1,9 +1,9 @@
-//! The sculpture on a printed marker: a thread that looks for the marker in frames of a camera, and the
-//! camera's eye while the sculpture stands on it.
+//! The sculpture on a printed marker: a thread that searches frames of a camera for the marker, and the camera's eye
+//! while the sculpture stands on it.
 //!
-//! Frames come in as values, the newest wins. The eye belongs to one frame, the last that was looked
-//! through ([`Ar::frame`]): that one is to be shown behind the sculpture. A marker that is
-//! lost is held for a moment, then the sculpture goes to a place before the camera.
+//! Frames come in as values; the newest wins. The eye belongs to the last searched frame ([`Ar::frame`]), which must be
+//! shown behind the sculpture. A lost marker is held for a moment, then the sculpture moves to a place before the
+//! camera.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -17,19 +17,19 @@ use crate::fiducial::{ArOptions, Grey, MarkerPose, detect, poses};
 use crate::video::{Fit, Frame, Framing, Intrinsics, Stand};
 use crate::view::Eye;
 
-/// Without the marker for so long it is lost, seconds.
+/// The marker is lost after so long without it, in seconds.
 const LOST_AFTER_S: f64 = 0.3;
 const FADE: FadeOptions = FadeOptions { hold_s: 0.7, leave_s: 1.5, return_s: 0.3 };
-/// Nothing nearer to the camera is drawn, metres.
+/// Distance of the near plane from the camera, in metres.
 const NEAREST_M: f32 = 0.01;
-/// Between two looks for what the thread has found.
+/// Time between two looks at the thread's results.
 const LOOK_EVERY: Duration = Duration::from_millis(8);
-/// A reading of the marker this much worse than the other one, in pixels, is out of the question.
+/// A reading of the marker whose error exceeds the other one's by this, in pixels, is rejected.
 const AMBIGUOUS_PX: f64 = 0.4;
 /// Factor on the size for one notch of the wheel.
 const GROWTH_PER_NOTCH: f32 = 1.1;
 
-/// How the camera's picture lies on the screen.
+/// The display of the camera's picture on the screen.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Look {
     /// The camera's lens, if it has been measured.
@@ -38,16 +38,16 @@ pub struct Look {
     pub mirror: bool,
 }
 
-/// A frame that was looked through.
+/// A searched frame.
 struct Searched {
     frame: Arc<Frame>,
-    /// For the size of the frame.
+    /// Scaled to the size of the frame.
     lens: Intrinsics,
-    /// The readings of the marker, the better first; none if it is not seen.
+    /// The readings of the marker, better first; empty if it was not found.
     found: Vec<MarkerPose>,
 }
 
-/// The state that the thread of the finder shares with [`Ar`].
+/// The state shared by the finder's thread and [`Ar`].
 #[derive(Default)]
 struct Desk {
     next: Option<(Arc<Frame>, Intrinsics)>,
@@ -55,14 +55,14 @@ struct Desk {
     stop: bool,
 }
 
-/// Looks for a marker on a thread of its own.
+/// Searches for a marker on a thread of its own.
 struct Finder {
     shared: Arc<(Mutex<Desk>, Condvar)>,
     thread: Option<JoinHandle<()>>,
 }
 
 fn lock(desk: &Mutex<Desk>) -> MutexGuard<'_, Desk> {
-    // Whole at every moment, so a panic elsewhere does not spoil it.
+    // Always consistent, so a panic elsewhere does not matter.
     desk.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -132,20 +132,20 @@ pub struct ArStatus {
 /// The marker and the camera before it.
 pub struct Ar {
     settings: ArOptions,
-    /// While the sculpture stands on the marker.
+    /// `None` unless the sculpture stands on the marker.
     finder: Option<Finder>,
-    /// The last frame that was given, by its number.
+    /// The number of the last given frame.
     given: Option<u64>,
     look: Look,
     shown: Option<(Arc<Frame>, Intrinsics)>,
-    /// Where the marker was seen last, and when.
+    /// The last pose of the marker, and its time.
     seen: Option<(Placement, f64)>,
     live: bool,
     fade: Fade,
     now_s: f64,
 }
 
-/// Returns where the marker is taken to be while it is not seen: on a table before the camera.
+/// Returns the assumed pose of an unseen marker: on a table before the camera.
 pub fn rest() -> Placement {
     Placement {
         position_m: DVec3::new(0.0, -0.06, -0.45),
@@ -172,7 +172,7 @@ impl Ar {
         self.finder.is_some()
     }
 
-    /// Returns whether the program begins with it.
+    /// Returns whether it is enabled at the start.
     pub fn wanted(&self) -> bool {
         self.settings.on
     }
@@ -196,19 +196,19 @@ impl Ar {
         }
     }
 
-    /// Returns where the marker is taken to be, relative to the camera.
+    /// Returns the assumed pose of the marker, relative to the camera.
     pub fn placement(&self) -> Placement {
         self.fade.place(self.guide(), self.now_s)
     }
 
-    /// Returns where the camera is relative to the marker, in metres, while the marker is tracked.
+    /// Returns the position of the camera relative to the marker, in metres, while the marker is tracked.
     pub fn camera_position_m(&self) -> Option<Vec3> {
         let tracked = self.is_on() && self.live && self.shown.is_some();
         let Placement { position_m, orientation } = self.placement();
         tracked.then(|| (orientation.inverse() * -position_m).as_vec3())
     }
 
-    /// Hears what was found, and decides whether the marker is there.
+    /// Takes the results of the search, and decides whether the marker is there.
     pub fn update(&mut self, now_s: f64) {
         let before = self.placement();
         let was_live = self.live;
@@ -231,7 +231,7 @@ impl Ar {
         }
     }
 
-    /// Of two equally good readings, returns the one nearer to the reading last seen.
+    /// Returns the reading nearer to the last one, out of two equally good ones.
     fn likely(&self, found: &[MarkerPose]) -> Option<MarkerPose> {
         let sound =
             |pose: &&MarkerPose| pose.translation_m.is_finite() && pose.rotation.is_finite();
@@ -250,7 +250,7 @@ impl Ar {
         self.is_on().then_some(LOOK_EVERY)
     }
 
-    /// Makes the sculpture on the table larger or smaller.
+    /// Enlarges or shrinks the sculpture on the table.
     pub fn zoom(&mut self, notches: f32) {
         let factor = GROWTH_PER_NOTCH.powf(notches.clamp(-20.0, 20.0));
         self.settings.voxel_mm = (self.settings.voxel_mm * factor).clamp(0.001, 1000.0);
@@ -266,7 +266,7 @@ impl Ar {
         }
     }
 
-    /// Returns the camera's eye on a grid, in a picture of `size` pixels. None without frames.
+    /// Returns the camera's eye on a grid, in a picture of `size` pixels; `None` without frames.
     pub fn eye(&self, world_from_grid: &Affine3A, dims: Vec3, size: UVec2) -> Option<Eye> {
         let (frame, lens) = self.shown.as_ref().filter(|_| self.is_on())?;
         let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
@@ -284,7 +284,7 @@ impl Ar {
         Some(stand.eye(camera_from_marker, lens, &framing, size, near))
     }
 
-    /// Takes the newest frame of the camera and how it lies on the screen.
+    /// Takes the newest frame of the camera and its placement on the screen.
     pub fn see(&mut self, frame: &Arc<Frame>, look: Look) {
         self.look = look;
         let Some(finder) = &self.finder else { return };
@@ -298,8 +298,8 @@ impl Ar {
         finder.give(frame.clone(), lens.scaled(frame.width, frame.height));
     }
 
-    /// Returns the frame that belongs to the eye, while the sculpture stands on the marker: the one to be shown behind
-    /// it, without the lens's distortion.
+    /// Returns the frame of the eye, while the sculpture stands on the marker. It must be shown behind it, without the
+    /// lens's distortion.
     pub fn frame(&self) -> Option<&Arc<Frame>> {
         self.shown.as_ref().filter(|_| self.is_on()).map(|(frame, _)| frame)
     }

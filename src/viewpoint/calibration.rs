@@ -10,14 +10,14 @@ use thiserror::Error;
 use tracking::calibration::{Calibration, Fit, Touch, fit_touches, screen_corners_m};
 use tracking::{HeadPose, Placement};
 
-/// A touch is the mean over so long, seconds.
+/// A touch is the mean over this time, in seconds.
 const OVER_S: f64 = 0.3;
-/// In which the tip must not move further than this from its mean, metres.
+/// Largest distance of the tip from this mean meanwhile, in metres.
 const STEADY_M: f64 = 0.006;
 /// Reports that a touch needs at least.
 const LEAST_REPORTS: usize = 3;
 
-/// Why a calibration cannot be read or kept.
+/// The reason why a calibration cannot be read or written.
 #[derive(Debug, Error)]
 pub enum CalibrationFileError {
     #[error("the calibration {0} cannot be read: {1}")]
@@ -34,14 +34,14 @@ pub enum CalibrationFileError {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Kept {
-    /// Screen axes from tracker axes.
+    /// Rotation from tracker axes to screen axes.
     rotation_xyzw: [f64; 4],
-    /// The tracker's origin on the screen's axes.
+    /// The tracker's origin in screen axes.
     translation_m: [f64; 3],
     scale: f64,
 }
 
-/// Reads a calibration; the eyes are where `eyes` says.
+/// Reads a calibration, and completes it with the position of the eyes.
 pub fn read(path: &Path, eyes: Placement) -> Result<Calibration, CalibrationFileError> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| CalibrationFileError::Read(path.into(), error))?;
@@ -81,15 +81,15 @@ pub fn write(path: &Path, calibration: &Calibration) -> Result<(), CalibrationFi
     body.and_then(write).map_err(|error| CalibrationFileError::Write(path.into(), error))
 }
 
-/// A calibration under way.
+/// A calibration in progress.
 pub struct Calibrating {
     corners_m: [DVec3; 4],
-    /// Where the tip touches, on the sensor's axes.
+    /// The touching tip in the sensor's axes.
     tip_m: DVec3,
-    /// When and where the tip was of late, on the tracker's axes.
+    /// Recent times and positions of the tip, in the tracker's axes.
     recent: VecDeque<(f64, DVec3)>,
     touches: Vec<Touch>,
-    /// Once all corners were touched.
+    /// `None` until all corners were touched.
     pub fit: Option<Fit>,
     pub problem: Option<String>,
 }
@@ -106,12 +106,12 @@ impl Calibrating {
         }
     }
 
-    /// Returns corners touched so far.
+    /// Returns the number of corners touched so far.
     pub fn taken(&self) -> usize {
         self.touches.len()
     }
 
-    /// Hears where the sensor is, as the tracker says it.
+    /// Takes the sensor's pose as reported by the tracker.
     pub fn hear(&mut self, raw: Option<&HeadPose>, now_s: f64) {
         if let Some(pose) = raw
             && self.recent.back().is_none_or(|(time_s, _)| pose.time_s > *time_s)
@@ -124,7 +124,7 @@ impl Calibrating {
         }
     }
 
-    /// Takes the corner at hand as touched now.
+    /// Records a touch of the present corner.
     pub fn take(&mut self) {
         let Some(&screen_m) = self.corners_m.get(self.touches.len()) else { return };
         self.problem = None;
@@ -150,7 +150,7 @@ impl Calibrating {
         }
     }
 
-    /// Begins again with the first corner.
+    /// Starts again with the first corner.
     pub fn again(&mut self) {
         self.touches.clear();
         (self.fit, self.problem) = (None, None);

@@ -1,7 +1,7 @@
-//! The video behind the sculpture: opens what the person names, takes the newest frame without ever
-//! waiting for it, and reports what becomes of the camera.
+//! The video behind the sculpture: opens the person's source, takes the newest frame without waiting, and reports the
+//! state of the camera.
 //!
-//! A frame stays when its camera is gone, until the video is switched off. Knows no Vulkan.
+//! The last frame stays after its camera is gone, until the video is switched off. Knows no Vulkan.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::video::{
     Address, Frame, Intrinsics, State, Stats, VideoError, VideoOptions, VideoSource,
 };
 
-/// Between two looks for a new frame.
+/// Time between two looks for a new frame.
 const LOOK_EVERY: Duration = Duration::from_millis(8);
 
 /// The state of the video.
@@ -23,7 +23,7 @@ pub enum VideoState {
     Off,
     Opening,
     Live,
-    /// The camera is gone and is being looked for.
+    /// The camera is gone, and the program tries to reopen it.
     Lost(String),
     /// The film is over.
     Ended,
@@ -39,11 +39,11 @@ pub struct VideoStatus {
     pub stats: Stats,
 }
 
-/// The video that is opened, if one is.
+/// The open video, if there is one.
 #[derive(Default)]
 pub struct Camera {
     source: Option<VideoSource>,
-    /// The options asked for when it was opened: other options open it anew.
+    /// The options at its opening: different options reopen it.
     opened: VideoOptions,
     lens: Option<Intrinsics>,
     frame: Option<Arc<Frame>>,
@@ -57,7 +57,7 @@ impl Camera {
         VideoStatus { state: self.state.clone(), size, stats }
     }
 
-    /// Returns how soon to look for another frame.
+    /// Returns the time until the next look for a frame.
     pub fn repaint_after(&self) -> Option<Duration> {
         let moving =
             matches!(self.source.as_ref()?.state(), State::Opening | State::Live | State::Lost(_));
@@ -79,7 +79,7 @@ impl Camera {
         Ok(())
     }
 
-    /// Takes what has come; returns what is to be said about it.
+    /// Takes the new state and frame. Returns a notice for the person.
     fn poll(&mut self) -> Option<Notice> {
         let source = self.source.as_mut()?;
         if let Some(frame) = source.poll() {
@@ -98,7 +98,7 @@ impl Camera {
         let before = std::mem::replace(&mut self.state, state);
         match (&before, &self.state) {
             (VideoState::Lost(_), VideoState::Live) => Some(Notice::note("The camera is back")),
-            // A camera that is looked for says the same in other words now and then.
+            // A camera being reopened reports the same in varying words.
             (VideoState::Lost(_), VideoState::Lost(_)) => None,
             (_, VideoState::Lost(error)) => {
                 let text =
@@ -112,8 +112,8 @@ impl Camera {
         }
     }
 
-    /// Opens and closes the camera as is wished. Returns its newest frame with how it lies on the
-    /// screen, and what is to be said.
+    /// Opens and closes the camera as requested. Returns its newest frame with its placement on the screen, and a
+    /// notice for the person.
     pub fn follow(
         &mut self,
         settings: &VideoOptions,

@@ -1,8 +1,7 @@
-//! The head before the screen: its tracker, and the off-axis eyes from which the sculpture is seen
-//! while the view follows it.
+//! The head before the screen: its tracker, and the off-axis eyes while the view follows it.
 //!
-//! Time comes in as seconds, so that all of it can be tested without a clock. The sculpture's centre
-//! lies in the plane of the screen; the camera's distance, which the wheel changes, is its scale.
+//! Time comes in as seconds, so that all of it can be tested without a clock. The sculpture's centre lies in the plane
+//! of the screen; the camera's distance, which the wheel changes, is its scale.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -28,17 +27,17 @@ use crate::view::off_axis::{Head as HeadPlace, ScreenInWorld, ScreenPlane};
 pub use super::head_screen::Monitor;
 pub use super::head_status::{CalibrationStatus, CalibrationStep, HeadStatus};
 
-/// Between two looks for a head that is not there.
+/// Time between two looks for a missing head.
 const SEEK_EVERY: Duration = Duration::from_millis(100);
 
-/// The head and who tracks it.
+/// The head and its tracker.
 pub struct Head {
     settings: TrackingOptions,
     screen: HeadScreen,
     time: Time,
-    /// The head of the headset that the program is shown in, where that is to be followed.
+    /// The head in the program's own headset, if that should be followed.
     session_head: Option<SessionHead>,
-    /// While the view follows the head.
+    /// `None` while the view does not follow the head.
     tracking: Option<Tracking>,
     calibration: HeadCalibration,
     controls: TrackerControls,
@@ -49,18 +48,18 @@ pub struct Head {
 struct Time {
     clock: HostClock,
     now_s: f64,
-    /// Between the last two updates.
+    /// Time between the last two updates.
     elapsed_s: f64,
 }
 
-/// A tracker that is heard, and how well it does.
+/// A tracker in use, with its quality.
 struct Tracking {
     tracker: Tracker,
     losses: u32,
     rate: Rate,
 }
 
-/// Reports a second.
+/// Reports per second.
 #[derive(Clone, Copy, Default)]
 struct Rate {
     since_s: f64,
@@ -79,7 +78,7 @@ impl Rate {
 }
 
 impl Head {
-    /// `headset_enabled`: a headset may report the head that wears it.
+    /// Creates it without a tracker. `headset_enabled`: a headset may report the head of its wearer.
     pub fn new(tracking: &TrackingOptions, screen: &ScreenOptions, headset_enabled: bool) -> Head {
         let settings = tracking.clone();
         let screen = HeadScreen::new(screen);
@@ -109,7 +108,7 @@ impl Head {
         self.tracking.is_some()
     }
 
-    /// Returns whether the program begins with it.
+    /// Returns whether it is enabled at the start.
     pub fn wanted(&self) -> bool {
         self.settings.on
     }
@@ -129,7 +128,7 @@ impl Head {
         Ok(())
     }
 
-    /// Lets the view follow the head from now on, as the settings say. Returns what is to be said.
+    /// Lets the view follow the head from now on, as configured. Returns notices for the person.
     pub fn start(&mut self) -> Vec<Notice> {
         let mut notices = Vec::new();
         if self.settings.source == SourceAddress::None {
@@ -157,12 +156,12 @@ impl Head {
         self.controls.let_go();
     }
 
-    /// Seconds on the tracker's clock.
+    /// Returns the time on the tracker's clock, in seconds.
     pub fn clock_s(&self) -> f64 {
         self.time.clock.now_s()
     }
 
-    /// Polls the sources at `now_s`. Returns what their buttons ask for, in order.
+    /// Polls the sources at `now_s`. Returns the actions of their buttons, in order.
     pub fn update(&mut self, now_s: f64) -> Vec<ActionEvent> {
         self.time.elapsed_s = (now_s - self.time.now_s).clamp(0.0, 0.1);
         self.time.now_s = now_s;
@@ -178,7 +177,7 @@ impl Head {
         for event in &events {
             match event {
                 Event::Lost { .. } => *losses += 1,
-                // A person who touches the screen has no hand for the keyboard.
+                // A person who touches the screen has no hand free for the keyboard.
                 Event::Button { pressed: true, .. } => self.calibration.touch(),
                 _ => {}
             }
@@ -187,25 +186,25 @@ impl Head {
         asked
     }
 
-    /// Returns the effect of the analogs since the last update: wheels turned at the pixel `at`.
+    /// Returns the effect of the analogs since the last update: turns of the wheel at the pixel `at`.
     pub fn wheels(&self, at: Vec2) -> Vec<ActionEvent> {
         self.controls.wheels(at, self.time.elapsed_s)
     }
 
-    /// Returns when the next picture is needed, with nothing else going on.
+    /// Returns when the next picture is needed if nothing else happens.
     pub fn repaint_after(&self) -> Option<Duration> {
         self.tracking.as_ref()?;
         let here = self.shown.presence != Presence::Absent || self.is_calibrating();
         Some(if here { Duration::ZERO } else { SEEK_EVERY })
     }
 
-    /// Returns where the head is before the screen, in metres, while it is tracked.
+    /// Returns the position of the head before the screen, in metres, while it is tracked.
     pub fn position_m(&self) -> Option<Vec3> {
         let tracked = matches!(self.shown.presence, Presence::Tracked | Presence::Returning);
         (self.is_on() && tracked).then(|| self.shown.placement.position_m.as_vec3())
     }
 
-    /// Returns the part of the screen in which the picture is.
+    /// Returns the part of the screen that shows the picture.
     pub fn plane(&self, viewport: Viewport) -> ScreenPlane {
         self.screen.plane(viewport)
     }
@@ -236,17 +235,17 @@ impl Head {
         Some(plane.eyes(&head, &world, turntable.eye().size, near))
     }
 
-    /// Returns where the head is shown, on the screen's axes.
+    /// Returns the displayed pose of the head, in the screen's axes.
     pub fn placement(&self) -> Placement {
         self.shown.placement
     }
 
-    /// Returns the head that a headset reports to this tracker, if it is to.
+    /// Returns the head that a headset should report to this tracker, if any.
     pub fn session_head(&self) -> Option<&SessionHead> {
         self.session_head.as_ref()
     }
 
-    /// Takes where the program's window is on the screen.
+    /// Sets the position of the program's window on the screen.
     pub fn set_monitor(&mut self, monitor: Option<Monitor>) {
         self.screen.set_monitor(monitor);
     }
@@ -255,7 +254,7 @@ impl Head {
         self.calibration.is_under_way()
     }
 
-    /// Keeps calibrations in a file, and takes the one that is there or that the settings name.
+    /// Keeps calibrations in a file, and loads the one there or the one that the settings name.
     pub fn keep_calibration_in(&mut self, path: PathBuf) -> Option<Notice> {
         let before = self.calibration.now();
         let notice = self.calibration.keep_in(path, &self.settings);
@@ -263,14 +262,14 @@ impl Head {
         notice
     }
 
-    /// Begins the calibration by four touches.
+    /// Starts the calibration by four touches.
     pub fn begin_calibration(&mut self) -> Vec<Notice> {
         let notices = if self.is_on() { Vec::new() } else { self.start() };
         self.calibration.begin(&self.screen.whole().0, &self.settings);
         notices
     }
 
-    /// Takes a step of the calibration.
+    /// Executes a step of the calibration.
     pub fn calibrate(&mut self, step: CalibrationStep) -> Option<Notice> {
         let before = self.calibration.now();
         let notice = self.calibration.step(step, &self.settings);
@@ -305,7 +304,7 @@ impl Head {
         self.tracking.iter().flat_map(|tracking| tracking.tracker.sources())
     }
 
-    /// Gives the tracker the calibration in use, if it is another than before.
+    /// Gives the tracker the calibration in use, if it has changed.
     fn calibrate_tracker(&mut self, before: Calibration) {
         let now = self.calibration.now();
         if let Some(Tracking { tracker, .. }) = &mut self.tracking

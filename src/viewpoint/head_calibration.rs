@@ -1,4 +1,4 @@
-//! The calibration in use of the head's tracker, the file that keeps it, and a new one under way.
+//! The calibration in use of the head's tracker, its file, and a new one in progress.
 //!
 //! Takes poses and steps; gives calibrations and notices. Knows no tracker.
 
@@ -13,7 +13,7 @@ use crate::head_tracking::TrackingOptions;
 use crate::notice::Notice;
 use crate::view::off_axis::ScreenPlane;
 
-/// The calibration in use, and one under way.
+/// The calibration in use, and one in progress.
 pub struct HeadCalibration {
     now: Calibration,
     file: Option<PathBuf>,
@@ -21,7 +21,7 @@ pub struct HeadCalibration {
 }
 
 impl HeadCalibration {
-    /// As the settings say.
+    /// Uses the calibration of the settings.
     pub fn new(settings: &TrackingOptions) -> HeadCalibration {
         HeadCalibration { now: settings.calibration(), file: None, under_way: None }
     }
@@ -35,7 +35,7 @@ impl HeadCalibration {
         self.under_way.is_some()
     }
 
-    /// Keeps calibrations in a file, and takes the one that is there or that the settings name.
+    /// Keeps calibrations in a file, and loads the one there or the one that the settings name.
     pub fn keep_in(&mut self, path: PathBuf, settings: &TrackingOptions) -> Option<Notice> {
         let named = &settings.calibration;
         let path = if named.is_empty() { path } else { PathBuf::from(named) };
@@ -50,32 +50,32 @@ impl HeadCalibration {
         notice
     }
 
-    /// Begins one by four touches of the corners of `screen`.
+    /// Starts one by four touches of the corners of `screen`.
     pub fn begin(&mut self, screen: &ScreenPlane, settings: &TrackingOptions) {
         let tip_m = settings.tip_m.into();
         self.under_way = Some(Calibrating::new(screen.width_m, screen.height_m, tip_m));
     }
 
-    /// Gives up the one under way, if there is one.
+    /// Cancels the one in progress, if there is one.
     pub fn cancel(&mut self) {
         self.under_way = None;
     }
 
-    /// Hears the tracker's own pose at `now_s`; none if there is no news.
+    /// Takes the tracker's own pose at `now_s`; `None` if there is no new one.
     pub fn hear(&mut self, raw: Option<&HeadPose>, now_s: f64) {
         if let Some(under_way) = &mut self.under_way {
             under_way.hear(raw, now_s);
         }
     }
 
-    /// A corner is being touched, if one is awaited.
+    /// Records a touch of the awaited corner, if there is one.
     pub fn touch(&mut self) {
         if let Some(under_way) = &mut self.under_way {
             under_way.take();
         }
     }
 
-    /// Takes a step. The calibration in use may be another one afterwards.
+    /// Executes a step. Afterwards, the calibration in use may be another one.
     pub fn step(&mut self, step: CalibrationStep, settings: &TrackingOptions) -> Option<Notice> {
         let under_way = self.under_way.as_mut()?;
         match step {
@@ -103,7 +103,7 @@ impl HeadCalibration {
         })
     }
 
-    /// Uses a calibration from now on; the eyes are where the settings say.
+    /// Uses a calibration from now on, with the eye position of the settings.
     fn use_now(&mut self, calibration: Calibration, settings: &TrackingOptions) {
         self.now = Calibration { sensor_from_eyes: settings.eyes(), ..calibration };
         self.under_way = None;

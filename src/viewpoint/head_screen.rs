@@ -1,7 +1,6 @@
-//! The screen before the head: how large it is, and which part of it the picture takes up.
+//! The screen before the head: its size, and the part that shows the picture.
 //!
-//! Takes the settings and what the window system tells of screen and window; gives planes in metres.
-//! Knows no tracker.
+//! Takes the settings and the window system's facts about screen and window; gives planes in metres. Knows no tracker.
 
 use glam::{DQuat, DVec3, IVec2, UVec2, Vec2};
 use tracking::Placement;
@@ -10,37 +9,37 @@ use super::Viewport;
 use crate::head_tracking::ScreenOptions;
 use crate::view::off_axis::ScreenPlane;
 
-/// The diagonal of a screen whose size nobody told: 24 inches across, in metres.
+/// The diagonal of a screen of unknown size: 24 inches, in metres.
 const GUESSED_DIAGONAL_M: f32 = 0.61;
 
-/// Where on the screen the program's window is, in pixels of the screen.
+/// Position of the program's window on the screen, in pixels of the screen.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Monitor {
     pub size_px: UVec2,
-    /// Upper left corner of the window's contents; None where the system does not tell.
+    /// Upper left corner of the window's contents; `None` if the system does not report it.
     pub window_px: Option<IVec2>,
     /// Size of the window's contents.
     pub window_size_px: UVec2,
 }
 
-/// The screen that the window is on.
+/// The screen of the window.
 pub struct HeadScreen {
     options: ScreenOptions,
     monitor: Option<Monitor>,
 }
 
 impl HeadScreen {
-    /// As the settings say, until the window system tells of a monitor.
+    /// Uses the settings until the window system reports a monitor.
     pub fn new(options: &ScreenOptions) -> HeadScreen {
         HeadScreen { options: options.clone(), monitor: None }
     }
 
-    /// Takes where the program's window is on the screen.
+    /// Sets the position of the program's window on the screen.
     pub fn set_monitor(&mut self, monitor: Option<Monitor>) {
         self.monitor = monitor;
     }
 
-    /// Returns where a head is taken to be that is not tracked.
+    /// Returns the assumed pose of an untracked head.
     pub fn rest(&self) -> Placement {
         Placement { position_m: DVec3::from(self.options.rest_m), orientation: DQuat::IDENTITY }
     }
@@ -56,11 +55,11 @@ impl HeadScreen {
         (ScreenPlane::new(size.x, size.y), true)
     }
 
-    /// Returns the part of the screen in which the picture is.
+    /// Returns the part of the screen that shows the picture.
     pub fn plane(&self, viewport: Viewport) -> ScreenPlane {
         let (whole, _) = self.whole();
         let Some(monitor) = self.monitor else { return whole };
-        // A window whose place nobody tells is taken to be in the middle.
+        // A window of unknown position is assumed in the middle.
         let middle = (monitor.size_px.as_ivec2() - monitor.window_size_px.as_ivec2()) / 2;
         let window = monitor.window_px.unwrap_or(middle).as_vec2();
         let screen = monitor.size_px.max(UVec2::ONE).as_vec2();

@@ -8,36 +8,36 @@ pub struct HeadStatus {
     /// The view follows the head.
     pub on: bool,
     pub source: String,
-    /// Why no poses can come, if none can.
+    /// The reason why no poses can come, if so.
     pub state: Option<String>,
     pub presence: Presence,
-    /// Between the eyes, on the screen's axes.
+    /// Position between the eyes, in the screen's axes.
     pub position_m: [f64; 3],
     pub rate_hz: f64,
     pub losses: u32,
-    /// Messages that were broken or came too late to be read.
+    /// Messages that were broken or not read in time.
     pub dropped: u64,
     /// Width and height of the screen, and whether they are a guess.
     pub screen_m: [f32; 2],
     pub guessed: bool,
-    /// While the tracker is being calibrated.
+    /// `None` unless the tracker is being calibrated.
     pub calibration: Option<CalibrationStatus>,
 }
 
-/// How far the calibration has come.
+/// The progress of the calibration.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CalibrationStatus {
-    /// Corners touched.
+    /// Number of touched corners.
     pub taken: usize,
-    /// How well the touches fit, once all were taken.
+    /// Error of the fit, once all corners were touched.
     pub rms_mm: Option<f64>,
     pub problem: Option<String>,
 }
 
-/// A request from the window of the calibration.
+/// A request from the calibration's window.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CalibrationStep {
-    /// The corner at hand is being touched.
+    /// The present corner is being touched.
     Take,
     Again,
     Keep,
@@ -45,7 +45,7 @@ pub enum CalibrationStep {
 }
 
 impl HeadStatus {
-    /// In a word.
+    /// Returns the state in a word.
     pub fn label(&self) -> &'static str {
         match self.presence {
             Presence::Tracked => "Head tracked",

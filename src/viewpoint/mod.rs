@@ -1,9 +1,8 @@
-//! Where the eyes of the next picture come from, and what they saw in the last one.
+//! The source of the eyes for the next picture, and picking in the last one.
 //!
-//! [`Viewpoint`] takes the size of the viewport, poses from trackers and frames from cameras; it
-//! gives eyes ([`Viewpoint::eyes`]) and a [`Picker`]. A sculpture is moved before the eyes by
-//! returning a [`Placement`], which is a command for the document. Knows no window, no interface and no
-//! Vulkan.
+//! [`Viewpoint`] takes the size of the viewport, poses from trackers and frames from cameras; it gives eyes
+//! ([`Viewpoint::eyes`]) and a [`Picker`]. To move a sculpture before the eyes, it returns a [`Placement`], which is a
+//! command for the document. Knows no window, no interface and no Vulkan.
 
 mod approach;
 pub mod ar;
@@ -44,23 +43,23 @@ pub struct Viewport {
     pub size_px: Vec2,
 }
 
-/// Everything that decides from where the sculpture is seen.
+/// Everything that determines the view of the sculpture.
 pub struct Viewpoint {
     pub turntable: Turntable,
     pub head: Head,
     pub ar: Ar,
     pub camera: Camera,
-    /// Notices leaps of the tracking behind the view.
+    /// Detects jumps of the view's tracking.
     pace: ViewPace,
     viewport: Viewport,
     /// The voxels of the last picture, for picking.
     pick_map: Option<Arc<IndexMap>>,
-    /// The eye whose picture the pointer is in: 0, or 1 where the right eye has a place of its own.
+    /// The eye whose picture the pointer is in: 0, or 1 if the right eye has a picture of its own.
     pub pointing_eye: usize,
 }
 
 impl Viewpoint {
-    /// `fov_deg`: vertical field of view of the turntable's camera.
+    /// Creates it. `fov_deg`: vertical field of view of the turntable's camera.
     pub fn new(document: &Document, fov_deg: f32, head: Head, ar: Ar) -> Viewpoint {
         let size = UVec2::new(640, 480);
         Viewpoint {
@@ -75,7 +74,7 @@ impl Viewpoint {
         }
     }
 
-    /// Takes where in the window the picture is.
+    /// Sets the area of the picture in the window.
     pub fn set_viewport(&mut self, viewport: Viewport) {
         self.viewport = viewport;
         self.turntable.set_size(viewport.size_px.round().max(Vec2::ONE).as_uvec2());
@@ -125,8 +124,8 @@ impl Viewpoint {
         self.ar.eye(&document.world_from_grid(), dims, self.turntable.eye().size)
     }
 
-    /// Returns whether the tracking behind the view has leapt, was lost or found since the last call: that of the
-    /// camera before the printed marker, or of the head before the screen.
+    /// Returns whether the view's tracking has jumped, was lost or found since the last call: that of the camera before
+    /// the printed marker, or of the head before the screen.
     pub fn has_leapt(&mut self, now_s: f64) -> bool {
         let tracked = match self.ar.is_on() {
             true => self.ar.camera_position_m().map(|at| (Tracked::Camera, at)),
@@ -141,7 +140,7 @@ impl Viewpoint {
         Picker::new(sight, self.pick_map.clone())
     }
 
-    /// Takes the index map of the last picture.
+    /// Sets the index map of the last picture.
     pub fn set_pick_map(&mut self, map: Arc<IndexMap>) {
         self.pick_map = Some(map);
     }
@@ -151,19 +150,19 @@ impl Viewpoint {
         self.pick_map.as_deref()
     }
 
-    /// Drops the index map, so that the renderer can use its memory again.
+    /// Drops the index map, so that the renderer can reuse its memory.
     pub fn forget_pick_map(&mut self) {
         self.pick_map = None;
     }
 
-    /// Returns the placement that shows a side of the sculpture, from where all of it is seen.
+    /// Returns the placement that shows all of the sculpture from a side.
     pub fn look_from(&mut self, side: Side, up: Vec3, document: &Document) -> Placement {
         let placement = self.turntable.looking_from(side, up, document.placement());
         self.turntable.show_all(document.grid(), &placement);
         placement
     }
 
-    /// Returns the placement that a drag of `by` pixels leads to; none if the action moves no sculpture.
+    /// Returns the placement after a drag of `by` pixels; `None` if the action does not move the sculpture.
     pub fn dragged(
         &self,
         action: Action,
@@ -178,8 +177,9 @@ impl Viewpoint {
         }
     }
 
-    /// Zooms by notches of the wheel about the pixel `at`, never into the sculpture, and out of it where the camera is
-    /// inside. Returns the placement that keeps what is there; none on a printed marker, where the sculpture itself grows.
+    /// Zooms by notches of the wheel about the pixel `at`: never into the sculpture, and out of it if the camera is
+    /// inside. Returns the placement that keeps the point there; `None` on a printed marker, where the sculpture itself
+    /// grows.
     pub fn zoomed(&mut self, document: &Document, notches: f32, at: Vec2) -> Option<Placement> {
         if self.ar.is_on() {
             self.ar.zoom(notches);
@@ -210,15 +210,15 @@ impl Viewpoint {
         self.turntable.brought_nearer(placement, pixels, surface)
     }
 
-    /// Returns whether the camera is inside the sculpture, where nothing is seen.
+    /// Returns whether the camera is inside the sculpture, where nothing is visible.
     pub fn is_inside(&self, document: &Document) -> bool {
         let eye = self.turntable.eye();
         !self.ar.is_on() && approach::is_inside(document.grid(), &eye, &document.world_from_grid())
     }
 
-    /// Opens and closes the camera as is wished, and hands its newest frame to the marker tracker.
+    /// Opens and closes the camera as requested, and hands its newest frame to the marker tracker.
     pub fn follow_camera(&mut self, settings: &VideoOptions) -> Option<Notice> {
-        // The marker is looked for in the video.
+        // The marker is searched for in the video.
         let wished = settings.on || self.ar.is_on();
         let (look, notice) = self.camera.follow(settings, wished);
         if let Some((frame, look)) = look {
@@ -227,8 +227,7 @@ impl Viewpoint {
         notice
     }
 
-    /// Returns the frame to be shown behind the sculpture, and its lens: the one that the eye belongs to, or the
-    /// newest.
+    /// Returns the frame to show behind the sculpture, with its lens: the eye's frame, or else the newest.
     pub fn video(&self, settings: &VideoOptions) -> Option<(&Arc<Frame>, Option<Intrinsics>)> {
         let wished = settings.on || self.ar.is_on();
         let frame = self.ar.frame().or(self.camera.frame()).filter(|_| wished)?;

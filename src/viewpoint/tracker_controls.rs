@@ -10,20 +10,20 @@ use crate::head_tracking::TrackingOptions;
 use crate::input::action::Kind;
 use crate::input::{Action, ActionEvent};
 
-/// Notches of the wheel a second with an analog at its end.
+/// Notches of the wheel per second with an analog at its limit.
 const NOTCHES_PER_S: f64 = 10.0;
 /// The dead zone of analogs around their middle.
 const DEAD_ZONE: f64 = 0.15;
 
-/// The actions of buttons and analogs, and which analogs are moved.
+/// The actions of buttons and analogs, and the moved analogs.
 pub struct TrackerControls {
     map: ControlMap<Action>,
-    /// The actions of analogs, for as long as these are moved.
+    /// The actions of analogs while these are moved.
     axes: Vec<(Action, f64)>,
 }
 
 impl TrackerControls {
-    /// As the settings bind them.
+    /// Uses the bindings of the settings.
     pub fn new(settings: &TrackingOptions) -> TrackerControls {
         let device = settings.controls().map_or(settings.source.label(), |d| d.to_string());
         let button = |(button, action)| ButtonBinding { source: device.clone(), button, action };
@@ -43,7 +43,7 @@ impl TrackerControls {
         TrackerControls { map, axes: Vec::new() }
     }
 
-    /// Adds the actions that an event asks for to `asked`, in order.
+    /// Adds the actions of an event to `asked`, in order.
     pub fn hear(&mut self, event: &Event, asked: &mut Vec<ActionEvent>) {
         let mut controls = Vec::new();
         self.map.take(event, &mut controls);
@@ -66,8 +66,7 @@ impl TrackerControls {
         }
     }
 
-    /// Returns the effect of the analogs within `elapsed_s` seconds: wheels turned at the pixel
-    /// `at`.
+    /// Returns the effect of the analogs within `elapsed_s` seconds: turns of the wheel at the pixel `at`.
     pub fn wheels(&self, at: Vec2, elapsed_s: f64) -> Vec<ActionEvent> {
         let turned = self.axes.iter().filter(|(_, value)| *value != 0.0);
         let notches = |value: f64| (value * elapsed_s * NOTCHES_PER_S) as f32;
@@ -76,7 +75,7 @@ impl TrackerControls {
             .collect()
     }
 
-    /// No analog is heard of any more.
+    /// Forgets all analogs.
     pub fn let_go(&mut self) {
         self.axes.clear();
     }

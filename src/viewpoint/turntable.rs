@@ -14,7 +14,7 @@ use crate::view::{Camera, Eye};
 const TURN_PER_HEIGHT_RAD: f32 = 1.25 * std::f32::consts::PI;
 /// Factor on the distance for one notch of the wheel.
 const ZOOM_PER_NOTCH: f32 = 0.88;
-/// The least and the greatest distance of the camera from the sculpture's centre, in radii of the sculpture.
+/// Least and greatest distance of the camera from the sculpture's centre, in radii of the sculpture.
 const NEAREST: f32 = 0.02;
 const FARTHEST: f32 = 50.0;
 /// Space around the sculpture when all of it is shown.
@@ -27,9 +27,9 @@ pub struct Turntable {
     distance: f32,
     /// The radius of the ball around the grid, in world units.
     radius: f32,
-    /// The same, in voxels.
+    /// The same radius, in voxels.
     radius_vx: f32,
-    /// The rays are parallel. Distances are those of a perspective camera that shows as much.
+    /// Uses parallel rays. Distances are those of a perspective camera with the same extent.
     orthographic: bool,
     fov_y_rad: f32,
     /// Pixels of the picture.
@@ -55,7 +55,7 @@ impl Turntable {
         self.size = size.max(UVec2::ONE);
     }
 
-    /// Whether parallel lines stay parallel in the picture.
+    /// Switches between orthographic and perspective projection.
     pub fn set_orthographic(&mut self, orthographic: bool) {
         self.orthographic = orthographic;
     }
@@ -74,7 +74,7 @@ impl Turntable {
         }
     }
 
-    /// Returns distance of the near plane of a camera among what is seen.
+    /// Returns the distance of the near plane for a camera within the scene.
     pub fn near(&self) -> f32 {
         self.distance.min(self.radius) * 1e-3
     }
@@ -88,12 +88,12 @@ impl Turntable {
         self.size.as_vec2() * 0.5
     }
 
-    /// Returns height of what is seen at the distance of the origin, in world units.
+    /// Returns the visible height at the distance of the origin, in world units.
     pub fn window_height(&self) -> f32 {
         2.0 * (0.5 * self.fov_y_rad).tan() * self.distance
     }
 
-    /// Takes the distance from which all of the grid is seen, however it is turned.
+    /// Sets the distance at which the whole grid is visible in any rotation.
     pub fn show_all(&mut self, grid: &Grid, placement: &Placement) {
         let extent = grid.dims().as_vec3() * grid.voxel_size() * placement.scale;
         self.radius = 0.5 * extent.length();
@@ -103,21 +103,21 @@ impl Turntable {
         self.distance = MARGIN * self.radius / half_angle.atan().sin();
     }
 
-    /// Returns the placement that shows a side of the grid in the middle, `up` of the grid upwards.
+    /// Returns the placement with a side of the grid facing the viewer, `up` of the grid upwards.
     pub fn looking_from(&self, side: Side, up: Vec3, placement: &Placement) -> Placement {
         Placement { rotation: facing(side, up), translation: Vec3::ZERO, ..*placement }
     }
 
-    /// Turns the sculpture as a thing on a turntable that can be tilted: across the screen about
-    /// its own `up` axis, up and down about the screen's horizontal. So it never rolls.
+    /// Turns the sculpture like an object on a tilting turntable: across the screen about its own `up` axis, up and
+    /// down about the screen's horizontal. It never rolls.
     pub fn turned(&self, placement: &Placement, by: Vec2, up: Vec3) -> Placement {
         self.turned_by(placement, by * (TURN_PER_HEIGHT_RAD / self.size.y as f32), up)
     }
 
-    /// Returns the same by angles in radians: to the right, and down.
+    /// Turns likewise by angles in radians: to the right, and down.
     pub fn turned_by(&self, placement: &Placement, angle: Vec2, up: Vec3) -> Placement {
         let axis = placement.rotation * up;
-        // Seen upside down the sculpture must still follow the hand.
+        // Upside down, the sculpture must still follow the hand.
         let sense = if axis.y < -1e-3 { -1.0 } else { 1.0 };
         let spin = Quat::from_axis_angle(axis.normalize_or(Vec3::Y), sense * angle.x);
         let tilt = Quat::from_rotation_x(angle.y);
@@ -136,9 +136,9 @@ impl Turntable {
         Placement { translation: placement.translation + shift, ..*placement }
     }
 
-    /// Brings the sculpture nearer by as much as a drag of `pixels` across would move it, no
-    /// closer than can be seen, nor than to a surface at the distance `surface` before the camera. Before parallel rays,
-    /// where that would change nothing, the picture grows instead.
+    /// Brings the sculpture nearer by as much as a drag of `pixels` across would move it, but not beyond visibility,
+    /// nor closer than a surface at the distance `surface` before the camera. With parallel rays, where that has no
+    /// effect, the picture is magnified instead.
     pub fn brought_nearer(
         &mut self,
         placement: &Placement,
@@ -160,14 +160,14 @@ impl Turntable {
         Placement { translation: placement.translation.with_z(to), ..*placement }
     }
 
-    /// Returns how near the camera comes to a surface, in world units.
+    /// Returns the least distance of the camera from a surface, in world units.
     pub fn gap(&self) -> f32 {
         self.radius * NEAREST
     }
 
-    /// Comes nearer by notches; the point under the pointer stays there. `surface`: how far the surface under the
-    /// pointer is before the camera; it is approached and never reached. Where there is none, the camera approaches the
-    /// depth of the sculpture's centre.
+    /// Zooms by notches; the point under the pointer stays there. `surface`: distance of the surface under the pointer
+    /// from the camera, which is approached and never reached. Without one, the camera approaches the depth of the
+    /// sculpture's centre.
     pub fn zoomed(
         &mut self,
         placement: &Placement,
@@ -188,7 +188,7 @@ impl Turntable {
         }
     }
 
-    /// The camera goes ahead by world units, along the ray of the pixel `at`.
+    /// Moves the camera forwards by world units, along the ray of the pixel `at`.
     pub fn advanced(&mut self, placement: &Placement, by: f32, at: Vec2) -> Placement {
         let from_middle = (at - self.size.as_vec2() * 0.5) * Vec2::new(1.0, -1.0);
         let before = self.world_per_pixel(placement);
@@ -198,7 +198,7 @@ impl Turntable {
         Placement { translation: placement.translation + shift.extend(0.0), ..*placement }
     }
 
-    /// World units per pixel at the depth of the sculpture's centre.
+    /// Returns world units per pixel at the depth of the sculpture's centre.
     fn world_per_pixel(&self, placement: &Placement) -> f32 {
         if self.orthographic {
             return self.window_height() / self.size.y as f32;
@@ -208,7 +208,7 @@ impl Turntable {
     }
 }
 
-/// Returns the side from which one looks against an axis of the grid, `up` of the grid upwards.
+/// Returns the side seen along the direction against an axis of the grid, with `up` of the grid upwards.
 pub fn side_facing(axis: Vec3, up: Vec3) -> Option<Side> {
     let sides = Side::ALL.into_iter().filter(|side| *side != Side::Corner);
     sides.into_iter().find(|side| (facing(*side, up) * axis).z > 0.99)
@@ -219,10 +219,10 @@ fn facing(side: Side, up: Vec3) -> Quat {
     Quat::from_mat3(&side_frame(side, up).transpose()).normalize()
 }
 
-/// Returns the directions to the right, up and towards the viewer who looks from `side`, with `up` of the grid upwards,
-/// as axes of the grid.
+/// Returns the directions to the right, up and towards a viewer of `side`, with `up` of the grid upwards, as axes of
+/// the grid.
 pub fn side_frame(side: Side, up: Vec3) -> Mat3 {
-    // A right-handed frame of the grid with `up` upwards; `front` is what the front looks along.
+    // A right-handed frame of the grid with `up` upwards; the front looks along `front`.
     let front = if up.z.abs() > 0.5 { Vec3::NEG_Y * up.z.signum() } else { Vec3::Z };
     let right = up.cross(front);
     let (towards, upwards) = match side {

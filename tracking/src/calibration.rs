@@ -10,7 +10,7 @@ use thiserror::Error;
 use crate::eigen::symmetric_eigen;
 use crate::pose::{Placement, Velocity};
 
-/// Why a calibration is refused.
+/// The reason why a calibration is refused.
 #[derive(Clone, Copy, PartialEq, Debug, Error)]
 pub enum CalibrationError {
     #[error("a calibration needs 3 to 64 touches, not {0}")]
@@ -29,10 +29,10 @@ pub enum CalibrationError {
 /// rotation about that direction is determined by noise.
 pub const MIN_BREADTH_M: f64 = 0.01;
 
-/// Screen from tracker, and eyes from sensor.
+/// The transform from tracker to screen, and the offset from sensor to eyes.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Calibration {
-    /// Screen axes from tracker axes.
+    /// Rotation from tracker axes to screen axes.
     pub rotation: DQuat,
     /// The tracker's origin in screen axes, metres.
     pub translation_m: DVec3,
@@ -53,14 +53,14 @@ impl Default for Calibration {
     }
 }
 
-/// Rotation from yaw about +y, then pitch about the turned x, then roll about the turned z,
-/// degrees, all counter-clockwise seen against the axis.
+/// Returns the rotation by yaw about +y, then pitch about the turned x, then roll about the turned z, in degrees, all
+/// counter-clockwise seen against the axis.
 pub fn rotation_from_degrees(yaw: f64, pitch: f64, roll: f64) -> DQuat {
     DQuat::from_euler(EulerRot::YXZ, yaw.to_radians(), pitch.to_radians(), roll.to_radians())
 }
 
 impl Calibration {
-    /// From values of a config file; angles as in [`rotation_from_degrees`].
+    /// Creates it from values of a config file; angles as in [`rotation_from_degrees`].
     pub fn from_values(
         translation_m: DVec3,
         yaw_pitch_roll_deg: [f64; 3],
@@ -91,7 +91,7 @@ impl Calibration {
         }
     }
 
-    /// Returns the velocity that belongs to [`Self::apply`] of the same sensor.
+    /// Returns the velocity for the result of [`Self::apply`] of the same sensor.
     pub fn apply_velocity(&self, sensor: Placement, velocity: Velocity) -> Velocity {
         let angular_rad_s = self.rotation * velocity.angular_rad_s;
         let arm_m = self.rotation * sensor.orientation * self.sensor_from_eyes.position_m;
@@ -202,7 +202,7 @@ fn check_breadth(
     Ok(())
 }
 
-/// Horn's quaternion: the eigenvector of the largest eigenvalue of his matrix N.
+/// Returns Horn's quaternion: the eigenvector of the largest eigenvalue of his matrix N.
 fn best_rotation(pairs: &[(DVec3, DVec3)]) -> Result<DQuat, CalibrationError> {
     // Column j holds the sum of a times component j of b.
     let sums: DMat3 =

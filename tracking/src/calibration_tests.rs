@@ -8,7 +8,7 @@ fn vec3(limit: f64) -> impl Strategy<Value = DVec3> {
     [-limit..limit, -limit..limit, -limit..limit].prop_map(DVec3::from_array)
 }
 
-/// Touches of the corners of a 60 x 34 cm screen as a tracker placed by `truth` sees them.
+/// Returns touches of the corners of a 60 x 34 cm screen as seen by a tracker placed by `truth`.
 fn corner_touches(truth: &Calibration, errors: &[DVec3; 4]) -> Vec<Touch> {
     let seen = |s: DVec3| truth.rotation.inverse() * (s - truth.translation_m) / truth.scale;
     screen_corners_m(0.6, 0.34)

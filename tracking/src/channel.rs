@@ -1,5 +1,5 @@
-//! The processing chain of one sensor: its reports are calibrated to screen axes, filtered and predicted, and its
-//! loss is detected. Takes events, gives placements; knows no other sensor.
+//! The processing chain of one sensor: it calibrates reports to screen axes, filters and predicts them, and detects a
+//! loss. Takes events, gives placements; knows no other sensor.
 
 use crate::calibration::Calibration;
 use crate::event::Event;
@@ -7,14 +7,14 @@ use crate::filter::{OneEuroOptions, PlacementFilter};
 use crate::pose::{HeadPose, Placement, Velocity};
 use crate::predict::{PredictionOptions, predict};
 
-/// Which sensor, and what to do with its reports.
+/// The sensor, and the processing of its reports.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ChannelOptions {
     /// As in [`HeadPose::source`].
     pub source: String,
     pub sensor: u32,
     pub calibration: Calibration,
-    /// None: positions and orientations are not filtered.
+    /// `None`: positions and orientations are not filtered.
     pub smoothing: Option<Smoothing>,
     pub prediction: PredictionOptions,
     /// Time without a report after which the sensor counts as lost, seconds.
@@ -50,7 +50,7 @@ impl ChannelOptions {
     }
 }
 
-/// How long a velocity that was reported apart from a pose is used for poses, seconds.
+/// Time for which a velocity reported apart from a pose is used, in seconds.
 const VELOCITY_LIVES_S: f64 = 0.25;
 
 /// The state of one sensor.
@@ -60,15 +60,15 @@ pub(crate) struct Channel {
     filter: PlacementFilter,
     /// The last report as received, in tracker axes.
     raw: Option<HeadPose>,
-    /// The same after calibration and filter, in screen axes.
+    /// The last report after calibration and filter, in screen axes.
     smooth: Option<HeadPose>,
     /// Velocity of the filtered placement.
     velocity: Velocity,
-    /// The velocity last reported by the tracker, in its axes, and when.
+    /// The velocity last reported by the tracker, in its axes, and its time.
     measured: Option<(Velocity, f64)>,
     /// The source has reported the loss of the device, and no report has come since.
     gone: bool,
-    /// Which of the tracker's sources last reported.
+    /// The tracker's source of the last report.
     pub(crate) source_index: Option<usize>,
 }
 
@@ -99,7 +99,7 @@ impl Channel {
         self.smooth.as_ref()
     }
 
-    /// The last report is calibrated again; the filter restarts.
+    /// Sets the calibration, applies it to the last report again, and restarts the filter.
     pub(crate) fn set_calibration(&mut self, calibration: Calibration) {
         self.options.calibration = calibration;
         self.filter.reset();
@@ -140,7 +140,7 @@ impl Channel {
         sensor == self.options.sensor && source == self.options.source
     }
 
-    /// A pose older than the last one arrived out of order and is dropped.
+    /// Processes a pose. Drops one older than the last, which arrived out of order.
     fn take_pose(&mut self, pose: &HeadPose) {
         if self.smooth.as_ref().is_some_and(|last| pose.time_s < last.time_s)
             || pose.confidence < self.options.min_confidence
@@ -170,7 +170,7 @@ impl Channel {
                 .is_some_and(|pose| now_s - pose.time_s <= self.options.lost_after_s)
     }
 
-    /// Returns the placement predicted for `time_s`; None before the first report.
+    /// Returns the placement predicted for `time_s`; `None` before the first report.
     pub(crate) fn at(&self, time_s: f64) -> Option<Placement> {
         let pose = self.smooth.as_ref()?;
         let ahead_s = time_s - pose.time_s;

@@ -1,6 +1,5 @@
-//! Bindings from raw buttons and analog channels to the program's actions: a button is an action, a channel is an
-//! axis (with dead zone and sign) or a button (with hysteresis). Takes events, gives actions; does not know what
-//! the actions do.
+//! Bindings from raw buttons and analog channels to the program's actions: a button is an action, a channel is an axis
+//! (with dead zone and sign) or a button (with hysteresis). Takes events, gives actions; does not know their meaning.
 
 use crate::event::Event;
 
@@ -101,7 +100,7 @@ fn set_held<A: Clone>(held: &mut bool, now: bool, action: &A, controls: &mut Vec
     }
 }
 
-/// `state` is the axis' last value, or 1 and 0 for pressed and released.
+/// Sets an analog control. `state` is the axis' last value, or 1 and 0 for pressed and released.
 fn set_analog<A: Clone>(
     binding: &AnalogBinding<A>,
     state: &mut f64,

@@ -1,8 +1,7 @@
-//! Eigenvalues of small symmetric matrices by Jacobi rotations: all the linear algebra that fitting a calibration
-//! needs.
+//! Eigenvalues of small symmetric matrices by Jacobi rotations: the only linear algebra that a calibration needs.
 
-/// Eigenvalues in descending order, each with its unit eigenvector, of a symmetric matrix with finite entries.
-/// Only the upper triangle is read. Cyclic Jacobi method (Golub and Van Loan, "Matrix Computations", 8.5).
+/// Returns the eigenvalues in descending order, each with its unit eigenvector, of a symmetric matrix with finite
+/// entries. Only the upper triangle is read. Cyclic Jacobi method (Golub and Van Loan, "Matrix Computations", 8.5).
 pub fn symmetric_eigen<const N: usize>(matrix: [[f64; N]; N]) -> [(f64, [f64; N]); N] {
     let mut a: [[f64; N]; N] =
         std::array::from_fn(|i| std::array::from_fn(|j| matrix[i.min(j)][i.max(j)]));
@@ -27,7 +26,7 @@ pub fn symmetric_eigen<const N: usize>(matrix: [[f64; N]; N]) -> [(f64, [f64; N]
     pairs
 }
 
-/// One rotation that makes entry (p, q), p below q, zero, applied to the matrix and to the vectors.
+/// Applies a rotation that makes entry (p, q), p below q, zero, to the matrix and to the vectors.
 fn rotate<const N: usize>(a: &mut [[f64; N]; N], v: &mut [[f64; N]; N], p: usize, q: usize) {
     if a[p][q] == 0.0 {
         return;

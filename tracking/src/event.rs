@@ -126,7 +126,7 @@ impl Inbox {
         events.extend(queue.events.drain(..));
     }
 
-    /// Returns number of events dropped so far because they were not fetched.
+    /// Returns the number of events dropped so far because they were not fetched.
     pub fn dropped(&self) -> u64 {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner).dropped
     }

@@ -1,9 +1,9 @@
-//! Blends from one guide to another (a tracker, another tracker, the rest position if there is none) without a
-//! jump. Takes times and placements, gives placements; does not know why the guide changed.
+//! Blends from one guide to another (a tracker, another tracker, the rest position if there is none) without a jump.
+//! Takes times and placements, gives placements; does not know the reason of a change.
 //!
-//! At a change the difference between what was shown and the new guide's placement is kept and decays to zero, while
-//! the new guide's motion passes undelayed (inertialisation: D. Bollo, "High Performance Animation in Gears of
-//! War 4", 2018, with a smoothstep in place of the quintic).
+//! At a change, the difference between the shown placement and the new guide's is kept and decays to zero, while the
+//! new guide's motion passes undelayed (inertialisation: D. Bollo, "High Performance Animation in Gears of War 4",
+//! 2018, with a smoothstep in place of the quintic).
 
 use glam::{DQuat, DVec3};
 
@@ -12,7 +12,7 @@ use crate::pose::{Placement, rotation_vector};
 /// Durations of fades.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FadeOptions {
-    /// How long the last placement is held after a loss, seconds.
+    /// Time for which the last placement is held after a loss, in seconds.
     pub hold_s: f64,
     /// Duration of the move to the rest position after that, seconds.
     pub leave_s: f64,
@@ -40,7 +40,7 @@ impl Fade {
     pub const DONE: Self =
         Self { offset_m: DVec3::ZERO, offset_turn: DVec3::ZERO, start_s: 0.0, length_s: 0.0 };
 
-    /// Returns a fade from `shown`, at or before `start_s`, to a guide that is at `guide` then, over `length_s`.
+    /// Returns a fade over `length_s` from `shown`, at or before `start_s`, to a guide that is at `guide` then.
     pub fn start(shown: Placement, guide: Placement, start_s: f64, length_s: f64) -> Self {
         Self {
             offset_m: shown.position_m - guide.position_m,
@@ -50,7 +50,7 @@ impl Fade {
         }
     }
 
-    /// Progress at `time_s`: 0 to 1, with zero slope at both ends.
+    /// Returns the progress at `time_s`: 0 to 1, with zero slope at both ends.
     pub fn share(&self, time_s: f64) -> f64 {
         if self.length_s <= 0.0 {
             return 1.0;

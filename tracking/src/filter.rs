@@ -30,7 +30,7 @@ impl OneEuroOptions {
         Self { min_cutoff_hz: 2.0, beta: 10.0, derivative_cutoff_hz: 4.0 };
 }
 
-/// Weight of a new sample after `dt_s` for an exponential filter with that cutoff (equations 4 and 5).
+/// Returns the weight of a new sample after `dt_s` for an exponential filter with that cutoff (equations 4 and 5).
 fn weight(cutoff_hz: f64, dt_s: f64) -> f64 {
     let tau_s = 1.0 / (TAU * cutoff_hz.max(1.0e-6));
     1.0 / (1.0 + tau_s / dt_s)
@@ -64,9 +64,9 @@ impl PlacementFilter {
         self.last = None;
     }
 
-    /// Filters the sample of `time_s`; returns the smoothed placement and velocity. A sample that is not newer
-    /// than the last changes nothing. `measured` is the velocity that the tracker itself reports, used instead of
-    /// the difference of samples.
+    /// Filters the sample of `time_s`. Returns the smoothed placement and velocity. A sample that is not newer than the
+    /// last changes nothing. `measured` is the velocity reported by the tracker itself, used instead of the difference
+    /// of samples.
     pub fn step(
         &mut self,
         raw: Placement,
@@ -133,7 +133,7 @@ mod tests {
         Placement { position_m: DVec3::new(x, 0.0, 0.0), orientation: DQuat::from_rotation_y(x) }
     }
 
-    /// Returns the filter for a single number, as the reference.
+    /// Returns the results of the filter for single numbers, as the reference.
     fn scalar_reference(samples: &[(f64, f64)], o: OneEuroOptions) -> Vec<f64> {
         let alpha = |fc: f64, te: f64| 1.0 / (1.0 + 1.0 / (2.0 * std::f64::consts::PI * fc) / te);
         let (mut x_hat, mut dx_hat, mut previous, mut out) = (0.0, 0.0, (0.0, 0.0), Vec::new());
@@ -185,7 +185,7 @@ mod tests {
         }
     }
 
-    /// Noise of `rms` metres from a small linear congruential generator.
+    /// Returns noise of `rms` metres from a small linear congruential generator.
     fn noise(seed: &mut u64, size: f64) -> f64 {
         *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         ((*seed >> 33) as f64 / f64::from(1u32 << 30) - 1.0) * size

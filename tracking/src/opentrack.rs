@@ -1,12 +1,11 @@
 //! The source for opentrack's "UDP over network" output, which opentrack itself and many phone apps send. Takes
 //! datagrams, gives poses; waits on a thread of its own.
 //!
-//! A datagram is six little-endian doubles: x, y, z in centimetres, then yaw, pitch, roll in
-//! degrees. They are interpreted, before calibration, as: x right, y up, z towards the viewer, rotated by
-//! yaw about +y, then pitch about the rotated x, then roll about the rotated z, each positive
-//! counter-clockwise seen against its axis. Senders differ in their signs (opentrack's depend on
-//! its mapping settings), so each of the six can be inverted. The position is that of the head
-//! relative to where it was centred; the calibration's translation says where that is.
+//! A datagram is six little-endian doubles: x, y, z in centimetres, then yaw, pitch, roll in degrees. They are
+//! interpreted, before calibration, as: x right, y up, z towards the viewer, rotated by yaw about +y, then pitch about
+//! the rotated x, then roll about the rotated z, each positive counter-clockwise seen against its axis. Senders differ
+//! in their signs (opentrack's depend on its mapping settings), so each of the six can be inverted. The position is
+//! relative to the head's centred position, which is the calibration's translation.
 
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
@@ -25,14 +24,14 @@ use crate::source::{ANY_DATAGRAM_BYTES, Counters, HostClock, Source, SourceState
 /// Bytes of a datagram.
 pub const DATAGRAM_BYTES: usize = 48;
 
-/// How the six numbers are interpreted.
+/// The interpretation of the six numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Signs {
     /// x, y, z, yaw, pitch, roll: true inverts the sign.
     pub inverted: [bool; 6],
 }
 
-/// Where to listen, and the name for the poses.
+/// The address to listen at, and the name for the poses.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct OpentrackOptions {
     pub listen: SocketAddr,
@@ -42,7 +41,7 @@ pub struct OpentrackOptions {
 }
 
 impl Default for OpentrackOptions {
-    /// Loopback, opentrack's port. A phone needs an address that it can reach.
+    /// Returns loopback and opentrack's port. A phone needs an address that it can reach.
     fn default() -> Self {
         Self {
             listen: SocketAddr::V4(SocketAddrV4::new(Ipv4Addr::LOCALHOST, 4242)),
@@ -52,7 +51,7 @@ impl Default for OpentrackOptions {
     }
 }
 
-/// Why a datagram is refused.
+/// The reason why a datagram is refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum DatagramError {
     #[error("a datagram does not have 48 bytes")]

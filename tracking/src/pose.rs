@@ -25,7 +25,7 @@ pub struct Placement {
 impl Placement {
     pub const IDENTITY: Self = Self { position_m: DVec3::ZERO, orientation: DQuat::IDENTITY };
 
-    /// Checks and normalises. None if a number is not finite, the position is further away than
+    /// Checks and normalises. Returns `None` if a number is not finite, the position is further away than
     /// [`MAX_POSITION_M`], or the quaternion is (nearly) zero.
     pub fn checked(position_m: DVec3, orientation: DQuat) -> Option<Self> {
         let length = orientation.length();
@@ -44,7 +44,7 @@ impl Placement {
         }
     }
 
-    /// Angle in radians, 0 to pi, between the two orientations.
+    /// Returns the angle in radians, 0 to pi, between the two orientations.
     pub fn angle_to(self, other: Self) -> f64 {
         rotation_vector(other.orientation * self.orientation.inverse()).length()
     }
@@ -70,7 +70,7 @@ pub struct Velocity {
 }
 
 impl Velocity {
-    /// None if a number is not finite or exceeds the limits of this module.
+    /// Checks the numbers. Returns `None` if one is not finite or exceeds the limits of this module.
     pub fn checked(linear_m_s: DVec3, angular_rad_s: DVec3) -> Option<Self> {
         let sound = linear_m_s.is_finite()
             && angular_rad_s.is_finite()
@@ -86,7 +86,7 @@ pub struct HeadPose {
     pub placement: Placement,
     /// Time of the pose: seconds on the host's clock.
     pub time_s: f64,
-    /// The sender's own wall clock since 1970, where it sends one.
+    /// The sender's own wall clock since 1970, if it sends one.
     pub sender_time: Option<Duration>,
     /// The source's name for the reporting device: a VRPN device, `opentrack`, a script's name.
     pub source: Arc<str>,

@@ -1,5 +1,5 @@
-//! Prediction from the last report to the time at which a frame will be seen: constant velocity, clamped. Takes a
-//! placement, its velocity and a time difference; gives a placement.
+//! Prediction from the last report to the display time of a frame: constant velocity, clamped. Takes a placement, its
+//! velocity and a time difference; gives a placement.
 
 use glam::DQuat;
 
@@ -8,7 +8,7 @@ use crate::pose::{Placement, Velocity};
 /// Limits of prediction.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PredictionOptions {
-    /// Longest time, seconds; beyond it the placement does not move on.
+    /// Longest time, in seconds; beyond it the placement stays.
     pub max_ahead_s: f64,
     /// Longest distance, metres.
     pub max_distance_m: f64,

@@ -24,7 +24,7 @@ use crate::vrpn::messages::{MAX_BUTTONS, MAX_SENSORS};
 
 /// Most entries of a script.
 pub const MAX_ENTRIES: usize = 1_000_000;
-/// Most poses of one poll: after a pause the older ones are left out.
+/// Most poses of one poll: after a pause the older ones are skipped.
 const MAX_AT_ONCE: usize = 1024;
 
 /// The error in a script, and its line (counted from 1).
@@ -92,12 +92,12 @@ impl Script {
         Ok(script)
     }
 
-    /// Time from the start to the last entry, seconds.
+    /// Returns the time from the start to the last entry, in seconds.
     pub fn length_s(&self) -> f64 {
         self.entries.last().map_or(0.0, |(time_s, _)| *time_s)
     }
 
-    /// Returns the placement of a sensor at a time from the start, interpolated; None before its first pose and while
+    /// Returns the placement of a sensor at a time from the start, interpolated; `None` before its first pose and while
     /// it is lost. After the last pose it stays.
     pub fn at(&self, sensor: u32, time_s: f64) -> Option<(Placement, f64)> {
         let next = self.entries.partition_point(|(entry_s, _)| *entry_s <= time_s);
@@ -171,7 +171,7 @@ pub struct Scripted {
 }
 
 impl Scripted {
-    /// `label` becomes [`HeadPose::source`] of the poses.
+    /// Creates it. `label` becomes [`HeadPose::source`] of the poses.
     pub fn new(label: &str, script: Script) -> Self {
         let mut sensors: Vec<u32> = script
             .entries

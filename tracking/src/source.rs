@@ -1,26 +1,26 @@
-//! The interface of a source of poses, by which sockets, files and headsets look alike to the [`crate::Tracker`];
-//! and the host's clock, which only the program and the sources' threads read.
+//! The common interface of sources of poses (sockets, files and headsets) for the [`crate::Tracker`], and the host's
+//! clock, which only the program and the sources' threads read.
 
 use std::time::Instant;
 
 use crate::event::Event;
 use crate::pose::HeadPose;
 
-/// Room for any datagram. Windows reports an error for one that is longer than the buffer; with this buffer it is
-/// received, and refused by its length.
+/// Room for any datagram. Windows reports an error for one longer than the buffer; with this buffer it is received, and
+/// refused by its length.
 pub(crate) const ANY_DATAGRAM_BYTES: usize = 65536;
 
 /// State of a source.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum SourceState {
-    /// Not found yet, or lost and being sought; the text tells people why.
+    /// Not found yet, or lost and being sought, with a text for people.
     Seeking(String),
     Running,
-    /// Will never report again; the text tells people why.
+    /// Will never report again, with a text for people.
     Ended(String),
 }
 
-/// Counts of what was received and dropped since the start of the source.
+/// Counts of received and dropped messages since the start of the source.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Counters {
     /// Messages or datagrams understood and used.
@@ -44,7 +44,7 @@ pub struct Counters {
 }
 
 impl Counters {
-    /// Total that was dropped as broken or hostile.
+    /// Returns the total of messages dropped as broken or hostile.
     pub fn rejected(&self) -> u64 {
         self.malformed + self.oversized + self.not_finite + self.strangers
     }
@@ -52,7 +52,7 @@ impl Counters {
 
 /// A source of poses. None of these calls blocks: a source waits on a thread of its own.
 pub trait Source: Send {
-    /// Returns a description for people: what it is and where.
+    /// Returns a description for people, with its place.
     fn name(&self) -> &str;
 
     /// Appends the events since the last call, oldest first. `now_s` is the host's clock.
@@ -62,8 +62,8 @@ pub trait Source: Send {
 
     fn counters(&self) -> Counters;
 
-    /// Returns the pose that the source itself predicts for `display_time_s`; it replaces filter and prediction. For
-    /// runtimes (OpenXR) that predict better than this crate can.
+    /// Returns the pose that the source itself predicts for `display_time_s`, which replaces filter and prediction. For
+    /// runtimes (OpenXR) that predict better than this crate.
     fn located(&mut self, _sensor: u32, _display_time_s: f64) -> Option<HeadPose> {
         None
     }

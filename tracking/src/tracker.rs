@@ -1,8 +1,8 @@
-//! The front of the crate: owns the sources and the bodies that they track (a head, a hand), and predicts where a
-//! body will be when a frame is seen. Takes time as a value and never blocks.
+//! The front of the crate: owns the sources and the bodies that they track (a head, a hand), and predicts the placement
+//! of a body at the display time of a frame. Takes time as a value and never blocks.
 //!
-//! A body follows the first of its channels that is live, so that a second tracker can replace the first; with
-//! none it moves to its rest position. All changes are faded.
+//! A body follows the first of its channels that is live, so that a second tracker can replace the first; with none it
+//! moves to its rest position. All changes are faded.
 
 use crate::calibration::Calibration;
 use crate::channel::{Channel, ChannelOptions};
@@ -34,9 +34,9 @@ impl BodyId {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Presence {
     Tracked,
-    /// A tracker is live; the fade to it is under way.
+    /// A tracker is live; the fade to it is in progress.
     Returning,
-    /// No tracker is live; the fade to the rest position is under way.
+    /// No tracker is live; the fade to the rest position is in progress.
     Leaving,
     Absent,
 }
@@ -56,7 +56,7 @@ struct Body {
     rest: Placement,
     fade_options: FadeOptions,
     channels: Vec<Channel>,
-    /// The channel that is followed; None: the rest position.
+    /// The followed channel; `None`: the rest position.
     guide: Option<usize>,
     fade: Fade,
     /// The latest time for which a placement was requested: fades start no earlier.
@@ -93,13 +93,13 @@ impl Tracker {
         BodyId(self.bodies.len() - 1)
     }
 
-    /// In the order in which they were added.
+    /// Returns the sources in the order in which they were added.
     pub fn sources(&self) -> impl Iterator<Item = &dyn Source> {
         self.sources.iter().map(|source| &**source)
     }
 
-    /// Polls the sources and decides which channel each body follows. Poses and motion are consumed; buttons,
-    /// analogs, dials, texts, losses and finds are appended to `events`.
+    /// Polls the sources and chooses the channel that each body follows. Consumes poses and motion; appends buttons,
+    /// analogs, dials, texts, losses and finds to `events`.
     pub fn update(&mut self, now_s: f64, events: &mut Vec<Event>) {
         for (index, source) in self.sources.iter_mut().enumerate() {
             source.poll(now_s, &mut self.scratch);
@@ -128,30 +128,30 @@ impl Tracker {
         self.latest_of(BodyId::HEAD)
     }
 
-    /// As [`Self::latest`]; None while the body is untracked or unknown.
+    /// Returns [`Self::latest`] of any body; `None` while it is untracked or unknown.
     pub fn latest_of(&self, body: BodyId) -> Option<&HeadPose> {
         let body = self.bodies.get(body.0)?;
         body.channels[body.guide?].smooth()
     }
 
-    /// Returns the last report of each channel as the tracker sent it, for calibrating.
+    /// Returns the last report of each channel as sent by the tracker, for calibrating.
     pub fn raw_of(&self, body: BodyId) -> impl Iterator<Item = Option<&HeadPose>> {
         self.bodies.get(body.0).into_iter().flat_map(|body| body.channels.iter().map(Channel::raw))
     }
 
-    /// Returns where the head will be when the frame is seen.
+    /// Returns the head's predicted placement at the display time of the frame.
     pub fn predicted(&mut self, display_time_s: f64) -> Predicted {
         self.bodies[0].predicted(display_time_s, &mut self.sources)
     }
 
-    /// As [`Self::predicted`], for any body; None for an id of another tracker.
+    /// Returns [`Self::predicted`] of any body; `None` for an id of another tracker.
     pub fn predicted_of(&mut self, body: BodyId, display_time_s: f64) -> Option<Predicted> {
         let body = self.bodies.get_mut(body.0)?;
         Some(body.predicted(display_time_s, &mut self.sources))
     }
 
-    /// Changes the calibration of a body's channel, with a fade from where the body is shown. Returns false if
-    /// there is no such channel.
+    /// Changes the calibration of a body's channel, with a fade from the shown placement. Returns false if there is no
+    /// such channel.
     pub fn set_calibration(
         &mut self,
         body: BodyId,

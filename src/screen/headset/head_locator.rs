@@ -1,5 +1,5 @@
-//! Asks a session for the head pose at a time of the program's clock, which the runtime predicts.
-//! Used by whichever session tracks the head; knows no threads.
+//! Asks a session for the head pose that the runtime predicts for a time of the program's clock. Used by any session
+//! that tracks the head; knows no threads.
 
 use std::sync::Arc;
 
@@ -43,7 +43,7 @@ pub(super) struct HeadLocator {
 }
 
 impl HeadLocator {
-    /// The instance must have the extension for time conversion ([`enable_time_conversion`]).
+    /// Creates a locator. The instance must have the extension for time conversion ([`enable_time_conversion`]).
     pub fn new<G: xr::Graphics>(
         session: &xr::Session<G>,
         options: &LocatorOptions,
@@ -114,8 +114,8 @@ impl HeadLocator {
     }
 }
 
-/// Enables the extension that converts between the runtime's clock and the system's; false if the
-/// runtime lacks it.
+/// Enables the extension that converts between the runtime's clock and the system's. Returns false if the runtime lacks
+/// it.
 #[cfg(not(windows))]
 pub(super) fn enable_time_conversion(
     extensions: &mut xr::ExtensionSet,

@@ -1,9 +1,9 @@
-//! A headset that is only tracked (`XR_MND_headless`): a source of head poses for the off-axis view
-//! through a screen, from a session without graphics.
+//! A headset that is only tracked (`XR_MND_headless`): a source of head poses for the off-axis view through a screen,
+//! from a session without graphics.
 //!
-//! Takes the origin; returns poses in the space of the room, and a message while there is no
-//! runtime, which it tries to connect to again. Everything happens on a thread of its own, except
-//! for predictions, which run on the caller's thread. Must not know screens.
+//! Takes the origin; returns poses in the space of the room, and a message while it tries to connect to a runtime
+//! again. Everything happens on a thread of its own, except for predictions, which run on the caller's thread. Must not
+//! know screens.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -29,7 +29,7 @@ const RETRY_INTERVAL: Duration = Duration::from_secs(2);
 struct Shared {
     inbox: Inbox,
     stop: AtomicBool,
-    /// While there is a session.
+    /// `None` without a session.
     locator: Mutex<Option<HeadLocator>>,
     state: Mutex<SourceState>,
     accepted: AtomicU64,
@@ -58,7 +58,7 @@ pub struct HeadsetTracker {
 }
 
 impl HeadsetTracker {
-    /// `label`: [`HeadPose::source`] of the poses. Fails if no thread can be started.
+    /// Starts the source. `label`: [`HeadPose::source`] of the poses. Fails if no thread can be started.
     pub fn start(
         label: &str,
         origin: RoomOrigin,

@@ -5,13 +5,13 @@
 
 use openxr::SessionState;
 
-/// The step that the program must take on a new state.
+/// The program's step on a new state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Transition {
     None,
-    /// Begin the session: frames from now on.
+    /// Begin the session: frames start.
     Begin,
-    /// End the session: no frames from now on.
+    /// End the session: frames stop.
     End,
     /// Destroy the session; `retry`: the program may connect again.
     Destroy {

@@ -1,12 +1,10 @@
-//! Headsets through OpenXR: the installed runtime ([`probe`]), a session from connecting to closing
-//! ([`XrSession`]), the thread that makes all calls to the runtime ([`session_thread`]), the session
-//! states ([`lifecycle`]), swapchains and controllers. Also head poses for the off-axis view through a
-//! screen: of a headset that is only tracked ([`HeadsetTracker`]), or of the one in use
-//! ([`SessionHead`]).
+//! Headsets through OpenXR: the installed runtime ([`probe`]), a session from connecting to closing ([`XrSession`]),
+//! the thread that makes all calls to the runtime ([`session_thread`]), the session states ([`lifecycle`]), swapchains
+//! and controllers. Also head poses for the off-axis view through a screen: of a headset that is only tracked
+//! ([`HeadsetTracker`]), or of the headset in use ([`SessionHead`]).
 //!
-//! The loader is a system library that is loaded when first needed, so that the program runs
-//! without it. Takes finished pictures; returns views and controller states as values. Knows no
-//! sculpture.
+//! The loader is a system library that is loaded when first needed, so that the program runs without it. Takes finished
+//! pictures; returns views and controller states as values. Knows no sculpture.
 
 mod actions;
 pub mod error;

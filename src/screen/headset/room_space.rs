@@ -1,6 +1,6 @@
 //! The space of the room in which a session places head, hands and eyes.
 //!
-//! Takes a session and the origin that is asked for; knows no threads and no pictures.
+//! Takes a session and the requested origin; knows no threads and no pictures.
 
 use openxr as xr;
 

@@ -10,7 +10,7 @@ pub(super) const VIEWS: xr::ViewConfigurationType = xr::ViewConfigurationType::P
 /// The Vulkan version that the renderer is written for.
 const VULKAN: xr::Version = xr::Version::new(1, 3, 0);
 
-/// How pictures are blended with the surroundings.
+/// The blending of pictures with the surroundings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Blend {
@@ -57,7 +57,7 @@ impl Blend {
         order.into_iter().find(|blend| offered.contains(blend))
     }
 
-    /// Returns the mode to request, of those that the runtime has.
+    /// Returns the mode to request, out of the runtime's modes.
     pub(super) fn choose(
         self,
         offered: &[xr::EnvironmentBlendMode],
@@ -72,7 +72,7 @@ fn no_runtime(error: xr::sys::Result) -> HeadsetError {
     HeadsetError::NoRuntime(error.to_string())
 }
 
-/// Loads the OpenXR loader; returns it with the extensions of its runtime.
+/// Loads the OpenXR loader. Returns it with the extensions of its runtime.
 pub(super) fn load_entry() -> Result<(xr::Entry, xr::ExtensionSet)> {
     // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
     // Vulkan loader is.
@@ -82,7 +82,7 @@ pub(super) fn load_entry() -> Result<(xr::Entry, xr::ExtensionSet)> {
     Ok((entry, offered))
 }
 
-/// Connects to the runtime; returns the instance, its headset, and the names of both.
+/// Connects to the runtime. Returns the instance, its headset, and the names of both.
 pub(super) fn create_instance(
     entry: &xr::Entry,
     extensions: &xr::ExtensionSet,
@@ -129,8 +129,7 @@ struct RuntimeConnection {
 }
 
 impl Connector {
-    /// Connects to a headset; without one the connection to the runtime is kept for the next
-    /// attempt.
+    /// Connects to a headset. Without one, keeps the connection to the runtime for the next attempt.
     pub(super) fn connect(&mut self, blend: Blend) -> Result<Runtime> {
         let connection = match self.kept.take() {
             Some(connection) => connection,

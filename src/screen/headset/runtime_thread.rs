@@ -1,5 +1,5 @@
-//! Threads that call an OpenXR runtime. A runtime that blocks forever in a call must not block the
-//! program, so waiting for such a thread has a timeout, after which it is detached.
+//! Threads that call an OpenXR runtime. A runtime that blocks forever in a call must not block the program, so a wait
+//! for such a thread has a timeout, after which it is detached.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Longest wait for a thread to end: longer than any call of a working runtime takes.
 const JOIN_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// A thread that ends by itself soon after it was asked to, unless the runtime blocks it.
+/// A thread that ends by itself soon after a request, unless the runtime blocks it.
 pub(crate) struct RuntimeThread {
     name: &'static str,
     thread: Option<JoinHandle<()>>,
@@ -31,9 +31,8 @@ impl RuntimeThread {
         Ok(RuntimeThread { name, thread: Some(thread), ended })
     }
 
-    /// Waits for the end of the thread, which has been requested. A thread that is still blocked in
-    /// the runtime after [`JOIN_TIMEOUT`] is detached with everything it owns, and ends if the
-    /// runtime ever returns.
+    /// Waits for the requested end of the thread. A thread that is still blocked in the runtime after [`JOIN_TIMEOUT`]
+    /// is detached with everything it owns, and ends if the runtime ever returns.
     pub fn join_or_detach(&mut self) {
         let Some(thread) = self.thread.take() else { return };
         match self.ended.recv_timeout(JOIN_TIMEOUT) {

@@ -1,8 +1,8 @@
-//! A session with a headset as the program sees it, from connecting to closing: requests to the
-//! session's thread, and the recording of copies into the headset's swapchains.
+//! A session with a headset as the program sees it, from connecting to closing: requests to the session's thread, and
+//! the recording of copies into the headset's swapchains.
 //!
-//! It has a Vulkan device of its own, created by the runtime, so that nothing else is lost with the
-//! runtime. Nothing here waits for the runtime longer than [`RESPONSE_TIMEOUT`].
+//! It has a Vulkan device of its own, created by the runtime, so that a lost runtime takes nothing else with it.
+//! Nothing here waits for the runtime longer than [`RESPONSE_TIMEOUT`].
 
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel, sync_channel};
@@ -42,7 +42,7 @@ pub struct XrSessionOptions {
 
 /// A session with a headset. Fields are dropped in this order, after its thread has ended.
 pub struct XrSession {
-    /// Until [`XrSession::start`].
+    /// `None` after [`XrSession::start`].
     not_started: Option<SessionThread>,
     requests: Option<Sender<Request>>,
     thread: Option<RuntimeThread>,
@@ -56,7 +56,7 @@ pub struct XrSession {
     device: Arc<Device>,
 }
 
-/// The swapchain images that pictures are copied to.
+/// The swapchain images to which pictures are copied.
 struct TargetImages {
     colour: SwapchainImages,
     depth: Option<SwapchainImages>,
@@ -161,12 +161,12 @@ impl XrSession {
         &self.name
     }
 
-    /// Returns size of each eye's picture, in pixels.
+    /// Returns the size of each eye's picture, in pixels.
     pub fn eye_size(&self) -> UVec2 {
         self.targets.colour.size
     }
 
-    /// Returns whether the surroundings are visible where the pictures are transparent.
+    /// Returns whether transparent parts of pictures show the surroundings.
     pub fn is_see_through(&self) -> bool {
         self.blending.mode != xr::EnvironmentBlendMode::OPAQUE
     }
@@ -176,7 +176,7 @@ impl XrSession {
         self.blending.offered.iter().filter_map(|mode| Blend::of(*mode)).collect()
     }
 
-    /// Requests a blend mode, as far as the headset has it, from the next frame on.
+    /// Requests a blend mode from the next frame on; the nearest available one is used.
     pub fn set_blend(&mut self, option: Blend) {
         self.blending.request(option);
     }
@@ -186,7 +186,7 @@ impl XrSession {
         self.responses.note();
     }
 
-    /// Returns how long the runtime has not answered.
+    /// Returns the time since the runtime last answered.
     pub fn unresponsive_for(&self) -> Duration {
         self.responses.last.elapsed()
     }
@@ -196,9 +196,8 @@ impl XrSession {
         self.send(Request::Vibrate(side, strength));
     }
 
-    /// Locates the eyes once more and acquires the images to copy to, with `board` one for the
-    /// board's picture as well. None while the head is not tracked, and if the runtime does not
-    /// answer.
+    /// Locates the eyes once more and acquires the images to copy to, with `board` also one for the board's picture.
+    /// Returns `None` while the head is not tracked, and if the runtime does not answer.
     pub fn acquire_targets(&mut self, board: bool) -> Option<FrameTargets> {
         let (reply, answer) = sync_channel(1);
         self.send(Request::AcquireTargets { board, reply });
@@ -238,8 +237,8 @@ impl XrSession {
         Ok(())
     }
 
-    /// Records the copy of the board's picture, of the size of [`XrSessionOptions::board_px`] and
-    /// in the layout of [`Use::COPY_SOURCE`], if there is an image for it.
+    /// Records the copy of the board's picture, with the size of [`XrSessionOptions::board_px`] and in the layout of
+    /// [`Use::COPY_SOURCE`], if there is an image for it.
     pub fn copy_board(
         &self,
         recorder: &mut Recorder,
@@ -270,12 +269,11 @@ impl XrSession {
         self.end_frame(FrameLayers::default(), false);
     }
 
-    /// Ends the session. Renderers on its device are dropped after this: until then the runtime may
-    /// use the queue.
+    /// Ends the session. Drop renderers on its device after this: until then the runtime may use the queue.
     pub fn close(&mut self) {
         self.requests = None;
         if let Some(mut thread) = self.thread.take() {
-            // It owns the session, and keeps it for as long as the runtime blocks it.
+            // It owns the session, and keeps it while the runtime blocks it.
             thread.join_or_detach();
         }
     }
@@ -325,9 +323,9 @@ impl Blending {
     }
 }
 
-/// Measures how long the runtime has not answered.
+/// Measures the time since the runtime last answered.
 struct ResponseTimer {
-    /// When the runtime last answered, or the program last finished working on an event.
+    /// Time of the runtime's last answer, or of the end of the program's work on an event.
     last: Instant,
     /// A request has timed out since.
     timed_out: bool,
@@ -338,12 +336,12 @@ impl ResponseTimer {
         ResponseTimer { last: Instant::now(), timed_out: false }
     }
 
-    /// The runtime has answered.
+    /// Records an answer of the runtime.
     fn note(&mut self) {
         *self = ResponseTimer::new();
     }
 
-    /// The program has finished its work on an event: the time for it is not the runtime's delay.
+    /// Records the end of the program's work on an event, which is no delay of the runtime.
     fn note_end_of_work(&mut self) {
         if !self.timed_out {
             self.last = Instant::now();

@@ -21,7 +21,7 @@ use super::runtime_thread::RuntimeThread;
 /// Longest wait for an answer.
 const RESPONSE_TIMEOUT: Duration = Duration::from_millis(100);
 
-/// The head of the headset in use, whether there is a session yet or not.
+/// The head of the headset in use, with or without a session.
 #[derive(Clone)]
 pub struct SessionHead {
     options: LocatorOptions,
@@ -37,7 +37,7 @@ enum Shared {
 
 /// Queries a locator on a thread of its own.
 struct LocatorThread {
-    /// Times to predict for. None once the thread is to end.
+    /// Times to predict for; `None` once the thread should end.
     queries: Option<Sender<f64>>,
     answers: Receiver<Result<HeadLocation>>,
     /// The last query has not been answered in time.
@@ -80,7 +80,7 @@ impl Drop for LocatorThread {
 }
 
 impl SessionHead {
-    /// `label`: [`HeadPose::source`] of the poses.
+    /// Creates it without a session. `label`: [`HeadPose::source`] of the poses.
     pub fn new(label: &str, origin: RoomOrigin, clock: HostClock) -> SessionHead {
         SessionHead {
             options: LocatorOptions { label: Arc::from(label), origin, clock },
@@ -92,8 +92,8 @@ impl SessionHead {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns shares a session of the runtime and headset called `name` until the result is dropped. `converts_time`:
-    /// the runtime's clock can be converted to the program's.
+    /// Shares a session of the runtime and headset called `name` until the result is dropped. `converts_time`: the
+    /// runtime's clock can be converted to the program's.
     pub(super) fn share<G: xr::Graphics>(
         &self,
         session: &xr::Session<G>,

@@ -1,9 +1,9 @@
-//! The OpenXR calls of a session, on a thread of its own: events, frames, controllers, views,
-//! swapchains, layers. A runtime that blocks in a call blocks this thread, and no window.
+//! The OpenXR calls of a session, on a thread of its own: events, frames, controllers, views, swapchains, layers. A
+//! runtime that blocks in a call blocks only this thread, and no window.
 //!
-//! Sends [`XrEvent`]s, receives [`Request`]s. Each frame is waited for, begun, reported, and ended on
-//! request; only then the next one is waited for, so that frames do not queue up and late ones are
-//! skipped. Between a frame's report and its end the program owns the queue of the device.
+//! Sends [`XrEvent`]s, receives [`Request`]s. Each frame is waited for, begun, reported, and ended on request; only
+//! then the next one is waited for, so that frames do not queue up and late ones are skipped. Between a frame's report
+//! and its end the program owns the queue of the device.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
@@ -21,7 +21,7 @@ use crate::view::RoomView;
 use crate::view::eye::Frustum;
 use crate::view::room::NEAR_M;
 
-/// How often the runtime is polled for events while it shows no frames.
+/// Interval of polling the runtime for events while it shows no frames.
 const POLL: Duration = Duration::from_millis(50);
 
 /// An event of a session, or of an attempt to connect.
@@ -42,19 +42,18 @@ pub enum XrEvent {
 /// A frame that has begun.
 #[derive(Clone, Debug)]
 pub struct XrFrame {
-    /// When it will be displayed, on the runtime's clock.
+    /// Time of its display, on the runtime's clock.
     display: xr::Time,
     /// Whether it will be visible.
     pub visible: bool,
-    /// The views of the eyes, as predicted when the frame began. None while the head is not
-    /// tracked.
+    /// The views of the eyes, as predicted when the frame began; `None` while the head is not tracked.
     pub views: Option<[RoomView; 2]>,
     /// State of both controllers, while the program has the input focus.
     pub hands: Option<HandsState>,
 }
 
 impl XrFrame {
-    /// Returns when it will be displayed, in seconds of a monotonic clock.
+    /// Returns the time of its display, in seconds of a monotonic clock.
     pub fn display_time_s(&self) -> f64 {
         self.display.as_nanos() as f64 * 1e-9
     }
@@ -63,9 +62,9 @@ impl XrFrame {
 /// The layers of a frame.
 #[derive(Clone, Debug, Default)]
 pub struct FrameLayers {
-    /// The views that the pictures were rendered for; none shows no pictures.
+    /// The views with which the pictures were rendered; `None` shows no pictures.
     pub views: Option<[RoomView; 2]>,
-    /// Where the board is, while it is open.
+    /// The board, while it is open.
     pub board: Option<Board>,
 }
 
@@ -81,8 +80,7 @@ pub(super) enum Request {
     Vibrate(HandSide, f32),
 }
 
-/// The targets that a frame is rendered for and copied to: the views of the eyes, and the indices of the acquired
-/// images in their swapchains.
+/// The targets of a frame: the views of the eyes, and the indices of the acquired images in their swapchains.
 #[derive(Clone, Debug)]
 pub struct FrameTargets {
     pub views: [RoomView; 2],
@@ -91,7 +89,7 @@ pub struct FrameTargets {
     pub(super) board: Option<usize>,
 }
 
-/// How a frame ends. Everything that writes its images has been submitted.
+/// The end of a frame. Everything that writes its images has been submitted.
 pub(super) struct EndFrame {
     pub blend: xr::EnvironmentBlendMode,
     pub layers: FrameLayers,
@@ -160,7 +158,7 @@ impl SessionThread {
         }
     }
 
-    /// Handles the events of the runtime; returns what the program must know.
+    /// Handles the events of the runtime. Returns the event for the program, if there is one.
     fn poll_events(&mut self, events: &mut xr::EventDataBuffer) -> Result<Option<XrEvent>> {
         let mut reported = None;
         while let Some(event) = self.instance.poll_event(events).doing("poll events")? {
@@ -216,7 +214,7 @@ impl SessionThread {
         })
     }
 
-    /// Returns true if the frame has ended.
+    /// Handles a request. Returns true if the frame has ended.
     fn handle(&mut self, request: Request, frame: Option<&XrFrame>) -> Result<bool> {
         match (request, frame) {
             (Request::Vibrate(side, strength), _) => self.actions.vibrate(side, strength)?,
@@ -228,8 +226,7 @@ impl SessionThread {
                         depth: self.depth.as_mut().map(Swapchain::acquire).transpose()?,
                         board: if board { Some(self.board.acquire()?) } else { None },
                     };
-                    // A caller that has given up ends the frame without pictures; the images
-                    // stay acquired.
+                    // A caller that has given up ends the frame without pictures; the images stay acquired.
                     let _ = reply.send(targets);
                 }
             }
@@ -242,7 +239,7 @@ impl SessionThread {
         Ok(false)
     }
 
-    /// Returns the views of the eyes at a time. None while the head is not tracked.
+    /// Returns the views of the eyes at a time; `None` while the head is not tracked.
     fn views(&self, display: xr::Time) -> Result<Option<[RoomView; 2]>> {
         let (flags, views) =
             self.session.locate_views(VIEWS, display, &self.room).doing("locate the eyes")?;

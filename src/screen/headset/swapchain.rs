@@ -34,8 +34,8 @@ pub(super) struct SwapchainImages {
 }
 
 impl Swapchain {
-    /// Creates images of `size` pixels with `layers` array layers, for colour, or with `depth` for
-    /// depth. None if the runtime does not have the format.
+    /// Creates images of `size` pixels with `layers` array layers, for colour, or with `depth` for depth. Returns
+    /// `None` if the runtime does not have the format.
     pub fn new(
         session: &xr::Session<xr::Vulkan>,
         size: UVec2,
@@ -74,8 +74,8 @@ impl Swapchain {
         self.images.clone()
     }
 
-    /// Acquires an image and waits for it, unless the one acquired last was not released.
-    /// [`Swapchain::release`] follows after the submission that writes it.
+    /// Acquires an image and waits for it, unless the last acquired one was not released. [`Swapchain::release`]
+    /// follows after the submission that writes it.
     pub fn acquire(&mut self) -> Result<usize> {
         if let Some(index) = self.acquired {
             return Ok(index);

@@ -1,5 +1,5 @@
-//! Vulkan instance and device created by the OpenXR runtime (`XR_KHR_vulkan_enable2`): the runtime
-//! adds the extensions it needs to those of the program, and prescribes the physical device.
+//! Vulkan instance and device created by the OpenXR runtime (`XR_KHR_vulkan_enable2`): the runtime adds its own
+//! extensions to those of the program, and prescribes the physical device.
 
 use std::ffi::c_void;
 

@@ -1,4 +1,5 @@
-//! Reports that the thread of a back end has heard and the program has not yet taken, and how the thread is stopped.
+//! The reports that a back end's thread has received and the program has not yet taken, and the signal that stops the
+//! thread.
 
 use std::io::{PipeReader, PipeWriter};
 use std::os::fd::BorrowedFd;
@@ -8,7 +9,7 @@ use rustix::event::{PollFd, PollFlags, poll};
 
 use super::PenReport;
 
-/// Most reports that wait: seconds of a fast tablet. Older ones are dropped.
+/// Most waiting reports: seconds of a fast tablet. Older ones are dropped.
 const MOST: usize = 8192;
 
 #[derive(Default)]
@@ -52,7 +53,7 @@ impl Inbox {
     }
 }
 
-/// The end of a wait.
+/// The reason for the end of a wait.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Waited {
     Readable,
@@ -69,7 +70,7 @@ impl Stop {
     }
 }
 
-/// Waits until there is something to read, or until the thread is to end.
+/// Waits until there is something to read, or until the thread should end.
 pub fn wait(fd: BorrowedFd<'_>, stop: &PipeReader) -> std::io::Result<Waited> {
     loop {
         let mut fds = [PollFd::new(&fd, PollFlags::IN), PollFd::new(stop, PollFlags::IN)];

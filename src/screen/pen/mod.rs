@@ -1,9 +1,9 @@
-//! Pens of graphics tablets, from the window system that the windows are on: Wayland's tablet protocol, or the devices
-//! of XInput2. Where there is neither, or no tablet, a pen is the mouse that the system makes of it.
+//! Pens of graphics tablets, from the window system of the windows: Wayland's tablet protocol, or the devices of
+//! XInput2. Without either, or without a tablet, a pen acts as the mouse that the system makes of it.
 //!
-//! From the display and the windows of winit to [`PenReport`]s, which say what a pen does over which window. A thread
-//! listens; nothing here waits for it, and no failure is more than a line of the log. On Windows winit itself reports
-//! the pressure of pens as that of a touch.
+//! Turns the display and the windows of winit into [`PenReport`]s about pens over windows. A thread listens; nothing
+//! here waits for it, and every failure is just a line in the log. On Windows, winit itself reports the pressure of
+//! pens as that of a touch.
 
 #[cfg(target_os = "linux")]
 mod inbox;
@@ -29,7 +29,7 @@ use crate::input::pen::PenSample;
 pub struct WindowKey(u64);
 
 impl WindowKey {
-    /// Returns the key of a window; none on systems without a back end.
+    /// Returns the key of a window; `None` on systems without a back end.
     pub fn of(window: &impl HasWindowHandle) -> Option<WindowKey> {
         match window.window_handle().ok()?.as_raw() {
             RawWindowHandle::Wayland(handle) => {
@@ -41,19 +41,19 @@ impl WindowKey {
         }
     }
 
-    /// By the number that the window system gives it.
+    /// Creates a key from the window system's number of a window.
     pub fn numbered(number: u64) -> WindowKey {
         WindowKey(number)
     }
 
-    /// Returns the number of a window of X11.
+    /// Returns the number of an X11 window.
     #[cfg(target_os = "linux")]
     fn xid(self) -> Option<u32> {
         u32::try_from(self.0).ok()
     }
 }
 
-/// An act of a pen over a window.
+/// A pen event over a window.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PenReport {
     pub window: WindowKey,
@@ -67,7 +67,7 @@ pub struct Pens {
     backend: Option<Backend>,
     #[cfg(target_os = "linux")]
     watched: std::collections::BTreeSet<WindowKey>,
-    /// Keeps the connection that the back end uses; dropped after it.
+    /// Keeps the back end's connection alive; dropped after it.
     _display: OwnedDisplayHandle,
 }
 
@@ -79,7 +79,7 @@ enum Backend {
 
 #[cfg(target_os = "linux")]
 impl Pens {
-    /// Listens for pens on a display. `wake` is called on another thread when there is something to take.
+    /// Listens for pens on a display. `wake` is called on another thread when there are reports.
     pub fn new(display: OwnedDisplayHandle, wake: impl Fn() + Send + 'static) -> Pens {
         use winit::raw_window_handle::{HasDisplayHandle, RawDisplayHandle};
         let raw = display.display_handle().map(|handle| handle.as_raw());
@@ -100,7 +100,7 @@ impl Pens {
         Pens { backend, watched: Default::default(), _display: display }
     }
 
-    /// Hears the pens over a window, too.
+    /// Also listens to the pens over a window.
     pub fn watch(&mut self, window: WindowKey) {
         if !self.watched.insert(window) {
             return;
@@ -110,7 +110,7 @@ impl Pens {
         }
     }
 
-    /// Returns all that pens have done since the last call, in order.
+    /// Returns all reports since the last call, in order.
     pub fn take(&mut self) -> Vec<PenReport> {
         match &mut self.backend {
             Some(Backend::Wayland(pens)) => pens.take(),
@@ -128,12 +128,12 @@ impl Pens {
         }
     }
 
-    /// Returns whether positions are in points, and no other events of a pointer come for a pen.
+    /// Returns whether positions are in points, and a pen causes no other pointer events.
     pub fn are_in_points(&self) -> bool {
         matches!(self.backend, Some(Backend::Wayland(_)))
     }
 
-    /// Shows a cursor at the pens, where the window system leaves that to the program.
+    /// Shows a cursor at the pens, if the window system leaves that to the program.
     pub fn show_cursor(&mut self, icon: egui::CursorIcon) {
         if let Some(Backend::Wayland(pens)) = &mut self.backend {
             pens.show_cursor(icon);
@@ -143,7 +143,7 @@ impl Pens {
 
 #[cfg(not(target_os = "linux"))]
 impl Pens {
-    /// Here pens come through winit, as touches with a force.
+    /// Here winit reports pens, as touches with a force.
     pub fn new(display: OwnedDisplayHandle, _wake: impl Fn() + Send + 'static) -> Pens {
         Pens { _display: display }
     }
@@ -165,7 +165,7 @@ impl Pens {
     pub fn show_cursor(&mut self, _icon: egui::CursorIcon) {}
 }
 
-/// Returns the offer of the session for pens, in a line.
+/// Describes the session's support of pens in a line.
 #[cfg(target_os = "linux")]
 pub fn survey() -> String {
     let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
@@ -181,7 +181,7 @@ pub fn survey() -> String {
     }
 }
 
-/// Returns the offer of the session for pens, in a line.
+/// Describes the session's support of pens in a line.
 #[cfg(not(target_os = "linux"))]
 pub fn survey() -> String {
     "pressure, where the system reports pens as touches".to_string()

@@ -1,4 +1,4 @@
-//! A small Wayland server for tests: it shows nothing, and has a seat with a tablet whose pen does what a test says.
+//! A small Wayland server for tests: it shows nothing, and has a seat with a tablet whose pen follows the test.
 
 use std::io::{PipeWriter, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -25,7 +25,7 @@ use wayland_server::{
 
 use crate::screen::pen::inbox::{Waited, wait};
 
-/// A request that a test makes of the server, on its thread.
+/// A request of a test to the server, on its thread.
 type Act = Box<dyn FnOnce(&mut Desk, &DisplayHandle) + Send>;
 
 /// The server with one client.
@@ -36,12 +36,12 @@ pub struct Compositor {
     pub seen: Arc<Mutex<Seen>>,
 }
 
-/// All that the client has asked for.
+/// The client's requests.
 #[derive(Default)]
 pub struct Seen {
     /// Shapes of the pen's cursor, with their serials.
     pub shapes: Vec<(u32, u32)>,
-    /// The pads whose buttons it does not want.
+    /// The pads whose buttons it has declined.
     pub destroyed: usize,
 }
 
@@ -93,7 +93,7 @@ impl Compositor {
         (Compositor { acts, bell: Some(bell), thread: Some(thread), seen }, clients)
     }
 
-    /// Has something done on the server's desk, and waits for what it gives.
+    /// Runs a function on the server's state, and waits for its result.
     pub fn act<T: Send + 'static>(
         &mut self,
         act: impl FnOnce(&mut Desk, &DisplayHandle) -> T + Send + 'static,
@@ -117,7 +117,7 @@ impl Drop for Compositor {
 }
 
 impl Desk {
-    /// Puts a tablet on the desk.
+    /// Adds a tablet.
     pub fn add_tablet(&mut self, handle: &DisplayHandle, name: &str) {
         let seat = &self.seats[0];
         let client = seat.client().unwrap();
@@ -132,7 +132,7 @@ impl Desk {
         self.tablets.push(tablet);
     }
 
-    /// One end of a pen comes to the seat.
+    /// Adds one end of a pen to the seat.
     pub fn add_tool(&mut self, handle: &DisplayHandle, kind: zwp_tablet_tool_v2::Type) {
         use zwp_tablet_tool_v2::Capability;
         let seat = &self.seats[0];
@@ -171,7 +171,7 @@ macro_rules! globals {
 
 globals!(wl_compositor::WlCompositor, wl_seat::WlSeat, ZwpTabletManagerV2, WpCursorShapeManagerV1);
 
-/// The effect of a request of an interface.
+/// Handles the requests of an interface.
 macro_rules! requests {
     ($interface:ty, $request:ty, |$desk:ident, $asked:ident, $init:ident| $body:expr) => {
         impl Dispatch<$interface, ()> for Desk {

@@ -1,5 +1,5 @@
-//! Pens on Wayland: an event queue of its own on the connection of the windows, read by a thread, on which the tablets
-//! of all seats are listened to (`zwp_tablet_manager_v2`). A program that does so gets no pointer for a pen any more.
+//! Pens on Wayland: a separate event queue on the connection of the windows, read by a thread, that listens to the
+//! tablets of all seats (`zwp_tablet_manager_v2`). A program that does so no longer gets a pointer for a pen.
 //!
 //! Gives reports in points of the display, by the surface of the window.
 
@@ -38,7 +38,7 @@ use super::inbox::{Inbox, Stop, Waited, wait};
 use super::wayland_tools::{Tool, ToolEvent};
 use super::{PenReport, WindowKey};
 
-/// Why no pens can be heard.
+/// The reason why pens are not available.
 #[derive(Debug, Error)]
 pub enum WaylandPenError {
     #[error("the thread that listens to pens cannot be started: {0}")]
@@ -95,7 +95,7 @@ impl WaylandPens {
         self.inbox.take_names()
     }
 
-    /// Shows a cursor at the pen that is over a window.
+    /// Shows a cursor at the pen over a window.
     pub fn show_cursor(&mut self, icon: CursorIcon) {
         let mut cursor = self.cursor.lock().unwrap_or_else(PoisonError::into_inner);
         if cursor.choose(icon)
@@ -115,7 +115,7 @@ impl Drop for WaylandPens {
     }
 }
 
-/// Asks what the compositor offers.
+/// Asks for the compositor's globals.
 fn begin(
     connection: &Connection,
     inbox: Inbox,
@@ -125,7 +125,7 @@ fn begin(
     let handle = queue.handle();
     let display = connection.display();
     display.get_registry(&handle, ());
-    // Answered after all that is offered at first.
+    // Answered after all initial globals.
     display.sync(&handle, ());
     (queue, State { inbox, cursor, ..State::default() })
 }
@@ -165,12 +165,12 @@ fn would_block(error: &WaylandError) -> bool {
     matches!(error, WaylandError::Io(error) if error.kind() == std::io::ErrorKind::WouldBlock)
 }
 
-/// Returns the offer of the session's compositor, in a line.
+/// Describes the support by the session's compositor in a line.
 pub fn survey() -> Result<String, WaylandPenError> {
     let connection = Connection::connect_to_env()?;
     let inbox = Inbox::default();
     let (mut queue, mut state) = begin(&connection, inbox.clone(), Arc::default());
-    // First the offer; then the tablets; then their names.
+    // First the globals, then the tablets, then their names.
     for _ in 0..3 {
         queue.roundtrip(&mut state)?;
     }
@@ -184,7 +184,7 @@ pub fn survey() -> Result<String, WaylandPenError> {
     })
 }
 
-/// The cursor of the pen that is over a window.
+/// The cursor of the pen over a window.
 #[derive(Default)]
 struct Cursor {
     device: Option<(WpCursorShapeDeviceV1, u32)>,
@@ -192,7 +192,7 @@ struct Cursor {
 }
 
 impl Cursor {
-    /// Returns true if it is to be sent.
+    /// Chooses a cursor. Returns true if it must be sent.
     fn choose(&mut self, icon: CursorIcon) -> bool {
         std::mem::replace(&mut self.icon, icon) != icon && self.send()
     }
@@ -220,18 +220,18 @@ fn shape(icon: CursorIcon) -> Shape {
     }
 }
 
-/// The knowledge of the queue.
+/// The state of the queue.
 #[derive(Default)]
 struct State {
     inbox: Inbox,
     cursor: Arc<Mutex<Cursor>>,
     manager: Option<ZwpTabletManagerV2>,
     shapes: Option<WpCursorShapeManagerV1>,
-    /// Seats by their names in the registry, and the tablets of each once they are asked for.
+    /// Seats by their names in the registry, with the tablets of each once they are requested.
     seats: BTreeMap<u32, (wl_seat::WlSeat, Option<ZwpTabletSeatV2>)>,
     tablets: Vec<(ObjectId, String)>,
     tools: Vec<(ObjectId, Tool, Option<WpCursorShapeDeviceV1>)>,
-    /// The first offer is known.
+    /// The initial globals are known.
     is_known: bool,
 }
 
@@ -255,7 +255,7 @@ impl State {
         }
     }
 
-    /// The pen is over a window: the cursor there is its own.
+    /// Handles a pen that comes over a window, where it has a cursor of its own.
     fn enter(&mut self, tool: &ZwpTabletToolV2, serial: u32, handle: &QueueHandle<State>) {
         let Some(shapes) = &self.shapes else { return };
         let Some((_, _, device)) = self.tools.iter_mut().find(|(id, ..)| *id == tool.id()) else {
@@ -341,7 +341,7 @@ impl Dispatch<ZwpTabletSeatV2, ()> for State {
             zwp_tablet_seat_v2::Event::ToolAdded { id } => {
                 state.tools.push((id.id(), Tool::default(), None));
             }
-            // The buttons of the tablet itself are left to the desktop.
+            // The desktop handles the buttons of the tablet itself.
             zwp_tablet_seat_v2::Event::PadAdded { id } => id.destroy(),
             _ => {}
         }
@@ -412,7 +412,7 @@ impl Dispatch<ZwpTabletToolV2, ()> for State {
             }
             Event::Frame { .. } => ToolEvent::Frame,
             Event::Removed => {
-                // Its buttons are let go.
+                // Releases its buttons.
                 state.take(tool, ToolEvent::Away);
                 state.take(tool, ToolEvent::Frame);
                 state.forget(tool);
@@ -424,7 +424,7 @@ impl Dispatch<ZwpTabletToolV2, ()> for State {
     }
 }
 
-/// Returns the key of the window whose surface it is.
+/// Returns the key of the window of a surface.
 fn key_of(surface: &wl_surface::WlSurface) -> WindowKey {
     WindowKey::numbered(surface.id().as_ptr() as usize as u64)
 }

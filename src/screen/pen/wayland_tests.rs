@@ -1,4 +1,4 @@
-//! Pens on Wayland, against a server of the test that has a tablet.
+//! Tests pens on Wayland with a test server that has a tablet.
 
 use std::os::unix::net::UnixStream;
 use std::sync::mpsc::{Receiver, channel};
@@ -13,7 +13,7 @@ use crate::input::pen::PenEnd;
 use crate::input::{Button, Buttons};
 use crate::screen::pen::test_compositor::Compositor;
 
-/// How long a test waits for what must come.
+/// Longest wait for an expected event.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The other part of the program, which has a window on the display.
@@ -65,7 +65,7 @@ impl Other {
     }
 }
 
-/// Asks until there is an answer.
+/// Polls until there is a result.
 fn until<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
     let until = Instant::now() + PATIENCE;
     loop {
@@ -137,7 +137,7 @@ fn a_stroke_of_a_tablet_is_heard_over_the_window_that_it_is_on() {
     assert_eq!(samples[5].buttons, tip.with(Button::PenLower));
     assert_eq!(samples[6].buttons, Buttons::NONE);
     assert!(!samples[7].is_near && samples[..7].iter().all(|sample| sample.is_near));
-    // The other part has lost nothing of its own meanwhile.
+    // Meanwhile the other part has lost none of its events.
     other.roundtrip();
     assert_eq!(server.seen.lock().unwrap().destroyed, 1, "the pad is left to the desktop");
 }
@@ -158,7 +158,7 @@ fn the_eraser_is_another_tool_and_tools_and_tablets_may_go() {
         tool.down(2);
         tool.pressure(65_535);
         tool.frame(1);
-        // It is unplugged while it touches.
+        // It is unplugged during a touch.
         tool.removed();
         tablet.removed();
     });

@@ -1,6 +1,6 @@
-//! The tools of Wayland's tablets: what their events, one by one, amount to at the end of each frame.
+//! The tools of Wayland's tablets: combines their events into a report at the end of each frame.
 //!
-//! Pure: from events of `zwp_tablet_tool_v2` as values to reports.
+//! Pure: takes events of `zwp_tablet_tool_v2` as values and gives reports.
 
 use glam::Vec2;
 
@@ -11,10 +11,10 @@ use crate::input::{Button, Buttons};
 /// The largest pressure of the protocol.
 const FULL_PRESSURE: f32 = 65535.0;
 
-/// An event of a tool, as far as it matters here.
+/// An event of a tool, reduced to the relevant parts.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum ToolEvent {
-    /// The end that points at the tablet: `pen`, `eraser` and so on by the numbers of the protocol.
+    /// The end towards the tablet: `pen`, `eraser` and so on by the numbers of the protocol.
     Kind(u32),
     CanPress,
     Near(WindowKey),
@@ -59,7 +59,7 @@ pub struct Tool {
 }
 
 impl Tool {
-    /// Takes an event; gives what the frame that it ends amounts to.
+    /// Handles an event. Returns the report of the frame that it ends.
     pub fn take(&mut self, event: ToolEvent) -> Option<PenReport> {
         match event {
             ToolEvent::Kind(KIND_ERASER) => self.end = PenEnd::Eraser,

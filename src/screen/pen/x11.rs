@@ -1,5 +1,5 @@
-//! Pens on X11: a connection beside that of the windows, on which the devices that are pens are selected for each
-//! window (XInput2), and a thread that reads it. The windows hear the pointer of a pen as before.
+//! Pens on X11: a connection besides that of the windows, on which the pen devices are selected for each window
+//! (XInput2), and a thread that reads it. The windows get the pointer of a pen as before.
 //!
 //! Gives reports in pixels, by the number of the window.
 
@@ -21,10 +21,10 @@ use super::inbox::{Inbox, Stop, Waited, wait};
 use super::xi2::{AxisAtoms, EventKind, PenDevices};
 use super::{PenReport, WindowKey};
 
-/// The version of XInput in which devices and their axes are as they are here.
+/// The version of XInput with these devices and axes.
 const VERSION: (u16, u16) = (2, 2);
 
-/// Why no pens can be heard.
+/// The reason why pens are not available.
 #[derive(Debug, Error)]
 pub enum X11PenError {
     #[error("the thread that listens to pens cannot be started: {0}")]
@@ -70,7 +70,7 @@ impl X11Pens {
         Ok(X11Pens { reader, inbox, stop: Some(stop), thread: Some(thread) })
     }
 
-    /// Hears the pens over a window, too.
+    /// Also listens to the pens over a window.
     pub fn watch(&mut self, window: WindowKey) {
         let Some(window) = window.xid() else { return };
         let mut reader = lock(&self.reader);
@@ -80,8 +80,8 @@ impl X11Pens {
         }
     }
 
-    /// Returns all that pens have done, with all that the server has sent until now: so nothing is missing that belongs
-    /// to what the window has heard.
+    /// Returns all reports, including those of events that the server has sent until now, so that nothing known to the
+    /// window is missing.
     pub fn take(&mut self) -> Vec<PenReport> {
         let mut reader = lock(&self.reader);
         if !reader.devices.is_empty()
@@ -126,7 +126,7 @@ fn run(connection: &RustConnection, reader: &Mutex<Reader>, stopped: &PipeReader
     tracing::debug!("pen input has ended: {error}");
 }
 
-/// Returns the offer of the session's server, in a line.
+/// Describes the support by the session's server in a line.
 pub fn survey() -> Result<String, X11PenError> {
     let reader = Reader::new(None, Inbox::default())?;
     Ok(match reader.devices.is_empty() {
@@ -142,7 +142,7 @@ struct Reader {
     devices: PenDevices,
     windows: Vec<Window>,
     inbox: Inbox,
-    /// The event to hear first.
+    /// An event to handle first.
     early: Option<Event>,
 }
 
@@ -167,7 +167,7 @@ impl Reader {
         let connection = Arc::new(connection);
         let (devices, windows) = (PenDevices::default(), Vec::new());
         let mut reader = Reader { connection, atoms, devices, windows, inbox, early: None };
-        // Pens come and go; those of some drivers come when they are first used.
+        // Pens come and go; those of some drivers appear at their first use.
         let changes = XIEventMask::HIERARCHY | XIEventMask::DEVICE_CHANGED;
         let masks = [EventMask { deviceid: Device::ALL.into(), mask: vec![changes] }];
         reader.connection.xinput_xi_select_events(root, &masks)?.check()?;
@@ -175,7 +175,7 @@ impl Reader {
         Ok(reader)
     }
 
-    /// Looks which devices are pens, and hears them over all windows.
+    /// Finds the pen devices, and listens to them over all windows.
     fn look(&mut self) -> Result<(), X11PenError> {
         let infos = self.connection.xinput_xi_query_device(Device::ALL)?.reply()?.infos;
         let found = PenDevices::among(&infos, &self.atoms);
@@ -187,7 +187,7 @@ impl Reader {
         self.select(&self.windows)
     }
 
-    /// Has the events of all pens sent for these windows. A window that is gone costs an error that nobody waits for.
+    /// Selects the events of all pens for these windows. A window that is gone causes an error that is ignored.
     fn select(&self, windows: &[Window]) -> Result<(), X11PenError> {
         let events = XIEventMask::MOTION | XIEventMask::BUTTON_PRESS | XIEventMask::BUTTON_RELEASE;
         let mask = |id| EventMask { deviceid: id, mask: vec![events] };
@@ -199,16 +199,16 @@ impl Reader {
         Ok(())
     }
 
-    /// Waits until all is here that the server has sent so far, and hears it.
+    /// Waits until everything sent by the server so far has arrived, and handles it.
     fn catch_up(&mut self) -> Result<(), X11PenError> {
         self.connection.get_input_focus()?.reply()?;
         self.drain().map(drop)
     }
 
-    /// Hears what is here; true if there is something to take.
+    /// Handles arrived events. Returns true if there are reports.
     fn drain(&mut self) -> Result<bool, X11PenError> {
         let mut changed = false;
-        // A motion of a device tells where the pointer was before it: the event after it tells where it went.
+        // A motion of a device has the pointer's position before it; the next event has the new one.
         let mut last: Option<PenReport> = None;
         loop {
             while let Some(event) = self.next_event()? {
@@ -239,7 +239,7 @@ impl Reader {
                 }
             }
             let Some(report) = &mut last else { break };
-            // Events that the server has sent before the answer are here with it, and know better.
+            // Events that the server has sent before the answer arrive with it, and are newer.
             let here = self.place_in(report.window)?;
             report.sample.position_px = here.unwrap_or(report.sample.position_px);
             self.early = self.connection.poll_for_event()?;
@@ -261,7 +261,7 @@ impl Reader {
         }
     }
 
-    /// Returns where the pointer is in a window now; none if the window is gone.
+    /// Returns the present position of the pointer in a window; `None` if the window is gone.
     fn place_in(&self, window: WindowKey) -> Result<Option<Vec2>, X11PenError> {
         let Some(window) = window.xid() else { return Ok(None) };
         match self.connection.query_pointer(window)?.reply() {

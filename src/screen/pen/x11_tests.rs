@@ -1,4 +1,4 @@
-//! Pens on X11, against Xvfb: its test pointer is taken for a pen, since a pen cannot be made there.
+//! Tests pens on X11 with Xvfb. Its test pointer acts as a pen, since no pen can be created there.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -14,7 +14,7 @@ use x11rb::{COPY_DEPTH_FROM_PARENT, COPY_FROM_PARENT};
 use super::*;
 use crate::input::Button;
 
-/// How long a test waits for what must come.
+/// Longest wait for an expected event.
 const PATIENCE: Duration = Duration::from_secs(20);
 /// The slave pointer of XTest.
 const TEST_POINTER: u16 = 4;
@@ -25,7 +25,7 @@ struct Xvfb {
 }
 
 impl Xvfb {
-    /// None, said aloud, where there is no Xvfb and the tests do not need one.
+    /// Starts a server. Without Xvfb, prints a note and returns `None`, unless the tests require it.
     #[expect(clippy::print_stderr, reason = "a test says what it leaves out")]
     fn start() -> Option<Xvfb> {
         let mut command = Command::new("Xvfb");
@@ -52,7 +52,7 @@ impl Drop for Xvfb {
     }
 }
 
-/// Returns a client with a window that hears the pointer as winit does.
+/// Returns a client with a window that listens to the pointer like winit.
 fn window(name: &str) -> (RustConnection, Window, Window) {
     let (x, screen) = x11rb::connect(Some(name)).unwrap();
     let root = x.setup().roots[screen].root;
@@ -79,7 +79,7 @@ fn pens_are_heard_beside_the_pointer_of_the_window_which_loses_nothing() {
         X11Pens::connect_to(Some(&server.name), move || woken.send(()).unwrap_or(())).unwrap();
     assert!(pens.take().is_empty() && pens.take_names().is_none(), "Xvfb has no pen");
     pens.watch(WindowKey::numbered(window.into()));
-    // The pointer has another device from its first event on, at which the thread looks for pens again.
+    // The pointer gets another device with its first event, and the thread looks for pens again.
     x.xtest_fake_input(MOTION_NOTIFY_EVENT, 0, 0, root, 20, 30, 0).unwrap();
     x.sync().unwrap();
     while x.poll_for_event().unwrap().is_some() {}
@@ -102,7 +102,7 @@ fn pens_are_heard_beside_the_pointer_of_the_window_which_loses_nothing() {
         x.xtest_fake_input(kind, detail, 0, root, x_px, y_px, 0).unwrap();
     }
     x.sync().unwrap();
-    // All that the server has sent is there at once, whatever the thread has read of it.
+    // Everything sent by the server is there at once, however much the thread has read.
     let heard = pens.take();
     wakes.try_iter().for_each(drop);
     assert_eq!(heard.len(), 6, "{heard:?}");
@@ -114,7 +114,7 @@ fn pens_are_heard_beside_the_pointer_of_the_window_which_loses_nothing() {
     assert_eq!(down, [false, true, true, true, true, false]);
     assert!(sample(3).buttons.has(Button::PenUpper) && !sample(4).buttons.has(Button::PenUpper));
 
-    // The window has heard its pointer all the while.
+    // The window has received its pointer events throughout.
     let mut own = Vec::new();
     while let Some(event) = x.poll_for_event().unwrap() {
         own.push(match event {
@@ -134,7 +134,7 @@ fn the_thread_ends_with_the_pens_and_with_the_server() {
         drop(X11Pens::connect_to(Some(&server.name), || ()).unwrap());
     }
     let mut pens = X11Pens::connect_to(Some(&server.name), || ()).unwrap();
-    // A window that is not there, or no longer.
+    // A window that does not exist, or no longer.
     pens.watch(WindowKey::numbered(0x7777));
     assert!(pens.take().is_empty());
     let name = server.name.clone();

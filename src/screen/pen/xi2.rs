@@ -1,6 +1,6 @@
-//! The pens of XInput2: which devices are pens, by the axes that they have, and what their events amount to.
+//! The pens of XInput2: recognises pen devices by their axes, and turns their events into reports.
 //!
-//! Pure: from what the server has sent to reports. The pointer of a pen comes with the events of the window.
+//! Pure: takes what the server has sent. The pointer of a pen comes with the events of the window.
 
 use glam::Vec2;
 use x11rb::protocol::xinput::{
@@ -13,7 +13,7 @@ use super::{PenReport, WindowKey};
 use crate::input::pen::{PenEnd, PenSample};
 use crate::input::{Button, Buttons};
 
-/// The kinds of axes, as the server names them.
+/// The kinds of axes, as named by the server.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct AxisAtoms {
     pub x: Atom,
@@ -46,13 +46,13 @@ impl Axis {
         (class.mode == ValuatorMode::ABSOLUTE && min < max).then_some(axis)
     }
 
-    /// Returns where it is in its range, 0 to 1.
+    /// Returns its position in its range, 0 to 1.
     fn share(&self) -> f32 {
         (self.value - self.min) / (self.max - self.min)
     }
 }
 
-/// One end of a pen, which is a device of its own to X11.
+/// One end of a pen, which X11 treats as a device.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PenDevice {
     pub id: u16,
@@ -63,8 +63,7 @@ pub struct PenDevice {
 }
 
 impl PenDevice {
-    /// Returns the device, if it is a pen: a pointer of its own on a surface of which it knows the place, and feels
-    /// pressure.
+    /// Returns the device, if it is a pen: a separate pointer with absolute positions and pressure.
     pub fn of(info: &XIDeviceInfo, atoms: &AxisAtoms) -> Option<PenDevice> {
         if info.type_ != DeviceType::SLAVE_POINTER && info.type_ != DeviceType::FLOATING_SLAVE {
             return None;
@@ -87,7 +86,7 @@ impl PenDevice {
         })
     }
 
-    /// Takes the axes that an event tells of; the others stay.
+    /// Updates the axes contained in an event; the others stay.
     fn follow(&mut self, event: &ButtonPressEvent) {
         let mut values = event.axisvalues.iter();
         let numbers = event.valuator_mask.iter().zip(0..).flat_map(|(word, i)| {
@@ -101,7 +100,7 @@ impl PenDevice {
         }
     }
 
-    /// Returns the buttons that are down after an event, which itself tells of those before.
+    /// Returns the buttons that are down after an event, which itself reports those before.
     fn buttons(&self, event: &ButtonPressEvent, kind: EventKind) -> Buttons {
         let mut held = Buttons::NONE;
         for (number, button) in BUTTONS {
@@ -127,7 +126,7 @@ impl PenDevice {
     }
 }
 
-/// The events that have the form of a press.
+/// The events with the layout of a press.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum EventKind {
     Motion,
@@ -145,7 +144,7 @@ impl PenDevices {
         PenDevices(infos.iter().filter_map(|info| PenDevice::of(info, atoms)).collect())
     }
 
-    /// Returns a pen that a test says a device is, with an axis of pressure that it does not have.
+    /// Returns a device that a test declares a pen, with a pressure axis that it does not have.
     #[cfg(test)]
     pub fn pretended(id: u16) -> PenDevices {
         let pressure = Axis { number: 99, min: 0.0, max: 1.0, value: 0.5 };
@@ -165,8 +164,7 @@ impl PenDevices {
         self.0.is_empty()
     }
 
-    /// Returns the report that an event of a pen amounts to, over the window that it was sent to; none if it is of no
-    /// pen.
+    /// Returns the report of a pen event over its window; `None` if it is not from a pen.
     pub fn report(&mut self, event: &ButtonPressEvent, kind: EventKind) -> Option<PenReport> {
         let pen = self.0.iter_mut().find(|pen| pen.id == event.deviceid)?;
         pen.follow(event);

@@ -1,4 +1,4 @@
-//! Pens of X11 by the bytes that a server sends.
+//! Tests pens of X11 with the bytes of a server.
 
 use x11rb::protocol::xinput::XIQueryDeviceReply;
 use x11rb::x11_utils::TryParse;
@@ -7,7 +7,7 @@ use super::*;
 
 const ATOMS: AxisAtoms = AxisAtoms { x: 101, pressure: 103, tilt_x: 104, tilt_y: 105 };
 
-/// Bytes as the server of this machine would send them.
+/// Bytes as a server of this machine would send them.
 #[derive(Default)]
 struct Wire(Vec<u8>);
 
@@ -81,8 +81,7 @@ fn devices() -> PenDevices {
     PenDevices::among(&reply.infos, &ATOMS)
 }
 
-/// Returns a device event over window 0x2a00007 at (120.5, 80.25). `axes`: the numbers and values of the axes it tells
-/// of.
+/// Returns a device event over window 0x2a00007 at (120.5, 80.25). `axes`: the numbers and values of its axes.
 fn event(kind: u16, device: u16, detail: u32, held: u32, axes: &[(u16, f64)]) -> ButtonPressEvent {
     let fixed = |value: f64| (value * 65536.0) as i32 as u32;
     let mask = axes.iter().fold(0, |mask, (number, _)| mask | 1u32 << number);

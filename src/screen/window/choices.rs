@@ -4,8 +4,8 @@
 
 use ash::vk;
 
-/// Plain 8-bit formats first, since pictures are shaded and blended as sRGB values; then those with
-/// 10 bits, which is all that some screens offer; then those that the device encodes.
+/// Plain 8-bit formats first, since pictures are shaded and blended as sRGB values; then those with 10 bits, the only
+/// ones of some screens; then those encoded by the device.
 const FORMATS: [vk::Format; 8] = [
     vk::Format::B8G8R8A8_UNORM,
     vk::Format::R8G8B8A8_UNORM,
@@ -31,7 +31,7 @@ pub fn format(
 }
 
 /// Returns the present mode: one that never waits for the window to be visible, since a covered window may stay hidden
-/// for hours. FIFO waits on Wayland; it is used where the only alternative is tearing, and then pictures are drawn only
+/// for hours. FIFO waits on Wayland; it is used if the only alternative is tearing, and then pictures are drawn only
 /// when the compositor asks for one.
 pub fn present_mode(offered: &[vk::PresentModeKHR]) -> vk::PresentModeKHR {
     match offered.contains(&vk::PresentModeKHR::MAILBOX) {
@@ -57,7 +57,7 @@ pub fn extent(of: &vk::SurfaceCapabilitiesKHR, wanted: [u32; 2]) -> [u32; 2] {
     if width != u32::MAX {
         return [width, height];
     }
-    // A minimised window shows nothing, whatever the smallest size is reported to be.
+    // A minimised window shows nothing, whatever its smallest size is.
     if wanted.contains(&0) || max.width == 0 || max.height == 0 {
         return [0, 0];
     }
@@ -74,14 +74,14 @@ pub fn composite_alpha(of: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFla
         .unwrap_or(vk::CompositeAlphaFlagsKHR::PRE_MULTIPLIED)
 }
 
-/// How to recover from a failure of the window system.
+/// The recovery from a failure of the window system.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Recovery {
     /// The window has changed: make another swapchain.
     NewSwapchain,
     /// The window is still in use, or between two states: try again later.
     Later,
-    /// The surface is lost: make another one, with everything that depends on it.
+    /// The surface is lost: create another one, with everything that depends on it.
     NewSurface,
 }
 

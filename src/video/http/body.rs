@@ -1,18 +1,17 @@
-//! Decodes an HTTP/1 response: its head, and the chunks that a server may cut the body into (RFC 9112).
+//! Decodes an HTTP/1 response: its head, and the chunks of its body, if it has any (RFC 9112).
 //!
-//! Takes bytes as they arrive, gives the headers that matter and says which bytes are body. Does no input or
-//! output.
+//! Takes bytes as they arrive, gives the relevant headers and separates body from framing. Does no input or output.
 
 use super::super::error::VideoError;
 
 /// Longest head of a response, bytes.
 pub const MAX_HEAD: usize = 16 << 10;
-/// Room for as many headers as a head can have; the shortest is `a:` with its line end.
+/// Room for the most headers of a head; the shortest is `a:` with its line end.
 const MAX_HEADERS: usize = MAX_HEAD / 3;
 /// Longest line about a chunk, bytes.
 const MAX_CHUNK_LINE: usize = 256;
 
-/// The headers of a response that matter here.
+/// The relevant headers of a response.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Head {
     pub status: u16,
@@ -22,12 +21,12 @@ pub struct Head {
 }
 
 impl Head {
-    /// Parses status line and headers. Returns the head with the number of its bytes, behind which the body
-    /// begins; `None` where more must be read.
+    /// Parses status line and headers. Returns the head with its number of bytes, after which the body begins; `None`
+    /// if more must be read.
     pub fn parse(bytes: &[u8], subject: &str) -> Result<Option<(Head, usize)>, VideoError> {
         let mut headers = vec![httparse::EMPTY_HEADER; MAX_HEADERS];
         let mut response = httparse::Response::new(&mut headers);
-        // Phones are careless about headers; those that matter here are read all the same.
+        // Phones are careless about headers; the relevant ones are read nevertheless.
         let parsed = httparse::ParserConfig::default()
             .allow_spaces_after_header_name_in_responses(true)
             .allow_obsolete_multiline_headers_in_responses(true)
@@ -98,9 +97,9 @@ enum Place {
 /// The kind of the next bytes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Span {
-    /// This many bytes belong to the body. [`Body::took`] must be told how many of them were used.
+    /// This many bytes belong to the body. Call [`Body::took`] with the number of used ones.
     Body(usize),
-    /// This many bytes are framing, and are done with.
+    /// This many bytes are framing and used up.
     Frame(usize),
     /// The body has ended.
     End,
@@ -121,7 +120,7 @@ impl Body {
         }
     }
 
-    /// Says what `bytes`, which must not be empty, begin with.
+    /// Classifies the beginning of `bytes`, which must not be empty.
     pub fn next(&mut self, bytes: &[u8], subject: &str) -> Result<Span, VideoError> {
         let malformed = |problem| Err(VideoError::malformed(subject, problem));
         match &mut self.0 {
@@ -173,7 +172,7 @@ mod tests {
                     Span::End => return Ok((out, true)),
                     Span::Frame(n) => piece = &piece[n..],
                     Span::Body(n) => {
-                        // As a splitter does that finds a picture's end in the middle.
+                        // Like a splitter that finds a picture's end in the middle.
                         let n = n.div_ceil(2);
                         out.extend_from_slice(&piece[..n]);
                         body.took(n);
@@ -195,7 +194,7 @@ mod tests {
         for unfinished in 0..end {
             assert_eq!(Head::parse(&text[..unfinished], "x").unwrap(), None, "{unfinished} bytes");
         }
-        // As careless servers write them.
+        // Like careless servers.
         let text =
             b"HTTP/1.1 200\r\nbad header\r\nContent-Type : multipart/x\r\n\xff: \xfe\r\n\r\n";
         let (head, _) = Head::parse(text, "x").unwrap().unwrap();

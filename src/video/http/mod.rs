@@ -1,10 +1,10 @@
 //! Network cameras: a phone or server that sends one JPEG after another in an endless HTTP response
 //! (`multipart/x-mixed-replace`, or plain MJPEG).
 //!
-//! Takes a [`Url`], gives decoded frames. The request is written over plain TCP, because HTTP client libraries
-//! offer neither a time limit on the silence between two pictures nor a way to skip pictures that are already
-//! old. Boundaries and lengths between the pictures are ignored: a JPEG delimits itself, its end is known before
-//! the next boundary arrives, and phones get the lengths wrong.
+//! Takes a [`Url`], gives decoded frames. The request is written over plain TCP, because HTTP client libraries offer
+//! neither a time limit on the silence between two pictures nor a way to skip outdated pictures. Boundaries and lengths
+//! between the pictures are ignored: a JPEG delimits itself, its end is known before the next boundary arrives, and
+//! phones send wrong lengths.
 
 mod body;
 mod url;
@@ -121,7 +121,7 @@ impl HttpCamera {
         Ok(false)
     }
 
-    /// Reads what has arrived, or waits [`FETCH_WAIT`] for it. Returns false where nothing came.
+    /// Reads the arrived bytes, or waits [`FETCH_WAIT`] for some. Returns false if nothing came.
     fn read(&mut self, wait: bool) -> Result<bool, VideoError> {
         // Only called when all bytes are used.
         self.used = 0;
@@ -151,7 +151,7 @@ impl Reader for HttpCamera {
         let start = Instant::now();
         let (mut pictures, mut caught_up) = (0, 0);
         loop {
-            // With a picture in hand, only look whether a newer one has come already.
+            // With a picture in hand, only check for a newer one.
             let more = match self.cut() {
                 Ok(true) => {
                     pictures += 1;
@@ -208,7 +208,7 @@ fn closed(subject: &str) -> VideoError {
     VideoError::io(subject, error)
 }
 
-/// Returns whether there is nothing to read for now.
+/// Returns whether there is nothing to read at present.
 fn is_wait(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

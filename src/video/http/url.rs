@@ -1,32 +1,32 @@
 //! The address of a network camera: an `http://` URL with an optional name and password.
 //!
-//! Parsing is that of the WHATWG URL standard (crate `url`), narrowed to what a camera can be asked for: ASCII
-//! without spaces, and a host that is named. Knows no connection.
+//! Parsing is that of the WHATWG URL standard (crate `url`), narrowed to valid requests for a camera: ASCII without
+//! spaces, and a named host. Knows no connection.
 
 use std::fmt;
 
 use percent_encoding::percent_decode_str;
 
-/// Where a camera is, what to ask it for and, if it wants them, name and password.
+/// The address of a camera, with the request and, if needed, name and password.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Url(url::Url);
 
 impl fmt::Debug for Url {
-    /// Leaves the login out: this may be logged.
+    /// Omits the login: this may be logged.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Url({self})")
     }
 }
 
 impl fmt::Display for Url {
-    /// Leaves the login out: this is shown.
+    /// Omits the login: this is shown.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "http://{}{}", self.authority(), self.path())
     }
 }
 
 impl Url {
-    /// Parses what follows `http://`: `[name:password@]host[:port][/path]`.
+    /// Parses the text after `http://`: `[name:password@]host[:port][/path]`.
     pub fn parse(text: &str) -> Result<Url, String> {
         // The standard drops line ends and escapes spaces; a person who typed them meant something else.
         if let Some(odd) = text.chars().find(|c| !c.is_ascii_graphic()) {
@@ -55,12 +55,12 @@ impl Url {
         self.0.port_or_known_default().unwrap_or(80)
     }
 
-    /// Path and query, as a request names them.
+    /// Returns path and query, as in a request.
     pub fn path(&self) -> &str {
         &self.0[url::Position::BeforePath..]
     }
 
-    /// Host and port, as a request names them.
+    /// Returns host and port, as in a request.
     pub fn authority(&self) -> &str {
         &self.0[url::Position::BeforeHost..url::Position::AfterPort]
     }
@@ -71,10 +71,10 @@ impl Url {
         Some(format!("Basic {}", base64(login.as_bytes())))
     }
 
-    /// `name:password`, or the name alone where the address has no password.
+    /// Returns `name:password`, or the name alone if the address has no password; `None` without a name.
     fn login(&self) -> Result<Option<String>, String> {
         let decoded = |text: &str| {
-            // The standard leaves a lone % as it is; in a password it is more likely a mistake.
+            // The standard leaves a lone % unchanged; in a password it is probably a mistake.
             let escaped =
                 |rest: &str| rest.bytes().take(2).filter(u8::is_ascii_hexdigit).count() == 2;
             if !text.split('%').skip(1).all(escaped) {

@@ -1,8 +1,7 @@
 //! Cameras of a Linux computer.
 //!
-//! Uses `linuxvideo`, which needs no C library. Multi-planar cameras (of embedded boards) are not
-//! supported. The bytes of a picture are copied out of the driver's buffer at once, which is then
-//! free for the next one.
+//! Uses `linuxvideo`, which needs no C library. Multi-planar cameras (of embedded boards) are not supported. The bytes
+//! of a picture are copied from the driver's buffer at once, which frees it for the next one.
 
 mod modes;
 

@@ -10,7 +10,7 @@ use crate::video::error::{VideoError, guarded};
 use crate::video::rate::Rate;
 use crate::video::yuv::Layout;
 
-/// The request if the address has no options.
+/// The requested size if the address has no options.
 pub(super) const DEFAULT_SIZE: (u32, u32) = (1280, 720);
 
 /// The encoding of a picture.
@@ -31,7 +31,7 @@ const FORMATS: [([u8; 4], Coding); 7] = [
     (*b"GREY", Coding::Raw(Layout::Grey)),
 ];
 
-/// Returns the encoding of a format. None if it is not supported.
+/// Returns the encoding of a format; `None` if it is not supported.
 pub(super) fn coding_of(format: PixelFormat) -> Option<Coding> {
     FORMATS.iter().find(|(code, _)| *code == format.as_fourcc()).map(|(_, coding)| *coding)
 }
@@ -41,7 +41,7 @@ pub(super) fn coding_of(format: PixelFormat) -> Option<Coding> {
 pub struct CameraInfo {
     pub device: PathBuf,
     pub name: String,
-    /// Its modes in supported formats, or why they cannot be listed.
+    /// Its modes in supported formats, or the error of listing them.
     pub modes: Result<Vec<CameraMode>, VideoError>,
 }
 
@@ -134,7 +134,7 @@ fn most_per_second(device: &Device, format: PixelFormat, width: u32, height: u32
     }
 }
 
-/// Returns the mode nearest in size; of those the fastest up to the wanted rate; of those the best format.
+/// Returns the mode nearest in size; among those the fastest up to the wanted rate; among those the best format.
 pub(super) fn choose(
     modes: &[CameraMode],
     format: Option<[u8; 4]>,
@@ -143,7 +143,7 @@ pub(super) fn choose(
 ) -> Option<CameraMode> {
     let key = |mode: &CameraMode| {
         let distance = mode.width.abs_diff(size.0).saturating_add(mode.height.abs_diff(size.1));
-        // In tenths, so that 29.97 is as good as 30.
+        // In tenths, so that 29.97 equals 30.
         let missing = ((rate.per_second() - mode.per_second).max(0.0) * 10.0).round() as u64;
         let preference = FORMATS.iter().position(|(code, _)| *code == mode.format);
         (distance, missing, preference)
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_webcam_gives_its_best() {
-        // As of USB 2 cameras: large pictures at full rate only as JPEG.
+        // Like USB 2 cameras: large pictures at full rate only as JPEG.
         let modes = [
             mode(b"YUYV", 640, 480, 30.0),
             mode(b"YUYV", 1280, 720, 10.0),

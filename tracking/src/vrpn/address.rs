@@ -11,7 +11,7 @@ use crate::vrpn::wire::MAX_NAME_BYTES;
 /// The default port of VRPN servers.
 pub const DEFAULT_PORT: u16 = 3883;
 
-/// How client and server connect.
+/// The connection of client and server.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Mode {
     /// The client connects by TCP, and all messages use it.
@@ -20,7 +20,7 @@ pub enum Mode {
     Udp,
 }
 
-/// A server and how to connect to it.
+/// A server and its connection mode.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub struct ServerAddress {
     pub mode: Mode,
@@ -35,7 +35,7 @@ pub struct DeviceAddress {
     pub server: ServerAddress,
 }
 
-/// Why a text is not the address of a VRPN device.
+/// The reason why a text is not the address of a VRPN device.
 #[derive(Clone, PartialEq, Eq, Debug, Error)]
 #[error(
     "\"{0}\" names no VRPN device: expected device@host, device@host:port or device@tcp://host:port"
@@ -54,7 +54,7 @@ impl FromStr for DeviceAddress {
             Some(_) => return Err(error()),
             None => (Mode::Udp, place),
         };
-        // An IPv6 address stands in brackets, as in URLs.
+        // An IPv6 address is in brackets, as in URLs.
         let (host, port) = match place.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
             Some((host, "")) => (host, None),
             Some((host, rest)) => (host, Some(rest.strip_prefix(':').ok_or_else(error)?)),

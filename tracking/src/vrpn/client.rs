@@ -21,11 +21,11 @@ pub struct ClientTiming {
     /// First and longest pause between attempts; it doubles each time.
     pub retry_first: Duration,
     pub retry_longest: Duration,
-    /// Between two requests to a server to connect back (UDP mode).
+    /// Interval of requests to a server to connect back (UDP mode).
     pub request_every: Duration,
     /// Time limit for a TCP connection and for the exchange of cookies.
     pub greeting_timeout: Duration,
-    /// Between two pings to a device that has not answered.
+    /// Interval of pings to a device that has not answered.
     pub ping_every: Duration,
     /// A server that is silent for this long is pinged again.
     pub silence_ping: Duration,
@@ -47,7 +47,7 @@ impl Default for ClientTiming {
     }
 }
 
-/// How long a read may wait before the thread checks whether it should stop.
+/// Longest read before the thread checks whether it should stop.
 const TICK: Duration = Duration::from_millis(50);
 
 struct Shared {
@@ -69,8 +69,8 @@ pub struct Client {
 }
 
 impl Client {
-    /// Starts to look for the server, until the client is dropped. Fails only if no thread can be started; a
-    /// server that is not there is no error.
+    /// Starts to look for the server, until the client is dropped. Fails only if no thread can be started; a missing
+    /// server is no error.
     pub fn start(
         server: ServerAddress,
         devices: &[String],
@@ -145,7 +145,7 @@ impl Drop for Client {
     }
 }
 
-/// The data behind these locks is consistent at all times, so a poisoned lock is usable.
+/// Locks. The data behind these locks is always consistent, so a poisoned lock is usable.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -185,7 +185,7 @@ impl Shared {
                     pause = self.timing.retry_first;
                 }
             }
-            // Before the events, so that a reader of the loss finds the state changed.
+            // Set before the events, so that a reader of the loss finds the state changed.
             self.set_state(SourceState::Seeking(reason));
             let mut events = Vec::new();
             lock(&self.session).forget(self.clock.now_s(), &mut events);
@@ -371,7 +371,7 @@ impl Shared {
             let (count, from) = match udp.recv_from(&mut bytes) {
                 Ok(received) => received,
                 Err(error) if is_pause(&error) => continue,
-                // Such as a closed port: the stream decides whether the server is there.
+                // Such as a closed port: the stream determines whether the server is there.
                 Err(_) => {
                     thread::park_timeout(TICK);
                     continue;
@@ -396,7 +396,7 @@ impl Shared {
     }
 }
 
-/// Returns whether there is merely nothing to read yet.
+/// Returns whether there is nothing to read yet.
 fn is_pause(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

@@ -1,6 +1,6 @@
 //! A server's connection with one client: sends reports by UDP, or queues them for the thread that writes to TCP.
 //!
-//! Never waits for the client. Knows neither the server nor what is reported.
+//! Never waits for the client. Knows neither the server nor the meaning of reports.
 
 use std::io::Write;
 use std::net::{IpAddr, Shutdown, SocketAddr, TcpStream, UdpSocket};
@@ -19,7 +19,7 @@ const LOST_BYTES: usize = 1024 * 1024;
 /// One client.
 pub(crate) struct Link {
     pub(super) tcp: TcpStream,
-    /// The address at which the client waited for the connection, if it asked for one.
+    /// The client's UDP address of its request for the connection, if it made one.
     pub(super) asked_from: Option<SocketAddr>,
     pub(super) peer_ip: IpAddr,
     pub(super) udp: Option<UdpSocket>,
@@ -31,7 +31,7 @@ pub(crate) struct Link {
     pub(super) closed: AtomicBool,
 }
 
-/// The bytes that wait to be written to a client, and the conversation that they continue.
+/// The bytes to write to a client, and the conversation that they continue.
 #[derive(Default)]
 pub(super) struct Outbox {
     pub(super) bytes: Vec<u8>,
@@ -55,8 +55,8 @@ impl Link {
         self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sends low-latency messages by UDP, if the client has announced a port, and the rest by TCP. Counts the reports in
-    /// `missed` that the client is too slow for.
+    /// Sends low-latency messages by UDP, if the client has announced a port, and the rest by TCP. Counts the reports
+    /// in `missed` for which the client is too slow.
     pub(crate) fn send(
         &self,
         device: usize,

@@ -17,7 +17,7 @@ pub const MAX_TEXT_BYTES: usize = 1023;
 /// Bytes that the reference implementation always reserves for the text of a text message.
 const TEXT_ROOM_BYTES: usize = 1024;
 
-/// Why a payload is refused.
+/// The reason why a payload is refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Error)]
 pub enum MessageError {
     #[error("{0:?} with a payload of {1} bytes")]
@@ -323,7 +323,7 @@ impl Reader<'_> {
         Ok(u32::from_be_bytes(self.take()?))
     }
 
-    /// From the wire's i32, so that negative values exceed every limit.
+    /// Reads an index from the wire's i32, so that negative values exceed every limit.
     fn index(&mut self, limit: u32) -> Result<u32, MessageError> {
         let index = self.u32()?;
         if index < limit { Ok(index) } else { Err(MessageError::Index(self.kind)) }

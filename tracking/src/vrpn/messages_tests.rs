@@ -1,4 +1,4 @@
-//! Owns the properties of payloads: they come back, and broken ones do not come through.
+//! Tests of payloads: they survive a round trip, and broken ones are refused.
 
 use super::*;
 use proptest::prelude::*;
@@ -80,7 +80,7 @@ proptest! {
     fn not_a_number_is_refused_wherever_it_stands(message in message(), place in any::<usize>(), bad in 0usize..3) {
         let mut payload = message.encode();
         let value = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][bad];
-        // Where the numbers of each kind begin and end.
+        // Offsets of the first and last number of each kind.
         let (begin, end) = match message.kind() {
             Kind::Pose | Kind::UnitToSensor | Kind::Velocity | Kind::Acceleration => (8, payload.len()),
             Kind::ToRoom | Kind::Workspace | Kind::Analog | Kind::SetUpdateRate => (0, payload.len()),

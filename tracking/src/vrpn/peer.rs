@@ -9,10 +9,10 @@ use crate::vrpn::wire::{
     described_name, write_frame,
 };
 
-/// Most sensors of a device that are remembered for answers.
+/// Most sensors of a device remembered for answers.
 pub const MAX_KNOWN_SENSORS: usize = 64;
 
-/// The state of a device that clients may ask for.
+/// The state of a device that clients may request.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct DeviceState {
     pub name: String,
@@ -42,7 +42,7 @@ impl Writer {
     }
 
     pub fn message(&mut self, out: &mut Vec<u8>, stamp: Stamp, device: usize, message: &Message) {
-        // Local ids are the positions in the lists that the greeting describes.
+        // Local ids are positions in the lists of the greeting.
         let kind = message.kind();
         let id = Kind::ALL.iter().position(|k| *k == kind).map_or(-1, |index| index as i32);
         self.frame(out, stamp, device as i32, id, &message.encode());
@@ -91,7 +91,7 @@ impl Peer {
         self.udp_port
     }
 
-    /// Handles one message; returns the answers, each with the index of its device.
+    /// Handles one message. Returns the answers, each with the index of its device.
     pub fn receive(&mut self, frame: &Frame<'_>, devices: &[DeviceState]) -> Vec<(usize, Message)> {
         match frame.kind {
             SENDER_DESCRIPTION => self.describe(frame, |peer, name| {

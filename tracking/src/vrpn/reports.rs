@@ -5,8 +5,8 @@ use glam::DQuat;
 use crate::pose::HeadPose;
 use crate::vrpn::messages::Message;
 
-/// The interval for which a rotation is reported, seconds; shorter for rotations so fast that they would exceed
-/// half a revolution, which a quaternion cannot represent.
+/// The interval of a reported rotation, in seconds; shorter for rotations so fast that they would exceed half a
+/// revolution, which a quaternion cannot represent.
 const TURN_OVER_S: f64 = 0.1;
 const LONGEST_TURN_RAD: f64 = 1.5;
 

@@ -1,6 +1,6 @@
-//! Estimates when, on the host's clock, a sender made a report. Networks and schedulers delay reports by varying
-//! times; the sender's timestamps do not vary, but its clock differs from the host's. Takes timestamps and arrival
-//! times, gives times on the host's clock.
+//! Estimates the time of a sender's report on the host's clock. Networks and schedulers delay reports by varying times;
+//! the sender's timestamps do not vary, but its clock differs from the host's. Takes timestamps and arrival times,
+//! gives times on the host's clock.
 
 use std::time::Duration;
 
@@ -13,13 +13,13 @@ const DRIFT: f64 = 1.0e-3;
 /// The offset between a sender's clock and the host's: that of the least delayed report, with slow decay.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SenderClock {
-    /// Host minus sender, seconds, and the arrival time for which it was found.
+    /// Host minus sender, in seconds, and the arrival time of that report.
     offset: Option<(f64, f64)>,
 }
 
 impl SenderClock {
-    /// Returns when the report was made: at `arrival_s` or up to [`MAX_DELAY_S`] before. For reports without a
-    /// timestamp it is the arrival.
+    /// Returns the time of the report: at `arrival_s` or up to [`MAX_DELAY_S`] before. For reports without a timestamp
+    /// it is the arrival.
     pub fn host_time_s(&mut self, sent: Option<Duration>, arrival_s: f64) -> f64 {
         let Some(sent) = sent else { return arrival_s };
         let sent_s = sent.as_secs_f64();

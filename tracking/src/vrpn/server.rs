@@ -1,8 +1,8 @@
 //! A small VRPN server: its devices, its clients, and the sending of reports. Takes messages with their timestamps;
-//! sends them to every client, in the mode that each asked for. Listens on loopback by default.
+//! sends them to every client, in the mode that each requested. Listens on loopback by default.
 //!
-//! Publishing never waits: reports that a slow client has not received are dropped if a later one supersedes
-//! them, and a client that falls behind with the rest is disconnected.
+//! Publishing never waits: reports that a slow client has not received are dropped if a later one supersedes them, and
+//! a client that falls behind with the rest is disconnected.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, TcpListener, UdpSocket};
@@ -29,7 +29,7 @@ pub struct ServerOptions {
 }
 
 impl Default for ServerOptions {
-    /// Loopback, VRPN's port.
+    /// Returns loopback and VRPN's port.
     fn default() -> Self {
         let listen = SocketAddr::V4(SocketAddrV4::new(Ipv4Addr::LOCALHOST, DEFAULT_PORT));
         Self { listen, max_clients: 32 }
@@ -43,7 +43,7 @@ pub struct DeviceSpec {
     pub buttons: usize,
 }
 
-/// Why a server does not start.
+/// The reason why a server does not start.
 #[derive(Debug, Error)]
 pub enum ServerError {
     #[error("cannot listen at {0}: {1}")]
@@ -54,7 +54,7 @@ pub enum ServerError {
     Device(String),
 }
 
-/// Why a report is not sent.
+/// The reason why a report is not sent.
 #[derive(Clone, PartialEq, Eq, Debug, Error)]
 pub enum PublishError {
     #[error("there is no device \"{0}\"")]
@@ -138,7 +138,7 @@ impl Server {
         self.address
     }
 
-    /// Returns number of connected clients that have completed the handshake.
+    /// Returns the number of connected clients that have completed the handshake.
     pub fn clients(&self) -> usize {
         self.shared.state().links.iter().filter(|link| !link.is_closed()).count()
     }
@@ -154,8 +154,8 @@ impl Server {
         }
     }
 
-    /// Sends reports of one device, made at `stamp`, to every client. All or nothing: after an error none was
-    /// sent. Accepts only reports ([`Message`]s that a server sends without a request).
+    /// Sends reports of one device, made at `stamp`, to every client. All or nothing: after an error none was sent.
+    /// Accepts only reports ([`Message`]s that a server sends without a request).
     pub fn publish(
         &self,
         device: &str,
@@ -192,7 +192,7 @@ impl Server {
     }
 }
 
-/// Keeps the state that later clients will ask for.
+/// Keeps the state for requests of later clients.
 fn remember(device: &mut DeviceState, report: &Message) {
     match report {
         Message::ButtonChange { button, pressed } => device.held[*button as usize] = *pressed,

@@ -1,5 +1,5 @@
 //! The server's sockets: accepts clients of both modes and runs, for each client, a thread that reads and one that
-//! writes. Does not know what is reported.
+//! writes. Does not know the meaning of reports.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -34,13 +34,13 @@ pub(crate) fn accept_streams(shared: &Arc<Shared>, listener: &TcpListener) {
     }
 }
 
-/// Connects back to clients that ask for it by UDP. Only to the address that the request came from, so that no
-/// client can direct the server at others.
+/// Connects back to clients that request it by UDP. Only to the address of the request, so that no client can direct
+/// the server at others.
 pub(crate) fn answer_requests(shared: &Arc<Shared>, requests: &UdpSocket) {
     let mut bytes = vec![0; ANY_DATAGRAM_BYTES];
     while !shared.stopped() {
         let Ok((count, from)) = requests.recv_from(&mut bytes) else { continue };
-        // A client of a server that is just closing asks again at once.
+        // A client of a closing server asks again at once.
         if shared.stopped() {
             return;
         }
@@ -240,7 +240,7 @@ fn answer(shared: &Shared, link: &Link, peer: &mut Peer, frame: &Frame<'_>) {
     shared.tally.rejected.fetch_add(peer.rejected - before, Ordering::Relaxed);
 }
 
-/// Returns whether there is merely nothing to read yet.
+/// Returns whether there is nothing to read yet.
 fn is_pause(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

@@ -1,4 +1,4 @@
-//! The state that all threads of a server share: its devices, its clients, and what it counts.
+//! The state shared by all threads of a server: its devices, its clients, and its counters.
 //!
 //! Knows no sockets and no conversation.
 

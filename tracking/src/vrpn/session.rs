@@ -1,5 +1,5 @@
-//! The client's half of one VRPN conversation: the server's ids, which buttons are held, which devices have
-//! answered. Takes frames and times, gives events and bytes to send; knows no sockets and no clocks.
+//! The client's half of one VRPN conversation: the server's ids, the held buttons, and the devices that have answered.
+//! Takes frames and times, gives events and bytes to send; knows no sockets and no clocks.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::vrpn::wire::{
     describe_name, described_name, write_frame,
 };
 
-/// A device to receive reports of.
+/// A device whose reports are wanted.
 #[derive(Debug)]
 struct Device {
     name: String,
@@ -39,7 +39,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// `devices` are names on the server, each with the label for its events.
+    /// Creates it. `devices` are names on the server, each with the label for its events.
     pub fn new(devices: impl IntoIterator<Item = (String, Arc<str>)>) -> Self {
         let devices = devices
             .into_iter()
@@ -82,7 +82,7 @@ impl Session {
         out
     }
 
-    /// Pings for every device, or only for those that have not answered yet. Empty if there are none.
+    /// Returns pings for every device, or only for those that have not answered yet. Empty if there are none.
     pub fn pings(&mut self, all: bool) -> Vec<u8> {
         let mut out = Vec::new();
         for index in 0..self.devices.len() {
@@ -98,7 +98,7 @@ impl Session {
         self.sequence = self.sequence.wrapping_add(1);
     }
 
-    /// Arrival of the last message, on the host's clock.
+    /// Returns the arrival time of the last message, on the host's clock.
     pub fn heard_s(&self) -> f64 {
         self.heard_s
     }
@@ -215,7 +215,7 @@ impl Device {
         }
     }
 
-    /// Appends the events of the message; returns false if its numbers are finite but impossible.
+    /// Appends the events of the message. Returns false if its numbers are finite but impossible.
     fn say(
         &mut self,
         message: Message,
@@ -286,7 +286,7 @@ impl Device {
     }
 }
 
-/// Axis times radians per second from a rotation in `dt_s`; None if either is zero.
+/// Returns the axis times radians per second of a rotation in `dt_s`; `None` if either is zero.
 fn angular_velocity(turn: DQuat, dt_s: f64) -> Option<glam::DVec3> {
     let turn = Placement::checked(glam::DVec3::ZERO, turn)?.orientation;
     (dt_s > 0.0).then(|| rotation_vector(turn) / dt_s)

@@ -27,7 +27,7 @@ pub const SENDER_DESCRIPTION: i32 = -1;
 pub const TYPE_DESCRIPTION: i32 = -2;
 pub const UDP_DESCRIPTION: i32 = -3;
 
-/// Why bytes are not valid VRPN.
+/// The reason why bytes are not valid VRPN.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Error)]
 pub enum WireError {
     #[error("the peer is not VRPN 07.xx")]
@@ -55,7 +55,7 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// Time since 1970; None if the sender set none or the microseconds are out of range.
+    /// Returns the time since 1970; `None` if the sender set none or the microseconds are out of range.
     pub fn since_1970(self) -> Option<Duration> {
         (self != Self::default() && self.usec < 1_000_000)
             .then(|| Duration::new(u64::from(self.sec), self.usec * 1000))
@@ -63,7 +63,7 @@ impl Stamp {
 }
 
 impl From<Duration> for Stamp {
-    /// Seconds since 1970, modulo 2^32.
+    /// Stores seconds since 1970, modulo 2^32.
     fn from(since_1970: Duration) -> Self {
         Self { sec: since_1970.as_secs() as u32, usec: since_1970.subsec_micros() }
     }
@@ -129,7 +129,7 @@ pub fn datagram_frames(datagram: &[u8]) -> impl Iterator<Item = Result<Frame<'_>
     })
 }
 
-/// Splits a stream into messages. Holds at most one unfinished message beyond what was pushed last.
+/// Splits a stream into messages. Holds at most one unfinished message beyond the last push.
 #[derive(Default, Debug)]
 pub struct StreamReader {
     buffer: Vec<u8>,
@@ -152,7 +152,7 @@ impl StreamReader {
         Ok(Some(frame))
     }
 
-    /// Bytes allocated for the stream.
+    /// Returns the bytes allocated for the stream.
     pub fn capacity(&self) -> usize {
         self.buffer.capacity()
     }
@@ -186,7 +186,7 @@ pub fn describe_name(name: &str) -> Vec<u8> {
     payload
 }
 
-/// Returns the name that a payload describes; None if it is not of that form.
+/// Returns the name described by a payload; `None` if it does not have that form.
 pub fn described_name(payload: &[u8]) -> Option<&str> {
     let (length, text) = payload.split_first_chunk::<4>()?;
     let text = text.get(..usize::try_from(u32::from_be_bytes(*length)).ok()?)?;
@@ -210,7 +210,7 @@ impl<T> Default for IdTable<T> {
 }
 
 impl<T> IdTable<T> {
-    /// Returns false if the id is out of range.
+    /// Adds an id. Returns false if it is out of range.
     pub fn describe(&mut self, id: i32, entry: T) -> bool {
         let Some(index) = usize::try_from(id).ok().filter(|index| *index < MAX_IDS) else {
             return false;
