@@ -35,7 +35,7 @@ use stage::Stage;
 pub use timing::FrameRange;
 use timing::Timing;
 
-/// Extension of scripts, of which a film is a time lapse.
+/// Extension of scripts, which become time lapses.
 pub const SCRIPT_ENDING: &str = "sculpt";
 
 /// The subject of a film.

@@ -22,7 +22,7 @@ use crate::screen::pen::WindowKey;
 use crate::ui::layout::PanelPlace;
 use crate::ui::widgets::theme;
 
-/// When a window without a free image first tries again; doubled after each attempt.
+/// First delay of a window without a free image; doubled after each attempt.
 const RETRY: Duration = Duration::from_millis(8);
 /// The longest such delay, for a window that is not visible.
 const RETRY_AT_LAST: Duration = Duration::from_millis(500);
@@ -97,7 +97,7 @@ impl DetachedPanels {
         self.windows.iter_mut().find(|window| window.pane.pen_key() == Some(key))
     }
 
-    /// Notes that something has happened that panels may have to show.
+    /// Marks the panels as possibly outdated.
     pub fn touch(&mut self) {
         self.windows.iter_mut().for_each(PanelWindow::touch);
     }
@@ -123,7 +123,7 @@ impl DetachedPanels {
         Ok(touched)
     }
 
-    /// Returns when the next window is to be updated without an event.
+    /// Returns when the next window must be updated without an event.
     pub fn wake(&self) -> Option<Instant> {
         self.windows.iter().filter_map(|window| window.pane.wake()).min()
     }
@@ -218,7 +218,7 @@ impl PanelWindow {
         self.panel
     }
 
-    /// Notes that something has happened that the panel may have to show.
+    /// Marks the panel as possibly outdated.
     pub fn touch(&mut self) {
         self.stale = true;
     }

@@ -442,7 +442,7 @@ impl Workspace {
         self.run_now(&Command::Place(to));
     }
 
-    /// Brings the sculpture back to the middle of the world at its own size, rotated as it is.
+    /// Brings the sculpture back to the middle of the world at its own size, keeping its rotation.
     pub(super) fn bring_back(&mut self) {
         let rotation = self.editor.document().placement().rotation;
         self.run_now(&Command::Place(Placement { rotation, ..Placement::default() }));

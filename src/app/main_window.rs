@@ -1,6 +1,6 @@
 //! The main window: its device, and the picture of the sculpture below its interface.
 //!
-//! The workspace decides what is drawn.
+//! The workspace decides about the contents.
 
 use std::sync::Arc;
 use std::time::Duration;

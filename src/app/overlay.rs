@@ -41,7 +41,7 @@ pub struct OverlayScene<'a> {
     /// The picture as it was last shown, with the pointer in it.
     pub seen: Option<&'a IndexMap>,
     pub pointer: Option<Vec2>,
-    /// A stroke is under way.
+    /// A stroke is in progress.
     pub stroking: bool,
     /// The lines of the solid being drawn.
     pub sketch: Option<Sketch>,

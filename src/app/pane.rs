@@ -48,7 +48,7 @@ pub struct Pane {
     layout: StereoLayout,
     /// The eye whose picture the pointer is in.
     pointing_eye: usize,
-    /// When the interface is to be redrawn without an event.
+    /// When the interface must be redrawn without an event.
     wake: Option<Instant>,
     /// Time of the request of a redraw that has not come.
     pending: Option<Instant>,
@@ -75,7 +75,7 @@ pub struct Frame {
 pub struct Interface {
     pub shapes: Vec<ClippedShape>,
     pub pixels_per_point: f32,
-    /// When the interface is to be redrawn without an event.
+    /// When the interface must be redrawn without an event.
     pub repaint_after: Duration,
     pub cursor: egui::CursorIcon,
 }
@@ -223,7 +223,7 @@ impl Pane {
         self.wake = wake;
     }
 
-    /// Returns when the pane is to be updated without an event.
+    /// Returns when the pane must be updated without an event.
     pub fn wake(&self) -> Option<Instant> {
         let unseen = self.pending.map(|since| since + UNSEEN_AFTER);
         self.wake.into_iter().chain(unseen).min()

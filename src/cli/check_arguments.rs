@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::print_check::CheckOptions;
 
-/// What is asked of a print.
+/// The requirements of a print.
 #[derive(Args, Debug, Clone)]
 pub struct CheckArgs {
     /// Thickness that all walls must have, in millimetres

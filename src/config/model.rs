@@ -66,7 +66,7 @@ impl JournalSettings {
         require_in(1..=1 << 24, "max_mib", self.max_mib, "must be 1 to 16777216 MiB")
     }
 
-    /// Returns the size from which on a journal is begun anew.
+    /// Returns the size at which a new journal is begun.
     pub fn max_bytes(&self) -> u64 {
         self.max_mib << 20
     }

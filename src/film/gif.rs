@@ -1,4 +1,4 @@
-//! Films as GIF: 256 colours a frame, chosen by the crate `gif` for each, and times in hundredths of a second.
+//! Films as GIF: 256 colours per frame, chosen by the crate `gif`, and times in hundredths of a second.
 //!
 //! Takes pictures one by one and writes each before it asks for the next.
 

@@ -1,9 +1,8 @@
 //! Actions: everything that a person can request, on any device.
 //!
-//! One table describes each [`Action`] once: its name in tables of keys, the way in which it is triggered, its heading
-//! in the controls window, its help and the words of other programs that find it. The enum, the list of all actions and
-//! their descriptions are made from that table; tools describe themselves. An action names a request; `app` executes
-//! it.
+//! One table describes each [`Action`] once: its name in tables of keys, its kind of trigger, its heading in the
+//! controls window, its help and the words of other programs that find it. The enum, the list of all actions and their
+//! descriptions are made from that table; tools describe themselves. An action names a request; `app` executes it.
 
 use super::draw_kind::DrawKind;
 use super::group::Group;
@@ -76,7 +75,7 @@ impl Side {
     }
 }
 
-/// The way of triggering an action.
+/// The kind of trigger of an action.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
     /// Once, by a key or a button of the interface.
@@ -185,7 +184,7 @@ actions! {
     Sculpt { "sculpt" Drag Pointer "Use the tool; beside the sculpture, rotate it" "carve draw"; }
     /// As `Sculpt`, with the inverted tool.
     SculptInverse { "sculpt-inverse" Drag Pointer "Use the tool inverted: add instead of cut, or the reverse" "invert opposite"; }
-    /// Smooths, whatever tool is selected.
+    /// Smooths, with any tool selected.
     SculptSmooth { "sculpt-smooth" Drag Pointer "Use the smooth brush, whatever the current tool" "relax"; }
     /// Picks the colour of the surface under the pointer.
     PickColour { "pick-colour" Drag Pointer "Pick the colour of the surface" "eyedropper pipette sample picker"; }
@@ -195,7 +194,7 @@ actions! {
     Flood { "flood" Tap Pointer "Recolour the patch of one colour under the pointer" "bucket fill flood paint colour"; }
     /// Uses the tool while held.
     Apply { "apply" Hold Pointer "Use the tool where it is" "stamp"; }
-    /// Cancels the running stroke, or closes what is open.
+    /// Cancels the running stroke, or closes the topmost window.
     Cancel { "cancel" Tap Pointer "Cancel the stroke, or close a window" "abort stop escape"; }
     TurnSculpture { "turn-sculpture" Drag Pointer "Rotate the sculpture" "turn orbit spin tumble free trackball view"; }
     PanSculpture { "pan-sculpture" Drag Pointer "Pan the sculpture" "move shift translate view"; }

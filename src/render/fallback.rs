@@ -12,7 +12,7 @@ use crate::document::Document;
 use crate::gpu::{GpuError, Recorder, Result};
 use crate::surface::IndexMap;
 
-/// A mode that could not draw, and the one that took its place.
+/// A mode that could not draw, and its replacement.
 #[derive(Debug)]
 pub struct Fallback {
     pub reason: GpuError,

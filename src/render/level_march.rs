@@ -2,8 +2,8 @@
 //! ([`super::beam`]), and writes the voxel nearest to the first place on the surface, with the normal there.
 //!
 //! Takes the device's copies of surface and normals and the rays of an eye; fills an [`IndexTarget`] that has normals.
-//! The device's twin of [`crate::shade::LevelSampler`]: maps are equal but for rounding. Always a fragment shader: it
-//! also computes parts of a picture, and devices need not support other ways to write such maps.
+//! The device's twin of [`crate::shade::LevelSampler`]: maps are equal except for rounding. Always a fragment shader:
+//! it also computes parts of a picture, and devices need not support other ways to write such maps.
 
 use std::sync::Arc;
 

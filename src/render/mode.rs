@@ -1,5 +1,4 @@
-//! Render modes: each is a sampling (who finds the voxel of a pixel) and a shading (who computes its
-//! colour).
+//! Render modes: each combines a sampling (which finds the voxel of a pixel) and a shading (which computes its colour).
 
 use serde::Deserialize;
 

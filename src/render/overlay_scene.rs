@@ -97,8 +97,8 @@ mod tests {
         let voxel_size = Vec3::new(1.0, 2.0, 0.5);
         let placed = primitive.in_grid(voxel_size);
         let grid_from_tool = grid_from_tool(&primitive, voxel_size);
-        // Points at a random place of tool space: the voxel around one is inside the tool as the
-        // point is inside the solid, but for points too near to the surface to tell.
+        // Points at a random place of tool space: the voxel around one is inside the tool if the point is inside the
+        // solid, except for points too near to the surface to tell.
         let mut told = 0;
         for i in 0..1000u32 {
             let unit =

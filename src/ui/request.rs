@@ -38,7 +38,7 @@ pub enum UiRequest {
     Study(PathBuf, ImportOptions),
     /// Check whether the sculpture can be printed.
     PrintCheck(CheckOptions),
-    /// Stop the long work under way, where it can be stopped.
+    /// Stop the long work, if it can be stopped.
     StopWork,
     /// A step of the calibration of the tracker.
     Calibrate(CalibrationStep),

@@ -63,7 +63,7 @@ enum State {
 
 impl Headset {
     /// Creates the headset. `send` is called on another thread with events for [`Headset::handle`], and returns whether
-    /// they are still wanted. `screenshots`: a folder for pictures of what the eyes see.
+    /// they are still wanted. `screenshots`: a folder for pictures of the eyes' views.
     pub fn new(
         settings: &HeadsetOptions,
         device: DeviceOptions,

@@ -46,8 +46,8 @@ pub fn curve(path_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<DrawnSoli
     Some(DrawnSolid::Tube { control_points: control_points(&thin, radii, edges) })
 }
 
-/// Returns a tube along a smooth curve through places (voxels), its radius changing evenly from the first to the last; none
-/// without a place.
+/// Returns a tube along a smooth curve through places (voxels), its radius changing evenly from the first to the last;
+/// `None` without a place.
 pub fn through(places_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<DrawnSolid> {
     let mut places: Vec<Vec3> = places_vx.iter().map(|p| *p * edges).collect();
     places.dedup_by(|a, b| a.distance(*b) < LEAST_STEP);

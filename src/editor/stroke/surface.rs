@@ -90,7 +90,7 @@ impl SurfaceStroke {
         }
     }
 
-    /// Returns the brush, or the one that the modifier turns it into, and its sense.
+    /// Returns the brush, or its counterpart with the modifier, and its sense.
     fn brush_and_sense(&self) -> (BrushId, f32) {
         let brush = self.options.brush();
         match brush.spec().inverse {

@@ -68,8 +68,8 @@ impl Board {
     }
 }
 
-/// The point under a ray, held still while the trigger is pulled, since pulling turns the hand. A ray that moves
-/// further drags.
+/// The point under a ray, held still while the trigger is pulled, since pulling turns the hand. A larger movement of
+/// the ray drags.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct Pointing {
     /// The ray of the last call.

@@ -1,5 +1,4 @@
-//! Errors of headsets, with messages that say what is missing, and whether another attempt makes
-//! sense.
+//! Errors of headsets, with messages that name the missing parts, and whether another attempt makes sense.
 
 use openxr as xr;
 use thiserror::Error;

@@ -14,7 +14,7 @@ pub struct Runtime {
     pub vulkan: bool,
 }
 
-/// Queries the installed runtime; the error says what is missing.
+/// Queries the installed runtime. The error names the missing part.
 pub fn probe() -> Result<Runtime, String> {
     // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
     // Vulkan loader is.

@@ -17,7 +17,7 @@ pub enum RoomOrigin {
     Local,
 }
 
-/// Returns the space of the room: the requested one, or the one that every runtime has.
+/// Returns the requested space of the room, or the default that every runtime has.
 pub(super) fn create_room_space<G: xr::Graphics>(
     session: &xr::Session<G>,
     origin: RoomOrigin,

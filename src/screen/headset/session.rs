@@ -181,7 +181,7 @@ impl XrSession {
         self.blending.request(option);
     }
 
-    /// Notes that the runtime has answered.
+    /// Records an answer of the runtime.
     pub fn note_response(&mut self) {
         self.responses.note();
     }

@@ -20,7 +20,7 @@ const MOST_PX: u32 = 8192;
 /// The largest preview, in points.
 const PREVIEW: [f32; 2] = [420.0, 300.0];
 const WIDTH: f32 = 400.0;
-/// Height of what is above and below the options, in points.
+/// Height of the parts above and below the options, in points.
 const BESIDE: f32 = 170.0;
 
 /// A picture in progress, shown by the thread that makes it.

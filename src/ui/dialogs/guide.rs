@@ -42,9 +42,9 @@ struct Step {
     actions: &'static [Action],
     /// Checks the sculpture, and the history since the step began.
     is_done: fn(&Document, u64) -> bool,
-    /// The box for the marker, for those who would rather type.
+    /// The box for the marker, for people who would rather type.
     marker: Option<fn(&Document) -> VoxelBox>,
-    /// The commands of the step, for those who would rather watch.
+    /// The commands of the step, for people who would rather watch.
     commands: Option<fn(&Document) -> Vec<Command>>,
 }
 

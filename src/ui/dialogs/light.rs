@@ -74,7 +74,8 @@ impl Dialog for LightWindow {
     }
 }
 
-/// Shows ambient light, highlights and shading quality. Returns true if the file of another matcap is to be chosen.
+/// Shows ambient light, highlights and shading quality. Returns true if the person wants to choose the file of another
+/// matcap.
 pub fn surface(ui: &mut Ui, view: &mut ViewState) -> bool {
     let looks = ui.scope(|ui| look::show(ui, view));
     spot::mark(&looks.response, Spot::Looks);

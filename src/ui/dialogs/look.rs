@@ -21,8 +21,8 @@ const COLUMNS: usize = 2;
 /// The width of the longest name, so that the columns are even.
 const BUTTON_WIDTH: f32 = 127.0;
 
-/// Shows buttons for all looks, and for the picture of the matcap if that is the look. Returns true if the file of
-/// another matcap is to be chosen.
+/// Shows buttons for all looks, and for the picture of the matcap if that is the look. Returns true if the person wants
+/// to choose the file of another matcap.
 pub fn show(ui: &mut Ui, view: &mut ViewState) -> bool {
     let pictures = pictures(ui, view.lighting());
     let light = &mut view.light;

@@ -16,7 +16,7 @@ use crate::ui::widgets::theme;
 const WIDTH: f32 = 460.0;
 /// Size of a picture, in points.
 const PICTURE: Vec2 = Vec2::new(128.0, 96.0);
-/// Height of what is above and below the list, in points.
+/// Height of the parts above and below the list, in points.
 const BESIDE: f32 = 170.0;
 
 /// The work left by one session.

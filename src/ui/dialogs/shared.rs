@@ -39,7 +39,7 @@ pub trait Dialog {
 /// The program as dialogs see it, the choices that they change directly, and their requests.
 pub struct Shared<'a> {
     pub context: &'a UiContext<'a>,
-    /// Long work is under way.
+    /// There is long work.
     pub is_busy: bool,
     pub view: &'a mut ViewState,
     pub references: &'a mut Vec<Reference>,

@@ -62,7 +62,7 @@ impl Toasts {
     }
 
     fn push(&mut self, tone: Tone, text: String) {
-        // A repeated message is shown once, anew.
+        // A repeated message is shown only once, as a new one.
         self.list.retain(|toast| toast.text != text);
         self.list.push(Toast { tone, text, until: None });
         let surplus = self.list.len().saturating_sub(MOST);
