@@ -5,7 +5,7 @@ use virtual_sculpture::sculpture::Limits;
 use virtual_sculpture::session::Session;
 
 use super::program::{Program, SETTINGS};
-use super::{LEFT, display, ready, shot};
+use super::{LEFT, display, ready, screenshot};
 
 #[test]
 fn a_changed_file_is_overwritten_only_after_the_question() {
@@ -29,25 +29,25 @@ fn a_changed_file_is_overwritten_only_after_the_question() {
     program.settle();
     let foreign = write(32);
 
-    let before = shot(&program, "changed-on-disk-0");
+    let before = screenshot(&program, "changed-on-disk-0");
     program.key(&["Control_L", "s"]);
     program.until("the question is shown", || {
         program.display().picture().differing(&before) > 100_000
     });
-    shot(&program, "changed-on-disk-1-asked");
+    screenshot(&program, "changed-on-disk-1-asked");
     assert_eq!(std::fs::read(&path).unwrap(), foreign);
     program.key(&["Escape"]);
-    shot(&program, "changed-on-disk-2-cancelled");
+    screenshot(&program, "changed-on-disk-2-cancelled");
     assert_eq!(std::fs::read(&path).unwrap(), foreign);
 
     program.key(&["Control_L", "s"]);
-    shot(&program, "changed-on-disk-3-asked-again");
+    screenshot(&program, "changed-on-disk-3-asked-again");
     // Save as, Overwrite, Reload, Cancel: two Tabs lead to the second button.
     for key in ["Tab", "Tab", "space"] {
         program.key(&[key]);
     }
     program.until("it is overwritten", || std::fs::read(&path).unwrap() != foreign);
-    shot(&program, "changed-on-disk-4-overwritten");
+    screenshot(&program, "changed-on-disk-4-overwritten");
     // Nothing is unsaved.
     program.close();
     let (status, output) = program.wait();

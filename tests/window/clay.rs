@@ -8,7 +8,7 @@ use virtual_sculpture::config::Config;
 use virtual_sculpture::session::Session;
 
 use super::program::{BUTTON, KEY, MOTION};
-use super::{LEFT, PICTURE, display, shot, start, tool_home};
+use super::{LEFT, PICTURE, display, screenshot, start, tool_home};
 
 /// On the front face, just below its upper edge in the middle.
 const TOP: [i16; 2] = [575, 172];
@@ -28,7 +28,7 @@ fn grabbed_clay_goes_along_with_the_pointer_as_one_step() {
     program.key(&["7"]);
     program.key(&["h"]);
     tool_home(&program);
-    let before = shot(&program, "clay-1-before").part(PICTURE);
+    let before = screenshot(&program, "clay-1-before").part(PICTURE);
     let device = |kind: u8, detail: u8, [x, y]: [i16; 2]| {
         program.display().device(kind, detail, [TOP[0] + x, TOP[1] + y]);
         program.settle();
@@ -36,30 +36,30 @@ fn grabbed_clay_goes_along_with_the_pointer_as_one_step() {
 
     // The upper edge of the block follows the pointer before the button is released.
     device(MOTION, 0, [0, 0]);
-    shot(&program, "clay-2-over-it");
+    screenshot(&program, "clay-2-over-it");
     device(BUTTON, LEFT, [0, 0]);
     device(MOTION, 0, [0, 20]);
-    let little = shot(&program, "clay-3-a-little").part(PICTURE);
+    let little = screenshot(&program, "clay-3-a-little").part(PICTURE);
     device(MOTION, 0, [20, 60]);
-    let far = shot(&program, "clay-4-far").part(PICTURE);
+    let far = screenshot(&program, "clay-4-far").part(PICTURE);
     assert!(little.differing(&far) > 1000, "{}", little.differing(&far));
     // Back where it was taken hold of, nothing is left of the way.
     device(MOTION, 0, [0, 0]);
     device(BUTTON + 1, LEFT, [0, 0]);
     program.leave_picture();
     tool_home(&program);
-    assert_eq!(before.differing(&shot(&program, "clay-5-back").part(PICTURE)), 0);
+    assert_eq!(before.differing(&screenshot(&program, "clay-5-back").part(PICTURE)), 0);
 
     // Once more in several steps: one undo takes it back, redo gives it again.
     let path = [[0, 0], [0, 15], [5, 30], [10, 45], [20, 60]];
     program.drag(LEFT, &path.map(|[x, y]| [TOP[0] + x, TOP[1] + y]));
     tool_home(&program);
-    let pulled = shot(&program, "clay-6-pulled").part(PICTURE);
+    let pulled = screenshot(&program, "clay-6-pulled").part(PICTURE);
     assert!(before.differing(&pulled) > 1500, "{}", before.differing(&pulled));
     program.key(&["Control_L", "z"]);
-    assert_eq!(before.differing(&shot(&program, "clay-7-undone").part(PICTURE)), 0);
+    assert_eq!(before.differing(&screenshot(&program, "clay-7-undone").part(PICTURE)), 0);
     program.key(&["Control_L", "y"]);
-    assert_eq!(pulled.differing(&shot(&program, "clay-8-redone").part(PICTURE)), 0);
+    assert_eq!(pulled.differing(&screenshot(&program, "clay-8-redone").part(PICTURE)), 0);
     program.key(&["Control_L", "z"]);
 
     // Escape lets go, and what the button still does then changes nothing.
@@ -71,12 +71,12 @@ fn grabbed_clay_goes_along_with_the_pointer_as_one_step() {
     device(BUTTON + 1, LEFT, [0, 50]);
     program.leave_picture();
     tool_home(&program);
-    assert_eq!(before.differing(&shot(&program, "clay-9-cancelled").part(PICTURE)), 0);
+    assert_eq!(before.differing(&screenshot(&program, "clay-9-cancelled").part(PICTURE)), 0);
 
     // Mirrored in x.
     program.key(&["1"]);
     program.drag(LEFT, &[[TOP[0] - 120, TOP[1]], [TOP[0] - 100, TOP[1] + 30]]);
-    shot(&program, "clay-10-mirrored");
+    screenshot(&program, "clay-10-mirrored");
     program.key(&["Control_L", "q"]);
     program.settle();
     program.leave_without_saving();
@@ -110,26 +110,26 @@ fn brushes_that_deform_are_chosen_in_the_toolbox_and_drawn_over_the_surface() {
     // A furrow along the front, with the modifier that inverts.
     program.click(INFLATE);
     tool_home(&program);
-    let before = shot(&program, "brush-1-before").part(UPPER);
+    let before = screenshot(&program, "brush-1-before").part(UPPER);
     program.display().device(KEY, program.display().keycode(CONTROL), [0, 0]);
     program.drag(LEFT, &[[440, 300], [500, 330], [560, 300], [640, 340]]);
     program.display().device(KEY + 1, program.display().keycode(CONTROL), [0, 0]);
     tool_home(&program);
-    let furrow = shot(&program, "brush-3-furrow").part(UPPER);
+    let furrow = screenshot(&program, "brush-3-furrow").part(UPPER);
     assert!(before.differing(&furrow) > 1500, "{}", before.differing(&furrow));
 
     // A part of it is filled up again, to the plane of the front.
     program.click(FILL);
-    shot(&program, "brush-4-fill");
+    screenshot(&program, "brush-4-fill");
     program.drag(LEFT, &[[740, 340], [680, 330], [600, 310]]);
     tool_home(&program);
-    let filled = shot(&program, "brush-5-filled").part(UPPER);
+    let filled = screenshot(&program, "brush-5-filled").part(UPPER);
     assert!(filled.differing(&furrow) > 500, "{}", filled.differing(&furrow));
     assert!(filled.differing(&before) < furrow.differing(&before));
     program.key(&["Control_L", "z"]);
-    assert_eq!(furrow.differing(&shot(&program, "brush-6-undone").part(UPPER)), 0);
+    assert_eq!(furrow.differing(&screenshot(&program, "brush-6-undone").part(UPPER)), 0);
     program.key(&["Control_L", "z"]);
-    assert_eq!(before.differing(&shot(&program, "brush-7-all-undone").part(UPPER)), 0);
+    assert_eq!(before.differing(&screenshot(&program, "brush-7-all-undone").part(UPPER)), 0);
     program.key(&["Control_L", "y"]);
     program.key(&["Control_L", "q"]);
     program.settle();
@@ -170,15 +170,15 @@ fn clay_is_drawn_creased_pinched_twisted_and_smeared() {
         };
         shift(key);
         tool_home(&program);
-        let before = shot(&program, &format!("brushes-{key}-before")).part(UPPER);
+        let before = screenshot(&program, &format!("brushes-{key}-before")).part(UPPER);
         invert(0);
         program.drag(LEFT, path);
         invert(1);
         tool_home(&program);
-        let after = shot(&program, &format!("brushes-{key}-done")).part(UPPER);
+        let after = screenshot(&program, &format!("brushes-{key}-done")).part(UPPER);
         assert!(before.differing(&after) > 300, "{key}: {}", before.differing(&after));
         program.key(&["Control_L", "z"]);
-        let undone = shot(&program, &format!("brushes-{key}-undone")).part(UPPER);
+        let undone = screenshot(&program, &format!("brushes-{key}-undone")).part(UPPER);
         assert_eq!(before.differing(&undone), 0, "{key}");
         program.key(&["Control_L", "y"]);
     };

@@ -13,7 +13,7 @@ use virtual_sculpture::config::Config;
 use virtual_sculpture::session::Session;
 
 use super::program::{Program, SETTINGS};
-use super::{LEFT, display, ready, shot};
+use super::{LEFT, display, ready, screenshot};
 
 /// A disk of its own; gone on drop.
 struct Disk {
@@ -117,14 +117,14 @@ fn on_a_full_disk_nothing_is_lost_and_nothing_half_written() {
 
     program.key(&["Control_L", "s"]);
     expect_failure(&program, "owl.vsc", "no space is left");
-    shot(&program, "full-disk-1-save");
+    screenshot(&program, "full-disk-1-save");
     command(&program, "save \"full/owl.stl\"");
     expect_failure(&program, "owl.stl", "no space is left");
     command(&program, "save \"full/owl.vox\"");
     expect_failure(&program, "owl.vox", "no space is left");
     program.key(&["F12"]);
     expect_failure(&program, "owl-1.png", "no space is left");
-    shot(&program, "full-disk-2-picture");
+    screenshot(&program, "full-disk-2-picture");
     assert_eq!(disk.names(), names);
     assert_eq!(std::fs::read(&path).unwrap(), owl);
 
@@ -132,7 +132,7 @@ fn on_a_full_disk_nothing_is_lost_and_nothing_half_written() {
     program.key(&["Control_L", "s"]);
     program.until("it is saved", || std::fs::read(&path).unwrap() != owl);
     program.settle();
-    shot(&program, "full-disk-3-saved");
+    screenshot(&program, "full-disk-3-saved");
     program.close();
     let (status, output) = program.wait();
     assert!(status.success(), "{output}");
@@ -152,7 +152,7 @@ fn on_a_write_protected_disk_work_goes_on_and_is_saved_elsewhere() {
     program.settle();
     program.key(&["Control_L", "s"]);
     expect_failure(&program, "owl.vsc", "the disk is write-protected");
-    shot(&program, "protected-disk-1");
+    screenshot(&program, "protected-disk-1");
     assert_eq!(disk.names(), BTreeSet::from(["owl.vsc".to_string()]));
     assert_eq!(std::fs::read(disk.folder.join("owl.vsc")).unwrap(), owl);
     command(&program, "save \"owl.vsc\"");
@@ -184,7 +184,7 @@ fn a_window_that_is_closed_while_pictures_are_made_leaves_no_half_file() {
         program.until("it is made", || program.display().picture().differing(&dialog) > 20_000);
         program.close();
         program.settle();
-        shot(&program, &format!("closed-while-{name}"));
+        screenshot(&program, &format!("closed-while-{name}"));
         program.leave_without_saving();
         let left: BTreeSet<_> = std::fs::read_dir(&home)
             .unwrap()

@@ -6,7 +6,7 @@ use virtual_sculpture::config::Config;
 use virtual_sculpture::session::Session;
 
 use super::program::{BUTTON, MOTION};
-use super::{LEFT, PICTURE, display, shot, start};
+use super::{LEFT, PICTURE, display, screenshot, start};
 
 #[test]
 fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
@@ -20,12 +20,12 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
     };
     // Draws, with a picture before the button is released, and gives that before it was pressed.
     let base = |name: &str, path: &[[i16; 2]]| {
-        let before = shot(&program, &format!("draw-{name}-0")).part(PICTURE);
+        let before = screenshot(&program, &format!("draw-{name}-0")).part(PICTURE);
         device(MOTION, 0, path[0]);
-        shot(&program, &format!("draw-{name}-1-before"));
+        screenshot(&program, &format!("draw-{name}-1-before"));
         device(BUTTON, LEFT, path[0]);
         path.iter().for_each(|at| device(MOTION, 0, *at));
-        let during = shot(&program, &format!("draw-{name}-2-during")).part(PICTURE);
+        let during = screenshot(&program, &format!("draw-{name}-2-during")).part(PICTURE);
         device(BUTTON + 1, LEFT, path[path.len() - 1]);
         assert!(before.differing(&during) > 100, "{name} shows nothing while it is drawn");
         before
@@ -34,7 +34,7 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
     let draw = |name: &str, path: &[[i16; 2]]| {
         let before = base(name, path);
         program.leave_picture();
-        let after = shot(&program, &format!("draw-{name}-3-after")).part(PICTURE);
+        let after = screenshot(&program, &format!("draw-{name}-3-after")).part(PICTURE);
         assert!(before.differing(&after) > 300, "{name} changes nothing");
     };
     let click = |at: [i16; 2]| {
@@ -49,10 +49,10 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
     base("box", &[[440, 540], [560, 600], [640, 590]]);
     // The pointer raises it, and a click ends it.
     device(MOTION, 0, [640, 540]);
-    let raised = shot(&program, "draw-box-4-raised").part(PICTURE);
+    let raised = screenshot(&program, "draw-box-4-raised").part(PICTURE);
     click([640, 540]);
     program.leave_picture();
-    let ended = shot(&program, "draw-box-5-ended").part(PICTURE);
+    let ended = screenshot(&program, "draw-box-5-ended").part(PICTURE);
     assert!(raised.differing(&ended) > 300, "a click makes the box");
     program.key(&["Alt_L", "w"]);
     let profile = [
@@ -76,14 +76,14 @@ fn drawn_solids_are_shown_while_they_are_drawn_and_recorded_as_commands() {
     program.key(&["Alt_L", "u"]);
     draw("mirrored", &[[400, 560], [420, 520], [440, 560], [460, 530]]);
     // Point by point, each seen with its image.
-    let before = shot(&program, "draw-points-0").part(PICTURE);
+    let before = screenshot(&program, "draw-points-0").part(PICTURE);
     [[420, 460], [470, 420], [500, 470]].iter().for_each(|at| click(*at));
     device(MOTION, 0, [530, 400]);
-    let during = shot(&program, "draw-points-1-during").part(PICTURE);
+    let during = screenshot(&program, "draw-points-1-during").part(PICTURE);
     assert!(before.differing(&during) > 300, "a curve by points is shown");
     program.key(&["Return"]);
     program.leave_picture();
-    let after = shot(&program, "draw-points-2-after").part(PICTURE);
+    let after = screenshot(&program, "draw-points-2-after").part(PICTURE);
     assert!(before.differing(&after) > 300, "Enter makes it");
     program.key(&["1"]);
     program.key(&["r"]);
@@ -131,13 +131,13 @@ fn letters_are_typed_in_the_panel_and_cut_into_a_face() {
     program.click([1150, 129]);
     program.key(&["Control_L", "a"]);
     ["m", "u", "g"].iter().for_each(|letter| program.key(&[letter]));
-    let before = shot(&program, "letters-1-typed").part(PICTURE);
+    let before = screenshot(&program, "letters-1-typed").part(PICTURE);
     program.drag(LEFT, &[[470, 380], [460, 400]]);
     program.leave_picture();
-    let after = shot(&program, "letters-2-cut").part(PICTURE);
+    let after = screenshot(&program, "letters-2-cut").part(PICTURE);
     assert!(before.differing(&after) > 500, "{}", before.differing(&after));
     program.key(&["Control_L", "z"]);
     program.leave_picture();
-    let undone = shot(&program, "letters-3-undone").part(PICTURE);
+    let undone = screenshot(&program, "letters-3-undone").part(PICTURE);
     assert_eq!(before.differing(&undone), 0, "all letters are one step");
 }

@@ -2,7 +2,7 @@
 
 use super::kills::{expect_back, states_of};
 use super::program::{BUTTON, MOTION, Program};
-use super::{LEFT, PICTURE, display, ready, shot, tool_home};
+use super::{LEFT, PICTURE, display, ready, screenshot, tool_home};
 
 fn start(display: &super::display::Display) -> (tempfile::TempDir, Program<'_>) {
     let folder = tempfile::tempdir().unwrap();
@@ -116,7 +116,7 @@ fn what_was_killed_is_recovered_in_the_next_window() {
     }
     program.key(&["Control_L", "z"]);
     tool_home(&program);
-    let worked = shot(&program, "recovery-1-work");
+    let worked = screenshot(&program, "recovery-1-work");
     program.until("all is in the journal", || {
         let states = states_of(&program.output());
         states.written > 0 && states.written == states.done.len()
@@ -124,23 +124,23 @@ fn what_was_killed_is_recovered_in_the_next_window() {
     let steps = states_of(&program.output());
     program.signal("-KILL");
     let (_, output) = program.wait();
-    shot_of(&display, "recovery-2-killed");
+    save_screenshot(&display, "recovery-2-killed");
     assert_eq!(states_of(&output).done.len(), steps.done.len());
     drop(program);
 
     let program = Program::start_with_states(&display, folder.path().to_path_buf(), |_| {});
     let program = ready(program);
-    let listed = shot(&program, "recovery-3-next-start");
+    let listed = screenshot(&program, "recovery-3-next-start");
     assert!(listed.part(PICTURE).differing(&worked.part(PICTURE)) > 10_000, "the list is shown");
     // The first button is that of the first session.
     program.key(&["Tab"]);
     program.key(&["space"]);
     program.settle();
     tool_home(&program);
-    let recovered = shot(&program, "recovery-4-recovered");
+    let recovered = screenshot(&program, "recovery-4-recovered");
     assert_eq!(recovered.part(ABOVE_MESSAGES).differing(&worked.part(ABOVE_MESSAGES)), 0);
     program.key(&["Control_L", "y"]);
-    let redone = shot(&program, "recovery-5-redone");
+    let redone = screenshot(&program, "recovery-5-redone");
     assert!(
         redone.part(ABOVE_MESSAGES).differing(&worked.part(ABOVE_MESSAGES)) > 500,
         "redo is there"
@@ -152,7 +152,7 @@ fn what_was_killed_is_recovered_in_the_next_window() {
 /// The picture without its lower edge, where messages are.
 const ABOVE_MESSAGES: [u32; 4] = [120, 50, 900, 600];
 
-fn shot_of(display: &super::display::Display, name: &str) {
+fn save_screenshot(display: &super::display::Display, name: &str) {
     display.sync();
     display.picture().save(name);
 }

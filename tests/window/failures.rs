@@ -1,7 +1,7 @@
 //! Failing calls of drivers and window systems: the program goes on, and shows the same picture afterwards.
 
 use super::program::Program;
-use super::{PICTURE, display, shot, tool_home};
+use super::{PICTURE, display, screenshot, tool_home};
 
 /// The failing call and its result (`VkResult`).
 const FAILURES: [(&str, &str); 6] = [
@@ -24,7 +24,7 @@ fn transient_failures_of_a_driver_are_survived() {
     program.settle();
     program.leave_picture();
     tool_home(&program);
-    let before = shot(&program, "faults-1-before").part(PICTURE);
+    let before = screenshot(&program, "faults-1-before").part(PICTURE);
     for (i, (call, result)) in FAILURES.into_iter().enumerate() {
         faults.set(&format!("{call} {}", code(result)));
         // A resize needs another swapchain and other pictures.
@@ -38,7 +38,7 @@ fn transient_failures_of_a_driver_are_survived() {
         program.until(result, || steps() > first + 2);
         faults.set("");
         program.resize([1280, 800]);
-        let after = shot(&program, &format!("faults-2-{i}")).part(PICTURE);
+        let after = screenshot(&program, &format!("faults-2-{i}")).part(PICTURE);
         assert_eq!(before.differing(&after), 0, "{call} {result}");
     }
     program.close();

@@ -7,7 +7,7 @@ use virtual_sculpture::command::text::parse_script;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::session::Session;
 
-use super::{LEFT, PICTURE, display, shot, start};
+use super::{LEFT, PICTURE, display, screenshot, start};
 
 // Swatches of the palette, in a window of 1280x800 with a solid selected.
 const STONE: [i16; 2] = [1085, 349];
@@ -40,7 +40,7 @@ fn a_house_is_built_with_mouse_and_keys() {
     press("Up", 16);
     program.click(STONE);
     keys(&["space"]);
-    shot(&program, "house-1-walls");
+    screenshot(&program, "house-1-walls");
     // The roof.
     keys(&["p"]);
     press("bracketright", 2);
@@ -56,7 +56,7 @@ fn a_house_is_built_with_mouse_and_keys() {
         program.key(&["Shift_L", "Up"]);
     }
     keys(&["space"]);
-    let built = shot(&program, "house-2-door").part(PICTURE);
+    let built = screenshot(&program, "house-2-door").part(PICTURE);
     // Windows with the mouse, where the pointer is over the wall; the centre of the picture is the
     // centre of the grid.
     keys(&["f"]);
@@ -71,7 +71,7 @@ fn a_house_is_built_with_mouse_and_keys() {
     program.drag(LEFT, &[[520, 250], [560, 250], [600, 250], [640, 250]]);
     program.key(&["5"]);
     keys(&["e"]);
-    let finished = shot(&program, "house-3-finished").part(PICTURE);
+    let finished = screenshot(&program, "house-3-finished").part(PICTURE);
     assert!(built.differing(&finished) > 5000);
 
     program.key(&["Control_L", "q"]);

@@ -11,7 +11,7 @@ use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Limits, Material, R
 
 use super::display::Picture;
 use super::program::{Program, SETTINGS};
-use super::{LEFT, display_of, ready, shot};
+use super::{LEFT, display_of, ready, screenshot};
 
 /// A ball of density 120 with a core of 220 in a haze, in voxels that are two millimetres high.
 fn scan(path: &Path) {
@@ -53,21 +53,21 @@ fn a_scan_from_the_file_dialog_is_shown_and_opened() {
         let window = format!("[window]\ntheme = \"{theme}\"\nsize = {size:?}\n");
         let settings = SETTINGS.replace("[window]\n", &window);
         let program = ready(Program::start_in(&display, folder, &[], &settings));
-        let before = shot(&program, &format!("import-{theme}-0"));
+        let before = screenshot(&program, &format!("import-{theme}-0"));
         program.key(&["Control_L", "o"]);
-        shot(&program, &format!("import-{theme}-1-files"));
+        screenshot(&program, &format!("import-{theme}-1-files"));
         program.key(&["Down"]);
         program.settle();
         program.key(&["Return"]);
         program.until("the slices are shown", || {
             clay(&program.display().picture()) > clay(&before) + 2000
         });
-        let shown = shot(&program, &format!("import-{theme}-2-shown"));
+        let shown = screenshot(&program, &format!("import-{theme}-2-shown"));
         // The upper threshold is dragged over the core.
         let [width, height] = size.map(|side| side as i16);
         let (x, y) = (width / 3, height / 2 + 70);
         program.drag(LEFT, &[[x, y], [x + 40, y], [x + 60, y]]);
-        let dragged = shot(&program, &format!("import-{theme}-3-dragged"));
+        let dragged = screenshot(&program, &format!("import-{theme}-3-dragged"));
         assert!(clay(&dragged) + 300 < clay(&shown), "less exists");
         program.key(&["Return"]);
         program.until("it is opened", || {
@@ -75,7 +75,7 @@ fn a_scan_from_the_file_dialog_is_shown_and_opened() {
                 program.display().picture().differing(&dragged) > 50_000
             }
         });
-        let opened = shot(&program, &format!("import-{theme}-4-opened"));
+        let opened = screenshot(&program, &format!("import-{theme}-4-opened"));
         assert!(opened.differing(&before) > 5000);
         program.close();
         program.expect_clean_exit();
@@ -126,7 +126,7 @@ fn a_voxel_model_from_the_file_dialog_is_shown_turned_and_opened() {
         };
         picture.pixels().iter().filter(|rgb| is_green(rgb)).count()
     };
-    let before = shot(&program, "import-model-0");
+    let before = screenshot(&program, "import-model-0");
     program.key(&["Control_L", "o"]);
     program.settle();
     program.key(&["Down"]);
@@ -135,14 +135,14 @@ fn a_voxel_model_from_the_file_dialog_is_shown_turned_and_opened() {
     program.until("the model is shown", || {
         green(&program.display().picture()) > green(&before) + 2000
     });
-    let shown = shot(&program, "import-model-1-shown");
+    let shown = screenshot(&program, "import-model-1-shown");
     let (x, y) = (480, 400);
     program.drag(LEFT, &[[x, y], [x + 60, y + 20], [x + 110, y + 40]]);
-    let turned = shot(&program, "import-model-2-turned");
+    let turned = screenshot(&program, "import-model-2-turned");
     assert!(turned.differing(&shown) > 2000);
     program.key(&["Return"]);
     program.until("it is opened", || program.display().picture().differing(&turned) > 50_000);
-    let opened = shot(&program, "import-model-3-opened");
+    let opened = screenshot(&program, "import-model-3-opened");
     assert!(green(&opened) > green(&before) + 2000);
     program.close();
     program.expect_clean_exit();

@@ -4,7 +4,7 @@ use virtual_sculpture::config::Config;
 use virtual_sculpture::session::{FileAccess, Session};
 
 use super::program::{Program, SETTINGS};
-use super::{LEFT, display, ready, shot};
+use super::{LEFT, display, ready, screenshot};
 
 #[test]
 fn a_file_that_is_open_elsewhere_is_not_overwritten() {
@@ -20,7 +20,7 @@ fn a_file_that_is_open_elsewhere_is_not_overwritten() {
 
     let name = path.to_str().unwrap();
     let program = ready(Program::start_in(&display, folder.clone(), &[name], SETTINGS));
-    let asked = shot(&program, "in-use-1-asked");
+    let asked = screenshot(&program, "in-use-1-asked");
     // Open a copy, Read only: two Tabs lead to the second button.
     for key in ["Tab", "Tab", "space"] {
         program.key(&[key]);
@@ -29,10 +29,10 @@ fn a_file_that_is_open_elsewhere_is_not_overwritten() {
         program.display().picture().differing(&asked) > 100_000
     });
     program.drag(LEFT, &[[560, 400], [600, 400], [640, 400]]);
-    let before = shot(&program, "in-use-2-carved");
+    let before = screenshot(&program, "in-use-2-carved");
     program.key(&["Control_L", "s"]);
     program
         .until("a name is asked for", || program.display().picture().differing(&before) > 100_000);
-    shot(&program, "in-use-3-name");
+    screenshot(&program, "in-use-3-name");
     assert_eq!(std::fs::read(&path).unwrap(), bytes);
 }

@@ -2,7 +2,7 @@
 //! empty clipboard.
 
 use super::program::{Program, REFINED};
-use super::{PICTURE, display, shot, tool_home};
+use super::{PICTURE, display, screenshot, tool_home};
 
 fn start<'a>(display: &'a super::Display, theme: &str) -> Program<'a> {
     let program = Program::start_themed(display, theme);
@@ -28,47 +28,47 @@ fn a_key_is_changed_used_and_saved_and_the_palette_runs_a_command() {
     let display = display();
     let program = start(&display, "dark");
     tool_home(&program);
-    let before = shot(&program, "keys-0-before").part(PICTURE);
+    let before = screenshot(&program, "keys-0-before").part(PICTURE);
 
     // Bind "clear" to J: filter for it, then its + button.
     program.key(&["F1"]);
-    shot(&program, "keys-1-table-dark");
+    screenshot(&program, "keys-1-table-dark");
     program.click(FILTER);
     write(&program, "delete every");
-    shot(&program, "keys-2-filtered");
+    screenshot(&program, "keys-2-filtered");
     program.click(ADD);
-    shot(&program, "keys-3-listening");
+    screenshot(&program, "keys-3-listening");
     program.key(&["j"]);
-    shot(&program, "keys-4-added");
+    screenshot(&program, "keys-4-added");
     program.click(ADD);
     program.key(&["Control_L", "z"]);
-    shot(&program, "keys-5-conflict");
+    screenshot(&program, "keys-5-conflict");
     program.key(&["Escape"]);
     program.settle();
     program.key(&["Escape"]);
     program.settle();
     tool_home(&program);
-    assert_eq!(before.differing(&shot(&program, "keys-6-closed").part(PICTURE)), 0);
+    assert_eq!(before.differing(&screenshot(&program, "keys-6-closed").part(PICTURE)), 0);
     let kept = program.folder().join(".config/virtual-sculpture/bindings.toml");
     let text = std::fs::read_to_string(kept).unwrap();
     assert!(text.contains("clear = [\"ctrl+delete\", \"j\"]"), "{text}");
 
     program.key(&["j"]);
-    let cleared = shot(&program, "keys-7-cleared").part(PICTURE);
+    let cleared = screenshot(&program, "keys-7-cleared").part(PICTURE);
     assert!(before.differing(&cleared) > 20_000, "the new key clears");
     program.key(&["Control_L", "z"]);
-    assert_eq!(before.differing(&shot(&program, "keys-8-undone").part(PICTURE)), 0);
+    assert_eq!(before.differing(&screenshot(&program, "keys-8-undone").part(PICTURE)), 0);
 
     program.key(&["Control_L", "p"]);
-    shot(&program, "keys-9-palette-dark");
+    screenshot(&program, "keys-9-palette-dark");
     write(&program, "subtract cuboid at=48,48,88 half=");
-    shot(&program, "keys-10-palette-error");
+    screenshot(&program, "keys-10-palette-error");
     write(&program, "16");
-    shot(&program, "keys-11-palette-command");
+    screenshot(&program, "keys-11-palette-command");
     program.key(&["Return"]);
     program.settle();
     tool_home(&program);
-    let cut = shot(&program, "keys-12-cut").part(PICTURE);
+    let cut = screenshot(&program, "keys-12-cut").part(PICTURE);
     assert!(before.differing(&cut) > 1000, "the typed command was run");
     program.close();
     program.leave_without_saving();
@@ -79,10 +79,10 @@ fn copies_are_pasted_by_key_with_an_empty_clipboard() {
     let display = display();
     let program = start(&display, "light");
     program.key(&["F1"]);
-    shot(&program, "keys-20-table-light");
+    screenshot(&program, "keys-20-table-light");
     program.key(&["Escape"]);
     program.key(&["F3"]);
-    shot(&program, "keys-21-palette-light");
+    screenshot(&program, "keys-21-palette-light");
     write(&program, "mark at=40,40,80 size=16,16,16");
     program.key(&["Return"]);
     program.settle();
@@ -90,10 +90,10 @@ fn copies_are_pasted_by_key_with_an_empty_clipboard() {
     program.key(&["Control_L", "c"]);
     program.key(&["Delete"]);
     program.settle();
-    let gone = shot(&program, "keys-22-gone").part(PICTURE);
+    let gone = screenshot(&program, "keys-22-gone").part(PICTURE);
     program.key(&["Control_L", "v"]);
     program.settle();
-    let pasted = shot(&program, "keys-23-pasted").part(PICTURE);
+    let pasted = screenshot(&program, "keys-23-pasted").part(PICTURE);
     assert!(gone.differing(&pasted) > 300, "Ctrl+V pastes");
     program.close();
     program.leave_without_saving();
@@ -110,9 +110,9 @@ fn a_picture_of_the_view_is_saved_by_key_without_tool_and_lines() {
     program.leave_picture();
     program.settle();
     tool_home(&program);
-    let before = shot(&program, "keys-30-before");
+    let before = screenshot(&program, "keys-30-before");
     program.key(&["F12"]);
-    shot(&program, "keys-31-saved");
+    screenshot(&program, "keys-31-saved");
     // Pictures of a sculpture without a file go to the person's folder of pictures.
     let saved = image::open(program.folder().join("sculpture-1.png")).unwrap().to_rgb8();
     let [_, _, width, height] = PICTURE;

@@ -1,7 +1,7 @@
 //! Light and ground in the window: the ground with its lines, smooth edges, and the window of lights in both themes.
 
 use super::program::{Program, SETTINGS};
-use super::{display, shot, tool_home};
+use super::{display, screenshot, tool_home};
 
 /// The picture of the sculpture without the lower part, in which messages are shown.
 const UPPER: [u32; 4] = [120, 50, 900, 520];
@@ -18,14 +18,14 @@ fn the_ground_and_the_window_of_lights_are_shown_in_both_themes() {
         program.leave_picture();
         program.settle();
         tool_home(&program);
-        let start = shot(&program, &format!("light-{theme}-10-start"));
+        let start = screenshot(&program, &format!("light-{theme}-10-start"));
         program.key(&["Control_L", "Alt_L", "g"]);
-        let ground = shot(&program, &format!("light-{theme}-11-ground"));
+        let ground = screenshot(&program, &format!("light-{theme}-11-ground"));
         assert!(start.part(LOWER).differing(&ground.part(LOWER)) > 15_000, "{theme}: no ground");
         program.click([755, 17]);
         // On a busy machine it takes some pictures until the window has its size.
         let shown = (0..50).any(|_| {
-            let lights = shot(&program, &format!("light-{theme}-12-lights"));
+            let lights = screenshot(&program, &format!("light-{theme}-12-lights"));
             ground.part(LIGHTS).differing(&lights.part(LIGHTS)) > 40_000
         });
         assert!(shown, "{theme}: no lights");
@@ -43,7 +43,7 @@ fn smooth_edges_differ_at_outlines_alone() {
         program.leave_picture();
         program.settle();
         tool_home(&program);
-        let picture = shot(&program, &format!("light-20-edges-{edges}"));
+        let picture = screenshot(&program, &format!("light-20-edges-{edges}"));
         program.close();
         picture
     });

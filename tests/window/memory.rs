@@ -1,7 +1,7 @@
 //! State kept between runs: the program is used, closed and started again, and looks as before.
 
 use super::program::{Program, SETTINGS};
-use super::{LEFT, display_of, shot};
+use super::{LEFT, display_of, screenshot};
 
 /// Room for the main window and that of a panel.
 const SCREEN: [u32; 2] = [1700, 800];
@@ -16,7 +16,7 @@ fn the_program_restores_its_state() {
     program.leave_picture();
     program.settle();
     let folder = program.folder().to_path_buf();
-    shot(&program, "memory-0-first");
+    screenshot(&program, "memory-0-first");
     program.resize([1100, 720]);
     program.key(&["c"]);
     program.key(&["t"]);
@@ -25,7 +25,7 @@ fn the_program_restores_its_state() {
     program.place_panel("History", HISTORY);
     program.key(&["Control_L", "equal"]);
     display.device(6, 0, NOWHERE);
-    let left = shot(&program, "memory-1-left");
+    let left = screenshot(&program, "memory-1-left");
     program.key(&["Control_L", "q"]);
     program.expect_clean_exit();
     let kept = folder.join(".local/state/virtual-sculpture/state.toml");
@@ -37,7 +37,7 @@ fn the_program_restores_its_state() {
     assert_eq!(program.size(), [1100, 720]);
     assert_eq!(program.panel_place("History"), HISTORY);
     display.device(6, 0, NOWHERE);
-    let again = shot(&program, "memory-2-again");
+    let again = screenshot(&program, "memory-2-again");
     // The same picture of the sculpture with the same tool.
     let sculpture = [140, 60, 660, 600];
     assert_eq!(left.part(sculpture).differing(&again.part(sculpture)), 0);

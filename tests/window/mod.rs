@@ -71,7 +71,7 @@ fn tool_home(program: &Program) {
     program.settle();
 }
 
-fn shot(program: &Program, name: &str) -> Picture {
+fn screenshot(program: &Program, name: &str) -> Picture {
     program.settle();
     let picture = program.display().picture();
     picture.save(name);
@@ -83,33 +83,33 @@ fn a_stroke_changes_the_picture_and_undo_restores_it() {
     let display = display();
     let program = ready(Program::start(&display, &[]));
     tool_home(&program);
-    let before = shot(&program, "1-before").part(PICTURE);
+    let before = screenshot(&program, "1-before").part(PICTURE);
     let colours = before.colours();
     assert!(colours > 50, "only {colours} colours: is there a picture?");
 
     program.drag(LEFT, &[[430, 380], [470, 400], [520, 410], [560, 400]]);
     tool_home(&program);
-    let after = shot(&program, "2-after-a-stroke").part(PICTURE);
+    let after = screenshot(&program, "2-after-a-stroke").part(PICTURE);
     let changed = before.differing(&after);
     assert!(changed > 1500, "the stroke changed {changed} pixels");
 
     program.key(&["Control_L", "z"]);
-    let undone = shot(&program, "3-undone").part(PICTURE);
+    let undone = screenshot(&program, "3-undone").part(PICTURE);
     assert_eq!(before.differing(&undone), 0, "undo restores the picture");
     program.key(&["Control_L", "y"]);
-    let redone = shot(&program, "4-redone").part(PICTURE);
+    let redone = screenshot(&program, "4-redone").part(PICTURE);
     assert_eq!(after.differing(&redone), 0, "redo restores the stroke");
 
     // Painting and the other render modes.
     program.key(&["g"]);
     program.drag(LEFT, &[[640, 250], [700, 260]]);
     tool_home(&program);
-    let slicing = shot(&program, "5-painted-slicing").part(PICTURE);
+    let slicing = screenshot(&program, "5-painted-slicing").part(PICTURE);
     assert!(redone.differing(&slicing) > 500);
     program.key(&["m"]);
-    let ray = shot(&program, "6-ray-caster").part(PICTURE);
+    let ray = screenshot(&program, "6-ray-caster").part(PICTURE);
     program.key(&["m"]);
-    let quickstep = shot(&program, "7-quickstep").part(PICTURE);
+    let quickstep = screenshot(&program, "7-quickstep").part(PICTURE);
     // The samplers may differ along silhouettes only.
     let pixels = PICTURE[2] * PICTURE[3];
     for other in [&ray, &quickstep] {
@@ -120,7 +120,7 @@ fn a_stroke_changes_the_picture_and_undo_restores_it() {
 
     // Closing asks, since the sculpture is not saved.
     program.close();
-    let asked = shot(&program, "8-save-before-leaving");
+    let asked = screenshot(&program, "8-save-before-leaving");
     assert!(asked.differing(&redone.clone().on(&asked, PICTURE)) > 1000, "the question is shown");
     assert!(program.is_running());
     program.key(&["Escape"]);
@@ -136,22 +136,22 @@ fn the_view_rotates_pans_and_zooms_and_home_resets_it() {
     let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
-    let before = shot(&program, "view-1-home").part(PICTURE);
+    let before = screenshot(&program, "view-1-home").part(PICTURE);
     program.drag(RIGHT, &[[500, 400], [600, 420], [700, 440]]);
-    let rotated = shot(&program, "view-2-rotated").part(PICTURE);
+    let rotated = screenshot(&program, "view-2-rotated").part(PICTURE);
     assert!(before.differing(&rotated) > 20_000);
     program.drag(MIDDLE, &[[500, 400], [560, 360]]);
-    let panned = shot(&program, "view-3-panned").part(PICTURE);
+    let panned = screenshot(&program, "view-3-panned").part(PICTURE);
     assert!(rotated.differing(&panned) > 10_000);
     program.wheel([500, 400], 3);
-    let zoomed = shot(&program, "view-4-zoomed").part(PICTURE);
+    let zoomed = screenshot(&program, "view-4-zoomed").part(PICTURE);
     assert!(panned.differing(&zoomed) > 10_000);
     program.drag(LEFT, &[[140, 70], [190, 80]]);
-    let beside = shot(&program, "view-5-rotated-beside").part(PICTURE);
+    let beside = screenshot(&program, "view-5-rotated-beside").part(PICTURE);
     assert!(zoomed.differing(&beside) > 10_000, "a drag beside the sculpture rotates it");
     program.key(&["Home"]);
     tool_home(&program);
-    let home = shot(&program, "view-6-home-again").part(PICTURE);
+    let home = screenshot(&program, "view-6-home-again").part(PICTURE);
     assert_eq!(before.differing(&home), 0);
     program.close();
     program.expect_clean_exit();
@@ -162,15 +162,15 @@ fn the_window_is_resized_minimised_and_restored() {
     let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
-    let before = shot(&program, "size-1-before");
+    let before = screenshot(&program, "size-1-before");
     for (i, size) in [[800, 600], [1000, 700], [640, 480], [333, 222], [40, 30]].iter().enumerate()
     {
         program.resize(*size);
-        shot(&program, &format!("size-2-{i}-{}x{}", size[0], size[1]));
+        screenshot(&program, &format!("size-2-{i}-{}x{}", size[0], size[1]));
         assert!(program.is_running(), "{size:?}");
     }
     program.resize([1280, 800]);
-    let back = shot(&program, "size-3-back");
+    let back = screenshot(&program, "size-3-back");
     // The status line shows another time of the last picture.
     assert_eq!(before.part(PICTURE).differing(&back.part(PICTURE)), 0);
 
@@ -181,7 +181,7 @@ fn the_window_is_resized_minimised_and_restored() {
     let drawn = program.pictures() - pictures;
     assert!(drawn <= 5, "{drawn} pictures in a second of a hidden window");
     program.show();
-    let restored = shot(&program, "size-4-restored");
+    let restored = screenshot(&program, "size-4-restored");
     assert_eq!(before.part(PICTURE).differing(&restored.part(PICTURE)), 0);
 
     // An idle program draws nothing.
@@ -195,7 +195,7 @@ fn the_window_is_resized_minimised_and_restored() {
         program.resize([700 + 25 * i, 500 + 13 * i]);
     }
     program.resize([1280, 800]);
-    let back = shot(&program, "size-5-after-many");
+    let back = screenshot(&program, "size-5-after-many");
     assert_eq!(before.part(PICTURE).differing(&back.part(PICTURE)), 0);
     program.close();
     program.expect_clean_exit();
@@ -206,7 +206,7 @@ fn every_window_opens_by_key_and_closes_by_escape() {
     let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
-    let before = shot(&program, "panels-0-none").part(PICTURE);
+    let before = screenshot(&program, "panels-0-none").part(PICTURE);
     for (name, keys) in [
         ("help", &["F1"][..]),
         ("new", &["Control_L", "n"]),
@@ -216,7 +216,7 @@ fn every_window_opens_by_key_and_closes_by_escape() {
         ("save-as", &["Control_L", "Shift_L", "s"]),
     ] {
         program.key(keys);
-        let open = shot(&program, &format!("panels-{name}")).part(PICTURE);
+        let open = screenshot(&program, &format!("panels-{name}")).part(PICTURE);
         assert!(before.differing(&open) > 10_000, "{name} is shown");
         // The first Escape leaves a text field, the second closes the window.
         program.key(&["Escape"]);
@@ -224,7 +224,7 @@ fn every_window_opens_by_key_and_closes_by_escape() {
         if before.differing(&program.display().picture().part(PICTURE)) > 0 {
             program.key(&["Escape"]);
         }
-        let closed = shot(&program, &format!("panels-{name}-closed")).part(PICTURE);
+        let closed = screenshot(&program, &format!("panels-{name}-closed")).part(PICTURE);
         assert_eq!(before.differing(&closed), 0, "{name} is closed");
     }
     program.close();

@@ -1,7 +1,7 @@
 //! Panels in windows of their own, and the scale of text and buttons.
 
 use super::program::Program;
-use super::{LEFT, display_of, shot, tool_home};
+use super::{LEFT, display_of, screenshot, tool_home};
 
 /// Space for the main window, at the left, and windows of panels beside it.
 const SCREEN: [u32; 2] = [1700, 800];
@@ -29,13 +29,13 @@ fn a_detached_toolbox_works_with_the_main_window_and_docks() {
     let display = display_of(SCREEN);
     let program = start(&display, "dark");
     tool_home(&program);
-    let docked = shot(&program, "detached-0-docked");
+    let docked = screenshot(&program, "detached-0-docked");
 
     program.click(DETACH_TOOLBOX);
     assert!(program.has_window("Toolbox"));
     program.place_panel("Toolbox", TOOLBOX);
     display.device(6, 0, NOWHERE);
-    let detached = shot(&program, "detached-1-toolbox");
+    let detached = screenshot(&program, "detached-1-toolbox");
     assert!(detached.part(TOOLBOX).colours() > 20, "the toolbox is shown in its window");
     let column = [0, 70, 70, 380];
     assert!(
@@ -46,7 +46,7 @@ fn a_detached_toolbox_works_with_the_main_window_and_docks() {
     // A tool selected there is used in the main window.
     program.click(CUBOID);
     display.device(6, 0, NOWHERE);
-    let cuboid = shot(&program, "detached-2-cuboid");
+    let cuboid = screenshot(&program, "detached-2-cuboid");
     assert!(detached.part(PICTURE).differing(&cuboid.part(PICTURE)) > 100);
     assert!(detached.part(TOOLBOX).differing(&cuboid.part(TOOLBOX)) > 1000);
 
@@ -55,19 +55,19 @@ fn a_detached_toolbox_works_with_the_main_window_and_docks() {
     program.drag(LEFT, &[[430, 380], [470, 400], [520, 410]]);
     display.device(6, 0, NOWHERE);
     tool_home(&program);
-    let cut = shot(&program, "detached-3-cut").part(PICTURE);
+    let cut = screenshot(&program, "detached-3-cut").part(PICTURE);
     assert!(cuboid.part(PICTURE).differing(&cut) > 1500);
     program.key_in_panel("Toolbox", &["Control_L", "z"]);
-    let undone = shot(&program, "detached-4-undone");
+    let undone = screenshot(&program, "detached-4-undone");
     assert_eq!(cuboid.part(PICTURE).differing(&undone.part(PICTURE)), 0);
     program.key(&["e"]);
-    let ball = shot(&program, "detached-5-ball");
+    let ball = screenshot(&program, "detached-5-ball");
     assert_eq!(detached.part(TOOLBOX).differing(&ball.part(TOOLBOX)), 0);
 
     // A resized window is filled to its edges.
     let large = [1300, 20, 250, 700];
     program.place_panel("Toolbox", large);
-    let resized = shot(&program, "detached-6-resized");
+    let resized = screenshot(&program, "detached-6-resized");
     let corner = resized.part([1540, 700, 8, 18]);
     assert_eq!(corner.colours(), 1);
     assert_eq!(corner.differing(&resized.part([1302, 22, 8, 18])), 0, "the panel's background");
@@ -76,7 +76,7 @@ fn a_detached_toolbox_works_with_the_main_window_and_docks() {
         program.settle();
     }
     program.place_panel("Toolbox", large);
-    let again = shot(&program, "detached-7-resized-again");
+    let again = screenshot(&program, "detached-7-resized-again");
     assert_eq!(resized.part(large).differing(&again.part(large)), 0);
 
     // An idle program draws in neither window.
@@ -85,7 +85,7 @@ fn a_detached_toolbox_works_with_the_main_window_and_docks() {
     assert!(program.pictures() - pictures <= 1);
 
     program.close_panel("Toolbox");
-    let back = shot(&program, "detached-8-back");
+    let back = screenshot(&program, "detached-8-back");
     assert!(!program.has_window("Toolbox"));
     let toolbox = [0, 36, 115, 730];
     assert_eq!(docked.part(toolbox).differing(&back.part(toolbox)), 0);
@@ -97,7 +97,7 @@ fn a_detached_toolbox_works_with_the_main_window_and_docks() {
     program.key_in_panel("Toolbox", &["space"]);
     program.settle();
     program.key_in_panel("Toolbox", &["Control_L", "q"]);
-    shot(&program, "detached-9-leaving");
+    screenshot(&program, "detached-9-leaving");
     program.leave_without_saving();
 }
 
@@ -109,14 +109,14 @@ fn the_window_stays_responsive_while_a_large_sculpture_is_saved() {
     let program = Program::start_with(&display, &[], settings);
     program.leave_picture();
     program.settle();
-    let before = shot(&program, "saving-0-before").part(PICTURE);
+    let before = screenshot(&program, "saving-0-before").part(PICTURE);
     program.key(&["g"]);
     program.click([500, 400]);
     program.leave_picture();
-    let error = shot(&program, "saving-0-error").part(PICTURE);
+    let error = screenshot(&program, "saving-0-error").part(PICTURE);
     assert!(before.differing(&error) > 1000, "painting without colours is an error message");
     program.key(&["Control_L", "s"]);
-    let dialog = shot(&program, "saving-1-dialog");
+    let dialog = screenshot(&program, "saving-1-dialog");
     program.key(&["Return"]);
     display.picture().save("saving-2-bar");
     program.close();
@@ -141,26 +141,26 @@ fn all_panels_are_detached_in_the_light_theme_and_scaled_together() {
     program.place_panel("Options", [1410, 10, 280, 780]);
     program.place_panel("History", [1000, 480, 270, 280]);
     display.device(6, 0, NOWHERE);
-    let usual = shot(&program, "detached-light-1");
+    let usual = screenshot(&program, "detached-light-1");
     assert!(["Toolbox", "Options", "History"].iter().all(|title| program.has_window(title)));
 
     program.key_in_panel("Options", &["Control_L", "minus"]);
     program.key_in_panel("History", &["Control_L", "minus"]);
     program.key(&["Control_L", "minus"]);
-    let small = shot(&program, "detached-light-2-small");
+    let small = screenshot(&program, "detached-light-2-small");
     for part in [[1290, 10, 110, 480], [1410, 10, 280, 780], [1000, 480, 270, 280], [0, 0, 900, 34]]
     {
         assert!(usual.part(part).differing(&small.part(part)) > 200, "{part:?}");
     }
     program.key_in_panel("Toolbox", &["Control_L", "0"]);
-    let reset = shot(&program, "detached-light-3-reset");
+    let reset = screenshot(&program, "detached-light-3-reset");
     for part in [[1290, 10, 110, 480], [1410, 10, 280, 780], [1000, 480, 270, 280]] {
         assert_eq!(usual.part(part).differing(&reset.part(part)), 0, "{part:?}");
     }
     program.key_in_panel("Options", &["Control_L", "s"]);
-    shot(&program, "detached-light-4-modal");
+    screenshot(&program, "detached-light-4-modal");
     program.key(&["Return"]);
-    shot(&program, "detached-light-5-saved");
+    screenshot(&program, "detached-light-5-saved");
     // Quitting with detached panels.
     program.key_in_panel("Toolbox", &["Control_L", "q"]);
     program.expect_clean_exit();

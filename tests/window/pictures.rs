@@ -1,7 +1,7 @@
 //! Pictures in the window: a final one, shown while it is traced and given up by Escape, and one that is pasted.
 
 use super::display::Picture;
-use super::{Program, display, shot, start, tool_home};
+use super::{Program, display, screenshot, start, tool_home};
 
 /// Where the picture in progress is shown.
 const PREVIEW: [u32; 4] = [430, 200, 420, 400];
@@ -28,11 +28,11 @@ fn a_final_picture_is_shown_while_it_is_traced_and_escape_gives_it_up() {
     let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
-    let before = shot(&program, "final-1-before");
+    let before = screenshot(&program, "final-1-before");
     assert_eq!(brighter(&before.part(BESIDE), 120), 90 * 200);
     let before = before.part(UPPER);
     program.key(&["Shift_L", "F12"]);
-    let dialog = shot(&program, "final-2-dialog");
+    let dialog = screenshot(&program, "final-2-dialog");
     let dialog = lit(&dialog.part(PREVIEW));
     program.key(&["Return"]);
     program.until("the picture in progress is shown", || {
@@ -42,7 +42,7 @@ fn a_final_picture_is_shown_while_it_is_traced_and_escape_gives_it_up() {
     });
     now(&program).save("final-3-in-progress");
     program.key(&["Escape"]);
-    let after = shot(&program, "final-4-cancelled").part(UPPER);
+    let after = screenshot(&program, "final-4-cancelled").part(UPPER);
     assert_eq!(before.differing(&after), 0);
     program.close();
     program.expect_clean_exit();
@@ -53,10 +53,10 @@ fn a_copied_picture_is_pasted_as_a_reference() {
     let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
-    let before = shot(&program, "paste-0-before");
+    let before = screenshot(&program, "paste-0-before");
     let pasted = program.folder().join(".local/state/virtual-sculpture/pasted");
     program.key(&["Control_L", "v"]);
-    let nothing = shot(&program, "paste-1-nothing");
+    let nothing = screenshot(&program, "paste-1-nothing");
     assert!(nothing.differing(&before) > 1000 && !pasted.exists(), "it is said");
     program.key(&["Control_L", "F12"]);
     program.settle();
@@ -66,7 +66,7 @@ fn a_copied_picture_is_pasted_as_a_reference() {
     program.until("the picture is kept", || kept().is_some_and(|path| path.extension().is_some()));
     let picture = image::open(kept().unwrap()).unwrap().to_rgb8();
     assert!(picture.dimensions() == copied.dimensions() && picture.as_raw() == copied.as_raw());
-    shot(&program, "paste-2-reference");
+    screenshot(&program, "paste-2-reference");
     program.close();
     program.expect_clean_exit();
 }

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use super::display::Picture;
 use super::program::SETTINGS;
-use super::{PICTURE, Program, display, ready, shot};
+use super::{PICTURE, Program, display, ready, screenshot};
 
 /// A block with a cavity, a thin fin, an arm and a cube in the air.
 const SCRIPT: &str = "new dims=96,96,96 fill=empty
@@ -34,15 +34,15 @@ fn faults_are_marked_in_the_picture() {
         let settings = SETTINGS.replace("[window]\n", &format!("[window]\ntheme = \"{theme}\"\n"));
         let program = Program::start_with(&display, &[file.to_str().unwrap()], &settings);
         let program = ready(program);
-        let before = shot(&program, &format!("print-1-before-{theme}"));
+        let before = screenshot(&program, &format!("print-1-before-{theme}"));
         assert_eq!(magenta(&before.part(PICTURE)), 0);
         program.key(&["Control_L", "Alt_L", "p"]);
         program.until("the findings are marked", || {
             magenta(&program.display().picture().part(PICTURE)) > 100
         });
-        shot(&program, &format!("print-2-found-{theme}"));
+        screenshot(&program, &format!("print-2-found-{theme}"));
         program.key(&["Escape"]);
-        let after = shot(&program, &format!("print-3-closed-{theme}"));
+        let after = screenshot(&program, &format!("print-3-closed-{theme}"));
         assert_eq!(magenta(&after.part(PICTURE)), 0);
         program.close();
         program.expect_clean_exit();

@@ -4,7 +4,7 @@ use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _};
 
 use super::display::Picture;
 use super::program::{Program, SETTINGS};
-use super::{display, ready, shot, tool_home};
+use super::{display, ready, screenshot, tool_home};
 
 /// The picture of the sculpture without the lower part, in which messages are shown.
 const UPPER: [u32; 4] = [120, 50, 900, 520];
@@ -36,34 +36,34 @@ fn the_view_has_parallel_rays_a_gizmo_a_floor_and_reference_pictures() {
     program.leave_picture();
     program.settle();
     tool_home(&program);
-    let start = shot(&program, "view-10-start");
+    let start = screenshot(&program, "view-10-start");
     assert!(blue(&start.part(UPPER)) > 10_000, "the remembered picture is shown");
 
     program.key(&["o"]);
-    let parallel = shot(&program, "view-11-orthographic");
+    let parallel = screenshot(&program, "view-11-orthographic");
     assert!(start.part(UPPER).differing(&parallel.part(UPPER)) > 10_000);
     program.key(&["Shift_L", "g"]);
-    let floor = shot(&program, "view-12-floor");
+    let floor = screenshot(&program, "view-12-floor");
     let lines = parallel.part(UPPER).differing(&floor.part(UPPER));
     assert!((2000..100_000).contains(&lines), "{lines}");
     program.key(&["Alt_L", "o"]);
-    let without = shot(&program, "view-13-no-gizmo");
+    let without = screenshot(&program, "view-13-no-gizmo");
     let gizmo = floor.part(GIZMO).differing(&without.part(GIZMO));
     assert!((500..8000).contains(&gizmo), "{gizmo}");
     assert_eq!(floor.part(UPPER).differing(&without.part(UPPER)), gizmo, "nothing else changes");
 
     program.key(&["F10"]);
-    let hidden = shot(&program, "view-14-hidden");
+    let hidden = screenshot(&program, "view-14-hidden");
     assert!(without.part(TOP).differing(&hidden.part(TOP)) > 30_000, "no bar at the top");
     program.key(&["F10"]);
-    let back = shot(&program, "view-15-back");
+    let back = screenshot(&program, "view-15-back");
     assert_eq!(without.part(UPPER).differing(&back.part(UPPER)), 0);
 
     program.key(&["7"]);
     program.settle();
-    shot(&program, "view-16-front");
+    screenshot(&program, "view-16-front");
     program.key(&["Control_L", "Alt_L", "r"]);
-    let window = shot(&program, "view-17-references");
+    let window = screenshot(&program, "view-17-references");
     assert!(back.differing(&window) > 20_000, "their window is shown");
     program.key(&["Escape"]);
     program.close();
