@@ -71,7 +71,7 @@ impl Walls {
     }
 }
 
-/// Returns whether a stroke of the tool in hand may add voxels at the walls of the grid, judged before it meets them.
+/// Returns whether the tool in hand is a brush that adds voxels, and so may reach the walls of the grid.
 pub(super) fn may_add(tool: &ToolState) -> bool {
     tool.brush().is_some_and(|brush| brush.spec().adds)
 }

@@ -84,7 +84,7 @@ impl SurfaceAnchor {
         }
     }
 
-    /// Records the choices of the tool. Returns `None` if they are unchanged, or the first; else whether the tool is
+    /// Records the choices of the tool. Returns `None` for the first or unchanged choices; otherwise whether the tool is
     /// another one, or begins to follow.
     pub fn choose(&mut self, tool: &ToolState) -> Option<bool> {
         let choices = Choices::of(tool);

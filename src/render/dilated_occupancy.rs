@@ -52,7 +52,7 @@ impl DilatedOccupancy {
         &self.words
     }
 
-    /// Returns size of the words along each axis.
+    /// Returns the size of the words along each axis.
     pub fn dims(&self) -> UVec3 {
         self.dims
     }

@@ -30,7 +30,7 @@ pub fn show_panels_button(
     if !near {
         return;
     }
-    Area::new(Id::new("way back"))
+    Area::new(Id::new("show panels"))
         .order(Order::Middle)
         .fixed_pos(within.left_top() + vec2(8.0, 8.0))
         .constrain_to(within)

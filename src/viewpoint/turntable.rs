@@ -208,7 +208,7 @@ impl Turntable {
     }
 }
 
-/// Returns the side seen along the direction against an axis of the grid, with `up` of the grid upwards.
+/// Returns the side of the view in which `axis` of the grid points at the viewer, with `up` of the grid upwards.
 pub fn side_facing(axis: Vec3, up: Vec3) -> Option<Side> {
     let sides = Side::ALL.into_iter().filter(|side| *side != Side::Corner);
     sides.into_iter().find(|side| (facing(*side, up) * axis).z > 0.99)

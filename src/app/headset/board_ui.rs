@@ -165,7 +165,7 @@ impl BoardUi {
         }
     }
 
-    /// Returns width and height in points, at the chosen text size.
+    /// Returns the width and height in points, at the chosen text size.
     fn size_points(&self) -> Vec2 {
         self.size_px.as_vec2() / (self.pixels_per_point * self.context.zoom_factor())
     }

@@ -219,7 +219,7 @@ impl XrFrameLoop {
             self.board.pane.submitted(pass);
         }
         if let Some(screenshots) = screenshots.as_mut().filter(|s| s.is_due(now_s)) {
-            // Before the frame ends: then the runtime may use the queue.
+            // Before the frame ends, after which the runtime may use the queue.
             self.write_screenshot(screenshots, now_s, &eyes, board.is_some())?;
         }
         self.session.end_frame(FrameLayers { views: Some(views), board }, pass.is_some());

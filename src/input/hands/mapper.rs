@@ -287,7 +287,7 @@ impl HandMapper {
         }
     }
 
-    /// Returns true while the trigger of the off hand has been held long enough to carry the sculpture.
+    /// Updates the trigger of the off hand. Returns true while it has been held long enough to carry the sculpture.
     fn update_off_trigger(&mut self, travel: f32, now_s: f64, events: &mut Vec<HandEvent>) -> bool {
         let hold = &mut self.off_trigger;
         match hold.switch.feed(travel) {

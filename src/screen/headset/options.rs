@@ -83,7 +83,7 @@ impl HeadsetOptions {
         (Vec2::new(1.0, BOARD_SHAPE) * self.board_px as f32).round().as_uvec2()
     }
 
-    /// Returns width and height of the board in metres.
+    /// Returns the width and height of the board in metres.
     pub fn board_size_m(&self) -> Vec2 {
         Vec2::new(1.0, BOARD_SHAPE) * self.board_width_m
     }

@@ -243,7 +243,7 @@ fn one(ui: &mut Ui, lamp: &mut Lamp) {
         ui.radio_value(&mut lamp.kind, LampKind::Position, "Point")
             .on_hover_text("Near the sculpture: its light comes from one point");
         if lamp.kind != before {
-            // At a visible position: about as far as the sculpture is large, or back at infinity.
+            // A visible position, about the size of the sculpture away; a direction has length 1.
             let towards = Vec3::from(lamp.place).normalize_or(Vec3::Z);
             let far = if lamp.kind == LampKind::Position { 200.0 } else { 1.0 };
             lamp.place = (towards * far).to_array();
