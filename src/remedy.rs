@@ -10,10 +10,9 @@ use crate::format::FormatError;
 use crate::mesh::MeshError;
 use crate::persist::journal::JournalError;
 use crate::print_check::CheckError;
+use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::GridError;
 use crate::session::SessionError;
-use crate::tools::pieces::PiecesError;
-use crate::tools::repair::RepairError;
 use crate::voxelise::VoxeliseError;
 
 /// Returns the message of an error, with the setting or flag that lifts it.
@@ -34,29 +33,28 @@ impl<E: Remedy> Remedy for Box<E> {
     }
 }
 
+impl Remedy for OverBudget {
+    fn remedy(&self) -> &'static str {
+        // Goes on where the message ends: after another way out, or alone.
+        match (self.budget, self.advice.is_some()) {
+            (MemoryBudget::Grids, true) => ", or raise memory.grid_mib in the settings",
+            (MemoryBudget::Grids, false) => "; raise memory.grid_mib in the settings",
+            (MemoryBudget::Colours, true) => ", or raise memory.colour_mib in the settings",
+            (MemoryBudget::Colours, false) => "; raise memory.colour_mib in the settings",
+            (MemoryBudget::GridsAndColours, true) => {
+                ", or raise memory.grid_mib or memory.colour_mib in the settings"
+            }
+            (MemoryBudget::GridsAndColours, false) => {
+                "; raise memory.grid_mib or memory.colour_mib in the settings"
+            }
+        }
+    }
+}
+
 impl Remedy for GridError {
     fn remedy(&self) -> &'static str {
         match self {
-            GridError::Memory { .. } => " or raise memory.grid_mib in the settings",
-            _ => "",
-        }
-    }
-}
-
-impl Remedy for PiecesError {
-    fn remedy(&self) -> &'static str {
-        match self {
-            PiecesError::Memory { .. } => ", or raise memory.grid_mib in the settings",
-            _ => "",
-        }
-    }
-}
-
-impl Remedy for RepairError {
-    fn remedy(&self) -> &'static str {
-        match self {
-            RepairError::Memory { .. } => "; raise memory.grid_mib in the settings",
-            RepairError::Pieces(error) => error.remedy(),
+            GridError::OverBudget(over) => over.remedy(),
             _ => "",
         }
     }
@@ -65,7 +63,7 @@ impl Remedy for RepairError {
 impl Remedy for CheckError {
     fn remedy(&self) -> &'static str {
         match self {
-            CheckError::Repair(error) => error.remedy(),
+            CheckError::OverBudget(over) => over.remedy(),
             CheckError::Grid(error) => error.remedy(),
             _ => "",
         }
@@ -75,9 +73,7 @@ impl Remedy for CheckError {
 impl Remedy for MeshError {
     fn remedy(&self) -> &'static str {
         match self {
-            MeshError::Memory { .. } | MeshError::SimplifyMemory { .. } => {
-                ", or raise memory.grid_mib or memory.colour_mib in the settings"
-            }
+            MeshError::OverBudget(over) => over.remedy(),
             MeshError::Grid(error) => error.remedy(),
             _ => "",
         }
@@ -87,9 +83,7 @@ impl Remedy for MeshError {
 impl Remedy for VoxeliseError {
     fn remedy(&self) -> &'static str {
         match self {
-            VoxeliseError::Memory { .. } => {
-                ", or raise memory.grid_mib or memory.colour_mib in the settings"
-            }
+            VoxeliseError::OverBudget(over) => over.remedy(),
             VoxeliseError::Grid(error) => error.remedy(),
             _ => "",
         }
@@ -99,10 +93,7 @@ impl Remedy for VoxeliseError {
 impl Remedy for FormatError {
     fn remedy(&self) -> &'static str {
         match self {
-            FormatError::Memory { .. } => {
-                "; raise memory.grid_mib or memory.colour_mib in the settings"
-            }
-            FormatError::ColourMemory { .. } => ", or raise memory.colour_mib in the settings",
+            FormatError::OverBudget(over) => over.remedy(),
             FormatError::UnknownEnding { .. } | FormatError::NoScanHeader => ", given with `--raw`",
             FormatError::NotDensities { .. } => " (`--colouring`)",
             FormatError::FixedUp { .. } => " (`--up`)",
@@ -111,7 +102,6 @@ impl Remedy for FormatError {
             }
             FormatError::Grid(error) => error.remedy(),
             FormatError::Mesh(error) => error.remedy(),
-            FormatError::Pieces(error) => error.remedy(),
             FormatError::Voxelise(error) => error.remedy(),
             _ => "",
         }
@@ -121,12 +111,11 @@ impl Remedy for FormatError {
 impl Remedy for CommandError {
     fn remedy(&self) -> &'static str {
         match self {
-            CommandError::ColourMemory { .. } => "; raise memory.colour_mib in the settings",
+            CommandError::OverBudget(over) => over.remedy(),
             CommandError::Irreversible { .. } => {
                 ", or raise memory.history_mib or memory.history_disk_gib in the settings"
             }
             CommandError::Grid(error) => error.remedy(),
-            CommandError::Repair(error) => error.remedy(),
             _ => "",
         }
     }
@@ -157,39 +146,30 @@ impl Remedy for JournalError {
 mod tests {
     use std::path::PathBuf;
 
-    use glam::UVec3;
-
     use super::*;
     use crate::format::MeshUp;
     use crate::headless::JobError;
+    use crate::tools::pieces::PiecesError;
+    use crate::tools::repair::RepairError;
 
-    fn grid() -> GridError {
-        GridError::Memory { dims: UVec3::splat(1024), needed_mib: 144, budget_mib: 64 }
+    fn over(budget: MemoryBudget) -> OverBudget {
+        OverBudget::new("this needs", 2 << 20, budget, 1 << 20)
     }
 
     /// Checks that only the program names settings, at the end of the message, at any depth of the error.
     #[test]
     fn a_limit_of_memory_names_its_setting() {
-        let (needed_mib, budget_mib) = (2, 1);
+        use MemoryBudget::{Colours, Grids, GridsAndColours};
         let (all, path) = ("memory.grid_mib or memory.colour_mib", PathBuf::from("a.stl"));
+        let advised = over(GridsAndColours).advise("choose fewer voxels");
         let formats = [
-            (FormatError::Memory { needed_mib, budget_mib }, all),
-            (FormatError::ColourMemory { needed_mib, budget_mib }, "memory.colour_mib"),
-            (FormatError::Grid(grid()), "memory.grid_mib"),
-            (FormatError::Mesh(MeshError::Memory { needed_mib, budget_mib }), all),
-            (
-                FormatError::Mesh(MeshError::SimplifyMemory {
-                    triangles: 9,
-                    needed_mib,
-                    budget_mib,
-                }),
-                all,
-            ),
-            (FormatError::Voxelise(VoxeliseError::Memory { needed_mib, budget_mib }), all),
-            (
-                FormatError::Pieces(PiecesError::Memory { needed_mib, budget_mib }),
-                "memory.grid_mib",
-            ),
+            (FormatError::OverBudget(over(GridsAndColours)), all),
+            (FormatError::OverBudget(over(Colours)), "memory.colour_mib"),
+            (FormatError::Grid(over(Grids).into()), "memory.grid_mib"),
+            (FormatError::Mesh(over(GridsAndColours).into()), all),
+            (FormatError::Mesh(advised.clone().into()), all),
+            (FormatError::Voxelise(advised.into()), all),
+            (FormatError::from(PiecesError::from(over(Grids).advise("wait"))), "memory.grid_mib"),
         ];
         for (error, setting) in formats {
             let error = SessionError::Open { path: path.clone(), error };
@@ -200,13 +180,13 @@ mod tests {
         let history = "memory.history_mib or memory.history_disk_gib";
         let step = "carve".to_string();
         let commands = [
-            (CommandError::ColourMemory { needed_mib, budget_mib }, "memory.colour_mib"),
+            (CommandError::OverBudget(over(Colours)), "memory.colour_mib"),
             (CommandError::Irreversible { step, needed_mib: 2, budget_mib: 1 }, history),
-            (CommandError::Grid(grid()), "memory.grid_mib"),
             (
-                CommandError::Repair(RepairError::Memory { needed_mib, budget_mib }),
+                CommandError::Grid(over(Grids).advise("choose a smaller grid").into()),
                 "memory.grid_mib",
             ),
+            (CommandError::from(RepairError::from(over(Grids))), "memory.grid_mib"),
         ];
         for (error, setting) in commands {
             let error = SessionError::from(error);
@@ -216,6 +196,15 @@ mod tests {
             let said = said.to_string();
             assert!(said.ends_with(&format!("raise {setting} in the settings")), "{said}");
         }
+    }
+
+    #[test]
+    fn a_setting_goes_on_after_another_way_out() {
+        let alone = told(&over(MemoryBudget::Grids));
+        assert!(alone.ends_with("for grids; raise memory.grid_mib in the settings"), "{alone}");
+        let advised = told(&over(MemoryBudget::Grids).advise("carve less"));
+        let end = "carve less, or raise memory.grid_mib in the settings";
+        assert!(advised.ends_with(end), "{advised}");
     }
 
     #[test]

@@ -304,7 +304,7 @@ impl Document {
             Command::Cut => self.cut(command),
             Command::Move { by, orientation } => self.move_marked(*by, *orientation, command),
             Command::Mark(marker) => {
-                self.selection.set_marker(*marker).map_err(CommandError::Marker)?;
+                self.selection.set_marker(*marker)?;
                 Ok(Applied::default())
             }
             Command::Select(op) => self.select(*op),
@@ -317,7 +317,7 @@ impl Document {
                 Ok(Applied::default())
             }
             Command::Symmetry(symmetry) => {
-                symmetry.check().map_err(CommandError::Symmetry)?;
+                symmetry.check()?;
                 self.symmetry = *symmetry;
                 Ok(Applied::default())
             }
@@ -363,15 +363,7 @@ impl Document {
     }
 
     fn place(&mut self, placement: &Placement) -> Result<Applied, CommandError> {
-        if !placement.rotation.is_finite() || !placement.rotation.is_normalized() {
-            return Err(CommandError::Placement("rotation"));
-        }
-        if !placement.translation.is_finite() {
-            return Err(CommandError::Placement("translation"));
-        }
-        if !placement.scale.is_finite() || placement.scale <= 0.0 {
-            return Err(CommandError::Placement("scale"));
-        }
+        placement.check()?;
         self.placement = *placement;
         Ok(Applied::default())
     }

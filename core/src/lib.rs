@@ -9,6 +9,7 @@ pub mod mesh;
 pub mod persist;
 pub mod print_check;
 pub mod progress;
+pub mod refusal;
 #[doc(hidden)]
 pub mod scenes;
 pub mod sculpture;

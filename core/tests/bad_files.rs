@@ -5,6 +5,7 @@ use std::path::Path;
 
 use sculpture_core::format::options::{ImportOptions, MeshSize};
 use sculpture_core::format::{self, FormatError, Loaded};
+use sculpture_core::refusal::{MemoryBudget, OverBudget};
 use sculpture_core::sculpture::Limits;
 use trials::shared_file;
 
@@ -68,7 +69,13 @@ fn the_memory_budget_is_checked_before_unpacking() {
     assert!(matches!(error, FormatError::Grid(_)), "{error}");
     let limits = Limits { grid_bytes: 8 << 20, colour_bytes: 8 << 20, ..Limits::default() };
     let error = format::load(&path, &ImportOptions::default(), &limits, &()).unwrap_err();
-    assert!(matches!(error, FormatError::Memory { .. }), "{error}");
+    assert!(
+        matches!(
+            error,
+            FormatError::OverBudget(OverBudget { budget: MemoryBudget::GridsAndColours, .. })
+        ),
+        "{error}"
+    );
 }
 
 /// A small random generator with a seed, so that failures are reproducible.

@@ -7,6 +7,7 @@ use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 use sculpture_core::format::{self, FormatError, Loaded, Samples, Texts};
+use sculpture_core::refusal::MemoryBudget;
 use sculpture_core::sculpture::brick::local_index;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
@@ -200,7 +201,8 @@ fn memory_is_checked_before_it_is_allocated() {
     let few_colours = Limits { colour_bytes: 10 << 20, ..Limits::default() };
     let grey = ImportOptions { colouring: Colouring::Grey, ..ImportOptions::default() };
     let error = format::load(&path, &grey, &few_colours, &()).unwrap_err();
-    assert!(matches!(error, FormatError::ColourMemory { budget_mib: 10, .. }), "{error}");
+    let FormatError::OverBudget(over) = error else { panic!("{error}") };
+    assert_eq!((over.budget, over.budget_mib), (MemoryBudget::Colours, 10));
     // The same limits suffice for a sculpture of one colour.
     let plain = ImportOptions { colouring: Colouring::None, ..ImportOptions::default() };
     format::load(&path, &plain, &few_colours, &()).unwrap();

@@ -5,6 +5,7 @@ use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::command::{Command, NewSculpture};
 use sculpture_core::document::{CommandError, Document, Limits};
+use sculpture_core::refusal::{MemoryBudget, OverBudget};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
@@ -165,7 +166,7 @@ fn unusable_sprays_are_refused_and_change_nothing() {
     let paint = used(BrushId::Paint).with(COLOUR, RED);
     assert!(matches!(apply(paint), Err(CommandError::NoColour)));
     let far = apply(used(BrushId::Devour).with(REACH, 1e9)).unwrap_err();
-    assert_eq!(far.to_string(), "the reach of the brush must be from 0 to 64");
+    assert_eq!(far.to_string(), "the reach of the brush must be from 0 to 64 (given: 1000000000)");
     let colourless = apply(used(BrushId::Clay)).unwrap_err();
     assert_eq!(colourless.to_string(), "the colour of the brush is missing");
     assert_eq!(document.contents(), &before);
@@ -255,5 +256,11 @@ fn inherited_colours_are_mirrored_and_bounded() {
     let clay = "spray clay eye=36,200,36 aim=0,-1,0 across=0.005,0,0 down=0,0,0.005 radius=9 \
                 reach=4 colour=#ff0000";
     let refused = full.apply(&clay.parse().unwrap()).unwrap_err();
-    assert!(matches!(refused, CommandError::ColourMemory { .. }), "{refused}");
+    assert!(
+        matches!(
+            refused,
+            CommandError::OverBudget(OverBudget { budget: MemoryBudget::Colours, .. })
+        ),
+        "{refused}"
+    );
 }

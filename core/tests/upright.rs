@@ -4,6 +4,7 @@
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::format::options::{Existence, ExportForm, ImportOptions};
 use sculpture_core::format::{self, FormatError};
+use sculpture_core::refusal::{MemoryBudget, OverBudget};
 use sculpture_core::sculpture::Limits;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::orientation::Up;
@@ -97,6 +98,9 @@ fn turning_a_volume_respects_the_memory_limit_of_colours() {
     let tight = |colour_bytes| Limits { colour_bytes, ..Limits::default() };
     assert!(turned(Up::Z, &tight(standing.heap_bytes())).is_ok());
     let tight = tight(standing.heap_bytes() - 1);
-    assert!(matches!(turned(Up::Z, &tight), Err(FormatError::ColourMemory { .. })));
+    assert!(matches!(
+        turned(Up::Z, &tight),
+        Err(FormatError::OverBudget(OverBudget { budget: MemoryBudget::Colours, .. }))
+    ));
     assert!(turned(Up::MinusZ, &tight).is_ok(), "y is not reversed");
 }

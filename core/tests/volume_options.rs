@@ -6,6 +6,7 @@ use sculpture_core::format::options::{
 };
 use sculpture_core::format::{self, FormatError, Samples};
 use sculpture_core::progress::Report;
+use sculpture_core::refusal::{MemoryBudget, OverBudget};
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Grid, Limits, Rgb};
 
@@ -245,7 +246,13 @@ fn resampling_is_bounded_and_can_be_cancelled() {
     let options = ImportOptions { cubic: Cubic::Finest, ..scan.options };
     let limits = Limits { grid_bytes: 20_000, colour_bytes: 10_000, ..Limits::default() };
     let error = format::load_volume(&path, &options, &limits, &()).unwrap_err();
-    assert!(matches!(error, FormatError::Memory { .. }), "{error}");
+    assert!(
+        matches!(
+            error,
+            FormatError::OverBudget(OverBudget { budget: MemoryBudget::GridsAndColours, .. })
+        ),
+        "{error}"
+    );
     let report = Report::default();
     report.cancel();
     let error = format::load_volume(&path, &options, &Limits::default(), &report).unwrap_err();

@@ -206,10 +206,7 @@ fn colours_follow_the_options() {
     assert!(load_with(&path, &options).is_err());
     let limits = Limits { colour_bytes: 100, ..Limits::default() };
     let error = format::load(&path, &ImportOptions::default(), &limits, &()).unwrap_err();
-    assert!(
-        matches!(error, FormatError::Memory { .. } | FormatError::ColourMemory { .. }),
-        "{error}"
-    );
+    assert!(matches!(error, FormatError::OverBudget(_)), "{error}");
 }
 
 #[test]

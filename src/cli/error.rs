@@ -124,7 +124,7 @@ fn job_code(error: &JobError) -> u8 {
         | JobError::Refused(_)
         | JobError::Unrecoverable { .. } => 3,
         JobError::NotPrintable => 5,
-        JobError::Check(CheckError::Option(_) | CheckError::Wall { .. })
+        JobError::Check(CheckError::Invalid(_) | CheckError::Wall { .. })
         | JobError::NoMarker(_)
         | JobError::NoJournal(_)
         | JobError::OutExists(_)

@@ -6,6 +6,7 @@ use glam::{IVec3, UVec3};
 
 use super::{Applied, CommandError, Document};
 use crate::command::{Area, Command};
+use crate::refusal::InvalidValue;
 use crate::sculpture::Rgb;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::EditOp;
@@ -55,7 +56,7 @@ impl Document {
         tint: &Tint,
         command: &Command,
     ) -> Result<Applied, CommandError> {
-        tint.check().map_err(CommandError::Tint)?;
+        tint.check()?;
         if !self.has_colour() {
             return Err(CommandError::NoColour);
         }
@@ -93,9 +94,7 @@ impl Document {
         tolerance: f32,
         command: &Command,
     ) -> Result<Applied, CommandError> {
-        if !(0.0..=1.0).contains(&tolerance) {
-            return Err(CommandError::Tint("the tolerance must be a share from 0 to 1"));
-        }
+        InvalidValue::check_share("tolerance", tolerance)?;
         if !self.has_colour() {
             return Err(CommandError::NoColour);
         }
@@ -137,7 +136,7 @@ impl Document {
         let to = from.saturating_add(by).saturating_add((size - turned) / 2);
         self.pasted(&clip, to, orientation)?;
         let marker = clip.bounds(to, orientation);
-        Selection::check_marker(marker).map_err(CommandError::Marker)?;
+        Selection::check_marker(marker)?;
         let upright = clip.voxels(from, Orientation::UPRIGHT, self.grid().brick_dims());
         let mut stats = self.edit(&upright, EditOp::Subtract);
         let kept = self.clip.replace(Arc::new(clip));
@@ -145,10 +144,10 @@ impl Document {
         self.clip = kept;
         stats += pasted?;
         let before = self.selection.marker();
-        self.selection.set_marker(marker).map_err(CommandError::Marker)?;
+        self.selection.set_marker(marker)?;
         let applied = self.applied(stats, command);
         if applied.is_err() {
-            self.selection.set_marker(before).map_err(CommandError::Marker)?;
+            self.selection.set_marker(before)?;
         }
         applied
     }

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use glam::UVec3;
 use thiserror::Error;
 
-use super::tools::{MAX_ARRAY, MAX_REPEATED};
+use super::tools::MAX_REPEATED;
+use crate::refusal::{InvalidValue, OverBudget};
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
 use crate::sculpture::selection::MAX_BOXES;
-use crate::tools::brush::BrushError;
+use crate::tools::drawn::DrawnSolid;
 use crate::tools::repair::RepairError;
 
 /// Why a command was refused. The sculpture is as it was before.
@@ -21,16 +22,9 @@ pub enum CommandError {
     /// A command about colours, but the sculpture stores none.
     #[error("this sculpture has no colours; create or open one with 8, 16 or 24 bits of colour")]
     NoColour,
-    /// The colours would not fit into [`crate::sculpture::Limits::colour_bytes`].
-    #[error(
-        "this may need {needed_mib} MiB for colours, more than the {budget_mib} MiB allowed for them"
-    )]
-    ColourMemory {
-        /// MiB needed.
-        needed_mib: u64,
-        /// MiB allowed.
-        budget_mib: u64,
-    },
+    /// The work needs more memory than [`crate::sculpture::Limits`] allow.
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
     /// The step cannot be undone, and that was not allowed.
     #[error(
         "the history cannot keep `{step}`: it takes {needed_mib} MiB of the {budget_mib} MiB \
@@ -54,9 +48,6 @@ pub enum CommandError {
         /// Why, as a part of a sentence.
         reason: String,
     },
-    /// The sculpture cannot be mended so.
-    #[error(transparent)]
-    Repair(RepairError),
     /// The work was cancelled.
     #[error("cancelled")]
     Cancelled,
@@ -69,41 +60,15 @@ pub enum CommandError {
     /// The command (its verb) concerns files: a session executes it.
     #[error("`{0}` works on files and cannot be applied to a document")]
     NotHere(&'static str),
-    /// A part of the placement is not finite, or the scale not positive.
-    #[error("the {0} of the placement is not valid: it must be finite, and the scale above zero")]
-    Placement(&'static str),
-    /// A solid that is drawn is not possible.
-    #[error("the {name} is not valid: {reason}")]
-    DrawnSolid {
-        /// Its name.
-        name: &'static str,
-        /// Why, as a sentence.
-        reason: &'static str,
-    },
-    /// A brush cannot be used so.
+    /// A value of the command breaks a rule.
     #[error(transparent)]
-    Brush(#[from] BrushError),
-    /// A number of a change of colours is out of range; the text says which.
-    #[error("{0}")]
-    Tint(&'static str),
-    /// The symmetry is not possible; the text says why.
-    #[error("{0}")]
-    Symmetry(&'static str),
-    /// A number of a change of the mask is out of range; the text says which.
-    #[error("{0}")]
-    Mask(&'static str),
+    Invalid(#[from] InvalidValue),
     /// There is no voxel of the surface to flood from.
     #[error("there is no voxel of the surface at {0}; name one that can be seen")]
     NotOnSurface(UVec3),
-    /// A number of the solid is out of range; the text says which.
-    #[error("{0}")]
-    Primitive(&'static str),
     /// The image to paint with is not known to the document.
     #[error("the image {0} has not been loaded")]
     NoPicture(PathBuf),
-    /// The box cannot be a marker; the text says why.
-    #[error("{0}")]
-    Marker(&'static str),
     /// The selection has the largest possible number of boxes.
     #[error("the selection already holds {MAX_BOXES} boxes; remove some first")]
     StackFull,
@@ -124,18 +89,21 @@ pub enum CommandError {
         "the last stroke is too long to repeat: it has more than {MAX_REPEATED} uses of a tool"
     )]
     TooLongToRepeat,
-    /// The number of copies is out of range.
-    #[error(
-        "an array must have 1 to {MAX_ARRAY} copies and at most {MAX_REPEATED} uses of a tool in all"
-    )]
-    Array,
+}
+
+/// An error that says why a solid that is drawn is not possible, if it is not.
+pub(super) fn check_drawn_solid(form: &DrawnSolid) -> Result<(), InvalidValue> {
+    let invalid =
+        |reason| InvalidValue::without_value(form.name(), format!("is not valid: {reason}"));
+    form.check().map_err(invalid)
 }
 
 impl From<RepairError> for CommandError {
     fn from(error: RepairError) -> CommandError {
         match error {
             RepairError::Cancelled => CommandError::Cancelled,
-            other => CommandError::Repair(other),
+            RepairError::Invalid(error) => CommandError::Invalid(error),
+            RepairError::OverBudget(over) => CommandError::OverBudget(over),
         }
     }
 }
@@ -144,9 +112,7 @@ impl From<OrientError> for CommandError {
     fn from(error: OrientError) -> CommandError {
         match error {
             OrientError::Grid(error) => CommandError::Grid(error),
-            OrientError::ColourMemory { needed_mib, budget_mib } => {
-                CommandError::ColourMemory { needed_mib, budget_mib }
-            }
+            OrientError::OverBudget(over) => CommandError::OverBudget(over),
             OrientError::Cancelled => CommandError::Cancelled,
         }
     }

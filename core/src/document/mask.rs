@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use glam::UVec3;
 
+use super::error::check_drawn_solid;
 use super::{Applied, CommandError, Document};
 use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
+use crate::refusal::InvalidValue;
 use crate::sculpture::edit::{EditStats, edit_mask};
 use crate::sculpture::edit_scope::{EditScope, ScopedRegion};
 use crate::sculpture::region::{Everywhere, ListedBricks, Region};
@@ -28,33 +30,31 @@ impl Document {
         change: &MaskChange,
         command: &Command,
     ) -> Result<Applied, CommandError> {
-        let in_range = |value: u32, most: u32, why| match (1..=most).contains(&value) {
-            true => Ok(()),
-            false => Err(CommandError::Mask(why)),
+        let check = |field, by: u32, most, rule| {
+            let checked = InvalidValue::check((1..=most).contains(&by), field, rule, by);
+            checked.map_err(|error| error.of("mask"))
         };
         let stats = match change {
             MaskChange::Clear => self.edit_mask(&Everywhere, false)?,
             MaskChange::Invert => self.invert_mask()?,
             MaskChange::Grow(by) | MaskChange::Shrink(by) => {
-                in_range(
-                    *by,
-                    MAX_GROWTH_VX,
-                    "a mask grows or shrinks by 1 to 64 voxels at a time",
-                )?;
+                let is_growth = matches!(change, MaskChange::Grow(_));
+                let field = if is_growth { "growth" } else { "shrinking" };
+                check(field, *by, MAX_GROWTH_VX, "must be by 1 to 64 voxels at a time")?;
                 let Some(now) = self.mask() else { return Ok(Applied::default()) };
-                match change {
-                    MaskChange::Grow(_) => {
+                match is_growth {
+                    true => {
                         let added = mask::grown(now, *by);
                         self.edit_mask(&added, true)?
                     }
-                    _ => {
+                    false => {
                         let removed = mask::shrunk(now, *by);
                         self.edit_mask(&removed, false)?
                     }
                 }
             }
             MaskChange::Smooth(around) => {
-                in_range(*around, 8, "a mask is evened within 1 to 8 voxels")?;
+                check("evening", *around, 8, "must be within 1 to 8 voxels")?;
                 let Some(now) = self.mask() else { return Ok(Applied::default()) };
                 let (added, removed) = mask::evened(now, *around);
                 let mut stats = self.edit_mask(&added, true)?;
@@ -91,8 +91,7 @@ impl Document {
                 stats += self.edit_mask(&self.selection.stack().clone(), adds)?;
             }
             MaskArea::Solid { primitive, to_vx } => {
-                let checked = primitive.check().and_then(|()| check_way(*to_vx));
-                checked.map_err(CommandError::Primitive)?;
+                primitive.check().and_then(|()| check_way(*to_vx))?;
                 let voxel_size = self.grid().voxel_size();
                 for image in images {
                     stats +=
@@ -100,8 +99,7 @@ impl Document {
                 }
             }
             MaskArea::DrawnSolid(form) => {
-                form.check()
-                    .map_err(|reason| CommandError::DrawnSolid { name: form.name(), reason })?;
+                check_drawn_solid(form)?;
                 for image in images {
                     let placed = PlacedDrawnSolid::new(form, self.grid(), image);
                     stats += self.edit_mask(&placed, adds)?;
@@ -112,9 +110,9 @@ impl Document {
                 stats += self.edit_mask(&voxels, adds)?;
             }
             MaskArea::Cavities { reach_vx, depth_vx } => {
-                if !(1..=MAX_REACH_VX).contains(reach_vx) {
-                    return Err(CommandError::Mask("cavities are looked for within 1 to 4 voxels"));
-                }
+                let rule = "within which cavities are looked for must be 1 to 4 voxels";
+                let is_reach = (1..=MAX_REACH_VX).contains(reach_vx);
+                InvalidValue::check(is_reach, "reach", rule, reach_vx)?;
                 let found = mask::cavities(self.grid(), *reach_vx);
                 stats += self.edit_mask(&self.thickened(&found, *depth_vx)?, adds)?;
             }
@@ -131,9 +129,7 @@ impl Document {
     }
 
     fn voxels_of_colour(&self, colour: Rgb, tolerance: f32) -> Result<ListedBricks, CommandError> {
-        if !(0.0..=1.0).contains(&tolerance) {
-            return Err(CommandError::Mask(TOLERANCE));
-        }
+        InvalidValue::check_share("tolerance", tolerance)?;
         if !self.has_colour() {
             return Err(CommandError::NoColour);
         }
@@ -142,15 +138,13 @@ impl Document {
 
     /// The patch of the surface around a voxel, and those around its mirror images.
     fn patch(&self, at: UVec3, by: PatchRule) -> Result<ListedBricks, CommandError> {
-        let in_range = match by {
-            PatchRule::Colour(tolerance) => (0.0..=1.0).contains(&tolerance),
-            PatchRule::Flat(angle_deg) => (0.0..=180.0).contains(&angle_deg),
-        };
-        if !in_range {
-            return Err(CommandError::Mask(match by {
-                PatchRule::Colour(_) => TOLERANCE,
-                PatchRule::Flat(_) => "the angle of a patch must be from 0 to 180 degrees",
-            }));
+        match by {
+            PatchRule::Colour(tolerance) => InvalidValue::check_share("tolerance", tolerance)?,
+            PatchRule::Flat(angle_deg) => {
+                let is_angle = (0.0..=180.0).contains(&angle_deg);
+                let rule = "must be from 0 to 180 degrees";
+                InvalidValue::check(is_angle, "angle of a patch", rule, angle_deg)?;
+            }
         }
         let starts = self.surface_images(at)?;
         Ok(match by {
@@ -187,10 +181,9 @@ impl Document {
     }
 
     fn thickened(&self, voxels: &ListedBricks, by: u32) -> Result<ListedBricks, CommandError> {
-        match by > MAX_REACH_VX {
-            true => Err(CommandError::Mask("a patch protects up to 4 voxels from the surface")),
-            false => Ok(mask::thickened(voxels, self.grid().brick_dims(), by)),
-        }
+        let rule = "reaches up to 4 voxels from the surface";
+        InvalidValue::check(by <= MAX_REACH_VX, "depth of a patch", rule, by)?;
+        Ok(mask::thickened(voxels, self.grid().brick_dims(), by))
     }
 
     /// Adds voxels to the mask or takes them out of it, within the selection if tools are limited to it.
@@ -228,5 +221,3 @@ impl Document {
         Ok(stats)
     }
 }
-
-const TOLERANCE: &str = "the tolerance must be a share from 0 to 1";

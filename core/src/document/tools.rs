@@ -7,8 +7,10 @@ use std::sync::Arc;
 
 use glam::{IVec3, UVec3, Vec3};
 
+use super::error::check_drawn_solid;
 use super::{Applied, CommandError, Document};
 use crate::command::Command;
+use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::{self, EditOp, EditStats};
 use crate::sculpture::edit_scope::{EditScope, ScopedRegion};
@@ -80,7 +82,10 @@ impl Document {
             0 => return Err(CommandError::NothingToRepeat),
             n if n > MAX_REPEATED => return Err(CommandError::TooLongToRepeat),
             n if count == 0 || count > MAX_ARRAY || n * count as usize > MAX_REPEATED => {
-                return Err(CommandError::Array);
+                let rule = format!(
+                    "must have 1 to {MAX_ARRAY} copies and at most {MAX_REPEATED} uses of a tool in all"
+                );
+                return Err(InvalidValue::new("array", rule, count).into());
             }
             _ => std::mem::take(&mut self.last_uses),
         };
@@ -126,7 +131,7 @@ impl Document {
         primitive: &Primitive,
         to_vx: Option<Vec3>,
     ) -> Result<EditStats, CommandError> {
-        primitive.check().and_then(|()| check_way(to_vx)).map_err(CommandError::Primitive)?;
+        primitive.check().and_then(|()| check_way(to_vx))?;
         if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
             return Err(CommandError::NoColour);
         }
@@ -137,7 +142,7 @@ impl Document {
     }
 
     fn form(&mut self, op: EditOp, form: &DrawnSolid) -> Result<EditStats, CommandError> {
-        form.check().map_err(|reason| CommandError::DrawnSolid { name: form.name(), reason })?;
+        check_drawn_solid(form)?;
         if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
             return Err(CommandError::NoColour);
         }
@@ -158,7 +163,7 @@ impl Document {
         primitive: &Primitive,
         picture: &std::path::Path,
     ) -> Result<EditStats, CommandError> {
-        primitive.check().map_err(CommandError::Primitive)?;
+        primitive.check()?;
         if !self.has_colour() {
             return Err(CommandError::NoColour);
         }
@@ -242,7 +247,9 @@ impl Document {
     ) -> Result<ListedBricks, CommandError> {
         let far = IVec3::splat(MARKER_LIMIT_VX);
         if at.cmplt(-far).any() || at.cmpgt(far).any() {
-            return Err(CommandError::Marker("the place to paste at is too far from the grid"));
+            return Err(
+                InvalidValue::new("place to paste at", "is too far from the grid", at).into()
+            );
         }
         let voxels = clip.voxels(at, orientation, self.grid().brick_dims());
         if self.has_colour() {
@@ -320,14 +327,8 @@ impl Document {
         if needed(false) <= budget {
             return Ok(());
         }
-        let needed = needed(true);
-        if needed <= budget {
-            return Ok(());
-        }
-        Err(CommandError::ColourMemory {
-            needed_mib: needed.div_ceil(1 << 20),
-            budget_mib: budget >> 20,
-        })
+        let (what, purpose) = ("this may need", MemoryBudget::Colours);
+        Ok(OverBudget::check(what, needed(true), purpose, budget)?)
     }
 
     /// A colour that unpainted voxels do not have.

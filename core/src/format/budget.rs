@@ -3,6 +3,8 @@
 //! Takes bytes needed and allowed; gives an error that says both in MiB. Knows no format and no file.
 
 use super::FormatError;
+use super::error::FEWER_BITS;
+use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::Limits;
 
 /// Bytes that a file and its volume together may take.
@@ -12,8 +14,13 @@ pub(super) fn budget_bytes(limits: &Limits) -> u64 {
 
 /// An error if more memory would be needed than allowed.
 pub(super) fn check_budget(needed: u64, budget: u64) -> Result<(), FormatError> {
-    if needed <= budget {
-        return Ok(());
-    }
-    Err(FormatError::Memory { needed_mib: needed.div_ceil(1 << 20), budget_mib: budget >> 20 })
+    let what = "reading this file needs";
+    Ok(OverBudget::check(what, needed, MemoryBudget::GridsAndColours, budget)?)
+}
+
+/// An error if the colours of a file would need more memory than allowed.
+pub(super) fn check_colour_budget(needed: u64, budget: u64) -> Result<(), FormatError> {
+    let what = "reading this file needs";
+    let checked = OverBudget::check(what, needed, MemoryBudget::Colours, budget);
+    Ok(checked.map_err(|over| over.advise(FEWER_BITS))?)
 }

@@ -9,10 +9,14 @@ use super::options::{Colouring, ExportForm, MeshUp, Region};
 use super::volume::Samples;
 use crate::mesh::MeshError;
 use crate::progress::Progress;
+use crate::refusal::{InvalidValue, OverBudget};
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
 use crate::tools::pieces::PiecesError;
 use crate::voxelise::VoxeliseError;
+
+/// The way out where a file's colours need too much memory.
+pub(super) const FEWER_BITS: &str = "read it with fewer bits of colour";
 
 /// Why a file cannot be read or written.
 #[derive(Debug, Error)]
@@ -59,15 +63,8 @@ pub enum FormatError {
     #[error("this file holds {0}; unpack it first, and open what is inside")]
     Packed(&'static str),
     /// Reading needs more memory than the limits allow.
-    #[error(
-        "reading this file needs {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids and colours"
-    )]
-    Memory {
-        /// MiB needed.
-        needed_mib: u64,
-        /// MiB allowed.
-        budget_mib: u64,
-    },
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
     /// The file's grid is not possible.
     #[error(transparent)]
     Grid(#[from] GridError),
@@ -101,15 +98,11 @@ pub enum FormatError {
     #[error("the header is longer than {} KiB; the file is damaged: copy it again", super::limits::HEADER_LIMIT >> 10)]
     HeaderTooLong,
     /// A line of the PVM header is not valid.
-    #[error("the header's {what} line is `{line}`, but must be {rule}; export it again")]
-    Header {
-        /// Name of the line.
-        what: &'static str,
-        /// Its text.
-        line: String,
-        /// The rule that it must meet.
-        rule: &'static str,
-    },
+    #[error(
+        "the header's {} line is `{}`, but {}; export it again",
+        .0.field, .0.value.as_deref().unwrap_or_default(), .0.rule
+    )]
+    Header(InvalidValue),
     /// The line ends of the PVM header were converted.
     #[error(
         "the header's lines end with CR LF: the file was copied as text; copy it as binary data"
@@ -262,9 +255,6 @@ pub enum FormatError {
         /// How many there are.
         count: u64,
     },
-    /// The pieces of a volume cannot be found.
-    #[error(transparent)]
-    Pieces(PiecesError),
 
     /// Unsupported number of bytes per voxel.
     #[error(
@@ -289,17 +279,6 @@ pub enum FormatError {
         "a threshold cannot be used with packed colours, where 0 means empty and everything else filled; leave one of them out"
     )]
     ThresholdOfPacked,
-    /// The colours would not fit into [`crate::sculpture::Limits::colour_bytes`].
-    #[error(
-        "the colours need {needed_mib} MiB, more than the {budget_mib} MiB allowed for them; \
-         read it with fewer bits of colour"
-    )]
-    ColourMemory {
-        /// MiB needed.
-        needed_mib: u64,
-        /// MiB allowed.
-        budget_mib: u64,
-    },
 
     /// PVM cannot store so many bytes.
     #[error(
@@ -337,9 +316,9 @@ pub enum FormatError {
     /// Points alone, but not in a file that can hold them.
     #[error("only {0} files hold points without triangles; choose a name that ends in {0}")]
     NoPoints(String),
-    /// A voxel size that is no length.
-    #[error("a voxel of {0} mm is not possible; give a positive length in millimetres")]
-    VoxelMillimetres(f32),
+    /// An option breaks a rule.
+    #[error(transparent)]
+    Invalid(#[from] InvalidValue),
     /// A mesh of an empty sculpture.
     #[error("the sculpture has no voxels, so it has no surface; there is nothing to export")]
     NoSurface,
@@ -376,9 +355,8 @@ impl From<MeshError> for FormatError {
         match error {
             MeshError::Cancelled => FormatError::Cancelled,
             MeshError::Grid(error) => FormatError::Grid(error),
-            MeshError::TooLarge(_)
-            | MeshError::Memory { .. }
-            | MeshError::SimplifyMemory { .. } => FormatError::Mesh(error),
+            MeshError::OverBudget(over) => FormatError::OverBudget(over),
+            MeshError::TooLarge(_) => FormatError::Mesh(error),
         }
     }
 }
@@ -387,9 +365,7 @@ impl From<OrientError> for FormatError {
     fn from(error: OrientError) -> FormatError {
         match error {
             OrientError::Grid(error) => FormatError::Grid(error),
-            OrientError::ColourMemory { needed_mib, budget_mib } => {
-                FormatError::ColourMemory { needed_mib, budget_mib }
-            }
+            OrientError::OverBudget(over) => FormatError::OverBudget(over.advise(FEWER_BITS)),
             OrientError::Cancelled => FormatError::Cancelled,
         }
     }
@@ -399,7 +375,7 @@ impl From<PiecesError> for FormatError {
     fn from(error: PiecesError) -> FormatError {
         match error {
             PiecesError::Cancelled => FormatError::Cancelled,
-            error => FormatError::Pieces(error),
+            PiecesError::OverBudget(over) => FormatError::OverBudget(over),
         }
     }
 }
@@ -409,6 +385,7 @@ impl From<VoxeliseError> for FormatError {
         match error {
             VoxeliseError::Cancelled => FormatError::Cancelled,
             VoxeliseError::Grid(error) => FormatError::Grid(error),
+            VoxeliseError::OverBudget(over) => FormatError::OverBudget(over),
             error => FormatError::Voxelise(error),
         }
     }

@@ -10,6 +10,7 @@ use glam::UVec3;
 use rayon::prelude::*;
 use tracing::warn;
 
+use super::budget::check_colour_budget;
 use super::histogram::{Histogram, Values};
 use super::labels;
 use super::options::{Colouring, Existence, ExportForm, ImportOptions};
@@ -303,12 +304,7 @@ impl Job<'_> {
         if bytes_of(filled.len()) > budget {
             // It may still fit if some bricks have the base colour throughout.
             let pages = filled.par_iter().filter(|b| page_of(**b).is_some()).count();
-            if bytes_of(pages) > budget {
-                return Err(FormatError::ColourMemory {
-                    needed_mib: bytes_of(pages).div_ceil(1 << 20),
-                    budget_mib: budget >> 20,
-                });
-            }
+            check_colour_budget(bytes_of(pages), budget)?;
         }
         self.progress.begin("colouring");
         for (i, batch) in filled.chunks(PAINT_BATCH).enumerate() {

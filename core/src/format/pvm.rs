@@ -15,6 +15,7 @@ use super::spec::{Export, FormatSpec, Import, Sign};
 use super::volume::{Samples, Texts, Volume};
 use super::{FormatError, go_on};
 use crate::progress::Progress;
+use crate::refusal::InvalidValue;
 
 pub static SPEC: FormatSpec = FormatSpec {
     signs: &[
@@ -72,7 +73,7 @@ impl Header {
         }
         let dims: [u32; 3] = lines.numbers(
             "size",
-            "three whole numbers from 1 to 4294967295",
+            "must be three whole numbers from 1 to 4294967295",
             |text| text.bytes().all(|b| b.is_ascii_digit()),
             |n| *n > 0,
         )?;
@@ -81,14 +82,14 @@ impl Header {
         } else {
             lines.numbers(
                 "voxel size",
-                "three finite numbers above 0, with a point for the fraction",
+                "must be three finite numbers above 0, with a point for the fraction",
                 |text| text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b)),
                 |n: &f32| n.is_finite() && *n > 0.0,
             )?
         };
         let [components] = lines.numbers(
             "components",
-            "one whole number from 1 to 4294967295",
+            "must be one whole number from 1 to 4294967295",
             |text| text.bytes().all(|b| b.is_ascii_digit()),
             |n| *n > 0,
         )?;
@@ -170,7 +171,7 @@ impl<'a> Lines<'a> {
             };
             words.map(number).collect::<Option<Vec<T>>>()?.try_into().ok()
         });
-        numbers.ok_or_else(|| FormatError::Header { what, line: excerpt(line), rule })
+        numbers.ok_or_else(|| FormatError::Header(InvalidValue::new(what, rule, excerpt(line))))
     }
 }
 
@@ -412,7 +413,8 @@ mod tests {
         };
         let file = write(volume, &()).unwrap();
         let error = read(file, &|_| Ok(()), 1 << 20, &()).unwrap_err();
-        assert!(matches!(error, FormatError::Memory { needed_mib: 3, budget_mib: 1 }), "{error}");
+        let FormatError::OverBudget(over) = error else { panic!("{error}") };
+        assert_eq!((over.needed_mib, over.budget_mib), (3, 1));
     }
 
     #[test]

@@ -2,11 +2,13 @@
 //!
 //! Many threads make a mesh; they share these counts. Knows neither grids nor files.
 
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::MeshError;
 use crate::progress::Progress;
+use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::Limits;
 
 /// Memory that a mesh may take, as much as the limits for the grid and the colours together.
@@ -39,13 +41,17 @@ impl Budget {
 
     /// An error if there is no room for so many bytes in all.
     pub fn check_for(&self, needed: u64) -> Result<(), MeshError> {
-        match needed > self.bytes {
-            true => Err(MeshError::Memory {
-                needed_mib: needed.div_ceil(1 << 20),
-                budget_mib: self.bytes >> 20,
-            }),
-            false => Ok(()),
-        }
+        let checked = self.check_work("the mesh needs at least", needed);
+        checked.map_err(|over| over.advise("export a smaller part of the sculpture").into())
+    }
+
+    /// An error if there is no room for work (the beginning of the message, with its verb) that needs so many bytes.
+    pub fn check_work(
+        &self,
+        what: impl Into<Cow<'static, str>>,
+        needed: u64,
+    ) -> Result<(), OverBudget> {
+        OverBudget::check(what, needed, MemoryBudget::GridsAndColours, self.bytes)
     }
 }
 

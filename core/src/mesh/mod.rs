@@ -31,6 +31,7 @@ use self::rows::Rows;
 use self::slab::Slab;
 use self::smoothing::Smoothing;
 use crate::progress::Progress;
+use crate::refusal::OverBudget;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{GridError, Limits, Rgb};
 use crate::shade::LevelSet;
@@ -90,30 +91,9 @@ pub enum MeshError {
         "the mesh would have {0} vertices, more than the 2^32 that it can number; export a smaller part of the sculpture"
     )]
     TooLarge(u64),
-    /// The mesh would take more memory than allowed.
-    #[error(
-        "the mesh needs at least {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids and colours; \
-         export a smaller part of the sculpture"
-    )]
-    Memory {
-        /// MiB needed, as far as that is known.
-        needed_mib: u64,
-        /// MiB allowed.
-        budget_mib: u64,
-    },
-    /// Simplifying the mesh would take more memory than allowed.
-    #[error(
-        "simplifying {triangles} triangles needs {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids \
-         and colours; export without a limit of triangles"
-    )]
-    SimplifyMemory {
-        /// Triangles of the mesh.
-        triangles: u64,
-        /// MiB needed.
-        needed_mib: u64,
-        /// MiB allowed.
-        budget_mib: u64,
-    },
+    /// The mesh, or simplifying it, would take more memory than allowed.
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
     /// The smooth surface does not fit into memory.
     #[error(transparent)]
     Grid(#[from] GridError),

@@ -14,6 +14,7 @@ use glam::Vec3;
 use thiserror::Error;
 
 use crate::progress::Progress;
+use crate::refusal::{InvalidValue, OverBudget};
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Grid, GridError};
 use crate::tools::pieces::{Part, Pieces, pieces};
@@ -58,9 +59,9 @@ pub enum CheckError {
     /// The work was cancelled.
     #[error("cancelled")]
     Cancelled,
-    /// An option is out of range.
-    #[error("{0}")]
-    Option(&'static str),
+    /// An option breaks a rule.
+    #[error(transparent)]
+    Invalid(#[from] InvalidValue),
     /// The walls are too thick to measure in these voxels.
     #[error(
         "walls of {wall_mm} mm are more than 64 voxels of {voxel_mm} mm thick, which cannot be measured; \
@@ -74,7 +75,7 @@ pub enum CheckError {
     },
     /// It takes too much memory.
     #[error(transparent)]
-    Repair(RepairError),
+    OverBudget(#[from] OverBudget),
     /// It takes too much memory.
     #[error(transparent)]
     Grid(#[from] GridError),
@@ -84,7 +85,8 @@ impl From<RepairError> for CheckError {
     fn from(error: RepairError) -> CheckError {
         match error {
             RepairError::Cancelled => CheckError::Cancelled,
-            other => CheckError::Repair(other),
+            RepairError::Invalid(error) => CheckError::Invalid(error),
+            RepairError::OverBudget(over) => CheckError::OverBudget(over),
         }
     }
 }
@@ -183,26 +185,22 @@ impl Checked {
 
 impl CheckOptions {
     /// An error that names the first option that is out of range.
-    pub fn check(&self) -> Result<(), CheckError> {
+    pub fn check(&self) -> Result<(), InvalidValue> {
+        let CheckOptions { voxel_mm, wall_mm, overhang_deg, bridge_mm, bed_mm } = *self;
         let is_length = |mm: f32| mm.is_finite() && mm > 0.0;
-        let checks = [
-            (self.voxel_mm.is_none_or(is_length), "the length of a voxel must be above 0 mm"),
-            (is_length(self.wall_mm), "the thickness of walls must be above 0 mm"),
-            (
-                (0.0..=90.0).contains(&self.overhang_deg),
-                "the angle of overhangs must be 0 to 90 degrees from the vertical",
-            ),
-            (
-                self.bridge_mm >= 0.0 && self.bridge_mm.is_finite(),
-                "the length of bridges must be 0 mm or more",
-            ),
-            (
-                self.bed_mm.to_array().into_iter().all(is_length),
-                "width, depth and height of the bed must be above 0 mm",
-            ),
-        ];
-        let wrong = checks.into_iter().find(|(is_right, _)| !is_right);
-        wrong.map_or(Ok(()), |(_, what)| Err(CheckError::Option(what)))
+        let check = InvalidValue::check;
+        if let Some(voxel_mm) = voxel_mm {
+            check(is_length(voxel_mm), "length of a voxel", "must be above 0 mm", voxel_mm)?;
+        }
+        check(is_length(wall_mm), "thickness of walls", "must be above 0 mm", wall_mm)?;
+        let is_angle = (0.0..=90.0).contains(&overhang_deg);
+        let rule = "must be 0 to 90 degrees from the vertical";
+        check(is_angle, "angle of overhangs", rule, overhang_deg)?;
+        let is_bridge = bridge_mm >= 0.0 && bridge_mm.is_finite();
+        check(is_bridge, "length of bridges", "must be 0 mm or more", bridge_mm)?;
+        let is_bed = bed_mm.to_array().into_iter().all(is_length);
+        let rule = "must be above 0 mm in width, depth and height";
+        InvalidValue::check(is_bed, "size of the bed", rule, bed_mm)
     }
 
     /// The edges of a voxel of `grid` in millimetres.

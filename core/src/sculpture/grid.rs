@@ -13,6 +13,7 @@ use thiserror::Error;
 
 use super::brick::{BRICK_EDGE_VX, Brick};
 use super::memory::filled;
+use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 
 mod band;
 mod read;
@@ -53,9 +54,9 @@ fn largest_named(x: &u32, y: &u32) -> String {
 }
 
 /// The edge of the largest cube in a budget of memory, in voxels.
-fn largest_within(budget_mib: &u64) -> u32 {
+fn largest_within(budget_mib: u64) -> u32 {
     largest_cube(|dims| {
-        product(dims) <= MOST_VOXELS && Grid::bytes_for(dims).div_ceil(1 << 20) <= *budget_mib
+        product(dims) <= MOST_VOXELS && Grid::bytes_for(dims).div_ceil(1 << 20) <= budget_mib
     })
 }
 
@@ -71,20 +72,9 @@ pub enum GridError {
          {largest}", largest = largest_named(.0, .1)
     )]
     Index(u32, u32, u32, u64),
-    /// The grid needs more bytes than allowed.
-    #[error(
-        "grid of {dims} voxels needs {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids; \
-         choose a smaller grid (at most {cube}x{cube}x{cube})",
-        cube = largest_within(.budget_mib)
-    )]
-    Memory {
-        /// Size in voxels.
-        dims: UVec3,
-        /// MiB needed.
-        needed_mib: u64,
-        /// MiB allowed.
-        budget_mib: u64,
-    },
+    /// The grid needs more memory than allowed.
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
     /// The system does not give the memory that is allowed.
     #[error(
         "grid of {dims} voxels: the system has not the {needed_mib} MiB that it needs; close other \
@@ -96,9 +86,9 @@ pub enum GridError {
         /// MiB needed.
         needed_mib: u64,
     },
-    /// An edge length that is not finite or not positive.
-    #[error("the voxel size {0} is not valid: it must be a positive, finite length on every axis")]
-    VoxelSize(Vec3),
+    /// The edges of a voxel are not finite or not positive.
+    #[error(transparent)]
+    Invalid(#[from] InvalidValue),
 }
 
 /// Existence bits in bricks of 8^3, x fastest, then y, then z.
@@ -133,20 +123,20 @@ impl Grid {
         if voxels > MOST_VOXELS {
             return Err(GridError::Index(x, y, z, voxels));
         }
-        if !voxel_size.is_finite() || voxel_size.min_element() <= 0.0 {
-            return Err(GridError::VoxelSize(voxel_size));
-        }
+        let is_size = voxel_size.is_finite() && voxel_size.min_element() > 0.0;
+        let rule = "is not valid: it must be a positive, finite length on every axis";
+        InvalidValue::check(is_size, "voxel size", rule, voxel_size)?;
         Self::check_memory(dims, budget_bytes)
     }
 
     fn check_memory(dims: UVec3, budget_bytes: u64) -> Result<(), GridError> {
         let needed = Self::bytes_for(dims);
         if needed > budget_bytes {
-            return Err(GridError::Memory {
-                dims,
-                needed_mib: needed.div_ceil(1 << 20),
-                budget_mib: budget_bytes >> 20,
-            });
+            let what = format!("grid of {dims} voxels needs");
+            let over = OverBudget::new(what, needed, MemoryBudget::Grids, budget_bytes);
+            let cube = largest_within(over.budget_mib);
+            let advice = format!("choose a smaller grid (at most {cube}x{cube}x{cube})");
+            return Err(over.advise(advice).into());
         }
         Ok(())
     }

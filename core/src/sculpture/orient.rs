@@ -16,6 +16,7 @@ use super::material::Page;
 use super::orientation::Orientation;
 use super::{Grid, GridError, Limits, Material};
 use crate::progress::Progress;
+use crate::refusal::{MemoryBudget, OverBudget};
 
 /// Why a sculpture cannot be laid another way.
 #[derive(Debug, Error)]
@@ -24,13 +25,8 @@ pub enum OrientError {
     #[error(transparent)]
     Grid(#[from] GridError),
     /// The colours would not fit into [`Limits::colour_bytes`].
-    #[error("the colours need {needed_mib} MiB, more than the {budget_mib} MiB allowed")]
-    ColourMemory {
-        /// MiB needed.
-        needed_mib: u64,
-        /// MiB allowed.
-        budget_mib: u64,
-    },
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
     /// The work was cancelled.
     #[error("cancelled")]
     Cancelled,
@@ -224,10 +220,7 @@ impl<'a> Reorientation<'a> {
         if needed <= budget {
             return Ok(());
         }
-        Err(OrientError::ColourMemory {
-            needed_mib: needed.div_ceil(1 << 20),
-            budget_mib: budget >> 20,
-        })
+        Err(OverBudget::new("this needs", needed, MemoryBudget::Colours, budget).into())
     }
 }
 
@@ -316,9 +309,18 @@ mod tests {
         let limits = |colour_bytes| Limits { colour_bytes, ..Limits::default() };
         assert!(mirror.run(&limits(needed), &()).is_ok());
         let refused = mirror.run(&limits(needed - 1), &());
-        assert!(matches!(refused, Err(OrientError::ColourMemory { .. })));
+        assert!(matches!(
+            refused,
+            Err(OrientError::OverBudget(OverBudget { budget: MemoryBudget::Colours, .. }))
+        ));
         let refused = mirror.run(&Limits { grid_bytes: 1, ..Limits::default() }, &());
-        assert!(matches!(refused, Err(OrientError::Grid(GridError::Memory { .. }))));
+        assert!(matches!(
+            refused,
+            Err(OrientError::Grid(GridError::OverBudget(OverBudget {
+                budget: MemoryBudget::Grids,
+                ..
+            })))
+        ));
 
         // Along an axis of whole bricks nothing is divided.
         assert!(Reorientation::new(&from, Orientation::mirroring(1)).is_exact());

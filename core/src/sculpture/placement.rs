@@ -1,6 +1,10 @@
 //! The placement of a sculpture in the world. The grid itself never moves.
 
+use std::fmt::Display;
+
 use glam::{Affine3A, Quat, UVec3, Vec3};
+
+use crate::refusal::InvalidValue;
 
 /// Rotation about the grid's centre, scale, then translation of that centre.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -20,6 +24,18 @@ impl Default for Placement {
 }
 
 impl Placement {
+    /// An error that names the first invalid part, if there is one.
+    pub fn check(&self) -> Result<(), InvalidValue> {
+        let Placement { rotation, translation, scale } = *self;
+        let check = |is_valid, field, value: &dyn Display| {
+            let rule = "is not valid: it must be finite, and the scale above zero";
+            InvalidValue::check(is_valid, field, rule, value).map_err(|error| error.of("placement"))
+        };
+        check(rotation.is_finite() && rotation.is_normalized(), "rotation", &rotation)?;
+        check(translation.is_finite(), "translation", &translation)?;
+        check(scale.is_finite() && scale > 0.0, "scale", &scale)
+    }
+
     /// Maps grid coordinates (in voxels, voxel (x,y,z) covers [x,x+1) etc.) to the world:
     /// the centre goes to the origin, is scaled by the voxel size, rotated, translated.
     pub fn world_from_grid(&self, dims: UVec3, voxel_size: Vec3) -> Affine3A {

@@ -10,6 +10,7 @@ use glam::{IVec3, UVec3};
 use super::brick::Brick;
 use super::orientation::Orientation;
 use super::region::{BoxRow, Region, RowReach, VoxelBox};
+use crate::refusal::InvalidValue;
 
 /// Largest coordinate of a marker, in voxels from the grid's corner.
 pub const MARKER_LIMIT_VX: i32 = 1 << 20;
@@ -56,19 +57,17 @@ impl Selection {
     }
 
     /// An error that says why `marker` is not a valid marker, if it is not.
-    pub fn check_marker(marker: VoxelBox) -> Result<(), &'static str> {
-        let far = IVec3::splat(MARKER_LIMIT_VX);
-        if marker.min.cmplt(-far).any() || marker.max.cmpgt(far).any() {
-            return Err("the marker is too far from the grid");
-        }
-        if marker.is_empty() {
-            return Err("the marker must be at least one voxel long on every axis");
-        }
-        Ok(())
+    pub fn check_marker(marker: VoxelBox) -> Result<(), InvalidValue> {
+        let VoxelBox { min, max } = marker;
+        let (far, given) = (IVec3::splat(MARKER_LIMIT_VX), format_args!("{min} to {max}"));
+        let is_near = min.cmpge(-far).all() && max.cmple(far).all();
+        InvalidValue::check(is_near, "marker", "is too far from the grid", given)?;
+        let rule = "must be at least one voxel long on every axis";
+        InvalidValue::check(!marker.is_empty(), "marker", rule, given)
     }
 
     /// Replaces the marker; an error if `marker` is not a valid one.
-    pub fn set_marker(&mut self, marker: VoxelBox) -> Result<(), &'static str> {
+    pub fn set_marker(&mut self, marker: VoxelBox) -> Result<(), InvalidValue> {
         Self::check_marker(marker)?;
         self.marker = marker;
         Ok(())

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::progress::Progress;
+use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_WORDS, WORD_EDGE_VX, local_index, word_bounds};
 use crate::sculpture::{Brick, Grid};
 
@@ -39,16 +40,8 @@ pub enum PiecesError {
     #[error("the work was cancelled")]
     Cancelled,
     /// So many pieces need more memory than allowed.
-    #[error(
-        "finding the pieces needs {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids; \
-         remove noise with another threshold"
-    )]
-    Memory {
-        /// MiB needed.
-        needed_mib: u64,
-        /// MiB allowed.
-        budget_mib: u64,
-    },
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
 }
 
 /// One piece.
@@ -101,9 +94,9 @@ impl<'a> Pieces<'a> {
     ) -> Result<Pieces<'a>, PiecesError> {
         let mut needed = (grid.brick_count() * size_of::<[u32; BRICK_WORDS]>()) as u64;
         let fits = |needed: u64| {
-            let (needed_mib, budget_mib) = (needed.div_ceil(1 << 20), budget_bytes >> 20);
-            let memory = PiecesError::Memory { needed_mib, budget_mib };
-            if needed > budget_bytes { Err(memory) } else { Ok(()) }
+            let what = "finding the pieces needs";
+            let checked = OverBudget::check(what, needed, MemoryBudget::Grids, budget_bytes);
+            checked.map_err(|over| over.advise("remove noise with another threshold"))
         };
         fits(needed)?;
         let (first, nodes) = number_nodes(grid, part);

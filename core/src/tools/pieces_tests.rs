@@ -5,6 +5,7 @@ use proptest::prelude::*;
 
 use super::pieces::{Part, PiecesError, fill_holes, keep_largest, pieces};
 use crate::progress::{Progress, Report};
+use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::Grid;
 
 const ROOM: u64 = 1 << 30;
@@ -168,7 +169,10 @@ fn the_largest_piece_stays_and_cavities_are_filled() {
 fn memory_is_bounded_and_the_work_can_be_cancelled() {
     let grid = grid_of([40, 40, 40], |v| v.element_sum() % 2 == 0);
     let error = pieces(&grid, Part::Solid, 5000, &()).unwrap_err();
-    assert!(matches!(error, PiecesError::Memory { .. }), "{error}");
+    assert!(
+        matches!(error, PiecesError::OverBudget(OverBudget { budget: MemoryBudget::Grids, .. })),
+        "{error}"
+    );
     let error = pieces(&grid, Part::Solid, 200_000, &()).unwrap_err().to_string();
     assert!(error.contains("threshold") && error.contains("allowed for grids"), "{error}");
     let report = Report::default();

@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DQuat, DVec3, IVec3, Mat3, Quat, UVec3, Vec3};
 
+use crate::refusal::InvalidValue;
 use crate::sculpture::orientation::Orientation;
 
 /// The position of a mirror plane relative to the voxels.
@@ -72,36 +73,30 @@ impl Symmetry {
         Symmetry { axes, plane: None, radial: None }
     }
 
-    /// An error that says which value is invalid, if one is.
-    pub fn check(&self) -> Result<(), &'static str> {
-        let place = |p: Vec3| p.is_finite() && p.abs().max_element() <= FURTHEST_VX;
-        let direction = |v: Vec3| {
+    /// An error that names the first invalid value, if there is one.
+    pub fn check(&self) -> Result<(), InvalidValue> {
+        let place = |field, at: Vec3| {
+            let is_near = at.is_finite() && at.abs().max_element() <= FURTHEST_VX;
+            InvalidValue::check(is_near, field, "must be within a million voxels", at)
+        };
+        let direction = |field, v: Vec3| {
             let length = v.as_dvec3().length();
-            length > 1e-12 && length.is_finite()
+            let is_direction = length > 1e-12 && length.is_finite();
+            InvalidValue::check(is_direction, field, "must have a direction", v)
         };
         if let Some(MirrorPlane { at_vx, normal }) = self.plane {
-            if !place(at_vx) {
-                return Err("the mirror plane must be within a million voxels");
-            }
-            if !direction(normal) {
-                return Err("the normal of the mirror plane must have a direction");
-            }
+            place("mirror plane", at_vx)?;
+            direction("normal of the mirror plane", normal)?;
         }
         if let Some(Radial { at_vx, axis, count }) = self.radial {
-            if !place(at_vx) {
-                return Err("the axis of rotation must be within a million voxels");
-            }
-            if !direction(axis) {
-                return Err("the axis of rotation must have a direction");
-            }
-            if !(2..=MAX_IMAGES as u32).contains(&count) {
-                return Err("a rotation repeats a tool 2 to 64 times");
-            }
+            place("axis of rotation", at_vx)?;
+            direction("axis of rotation", axis)?;
+            let is_count = (2..=MAX_IMAGES as u32).contains(&count);
+            InvalidValue::check(is_count, "rotation", "repeats a tool 2 to 64 times", count)?;
         }
-        match self.image_count() <= MAX_IMAGES {
-            true => Ok(()),
-            false => Err("a tool may have 64 images; use fewer planes or a smaller count"),
-        }
+        let rule = "may give a tool 64 images; use fewer planes or a smaller count";
+        let images = self.image_count();
+        InvalidValue::check(images <= MAX_IMAGES, "symmetry", rule, images)
     }
 
     fn image_count(&self) -> usize {

@@ -4,6 +4,7 @@
 
 use glam::{UVec3, Vec3};
 
+use crate::refusal::InvalidValue;
 use crate::sculpture::Rgb;
 
 /// Largest coordinate of a gradient's ends, in voxels.
@@ -63,35 +64,43 @@ impl Tint {
         }
     }
 
-    /// An error that says which number is out of range, if one is.
-    pub fn check(&self) -> Result<(), &'static str> {
-        let is_share = |share: &f32| (0.0..=1.0).contains(share);
-        let is_near = |point: &Vec3| point.abs().cmple(Vec3::splat(FARTHEST_VX)).all();
-        match self {
-            Tint::Adjust { hue_deg, .. } if !(-360.0..=360.0).contains(hue_deg) => {
-                Err("the hue must be turned by -360 to 360 degrees")
+    /// An error that names the first number out of range, if there is one.
+    pub fn check(&self) -> Result<(), InvalidValue> {
+        match *self {
+            Tint::Adjust { hue_deg, saturation, value } => {
+                let is_turn = (-360.0..=360.0).contains(&hue_deg);
+                let rule = "must be turned by -360 to 360 degrees";
+                InvalidValue::check(is_turn, "hue", rule, hue_deg)?;
+                [("saturation", saturation), ("value", value)].into_iter().try_for_each(
+                    |(field, factor)| {
+                        let is_factor = (0.0..=MAX_FACTOR).contains(&factor);
+                        InvalidValue::check(is_factor, field, "is a factor from 0 to 8", factor)
+                    },
+                )
             }
-            Tint::Adjust { saturation, value, .. }
-                if ![saturation, value].iter().all(|f| (0.0..=MAX_FACTOR).contains(*f)) =>
-            {
-                Err("saturation and value are factors from 0 to 8")
+            Tint::Gradient { from_vx, to_vx, strength, .. } => {
+                let is_near = |end: &Vec3| end.abs().cmple(Vec3::splat(FARTHEST_VX)).all();
+                if let Some(end) = [from_vx, to_vx].into_iter().find(|end| !is_near(end)) {
+                    let error = InvalidValue::new("ends", "are too far away", end);
+                    return Err(error.of("gradient"));
+                }
+                let is_way = from_vx.distance(to_vx) >= 1e-3;
+                let rule = "must go from one point to another";
+                InvalidValue::check(
+                    is_way,
+                    "gradient",
+                    rule,
+                    format_args!("{from_vx} to {to_vx}"),
+                )?;
+                InvalidValue::check_share("strength", strength)
             }
-            Tint::Gradient { from_vx, to_vx, .. } if !is_near(from_vx) || !is_near(to_vx) => {
-                Err("the ends of the gradient are too far away")
+            Tint::Noise { size, amount, .. } => {
+                let rule = "must be 1 to 1024 voxels large";
+                let checked =
+                    InvalidValue::check(SIZE_RANGE.contains(&size), "patches", rule, size);
+                checked.map_err(|error| error.of("noise"))?;
+                InvalidValue::check_share("amount of noise", amount)
             }
-            Tint::Gradient { from_vx, to_vx, .. } if from_vx.distance(*to_vx) < 1e-3 => {
-                Err("the gradient must go from one point to another")
-            }
-            Tint::Gradient { strength: share, .. } if !is_share(share) => {
-                Err("the strength must be a share from 0 to 1")
-            }
-            Tint::Noise { size, .. } if !SIZE_RANGE.contains(size) => {
-                Err("the patches of the noise must be 1 to 1024 voxels large")
-            }
-            Tint::Noise { amount: share, .. } if !is_share(share) => {
-                Err("the amount of noise must be a share from 0 to 1")
-            }
-            _ => Ok(()),
         }
     }
 }

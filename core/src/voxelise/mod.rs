@@ -20,6 +20,7 @@ use thiserror::Error;
 pub use self::frame::{Frame, MeshSize, bounds};
 pub use self::mesh::{Mesh, Skin};
 use crate::progress::Progress;
+use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, GridError, Limits, Material, Rgb};
 
@@ -60,16 +61,8 @@ pub enum VoxeliseError {
     #[error(transparent)]
     Grid(#[from] GridError),
     /// The work needs more memory than allowed.
-    #[error(
-        "the mesh needs {needed_mib} MiB at this size, more than the {budget_mib} MiB allowed for grids \
-         and colours; choose fewer voxels"
-    )]
-    Memory {
-        /// MiB needed.
-        needed_mib: u64,
-        /// MiB allowed.
-        budget_mib: u64,
-    },
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
     /// Nothing of the mesh can be used.
     #[error("the mesh has no triangle of finite size; export it again")]
     Nothing,
@@ -79,6 +72,13 @@ pub enum VoxeliseError {
     /// [`Progress::is_cancelled`] returned true.
     #[error("the work was cancelled")]
     Cancelled,
+}
+
+/// An error if `needed` bytes are more than allowed.
+fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), OverBudget> {
+    let (what, budget) = ("the mesh at this size needs", MemoryBudget::GridsAndColours);
+    let checked = OverBudget::check(what, needed, budget, budget_bytes);
+    checked.map_err(|over| over.advise("choose fewer voxels"))
 }
 
 /// Makes a sculpture of a mesh.
@@ -95,10 +95,7 @@ pub fn to_contents(
     let placed = frame.place(mesh)?;
     let budget_bytes = limits.grid_bytes.saturating_add(limits.colour_bytes);
     let needed = placed.crossings_at_most() * 24 + 3 * solid::bytes(frame.dims);
-    if needed > budget_bytes {
-        let (needed_mib, budget_mib) = (needed.div_ceil(1 << 20), budget_bytes >> 20);
-        return Err(VoxeliseError::Memory { needed_mib, budget_mib });
-    }
+    check_memory(needed, budget_bytes)?;
     progress.begin("cutting rays");
     let mut rays = Vec::new();
     for axis in 0..3 {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::crossings::{Placed, Rays, SUB_VX};
 use super::solid::voxel;
-use super::{Mesh, VoxeliseError};
+use super::{Mesh, VoxeliseError, check_memory};
 use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords, local_index};
 use crate::sculpture::material::Page;
@@ -60,11 +60,7 @@ impl Painter<'_> {
                 })
                 .collect();
             for (brick, page) in pages.into_iter().flatten() {
-                let needed = material.bytes_with(1);
-                if needed > budget_bytes {
-                    let (needed_mib, budget_mib) = (needed.div_ceil(1 << 20), budget_bytes >> 20);
-                    return Err(VoxeliseError::Memory { needed_mib, budget_mib });
-                }
+                check_memory(material.bytes_with(1), budget_bytes)?;
                 material.swap_page(brick, Some(page));
             }
         }

@@ -208,7 +208,10 @@ fn what_cannot_be_is_refused_before_memory_is_taken() {
     let limits = Limits { grid_bytes: 1 << 17, colour_bytes: 1 << 14, ..Limits::default() };
     let run =
         |frame: &Frame| to_contents(&mesh, frame, Fill::Auto, ColourDepth::None, &limits, &());
-    assert!(matches!(run(&frame), Err(VoxeliseError::Memory { .. })));
+    assert!(matches!(
+        run(&frame),
+        Err(VoxeliseError::OverBudget(OverBudget { budget: MemoryBudget::GridsAndColours, .. }))
+    ));
     let huge = around(&mesh, MeshSize::VoxelMm(1e-6)).unwrap();
     assert!(matches!(run(&huge), Err(VoxeliseError::Grid(_))));
     let nothing = soup(&[[Vec3::splat(f32::NAN); 3], [Vec3::X; 3]]);

@@ -273,8 +273,11 @@ fn arrays_of_arrays_and_their_bounds() {
     run(&mut document, "array count=7 step=0,0,8");
     assert_eq!(document.grid().opaque_count(), 64 * 64);
     assert_eq!(document.history().undo_count(), 3);
-    assert!(matches!(document.apply(&array(0, 1, 0)), Err(CommandError::Array)));
-    assert!(matches!(document.apply(&array(2000, 1, 0)), Err(CommandError::Array)));
+    for count in [0, 2000] {
+        let refused = document.apply(&array(count, 1, 0));
+        let Err(CommandError::Invalid(invalid)) = refused else { panic!("{count}: {refused:?}") };
+        assert_eq!((invalid.field, invalid.value), ("array", Some(count.to_string())));
+    }
     run(&mut document, "undo");
     assert!(matches!(document.apply(&array(1, 8, 0)), Err(CommandError::NothingToRepeat)));
     assert_eq!(document.grid().opaque_count(), 64 * 8);

@@ -6,6 +6,7 @@ use glam::{IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::command::{Area, Command, NewSculpture};
 use sculpture_core::document::{CommandError, Document, Heeds, Limits};
+use sculpture_core::refusal::{MemoryBudget, OverBudget};
 use sculpture_core::sculpture::brick::local_index;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::Contents;
@@ -305,7 +306,13 @@ fn colours_stay_within_their_budget() {
     let before = document.contents().clone();
     let too_much = ball(EditOp::Add(Some(RED)), Vec3::splat(20.0), 9.0);
     let refused = document.apply(&too_much).unwrap_err();
-    assert!(matches!(refused, CommandError::ColourMemory { .. }), "{refused}");
+    assert!(
+        matches!(
+            refused,
+            CommandError::OverBudget(OverBudget { budget: MemoryBudget::Colours, .. })
+        ),
+        "{refused}"
+    );
     assert!(refused.to_string().contains("MiB for colours"), "{refused}");
     assert_eq!(document.contents(), &before);
     assert_eq!(document.history().undo_count(), 1);
@@ -369,7 +376,13 @@ fn refusals_name_the_reason_and_change_nothing() {
 fn a_sculpture_too_large_is_refused_before_it_is_created() {
     let limits = Limits { grid_bytes: 1 << 20, ..Limits::default() };
     let error = Document::new(&painted(UVec3::splat(512), ColourDepth::None, true), limits);
-    assert!(matches!(error, Err(CommandError::Grid(GridError::Memory { .. }))));
+    assert!(matches!(
+        error,
+        Err(CommandError::Grid(GridError::OverBudget(OverBudget {
+            budget: MemoryBudget::Grids,
+            ..
+        })))
+    ));
 }
 
 #[test]

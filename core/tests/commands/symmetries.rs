@@ -161,17 +161,18 @@ fn what_is_not_valid_is_refused_and_leaves_the_symmetry_alone() {
     let mut document = ball(Vec3::ONE);
     run(&mut document, "symmetry x=even radial=3 about=1,2,3 axis=0,1,0").unwrap();
     let before = document.symmetry();
-    for line in [
-        "symmetry plane=1,2,3 normal=0,0,0",
-        "symmetry plane=1e9,2,3 normal=0,0,1",
-        "symmetry radial=1 about=1,2,3 axis=0,1,0",
-        "symmetry radial=65 about=1,2,3 axis=0,1,0",
-        "symmetry radial=3 about=1,2,3 axis=0,0,0",
-        "symmetry radial=3 about=1,2,-1e7 axis=0,0,1",
-        "symmetry x=even y=odd radial=17 about=1,2,3 axis=0,1,0",
+    for (line, field) in [
+        ("symmetry plane=1,2,3 normal=0,0,0", "normal of the mirror plane"),
+        ("symmetry plane=1e9,2,3 normal=0,0,1", "mirror plane"),
+        ("symmetry radial=1 about=1,2,3 axis=0,1,0", "rotation"),
+        ("symmetry radial=65 about=1,2,3 axis=0,1,0", "rotation"),
+        ("symmetry radial=3 about=1,2,3 axis=0,0,0", "axis of rotation"),
+        ("symmetry radial=3 about=1,2,-1e7 axis=0,0,1", "axis of rotation"),
+        ("symmetry x=even y=odd radial=17 about=1,2,3 axis=0,1,0", "symmetry"),
     ] {
         let refused = run(&mut document, line);
-        assert!(matches!(refused, Err(CommandError::Symmetry(_))), "{line}");
+        let Err(CommandError::Invalid(invalid)) = refused else { panic!("{line}: {refused:?}") };
+        assert_eq!(invalid.field, field, "{line}");
     }
     for text in [
         "symmetry plane=1,2,3",

@@ -4,6 +4,7 @@ use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::command::text::parse_script;
 use sculpture_core::command::{Command, NewSculpture};
 use sculpture_core::document::{CommandError, Document, Limits};
+use sculpture_core::refusal::{MemoryBudget, OverBudget};
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 
 const TINTS: [&str; 3] = [
@@ -86,7 +87,13 @@ fn tints_that_cannot_be_are_refused_and_change_nothing() {
     let mut document = block(ColourDepth::Bits24, little);
     for tint in TINTS {
         let refused = run(&mut document, tint);
-        assert!(matches!(refused, Err(CommandError::ColourMemory { .. })), "{tint}");
+        assert!(
+            matches!(
+                refused,
+                Err(CommandError::OverBudget(OverBudget { budget: MemoryBudget::Colours, .. }))
+            ),
+            "{tint}"
+        );
     }
     assert_eq!(document.material().page_count(), 0);
     let mut document = block(ColourDepth::None, Limits::default());
@@ -96,9 +103,15 @@ fn tints_that_cannot_be_are_refused_and_change_nothing() {
     let mut document = block(ColourDepth::Bits16, Limits::default());
     for (line, message) in [
         ("adjust selection hue=3", "nothing is selected"),
-        ("adjust value=9", "saturation and value are factors from 0 to 8"),
-        ("noise colour=#ff0000 size=0", "the patches of the noise must be 1 to 1024 voxels large"),
-        ("flood at=0,0,0 colour=#ff0000 tolerance=2", "the tolerance must be a share from 0 to 1"),
+        ("adjust value=9", "the value is a factor from 0 to 8 (given: 9)"),
+        (
+            "noise colour=#ff0000 size=0",
+            "the patches of the noise must be 1 to 1024 voxels large (given: 0)",
+        ),
+        (
+            "flood at=0,0,0 colour=#ff0000 tolerance=2",
+            "the tolerance must be a share from 0 to 1 (given: 2)",
+        ),
         ("flood at=20,20,12 colour=#ff0000", "there is no voxel of the surface at [20, 20, 12]"),
         ("flood at=40,0,0 colour=#ff0000", "there is no voxel of the surface at [40, 0, 0]"),
         ("flood at=4294967295,0,0 colour=#ff0000", "there is no voxel of the surface"),

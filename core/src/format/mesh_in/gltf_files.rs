@@ -44,7 +44,7 @@ impl<'a> Beside<'a> {
         let left = self.left_bytes.get();
         let file = store::read(&path, left, |_| Ok(()), self.progress);
         let file = file.map_err(|error| match error {
-            FormatError::Cancelled | FormatError::Memory { .. } => error,
+            FormatError::Cancelled | FormatError::OverBudget(_) => error,
             error => FormatError::Beside { name, why: format!("it cannot be read ({error})") },
         })?;
         self.left_bytes.set(left.saturating_sub(file.len() as u64));
@@ -68,6 +68,7 @@ fn unescaped(uri: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::refusal::{MemoryBudget, OverBudget};
 
     #[test]
     fn only_what_lies_in_the_folder_is_read() {
@@ -101,6 +102,9 @@ mod tests {
         }
         // Five bytes are left of nine.
         assert_eq!(beside.read("./deep er/a.bin").unwrap(), b"1234");
-        assert!(matches!(beside.read("deep er/a.bin"), Err(FormatError::Memory { .. })));
+        assert!(matches!(
+            beside.read("deep er/a.bin"),
+            Err(FormatError::OverBudget(OverBudget { budget: MemoryBudget::GridsAndColours, .. }))
+        ));
     }
 }

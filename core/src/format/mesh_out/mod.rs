@@ -23,6 +23,7 @@ use super::store::AtomicFile;
 use super::{FormatError, go_on};
 use crate::mesh::{Budget, Mesh};
 use crate::progress::Progress;
+use crate::refusal::InvalidValue;
 use crate::sculpture::history::Contents;
 
 /// Vertices or triangles between two looks at whether the work is cancelled.
@@ -73,9 +74,9 @@ impl Space {
     ) -> Result<Space, FormatError> {
         let mut voxel_mm = contents.grid.voxel_size();
         if let Some(length) = options.voxel_mm {
-            if !length.is_finite() || length <= 0.0 {
-                return Err(FormatError::VoxelMillimetres(length));
-            }
+            let is_length = length.is_finite() && length > 0.0;
+            let rule = "must be positive, in millimetres";
+            InvalidValue::check(is_length, "length of a voxel", rule, length)?;
             voxel_mm *= length / voxel_mm.x;
         }
         let scale = Mat3::from_diagonal(voxel_mm);

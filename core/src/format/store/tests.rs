@@ -149,10 +149,9 @@ fn reading_is_bounded_and_refuses_folders() {
     let path = folder.path().join("a.raw");
     write_atomically(&path, &[7; 2 << 20]).unwrap();
     assert_eq!(read(&path, 2 << 20, |_| Ok(()), &()).unwrap().len(), 2 << 20);
-    assert!(matches!(
-        read(&path, 1 << 20, |_| Ok(()), &()),
-        Err(FormatError::Memory { needed_mib: 2, budget_mib: 1 })
-    ));
+    let refused = read(&path, 1 << 20, |_| Ok(()), &());
+    let Err(FormatError::OverBudget(over)) = refused else { panic!("{refused:?}") };
+    assert_eq!((over.needed_mib, over.budget_mib), (2, 1));
     assert!(matches!(read(folder.path(), 1, |_| Ok(()), &()), Err(FormatError::NotAFile)));
 }
 

@@ -5,6 +5,7 @@
 use glam::{I64Vec3, UVec3, Vec3};
 
 use super::model::Model;
+use crate::format::budget::check_colour_budget;
 use crate::format::options::{Colouring, ImportOptions, MeshSize};
 use crate::format::volume::Samples;
 use crate::format::{FormatError, go_on};
@@ -158,13 +159,7 @@ impl Filler {
             return Ok(());
         }
         if page.is_none() && depth.quantise(rgb) != self.material.base() {
-            let needed = self.material.bytes_with(1);
-            if needed > self.budget {
-                return Err(FormatError::ColourMemory {
-                    needed_mib: needed.div_ceil(1 << 20),
-                    budget_mib: self.budget >> 20,
-                });
-            }
+            check_colour_budget(self.material.bytes_with(1), self.budget)?;
             let mut blank = vec![0; self.material.page_bytes()].into_boxed_slice();
             let base = self.material.base();
             blank.chunks_exact_mut(depth.bytes()).for_each(|colour| depth.write(base, colour));

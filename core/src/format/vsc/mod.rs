@@ -33,6 +33,7 @@ use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
 use self::chunk::Entry;
+use super::budget::check_colour_budget;
 use super::error::excerpt;
 use super::limits::TEXTS_LIMIT;
 use super::spec::{Export, FormatSpec, Import, Sign};
@@ -273,13 +274,10 @@ fn check_colours(
     limits: &Limits,
 ) -> Result<(), FormatError> {
     let pages: u64 = entries.iter().map(|entry| u64::from(entry.pages)).sum();
-    if pages == 0 || colours.bytes_with(pages) <= limits.colour_bytes {
+    if pages == 0 {
         return Ok(());
     }
-    Err(FormatError::ColourMemory {
-        needed_mib: colours.bytes_with(pages).div_ceil(1 << 20),
-        budget_mib: limits.colour_bytes >> 20,
-    })
+    check_colour_budget(colours.bytes_with(pages), limits.colour_bytes)
 }
 
 /// Unpacks a sculpture, within `limits`.

@@ -1,6 +1,7 @@
 use std::sync::LazyLock;
 
 use super::*;
+use crate::refusal::MemoryBudget;
 use crate::scenes::{self, Random};
 use crate::sculpture::brick::{Brick, BrickKind};
 use proptest::prelude::*;
@@ -75,7 +76,7 @@ fn a_cut_file_is_refused_at_every_length() {
     let file = write(&sculpture([40, 30, 20], ColourDepth::Bits16, 4), &texts(), &()).unwrap();
     for len in 0..file.len() {
         let error = read(&file[..len], &Limits::default(), &()).unwrap_err();
-        assert!(!matches!(error, FormatError::Memory { .. }), "{len}: {error}");
+        assert!(!matches!(error, FormatError::OverBudget(_)), "{len}: {error}");
     }
     let longer = [&file[..], &[0]].concat();
     assert!(read(&longer, &Limits::default(), &()).is_err());
@@ -88,7 +89,8 @@ fn limits_are_asked_before_memory_is_taken() {
     let limits = Limits { grid_bytes: 1 << 10, ..Limits::default() };
     assert!(matches!(read(&file, &limits, &()), Err(FormatError::Grid(_))));
     let limits = Limits { colour_bytes: 1 << 10, ..Limits::default() };
-    assert!(matches!(read(&file, &limits, &()), Err(FormatError::ColourMemory { .. })));
+    let Err(FormatError::OverBudget(over)) = read(&file, &limits, &()) else { panic!("read") };
+    assert_eq!(over.budget, MemoryBudget::Colours);
     assert!(matches!(read(b"PVM3\n", &limits, &()), Err(FormatError::NotVsc(_))));
     let mut newer = file.clone();
     newer[8] = 4;

@@ -74,14 +74,9 @@ pub fn simplified(
     if all <= triangles {
         return Ok(mesh);
     }
-    let (budget, needed) = (Budget::new(limits), needed_bytes(&mesh));
-    if needed > budget.bytes() {
-        return Err(MeshError::SimplifyMemory {
-            triangles: all,
-            needed_mib: needed.div_ceil(1 << 20),
-            budget_mib: budget.bytes() >> 20,
-        });
-    }
+    let what = format!("simplifying {all} triangles needs");
+    let checked = Budget::new(limits).check_work(what, needed_bytes(&mesh));
+    checked.map_err(|over| over.advise("export without a limit of triangles"))?;
     progress.begin("simplifying");
     let base = mesh.base;
     let mut surface = Surface::new(mesh);

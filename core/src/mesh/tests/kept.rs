@@ -162,7 +162,7 @@ fn a_version_that_was_missed_or_given_up_is_made_up_for() {
         let little = Limits { grid_bytes: 200 << 10, colour_bytes: 0, ..Limits::default() };
         let all = ContentsVersion { number: 6, changed: None };
         let refused = kept.update(&now, &all, &little, &());
-        assert!(matches!(refused, Err(MeshError::Memory { .. } | MeshError::Grid(_))), "{kind:?}");
+        assert!(matches!(refused, Err(MeshError::OverBudget(_) | MeshError::Grid(_))), "{kind:?}");
         expect_same(&mut kept, &now, &unchanged(7), "refused");
     }
 }

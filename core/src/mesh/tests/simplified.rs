@@ -124,7 +124,8 @@ fn too_much_memory_is_refused_before_it_is_taken() {
     let limits = |bytes| Limits { grid_bytes: bytes, colour_bytes: 0, ..Limits::default() };
     // A mesh that just fits leaves no room to work in.
     let error = simplified(all.clone(), count / 2, &limits(own), &()).unwrap_err();
-    assert!(matches!(error, MeshError::SimplifyMemory { triangles, .. } if triangles == count));
+    let MeshError::OverBudget(over) = &error else { panic!("{error}") };
+    assert_eq!(over.what, format!("simplifying {count} triangles needs"));
     assert!(error.to_string().contains("allowed for grids and colours"), "{error}");
     assert!(simplified(all.clone(), count / 2, &limits(8 * own), &()).is_ok());
     // Nothing is to be done.

@@ -7,6 +7,7 @@ use glam::{IVec3, UVec3, Vec3};
 use super::check::{Sound, check, welded};
 use crate::mesh::{Mesh, MeshError, MeshKind, VertexColours};
 use crate::progress::{Progress, Report};
+use crate::refusal::{MemoryBudget, OverBudget};
 use crate::scenes::{self, Random, grid_of};
 use crate::sculpture::brick::{Brick, local_index};
 use crate::sculpture::history::Contents;
@@ -269,10 +270,9 @@ fn a_mesh_that_takes_too_much_memory_is_refused() {
     for kind in KINDS {
         let limits = Limits { grid_bytes: 100 << 10, colour_bytes: 0, ..Limits::default() };
         let error = Mesh::of(&contents, kind, VertexColours::Voxels, &limits, &()).unwrap_err();
-        let MeshError::Memory { needed_mib, budget_mib: 0 } = error else {
-            panic!("{kind:?}: {error}");
-        };
-        assert!((1..8).contains(&needed_mib), "{kind:?}: {error}");
+        let MeshError::OverBudget(over) = &error else { panic!("{kind:?}: {error}") };
+        assert!((1..8).contains(&over.needed_mib), "{kind:?}: {error}");
+        assert_eq!(over.budget_mib, 0, "{kind:?}: {error}");
     }
     // Every mesh takes at most what it was counted as.
     for kind in KINDS {
@@ -280,7 +280,16 @@ fn a_mesh_that_takes_too_much_memory_is_refused() {
         let limits =
             Limits { grid_bytes: mesh.heap_bytes() - 1, colour_bytes: 0, ..Limits::default() };
         let made = Mesh::of(&contents, kind, VertexColours::Voxels, &limits, &());
-        assert!(matches!(made, Err(MeshError::Memory { .. })), "{kind:?}");
+        assert!(
+            matches!(
+                made,
+                Err(MeshError::OverBudget(OverBudget {
+                    budget: MemoryBudget::GridsAndColours,
+                    ..
+                }))
+            ),
+            "{kind:?}"
+        );
     }
 }
 

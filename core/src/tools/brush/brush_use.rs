@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use glam::Vec3;
-use thiserror::Error;
 
 use super::BrushId;
 use super::footprint::{Footprint, MAX_FOOTPRINT};
@@ -11,6 +10,10 @@ use super::keys::COLOUR;
 use super::limits::{MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
 use super::options::Values;
 use super::param::{Key, Omitted, Param, ParamValue, Value};
+use crate::refusal::InvalidValue;
+
+/// The name by which errors call any brush.
+pub(in crate::tools::brush) const OWNER: &str = "brush";
 
 /// A brush used once.
 #[derive(Clone, PartialEq, Debug)]
@@ -78,22 +81,6 @@ pub enum Frame {
     Normal(Vec3),
     /// How far the middle of the ball goes, in voxels; at most [`MAX_PULL_VX`] along each axis.
     Displacement(Vec3),
-}
-
-/// A value with which a brush cannot be used.
-#[derive(Clone, PartialEq, Eq, Debug, Error)]
-#[error("the {field} of the brush {rule}")]
-pub struct BrushError {
-    /// The parameter.
-    pub field: &'static str,
-    /// The rule that its value does not keep.
-    pub rule: String,
-}
-
-impl BrushError {
-    pub(super) fn new(field: &'static str, rule: impl Into<String>) -> BrushError {
-        BrushError { field, rule: rule.into() }
-    }
 }
 
 impl BrushUse {
@@ -207,13 +194,17 @@ impl BrushUse {
     }
 
     /// An error that names the first invalid field, if there is one.
-    pub fn check(&self) -> Result<(), BrushError> {
+    pub fn check(&self) -> Result<(), InvalidValue> {
+        self.check_fields().map_err(|error| error.of(OWNER))
+    }
+
+    fn check_fields(&self) -> Result<(), InvalidValue> {
         match &self.contact {
             Contact::Footprint(footprint) => check_footprint(footprint)?,
             Contact::Ball(ball) => check_ball(ball)?,
         }
         if self.brush.spec().script.is_none_or(|script| script.contact != self.contact.kind()) {
-            return Err(BrushError::new("place", "is not one where it can be used"));
+            return Err(InvalidValue::without_value("place", "is not one where it can be used"));
         }
         for (param, value) in self.iter() {
             let is_needed = match param.omitted {
@@ -225,10 +216,10 @@ impl BrushUse {
                 Omitted::Is(_) | Omitted::Unwritten(_) => false,
             };
             if value == Value::Absent && is_needed {
-                return Err(BrushError::new(param.key, "is missing"));
+                return Err(InvalidValue::without_value(param.key, "is missing"));
             }
             if value != Value::Absent && !param.allows(value, MIN_RADIUS..=MAX_RADIUS) {
-                return Err(BrushError::new(param.key, param.rule()));
+                return Err(InvalidValue::new(param.key, param.rule(), value));
             }
         }
         Ok(())
@@ -249,33 +240,36 @@ impl Contact {
     }
 }
 
-fn check_footprint(footprint: &Footprint) -> Result<(), BrushError> {
+fn check_footprint(footprint: &Footprint) -> Result<(), InvalidValue> {
     let Footprint { eye_vx, aim, across, down, radius, .. } = footprint;
-    if ![eye_vx, aim, across, down].iter().all(|vector| vector.is_finite()) {
-        return Err(BrushError::new("footprint", "must have finite rays"));
+    if let Some(ray) = [eye_vx, aim, across, down].into_iter().find(|vector| !vector.is_finite()) {
+        return Err(InvalidValue::new("footprint", "must have finite rays", ray));
     }
     match (0.0..=MAX_FOOTPRINT).contains(radius) {
         true => Ok(()),
-        false => Err(BrushError::new("radius", format!("must be from 0 to {MAX_FOOTPRINT} rays"))),
+        false => {
+            let rule = format!("must be from 0 to {MAX_FOOTPRINT} rays");
+            Err(InvalidValue::new("radius", rule, radius))
+        }
     }
 }
 
-fn check_ball(ball: &Ball) -> Result<(), BrushError> {
+fn check_ball(ball: &Ball) -> Result<(), InvalidValue> {
     let Ball { centre_vx, radius, frame } = *ball;
     if !centre_vx.is_finite() || centre_vx.abs().max_element() > 1e6 {
-        return Err(BrushError::new("middle", "must lie near the grid"));
+        return Err(InvalidValue::new("middle", "must lie near the grid", centre_vx));
     }
     if !(MIN_RADIUS..=MAX_RADIUS).contains(&radius) {
         let rule = format!("must be from {MIN_RADIUS} to {MAX_RADIUS} voxels");
-        return Err(BrushError::new("radius", rule));
+        return Err(InvalidValue::new("radius", rule, radius));
     }
     match frame {
         Frame::Normal(normal) if normal.try_normalize().is_none() => {
-            Err(BrushError::new("normal", "must be a direction"))
+            Err(InvalidValue::new("normal", "must be a direction", normal))
         }
         Frame::Displacement(by) if !by.is_finite() || by.abs().max_element() > MAX_PULL_VX => {
             let rule = format!("must be at most {MAX_PULL_VX} voxels along each axis");
-            Err(BrushError::new("pull", rule))
+            Err(InvalidValue::new("pull", rule, by))
         }
         _ => Ok(()),
     }

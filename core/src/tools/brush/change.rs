@@ -7,6 +7,7 @@ use super::kernel::pulled::Pulled;
 use super::kernel::stamp::Stamp;
 use super::mix::Mix;
 use super::stencil::Stencil;
+use crate::refusal::InvalidValue;
 use crate::sculpture::history::Contents;
 use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{ColourDepth, Grid, Rgb};
@@ -71,7 +72,7 @@ impl Site<'_> {
 
 impl Change {
     /// The voxels that a use changes. The use must have been checked.
-    pub fn of(used: &BrushUse, site: &Site) -> Result<Change, super::BrushError> {
+    pub fn of(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
         match used.brush().spec().script {
             Some(script) => (script.apply)(used, site),
             None => Ok(Change::default()),

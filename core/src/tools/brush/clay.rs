@@ -5,7 +5,8 @@ use super::footprint::Outline;
 use super::kernel::rays;
 use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH};
 use super::spec::{BrushSpec, Inverse, Keeps, Script};
-use super::{BrushError, BrushId, BrushUse};
+use super::{BrushId, BrushUse};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -36,7 +37,7 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 /// A paraboloid over the footprint, so that strokes blend into what is there.
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let add = rays::around(used, site, |offset| 1.0 - offset * offset, Outline::Round);
     let new_clay = NewClay::Colour(used.get(COLOUR));
     Ok(Change { add, new_clay, ..Change::default() })

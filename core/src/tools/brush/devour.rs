@@ -4,7 +4,8 @@ use super::change::{Change, Site};
 use super::kernel::rays;
 use super::keys::{BITE, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH};
 use super::spec::{BrushSpec, Inverse, Keeps, Script, Tint};
-use super::{BrushError, BrushId, BrushUse};
+use super::{BrushId, BrushUse};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -30,7 +31,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::SURFACE
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let remove = rays::around(used, site, |_| 1.0, used.get(BITE));
     Ok(Change { remove, ..Change::default() })
 }

@@ -1,11 +1,12 @@
 //! Flatten: levels bumps and pits to the plane where the stroke began.
 
+use super::BrushUse;
 use super::change::{Change, Site};
 use super::falloff::Falloff;
 use super::kernel::offset;
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Keeps, Script, SurfaceNormal};
-use super::{BrushError, BrushUse};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -31,6 +32,6 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::DEFORM
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     Ok(offset::to_plane(used, site, true, true))
 }

@@ -6,7 +6,8 @@ use super::kernel::grab::{self, Motion};
 use super::keys::{FALLOFF, RADIUS, STRENGTH};
 use super::limits::MAX_PULL_VX;
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Keeps, Script};
-use super::{BrushError, BrushUse, Frame};
+use super::{BrushUse, Frame};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -40,6 +41,6 @@ fn dab(dab: &Dab) -> Option<BrushUse> {
     Some(dab.used(Frame::Displacement(by_vx * share)))
 }
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     grab::change(used, site, |by_vx| Motion::Pull { by_vx })
 }

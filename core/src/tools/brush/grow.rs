@@ -5,7 +5,8 @@ use super::kernel::filter;
 use super::kernel::rays;
 use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
 use super::spec::{BrushSpec, Inverse, Keeps, Script};
-use super::{BrushError, BrushId, BrushUse};
+use super::{BrushId, BrushUse};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -36,7 +37,7 @@ pub const SPEC: BrushSpec = BrushSpec {
 /// Most rounds in which voxels are added.
 const ROUNDS: u32 = 64;
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let add = rays::by_threshold(used, site, |near, threshold| {
         filter::growth(&near.solid, &near.may, threshold, ROUNDS)
     });

@@ -4,7 +4,8 @@ use super::change::{Change, Site};
 use super::kernel::offset::{self, Target};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, ContactKind, Inverse, Keeps, Script};
-use super::{BrushError, BrushUse, Frame};
+use super::{BrushUse, Frame};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -31,6 +32,6 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::DEFORM
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     Ok(offset::change(used, site, |_| Target::Along(used.get(HEIGHT))))
 }

@@ -5,7 +5,8 @@ use super::footprint::Outline;
 use super::kernel::rays;
 use super::keys::{MASK_DEPTH, OUTLINE, RADIUS, REACH};
 use super::spec::{BrushGroup, BrushSpec, Inverse, Keeps, Script, Tint};
-use super::{BrushError, BrushId, BrushUse};
+use super::{BrushId, BrushUse};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -25,7 +26,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::SURFACE
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let add = rays::around(used, site, |_| 1.0, Outline::Round);
     Ok(Change { add, ..Change::default() })
 }

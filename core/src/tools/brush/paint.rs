@@ -9,7 +9,8 @@ use super::keys::{COLOUR, COVER, OUTLINE, RADIUS, REACH, STRENGTH};
 use super::mix::Mix;
 use super::spec::{BrushSpec, ContactKind, Inverse, Keeps, Script};
 use super::stencil::Stencil;
-use super::{BrushError, BrushId, BrushUse, Frame};
+use super::{BrushId, BrushUse, Frame};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -55,7 +56,7 @@ fn used(dab: &Dab) -> BrushUse {
 }
 
 /// With an image each mirror image of the brush has its own; a colour is dithered as under the brush itself.
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let Some(footprint) = used.footprint() else { return Ok(Change::default()) };
     let cover = used.get(COVER);
     let Some(texture) = site.picture else {

@@ -3,6 +3,7 @@
 //!
 //! A value is read by its [`Key`], which knows the type of its values. Knows no brush and no interface.
 
+use std::fmt;
 use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 
@@ -23,6 +24,19 @@ pub enum Value {
     Choice(u8),
     /// A colour.
     Colour(Rgb),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Value::Absent => f.write_str("nothing"),
+            Value::Number(number) => number.fmt(f),
+            Value::Whole(count) => count.fmt(f),
+            Value::On(on) => f.write_str(if *on { "on" } else { "off" }),
+            Value::Choice(place) => place.fmt(f),
+            Value::Colour(colour) => colour.fmt(f),
+        }
+    }
 }
 
 /// The values that an option can have.

@@ -5,7 +5,8 @@ use super::dab::Dab;
 use super::kernel::grab::{self, Motion};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};
-use super::{BrushError, BrushSurface, BrushUse};
+use super::{BrushSurface, BrushUse};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -42,7 +43,7 @@ fn dab(dab: &Dab) -> Option<BrushUse> {
     (strength != 0.0).then_some(used)
 }
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let strength = used.get(STRENGTH);
     grab::change(used, site, |normal| Motion::Pinch { normal, strength })
 }

@@ -1,12 +1,13 @@
 //! Polish: flattens and smooths the surface in one.
 
+use super::BrushUse;
 use super::change::{Change, Site};
 use super::falloff::Falloff;
 use super::kernel::rays::Filtered;
 use super::kernel::{filter, offset};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Keeps, Script, SurfaceNormal};
-use super::{BrushError, BrushUse};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -36,7 +37,7 @@ const AROUND_VX: u32 = 2;
 /// The power of the strength that the filter takes. At half strength, a grain or pit of one voxel in a plane goes in one use.
 const EVENNESS: f32 = 0.25;
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let evenness = used.get(STRENGTH).powf(EVENNESS);
     Ok(offset::to_plane_then(used, site, AROUND_VX, |near| {
         let (add, remove) = filter::majority(&near.solid, &near.may, AROUND_VX, evenness);

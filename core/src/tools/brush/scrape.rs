@@ -5,7 +5,8 @@ use super::falloff::Falloff;
 use super::kernel::offset;
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};
-use super::{BrushError, BrushId, BrushUse};
+use super::{BrushId, BrushUse};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -28,6 +29,6 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::DEFORM
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     Ok(offset::to_plane(used, site, true, false))
 }

@@ -7,7 +7,8 @@ use super::kernel::level::Level;
 use super::kernel::rays::{self, Filtered};
 use super::keys::{AROUND, OUTLINE, RADIUS, REACH, ROUNDING, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, Keeps, Script, Tint};
-use super::{BrushError, BrushUse, Frame};
+use super::{BrushUse, Frame};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -47,7 +48,7 @@ fn dab(dab: &Dab) -> Option<BrushUse> {
 
 /// With a strength it smooths by a level as large as the footprint, and the reach has no say; without one by the majority, as
 /// the first versions did.
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let stamp = rays::under(used, site, |footprint| match used.find(STRENGTH) {
         // All of it works on one surface: overlapping uses on that of a stroke's beginning do not add up.
         Some(strength) => {

@@ -5,7 +5,8 @@ pub use super::brush_use::ContactKind;
 use super::change::{Change, Site};
 use super::dab::Dab;
 use super::param::{Key, Param};
-use super::{BrushError, BrushId, BrushUse, Frame};
+use super::{BrushId, BrushUse, Frame};
+use crate::refusal::InvalidValue;
 
 /// The description of a brush.
 #[derive(Clone, Copy, Debug)]
@@ -91,14 +92,14 @@ pub struct Script {
     /// A sculpture without colours refuses it.
     pub needs_colours: bool,
     /// The change that a use makes, which has been checked.
-    pub apply: fn(&BrushUse, &Site) -> Result<Change, BrushError>,
+    pub apply: fn(&BrushUse, &Site) -> Result<Change, InvalidValue>,
 }
 
 impl Script {
     /// A command under an outline.
     pub(super) const fn under(
         params: &'static [Param],
-        apply: fn(&BrushUse, &Site) -> Result<Change, BrushError>,
+        apply: fn(&BrushUse, &Site) -> Result<Change, InvalidValue>,
     ) -> Option<Script> {
         Some(Script {
             contact: ContactKind::Footprint,
@@ -113,7 +114,7 @@ impl Script {
     pub(super) const fn in_ball(
         contact: ContactKind,
         params: &'static [Param],
-        apply: fn(&BrushUse, &Site) -> Result<Change, BrushError>,
+        apply: fn(&BrushUse, &Site) -> Result<Change, InvalidValue>,
     ) -> Option<Script> {
         Some(Script { contact, params, replaces_stroke: false, needs_colours: false, apply })
     }
@@ -122,7 +123,7 @@ impl Script {
     pub(super) const fn of_clay(
         contact: ContactKind,
         params: &'static [Param],
-        apply: fn(&BrushUse, &Site) -> Result<Change, BrushError>,
+        apply: fn(&BrushUse, &Site) -> Result<Change, InvalidValue>,
     ) -> Option<Script> {
         Some(Script { contact, params, replaces_stroke: true, needs_colours: false, apply })
     }

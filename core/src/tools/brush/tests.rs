@@ -258,11 +258,11 @@ fn what_meets_nothing_does_nothing_and_nonsense_is_refused() {
     let bitten = changed(&used(BrushId::Devour, up, 3.0), &grid);
     assert!(bitten.remove.bricks().is_empty());
     let refused = |used: BrushUse| used.check().unwrap_err().to_string();
-    let reach = "the reach of the brush must be from 0 to 64";
+    let reach = "the reach of the brush must be from 0 to 64 (given: NaN)";
     assert_eq!(refused(used(BrushId::Devour, up, f32::NAN)), reach);
     let wide = from_above(1e9, Outline::Round);
     assert!(refused(used(BrushId::Devour, wide, 3.0)).contains("the radius"));
-    let threshold = "the threshold of the brush must be from 1 to 26";
+    let threshold = "the threshold of the brush must be from 1 to 26 (given: 99)";
     assert_eq!(refused(used(BrushId::Erode, up, 3.0).with(THRESHOLD, 99)), threshold);
     assert_eq!(refused(used(BrushId::Clay, up, 3.0)), "the colour of the brush is missing");
     let ball = Ball { centre_vx: Vec3::ONE, radius: 8.0, frame: Frame::None };

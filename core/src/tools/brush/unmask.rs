@@ -5,7 +5,8 @@ use super::footprint::Outline;
 use super::kernel::rays;
 use super::keys::{MASK_DEPTH, OUTLINE, RADIUS, REACH};
 use super::spec::{BrushGroup, BrushSpec, Inverse, Keeps, Script, Tint};
-use super::{BrushError, BrushId, BrushUse};
+use super::{BrushId, BrushUse};
+use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -26,7 +27,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::SURFACE
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, BrushError> {
+fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let remove = rays::around(used, site, |_| 1.0, Outline::Round);
     Ok(Change { remove, ..Change::default() })
 }

@@ -11,9 +11,13 @@ use thiserror::Error;
 use super::drain::{self, Toward};
 use super::thickness::Thickness;
 use crate::progress::Progress;
+use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 use crate::sculpture::Grid;
 use crate::sculpture::region::ListedBricks;
 use crate::tools::pieces::{Part, Pieces, PiecesError, pieces};
+
+/// The rule of lengths.
+const LENGTH_RULE: &str = "must be above 0 and at most 64 voxels on every axis";
 
 /// The pieces that are no islands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -73,29 +77,19 @@ pub enum RepairError {
     /// The work was cancelled.
     #[error("cancelled")]
     Cancelled,
-    /// Finding the pieces takes too much memory.
+    /// A length breaks a rule.
     #[error(transparent)]
-    Pieces(PiecesError),
-    /// A length is out of range.
-    #[error("{0} must be above 0 and at most 64 voxels on every axis")]
-    Length(&'static str),
-    /// Measuring walls takes too much memory.
-    #[error(
-        "measuring the walls needs {needed_mib} MiB, more than the {budget_mib} MiB allowed for grids"
-    )]
-    Memory {
-        /// MiB needed.
-        needed_mib: u64,
-        /// MiB allowed.
-        budget_mib: u64,
-    },
+    Invalid(#[from] InvalidValue),
+    /// Finding the pieces or measuring the walls takes too much memory.
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
 }
 
 impl From<PiecesError> for RepairError {
     fn from(error: PiecesError) -> RepairError {
         match error {
             PiecesError::Cancelled => RepairError::Cancelled,
-            memory => RepairError::Pieces(memory),
+            PiecesError::OverBudget(over) => RepairError::OverBudget(over),
         }
     }
 }
@@ -121,13 +115,14 @@ impl Repair {
     }
 
     /// Checks the numbers.
-    pub fn check(&self, voxel: Vec3) -> Result<(), RepairError> {
+    pub fn check(&self, voxel: Vec3) -> Result<(), InvalidValue> {
         match *self {
             Repair::Thicken { to_vx } => thickness(to_vx, voxel).map(drop),
-            Repair::Drain { diameter_vx, .. } if !(diameter_vx > 0.0 && diameter_vx <= 64.0) => {
-                Err(RepairError::Length("the diameter of a hole"))
+            Repair::Drain { diameter_vx, .. } => {
+                let is_diameter = diameter_vx > 0.0 && diameter_vx <= 64.0;
+                InvalidValue::check(is_diameter, "diameter of a hole", LENGTH_RULE, diameter_vx)
             }
-            _ => Ok(()),
+            Repair::RemoveIslands { .. } | Repair::FillCavities { .. } => Ok(()),
         }
     }
 
@@ -176,16 +171,14 @@ impl Repair {
 }
 
 /// An error if walls, which take `needed` bytes, cannot be measured within `budget_bytes`.
-pub fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), RepairError> {
-    let (needed_mib, budget_mib) = (needed.div_ceil(1 << 20), budget_bytes >> 20);
-    let memory = RepairError::Memory { needed_mib, budget_mib };
-    if needed > budget_bytes { Err(memory) } else { Ok(()) }
+pub fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), OverBudget> {
+    OverBudget::check("measuring the walls needs", needed, MemoryBudget::Grids, budget_bytes)
 }
 
 /// A thickness in edges of a voxel along x.
-pub fn thickness(to_vx: f32, voxel: Vec3) -> Result<Thickness, RepairError> {
+pub fn thickness(to_vx: f32, voxel: Vec3) -> Result<Thickness, InvalidValue> {
     let thickness = Thickness::new(to_vx * voxel.x, voxel);
-    thickness.ok_or(RepairError::Length("the thickness of a wall"))
+    thickness.ok_or_else(|| InvalidValue::new("thickness of a wall", LENGTH_RULE, to_vx))
 }
 
 /// Whether each piece of a solid stands on the bed, on which the lowest voxel lies.

@@ -118,7 +118,7 @@ fn lengths_out_of_range_are_refused() {
         let drain = Repair::Drain { diameter_vx: length, toward: Toward::Down };
         for repair in [thicken, drain] {
             let error = repair.plan(&solid, ROOM, &()).unwrap_err();
-            assert!(matches!(error, RepairError::Length(_)), "{repair:?}");
+            assert!(matches!(error, RepairError::Invalid(_)), "{repair:?}");
         }
     }
 }

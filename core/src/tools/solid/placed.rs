@@ -4,6 +4,7 @@
 //! over. [`PlacedSolid::contains_voxel`] is the definition; the rows of the region equal it on every voxel.
 //! Knows no document.
 
+use std::fmt::Display;
 use std::ops::Range;
 
 use fearless_simd::Simd;
@@ -17,6 +18,7 @@ use super::shape::Shape;
 use super::spans::RowSpans;
 use super::spec::Rows;
 use super::swept::SweptQuadric;
+use crate::refusal::InvalidValue;
 use crate::sculpture::Brick;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::grid::MAX_AXIS_VX;
@@ -42,17 +44,16 @@ pub struct Primitive {
 
 impl Primitive {
     /// An error that names the first invalid field, if there is one.
-    pub fn check(&self) -> Result<(), &'static str> {
-        if !is_place(self.centre_vx) {
-            return Err("the centre of the solid must be within a million voxels");
-        }
-        if !self.half.is_finite() || self.half.min_element() <= 0.0 {
-            return Err("the half extent of the solid must be finite and above zero");
-        }
-        if !self.rotation.is_finite() || !self.rotation.is_normalized() {
-            return Err("the rotation of the solid must be a quaternion of length 1");
-        }
-        Ok(())
+    pub fn check(&self) -> Result<(), InvalidValue> {
+        let Primitive { centre_vx, half, rotation, .. } = *self;
+        let check = |is_valid, field, rule, value: &dyn Display| {
+            InvalidValue::check(is_valid, field, rule, value).map_err(|error| error.of("solid"))
+        };
+        check(is_place(centre_vx), "centre", "must be within a million voxels", &centre_vx)?;
+        let is_extent = half.is_finite() && half.min_element() > 0.0;
+        check(is_extent, "half extent", "must be finite and above zero", &half)?;
+        let is_rotation = rotation.is_finite() && rotation.is_normalized();
+        check(is_rotation, "rotation", "must be a quaternion of length 1", &rotation)
     }
 
     /// The region that this solid covers in a grid whose voxels have edges of `voxel_size`.
@@ -89,11 +90,12 @@ impl Primitive {
     }
 }
 
-/// An error that says so if a sweep does not end in a place.
-pub fn check_way(to_vx: Option<Vec3>) -> Result<(), &'static str> {
+/// An error if a sweep does not end in a place.
+pub fn check_way(to_vx: Option<Vec3>) -> Result<(), InvalidValue> {
     match to_vx {
         Some(to) if !is_place(to) => {
-            Err("the end of the way of the solid must be within a million voxels")
+            let rule = "must be within a million voxels";
+            Err(InvalidValue::new("end of the way", rule, to).of("solid"))
         }
         _ => Ok(()),
     }

@@ -13,6 +13,7 @@ use super::super::unpack::malformed;
 use super::syntax::Syntax;
 use super::tags::{self, Tag};
 use crate::format::FormatError;
+use crate::format::budget::check_budget;
 
 /// Where a file says what it is, and the bytes there.
 pub const MAGIC_AT: usize = 128;
@@ -149,11 +150,10 @@ pub fn open(
         DeflateDecoder::new(rest).take(budget_bytes.saturating_add(1)).read_to_end(&mut unpacked);
     match (read, part) {
         (Err(error), Part::Whole) => Err(malformed("the deflated data set", error.to_string())),
-        _ if unpacked.len() as u64 > budget_bytes => Err(FormatError::Memory {
-            needed_mib: (unpacked.len() as u64).div_ceil(1 << 20),
-            budget_mib: budget_bytes >> 20,
-        }),
-        _ => Ok((syntax, Cow::Owned(unpacked))),
+        _ => {
+            check_budget(unpacked.len() as u64, budget_bytes)?;
+            Ok((syntax, Cow::Owned(unpacked)))
+        }
     }
 }
 

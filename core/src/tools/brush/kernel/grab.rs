@@ -18,16 +18,17 @@ use glam::Vec3;
 use self::flow::Flow;
 pub use self::motion::Motion;
 use self::motion::Pull;
+use crate::refusal::InvalidValue;
 use crate::sculpture::history::Contents;
 use crate::sculpture::region::VoxelBox;
-use crate::tools::brush::brush_use::Frame;
+use crate::tools::brush::BrushUse;
+use crate::tools::brush::brush_use::{Frame, OWNER};
 use crate::tools::brush::change::{Change, NewClay, Paint, Site};
 pub use crate::tools::brush::falloff::Falloff;
 use crate::tools::brush::kernel::pulled::Pulled;
 use crate::tools::brush::kernel::stamp::Stamp;
 use crate::tools::brush::keys::FALLOFF;
 pub use crate::tools::brush::limits::{MAX_RADIUS, MIN_RADIUS};
-use crate::tools::brush::{BrushError, BrushUse};
 use crate::tools::symmetry::{Symmetry, origin_of};
 
 /// A ball of clay that is moved.
@@ -54,15 +55,16 @@ pub fn change(
     used: &BrushUse,
     site: &Site,
     motion: impl Fn(Vec3) -> Motion,
-) -> Result<Change, BrushError> {
+) -> Result<Change, InvalidValue> {
     let Some(ball) = used.ball() else { return Ok(Change::default()) };
-    let motion = match ball.frame {
-        Frame::Normal(way) | Frame::Displacement(way) => motion(way),
-        Frame::None => motion(Vec3::ZERO),
+    let way = match ball.frame {
+        Frame::Normal(way) | Frame::Displacement(way) => way,
+        Frame::None => Vec3::ZERO,
     };
+    let motion = motion(way);
     let falloff = used.get(FALLOFF);
     let grab = Grab { centre_vx: ball.centre_vx, radius: ball.radius, motion, falloff };
-    grab.check_steps(site.contents.grid.voxel_size())?;
+    grab.check_steps(site.contents.grid.voxel_size(), way)?;
     let mut pulled = grab.pulled(site.contents, site.symmetry);
     let Stamp { add, remove, paint } = std::mem::take(&mut pulled.stamp);
     let paint = vec![(paint, Paint::Carried(pulled))];
@@ -72,12 +74,12 @@ pub fn change(
 impl Grab {
     /// An error if the motion would take too many steps in voxels of this size: if it leads far along the longest edge of
     /// thin voxels.
-    fn check_steps(&self, voxel_size: Vec3) -> Result<(), BrushError> {
+    fn check_steps(&self, voxel_size: Vec3, way: Vec3) -> Result<(), InvalidValue> {
         let rule =
             "is too long for so small a ball of such long voxels; enlarge it or pull in parts";
         match self.steps(voxel_size) <= MOST_STEPS {
             true => Ok(()),
-            false => Err(BrushError::new("pull", rule)),
+            false => Err(InvalidValue::new("pull", rule, way).of(OWNER)),
         }
     }
 

@@ -26,6 +26,7 @@ use self::hidden::Hidden;
 use super::distance::Distances;
 use super::filter::shifted;
 use super::visible::Cone;
+use crate::refusal::InvalidValue;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Brick, Grid};
@@ -65,12 +66,9 @@ impl Level {
     pub const NEAREST: f32 = 0.5;
 
     /// An error that names the first invalid field, if there is one.
-    pub fn check(&self) -> Result<(), &'static str> {
-        match self {
-            _ if !(0.0..=1.0).contains(&self.strength) => Err("the strength"),
-            _ if !(0.0..=1.0).contains(&self.rounding) => Err("the rounding"),
-            _ => Ok(()),
-        }
+    pub fn check(&self) -> Result<(), InvalidValue> {
+        InvalidValue::check_share("strength", self.strength)?;
+        InvalidValue::check_share("rounding", self.rounding)
     }
 
     /// The voxels that it changes in `grid` under a footprint.

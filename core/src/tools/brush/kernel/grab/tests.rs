@@ -276,18 +276,19 @@ fn a_pull_does_the_same_wherever_the_clay_lies_in_its_bricks() {
 
 #[test]
 fn a_pull_takes_a_bounded_number_of_steps() {
+    let by_vx = Vec3::splat(MAX_PULL_VX);
     let longest = Grab {
         radius: MIN_RADIUS,
-        motion: Motion::Pull { by_vx: Vec3::splat(MAX_PULL_VX) },
+        motion: Motion::Pull { by_vx },
         falloff: Falloff::Flat,
         ..carry(Vec3::splat(8.0), Vec3::X)
     };
-    assert!(longest.check_steps(Vec3::ONE).is_ok());
+    assert!(longest.check_steps(Vec3::ONE, by_vx).is_ok());
     for size in [
         Vec3::new(1.0, 1e-3, 1.0),
         Vec3::new(1.0, 1.0, 1e30),
         Vec3::splat(f32::MAX) * Vec3::new(1.0, 1e-30, 1.0),
     ] {
-        assert!(longest.check_steps(size).is_err(), "{size}");
+        assert!(longest.check_steps(size, by_vx).is_err(), "{size}");
     }
 }

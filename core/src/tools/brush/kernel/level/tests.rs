@@ -303,8 +303,8 @@ fn nothing_happens_on_full_faces_and_where_nothing_is() {
         let stamp = FULL.stamp(&edge, &full);
         assert!(stamp.add.bricks().is_empty() && !stamp.remove.bricks().is_empty());
     }
-    assert_eq!(Level { strength: 1.5, ..FULL }.check(), Err("the strength"));
-    assert_eq!(Level { rounding: f32::NAN, ..FULL }.check(), Err("the rounding"));
+    assert_eq!(Level { strength: 1.5, ..FULL }.check().unwrap_err().field, "strength");
+    assert_eq!(Level { rounding: f32::NAN, ..FULL }.check().unwrap_err().field, "rounding");
 }
 
 #[test]
