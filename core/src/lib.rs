@@ -38,11 +38,29 @@ pub use sculpture::region::VoxelBox;
 #[doc(inline)]
 pub use sculpture::{ColourDepth, Digest, Grid, GridError, Limits, Material, Placement, Rgb};
 
+// Errors that all modules share, and those of work that a document or a session does for its caller.
+#[doc(inline)]
+pub use persist::journal::JournalError;
+#[doc(inline)]
+pub use refusal::{InvalidValue, MemoryBudget, OverBudget};
+#[doc(inline)]
+pub use sculpture::orient::OrientError;
+#[doc(inline)]
+pub use tools::pieces::PiecesError;
+#[doc(inline)]
+pub use tools::repair::RepairError;
+#[doc(inline)]
+pub use trace::TraceError;
+#[doc(inline)]
+pub use voxelise::VoxeliseError;
+
 // Changes as values and as text.
 #[doc(inline)]
 pub use command::text::{ParseError, ScriptError, parse_script};
 #[doc(inline)]
 pub use command::{Area, COMMANDS, Command, CommandHelp, NewSculpture, SelectOp};
+#[doc(inline)]
+pub use tools::brush::spec::ContactKind;
 #[doc(inline)]
 pub use tools::brush::{BrushId, BrushUse};
 #[doc(inline)]
@@ -56,7 +74,7 @@ pub use tools::symmetry::Symmetry;
 #[doc(inline)]
 pub use progress::{Progress, Report, Stage};
 #[doc(inline)]
-pub use session::{Session, SessionError};
+pub use session::{FileIdentity, Holder, Session, SessionError};
 
 // Files.
 #[doc(inline)]
