@@ -16,7 +16,7 @@ fn smooth(subject: &Subject) -> LevelSet {
 
 fn traced(subject: &Subject, options: &TraceOptions) -> Film {
     let levels = smooth(subject);
-    trace((&subject.source(), Some(&levels)), &subject.shot, options, &()).unwrap()
+    trace((&subject.source(), Some(&levels)), &subject.camera, options, &()).unwrap()
 }
 
 /// A hollow box, turned, whose walls are two voxels thick.
@@ -70,7 +70,7 @@ fn no_light_comes_through_a_wall_of_two_voxels() {
     let options = TraceOptions { samples: 16, light, ground: None, ..TraceOptions::default() };
     for target in [Vec3::X, Vec3::NEG_Z, Vec3::new(0.5, -0.7, 0.4)] {
         let camera = Camera { eye: Vec3::ZERO, target, fov_y_rad: 1.6, ..Camera::default() };
-        subject.shot.eye = camera.eye(SIZE);
+        subject.camera.eye = camera.eye(SIZE);
         let film = traced(&subject, &options);
         for pixel in film.pixels() {
             assert!(pixel.alpha == 1.0 && pixel.radiance == Vec3::ZERO, "{pixel:?}");
@@ -83,14 +83,14 @@ fn no_light_comes_through_a_wall_of_two_voxels() {
 fn a_ball_throws_no_shadow_on_itself() {
     let middle = Vec3::new(32.2, 31.9, 32.3);
     let mut subject = subject(grid_of(64, |p| p.distance(middle) < 28.0), WHITE, UVec2::splat(120));
-    subject.shot.eye = Camera::framing(30.0, Vec3::Z, Vec3::Y).eye(UVec2::splat(120));
+    subject.camera.eye = Camera::framing(30.0, Vec3::Z, Vec3::Y).eye(UVec2::splat(120));
     let sun = Sun { azimuth_deg: 80.0, elevation_deg: 10.0, size_deg: 0.5, strength: 1.0 };
     let light = LightOptions::Outdoors { sun, sky: 0.0, area_light: None };
     let options =
         TraceOptions { samples: 4, bounces: 0, light, ground: None, ..TraceOptions::default() };
     let levels = smooth(&subject);
     let source = subject.source();
-    let sun = tracer((&source, Some(&levels)), &subject.shot, &options).environment.sun.unwrap();
+    let sun = tracer((&source, Some(&levels)), &subject.camera, &options).environment.sun.unwrap();
     let film = traced(&subject, &options);
     let (mut lit, mut dim) = (0, 0);
     for pixel in film.pixels().iter().filter(|pixel| pixel.alpha == 1.0) {
@@ -112,9 +112,9 @@ fn the_outline_of_a_ball_is_round() {
     let middle = Vec3::new(16.2, 15.9, 16.1);
     let size = UVec2::splat(100);
     let mut subject = subject(grid_of(32, |p| p.distance(middle) < 12.0), WHITE, size);
-    subject.shot.eye = Camera::framing(14.0, Vec3::new(0.3, 0.2, 1.0), Vec3::Y).eye(size);
+    subject.camera.eye = Camera::framing(14.0, Vec3::new(0.3, 0.2, 1.0), Vec3::Y).eye(size);
     let options = TraceOptions { samples: 16, bounces: 0, ground: None, ..Default::default() };
-    let rays = subject.shot.eye.pixel_rays(&subject.shot.world_from_grid);
+    let rays = subject.camera.eye.pixel_rays(&subject.camera.world_from_grid);
     let covers = |x: f32, y: f32| {
         let along = rays.direction_at(x, y).normalize();
         let to_middle = middle - rays.origin;
