@@ -337,7 +337,7 @@ pub fn demo(
 /// Prints the commands for scripts.
 pub fn commands() -> Result<(), JobError> {
     for command in COMMANDS.iter() {
-        let (verb, usage, tooltip) = (command.verb, &command.usage, command.tooltip);
+        let (verb, usage, tooltip) = (command.verb, &command.usage, &command.tooltip);
         terminal::print_result(format_args!("{verb} {usage}\n    {tooltip}"))?;
     }
     Ok(())

@@ -33,7 +33,7 @@ pub mod text;
 pub use area::{Area, SelectOp};
 pub use help::{COMMANDS, CommandHelp};
 pub use mask::{MaskArea, MaskChange, PatchRule};
-pub use text::usage_of_brush;
+pub use text::{usage_of_brush, usage_of_drawn_solid};
 
 /// Parameters of a new sculpture.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -101,7 +101,7 @@ pub enum Command {
         /// The operation on the voxels.
         op: EditOp,
         /// The solid.
-        form: DrawnSolid,
+        drawn: DrawnSolid,
     },
     /// Use a brush once.
     Brush(BrushUse),
@@ -309,7 +309,7 @@ impl Command {
             }
             Command::Mask(change) => format!("mask {}", change.name()),
             Command::Surface(kind) => format!("{} {}", self.verb(), kind.name()),
-            Command::DrawnSolid { form, .. } => format!("{} {}", self.verb(), form.name()),
+            Command::DrawnSolid { drawn, .. } => format!("{} {}", self.verb(), drawn.name()),
             Command::Brush(used) if used.picture.is_none() => used.brush().spec().name.to_string(),
             _ => self.verb().to_string(),
         }

@@ -1,10 +1,9 @@
 //! Benchmarks of edits: throughput by solid, undo and redo, and the latency from an edit to its
 //! picture.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::{EulerRot, Quat, UVec3, Vec2, Vec3};
+use glam::{EulerRot, Quat, UVec3, Vec3};
 use serde::Serialize;
 
 use super::LEAST_RUNS;
@@ -18,7 +17,7 @@ use crate::scenes::Random;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
-use crate::tools::drawn::{ControlPoint, DrawnSolid, Pose};
+use crate::tools::drawn::{DrawnSolid, Pose};
 use crate::tools::solid::{Primitive, Solid};
 
 /// One edit, repeated.
@@ -41,56 +40,55 @@ impl EditReport {
 /// Edge of the block that is edited.
 const BLOCK_VX: u32 = 512;
 
-/// A segment of a stroke with a solid of half edge 64, as made by the editor.
+/// The middle of the solids that are cut, off all planes between voxels.
+const MIDDLE_VX: Vec3 = Vec3::new(251.3, 260.7, 255.1);
+const HALF_EDGE_VX: f32 = 64.0;
+/// A segment of a stroke of such a solid, as made by the editor.
 const SWEEP_VX: Vec3 = Vec3::new(9.0, 7.0, 6.0);
 
 /// Returns the measured commands, each on a full block.
 pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError> {
     let mut document = block(ColourDepth::None, limits)?;
-    let turn = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
-    let even = Vec3::splat(64.0);
-    let centre = Vec3::new(251.3, 260.7, 255.1);
-    let cut = |solid, half, turn| subtract(solid, centre, half, turn);
-    let swept = |solid| Command::Construct {
-        op: EditOp::Subtract,
-        primitive: Primitive { solid, centre_vx: centre, half: even, rotation: turn },
-        to_vx: Some(centre + SWEEP_VX),
-    };
-    let normal = Vec3::new(0.2, 1.0, 0.1);
-    let form = |form| Command::DrawnSolid { op: EditOp::Subtract, form };
-    let pose = Pose { at_vx: centre, rotation: turn };
-    let commands = [
-        ("sphere of radius 64", cut(Solid::Ellipsoid, even, Quat::IDENTITY)),
-        ("cuboid of half edge 64", cut(Solid::Cuboid, even, Quat::IDENTITY)),
-        ("pyramid of half edge 64", cut(Solid::Pyramid, even, Quat::IDENTITY)),
-        ("turned ellipsoid 64 x 40 x 90", cut(Solid::Ellipsoid, Vec3::new(64.0, 40.0, 90.0), turn)),
-        ("turned cuboid of half edge 64", cut(Solid::Cuboid, even, turn)),
-        ("turned pyramid of half edge 64", cut(Solid::Pyramid, even, turn)),
-        ("turned cylinder of half edge 64", cut(Solid::Cylinder, even, turn)),
-        ("turned torus of half edge 64", cut(Solid::Torus, even, turn)),
-        ("sweep of a sphere of radius 64", swept(Solid::Ellipsoid)),
-        ("sweep of a turned cuboid of half edge 64", swept(Solid::Cuboid)),
-        ("sweep of a turned cylinder of half edge 64", swept(Solid::Cylinder)),
-        ("sweep of a turned torus of half edge 64", swept(Solid::Torus)),
-        ("half space across", form(DrawnSolid::HalfSpace { at_vx: centre, normal })),
-        (
-            "turned ring of radius 64 and 16",
-            form(DrawnSolid::Ring { pose, radius: 64.0, tube: 16.0 }),
-        ),
-        ("tube of radius 12 along a curve of 9 points", form(coil(centre))),
-        ("turned lathe of 33 points", form(DrawnSolid::Lathe { pose, profile: vase(33) })),
-        (
-            "turned extrusion of 33 points",
-            form(DrawnSolid::Extrusion { pose, outlines: Arc::new([vase(33)]), depth: 64.0 }),
-        ),
-    ];
     let mut reports = Vec::new();
-    for (name, command) in commands {
-        reports.extend(timed(&mut document, name, &command, runs)?);
+    for (name, command) in solids().into_iter().chain(drawn_solids()) {
+        reports.extend(timed(&mut document, &name, &command, runs)?);
     }
     reports.extend(carves(&mut document, runs.div_ceil(4))?);
     reports.extend(meshes_made_anew(&mut document, runs.div_ceil(4))?);
     Ok(reports)
+}
+
+/// Returns cuts with every solid: along the grid, turned, and swept.
+fn solids() -> Vec<(String, Command)> {
+    let (at_vx, turn, even) = (MIDDLE_VX, turn(), Vec3::splat(HALF_EDGE_VX));
+    let of = |solid: Solid| format!("{} of half edge {HALF_EDGE_VX}", solid.name());
+    let swept = |solid| Command::Construct {
+        op: EditOp::Subtract,
+        primitive: Primitive { solid, centre_vx: at_vx, half: even, rotation: turn },
+        to_vx: Some(at_vx + SWEEP_VX),
+    };
+    let each = Solid::ALL.into_iter().flat_map(|solid| {
+        [
+            (of(solid), subtract(solid, at_vx, even, Quat::IDENTITY)),
+            (format!("turned {}", of(solid)), subtract(solid, at_vx, even, turn)),
+            (format!("sweep of a turned {}", of(solid)), swept(solid)),
+        ]
+    });
+    let uneven = subtract(Solid::Ellipsoid, at_vx, Vec3::new(64.0, 40.0, 90.0), turn);
+    each.chain([("turned ellipsoid 64 x 40 x 90".to_string(), uneven)]).collect()
+}
+
+/// Returns cuts with the example of every drawn solid.
+fn drawn_solids() -> impl Iterator<Item = (String, Command)> {
+    let pose = Pose { at_vx: MIDDLE_VX, rotation: turn() };
+    DrawnSolid::ALL.into_iter().map(move |spec| {
+        let drawn = (spec.example)(pose, HALF_EDGE_VX);
+        (spec.bench_row.to_string(), Command::DrawnSolid { op: EditOp::Subtract, drawn })
+    })
+}
+
+fn turn() -> Quat {
+    Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1)
 }
 
 /// Applies a command repeatedly, undoing it each time.
@@ -119,12 +117,7 @@ fn meshes_made_anew(document: &mut Document, runs: usize) -> Result<Vec<EditRepo
         document.apply(sphere)?;
     }
     document.apply(&Command::End)?;
-    let ball = subtract(
-        Solid::Ellipsoid,
-        Vec3::new(251.3, 260.7, 255.1),
-        Vec3::splat(64.0),
-        Quat::IDENTITY,
-    );
+    let ball = subtract(Solid::Ellipsoid, MIDDLE_VX, Vec3::splat(HALF_EDGE_VX), Quat::IDENTITY);
     let mut reports = Vec::new();
     for (name, kind) in [
         ("faces made anew after a sphere of 64", MeshKind::Faces),
@@ -170,25 +163,6 @@ fn holes() -> Vec<Command> {
         subtract(Solid::Ellipsoid, centre * BLOCK_VX as f32, radius, Quat::IDENTITY)
     };
     (0..2000).map(sphere).collect()
-}
-
-/// Returns a curve that winds upwards.
-fn coil(centre: Vec3) -> DrawnSolid {
-    let control_point = |i: u8| {
-        let turn = f32::from(i) * 1.3;
-        let at = Vec3::new(64.0 * turn.cos(), f32::from(i) * 16.0 - 64.0, 64.0 * turn.sin());
-        ControlPoint { at_vx: centre + at, radius: 12.0 }
-    };
-    DrawnSolid::Tube { control_points: (0..9).map(control_point).collect() }
-}
-
-/// Returns a wavy profile about 64 voxels wide and 128 high.
-fn vase(points: u16) -> Arc<[Vec2]> {
-    let point = |i: u16| {
-        let share = f32::from(i) / f32::from(points - 1);
-        Vec2::new(56.0 + 8.0 * (share * 12.0).sin(), 128.0 * share - 64.0)
-    };
-    (0..points).map(point).collect()
 }
 
 /// Returns the 2000 spheres of the cheese as commands of one stroke, with undo and redo.
@@ -330,15 +304,18 @@ mod tests {
     #[test]
     fn every_edit_is_reported_and_taken_back() {
         let reports = edits(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 22);
+        assert_eq!(reports.len(), 3 * Solid::ALL.len() + 1 + DrawnSolid::ALL.len() + 5);
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
         let ball = 4.0 / 3.0 * std::f64::consts::PI * 64f64.powi(3);
-        assert!((voxels("sphere") as f64 / ball - 1.0).abs() < 1e-3);
+        assert!((voxels("ellipsoid") as f64 / ball - 1.0).abs() < 1e-3);
         assert_eq!(voxels("cuboid"), 128 * 128 * 128);
         assert!((voxels("turned cylinder") as f64 / (1.5 * ball) - 1.0).abs() < 1e-3);
         // A prism on the silhouette is added.
         assert!(
-            (voxels("sweep of a sphere") as f64 / ball - 1.0 - 0.75 * 166f64.sqrt() / 64.0).abs()
+            (voxels("sweep of a turned ellipsoid") as f64 / ball
+                - 1.0
+                - 0.75 * 166f64.sqrt() / 64.0)
+                .abs()
                 < 1e-3
         );
         assert!(voxels("sweep of a turned cylinder") > voxels("turned cylinder") * 21 / 20);

@@ -274,10 +274,10 @@ pub(super) fn goes_beyond(document: &Document, command: &Command) -> bool {
                 leaves(primitive.image_in_grid(*to_vx, size, image).bounds_vx(), BOUNDS_MARGIN)
             })
         }
-        Command::DrawnSolid { op: EditOp::Add(_), form } => document
+        Command::DrawnSolid { op: EditOp::Add(_), drawn } => document
             .images()
             .iter()
-            .any(|image| PlacedDrawnSolid::new(form, grid, *image).leaves_grid()),
+            .any(|image| PlacedDrawnSolid::new(drawn, grid, *image).leaves_grid()),
         Command::Paste { at, orientation } => {
             document.clip().is_some_and(|clip| leaves(clip.bounds(*at, *orientation), 0))
         }
@@ -319,7 +319,7 @@ fn bite(footprint: &Footprint) -> Command {
 fn with_op(command: &Command, op: EditOp) -> Command {
     match command.clone() {
         Command::Construct { primitive, to_vx, .. } => Command::Construct { op, primitive, to_vx },
-        Command::DrawnSolid { form, .. } => Command::DrawnSolid { op, form },
+        Command::DrawnSolid { drawn, .. } => Command::DrawnSolid { op, drawn },
         other => other,
     }
 }

@@ -35,10 +35,10 @@ impl ToolChange {
     }
 
     /// Returns a command about the voxels of a drawn solid.
-    pub fn by_drawn_solid(self, form: DrawnSolid) -> Command {
+    pub fn by_drawn_solid(self, drawn: DrawnSolid) -> Command {
         match self {
-            ToolChange::Voxels(op) => Command::DrawnSolid { op, form },
-            ToolChange::Mask { adds } => mask(adds, MaskArea::DrawnSolid(form)),
+            ToolChange::Voxels(op) => Command::DrawnSolid { op, drawn },
+            ToolChange::Mask { adds } => mask(adds, MaskArea::DrawnSolid(drawn)),
         }
     }
 }

@@ -287,7 +287,7 @@ fn every_command_of_the_manual_is_listed() {
     let folder = folder();
     let said = succeed(folder.path(), &["commands"]);
     for command in virtual_sculpture::command::COMMANDS.iter() {
-        assert!(said.contains(command.verb) && said.contains(command.tooltip));
+        assert!(said.contains(command.verb) && said.contains(&*command.tooltip));
     }
 }
 

@@ -1,5 +1,5 @@
-//! The table of all commands: verb, arguments and explanation of each, for menus, the palette and help. The arguments of
-//! brushes come from their descriptions.
+//! The table of all commands: verb, arguments and explanation of each, for menus, the palette and help. What brushes and
+//! solids take comes from their descriptions.
 //!
 //! Knows no values of commands.
 
@@ -7,6 +7,8 @@ use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use super::text;
+use crate::tools::drawn::DrawnSolid;
+use crate::tools::solid::Solid;
 
 /// Name and explanation of a command, for menus, the palette and help.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -16,24 +18,38 @@ pub struct CommandHelp {
     /// Arguments in the text form.
     pub usage: Cow<'static, str>,
     /// Explains the command in one sentence.
-    pub tooltip: &'static str,
+    pub tooltip: Cow<'static, str>,
 }
 
 /// Every command, in the order of the manual.
 pub static COMMANDS: LazyLock<Vec<CommandHelp>> = LazyLock::new(|| {
     let help = |row: &Row| CommandHelp {
         verb: row.verb,
-        usage: match row.usage {
-            OF_BRUSHES => Cow::Owned(text::usage_of_brushes(row.verb)),
-            usage => Cow::Borrowed(usage),
-        },
-        tooltip: row.tooltip,
+        usage: filled(row.usage, row.verb),
+        tooltip: filled(row.tooltip, row.verb),
     };
     TABLE.iter().map(help).collect()
 });
 
-/// Stands for arguments that the descriptions of brushes give.
-const OF_BRUSHES: &str = "BRUSH";
+/// Words of the table that stand for what descriptions say; the verb of the row is given.
+const FILLS: &[(&str, fn(&str) -> String)] = &[
+    ("{brushes}", text::usage_of_brushes),
+    ("{drawn usages}", |_| DrawnSolid::ALL.map(text::usage_of_drawn_solid).join(" | ")),
+    ("{drawn names}", |_| drawn_names(" | ")),
+    ("{drawn names, close}", |_| drawn_names("|")),
+    ("{drawn labels}", |_| text::alternatives(DrawnSolid::ALL.iter().map(|spec| spec.label))),
+    ("{solid names}", |_| Solid::ALL.map(Solid::name).join(", ")),
+];
+
+fn filled(text: &'static str, verb: &str) -> Cow<'static, str> {
+    let fills = FILLS.iter().filter(|(word, _)| text.contains(word));
+    fills.fold(Cow::Borrowed(text), |text, (word, fill)| text.replace(word, &fill(verb)).into())
+}
+
+/// The names of drawn solids, whose arguments another row states.
+fn drawn_names(between: &str) -> String {
+    DrawnSolid::ALL.map(|spec| format!("{} ...", spec.name)).join(between)
+}
 
 struct Row {
     verb: &'static str,
@@ -71,32 +87,32 @@ const TABLE: &[Row] = &[
     Row { verb: "cancel", usage: "", tooltip: "Cancel the open stroke and undo what it did" },
     Row {
         verb: "add",
-        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=RX,RY,RZ | turn=X,Y,Z,W] [to=X,Y,Z] [colour=#rrggbb] | half-space at=X,Y,Z normal=X,Y,Z | ring at=X,Y,Z radius=R tube=R [turn=...] | tube points=X,Y,Z,R;X,Y,Z,R;... | lathe at=X,Y,Z profile=R,H;R,H;... [turn=...] | extrusion at=X,Y,Z depth=D outline=X,Y;X,Y;...[/X,Y;...] [turn=...]",
-        tooltip: "Fill the voxels inside a solid (ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule, rounded-cuboid, or a half space, ring, tube, lathe or extrusion); new ones get the colour, or the base colour",
+        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=RX,RY,RZ | turn=X,Y,Z,W] [to=X,Y,Z] [colour=#rrggbb] | {drawn usages}",
+        tooltip: "Fill the voxels inside a solid ({solid names}, or a {drawn labels}); new ones get the colour, or the base colour",
     },
     Row {
         verb: "subtract",
-        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z] | half-space ... | ring ... | tube ... | lathe ... | extrusion ...",
+        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z] | {drawn names}",
         tooltip: "Remove the voxels inside a solid",
     },
     Row {
         verb: "recolour",
-        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z] colour=#rrggbb | half-space ... | ring ... | tube ... | lathe ... | extrusion ...",
+        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z] colour=#rrggbb | {drawn names}",
         tooltip: "Recolour the voxels inside a solid",
     },
     Row {
         verb: "spray",
-        usage: OF_BRUSHES,
+        usage: "{brushes}",
         tooltip: "Use a brush where the rays under its footprint meet the surface",
     },
     Row {
         verb: "grab",
-        usage: OF_BRUSHES,
+        usage: "{brushes}",
         tooltip: "Pull at a ball of clay: what is in its middle goes all the way, what is at its rim stays",
     },
     Row {
         verb: "deform",
-        usage: OF_BRUSHES,
+        usage: "{brushes}",
         tooltip: "Move the surface in a ball: outwards by a height (inflate), to a plane through its middle, along a normal (draw, crease), or with the clay around it (pinch, twist)",
     },
     Row {
@@ -106,7 +122,7 @@ const TABLE: &[Row] = &[
     },
     Row {
         verb: "stencil",
-        usage: OF_BRUSHES,
+        usage: "{brushes}",
         tooltip: "Paint the surface under a brush with a PNG or JPEG image, or with a colour through its bright parts",
     },
     Row {
@@ -146,7 +162,7 @@ const TABLE: &[Row] = &[
     },
     Row {
         verb: "mask",
-        usage: "add|subtract grid|selection|marker|SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z]|half-space ...|ring ...|tube ...|lathe ...|extrusion ...|colour colour=#rrggbb [tolerance=0..1]|cavities [within=1..4] [depth=0..4]|patch at=X,Y,Z [tolerance=0..1|angle=DEGREES] [depth=0..4]|piece at=X,Y,Z | clear | invert | grow [by=VOXELS] | shrink [by=VOXELS] | smooth [around=1..8]",
+        usage: "add|subtract grid|selection|marker|SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z]|{drawn names, close}|colour colour=#rrggbb [tolerance=0..1]|cavities [within=1..4] [depth=0..4]|patch at=X,Y,Z [tolerance=0..1|angle=DEGREES] [depth=0..4]|piece at=X,Y,Z | clear | invert | grow [by=VOXELS] | shrink [by=VOXELS] | smooth [around=1..8]",
         tooltip: "Protect voxels from all tools, or no longer: an area, what a solid contains, a colour, cavities of the surface, a patch of one colour or direction, or all that hangs together",
     },
     Row {

@@ -104,7 +104,7 @@ impl MaskArea {
         match self {
             MaskArea::Area(area) => area.name(),
             MaskArea::Solid { primitive, .. } => primitive.solid.name(),
-            MaskArea::DrawnSolid(form) => form.name(),
+            MaskArea::DrawnSolid(drawn) => drawn.name(),
             MaskArea::Colour { .. } => "colour",
             MaskArea::Cavities { .. } => "cavities",
             MaskArea::Patch { .. } => "patch",

@@ -32,6 +32,7 @@ mod tint;
 
 pub use brush::usage_of as usage_of_brush;
 pub(super) use brush::{usage as usage_of_brushes, verb as verb_of_brush};
+pub use drawn_solid::usage as usage_of_drawn_solid;
 
 /// The base colour of new sculptures by default.
 pub const DEFAULT_BASE: Rgb = Rgb::STONE;
@@ -99,8 +100,8 @@ impl fmt::Display for Command {
                 write_placed(primitive, *to_vx, f)?;
                 write_colour(op, f)
             }
-            Command::DrawnSolid { op, form } => {
-                drawn_solid::write(form, f)?;
+            Command::DrawnSolid { op, drawn } => {
+                drawn_solid::write(drawn, f)?;
                 write_colour(op, f)
             }
             Command::Brush(used) => brush::write(used, f),
@@ -293,8 +294,24 @@ fn parse_placed(name: &str, args: &mut Arguments, names: &str) -> Result<Primiti
     })
 }
 
+/// The names of all solids, in a box and drawn, for messages.
+fn solid_names() -> String {
+    let names = Solid::ALL.iter().map(|solid| solid.name());
+    alternatives(names.chain(DrawnSolid::ALL.iter().map(|spec| spec.name)))
+}
+
+/// Separated by commas, `or` before the last.
+pub(super) fn alternatives(names: impl Iterator<Item = &'static str>) -> String {
+    let names: Vec<&str> = names.collect();
+    match names.split_last() {
+        Some((last, [])) => last.to_string(),
+        Some((last, first)) => format!("{} or {last}", first.join(", ")),
+        None => String::new(),
+    }
+}
+
 fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
-    let names = format!("{}, {}", Solid::names().replace(" or ", ", "), DrawnSolid::NAMES);
+    let names = solid_names();
     let name = args.word(&names)?;
     let op = |args: &mut Arguments| -> Result<EditOp, ParseError> {
         Ok(match verb {
@@ -303,8 +320,8 @@ fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseErr
             _ => EditOp::Subtract,
         })
     };
-    if let Some(form) = drawn_solid::parse(&name, args)? {
-        return Ok(Command::DrawnSolid { op: op(args)?, form });
+    if let Some(drawn) = drawn_solid::parse(&name, args)? {
+        return Ok(Command::DrawnSolid { op: op(args)?, drawn });
     }
     let (primitive, to_vx) = parse_swept(&name, args, &names)?;
     Ok(Command::Construct { op: op(args)?, primitive, to_vx })

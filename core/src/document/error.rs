@@ -92,10 +92,10 @@ pub enum CommandError {
 }
 
 /// An error that says why a solid that is drawn is not possible, if it is not.
-pub(super) fn check_drawn_solid(form: &DrawnSolid) -> Result<(), InvalidValue> {
+pub(super) fn check_drawn_solid(drawn: &DrawnSolid) -> Result<(), InvalidValue> {
     let invalid =
-        |reason| InvalidValue::without_value(form.name(), format!("is not valid: {reason}"));
-    form.check().map_err(invalid)
+        |reason| InvalidValue::without_value(drawn.name(), format!("is not valid: {reason}"));
+    drawn.check().map_err(invalid)
 }
 
 impl From<RepairError> for CommandError {

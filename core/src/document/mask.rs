@@ -98,10 +98,10 @@ impl Document {
                         self.edit_mask(&primitive.image_in_grid(*to_vx, voxel_size, &image), adds)?;
                 }
             }
-            MaskArea::DrawnSolid(form) => {
-                check_drawn_solid(form)?;
+            MaskArea::DrawnSolid(drawn) => {
+                check_drawn_solid(drawn)?;
                 for image in images {
-                    let placed = PlacedDrawnSolid::new(form, self.grid(), image);
+                    let placed = PlacedDrawnSolid::new(drawn, self.grid(), image);
                     stats += self.edit_mask(&placed, adds)?;
                 }
             }

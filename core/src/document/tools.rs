@@ -39,7 +39,7 @@ impl Document {
             Command::Construct { op, primitive, to_vx } => {
                 self.construct(*op, primitive, *to_vx)?
             }
-            Command::DrawnSolid { op, form } => self.form(*op, form)?,
+            Command::DrawnSolid { op, drawn } => self.construct_drawn(*op, drawn)?,
             Command::Texture { primitive, picture } => self.texture(primitive, picture)?,
             Command::Brush(used) => self.brush(used)?,
             Command::Paste { at, orientation } => self.paste(*at, *orientation)?,
@@ -141,14 +141,18 @@ impl Document {
         Ok(stats)
     }
 
-    fn form(&mut self, op: EditOp, form: &DrawnSolid) -> Result<EditStats, CommandError> {
-        check_drawn_solid(form)?;
+    fn construct_drawn(
+        &mut self,
+        op: EditOp,
+        drawn: &DrawnSolid,
+    ) -> Result<EditStats, CommandError> {
+        check_drawn_solid(drawn)?;
         if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
             return Err(CommandError::NoColour);
         }
         let images = self.images();
         let regions: Vec<_> =
-            images.iter().map(|image| PlacedDrawnSolid::new(form, self.grid(), *image)).collect();
+            images.iter().map(|image| PlacedDrawnSolid::new(drawn, self.grid(), *image)).collect();
         self.check_colour_memory(|document, exact| {
             regions.iter().map(|region| document.new_pages(region, op, exact)).sum()
         })?;
@@ -356,8 +360,8 @@ impl Command {
                 primitive: solid(primitive),
                 to_vx: to_vx.map(|to| to + by),
             },
-            Command::DrawnSolid { op, form } => {
-                Command::DrawnSolid { op: *op, form: form.shifted(by) }
+            Command::DrawnSolid { op, drawn } => {
+                Command::DrawnSolid { op: *op, drawn: drawn.shifted(by) }
             }
             Command::Texture { primitive, picture } => {
                 Command::Texture { primitive: solid(primitive), picture: picture.clone() }

@@ -11,12 +11,14 @@ use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 use sculpture_core::tools::drawn::DrawnSolid;
+use sculpture_core::tools::texture::Texture;
 
 use super::strategies::{area, colour};
+use super::uses::{self, Place};
 
 /// Changes of the mask, with solids, voxels, numbers and lengths of those given.
 pub fn mask(
-    form: impl Strategy<Value = DrawnSolid>,
+    drawn: impl Strategy<Value = DrawnSolid>,
     voxel: std::ops::Range<u32>,
     number: impl Strategy<Value = f32> + Clone,
     length: std::ops::Range<u32>,
@@ -28,7 +30,7 @@ pub fn mask(
     ];
     let what = prop_oneof![
         area().prop_map(MaskArea::Area),
-        form.prop_map(MaskArea::DrawnSolid),
+        drawn.prop_map(MaskArea::DrawnSolid),
         (colour(), number).prop_map(|(colour, tolerance)| MaskArea::Colour { colour, tolerance }),
         (length.clone(), length.clone())
             .prop_map(|(reach_vx, depth_vx)| MaskArea::Cavities { reach_vx, depth_vx }),
@@ -60,6 +62,8 @@ fn document() -> Document {
         solid: false,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
+    let stripes = (0..64).map(|i| if i % 8 < 4 { Rgb::STONE } else { Rgb::new(1, 2, 3) });
+    document.learn_picture(uses::PICTURE.as_ref(), Texture::new(8, stripes.collect()).unwrap());
     // Clay with a rounded top, a tower, a piece of its own and a cavity, in two colours.
     for line in [
         "add cuboid at=20,8,14 half=18,8,13 colour=#c08040",
@@ -128,10 +132,24 @@ const CHANGES: &[&str] = &[
     "move by=7,3,2",
 ];
 
+/// These, and a use of every tool that does not change the mask.
+fn changes() -> Vec<String> {
+    let place = Place {
+        at_vx: Vec3::new(20.0, 14.0, 14.0),
+        ball_vx: Vec3::new(20.0, 22.0, 14.0),
+        further_vx: Vec3::new(8.0, 16.0, 8.0),
+        eye_vx: Vec3::new(20.0, 90.0, 14.0),
+        aim: Vec3::NEG_Y,
+    };
+    let uses = uses::of_every_tool(&place);
+    let uses = uses.iter().filter(|command| !uses::is_of_mask(command)).map(Command::to_string);
+    CHANGES.iter().map(|line| line.to_string()).chain(uses).collect()
+}
+
 #[test]
 fn nothing_that_is_masked_changes_and_the_rest_does() {
     for mirrored in ["symmetry", "symmetry x=even"] {
-        for line in CHANGES {
+        for line in &changes() {
             let mut document = document();
             run(&mut document, mirrored).unwrap();
             run(&mut document, "mark at=6,2,4 size=24,24,20").unwrap();
@@ -401,7 +419,7 @@ proptest! {
     #[test]
     fn a_mask_holds_whatever_is_done(
         masks in prop::collection::vec(prop::sample::select(MASKS), 1..4),
-        changes in prop::collection::vec(prop::sample::select(CHANGES), 1..4),
+        changes in prop::collection::vec(prop::sample::select(changes()), 1..4),
         fill in prop::sample::select(&["fill grid", "clear grid", "dye grid colour=#112233"][..]),
     ) {
         let mut document = document();

@@ -14,6 +14,7 @@ use sculpture_core::tools::solid::{Primitive, Solid};
 use sculpture_core::tools::symmetry::Symmetry;
 
 use super::brushes::{self, Parts, brush_use};
+use super::drawn_solids::drawn_solid;
 use super::strategies::{any_command, area_work, new_sculpture, op, orientation, work};
 
 /// Everything that a command can change.
@@ -137,6 +138,8 @@ fn hostile() -> impl Strategy<Value = Command> {
         1 => new,
         3 => (op(), solid(), prop::option::of(vector()))
             .prop_map(|(op, primitive, to_vx)| Command::Construct { op, primitive, to_vx }),
+        3 => (op(), drawn_solid(vector(), number()))
+            .prop_map(|(op, drawn)| Command::DrawnSolid { op, drawn }),
         1 => solid().prop_map(|primitive| Command::Texture { primitive, picture: "none.png".into() }),
         6 => brush(),
         2 => (whole_vector(), whole_vector())

@@ -17,8 +17,8 @@ use sculpture_core::tools::symmetry::{Parity, Symmetry};
 use sculpture_core::tools::tint::Tint;
 
 use super::brushes::{self, Parts, brush_use, stencil};
+use super::drawn_solids::{drawn_solid, small_drawn_solid};
 use super::file_options::{export, import};
-use super::forms::{form, small_form};
 use super::masks::mask;
 
 /// Few colours, so that voxels are often painted with the colour that they have.
@@ -181,7 +181,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
     let near = || prop::array::uniform3(-12i32..24).prop_map(IVec3::from);
     prop_oneof![
         12 => brush_command(),
-        4 => (op(), small_form()).prop_map(|(op, form)| Command::DrawnSolid { op, form }),
+        4 => (op(), small_drawn_solid()).prop_map(|(op, drawn)| Command::DrawnSolid { op, drawn }),
         2 => (area(), prop::option::of(colour()))
             .prop_map(|(area, colour)| Command::Fill { area, colour }),
         2 => area().prop_map(|area| Command::Clear { area }),
@@ -190,7 +190,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
         2 => (prop::array::uniform3(0u32..24), colour(), 0.0f32..1.0).prop_map(
             |(at, colour, tolerance)| Command::Flood { at: at.into(), colour, tolerance },
         ),
-        4 => mask(small_form(), 0..24, 0.0f32..1.0, 1..4).prop_map(Command::Mask),
+        4 => mask(small_drawn_solid(), 0..24, 0.0f32..1.0, 1..4).prop_map(Command::Mask),
         8 => marker(-6..24, 20).prop_map(Command::Mark),
         6 => prop::sample::select(&SelectOp::ALL[..]).prop_map(Command::Select),
         3 => any::<bool>().prop_map(Command::Limit),
@@ -313,14 +313,15 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         Just(Command::End),
         Just(Command::Cancel),
         construct,
-        (op(), form(any_vec3, any_number)).prop_map(|(op, form)| Command::DrawnSolid { op, form }),
+        (op(), drawn_solid(any_vec3(), any_number()))
+            .prop_map(|(op, drawn)| Command::DrawnSolid { op, drawn }),
         texture,
         (area(), prop::option::of(colour()))
             .prop_map(|(area, colour)| Command::Fill { area, colour }),
         area().prop_map(|area| Command::Clear { area }),
         (area(), colour()).prop_map(|(area, colour)| Command::Dye { area, colour }),
         (area(), any_tint()).prop_map(|(area, tint)| Command::Tint { area, tint }),
-        mask(form(any_vec3, any_number), 0..u32::MAX, -1e9f32..1e9, 0..u32::MAX)
+        mask(drawn_solid(any_vec3(), any_number()), 0..u32::MAX, -1e9f32..1e9, 0..u32::MAX)
             .prop_map(Command::Mask),
         (any::<[u32; 3]>(), colour(), any_number()).prop_map(|(at, colour, tolerance)| {
             Command::Flood { at: at.into(), colour, tolerance }

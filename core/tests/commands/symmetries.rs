@@ -3,8 +3,11 @@
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use sculpture_core::command::{Command, NewSculpture};
 use sculpture_core::document::{CommandError, Document, Limits};
+use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
+
+use super::uses;
 
 const EDGE: u32 = 48;
 
@@ -57,6 +60,14 @@ const TOOLS: &[&str] = &[
     "deform flatten at=30,33,29 radius=9 normal=1,1.3,0.6 strength=1",
 ];
 
+/// These, and every drawn solid.
+fn tools() -> Vec<String> {
+    let drawn = uses::drawn_solids(Vec3::new(32.0, 33.0, 30.0), 5.0);
+    let added = |drawn| Command::DrawnSolid { op: EditOp::Add(None), drawn }.to_string();
+    let drawn = drawn.map(added);
+    TOOLS.iter().map(|line| line.to_string()).chain(drawn).collect()
+}
+
 /// How many voxels differ from their images, and how many lie near the surface.
 fn asymmetry(document: &Document) -> (usize, usize) {
     let contents = document.contents();
@@ -88,7 +99,7 @@ fn planes_along_the_grid_and_half_turns_are_exact() {
         "symmetry radial=4 about=24,24,24 axis=0,0,1",
         "symmetry x=even radial=4 about=24,24,24 axis=1,0,0",
     ] {
-        for tool in TOOLS {
+        for tool in &tools() {
             let mut document = ball(Vec3::ONE);
             run(&mut document, symmetry).unwrap();
             let before = document.contents().clone();
@@ -115,7 +126,7 @@ fn any_plane_and_any_turn_is_symmetric_to_the_voxel_at_the_surface() {
         ("symmetry plane=24,24,24 normal=1,1,0", Vec3::new(1.0, 1.5, 2.0)),
         ("symmetry radial=3 about=24,24,24 axis=0,0,1", Vec3::new(1.0, 1.5, 2.0)),
     ] {
-        for tool in TOOLS {
+        for tool in &tools() {
             let mut document = ball(voxel_size);
             run(&mut document, symmetry).unwrap();
             // As symmetric as a ball of voxels is.

@@ -200,7 +200,7 @@ impl Drawing {
         grid: &Grid,
     ) -> Result<Vec<Command>, String> {
         let change = change.into();
-        let one = |form: DrawnSolid| vec![change.by_drawn_solid(form)];
+        let one = |solid: DrawnSolid| vec![change.by_drawn_solid(solid)];
         let (view, point) = (&self.view, self.ground.point);
         let made = match self.kind {
             DrawKind::Lasso | DrawKind::Rectangle => {
@@ -228,10 +228,10 @@ impl Drawing {
             DrawKind::Text => {
                 let letters = glyphs::letters(&options.text, options.font, options.text_height)?;
                 let stand = Stand::new(view, point, self.ground.face);
-                let forms = stand.map(|stand| stand.forms(grid, &letters, options.text_depth));
-                forms
-                    .filter(|forms| !forms.is_empty())
-                    .map(|forms| forms.into_iter().flat_map(one).collect())
+                let solids = stand.map(|stand| stand.solids(grid, &letters, options.text_depth));
+                solids
+                    .filter(|solids| !solids.is_empty())
+                    .map(|solids| solids.into_iter().flat_map(one).collect())
             }
         };
         made.ok_or_else(|| self.kind.spec().advice.to_string())

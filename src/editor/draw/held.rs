@@ -43,11 +43,11 @@ impl HeldPath {
     pub fn end(&mut self, view: &ToolView) -> Option<Drawn> {
         let path = std::mem::take(&mut self.0);
         let ToolState { mode, draws, .. } = view.tool;
-        let form = tube::curve(&path, draws.radii, view.edges())?;
+        let solid = tube::curve(&path, draws.radii, view.edges())?;
         Some(Drawn {
             kind: DrawKind::Curve,
             mode: *mode,
-            commands: vec![view.tool.change(*mode).by_drawn_solid(form)],
+            commands: vec![view.tool.change(*mode).by_drawn_solid(solid)],
             floating: Vec::new(),
         })
     }

@@ -8,7 +8,7 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::thin::thinned_flat;
 use super::view::{View, circle};
-use crate::tools::drawn::{DrawnSolid, Pose};
+use crate::tools::drawn::{DrawnSolid, Lathe, Pose};
 
 /// Largest deviation of the profile from the drawing, in units of the smallest edge.
 const TOLERANCE: f32 = 0.25;
@@ -65,10 +65,8 @@ impl Axis {
             return None;
         }
         let rotation = Quat::from_mat3(&Mat3::from_cols(self.right, self.up, self.near));
-        Some(DrawnSolid::Lathe {
-            pose: Pose { at_vx: self.at_vx, rotation: rotation.normalize() },
-            profile: Arc::from(profile),
-        })
+        let pose = Pose { at_vx: self.at_vx, rotation: rotation.normalize() };
+        Some(Lathe { pose, profile: Arc::from(profile) }.into())
     }
 
     /// Returns a profile point as a grid point, on the right or the left of the axis.
@@ -116,9 +114,9 @@ mod tests {
                     along_grid,
                 )
                 .unwrap();
-                let form = axis.turned(&view, &drawn).unwrap();
-                form.check().unwrap();
-                let DrawnSolid::Lathe { pose, profile } = form else { panic!() };
+                let solid = axis.turned(&view, &drawn).unwrap();
+                solid.check().unwrap();
+                let DrawnSolid::Lathe(Lathe { pose, profile }) = solid else { panic!() };
                 assert_eq!(profile.len(), drawn.len());
                 assert!(profile[0].x < 1e-2, "it begins on the axis");
                 for (point, pixel) in profile.iter().zip(&drawn) {
@@ -142,7 +140,7 @@ mod tests {
         let path = [[0.0, 0.0], [15.0, 0.0], [15.0, -12.0], [4.0, -20.0]].map(Vec2::from);
         let [right, left] = [1.0, -1.0].map(|side| {
             let drawn = path.map(|p| start + p * Vec2::new(side, 1.0));
-            let Some(DrawnSolid::Lathe { profile, .. }) = axis.turned(view, &drawn) else {
+            let Some(DrawnSolid::Lathe(Lathe { profile, .. })) = axis.turned(view, &drawn) else {
                 panic!()
             };
             profile

@@ -9,7 +9,7 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::thin::thinned_flat;
 use super::view::View;
-use crate::tools::drawn::{DrawnSolid, Pose};
+use crate::tools::drawn::{DrawnSolid, Extrusion, HalfSpace, Pose};
 
 /// Smallest intentional outline, in square pixels.
 const LEAST_AREA_PX: f32 = 30.0;
@@ -73,11 +73,12 @@ pub fn prism(
         2.0 * furthest + 2.0
     };
     let rotation = Quat::from_mat3(&Mat3::from_cols(right, up, near)).normalize();
-    Some(DrawnSolid::Extrusion {
+    let prism = Extrusion {
         pose: Pose { at_vx: centre / view.edges, rotation },
         outlines: Arc::new([outline?]),
         depth: depth.unwrap_or_else(through),
-    })
+    };
+    Some(prism.into())
 }
 
 /// Returns the half space seen on one side of a line through two pixels: to the right of the direction of travel, or
@@ -94,7 +95,7 @@ pub fn half_space(view: &View, from: Vec2, to: Vec2, other: bool) -> Option<Draw
     // A point of the plane near the grid, where numbers are precise.
     let (eye, middle) = (view.eye(), view.middle() * view.edges);
     let at = middle - normal * (middle - eye).dot(normal);
-    Some(DrawnSolid::HalfSpace { at_vx: at / view.edges, normal })
+    Some(HalfSpace { at_vx: at / view.edges, normal }.into())
 }
 
 /// Returns a unit vector to the right of a line in the picture, or with `other` to its left.
@@ -127,9 +128,11 @@ mod tests {
         let outline =
             [[90.0, 40.0], [120.0, 45.0], [110.0, 65.0], [95.0, 60.0]].map(Vec2::from).to_vec();
         for view in views() {
-            let form = prism(&view, &outline, view.middle(), None).unwrap();
-            form.check().unwrap();
-            let DrawnSolid::Extrusion { pose, outlines, depth } = form else { panic!() };
+            let solid = prism(&view, &outline, view.middle(), None).unwrap();
+            solid.check().unwrap();
+            let DrawnSolid::Extrusion(Extrusion { pose, outlines, depth }) = solid else {
+                panic!()
+            };
             for (point, pixel) in outlines[0].iter().zip(&outline) {
                 let place = pose.at_vx + pose.rotation * point.extend(0.0) / view.edges;
                 let seen = view.sight.pixel_of(place).unwrap();
@@ -138,7 +141,7 @@ mod tests {
             let across = (view.dims.as_vec3() * view.edges).length();
             assert!(depth > 0.5 * across && depth < 2.5 * across, "{depth}");
             let slab = prism(&view, &outline, view.middle(), Some(6.0)).unwrap();
-            assert!(matches!(slab, DrawnSolid::Extrusion { depth: 6.0, .. }));
+            assert!(matches!(slab, DrawnSolid::Extrusion(Extrusion { depth: 6.0, .. })));
         }
     }
 
@@ -147,9 +150,9 @@ mod tests {
         let (from, to) = (Vec2::new(40.0, 30.0), Vec2::new(150.0, 70.0));
         for view in views() {
             for other in [false, true] {
-                let form = half_space(&view, from, to, other).unwrap();
-                form.check().unwrap();
-                let DrawnSolid::HalfSpace { at_vx, normal } = form else { panic!() };
+                let solid = half_space(&view, from, to, other).unwrap();
+                solid.check().unwrap();
+                let DrawnSolid::HalfSpace(HalfSpace { at_vx, normal }) = solid else { panic!() };
                 for i in 0..60 {
                     let at = Vec2::new((i * 37 % 200) as f32, (i * 61 % 100) as f32);
                     let place = view.sight.at_depth(at, view.sight.depth(view.middle()));
@@ -185,7 +188,7 @@ mod tests {
         let round: Vec<Vec2> = (0..5000)
             .map(|i| Vec2::new(100.0, 50.0) + Vec2::from_angle(i as f32 * 0.00125664) * 30.0)
             .collect();
-        let Some(DrawnSolid::Extrusion { outlines, .. }) =
+        let Some(DrawnSolid::Extrusion(Extrusion { outlines, .. })) =
             prism(&view, &round, view.middle(), None)
         else {
             panic!()

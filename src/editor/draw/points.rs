@@ -167,8 +167,8 @@ mod tests {
         let all = (0..2 * MAX_POINTS).map(|i| points.press(view, at(i), None));
         assert_eq!(all.filter(|pressed| *pressed == Pressed::Added).count(), MAX_POINTS - 1);
         assert_eq!(points.press(view, Vec2::ZERO, None), Pressed::Full);
-        let form = tube::through(&points.places(), [2.0, 2.0], view.edges).unwrap();
-        assert_eq!(form.check(), Ok(()));
+        let solid = tube::through(&points.places(), [2.0, 2.0], view.edges).unwrap();
+        assert_eq!(solid.check(), Ok(()));
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::view::View;
 use crate::editor::surface_guide::normal_around;
 use crate::sculpture::Grid;
 use crate::surface::raycast;
-use crate::tools::drawn::{DrawnSolid, Pose};
+use crate::tools::drawn::{DrawnSolid, Extrusion, Pose};
 
 /// Cosine of 8 degrees: a normal that near to a grid axis is snapped to it.
 const NEARLY: f32 = 0.99;
@@ -124,16 +124,16 @@ impl Stand {
     }
 
     /// Returns the solids of letters that extend `depth` out of the surface, and as deep into it.
-    pub fn forms(&self, grid: &Grid, letters: &[Letter], depth: f32) -> Vec<DrawnSolid> {
+    pub fn solids(&self, grid: &Grid, letters: &[Letter], depth: f32) -> Vec<DrawnSolid> {
         let placed = self.of_letters(grid, letters);
-        let form = |(letter, placed): (&Letter, &Placed)| {
+        let solid = |(letter, placed): (&Letter, &Placed)| {
             let rotation = Quat::from_mat3(&placed.stand.axes).normalize();
             let outlines: Arc<[Arc<[Vec2]>]> =
                 own(letter).map(|outline| outline.collect()).collect();
             let pose = Pose { at_vx: placed.stand.at_vx, rotation };
-            DrawnSolid::Extrusion { pose, outlines, depth: 2.0 * depth }
+            Extrusion { pose, outlines, depth: 2.0 * depth }.into()
         };
-        letters.iter().zip(&placed).map(form).collect()
+        letters.iter().zip(&placed).map(solid).collect()
     }
 
     /// Returns the letters without a surface under them, in order.
@@ -200,12 +200,12 @@ mod tests {
         Stand { at_vx, axes: Mat3::IDENTITY }
     }
 
-    fn poses(forms: &[DrawnSolid]) -> Vec<Pose> {
-        let pose = |form: &DrawnSolid| match form {
-            DrawnSolid::Extrusion { pose, .. } => *pose,
-            _ => panic!("{form:?}"),
+    fn poses(solids: &[DrawnSolid]) -> Vec<Pose> {
+        let pose = |solid: &DrawnSolid| match solid {
+            DrawnSolid::Extrusion(Extrusion { pose, .. }) => *pose,
+            _ => panic!("{solid:?}"),
         };
-        forms.iter().map(pose).collect()
+        solids.iter().map(pose).collect()
     }
 
     #[test]
@@ -215,9 +215,9 @@ mod tests {
         let column = grid(|p| from_axis(p) < radius);
         let line = letters("COLUMN", Font::Bold, 14.0).unwrap();
         let stand = before(Vec3::new(64.0, 64.0, 64.0 + radius));
-        let forms = stand.forms(&column, &line, 3.0);
+        let solids = stand.solids(&column, &line, 3.0);
         assert!(stand.floating(&column, &line).is_empty());
-        let poses = poses(&forms);
+        let poses = poses(&solids);
         assert_eq!(poses.len(), 6);
         for (pose, letter) in poses.iter().zip(&line) {
             let away = from_axis(pose.at_vx);
@@ -237,7 +237,7 @@ mod tests {
         let wall = grid(|p| p.z < 64.0 && p.x > 24.0);
         let stand = before(Vec3::new(64.0, 64.0, 64.0));
         let line = letters("Wall", Font::Light, 12.0).unwrap();
-        for (pose, letter) in poses(&stand.forms(&wall, &line, 3.0)).iter().zip(&line) {
+        for (pose, letter) in poses(&stand.solids(&wall, &line, 3.0)).iter().zip(&line) {
             assert_eq!(pose.at_vx, stand.at_vx + Vec3::X * letter.middle);
             assert_eq!(pose.rotation, Quat::IDENTITY);
         }
@@ -246,7 +246,7 @@ mod tests {
         let long = letters("ijk and a wall", Font::Light, 12.0).unwrap();
         let floating = stand.floating(&wall, &long);
         assert!(floating.starts_with(&['i']) && floating.len() < 4, "{floating:?}");
-        let flat = poses(&stand.forms(&wall, &long, 3.0));
+        let flat = poses(&stand.solids(&wall, &long, 3.0));
         assert!(flat.iter().all(|pose| pose.at_vx.z == 64.0));
         // In the air all share a plane, and nothing is reported.
         let air = grid(|_| false);
@@ -266,8 +266,8 @@ mod tests {
                 // Nearly an axis becomes the axis.
                 let stand = Stand::new(&view, view.middle(), axis + Vec3::ONE * 0.02).unwrap();
                 assert!(stand.axes.z_axis.abs_diff_eq(axis, 1e-6));
-                let forms = stand.forms(&empty(&view), &line, 3.0);
-                forms.iter().for_each(|form| form.check().unwrap());
+                let solids = stand.solids(&empty(&view), &line, 3.0);
+                solids.iter().for_each(|solid| solid.check().unwrap());
                 let pixel =
                     |p: Vec3| view.sight.pixel_of(view.middle() + p / view.edges).unwrap() - at;
                 let (right, up) = (pixel(stand.axes.x_axis * 5.0), pixel(stand.axes.y_axis * 5.0));

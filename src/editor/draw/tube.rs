@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::thin::{evened, length, thinned_to};
 use super::view::{View, chain};
 use crate::tools::drawn::curve::tube_path;
-use crate::tools::drawn::{ControlPoint, DrawnSolid};
+use crate::tools::drawn::{ControlPoint, DrawnSolid, Tube};
 
 /// Most control points of a curve.
 const MOST_CONTROL_POINTS: usize = 256;
@@ -28,7 +28,7 @@ pub fn line(from_vx: Vec3, to_vx: Vec3, radii: [f32; 2]) -> DrawnSolid {
     let ends = [(from_vx, radii[0]), (to_vx, radii[1])]
         .map(|(at_vx, radius)| ControlPoint { at_vx, radius });
     let count = if from_vx == to_vx { 1 } else { 2 };
-    DrawnSolid::Tube { control_points: ends.into_iter().take(count).collect() }
+    Tube { control_points: ends.into_iter().take(count).collect() }.into()
 }
 
 /// Returns a tube along a path (voxels), its radius changing evenly from one end to the other. `edges`: of a voxel, in units of the
@@ -43,7 +43,7 @@ pub fn curve(path_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<DrawnSoli
     let even = even(&path, thick);
     let mut thin = thinned_to(&even, (TOLERANCE * thick).max(0.2), MOST_CONTROL_POINTS);
     thin.dedup_by(|a, b| a.distance(*b) < LEAST_STEP);
-    Some(DrawnSolid::Tube { control_points: control_points(&thin, radii, edges) })
+    Some(Tube { control_points: control_points(&thin, radii, edges) }.into())
 }
 
 /// Returns a tube along a smooth curve through places (voxels), its radius changing evenly from the first to the last;
@@ -52,7 +52,7 @@ pub fn through(places_vx: &[Vec3], radii: [f32; 2], edges: Vec3) -> Option<Drawn
     let mut places: Vec<Vec3> = places_vx.iter().map(|p| *p * edges).collect();
     places.dedup_by(|a, b| a.distance(*b) < LEAST_STEP);
     (!places.is_empty())
-        .then(|| DrawnSolid::Tube { control_points: control_points(&places, radii, edges) })
+        .then(|| Tube { control_points: control_points(&places, radii, edges) }.into())
 }
 
 /// Returns control points at places (units of the smallest edge), the radii interpolated along the path.
@@ -90,7 +90,7 @@ pub fn sketch(view: &View, path_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> 
 /// Returns the lines that show a tube through places while they are chosen.
 pub fn sketch_through(view: &View, places_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
     match through(places_vx, radii, view.edges) {
-        Some(DrawnSolid::Tube { control_points }) => {
+        Some(DrawnSolid::Tube(Tube { control_points })) => {
             outline(view, &tube_path(&control_points, view.edges))
         }
         _ => Vec::new(),
@@ -130,9 +130,11 @@ mod tests {
     #[test]
     fn a_click_is_a_ball_and_a_drag_a_rod() {
         let at = Vec3::new(4.0, 5.0, 6.0);
-        let DrawnSolid::Tube { control_points } = line(at, at, [2.0, 3.0]) else { panic!() };
+        let DrawnSolid::Tube(Tube { control_points }) = line(at, at, [2.0, 3.0]) else { panic!() };
         assert_eq!(control_points[..], [ControlPoint { at_vx: at, radius: 2.0 }]);
-        let DrawnSolid::Tube { control_points } = line(at, at + 1.0, [2.0, 3.0]) else { panic!() };
+        let DrawnSolid::Tube(Tube { control_points }) = line(at, at + 1.0, [2.0, 3.0]) else {
+            panic!()
+        };
         assert_eq!((control_points.len(), control_points[1].radius), (2, 3.0));
         for path in [vec![at], vec![at; 9], vec![at, at + 0.1]] {
             curve(&path, [1.0, 2.0], Vec3::ONE).unwrap().check().unwrap();
@@ -145,7 +147,8 @@ mod tests {
         // A slope of one in four, as formed by the faces of voxels.
         let steps: Vec<Vec3> =
             (0..200).map(|i| Vec3::new(i as f32 * 0.5, (i / 8) as f32, 10.0)).collect();
-        let Some(DrawnSolid::Tube { control_points }) = curve(&steps, [4.0, 2.0], Vec3::ONE) else {
+        let Some(DrawnSolid::Tube(Tube { control_points })) = curve(&steps, [4.0, 2.0], Vec3::ONE)
+        else {
             panic!()
         };
         assert!(control_points.len() < 16, "{}", control_points.len());
@@ -167,7 +170,8 @@ mod tests {
         let round: Vec<Vec3> = (0..=300)
             .map(|i| (Vec2::from_angle(i as f32 * 0.0104719) * 30.0).extend(0.0))
             .collect();
-        let Some(DrawnSolid::Tube { control_points }) = curve(&round, [3.0, 3.0], Vec3::ONE) else {
+        let Some(DrawnSolid::Tube(Tube { control_points })) = curve(&round, [3.0, 3.0], Vec3::ONE)
+        else {
             panic!()
         };
         assert!((6..40).contains(&control_points.len()), "{}", control_points.len());
@@ -183,7 +187,8 @@ mod tests {
     fn a_tube_goes_through_the_places_that_were_chosen() {
         let places = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 30.0, 0.0]];
         let places = places.map(Vec3::from);
-        let Some(DrawnSolid::Tube { control_points }) = through(&places, [4.0, 2.0], Vec3::ONE)
+        let Some(DrawnSolid::Tube(Tube { control_points })) =
+            through(&places, [4.0, 2.0], Vec3::ONE)
         else {
             panic!()
         };
@@ -193,7 +198,7 @@ mod tests {
         let radii: Vec<f32> =
             control_points.iter().map(|control_point| control_point.radius).collect();
         assert_eq!(radii, [4.0, 3.5, 2.0]);
-        let Some(DrawnSolid::Tube { control_points }) =
+        let Some(DrawnSolid::Tube(Tube { control_points })) =
             through(&places[..2], [4.0, 2.0], Vec3::ONE)
         else {
             panic!()
@@ -230,8 +235,8 @@ mod tests {
             edges in prop::array::uniform3(1f32..4.0),
         ) {
             let path: Vec<Vec3> = path.into_iter().map(Vec3::from).collect();
-            let form = curve(&path, radii, Vec3::from(edges)).unwrap();
-            prop_assert_eq!(form.check(), Ok(()));
+            let solid = curve(&path, radii, Vec3::from(edges)).unwrap();
+            prop_assert_eq!(solid.check(), Ok(()));
         }
     }
 }

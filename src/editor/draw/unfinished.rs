@@ -130,8 +130,8 @@ impl Unfinished {
                 Some(change.by_solid(block::cuboid(edges, corners), None))
             }
             What::Curve(points) => {
-                let form = tube::through(&points.places(), view.tool.draws.radii, edges);
-                form.map(|form| change.by_drawn_solid(form))
+                let solid = tube::through(&points.places(), view.tool.draws.radii, edges);
+                solid.map(|solid| change.by_drawn_solid(solid))
             }
         };
         let commands = command.into_iter().collect();

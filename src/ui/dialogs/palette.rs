@@ -98,7 +98,7 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
     for command in COMMANDS.iter() {
         // Among equals the action comes first, since it needs no arguments. A text of a verb and arguments is that
         // command.
-        let rank = filter.rank(command.verb, &[&command.usage, command.tooltip], &[]);
+        let rank = filter.rank(command.verb, &[&command.usage, &command.tooltip], &[]);
         let rank = if command.verb == verb && !alone { Some(0) } else { rank };
         let after = if alone { AFTER_WORDS } else { 1 };
         let after = if filter.is_empty() { 0 } else { after };

@@ -1,4 +1,4 @@
-//! The text form of solids that are drawn.
+//! The text form of solids that are drawn, made from their fields: a solid that is added needs nothing here.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,37 +7,34 @@ use glam::{Quat, Vec2, Vec3};
 
 use super::arguments::Arguments;
 use super::{ParseError, list, number, numbers, parse_rotation, parse_vec3};
-use crate::tools::drawn::{ControlPoint, DrawnSolid, Pose};
+use crate::tools::drawn::{ControlPoint, DrawnSolid, DrawnSpec, Field, FieldValue, Pose};
 
-/// Writes the name and what follows it.
-pub fn write(form: &DrawnSolid, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    write!(f, " {}", form.name())?;
-    match form {
-        DrawnSolid::HalfSpace { at_vx, normal } => {
-            write!(f, " at={} normal={}", list(at_vx.to_array()), list(normal.to_array()))
-        }
-        DrawnSolid::Ring { pose, radius, tube } => {
-            write_pose(pose, f)?;
-            write!(f, " radius={radius} tube={tube}")
-        }
-        DrawnSolid::Tube { control_points } => {
-            let control_point = |b: &ControlPoint| list(b.at_vx.extend(b.radius).to_array());
-            write!(f, " points={}", joined(control_points, ";", control_point))
-        }
-        DrawnSolid::Lathe { pose, profile } => {
-            write_pose(pose, f)?;
-            write!(f, " profile={}", points(profile))
-        }
-        DrawnSolid::Extrusion { pose, outlines, depth } => {
-            write_pose(pose, f)?;
-            write!(f, " depth={depth} outline={}", joined(outlines, "/", points))
-        }
-    }
+/// The name of a solid and its arguments, for help: those that may be left out last.
+pub fn usage(spec: &DrawnSpec) -> String {
+    let mut solid = (spec.example)(Pose::IDENTITY, 1.0);
+    let (optional, required): (Vec<_>, Vec<_>) =
+        solid.fields().into_iter().partition(Field::is_optional);
+    let required = required.iter().map(|field| format!(" {}={}", field.key, field.usage));
+    let optional = optional.iter().map(|field| format!(" [{}={}]", field.key, field.usage));
+    spec.name.to_string() + &required.chain(optional).collect::<String>()
 }
 
-fn write_pose(pose: &Pose, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    let Pose { at_vx, rotation } = pose;
-    write!(f, " at={} turn={}", list(at_vx.to_array()), list(rotation.to_array()))
+/// Writes the name and what follows it.
+pub fn write(solid: &DrawnSolid, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    write!(f, " {}", solid.name())?;
+    solid.clone().fields().into_iter().try_for_each(|Field { key, value, .. }| match value {
+        FieldValue::Place(v) | FieldValue::Direction(v) => {
+            write!(f, " {key}={}", list(v.to_array()))
+        }
+        FieldValue::Rotation(rotation) => write!(f, " {key}={}", list(rotation.to_array())),
+        FieldValue::Length(length) => write!(f, " {key}={length}"),
+        FieldValue::Curve(curve) => {
+            let point = |p: &ControlPoint| list(p.at_vx.extend(p.radius).to_array());
+            write!(f, " {key}={}", joined(curve, ";", point))
+        }
+        FieldValue::Outline(outline) => write!(f, " {key}={}", points(outline)),
+        FieldValue::Outlines(outlines) => write!(f, " {key}={}", joined(outlines, "/", points)),
+    })
 }
 
 fn points(points: &Arc<[Vec2]>) -> String {
@@ -48,44 +45,33 @@ fn joined<T>(items: &[T], between: &str, text: impl Fn(&T) -> String) -> String 
     items.iter().map(text).collect::<Vec<_>>().join(between)
 }
 
-/// Reads what follows the name; None if it is not that of a form.
+/// Reads what follows the name; None if it is not that of a drawn solid.
 pub fn parse(name: &str, args: &mut Arguments) -> Result<Option<DrawnSolid>, ParseError> {
-    Ok(Some(match name {
-        "half-space" => DrawnSolid::HalfSpace {
-            at_vx: args.required("at", parse_vec3)?,
-            normal: args.required("normal", parse_vec3)?,
-        },
-        "ring" => DrawnSolid::Ring {
-            pose: parse_pose(args)?,
-            radius: args.required("radius", number)?,
-            tube: args.required("tube", number)?,
-        },
-        "tube" => {
-            let radius = args.optional("radius", number)?;
-            let control_point = |text: &str| parse_control_point(text, radius);
-            let control_points =
-                args.required("points", |text| text.split(';').map(control_point).collect())?;
-            DrawnSolid::Tube { control_points }
-        }
-        "lathe" => DrawnSolid::Lathe {
-            pose: parse_pose(args)?,
-            profile: args.required("profile", parse_points)?,
-        },
-        "extrusion" => DrawnSolid::Extrusion {
-            pose: parse_pose(args)?,
-            depth: args.required("depth", number)?,
-            outlines: args
-                .required("outline", |text| text.split('/').map(parse_points).collect())?,
-        },
-        _ => return Ok(None),
-    }))
+    let Some(spec) = DrawnSolid::named(name) else { return Ok(None) };
+    // Every field of the example is read anew.
+    let mut solid = (spec.example)(Pose::IDENTITY, 1.0);
+    solid.fields().into_iter().try_for_each(|field| read(field, args))?;
+    Ok(Some(solid))
 }
 
-fn parse_pose(args: &mut Arguments) -> Result<Pose, ParseError> {
-    Ok(Pose {
-        at_vx: args.required("at", parse_vec3)?,
-        rotation: args.optional("turn", parse_rotation)?.unwrap_or(Quat::IDENTITY),
-    })
+fn read(Field { key, value, .. }: Field<'_>, args: &mut Arguments) -> Result<(), ParseError> {
+    match value {
+        FieldValue::Place(v) | FieldValue::Direction(v) => *v = args.required(key, parse_vec3)?,
+        FieldValue::Rotation(rotation) => {
+            *rotation = args.optional(key, parse_rotation)?.unwrap_or(Quat::IDENTITY);
+        }
+        FieldValue::Length(length) => *length = args.required(key, number)?,
+        FieldValue::Curve(curve) => {
+            let radius = args.optional("radius", number)?;
+            let point = |text: &str| parse_control_point(text, radius);
+            *curve = args.required(key, |text| text.split(';').map(point).collect())?;
+        }
+        FieldValue::Outline(outline) => *outline = args.required(key, parse_points)?,
+        FieldValue::Outlines(outlines) => {
+            *outlines = args.required(key, |text| text.split('/').map(parse_points).collect())?;
+        }
+    }
+    Ok(())
 }
 
 fn parse_points(text: &str) -> Result<Arc<[Vec2]>, String> {

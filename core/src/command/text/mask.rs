@@ -6,11 +6,10 @@ use glam::UVec3;
 
 use super::arguments::Arguments;
 use super::{
-    ParseError, drawn_solid, list, number, numbers, parse_colour, parse_swept, write_placed,
+    ParseError, drawn_solid, list, number, numbers, parse_colour, parse_swept, solid_names,
+    write_placed,
 };
 use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
-use crate::tools::drawn::DrawnSolid;
-use crate::tools::solid::Solid;
 
 /// How far cavities are looked for if nobody says, in voxels.
 const REACH_VX: u32 = 4;
@@ -27,7 +26,7 @@ pub fn write(change: &MaskChange, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         MaskChange::Put { what, .. } => match what {
             MaskArea::Area(area) => write!(f, " {}", area.name()),
             MaskArea::Solid { primitive, to_vx } => write_placed(primitive, *to_vx, f),
-            MaskArea::DrawnSolid(form) => drawn_solid::write(form, f),
+            MaskArea::DrawnSolid(drawn) => drawn_solid::write(drawn, f),
             MaskArea::Colour { colour, tolerance } => {
                 write!(f, " colour colour={colour} tolerance={tolerance}")
             }
@@ -64,11 +63,8 @@ pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
 }
 
 fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
-    let names = format!(
-        "grid, selection, marker, colour, cavities, patch, piece, {}, {}",
-        Solid::names().replace(" or ", ", "),
-        DrawnSolid::NAMES
-    );
+    let names =
+        format!("grid, selection, marker, colour, cavities, patch, piece, {}", solid_names());
     let name = args.word(&names)?;
     if let Some(area) = Area::ALL.into_iter().find(|area| area.name() == name) {
         return Ok(MaskArea::Area(area));
@@ -97,7 +93,7 @@ fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
         },
         "piece" => MaskArea::Piece { at: args.required("at", place)? },
         _ => match drawn_solid::parse(&name, args)? {
-            Some(form) => MaskArea::DrawnSolid(form),
+            Some(drawn) => MaskArea::DrawnSolid(drawn),
             None => {
                 let (primitive, to_vx) = parse_swept(&name, args, &names)?;
                 MaskArea::Solid { primitive, to_vx }

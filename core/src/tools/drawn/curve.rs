@@ -5,7 +5,7 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
-use super::drawn_solid::ControlPoint;
+use super::fields::ControlPoint;
 
 /// Furthest that the pieces may be from the curve.
 const TOLERANCE: f64 = 0.02;

@@ -1,10 +1,147 @@
-//! Solids that are drawn: half space, ring, tube, lathe and extrusion.
+//! Solids that are drawn rather than placed in a box: each has a file that describes it, and a row in the list below.
 //!
-//! From a [`DrawnSolid`] to the [`crate::sculpture::region::Region`] of its voxels. Knows no grid's contents.
+//! From a [`DrawnSolid`] to the [`crate::sculpture::region::Region`] of its voxels ([`region`]). Knows no grid's contents
+//! and no document.
 
 pub mod curve;
-mod drawn_solid;
+mod extrusion;
+mod fields;
+mod frame;
+mod half_space;
+mod lathe;
 mod outline;
 pub mod region;
+mod ring;
+mod spec;
+mod tube;
 
-pub use drawn_solid::{ControlPoint, DrawnSolid, FURTHEST_VX, MAX_POINTS, Pose, is_place};
+use glam::{DVec3, Vec3};
+
+pub use fields::{ControlPoint, FURTHEST_VX, Field, FieldValue, MAX_POINTS, Pose, is_place};
+pub use spec::DrawnSpec;
+use spec::{DrawnShape, Surface};
+
+/// Makes the enums and the list, and hands each computation to the file of the solid.
+macro_rules! drawn_solids {
+    ($($id:ident = $file:ident),* $(,)?) => {
+        $(pub use $file::$id;)*
+
+        /// A solid that is drawn.
+        #[derive(Clone, PartialEq, Debug)]
+        pub enum DrawnSolid {
+            $(
+                #[doc = concat!("Described in `", stringify!($file), ".rs`.")]
+                $id($id)
+            ),*
+        }
+
+        impl DrawnSolid {
+            /// The descriptions of all drawn solids, in the order of help.
+            pub const ALL: [&'static DrawnSpec; [$(stringify!($id)),*].len()] = [$(&$id::SPEC),*];
+
+            /// Its description.
+            pub const fn spec(&self) -> &'static DrawnSpec {
+                match self {
+                    $(DrawnSolid::$id(_) => &$id::SPEC),*
+                }
+            }
+
+            /// Its fields, in the order of the text form.
+            pub fn fields(&mut self) -> Vec<Field<'_>> {
+                match self {
+                    $(DrawnSolid::$id(solid) => solid.fields()),*
+                }
+            }
+
+            fn check_together(&self) -> Result<(), &'static str> {
+                match self {
+                    $(DrawnSolid::$id(solid) => solid.check()),*
+                }
+            }
+
+            fn surface(&self, stretch: DVec3) -> DrawnSurface {
+                match self {
+                    $(DrawnSolid::$id(solid) => DrawnSurface::$id(solid.surface(stretch))),*
+                }
+            }
+        }
+
+        $(
+            impl From<$id> for DrawnSolid {
+                fn from(solid: $id) -> DrawnSolid {
+                    DrawnSolid::$id(solid)
+                }
+            }
+        )*
+
+        /// The surface of a drawn solid.
+        #[derive(Clone, Debug)]
+        enum DrawnSurface {
+            $($id(<$id as DrawnShape>::Surface)),*
+        }
+
+        impl Surface for DrawnSurface {
+            fn bounds(&self) -> [DVec3; 2] {
+                match self {
+                    $(DrawnSurface::$id(surface) => surface.bounds()),*
+                }
+            }
+
+            fn longest(&self) -> f64 {
+                match self {
+                    $(DrawnSurface::$id(surface) => surface.longest()),*
+                }
+            }
+
+            #[inline]
+            fn distance(&self, p: DVec3, pieces: &[u32]) -> f64 {
+                match self {
+                    $(DrawnSurface::$id(surface) => surface.distance(p, pieces)),*
+                }
+            }
+
+            fn pieces_near(&self, low: DVec3, high: DVec3) -> Vec<u32> {
+                match self {
+                    $(DrawnSurface::$id(surface) => surface.pieces_near(low, high)),*
+                }
+            }
+        }
+    };
+}
+
+drawn_solids! {
+    HalfSpace = half_space,
+    Ring = ring,
+    Tube = tube,
+    Lathe = lathe,
+    Extrusion = extrusion,
+}
+
+impl DrawnSolid {
+    /// Its name in the text form.
+    pub const fn name(&self) -> &'static str {
+        self.spec().name
+    }
+
+    /// The description of a name.
+    pub fn named(name: &str) -> Option<&'static DrawnSpec> {
+        DrawnSolid::ALL.into_iter().find(|spec| spec.name == name)
+    }
+
+    /// An error that says which value is invalid, if one is.
+    pub fn check(&self) -> Result<(), &'static str> {
+        let mut solid = self.clone();
+        // Of several errors, that of a place is named first.
+        let (lengths, others): (Vec<_>, Vec<_>) =
+            solid.fields().into_iter().partition(Field::is_length);
+        others.iter().chain(&lengths).try_for_each(Field::check)?;
+        self.check_together()
+    }
+
+    /// The same, moved by a number of voxels.
+    pub fn shifted(&self, by_vx: Vec3) -> DrawnSolid {
+        let mut solid = self.clone();
+        solid.fields().into_iter().for_each(|field| field.shift(by_vx));
+        solid
+    }
+}

@@ -2,7 +2,9 @@
 //!
 //! Pure geometry of the plane; a point is inside if a ray from it crosses an odd number of edges.
 
-use glam::DVec2;
+use std::sync::Arc;
+
+use glam::{DVec2, Vec2};
 
 /// Edges, each from a point along a way.
 #[derive(Clone, Debug, Default)]
@@ -49,6 +51,21 @@ impl Outlines {
         }
         if inside { -nearest.sqrt() } else { nearest.sqrt() }
     }
+}
+
+/// Points as numbers of double precision.
+pub fn exact(points: &[Vec2]) -> Vec<DVec2> {
+    points.iter().map(|point| point.as_dvec2()).collect()
+}
+
+/// A wavy way of 33 points, about `size` from the y axis and from `-size` to `size` along it: for examples.
+pub fn wavy(size: f32) -> Arc<[Vec2]> {
+    let point = |i: u8| {
+        let share = f32::from(i) / 32.0;
+        let out = 0.875 * size + 0.125 * size * (share * 12.0).sin();
+        Vec2::new(out, 2.0 * size * share - size)
+    };
+    (0..=32).map(point).collect()
 }
 
 #[cfg(test)]

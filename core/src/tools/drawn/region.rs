@@ -2,24 +2,23 @@
 //!
 //! [`PlacedDrawnSolid::contains_voxel`] is the definition: the distance of a voxel's centre from the surface, below 0 inside.
 //! No point nearer than that is on the other side, so that bricks and their eighths far from the surface are decided as
-//! a whole. Knows no document.
+//! a whole. Knows no solid by name, and no document.
 
 use fearless_simd::Simd;
-use glam::{DQuat, DVec2, DVec3, DVec4, IVec3, UVec3, Vec3};
+use glam::{DVec3, IVec3, UVec3};
 
-use super::curve::{Piece, pieces};
-use super::drawn_solid::{DrawnSolid, Pose};
-use super::outline::Outlines;
+use super::spec::Surface;
+use super::{DrawnSolid, DrawnSurface};
 use crate::sculpture::Brick;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::grid::Grid;
 use crate::sculpture::region::{Region, RowReach, VoxelBox};
 use crate::tools::symmetry::SymmetryTransform;
 
-/// A form, or an image of it, in the voxel coordinates of one grid.
+/// A drawn solid, or an image of it, in the voxel coordinates of one grid.
 #[derive(Clone, Debug)]
 pub struct PlacedDrawnSolid {
-    kind: Kind,
+    surface: DrawnSurface,
     /// Edges of a voxel in units of the smallest.
     stretch: DVec3,
     image: SymmetryTransform,
@@ -30,114 +29,14 @@ pub struct PlacedDrawnSolid {
     rounding: f64,
 }
 
-/// A form prepared for computing distances, in units of the smallest edge of a voxel.
-#[derive(Clone, Debug)]
-enum Kind {
-    HalfSpace { at: DVec3, normal: DVec3 },
-    Ring { frame: Frame, radius: f64, tube: f64 },
-    Tube(Vec<Piece>),
-    Lathe { frame: Frame, profile: Outlines },
-    Extrusion { frame: Frame, outlines: Outlines, half_depth: f64 },
-}
-
-/// A pose.
-#[derive(Clone, Copy, Debug)]
-struct Frame {
-    at: DVec3,
-    rotation: DQuat,
-}
-
-impl Frame {
-    fn new(pose: &Pose, stretch: DVec3) -> Frame {
-        let Pose { at_vx, rotation } = pose;
-        Frame { at: at_vx.as_dvec3() * stretch, rotation: rotation.as_dquat().normalize() }
-    }
-
-    /// A point, seen from the form.
-    fn local(&self, p: DVec3) -> DVec3 {
-        self.rotation.inverse() * (p - self.at)
-    }
-
-    /// Lowest and highest point of a box around the origin.
-    fn bounds(&self, low: DVec3, high: DVec3) -> [DVec3; 2] {
-        let middle = self.at + self.rotation * ((low + high) * 0.5);
-        let half = (high - low) * 0.5;
-        let reach = [DVec3::X, DVec3::Y, DVec3::Z]
-            .map(|axis| (self.rotation * (axis * half)).abs())
-            .into_iter()
-            .sum::<DVec3>();
-        [middle - reach, middle + reach]
-    }
-}
-
-/// Distances from the axis and heights of a point about the y axis.
-fn around_y(p: DVec3) -> DVec2 {
-    DVec2::new(p.x.hypot(p.z), p.y)
-}
-
 impl PlacedDrawnSolid {
-    /// An image of `form`, which must be valid. Covers exactly the mirrored voxels where all planes lie along the grid,
+    /// An image of `solid`, which must be valid. Covers exactly the mirrored voxels where all planes lie along the grid,
     /// between voxels or through their centres.
-    pub fn new(form: &DrawnSolid, grid: &Grid, image: SymmetryTransform) -> PlacedDrawnSolid {
+    pub fn new(solid: &DrawnSolid, grid: &Grid, image: SymmetryTransform) -> PlacedDrawnSolid {
         let voxel_size = grid.voxel_size().as_dvec3();
         let stretch = voxel_size / voxel_size.min_element();
-        let flat =
-            |points: &[glam::Vec2]| -> Vec<DVec2> { points.iter().map(|p| p.as_dvec2()).collect() };
-        let everywhere = [DVec3::NEG_INFINITY, DVec3::INFINITY];
-        let (kind, [low, high]) = match form {
-            DrawnSolid::HalfSpace { at_vx, normal } => {
-                let at = at_vx.as_dvec3() * stretch;
-                (Kind::HalfSpace { at, normal: normal.as_dvec3().normalize() }, everywhere)
-            }
-            DrawnSolid::Ring { pose, radius, tube } => {
-                let (frame, radius, tube) =
-                    (Frame::new(pose, stretch), f64::from(*radius), f64::from(*tube));
-                let out = DVec3::new(radius + tube, tube, radius + tube);
-                (Kind::Ring { frame, radius, tube }, frame.bounds(-out, out))
-            }
-            DrawnSolid::Tube { control_points } => {
-                let ball = |at: Vec3, radius: f32| -> DVec4 {
-                    (at.as_dvec3() * stretch).extend(f64::from(radius))
-                };
-                let balls: Vec<_> =
-                    control_points.iter().map(|b| ball(b.at_vx, b.radius)).collect();
-                let pieces = pieces(&balls);
-                let bounds = pieces.iter().map(Piece::bounds);
-                let bounds = bounds.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-                (Kind::Tube(pieces), bounds.unwrap_or(everywhere))
-            }
-            DrawnSolid::Lathe { pose, profile } => {
-                let (frame, points) = (Frame::new(pose, stretch), flat(profile));
-                let mut outline = Outlines::default();
-                outline.join(&points);
-                if let [first, .., last] = points[..] {
-                    outline.join(&[DVec2::new(0.0, first.y), first]);
-                    outline.join(&[last, DVec2::new(0.0, last.y)]);
-                }
-                let [low, high] = outline.bounds();
-                let bounds = frame.bounds(
-                    DVec3::new(-high.x, low.y, -high.x),
-                    DVec3::new(high.x, high.y, high.x),
-                );
-                (Kind::Lathe { frame, profile: outline }, bounds)
-            }
-            DrawnSolid::Extrusion { pose, outlines, depth } => {
-                let (frame, half_depth) = (Frame::new(pose, stretch), f64::from(*depth) * 0.5);
-                let mut all = Outlines::default();
-                outlines.iter().for_each(|outline| all.close(&flat(outline)));
-                let [low, high] = all.bounds();
-                let bounds = frame.bounds(low.extend(-half_depth), high.extend(half_depth));
-                (Kind::Extrusion { frame, outlines: all, half_depth }, bounds)
-            }
-        };
-        let mut form = PlacedDrawnSolid {
-            kind,
-            stretch,
-            image,
-            bounds: VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO },
-            leaves_grid: false,
-            rounding: 0.0,
-        };
+        let surface = solid.surface(stretch);
+        let [low, high] = surface.bounds();
         let dims = grid.dims().as_dvec3();
         let (low, high) = match low.is_finite() && high.is_finite() {
             true => {
@@ -148,15 +47,15 @@ impl PlacedDrawnSolid {
             false => (DVec3::ZERO, dims),
         };
         // The bounds have a voxel to spare.
-        form.leaves_grid = low.cmplt(DVec3::splat(-2.0)).any() || high.cmpgt(dims + 2.0).any();
-        form.bounds = VoxelBox {
+        let leaves_grid = low.cmplt(DVec3::splat(-2.0)).any() || high.cmpgt(dims + 2.0).any();
+        let bounds = VoxelBox {
             min: low.clamp(DVec3::ZERO, dims).as_ivec3(),
             max: high.clamp(DVec3::ZERO, dims).as_ivec3(),
         };
-        // Lengths are those of the grid and of the form, which may be far away.
-        let longest = (dims * stretch).length() + form.anchor();
-        form.rounding = 1e-13 * longest;
-        form
+        // Lengths are those of the grid and of the solid, which may be far away.
+        let longest = (dims * stretch).length() + surface.longest();
+        let rounding = 1e-13 * longest;
+        PlacedDrawnSolid { surface, stretch, image, bounds, leaves_grid, rounding }
     }
 
     /// Whether it ends, and by more than a voxel outside the grid.
@@ -164,66 +63,23 @@ impl PlacedDrawnSolid {
         self.leaves_grid
     }
 
-    /// As long as the longest number that distances are made of.
-    fn anchor(&self) -> f64 {
-        match &self.kind {
-            Kind::HalfSpace { at, .. } => at.length(),
-            Kind::Ring { frame, radius, tube } => frame.at.length() + radius + tube,
-            Kind::Tube(pieces) => {
-                let furthest = |piece: &Piece| piece.bounds().map(DVec3::length);
-                pieces.iter().flat_map(furthest).fold(0.0, f64::max)
-            }
-            Kind::Lathe { frame, profile: outlines } => {
-                let [low, high] = outlines.bounds();
-                frame.at.length() + low.length() + high.length()
-            }
-            Kind::Extrusion { frame, outlines, half_depth } => {
-                let [low, high] = outlines.bounds();
-                frame.at.length() + low.length() + high.length() + half_depth
-            }
-        }
-    }
-
-    /// The distance of a point (voxel coordinates) from the surface, below 0 inside. Of a tube: from those of its pieces
-    /// that are named.
+    /// The distance of a point (voxel coordinates) from the surface, below 0 inside. Of a solid in pieces: from those that
+    /// are named.
     fn distance(&self, p_vx: DVec3, near: &[u32]) -> f64 {
-        let p = self.image.origin_of(p_vx) * self.stretch;
-        match &self.kind {
-            Kind::HalfSpace { at, normal } => (*at - p).dot(*normal),
-            Kind::Ring { frame, radius, tube } => {
-                let p = around_y(frame.local(p));
-                (p.x - radius).hypot(p.y) - tube
-            }
-            Kind::Tube(pieces) => {
-                near.iter().map(|i| pieces[*i as usize].distance(p)).fold(f64::INFINITY, f64::min)
-            }
-            Kind::Lathe { frame, profile } => profile.distance(around_y(frame.local(p))),
-            Kind::Extrusion { frame, outlines, half_depth } => {
-                let p = frame.local(p);
-                outlines.distance(p.truncate()).max(p.z.abs() - half_depth)
-            }
-        }
+        self.surface.distance(self.image.origin_of(p_vx) * self.stretch, near)
     }
 
     /// Whether the centre of a voxel lies inside: the definition that every row equals.
     pub fn contains_voxel(&self, v: IVec3) -> bool {
-        let all: Vec<u32> = match &self.kind {
-            Kind::Tube(pieces) => (0..pieces.len() as u32).collect(),
-            _ => Vec::new(),
-        };
+        let all = self.surface.pieces_near(DVec3::NEG_INFINITY, DVec3::INFINITY);
         self.distance(v.as_dvec3() + 0.5, &all) <= 0.0
     }
 
-    /// The pieces of a tube that reach a box of voxels; none of other forms.
+    /// The pieces that reach a box of voxels; none of a solid in one piece.
     fn near(&self, min: UVec3, max: UVec3) -> Vec<u32> {
-        let Kind::Tube(pieces) = &self.kind else { return Vec::new() };
         let corners = [min, max].map(|corner| corner.as_dvec3());
         let [min, max] = around(corners, |p| self.image.origin_of(p) * self.stretch);
-        let reaches = |piece: &Piece| {
-            let [low, high] = piece.bounds();
-            low.cmple(max + self.rounding).all() && high.cmpge(min - self.rounding).all()
-        };
-        (0..).zip(pieces).filter(|(_, piece)| reaches(piece)).map(|(i, _)| i).collect()
+        self.surface.pieces_near(min - self.rounding, max + self.rounding)
     }
 
     /// Whether all or none of the voxels of a cube are inside; None where it may be a part.
@@ -271,29 +127,29 @@ fn around([low, high]: [DVec3; 2], image: impl Fn(DVec3) -> DVec3) -> [DVec3; 2]
     images.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
 }
 
-/// The part of a form in a row of bricks.
+/// The part of a drawn solid in a row of bricks.
 #[derive(Clone, Debug, Default)]
-pub struct FormRow {
+pub struct DrawnRow {
     y_vx: u32,
     z_vx: u32,
-    /// The pieces of a tube that reach the row.
+    /// The pieces that reach the row.
     near: Vec<u32>,
 }
 
 impl Region for PlacedDrawnSolid {
-    type Row = FormRow;
+    type Row = DrawnRow;
 
     fn bounds_vx(&self) -> VoxelBox {
         self.bounds
     }
 
-    fn cut_row<S: Simd>(&self, _: S, y_vx: u32, z_vx: u32, row: &mut FormRow) -> RowReach {
+    fn cut_row<S: Simd>(&self, _: S, y_vx: u32, z_vx: u32, row: &mut DrawnRow) -> RowReach {
         let edge = BRICK_EDGE_VX;
         let (from, to) =
             (self.bounds.min.x as u32 / edge, (self.bounds.max.x as u32).div_ceil(edge));
         let (low, high) =
             (UVec3::new(from * edge, y_vx, z_vx), UVec3::new(to * edge, y_vx + edge, z_vx + edge));
-        *row = FormRow { y_vx, z_vx, near: self.near(low, high) };
+        *row = DrawnRow { y_vx, z_vx, near: self.near(low, high) };
         let mut reach = RowReach::NONE;
         let mut run = from..from;
         for x in from..to {
@@ -311,7 +167,7 @@ impl Region for PlacedDrawnSolid {
         reach
     }
 
-    fn mask<S: Simd>(&self, _: S, row: &FormRow, _: &RowReach, brick_x: u32) -> Brick {
+    fn mask<S: Simd>(&self, _: S, row: &DrawnRow, _: &RowReach, brick_x: u32) -> Brick {
         let origin = UVec3::new(brick_x * BRICK_EDGE_VX, row.y_vx, row.z_vx);
         let mut mask = Brick::EMPTY;
         self.test_cube(origin, UVec3::ZERO, BRICK_EDGE_VX, &row.near, &mut mask);

@@ -1,57 +1,102 @@
 //! Solids that are drawn: their voxels are those of their definition and of the solids that they are like, at any border,
 //! in empty and in full grids, mirrored, and undone.
 
+use std::fs;
+use std::path::Path;
+
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec2, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::Command;
+use sculpture_core::command::{Command, usage_of_drawn_solid};
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::tools::drawn::region::PlacedDrawnSolid;
-use sculpture_core::tools::drawn::{ControlPoint, DrawnSolid, Pose};
+use sculpture_core::tools::drawn::{ControlPoint, DrawnSolid, FieldValue, Pose};
 use sculpture_core::tools::symmetry::{Parity, Symmetry, SymmetryTransform};
 
 use super::strategies::{new_sculpture, op, rotation};
 
-/// Every form, with places of `place`, and lengths and other numbers of `number`.
-pub fn form<P, N>(
-    place: impl Fn() -> P,
-    number: impl Fn() -> N,
-) -> impl Strategy<Value = DrawnSolid>
-where
-    P: Strategy<Value = Vec3> + 'static,
-    N: Strategy<Value = f32> + 'static,
-{
-    let pose = || (place(), rotation()).prop_map(|(at_vx, rotation)| Pose { at_vx, rotation });
-    let control_point =
-        (place(), number()).prop_map(|(at_vx, radius)| ControlPoint { at_vx, radius });
-    let points = || {
-        let point = (number(), number()).prop_map(|(x, y)| Vec2::new(x, y));
-        prop::collection::vec(point, 1..6).prop_map(|points| points.into())
+/// Every drawn solid, with places and directions of `place`, and lengths and other numbers of `number`.
+pub fn drawn_solid(
+    place: impl Strategy<Value = Vec3> + 'static,
+    number: impl Strategy<Value = f32> + 'static,
+) -> BoxedStrategy<DrawnSolid> {
+    let (place, number) = (place.boxed(), number.boxed());
+    let of_fields = move |mut solid: DrawnSolid| {
+        let values: Vec<_> =
+            solid.fields().iter().map(|field| given(&field.value, &place, &number)).collect();
+        values.prop_map(move |values| {
+            let mut solid = solid.clone();
+            solid
+                .fields()
+                .into_iter()
+                .zip(values)
+                .for_each(|(field, given)| set(field.value, given));
+            solid
+        })
     };
-    prop_oneof![
-        (place(), place()).prop_map(|(at_vx, normal)| DrawnSolid::HalfSpace { at_vx, normal }),
-        (pose(), number(), number()).prop_map(|(pose, radius, tube)| DrawnSolid::Ring {
-            pose,
-            radius,
-            tube
-        }),
-        prop::collection::vec(control_point, 1..5)
-            .prop_map(|control_points| DrawnSolid::Tube { control_points: control_points.into() }),
-        (pose(), points()).prop_map(|(pose, profile)| DrawnSolid::Lathe { pose, profile }),
-        (pose(), prop::collection::vec(points(), 1..3), number()).prop_map(
-            |(pose, outlines, depth)| DrawnSolid::Extrusion {
-                pose,
-                outlines: outlines.into(),
-                depth
-            }
-        ),
-    ]
+    prop::sample::select(&DrawnSolid::ALL[..])
+        .prop_map(|spec| (spec.example)(Pose::IDENTITY, 1.0))
+        .prop_flat_map(of_fields)
+        .boxed()
 }
 
-/// Forms that suit a sculpture of 24 voxels; some are refused.
-pub fn small_form() -> impl Strategy<Value = DrawnSolid> {
-    let place = || prop::array::uniform3(-6f32..30.0).prop_map(Vec3::from);
-    form(place, || 0.2f32..14.0)
+/// A value for a field.
+#[derive(Clone, Debug)]
+enum Given {
+    Vector(Vec3),
+    Rotation(Quat),
+    Length(f32),
+    Curve(Vec<ControlPoint>),
+    Outline(Vec<Vec2>),
+    Outlines(Vec<Vec<Vec2>>),
+}
+
+fn given(
+    field: &FieldValue,
+    place: &BoxedStrategy<Vec3>,
+    number: &BoxedStrategy<f32>,
+) -> BoxedStrategy<Given> {
+    let outline = || {
+        let point = (number.clone(), number.clone()).prop_map(|(x, y)| Vec2::new(x, y));
+        prop::collection::vec(point, 1..6)
+    };
+    match field {
+        FieldValue::Place(_) | FieldValue::Direction(_) => {
+            place.clone().prop_map(Given::Vector).boxed()
+        }
+        FieldValue::Rotation(_) => rotation().prop_map(Given::Rotation).boxed(),
+        FieldValue::Length(_) => number.clone().prop_map(Given::Length).boxed(),
+        FieldValue::Curve(_) => {
+            let point = (place.clone(), number.clone())
+                .prop_map(|(at_vx, radius)| ControlPoint { at_vx, radius });
+            prop::collection::vec(point, 1..5).prop_map(Given::Curve).boxed()
+        }
+        FieldValue::Outline(_) => outline().prop_map(Given::Outline).boxed(),
+        FieldValue::Outlines(_) => {
+            prop::collection::vec(outline(), 1..3).prop_map(Given::Outlines).boxed()
+        }
+    }
+}
+
+fn set(field: FieldValue, given: Given) {
+    match (field, given) {
+        (FieldValue::Place(value) | FieldValue::Direction(value), Given::Vector(given)) => {
+            *value = given;
+        }
+        (FieldValue::Rotation(value), Given::Rotation(given)) => *value = given,
+        (FieldValue::Length(value), Given::Length(given)) => *value = given,
+        (FieldValue::Curve(value), Given::Curve(given)) => *value = given.into(),
+        (FieldValue::Outline(value), Given::Outline(given)) => *value = given.into(),
+        (FieldValue::Outlines(value), Given::Outlines(given)) => {
+            *value = given.into_iter().map(Into::into).collect();
+        }
+        (field, given) => panic!("{given:?} for {field:?}"),
+    }
+}
+
+/// Drawn solids that suit a sculpture of 24 voxels; some are refused.
+pub fn small_drawn_solid() -> BoxedStrategy<DrawnSolid> {
+    drawn_solid(prop::array::uniform3(-6f32..30.0).prop_map(Vec3::from), 0.2f32..14.0)
 }
 
 fn voxels(document: &Document) -> impl Iterator<Item = IVec3> {
@@ -80,7 +125,7 @@ proptest! {
     #[test]
     fn voxels_are_those_of_the_definition(
         new in new_sculpture(24),
-        form in small_form(),
+        solid in small_drawn_solid(),
         op in op(),
         mirrored in any::<[bool; 3]>(),
         odd in any::<bool>(),
@@ -90,8 +135,8 @@ proptest! {
         let symmetry = Symmetry::of_axes(mirrored.map(|mirrored| mirrored.then_some(parity)));
         document.apply(&Command::Symmetry(symmetry)).unwrap();
         let before = document.contents().clone();
-        let done = document.apply(&Command::DrawnSolid { op, form: form.clone() });
-        if let Err(reason) = form.check() {
+        let done = document.apply(&Command::DrawnSolid { op, drawn: solid.clone() });
+        if let Err(reason) = solid.check() {
             prop_assert!(done.is_err_and(|error| error.to_string().contains(reason)));
             prop_assert_eq!(document.contents(), &before);
             return Ok(());
@@ -100,7 +145,7 @@ proptest! {
             prop_assert!(matches!(op, EditOp::Recolour(_)), "no colours in this sculpture");
             return Ok(());
         }
-        let placed = PlacedDrawnSolid::new(&form, document.grid(), SymmetryTransform::of_planes([None; 3]));
+        let placed = PlacedDrawnSolid::new(&solid, document.grid(), SymmetryTransform::of_planes([None; 3]));
         let planes = symmetry.planes(document.grid().dims());
         let images = document.images().len();
         for v in voxels(&document) {
@@ -131,7 +176,7 @@ proptest! {
 
     /// The same voxels as of other solids and by other formulas.
     #[test]
-    fn forms_are_like_the_solids_that_they_are_named_after(
+    fn drawn_solids_are_like_the_solids_in_a_box_that_they_are_named_after(
         at in prop::array::uniform3(5f32..35.0),
         turn in prop::array::uniform3(-170i32..170),
         thick in 8u32..20,
@@ -139,8 +184,8 @@ proptest! {
     ) {
         let (r, wide) = (thick as f32 / 4.0, (thick * 2 + more) as f32 / 4.0);
         let place = format!("at={},{},{} turn={},{},{}", at[0], at[1], at[2], turn[0], turn[1], turn[2]);
-        let same = |form: &str, solids: &[&str]| {
-            prop_assert!(with(&[form]).contents() == with(solids).contents(), "{} {:?}", form, solids);
+        let same = |drawn: &str, solids: &[&str]| {
+            prop_assert!(with(&[drawn]).contents() == with(solids).contents(), "{} {:?}", drawn, solids);
             Ok(())
         };
         let outer = wide + r;
@@ -204,12 +249,12 @@ fn a_tube_goes_round_bends_and_grows_from_point_to_point() {
 }
 
 #[test]
-fn full_and_empty_grids_stay_so_and_arrays_move_forms() {
-    for form in ["half-space at=-9,0,0 normal=1,0,0", "ring at=20,20,20 radius=9 tube=1e6"] {
-        let full = with(&[&format!("add {form}")]);
-        assert!(full.contents() == with(&["fill"]).contents(), "{form}");
-        assert!(with(&["fill", &format!("subtract {form}")]).contents() == empty().contents());
-        assert!(with(&[&format!("subtract {form}")]).contents() == empty().contents());
+fn full_and_empty_grids_stay_so_and_arrays_move_drawn_solids() {
+    for solid in ["half-space at=-9,0,0 normal=1,0,0", "ring at=20,20,20 radius=9 tube=1e6"] {
+        let full = with(&[&format!("add {solid}")]);
+        assert!(full.contents() == with(&["fill"]).contents(), "{solid}");
+        assert!(with(&["fill", &format!("subtract {solid}")]).contents() == empty().contents());
+        assert!(with(&[&format!("subtract {solid}")]).contents() == empty().contents());
     }
     let array = with(&["add tube points=3,4,5,2;9,4,5,3", "array count=2 step=0,12,3"]);
     let each = with(&[
@@ -222,9 +267,9 @@ fn full_and_empty_grids_stay_so_and_arrays_move_forms() {
 }
 
 #[test]
-fn what_is_no_form_is_refused_with_a_reason() {
+fn what_is_no_drawn_solid_is_refused_with_a_reason() {
     let many = vec!["1,2,3"; 1025].join(";");
-    for (form, reason) in [
+    for (solid, reason) in [
         ("half-space at=1,2,3 normal=0,0,0", "direction"),
         ("half-space at=1e7,2,3 normal=0,1,0", "a million"),
         ("ring at=1,2,3 radius=0 tube=3", "above zero"),
@@ -243,10 +288,44 @@ fn what_is_no_form_is_refused_with_a_reason() {
         ("extrusion at=1,2,3 outline=1,2/2,2;2,3 depth=1", "two points"),
         ("tubes points=1,2,3,1", "tube, lathe"),
     ] {
-        let error = match format!("add {form}").parse::<Command>() {
+        let error = match format!("add {solid}").parse::<Command>() {
             Err(error) => error.to_string(),
             Ok(command) => empty().apply(&command).unwrap_err().to_string(),
         };
-        assert!(error.contains(reason), "{form}: {error}");
+        assert!(error.contains(reason), "{solid}: {error}");
+    }
+}
+
+/// The manual of scripts explains each as its description does, but for the turn.
+#[test]
+fn the_manual_has_a_row_for_every_drawn_solid() {
+    let manual = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/scripting.md");
+    let manual = fs::read_to_string(manual).unwrap();
+    for spec in DrawnSolid::ALL {
+        let usage = usage_of_drawn_solid(spec).replace(" [turn=...]", "");
+        let row = format!("| `{usage}` | {} |", spec.help);
+        assert!(manual.lines().any(|line| line == row), "docs/scripting.md lacks\n{row}");
+    }
+}
+
+#[test]
+fn examples_are_written_and_read_to_the_same_bytes() {
+    for spec in DrawnSolid::ALL {
+        let drawn = (spec.example)(Pose::IDENTITY, 8.0);
+        assert_eq!(drawn.check(), Ok(()), "{}", spec.name);
+        let command = Command::DrawnSolid { op: EditOp::Subtract, drawn };
+        let text = command.to_string();
+        let read: Command = text.parse().unwrap();
+        assert!(text.starts_with(&format!("subtract {} ", spec.name)), "{text}");
+        assert_eq!((&read, read.to_string()), (&command, text));
+    }
+    for text in [
+        "add half-space at=1,2,3 normal=0.5,1,0",
+        "subtract ring at=1,2.5,3 turn=0,0,0,1 radius=7 tube=3",
+        "add tube points=1,2,3,4;5,6,7,8 colour=#102030",
+        "subtract lathe at=1,2,3 turn=0,1,0,0 profile=3,0;5,4;2,9",
+        "recolour extrusion at=9,9,6 turn=0,0,0,1 depth=5 outline=-4,-4;5,-3;0,6/-1,-1;1,-1;0,1 colour=#806040",
+    ] {
+        assert_eq!(text.parse::<Command>().unwrap().to_string(), text);
     }
 }

@@ -1,0 +1,49 @@
+//! The frame of a posed solid: from points of the world to points as the solid sees them, and back to boxes around it.
+//!
+//! Pure geometry in units of the smallest edge of a voxel.
+
+use glam::{DQuat, DVec2, DVec3};
+
+use super::fields::Pose;
+
+/// A pose, prepared for computing distances.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    at: DVec3,
+    rotation: DQuat,
+}
+
+impl Frame {
+    /// `stretch`: edges of a voxel in units of the smallest.
+    pub fn new(pose: &Pose, stretch: DVec3) -> Frame {
+        let Pose { at_vx, rotation } = pose;
+        Frame { at: at_vx.as_dvec3() * stretch, rotation: rotation.as_dquat().normalize() }
+    }
+
+    /// A point, seen from the solid.
+    pub fn local(&self, p: DVec3) -> DVec3 {
+        self.rotation.inverse() * (p - self.at)
+    }
+
+    /// Distance from the y axis and height of a point.
+    pub fn around_y(&self, p: DVec3) -> DVec2 {
+        let p = self.local(p);
+        DVec2::new(p.x.hypot(p.z), p.y)
+    }
+
+    /// The distance of its origin from that of the grid.
+    pub fn length(&self) -> f64 {
+        self.at.length()
+    }
+
+    /// Lowest and highest point of a box around a box of the solid.
+    pub fn bounds(&self, [low, high]: [DVec3; 2]) -> [DVec3; 2] {
+        let middle = self.at + self.rotation * ((low + high) * 0.5);
+        let half = (high - low) * 0.5;
+        let reach = [DVec3::X, DVec3::Y, DVec3::Z]
+            .map(|axis| (self.rotation * (axis * half)).abs())
+            .into_iter()
+            .sum::<DVec3>();
+        [middle - reach, middle + reach]
+    }
+}

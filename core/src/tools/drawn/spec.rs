@@ -1,0 +1,64 @@
+//! Describes a drawn solid: its texts, an example, its fields and its surface, each written once in the file of the solid.
+//!
+//! From these descriptions come text form, usage, checks, random tests and the rows of the benchmark. Knows no grid.
+
+use glam::DVec3;
+
+use super::DrawnSolid;
+use super::fields::{Field, Pose};
+
+/// The description of a drawn solid.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnSpec {
+    /// In scripts and in labels of undo steps.
+    pub name: &'static str,
+    /// In sentences.
+    pub label: &'static str,
+    /// Explains it in the manual of scripts, after its usage.
+    pub help: &'static str,
+    /// Its row in the benchmark, which measures the example of a size of 64.
+    pub bench_row: &'static str,
+    /// An example at a pose, which reaches about as far as a ball of radius `size`: for tests and the benchmark.
+    pub example: fn(pose: Pose, size: f32) -> DrawnSolid,
+}
+
+/// A drawn solid, in its own file.
+pub trait DrawnShape {
+    /// Its description.
+    const SPEC: DrawnSpec;
+
+    /// It, prepared for computing distances.
+    type Surface: Surface;
+
+    /// Its fields, in the order of the text form.
+    fn fields(&mut self) -> Vec<Field<'_>>;
+
+    /// An error that says which rule is broken, if one is, besides those of single fields.
+    fn check(&self) -> Result<(), &'static str> {
+        Ok(())
+    }
+
+    /// Its surface. `stretch`: edges of a voxel in units of the smallest.
+    fn surface(&self, stretch: DVec3) -> Self::Surface;
+}
+
+/// The surface of a drawn solid. Places and lengths are in units of the smallest edge of a voxel.
+pub trait Surface {
+    /// Lowest and highest point of a box around it, at infinity if it has no end.
+    fn bounds(&self) -> [DVec3; 2];
+
+    /// As long as the longest number that distances are made of.
+    fn longest(&self) -> f64;
+
+    /// The distance of a point, below 0 inside: no point nearer than that is on the other side. Of a solid in pieces:
+    /// from those that are named.
+    fn distance(&self, p: DVec3, pieces: &[u32]) -> f64;
+
+    /// The pieces that reach the box between two corners; none of a solid in one piece.
+    fn pieces_near(&self, _low: DVec3, _high: DVec3) -> Vec<u32> {
+        Vec::new()
+    }
+}
+
+/// The box around solids without an end.
+pub const EVERYWHERE: [DVec3; 2] = [DVec3::NEG_INFINITY, DVec3::INFINITY];
