@@ -1,8 +1,8 @@
-//! A dense block of existence bits cut out of a grid: rows of 64-bit words along x, for neighbourhood
-//! filters that process 64 voxels at once.
+//! A dense block of existence bits cut out of a grid: rows of 64-bit words along x, for neighbourhood filters that
+//! process 64 voxels at once.
 //!
-//! Input is a box of voxel coordinates, which may reach beyond the grid (nothing exists there); output
-//! are brick masks. Knows no tool.
+//! Input is a box of voxel coordinates, which may reach beyond the grid (nothing exists there); output is brick masks.
+//! Knows no tool.
 
 use std::ops::Range;
 
@@ -25,8 +25,8 @@ pub struct BitBlock {
 }
 
 impl BitBlock {
-    /// An empty block of the voxels from `min` (inclusive) to `max` (exclusive), rounded outwards to
-    /// brick borders.
+    /// Returns an empty block of the voxels from `min` (inclusive) to `max` (exclusive), rounded outwards to brick
+    /// borders.
     pub fn empty(min: IVec3, max: IVec3) -> BitBlock {
         let edge = IVec3::splat(BRICK_EDGE_VX as i32);
         let origin = min.div_euclid(edge) * edge;
@@ -37,8 +37,7 @@ impl BitBlock {
         BitBlock { origin, size, words_per_row, words }
     }
 
-    /// The voxels of `grid` from `min` (inclusive) to `max` (exclusive), rounded outwards to brick
-    /// borders.
+    /// Returns the voxels of `grid` from `min` (inclusive) to `max` (exclusive), rounded outwards to brick borders.
     pub fn of_grid(grid: &Grid, min: IVec3, max: IVec3) -> BitBlock {
         let mut block = BitBlock::empty(min, max);
         block.for_each_brick(grid.brick_dims(), |block, b| {
@@ -49,8 +48,8 @@ impl BitBlock {
         block
     }
 
-    /// A block of the same place and size whose rows `f` computes: it is called with the y and z of
-    /// each row, counted from the block's origin, and the row to fill.
+    /// Returns a block of the same place and size whose rows `f` computes. `f` gets the y and z of each row, counted
+    /// from the block's origin, and the row to fill.
     pub fn map_rows(&self, mut f: impl FnMut(i32, i32, &mut [u64])) -> BitBlock {
         let mut out = BitBlock { words: vec![0; self.words.len()], ..*self };
         let (rows_y, width) = (self.size.y as usize, self.words_per_row.max(1));
@@ -60,18 +59,18 @@ impl BitBlock {
         out
     }
 
-    /// A block of the same place and size without voxels.
+    /// Returns a block of the same place and size without voxels.
     pub fn emptied(&self) -> BitBlock {
         BitBlock { words: vec![0; self.words.len()], ..*self }
     }
 
-    /// The rows of `layers` layers along z at a time, for several threads.
+    /// Returns the rows in chunks of `layers` layers along z, for several threads.
     pub fn layers_mut(&mut self, layers: usize) -> rayon::slice::ChunksMut<'_, u64> {
         let layer = self.words_per_row * self.size.y as usize;
         self.words.par_chunks_mut((layer * layers).max(1))
     }
 
-    /// [`BitBlock::map_rows`] on all threads.
+    /// Performs [`BitBlock::map_rows`] on all threads.
     pub fn map_rows_in_parallel(&self, f: impl Fn(i32, i32, &mut [u64]) + Sync) -> BitBlock {
         let mut out = self.emptied();
         let (rows, width) = (self.size.y as usize, self.words_per_row.max(1));
@@ -82,17 +81,17 @@ impl BitBlock {
         out
     }
 
-    /// Voxel coordinates of the block's lower corner, multiples of 8.
+    /// Returns the voxel coordinates of the block's lower corner, multiples of 8.
     pub fn origin(&self) -> IVec3 {
         self.origin
     }
 
-    /// Size in voxels, multiples of 8.
+    /// Returns the size in voxels, multiples of 8.
     pub fn size(&self) -> UVec3 {
         self.size
     }
 
-    /// The row at (y, z), counted from the origin. None outside the block.
+    /// Returns the row at (y, z), counted from the origin; `None` outside the block.
     #[inline]
     pub fn row(&self, y: i32, z: i32) -> Option<&[u64]> {
         let inside = y >= 0 && z >= 0 && (y as u32) < self.size.y && (z as u32) < self.size.z;
@@ -102,7 +101,7 @@ impl BitBlock {
         })
     }
 
-    /// Whether the voxel `v` (grid coordinates) is set; false outside the block.
+    /// Returns whether the voxel `v` (grid coordinates) is set; false outside the block.
     pub fn get(&self, v: IVec3) -> bool {
         let local = v - self.origin;
         local.x >= 0
@@ -112,8 +111,7 @@ impl BitBlock {
                 .is_some_and(|row| row[local.x as usize / 64] >> (local.x % 64) & 1 != 0)
     }
 
-    /// Sets the voxels of one row from `x0` to `x1` (inclusive, grid coordinates); voxels
-    /// outside the block are ignored.
+    /// Sets the voxels of one row from `x0` to `x1` (inclusive, grid coordinates). Ignores voxels outside the block.
     pub fn set_span(&mut self, x0: i32, x1: i32, y: i32, z: i32) {
         let (y, z) = (y - self.origin.y, z - self.origin.z);
         if y < 0 || z < 0 || y as u32 >= self.size.y || z as u32 >= self.size.z {
@@ -132,7 +130,7 @@ impl BitBlock {
         }
     }
 
-    /// Clears the voxels that are not from `min` (inclusive) to `max` (exclusive).
+    /// Clears the voxels outside the box from `min` (inclusive) to `max` (exclusive).
     pub fn keep_box(&mut self, min: IVec3, max: IVec3) {
         let (min, max) = (min - self.origin, max - self.origin);
         let size = self.size.as_ivec3();
@@ -148,11 +146,12 @@ impl BitBlock {
         }
     }
 
-    /// Gives each voxel that is not from `min` (inclusive) to `max` (exclusive) the value of the nearest one that is.
+    /// Gives each voxel outside the box from `min` (inclusive) to `max` (exclusive) the value of the nearest voxel
+    /// inside.
     pub fn extend_border(&mut self, min: IVec3, max: IVec3) {
         let (low, high) = (min - self.origin, max - 1 - self.origin);
         let size = self.size.as_ivec3();
-        // The part that lies within both.
+        // The part of the box that lies within the block.
         let (low, high) = (low.max(IVec3::ZERO), high.min(size - 1));
         if self.words.is_empty() || low.cmpgt(high).any() {
             return;
@@ -185,8 +184,8 @@ impl BitBlock {
         }
     }
 
-    /// Sets the voxels whose centres are at most `squared_vx` (squared) from that of a voxel of `seeds`, a block of
-    /// the same place and size.
+    /// Sets the voxels whose centres are at most `sqrt(squared_vx)` from that of a voxel of `seeds`, a block of the
+    /// same place and size.
     pub fn add_balls(&mut self, seeds: &BitBlock, squared_vx: u32) {
         let reach = squared_vx.isqrt() as i32;
         self.add_spans(seeds, reach, |dy, dz| {
@@ -195,14 +194,14 @@ impl BitBlock {
         });
     }
 
-    /// Sets the voxels of the cubes that reach `reach_vx` voxels from those of `seeds` on every side, a block of the same
-    /// place and size.
+    /// Sets the voxels of the cubes that extend `reach_vx` voxels on every side of those of `seeds`, a block of the
+    /// same place and size.
     pub fn add_cubes(&mut self, seeds: &BitBlock, reach_vx: u32) {
         self.add_spans(seeds, reach_vx as i32, |_, _| Some(reach_vx));
     }
 
-    /// Sets, in the rows up to `reach` away, the voxels that are as far along x from a seed as `span` says for the
-    /// row's distance on y and z.
+    /// Sets, in the rows up to `reach` away, the voxels within `span` of a seed along x. `span` gets the distance of
+    /// the row on y and z.
     fn add_spans(
         &mut self,
         seeds: &BitBlock,
@@ -211,7 +210,7 @@ impl BitBlock {
     ) {
         debug_assert!(self.origin == seeds.origin && self.size == seeds.size);
         let (rows, width) = (self.size.y as i32, self.words_per_row.max(1));
-        // The words of each row that have seeds.
+        // Each row that has seeds, with the range of its words that hold them.
         let filled = |y: i32, z: i32| -> Option<(&[u64], Range<usize>)> {
             let row = seeds.row(y, z)?;
             let first = row.iter().position(|word| *word != 0)?;
@@ -219,7 +218,7 @@ impl BitBlock {
             Some((row, first..last + 1))
         };
         self.layers_mut(1).enumerate().for_each(|(z, out)| {
-            // The seeds of a row, wider by what was asked for last.
+            // The seeds of a row, widened by the last span.
             let (mut wide, mut scratch) = (vec![0; width], vec![0; width]);
             for dz in -reach..=reach {
                 for y in 0..rows {
@@ -253,13 +252,13 @@ impl BitBlock {
         BitBlock { words, ..*self }
     }
 
-    /// Number of set voxels.
+    /// Returns the number of set voxels.
     pub fn count(&self) -> u64 {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()
     }
 
-    /// The non-empty bricks of the block that lie in a grid of `brick_dims` bricks: coordinates
-    /// and masks, x fastest, then y, then z.
+    /// Returns the non-empty bricks of the block that lie in a grid of `brick_dims` bricks: coordinates and masks, x
+    /// fastest, then y, then z.
     pub fn bricks(&self, brick_dims: UVec3) -> Vec<(UVec3, Brick)> {
         let mut bricks = Vec::new();
         let mut probe = self.clone_shape();
@@ -272,7 +271,7 @@ impl BitBlock {
         bricks
     }
 
-    /// The brick at brick coordinates `b`, which must lie within the block.
+    /// Returns the brick at brick coordinates `b`, which must lie within the block.
     fn brick(&self, b: UVec3) -> Brick {
         let local = (b * BRICK_EDGE_VX).as_ivec3() - self.origin;
         let (word, shift) = (local.x as usize / 64, local.x as u32 % 64);
@@ -318,14 +317,14 @@ impl BitBlock {
     }
 }
 
-/// Writes to `wide` the bits of a row, of which only the words of `range` have some, and those up to `by` beside them.
+/// Writes the bits of a row, widened by `by` on both sides, to `wide`. Only the words of `range` have bits.
 fn widen(row: &[u64], range: &Range<usize>, by: usize, wide: &mut [u64], scratch: &mut [u64]) {
     let words = by.div_ceil(64);
     let end = (range.end + words).min(wide.len());
     let reached = range.start.saturating_sub(words)..end;
     wide[reached.clone()].fill(0);
     wide[range.clone()].copy_from_slice(&row[range.clone()]);
-    // Doubled as often as possible, then by the rest.
+    // Doubles the width while possible, then adds the rest.
     let mut done = 0;
     while done < by {
         let step = (by - done).min(2 * done + 1);

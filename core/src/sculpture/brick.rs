@@ -29,7 +29,7 @@ pub struct Brick {
     pub words: [u64; BRICK_WORDS],
 }
 
-/// How full a brick is, as far as a voxel count tells.
+/// How full a brick is, as its voxel count tells.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum BrickKind {
     /// No voxel.
@@ -41,7 +41,7 @@ pub enum BrickKind {
 }
 
 impl BrickKind {
-    /// The kind of a brick of `count` voxels (0..=512).
+    /// Returns the kind of a brick of `count` voxels (0..=512).
     #[inline(always)]
     pub fn of_count(count: u16) -> BrickKind {
         match u32::from(count) {
@@ -52,8 +52,8 @@ impl BrickKind {
     }
 }
 
-/// Index in 0..512 of a voxel in its brick, from brick-local coordinates 0..8:
-/// `word * 64 + bit`. Colour pages use the same order.
+/// Returns the index in 0..512 of a voxel in its brick, from brick-local coordinates 0..8: `word * 64 + bit`. Colour
+/// pages use the same order.
 #[inline(always)]
 pub const fn local_index(x: u32, y: u32, z: u32) -> u32 {
     let word = (x >> 2) | ((y >> 2) << 1) | ((z >> 2) << 2);
@@ -61,7 +61,7 @@ pub const fn local_index(x: u32, y: u32, z: u32) -> u32 {
     (word << 6) | bit
 }
 
-/// Brick-local coordinates 0..8 of a voxel from its index 0..512 in the brick.
+/// Returns the brick-local coordinates 0..8 of a voxel from its index 0..512 in the brick.
 #[inline(always)]
 pub const fn local_coords(index: u32) -> [u32; 3] {
     let (word, bit) = (index >> 6, index & 63);
@@ -78,7 +78,7 @@ impl Brick {
     /// All 512 voxels exist.
     pub const FULL: Brick = Brick { words: [u64::MAX; BRICK_WORDS] };
 
-    /// Whether the voxel at brick-local coordinates (each 0..8) exists.
+    /// Returns whether the voxel at brick-local coordinates (each 0..8) exists.
     #[inline(always)]
     pub fn get(&self, x: u32, y: u32, z: u32) -> bool {
         let i = local_index(x, y, z);
@@ -97,7 +97,7 @@ impl Brick {
         }
     }
 
-    /// Number of existing voxels, 0..=512.
+    /// Returns the number of existing voxels, 0..=512.
     #[inline(always)]
     pub fn count(&self) -> u16 {
         let mut count = 0;
@@ -107,13 +107,13 @@ impl Brick {
         count as u16
     }
 
-    /// Whether no voxel exists.
+    /// Returns whether no voxel exists.
     #[inline]
     pub fn is_empty(&self) -> bool {
         *self == Self::EMPTY
     }
 
-    /// Whether all 512 voxels exist.
+    /// Returns whether all 512 voxels exist.
     #[inline]
     pub fn is_full(&self) -> bool {
         *self == Self::FULL
@@ -129,7 +129,7 @@ impl Brick {
         Brick { words }
     }
 
-    /// The voxels that are in both.
+    /// Returns the voxels that are in both.
     #[inline(always)]
     pub fn and(&self, other: &Brick) -> Brick {
         self.zip(
@@ -139,7 +139,7 @@ impl Brick {
         )
     }
 
-    /// The voxels that are in either.
+    /// Returns the voxels that are in either.
     #[inline(always)]
     pub fn or(&self, other: &Brick) -> Brick {
         self.zip(
@@ -149,7 +149,7 @@ impl Brick {
         )
     }
 
-    /// The voxels of `self` that are not in `other`.
+    /// Returns the voxels of `self` that are not in `other`.
     #[inline(always)]
     pub fn and_not(&self, other: &Brick) -> Brick {
         self.zip(
@@ -177,7 +177,7 @@ impl Brick {
         Brick { words }
     }
 
-    /// The inverse of [`Brick::from_rows`].
+    /// Performs the inverse of [`Brick::from_rows`].
     #[inline]
     pub fn to_rows(&self) -> [u64; 8] {
         std::array::from_fn(|z| {
@@ -190,8 +190,8 @@ impl Brick {
         })
     }
 
-    /// The voxels whose brick-local coordinates are below `limit` on every axis (each limit is clamped to 8): those
-    /// that a brick at the upper border may hold.
+    /// Returns the voxels whose brick-local coordinates are below `limit` on every axis (each limit is clamped to 8):
+    /// those that a brick at the upper border may hold.
     pub fn below(limit: [u32; 3]) -> Brick {
         let row = low_bits(limit[0].min(8)) as u64;
         let mut rows = [0u64; 8];
@@ -203,7 +203,7 @@ impl Brick {
         Brick::from_rows(&rows)
     }
 
-    /// Calls `f` with the index 0..512 of every existing voxel, in rising order.
+    /// Calls `f` with the index 0..512 of every existing voxel, in ascending order.
     #[inline]
     pub fn for_each(&self, mut f: impl FnMut(u32)) {
         for (word, &bits) in self.words.iter().enumerate() {
@@ -216,7 +216,7 @@ impl Brick {
     }
 }
 
-/// The lowest voxel of a word that is set, and one past the highest, on each axis. The word must not be 0.
+/// Returns the lowest set voxel of a word, and one past the highest, on each axis. The word must not be 0.
 #[inline]
 pub fn word_bounds(word: u64) -> (UVec3, UVec3) {
     // Folded to the four bits of each axis.
@@ -229,20 +229,20 @@ pub fn word_bounds(word: u64) -> (UVec3, UVec3) {
     (UVec3::from(low), UVec3::from(axes.map(|bits| 32 - bits.leading_zeros())))
 }
 
-/// A number whose lowest `n` bits (0..=8) are set.
+/// Returns a number whose lowest `n` bits (0..=8) are set.
 #[inline]
 fn low_bits(n: u32) -> u32 {
     (1u32 << n) - 1
 }
 
-/// Four bytes holding a nibble each -> 16 contiguous bits, in both halves of a u64 at once.
+/// Packs four bytes holding a nibble each into 16 contiguous bits, in both halves of a u64 at once.
 #[inline]
 fn pack_nibbles(v: u64) -> u64 {
     let v = (v | v >> 4) & 0x00FF_00FF_00FF_00FF;
     (v | v >> 8) & 0x0000_FFFF_0000_FFFF
 }
 
-/// The inverse of [`pack_nibbles`].
+/// Performs the inverse of [`pack_nibbles`].
 #[inline]
 fn unpack_nibbles(v: u64) -> u64 {
     let v = (v | v << 8) & 0x00FF_00FF_00FF_00FF;

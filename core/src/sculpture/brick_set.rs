@@ -13,7 +13,7 @@ pub struct BrickMask {
 }
 
 impl BrickMask {
-    /// The linear indices, rising.
+    /// Returns the linear indices in ascending order.
     #[inline(always)]
     pub fn indices(self) -> Indices {
         Indices(self)
@@ -47,28 +47,28 @@ pub struct BrickSet {
 }
 
 impl BrickSet {
-    /// An empty set over `brick_count` bricks.
+    /// Returns an empty set over `brick_count` bricks.
     pub fn new(brick_count: usize) -> BrickSet {
         BrickSet { words: vec![0; brick_count.div_ceil(64)], used: Vec::new() }
     }
 
-    /// Whether no brick is in the set.
+    /// Returns whether no brick is in the set.
     pub fn is_empty(&self) -> bool {
         self.used.is_empty()
     }
 
-    /// Number of bricks in the set.
+    /// Returns the number of bricks in the set.
     pub fn len(&self) -> usize {
         self.used.iter().map(|&word| self.words[word as usize].count_ones() as usize).sum()
     }
 
-    /// Whether the brick of linear index `index` is in the set.
+    /// Returns whether the brick of linear index `index` is in the set.
     #[inline]
     pub fn contains(&self, index: u32) -> bool {
         self.words[index as usize / 64] >> (index % 64) & 1 != 0
     }
 
-    /// Which of the 64 bricks of `word` are in the set.
+    /// Returns the bricks of `word` that are in the set, as 64 bits.
     #[inline]
     pub fn mask(&self, word: u32) -> u64 {
         self.words[word as usize]
@@ -93,12 +93,12 @@ impl BrickSet {
         *word |= bricks.mask;
     }
 
-    /// The words in use, in the order of first insertion.
+    /// Returns the words in use, in the order of first insertion.
     pub fn masks(&self) -> impl Iterator<Item = BrickMask> {
         self.used.iter().map(|&word| BrickMask { word, mask: self.words[word as usize] })
     }
 
-    /// Appends the linear indices to `out`, rising.
+    /// Appends the linear indices to `out` in ascending order.
     pub fn collect_into(&mut self, out: &mut Vec<u32>) {
         self.used.sort_unstable();
         for bricks in self.masks() {

@@ -20,8 +20,8 @@ pub struct Clip {
 }
 
 impl Clip {
-    /// Copies the existing voxels of `from` within `bounds` for which `wanted` is true. The clip has
-    /// the size of `bounds` cut to the grid. None if that is empty.
+    /// Copies the existing voxels of `from` within `bounds` for which `wanted` is true. The clip has the size of
+    /// `bounds` cut to the grid; `None` if that is empty.
     ///
     /// # Errors
     /// If the copy needs more than `budget_bytes`.
@@ -54,32 +54,32 @@ impl Clip {
         Ok(Some(Clip { contents: Contents::new(grid, material) }))
     }
 
-    /// A clip of the existing voxels of `contents`, as when it is read back.
+    /// Returns a clip of the existing voxels of `contents`, such as one that is read back.
     pub fn from_contents(contents: Contents) -> Clip {
         Clip { contents }
     }
 
-    /// Its voxels and colours.
+    /// Returns the voxels and colours.
     pub fn contents(&self) -> &Contents {
         &self.contents
     }
 
-    /// Size in voxels, before any orientation.
+    /// Returns the size in voxels, before any orientation.
     pub fn size(&self) -> UVec3 {
         self.contents.grid.dims()
     }
 
-    /// Number of existing voxels.
+    /// Returns the number of existing voxels.
     pub fn voxel_count(&self) -> u64 {
         self.contents.grid.opaque_count()
     }
 
-    /// The box that the clip fills with its lower corner at `at`.
+    /// Returns the box that the clip fills with its lower corner at `at`.
     pub fn bounds(&self, at: IVec3, orientation: Orientation) -> VoxelBox {
         VoxelBox { min: at, max: at + orientation.size(self.size()).as_ivec3() }
     }
 
-    /// The voxels of a grid of `brick_dims` bricks that the clip fills.
+    /// Returns the voxels of a grid of `brick_dims` bricks that the clip fills.
     pub fn voxels(&self, at: IVec3, orientation: Orientation, brick_dims: UVec3) -> ListedBricks {
         let bounds = self.bounds(at, orientation);
         let first = bounds.min.max(IVec3::ZERO).as_uvec3() / BRICK_EDGE_VX;
@@ -105,14 +105,14 @@ impl Clip {
         ListedBricks::new(bricks)
     }
 
-    /// The colour of the voxel that the clip puts at `v`, which must be one of its voxels.
+    /// Returns the colour of the voxel that the clip puts at `v`, which must be one of its voxels.
     pub fn colour(&self, at: IVec3, orientation: Orientation, v: UVec3) -> Rgb {
         let source = orientation.source(v.as_ivec3() - at, self.size());
         self.contents.rgb(source.max(IVec3::ZERO).as_uvec3().min(self.size() - 1))
     }
 }
 
-/// The brick of the local coordinates for which `exists` is true.
+/// Returns a brick of the local coordinates for which `exists` is true.
 fn gather(exists: impl Fn(UVec3) -> bool) -> Brick {
     let mut brick = Brick::EMPTY;
     for (i, word) in brick.words.iter_mut().enumerate() {
@@ -124,7 +124,7 @@ fn gather(exists: impl Fn(UVec3) -> bool) -> Brick {
     brick
 }
 
-/// The voxels of `brick` that do not have the base colour.
+/// Returns the voxels of `brick` that do not have the base colour.
 fn painted(brick: &Brick, base: Rgb, colour: impl Fn(u32) -> Rgb) -> Brick {
     let mut painted = Brick::EMPTY;
     brick.for_each(|i| {

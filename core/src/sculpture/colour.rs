@@ -1,5 +1,5 @@
-//! Colour values: 24-bit sRGB, and its packing into the 8 or 16 bits that a sculpture may store per
-//! voxel (green gets most bits, as the eye resolves it best).
+//! Colour values: 24-bit sRGB, and its packing into the 8 or 16 bits that a sculpture may store per voxel. Green gets
+//! the most bits, since the eye resolves it best.
 
 use std::fmt;
 use std::str::FromStr;
@@ -13,7 +13,7 @@ impl Rgb {
     /// The default base colour.
     pub const STONE: Rgb = Rgb::new(0xc8, 0xbe, 0xaa);
 
-    /// A colour from its channels.
+    /// Returns a colour from its channels.
     pub const fn new(r: u8, g: u8, b: u8) -> Rgb {
         Rgb([r, g, b])
     }
@@ -58,11 +58,11 @@ pub enum ColourDepth {
 }
 
 impl ColourDepth {
-    /// All depths, rising.
+    /// All depths, in ascending order.
     pub const ALL: [ColourDepth; 4] =
         [ColourDepth::None, ColourDepth::Bits8, ColourDepth::Bits16, ColourDepth::Bits24];
 
-    /// Bits per voxel.
+    /// Returns the bits per voxel.
     pub const fn bits(self) -> u32 {
         match self {
             ColourDepth::None => 0,
@@ -72,18 +72,18 @@ impl ColourDepth {
         }
     }
 
-    /// Bytes per voxel.
+    /// Returns the bytes per voxel.
     pub const fn bytes(self) -> usize {
         self.bits() as usize / 8
     }
 
-    /// The depth of so many bits, if there is one.
+    /// Returns the depth of `bits` bits, if there is one.
     pub fn from_bits(bits: u32) -> Option<ColourDepth> {
         Self::ALL.into_iter().find(|d| d.bits() == bits)
     }
 
-    /// The colour that is read back after storing `colour` at this depth.
-    /// With no colour depth the colour itself, since it is then the sculpture's one colour.
+    /// Returns the colour that is read back after storing `colour` at this depth. Without colour depth, returns
+    /// `colour` itself, since it is then the sculpture's one colour.
     pub fn quantise(self, colour: Rgb) -> Rgb {
         match self {
             ColourDepth::None | ColourDepth::Bits24 => colour,
@@ -92,7 +92,7 @@ impl ColourDepth {
         }
     }
 
-    /// Between neighbouring levels of red, green and blue.
+    /// Returns the difference between neighbouring levels of red, green and blue.
     pub fn step(self) -> [f32; 3] {
         let bits: [u32; 3] = match self {
             ColourDepth::None | ColourDepth::Bits24 => [8, 8, 8],
@@ -113,7 +113,7 @@ impl ColourDepth {
         }
     }
 
-    /// The inverse of [`ColourDepth::write`]; black with no colour depth.
+    /// Performs the inverse of [`ColourDepth::write`]. Returns black without colour depth.
     #[inline]
     pub fn read(self, bytes: &[u8]) -> Rgb {
         match self {
@@ -125,23 +125,23 @@ impl ColourDepth {
     }
 }
 
-/// 24-bit RGB to `GGGGBBRR`, each channel rounded to the nearest level.
+/// Packs 24-bit RGB into `GGGGBBRR`, each channel rounded to the nearest level.
 pub fn pack8(Rgb([r, g, b]): Rgb) -> u8 {
     (reduce(g, 4) << 4 | reduce(b, 2) << 2 | reduce(r, 2)) as u8
 }
 
-/// `GGGGBBRR` to 24-bit RGB over the full range of each channel.
+/// Unpacks `GGGGBBRR` to 24-bit RGB over the full range of each channel.
 pub fn unpack8(v: u8) -> Rgb {
     let v = u32::from(v);
     Rgb([expand(v & 3, 2), expand(v >> 4, 4), expand(v >> 2 & 3, 2)])
 }
 
-/// 24-bit RGB to `GGGGGGGBBBBBRRRR`, each channel rounded to the nearest level.
+/// Packs 24-bit RGB into `GGGGGGGBBBBBRRRR`, each channel rounded to the nearest level.
 pub fn pack16(Rgb([r, g, b]): Rgb) -> u16 {
     (reduce(g, 7) << 9 | reduce(b, 5) << 4 | reduce(r, 4)) as u16
 }
 
-/// `GGGGGGGBBBBBRRRR` to 24-bit RGB over the full range of each channel.
+/// Unpacks `GGGGGGGBBBBBRRRR` to 24-bit RGB over the full range of each channel.
 pub fn unpack16(v: u16) -> Rgb {
     let v = u32::from(v);
     Rgb([expand(v & 15, 4), expand(v >> 9, 7), expand(v >> 4 & 31, 5)])

@@ -10,13 +10,13 @@ use super::grid::Grid;
 use super::material::Material;
 use super::memory::NoMemory;
 
-/// The form in which near voxels are shown, and proposed for their mesh.
+/// The form in which nearby voxels are shown, and the default for their mesh.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum SurfaceKind {
-    /// The smooth surface between them: clay and scans.
+    /// A smooth surface between the voxels: for clay and scans.
     #[default]
     Smooth,
-    /// Their cubes: models of voxel editors.
+    /// The cubes of the voxels: for models from voxel editors.
     Cubes,
 }
 
@@ -25,7 +25,7 @@ impl SurfaceKind {
     pub const NAMED: [(SurfaceKind, &'static str); 2] =
         [(SurfaceKind::Smooth, "smooth"), (SurfaceKind::Cubes, "cubes")];
 
-    /// Its name in the text form.
+    /// Returns its name in the text form.
     pub fn name(self) -> &'static str {
         match self {
             SurfaceKind::Smooth => "smooth",
@@ -41,25 +41,26 @@ pub struct Contents {
     pub grid: Grid,
     /// Their colours.
     pub material: Material,
-    /// Which voxels, existing or not, are protected from all tools: a grid of the same size. None if there are none.
+    /// The voxels, existing or not, that are protected from all tools: a grid of the same size. `None` if there are
+    /// none.
     pub mask: Option<Box<Grid>>,
-    /// The form in which near voxels are shown.
+    /// The form in which nearby voxels are shown.
     pub surface: SurfaceKind,
 }
 
 impl Contents {
-    /// Bits and colours with nothing protected.
+    /// Returns contents of bits and colours with nothing protected.
     pub fn new(grid: Grid, material: Material) -> Contents {
         Contents { grid, material, mask: None, surface: SurfaceKind::default() }
     }
 
-    /// A grid as contents without colours or a mask of its own.
+    /// Returns a grid as contents without colours or a mask of its own.
     pub(crate) fn of_bits(grid: Grid) -> Contents {
         let material = Material::for_grid(&grid, ColourDepth::None, Rgb::default());
         Contents::new(grid, material)
     }
 
-    /// Whether the voxel at `v` is protected.
+    /// Returns whether the voxel at `v` is protected.
     pub fn is_masked(&self, v: IVec3) -> bool {
         self.mask.as_ref().is_some_and(|mask| mask.get(v))
     }
@@ -69,18 +70,18 @@ impl Contents {
         self.mask.take_if(|mask| mask.opaque_count() == 0);
     }
 
-    /// Colour of the voxel at `v`, which must lie inside the grid, whether it exists or not.
+    /// Returns the colour of the voxel at `v`, which must lie inside the grid, whether it exists or not.
     pub fn rgb(&self, v: UVec3) -> Rgb {
         let [x, y, z] = (v % BRICK_EDGE_VX).to_array();
         self.material.rgb(self.grid.brick_index(v / BRICK_EDGE_VX), local_index(x, y, z))
     }
 
-    /// Colour of the voxel at `v`; none where none exists.
+    /// Returns the colour of the voxel at `v`; `None` if it does not exist.
     pub fn colour(&self, v: IVec3) -> Option<Rgb> {
         self.grid.get(v).then(|| self.rgb(v.as_uvec3()))
     }
 
-    /// A copy, unless the system lacks the memory for it.
+    /// Returns a copy, unless the system lacks the memory for it.
     pub fn copied(&self) -> Result<Contents, NoMemory> {
         let no_memory = NoMemory { bytes: self.kept_bytes() as u64 };
         let grid = self.grid.copied().map_err(|_| no_memory)?;
@@ -90,7 +91,7 @@ impl Contents {
         Ok(Contents { grid, material, mask, surface: self.surface })
     }
 
-    /// Bytes of a step that keeps all of it.
+    /// Returns the bytes of a step that keeps all of the contents.
     pub fn kept_bytes(&self) -> usize {
         let mask = self.mask.as_ref().map_or(0, |mask| mask.heap_bytes());
         size_of::<Contents>()

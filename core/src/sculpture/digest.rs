@@ -1,9 +1,9 @@
-//! A hash of a sculpture: the same for the same voxels and colours, whatever machine, number of threads or
-//! order of edits made them.
+//! A hash of a sculpture: the same for the same voxels and colours, whatever machine, number of threads or order of
+//! edits produced them.
 //!
-//! SHA-256 (NIST FIPS 180-4), over size, colour depth and base colour, then over the hashes of runs of 4096
-//! bricks, so that all threads share the work. Of a brick its eight words count, and its page of colours where
-//! it has one: two sculptures that look alike but are painted otherwise differ.
+//! SHA-256 (NIST FIPS 180-4), over size, colour depth and base colour, then over the hashes of runs of 4096 bricks, so
+//! that all threads share the work. A brick contributes its eight words, and its page of colours if it has one: two
+//! sculptures that look alike but are painted differently have different hashes.
 
 use std::fmt;
 use std::io::{ErrorKind, Read};
@@ -12,22 +12,22 @@ use rayon::prelude::*;
 
 use super::contents::{Contents, SurfaceKind};
 
-/// Bricks of a run.
+/// Number of bricks in a run.
 const RUN_BRICKS: usize = 4096;
 
-/// 256 bits that stand for what they were made of.
+/// A hash of 256 bits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest(pub [u8; 32]);
 
 impl Digest {
-    /// That of bytes.
+    /// Returns the digest of bytes.
     pub fn of_bytes(bytes: &[u8]) -> Digest {
         let mut hasher = Sha256::new();
         hasher.update(bytes);
         hasher.finish()
     }
 
-    /// That of all bytes that a reader gives.
+    /// Returns the digest of all bytes of a reader.
     pub fn of_reader(mut reader: impl Read) -> std::io::Result<Digest> {
         let mut hasher = Sha256::new();
         let mut portion = vec![0; 1 << 18];
@@ -41,7 +41,7 @@ impl Digest {
         }
     }
 
-    /// That of a sculpture.
+    /// Returns the digest of a sculpture.
     pub fn of(contents: &Contents) -> Digest {
         let Contents { grid, material, mask, surface } = contents;
         let mut hasher = Sha256::new();
@@ -78,7 +78,7 @@ impl Digest {
         if let Some(mask) = mask {
             hasher.update(&Digest::of(&Contents::of_bits((**mask).clone())).0);
         }
-        // Nothing for the usual kind, so that older digests stay what they were.
+        // Nothing for the usual kind, so that older digests remain valid.
         match surface {
             SurfaceKind::Smooth => {}
             SurfaceKind::Cubes => hasher.update(&[4]),
@@ -99,7 +99,7 @@ impl fmt::Debug for Digest {
     }
 }
 
-/// The function of FIPS 180-4, section 6.2.
+/// The hash function of FIPS 180-4, section 6.2.
 struct Sha256 {
     state: [u32; 8],
     block: [u8; 64],

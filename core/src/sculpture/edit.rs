@@ -1,5 +1,5 @@
-//! Applies an [`EditOp`] to a [`Region`] of voxels, row of bricks by row of bricks, in parallel where
-//! that pays. The only place where existence bits change after loading.
+//! Applies an [`EditOp`] to a [`Region`] of voxels, row of bricks by row of bricks, in parallel where that pays. The
+//! only place where existence bits change after loading.
 //!
 //! Takes the contents and the recorder of the open stroke; returns counts of what changed, stores the
 //! earlier values in the recorder, and marks bricks dirty. Knows no tool: a tool is anything that
@@ -32,7 +32,7 @@ pub enum EditOp {
     Recolour(Rgb),
 }
 
-/// Edits of boxes of fewer bricks than this stay on one thread: waking others would cost more.
+/// Edits of boxes of fewer bricks than this stay on one thread: waking others would cost more than it gains.
 const PARALLEL_BRICKS: u64 = 2048;
 
 /// Applies `op` to the voxels of `region` that lie within the grid.
@@ -73,7 +73,7 @@ pub fn edit(
     recorder.close_edit(dirty)
 }
 
-/// Adds the voxels of `region` that lie within it to a mask, or takes them out of it.
+/// Adds the voxels of `region` that lie within the grid to a mask, or removes them from it.
 pub fn edit_mask(
     mask: &mut Grid,
     region: &impl Region,
@@ -90,7 +90,7 @@ pub fn edit_mask(
     EditStats { voxels_masked, bricks_changed, ..EditStats::default() }
 }
 
-/// An operation on the bits of those voxels of a region that lie in a box of bricks.
+/// An operation on the bits of the voxels of a region within a box of bricks.
 struct BitEdit<'a, R> {
     region: &'a R,
     op: EditOp,
@@ -155,7 +155,7 @@ impl<R: Region> BitEdit<'_, R> {
     }
 }
 
-/// The brush for `colour`, unless painting with it cannot change anything.
+/// Returns the brush for `colour`, unless painting with it cannot change anything.
 fn brush_for(contents: &Contents, colour: Rgb) -> Option<Brush> {
     let material = &contents.material;
     let all_alike =
@@ -163,7 +163,7 @@ fn brush_for(contents: &Contents, colour: Rgb) -> Option<Brush> {
     (material.depth().bytes() > 0 && !all_alike).then(|| material.brush(colour))
 }
 
-/// A quick upper bound for [`count_new_pages`]; none if `op` paints nothing new.
+/// Returns a quick upper bound for [`count_new_pages`]; `None` if `op` paints nothing new.
 pub fn max_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> Option<u64> {
     let (EditOp::Add(Some(colour)) | EditOp::Recolour(colour)) = op else { return None };
     let Contents { grid, material, .. } = contents;
@@ -172,7 +172,7 @@ pub fn max_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> O
     Some(bricks.brick_count().min((grid.brick_count() - material.page_count()) as u64))
 }
 
-/// The number of colour pages that `op` would make.
+/// Returns the number of colour pages that `op` would make.
 pub fn count_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> u64 {
     let Some(bricks) = BrickBox::around(region, &contents.grid) else { return 0 };
     dispatch!(Level::new(), simd => {
@@ -194,7 +194,7 @@ pub fn count_new_pages(contents: &Contents, region: &impl Region, op: EditOp) ->
     })
 }
 
-/// The number of colour pages that `op` would make in a piece.
+/// Returns the number of colour pages that `op` would make in a piece.
 #[inline(always)]
 fn new_pages_of(piece: Piece<impl Simd, impl Region>, contents: &Contents, op: EditOp) -> u64 {
     let Contents { grid, material, .. } = contents;
@@ -255,7 +255,7 @@ pub(super) struct BrickRow {
 }
 
 impl BrickRow {
-    /// Intersects the region with this row and calls `f` with the covered pieces, in rising order.
+    /// Intersects the region with this row and calls `f` with the covered pieces, in ascending order.
     #[inline(always)]
     pub fn walk<S: Simd, R: Region>(
         self,
@@ -291,7 +291,7 @@ mod tests {
     use crate::sculpture::region::{RowReach, VoxelBox};
     use crate::sculpture::{Brick, ColourDepth, Material};
 
-    /// Any set of voxels at all, as a spray tool or a selection may make it.
+    /// An arbitrary set of voxels, such as a spray tool or a selection may produce.
     #[derive(Debug)]
     struct Scattered {
         bounds: VoxelBox,

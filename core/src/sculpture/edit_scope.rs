@@ -1,6 +1,6 @@
-//! Where tools may work: within the selection, if they are limited to it, and outside the mask.
+//! The voxels that tools may change: those within the selection, if tools are limited to it, and outside the mask.
 //!
-//! [`ScopedRegion`] cuts a tool's region down to that; all code that edits contents passes it. Changes nothing.
+//! [`ScopedRegion`] cuts a tool's region down to them; all code that edits contents passes it. Changes nothing.
 
 use std::ops::Range;
 
@@ -12,37 +12,37 @@ use super::grid::Grid;
 use super::region::{BoxRow, Region, RowReach, VoxelBox};
 use super::selection::BoxStack;
 
-/// Where tools may work.
+/// The voxels that tools may change.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EditScope<'a> {
     /// The selection, if tools are limited to it.
     pub stack: Option<&'a BoxStack>,
-    /// The voxels that are protected: a grid of the same size as the sculpture's.
+    /// The protected voxels: a grid of the same size as the sculpture's.
     pub mask: Option<&'a Grid>,
 }
 
 impl EditScope<'_> {
-    /// Whether tools may work everywhere.
+    /// Returns whether tools may work everywhere.
     pub fn is_everywhere(&self) -> bool {
         self.stack.is_none() && self.mask.is_none()
     }
 
-    /// Whether a voxel may be changed.
+    /// Returns whether a voxel may be changed.
     pub fn allows(&self, v: IVec3) -> bool {
         self.stack.is_none_or(|stack| stack.contains(v))
             && !self.mask.is_some_and(|mask| mask.get(v))
     }
 }
 
-/// The part of a tool's region where it may work.
+/// The part of a tool's region that the tool may change.
 pub struct ScopedRegion<'a, R> {
     /// The region that the tool covers.
     pub region: &'a R,
-    /// Where it may work.
+    /// The voxels that it may change.
     pub scope: EditScope<'a>,
 }
 
-/// The rows of the region and of the stack, and where they lie.
+/// The rows of the region and of the stack, and their position.
 pub struct PermittedRow<R: Region> {
     region: R::Row,
     reach: RowReach,
@@ -92,7 +92,7 @@ impl<R: Region> Region for ScopedRegion<'_, R> {
         };
         if let Some(mask) = self.scope.mask {
             let b = UVec3::new(brick_x, row.y, row.z);
-            // The part beyond the border is cut off where the result is used.
+            // Callers cut off the part beyond the border.
             if b.cmplt(mask.brick_dims()).all() {
                 allowed = allowed.and_not(mask.brick(b));
             }
@@ -109,7 +109,7 @@ fn both(a: &Range<u32>, b: &Range<u32>) -> Range<u32> {
     if both.is_empty() { 0..0 } else { both }
 }
 
-/// The longest part of a run of bricks in which the mask has no voxel.
+/// Returns the longest part of a run of bricks in which the mask has no voxel.
 fn longest_free_run(mask: &Grid, run: Range<u32>, y: u32, z: u32) -> Range<u32> {
     let (mut longest, mut now) = (0..0, run.start..run.start);
     for x in run.start..run.end.min(mask.brick_dims().x) {

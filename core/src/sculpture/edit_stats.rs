@@ -1,24 +1,24 @@
 //! Counts of an edit's changes, which a stroke sums up over the bands of the grid.
 //!
-//! Numbers alone; knows neither edits nor strokes.
+//! Holds numbers only; knows neither edits nor strokes.
 
 /// Counts of an edit's changes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct EditStats {
     /// Voxels that exist now and did not before.
     pub voxels_added: u64,
-    /// Voxels that existed before and do not now.
+    /// Voxels that existed before and do not exist now.
     pub voxels_removed: u64,
     /// Voxels that existed before and have another colour now.
     pub voxels_recoloured: u64,
-    /// Voxels that are protected now and were not before, or the other way round.
+    /// Voxels whose protection has changed, in either direction.
     pub voxels_masked: u64,
     /// Bricks whose bits, colours or mask changed.
     pub bricks_changed: u64,
 }
 
 impl EditStats {
-    /// Voxels added, removed, recoloured, protected or released.
+    /// Returns the number of voxels added, removed, recoloured, protected or released.
     pub fn voxels_changed(&self) -> u64 {
         self.voxels_added + self.voxels_removed + self.voxels_recoloured + self.voxels_masked
     }

@@ -1,9 +1,9 @@
 //! The existence bits of one sculpture, in bricks of 8^3 voxels.
 //!
-//! How bricks are stored is private to [`crate::sculpture`]. Everybody else asks for a brick by its
-//! coordinates or index, visits the non-empty ones, copies rows of bricks along x, or looks up words
-//! of 4^3 voxels (`read.rs`, `word_reader.rs`); writers replace whole bricks. A table of chunks can
-//! serve all of these as well as the dense array that is here now.
+//! How bricks are stored is private to [`crate::sculpture`]. All other code asks for a brick by its coordinates or
+//! index, visits the non-empty ones, copies rows of bricks along x, or looks up words of 4^3 voxels (`read.rs`,
+//! `word_reader.rs`); writers replace whole bricks. A table of chunks could serve all of these as well as the present
+//! dense array.
 //!
 //! Invariants: bits beyond `dims` are 0; voxel counts and occupancy always match the bits. Knows no
 //! colour, no history, no tool.
@@ -31,10 +31,10 @@ pub use word_reader::WordReader;
 pub const MAX_AXIS_VX: u32 = 4096;
 /// Marks "no voxel" in an index map.
 pub const NO_VOXEL: u32 = u32::MAX;
-/// Voxels that an index can name.
+/// The number of voxels that an index can address.
 const MOST_VOXELS: u64 = NO_VOXEL as u64 - 1;
 
-/// The edge of the largest cube that `fits`, in voxels.
+/// Returns the edge of the largest cube that `fits`, in voxels.
 fn largest_cube(fits: impl Fn(UVec3) -> bool) -> u32 {
     // If a size fits, smaller ones fit as well.
     let (mut fitting, mut beyond) = (1, MAX_AXIS_VX + 1);
@@ -46,14 +46,14 @@ fn largest_cube(fits: impl Fn(UVec3) -> bool) -> u32 {
     fitting
 }
 
-/// The largest sizes whose voxels an index can name: of a cube, and with these two axes.
+/// Returns the largest sizes whose voxels an index can address: of a cube, and with these two axes.
 fn largest_named(x: &u32, y: &u32) -> String {
     let cube = largest_cube(|dims| product(dims) <= MOST_VOXELS);
     let z = (MOST_VOXELS / (u64::from(*x) * u64::from(*y))).min(u64::from(MAX_AXIS_VX));
     format!("the largest is {cube}x{cube}x{cube}, or {x}x{y}x{z}")
 }
 
-/// The edge of the largest cube in a budget of memory, in voxels.
+/// Returns the edge of the largest cube within a memory budget, in voxels.
 fn largest_within(budget_mib: u64) -> u32 {
     largest_cube(|dims| {
         product(dims) <= MOST_VOXELS && Grid::bytes_for(dims).div_ceil(1 << 20) <= budget_mib
@@ -63,7 +63,7 @@ fn largest_within(budget_mib: u64) -> u32 {
 /// Why a grid cannot be made.
 #[derive(Debug, Error, PartialEq)]
 pub enum GridError {
-    /// An axis (the size is given) has no voxel or more than [`MAX_AXIS_VX`].
+    /// The number of voxels on an axis is 0 or more than [`MAX_AXIS_VX`]; the size is given.
     #[error("grid of {0}x{1}x{2} voxels: every axis must be 1 to {MAX_AXIS_VX} voxels")]
     Axis(u32, u32, u32),
     /// The size, and its number of voxels, which a `u32` index cannot address.
@@ -75,7 +75,7 @@ pub enum GridError {
     /// The grid needs more memory than allowed.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
-    /// The system does not give the memory that is allowed.
+    /// The system does not provide the allowed memory.
     #[error(
         "grid of {dims} voxels: the system has not the {needed_mib} MiB that it needs; close other \
          programs or sculptures, or choose a smaller grid"
@@ -99,14 +99,15 @@ pub struct Grid {
     voxel_size: Vec3,
     bricks: Vec<Brick>,
     counts: Vec<u16>,
-    /// Bit set <=> brick not empty; blocks of 4^3 bricks to a word, ordered as in a brick word.
+    /// A bit is set if and only if the brick is not empty. A word covers a block of 4^3 bricks, ordered as in a brick
+    /// word.
     occupancy: Vec<u64>,
     occupancy_dims: UVec3,
     opaque: u64,
 }
 
 impl Grid {
-    /// Bytes that a grid of `dims` voxels takes, without colour.
+    /// Returns the bytes that a grid of `dims` voxels takes, without colour.
     pub fn bytes_for(dims: UVec3) -> u64 {
         let bricks = brick_dims(dims);
         let blocks = occupancy_dims(bricks);
@@ -141,21 +142,21 @@ impl Grid {
         Ok(())
     }
 
-    /// An empty grid of `dims` voxels with edges of `voxel_size`, within `budget_bytes`.
+    /// Returns an empty grid of `dims` voxels with edges of `voxel_size`, within `budget_bytes`.
     pub fn new(dims: UVec3, voxel_size: Vec3, budget_bytes: u64) -> Result<Grid, GridError> {
         Self::check(dims, voxel_size, budget_bytes)?;
         Self::allocated(dims, voxel_size)
     }
 
-    /// An empty grid of the cells between the middles of this one's voxels and beyond its border: one longer on each axis,
-    /// whatever sizes sculptures may have, within `budget_bytes`.
+    /// Returns an empty grid of the cells between the centres of this grid's voxels and beyond its border, within
+    /// `budget_bytes`: one longer on each axis, even where a sculpture may not be that long.
     pub fn of_cells(&self, budget_bytes: u64) -> Result<Grid, GridError> {
         let dims = self.dims + 1;
         Self::check_memory(dims, budget_bytes)?;
         Self::allocated(dims, self.voxel_size)
     }
 
-    /// An empty grid of the same size.
+    /// Returns an empty grid of the same size.
     pub fn emptied(&self) -> Grid {
         Grid {
             bricks: vec![Brick::EMPTY; self.bricks.len()],
@@ -166,12 +167,12 @@ impl Grid {
         }
     }
 
-    /// [`Grid::emptied`], unless the system lacks the memory for it.
+    /// Performs [`Grid::emptied`], unless the system lacks the memory for it.
     pub fn try_emptied(&self) -> Result<Grid, GridError> {
         Self::allocated(self.dims, self.voxel_size)
     }
 
-    /// A copy, unless the system lacks the memory for it.
+    /// Returns a copy, unless the system lacks the memory for it.
     pub fn copied(&self) -> Result<Grid, GridError> {
         let mut copy = self.try_emptied()?;
         copy.bricks.copy_from_slice(&self.bricks);
@@ -199,68 +200,68 @@ impl Grid {
         })
     }
 
-    /// Size in voxels.
+    /// Returns the size in voxels.
     #[inline]
     pub fn dims(&self) -> UVec3 {
         self.dims
     }
 
-    /// Size in bricks.
+    /// Returns the size in bricks.
     #[inline]
     pub fn brick_dims(&self) -> UVec3 {
         self.brick_dims
     }
 
-    /// Edge lengths of a voxel in world units.
+    /// Returns the edge lengths of a voxel in world units.
     #[inline]
     pub fn voxel_size(&self) -> Vec3 {
         self.voxel_size
     }
 
-    /// Number of existing voxels.
+    /// Returns the number of existing voxels.
     #[inline]
     pub fn opaque_count(&self) -> u64 {
         self.opaque
     }
 
-    /// Heap bytes in use.
+    /// Returns the heap bytes in use.
     pub fn heap_bytes(&self) -> u64 {
         (self.bricks.capacity() * size_of::<Brick>()
             + self.counts.capacity() * size_of::<u16>()
             + self.occupancy.capacity() * size_of::<u64>()) as u64
     }
 
-    /// Linear index of the brick at brick coordinates `b` (must be inside).
+    /// Returns the linear index of the brick at brick coordinates `b` (must be inside).
     #[inline(always)]
     pub fn brick_index(&self, b: UVec3) -> usize {
         (b.x + self.brick_dims.x * (b.y + self.brick_dims.y * b.z)) as usize
     }
 
-    /// Brick coordinates of a linear brick index.
+    /// Returns the brick coordinates of a linear brick index.
     #[inline]
     pub fn brick_coords(&self, index: usize) -> UVec3 {
         unflatten(index as u32, self.brick_dims)
     }
 
-    /// Linear voxel index `x + y*dX + z*dX*dY`, as index maps use it.
+    /// Returns the linear voxel index `x + y*dX + z*dX*dY`, as index maps use it.
     #[inline(always)]
     pub fn voxel_index(&self, v: UVec3) -> u32 {
         v.x + self.dims.x * (v.y + self.dims.y * v.z)
     }
 
-    /// The inverse of [`Grid::voxel_index`].
+    /// Performs the inverse of [`Grid::voxel_index`].
     #[inline]
     pub fn voxel_coords(&self, index: u32) -> UVec3 {
         unflatten(index, self.dims)
     }
 
-    /// Whether `v` lies inside the grid.
+    /// Returns whether `v` lies inside the grid.
     #[inline]
     pub fn contains(&self, v: IVec3) -> bool {
         v.cmpge(IVec3::ZERO).all() && v.as_uvec3().cmplt(self.dims).all()
     }
 
-    /// Whether the voxel at `v` exists; false outside the grid.
+    /// Returns whether the voxel at `v` exists; false outside the grid.
     #[inline]
     pub fn get(&self, v: IVec3) -> bool {
         self.contains(v) && {
@@ -269,8 +270,7 @@ impl Grid {
         }
     }
 
-    /// Sets one voxel. Coordinates outside the grid are ignored. For loaders and tests;
-    /// edits write whole bricks.
+    /// Sets one voxel; ignores coordinates outside the grid. For loaders and tests; edits write whole bricks.
     pub fn set(&mut self, v: IVec3, exists: bool) {
         if !self.contains(v) {
             return;
@@ -282,7 +282,7 @@ impl Grid {
         self.set_brick(index, brick);
     }
 
-    /// The bits that the brick at `b` may hold: all but those beyond the grid's border.
+    /// Returns the bits that the brick at `b` may hold: all but those beyond the grid's border.
     #[inline]
     pub fn valid_mask(&self, b: UVec3) -> Brick {
         valid_mask(self.dims, b)
@@ -302,10 +302,10 @@ impl Grid {
         }
     }
 
-    /// Sets every brick to what `f` returns for its coordinates (cut to the valid bits), in parallel.
-    /// For loaders and generators.
+    /// Sets every brick to the value of `f` for its coordinates (cut to the valid bits), in parallel. For loaders and
+    /// generators.
     pub fn fill_bricks(&mut self, f: impl Fn(UVec3) -> Brick + Sync) {
-        // One call per brick through a pointer: the parallel loop is compiled once, not per `f`.
+        // Calls through a pointer once per brick: the parallel loop is compiled once, not per `f`.
         self.fill_bricks_by(&f);
     }
 
@@ -329,7 +329,7 @@ impl Grid {
         self.recount();
     }
 
-    /// Rebuilds occupancy and the total from the counts.
+    /// Rebuilds the occupancy and the total from the counts.
     fn recount(&mut self) {
         self.opaque = self.counts.iter().map(|&c| u64::from(c)).sum();
         self.occupancy.fill(0);
@@ -346,7 +346,7 @@ impl Grid {
         }
     }
 
-    /// Index of the occupancy word of the brick at `b`, and its bit in that word.
+    /// Returns the index of the occupancy word of the brick at `b`, and its bit in that word.
     #[inline(always)]
     fn occupancy_place(&self, b: UVec3) -> (usize, u32) {
         let block: UVec3 = b / 4;
@@ -355,14 +355,14 @@ impl Grid {
     }
 }
 
-/// Bits that a brick may have in a grid of `dims` voxels.
+/// Returns the bits that a brick may have in a grid of `dims` voxels.
 #[inline]
 pub fn valid_mask(dims: UVec3, b: UVec3) -> Brick {
     let room = dims - b * BRICK_EDGE_VX;
     if room.min_element() >= BRICK_EDGE_VX { Brick::FULL } else { Brick::below(room.to_array()) }
 }
 
-/// Size in bricks of a grid of `dims` voxels.
+/// Returns the size in bricks of a grid of `dims` voxels.
 pub fn brick_dims(dims: UVec3) -> UVec3 {
     (dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX
 }
@@ -375,7 +375,7 @@ fn product(v: UVec3) -> u64 {
     u64::from(v.x) * u64::from(v.y) * u64::from(v.z)
 }
 
-/// Brick coordinates of a linear index among `dims` bricks.
+/// Returns the brick coordinates of a linear index among `dims` bricks.
 #[inline]
 pub fn unflatten(index: u32, dims: UVec3) -> UVec3 {
     let yz = index / dims.x;

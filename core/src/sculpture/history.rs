@@ -1,9 +1,9 @@
 //! Undo and redo: for each step the earlier values of the changed bricks, within a budget of bytes. Steps that exceed
-//! it go to a store, if there is one, those furthest from the present first; without one, or where it has no room, they
-//! are dropped.
+//! the budget go to a store, if there is one, those furthest from the present first. Without a store, or if it is full,
+//! they are dropped.
 //!
-//! A step is reversed by swapping its values with the sculpture's, so that undo and redo are the same
-//! operation and both are exact to the byte. Knows no command and no document.
+//! A step is reversed by swapping its values with the sculpture's, so that undo and redo are the same operation and
+//! both are exact to the byte. Knows no command and no document.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use step::STUB_BYTES;
 pub use step::{Change, HistorySnapshot, State, Step, Stored, StoredStep};
 pub use store::StepStore;
 
-/// Steps up to this size stay in memory: their placeholders would take as much.
+/// Steps up to this size stay in memory: their placeholders would take as much memory.
 const SMALL_BYTES: usize = 3 * STUB_BYTES;
 
 /// The two lists of steps.
@@ -41,23 +41,23 @@ impl Stack {
 pub struct History {
     /// Oldest first.
     undo: VecDeque<Arc<Step>>,
-    /// Last to be redone first.
+    /// The last to be redone first.
     redo: VecDeque<Arc<Step>>,
     bytes: usize,
     budget_bytes: usize,
     dropped: u64,
-    /// Takes the steps that the budget has no room for.
+    /// Takes the steps that exceed the budget.
     store: Option<Arc<dyn StepStore>>,
 }
 
 impl History {
-    /// An empty history that keeps at most `budget_bytes`.
+    /// Returns an empty history that keeps at most `budget_bytes`.
     pub fn new(budget_bytes: usize) -> History {
         let (undo, redo) = (VecDeque::new(), VecDeque::new());
         History { undo, redo, bytes: 0, budget_bytes, dropped: 0, store: None }
     }
 
-    /// A history with the steps of a snapshot, as many as fit into `budget_bytes` and the store.
+    /// Returns a history with the steps of a snapshot, as many as fit into `budget_bytes` and the store.
     pub fn restored(
         snapshot: HistorySnapshot,
         budget_bytes: usize,
@@ -68,18 +68,18 @@ impl History {
         history
     }
 
-    /// Puts the steps of a snapshot on top of those that there are.
+    /// Puts the steps of a snapshot on top of the existing ones.
     pub fn put_all(&mut self, snapshot: HistorySnapshot) {
         snapshot.redo.into_iter().for_each(|step| self.put(step, Stack::Redo));
         snapshot.undo.into_iter().for_each(|step| self.put(step, Stack::Undo));
     }
 
-    /// Gives steps to a store from now on, rather than drop them.
+    /// From now on, gives steps to a store instead of dropping them.
     pub fn use_store(&mut self, store: Arc<dyn StepStore>) {
         self.store = Some(store);
     }
 
-    /// The steps as they are now.
+    /// Returns the present steps.
     pub fn snapshot(&self) -> HistorySnapshot {
         HistorySnapshot {
             undo: self.undo.iter().cloned().collect(),
@@ -93,22 +93,22 @@ impl History {
         self.put(Arc::new(step), Stack::Undo);
     }
 
-    /// Whether a step fits into the budget or the store whose label and change take `bytes`.
+    /// Returns whether the budget or the store can hold a step whose label and change take `bytes`.
     pub fn can_keep(&self, bytes: usize) -> bool {
         let stored = self.store.as_ref().map_or(0, |store| store.room_bytes());
         let bytes = bytes.saturating_add(size_of::<Step>());
         bytes <= self.budget_bytes || bytes as u64 <= stored
     }
 
-    /// Waits, before a step of so many bytes is made, until earlier ones have left the memory that it needs.
+    /// Waits, before a step of `bytes` is made, until earlier steps have left the memory that it needs.
     pub fn make_way(&self, bytes: usize) {
         if let Some(store) = self.store.as_ref().filter(|_| bytes > self.budget_bytes / 4) {
             store.make_way(bytes);
         }
     }
 
-    /// Takes the step to undo next. Give its reverse to [`History::undone`], or the step itself
-    /// back to [`History::redone`].
+    /// Takes the step to undo next. The caller gives its reverse to [`History::undone`], or the step itself back to
+    /// [`History::redone`].
     ///
     /// # Errors
     /// If a snapshot shares the step and the system lacks the memory for a copy; it stays where it was.
@@ -116,8 +116,8 @@ impl History {
         self.take(Stack::Undo)
     }
 
-    /// Takes the step to redo next. Give its reverse to [`History::redone`], or the step itself
-    /// back to [`History::undone`].
+    /// Takes the step to redo next. The caller gives its reverse to [`History::redone`], or the step itself back to
+    /// [`History::undone`].
     ///
     /// # Errors
     /// As [`History::take_undo`].
@@ -152,68 +152,69 @@ impl History {
         self.put(Arc::new(reverse), Stack::Undo);
     }
 
-    /// Number of steps that can be undone.
+    /// Returns the number of steps that can be undone.
     pub fn undo_count(&self) -> usize {
         self.undo.len()
     }
 
-    /// Number of steps that can be redone.
+    /// Returns the number of steps that can be redone.
     pub fn redo_count(&self) -> usize {
         self.redo.len()
     }
 
-    /// Labels of the steps that can be undone, oldest first.
+    /// Returns the labels of the steps that can be undone, oldest first.
     pub fn undo_labels(&self) -> impl Iterator<Item = &str> {
         self.undo.iter().map(|s| s.label.as_str())
     }
 
-    /// Labels of the steps that can be redone, the next one first.
+    /// Returns the labels of the steps that can be redone, the next one first.
     pub fn redo_labels(&self) -> impl Iterator<Item = &str> {
         self.redo.iter().rev().map(|s| s.label.as_str())
     }
 
-    /// The steps that can be undone, the next one first.
+    /// Returns the steps that can be undone, the next one first.
     pub fn undo_steps(&self) -> impl Iterator<Item = &Step> {
         self.undo.iter().rev().map(Arc::as_ref)
     }
 
-    /// The steps that can be redone, the next one first.
+    /// Returns the steps that can be redone, the next one first.
     pub fn redo_steps(&self) -> impl Iterator<Item = &Step> {
         self.redo.iter().rev().map(Arc::as_ref)
     }
 
-    /// The states that undo and redo can lead to.
+    /// Returns the states that undo and redo can lead to.
     pub fn states(&self) -> impl Iterator<Item = State> {
         self.undo.iter().chain(&self.redo).map(|s| s.state)
     }
 
-    /// Bytes held by all steps.
+    /// Returns the bytes held by all steps.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// Most bytes that the steps may take.
+    /// Returns the budget of the steps in bytes.
     pub fn budget_bytes(&self) -> usize {
         self.budget_bytes
     }
 
-    /// Lets the steps take up to `budget_bytes`, if that is more than they may take now.
+    /// Raises the budget to `budget_bytes`, if that is more than now.
     pub fn raise_budget(&mut self, budget_bytes: usize) {
         self.budget_bytes = self.budget_bytes.max(budget_bytes);
     }
 
-    /// Steps dropped so far because the budget was full.
+    /// Returns the number of steps dropped so far because the budget was full.
     pub fn dropped(&self) -> u64 {
         self.dropped
     }
 
-    /// Most bytes of steps that are not in a store. A quarter of the budget is for those on their way there.
+    /// Returns the most bytes of steps that are not in a store. A quarter of the budget is for those on their way
+    /// there.
     fn memory_bytes(&self) -> usize {
         self.budget_bytes - self.store.as_ref().map_or(0, |_| self.budget_bytes / 4)
     }
 
-    /// Adds a step to the top of a stack. Then steps that exceed the memory go to the store, and those that it does not
-    /// take are dropped. Without a store a step larger than the whole budget is dropped with all below it: callers ask
+    /// Adds a step to the top of a stack. Then gives steps that exceed the memory to the store, and drops those that it
+    /// does not take. Without a store, drops a step larger than the whole budget and all steps below it: callers check
     /// [`History::can_keep`] first.
     fn put(&mut self, mut step: Arc<Step>, to: Stack) {
         if step.heap_bytes() > self.budget_bytes && !self.store_step(&mut step) {
@@ -233,7 +234,7 @@ impl History {
         }
     }
 
-    /// Puts a placeholder in a step's place, if the store takes the step.
+    /// Replaces a step by a placeholder, if the store takes the step.
     fn store_step(&self, step: &mut Arc<Step>) -> bool {
         let Some(store) = &self.store else { return false };
         let Ok(stored) = store.keep(step.clone()) else { return false };
@@ -249,8 +250,8 @@ impl History {
         }
     }
 
-    /// Gives the store that of its steps which is furthest from the present; the top of `newest` last. False
-    /// if it takes none.
+    /// Gives the store the step furthest from the present that it can take; the top of `newest` comes last. Returns
+    /// false if it takes none.
     fn store_furthest(&mut self, newest: Stack) -> bool {
         if self.store.is_none() {
             return false;
@@ -261,7 +262,7 @@ impl History {
         for (stack, at) in places.chain(others).chain([(newest, top)]) {
             let mut step = self.stack(stack)[at].clone();
             let before = step.heap_bytes();
-            // Small ones, such as those that are computed anew, take less than their placeholders.
+            // Small steps, such as those that are recomputed, take less memory than their placeholders.
             if matches!(step.change, Change::Stored(_)) || before <= SMALL_BYTES {
                 continue;
             }
@@ -275,7 +276,7 @@ impl History {
         false
     }
 
-    /// Drops the step that is furthest from the present; the top of `newest` last. False if there is none.
+    /// Drops the step furthest from the present; the top of `newest` comes last. Returns false if there is none.
     fn drop_furthest(&mut self, newest: Stack) -> bool {
         let from = match self.stack(newest).len() {
             0 | 1 if !self.stack(newest.other()).is_empty() => newest.other(),

@@ -1,5 +1,5 @@
-//! Colours for voxels that a filter adds: each takes the mean of its neighbours' colours, so that the
-//! result matches the painted surface around it.
+//! Colours for voxels that a filter adds: each takes the mean of its neighbours' colours, so that the result matches
+//! the painted surface around it.
 //!
 //! Takes the contents before the change and the voxels to be added; returns their colours and changes
 //! nothing. The order of the voxels does not matter, so that mirrored voxels get mirrored colours.
@@ -13,7 +13,8 @@ use super::colour::Rgb;
 use super::contents::Contents;
 use super::region::ListedBricks;
 
-/// How far a voxel without neighbours looks for voxels that exist: as far as the widest majority.
+/// The distance up to which a voxel without neighbours searches for existing voxels: that of the widest majority
+/// filter.
 const FAR_VX: i32 = 8;
 
 /// Colours for voxels that are about to exist.
@@ -21,8 +22,8 @@ const FAR_VX: i32 = 8;
 pub struct Inherited(HashMap<UVec3, Rgb>);
 
 impl Inherited {
-    /// Colours for those voxels of `add` that do not exist yet and for which `may_change` is true. Empty
-    /// if no brick has been painted.
+    /// Returns colours for the voxels of `add` that do not exist yet and for which `may_change` is true. Empty if no
+    /// brick has been painted.
     pub fn colours(
         contents: &Contents,
         add: &ListedBricks,
@@ -70,17 +71,17 @@ impl Inherited {
         Inherited(colours)
     }
 
-    /// Whether no voxel inherits a colour.
+    /// Returns whether no voxel inherits a colour.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The colour that the voxel `v` inherits, if it does.
+    /// Returns the colour that the voxel `v` inherits, if any.
     pub fn colour(&self, v: UVec3) -> Option<Rgb> {
         self.0.get(&v).copied()
     }
 
-    /// The number of new colour pages that painting them takes.
+    /// Returns the number of new colour pages that painting the voxels takes.
     pub fn new_pages(&self, contents: &Contents) -> u64 {
         let Contents { grid, material, .. } = contents;
         let painted = self
@@ -93,8 +94,7 @@ impl Inherited {
     }
 }
 
-/// The mean of the colours known in the cube that reaches `reach` voxels around `v`, each channel
-/// rounded.
+/// Returns the mean of the colours known in the cube that extends `reach` voxels around `v`, each channel rounded.
 fn mean_within(v: UVec3, reach: i32, known: impl Fn(IVec3) -> Option<Rgb>) -> Option<Rgb> {
     let (mut sum, mut count) = ([0u32; 3], 0);
     for z in -reach..=reach {

@@ -9,7 +9,7 @@ pub struct Limits {
     pub colour_bytes: u64,
     /// For all steps that can be undone or redone.
     pub history_bytes: usize,
-    /// On disk, for the steps that memory has no room for, where a session gives them a file.
+    /// On disk, for the steps that do not fit into memory, if a session gives them a file.
     pub history_disk_bytes: u64,
 }
 

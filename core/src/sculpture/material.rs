@@ -2,8 +2,7 @@
 //! colour for all other voxels.
 //!
 //! Addressed by linear brick index ([`Grid::brick_index`]) and voxel index in the brick
-//! ([`super::brick::local_index`]). Independent of existence: a page may hold a colour for a voxel that
-//! does not exist.
+//! ([`super::brick::local_index`]). Independent of existence: a page may hold a colour for a voxel that does not exist.
 
 use std::collections::TryReserveError;
 use std::ops::Range;
@@ -18,8 +17,8 @@ use super::memory;
 /// The packed colours of one brick, in the order of [`super::brick::local_index`].
 pub type Page = Box<[u8]>;
 
-/// An edit of the pages of a band: gets the linear index of its first brick, the pages, and the band's
-/// state; returns the number of pages that it has made.
+/// An edit of the pages of a band. Gets the linear index of its first brick, the pages, and the band's state; returns
+/// the number of pages that it has made.
 pub type BandEdit<'a, S> = dyn Fn(u32, &mut [Option<Page>], &mut S) -> usize + Sync + 'a;
 
 /// Colour per voxel, stored only where painted.
@@ -28,13 +27,14 @@ pub struct Material {
     depth: ColourDepth,
     base: Rgb,
     brick_count: usize,
-    /// One entry a brick; empty until the first page is made.
+    /// One entry per brick; empty until the first page is made.
     pages: Vec<Option<Page>>,
     page_count: usize,
 }
 
 impl Material {
-    /// No voxel painted yet, of a grid of `brick_count` bricks: all have `base`, quantised to `depth`.
+    /// Returns a material without painted voxels, for a grid of `brick_count` bricks: all have `base`, quantised to
+    /// `depth`.
     pub fn new(depth: ColourDepth, base: Rgb, brick_count: usize) -> Material {
         Material {
             depth,
@@ -45,44 +45,44 @@ impl Material {
         }
     }
 
-    /// No voxel of `grid` painted yet: all have `base`, quantised to `depth`.
+    /// Returns a material without painted voxels for `grid`: all have `base`, quantised to `depth`.
     pub fn for_grid(grid: &Grid, depth: ColourDepth, base: Rgb) -> Material {
         Material::new(depth, base, grid.brick_count())
     }
 
-    /// Bits of colour per voxel.
+    /// Returns the bits of colour per voxel.
     pub fn depth(&self) -> ColourDepth {
         self.depth
     }
 
-    /// Colour of every voxel that has not been painted.
+    /// Returns the colour of every voxel that has not been painted.
     pub fn base(&self) -> Rgb {
         self.base
     }
 
-    /// Bytes of one page.
+    /// Returns the bytes of one page.
     pub fn page_bytes(&self) -> usize {
         BRICK_VOXELS as usize * self.depth.bytes()
     }
 
-    /// Number of bricks that have a page.
+    /// Returns the number of bricks that have a page.
     pub fn page_count(&self) -> usize {
         self.page_count
     }
 
-    /// Heap bytes in use.
+    /// Returns the heap bytes in use.
     pub fn heap_bytes(&self) -> u64 {
         (self.pages.capacity() * size_of::<Option<Page>>() + self.page_count * self.page_bytes())
             as u64
     }
 
-    /// Heap bytes in use once `pages` more bricks are painted.
+    /// Returns the heap bytes in use once `pages` more bricks are painted.
     pub fn bytes_with(&self, pages: u64) -> u64 {
         let table = self.pages.capacity().max(self.brick_count) * size_of::<Option<Page>>();
         table as u64 + (self.page_count as u64 + pages) * self.page_bytes() as u64
     }
 
-    /// Colour of voxel `local` (0..512) of brick `brick`.
+    /// Returns the colour of voxel `local` (0..512) of brick `brick`.
     #[inline]
     pub fn rgb(&self, brick: usize, local: u32) -> Rgb {
         match self.page(brick) {
@@ -94,14 +94,14 @@ impl Material {
         }
     }
 
-    /// The page of a brick, if it has been painted.
+    /// Returns the page of a brick, if it has been painted.
     #[inline]
     pub fn page(&self, brick: usize) -> Option<&[u8]> {
         self.pages.get(brick).and_then(|p| p.as_deref())
     }
 
-    /// Gives the voxels of `mask` in brick `brick` the colour `colour`. Does nothing without
-    /// colour depth. A page is made only if a voxel of `mask` would otherwise look different.
+    /// Gives the voxels of `mask` in brick `brick` the colour `colour`. Does nothing without colour depth. Makes a page
+    /// only if the colour of a voxel of `mask` changes.
     pub fn paint(&mut self, brick: usize, mask: &Brick, colour: Rgb) {
         let brush = self.brush(colour);
         let differing = brush.differing(self.page(brick), mask);
@@ -111,14 +111,14 @@ impl Material {
         }
     }
 
-    /// A colour prepared for painting many bricks of this sculpture.
+    /// Returns a colour prepared for painting many bricks of this sculpture.
     pub fn brush(&self, colour: Rgb) -> Brush {
         Brush::new(self.depth, self.base, colour)
     }
 
-    /// Calls `f` for each of the bands `bands` of `bricks_per_band` bricks, with the linear index of
-    /// the band's first brick, its pages, and its entry of `states` (one per band of the grid); on
-    /// all threads if `parallel`. `f` returns the number of pages it has added.
+    /// Calls `f` for each of the bands `bands` of `bricks_per_band` bricks, on all threads if `parallel`. `f` gets the
+    /// linear index of the band's first brick, its pages, and its entry of `states` (one per band of the grid), and
+    /// returns the number of pages it has added.
     pub fn edit_bands<S: Send>(
         &mut self,
         bricks_per_band: usize,
@@ -144,8 +144,7 @@ impl Material {
         self.drop_empty_table();
     }
 
-    /// Gives each voxel of `mask` in brick `brick` the colour that `colour` returns for its local
-    /// index.
+    /// Gives each voxel of `mask` in brick `brick` the colour that `colour` returns for its local index.
     pub fn paint_each(&mut self, brick: usize, mask: &Brick, colour: impl Fn(u32) -> Rgb) {
         let (depth, bytes) = (self.depth, self.depth.bytes());
         if bytes == 0 || mask.is_empty() {
@@ -169,14 +168,14 @@ impl Material {
         before
     }
 
-    /// A copy, unless the system lacks the memory for it.
+    /// Returns a copy, unless the system lacks the memory for it.
     pub fn copied(&self) -> Result<Material, TryReserveError> {
         let page = |page: &Option<Page>| page.as_deref().map(copied_page).transpose();
         let pages = memory::copied_each(&self.pages, page)?;
         Ok(Material { pages, ..*self })
     }
 
-    /// Makes room for pages, unless the system lacks the memory for it.
+    /// Allocates the table of pages, unless the system lacks the memory for it.
     pub(super) fn try_make_room(&mut self) -> Result<(), TryReserveError> {
         if self.pages.is_empty() {
             self.pages = memory::filled(None, self.brick_count)?;
@@ -212,7 +211,7 @@ impl Material {
     }
 }
 
-/// A copy of a page, unless the system lacks the memory for it.
+/// Returns a copy of a page, unless the system lacks the memory for it.
 pub(super) fn copied_page(page: &[u8]) -> Result<Page, TryReserveError> {
     memory::copied(page).map(Vec::into_boxed_slice)
 }
@@ -247,12 +246,12 @@ impl Brush {
         brush
     }
 
-    /// Whether the colour is the base colour.
+    /// Returns whether the colour is the base colour.
     pub fn is_base(&self) -> bool {
         self.is_base
     }
 
-    /// The voxels of `mask` that the brush would change on a page. None without colour depth.
+    /// Returns the voxels of `mask` that the brush would change on a page; none without colour depth.
     pub fn differing(&self, page: Option<&[u8]>, mask: &Brick) -> Brick {
         let Some(page) = page else {
             return if self.is_base || self.bytes == 0 { Brick::EMPTY } else { *mask };
@@ -267,8 +266,8 @@ impl Brush {
         differing
     }
 
-    /// Gives the voxels of `mask` the colour; adds a page if there is none, and returns whether it
-    /// did. Only for a sculpture with colour depth.
+    /// Gives the voxels of `mask` the colour. Adds a page if there is none, and returns whether it did. Only for a
+    /// sculpture with colour depth.
     pub fn paint(&self, page: &mut Option<Page>, mask: &Brick) -> bool {
         let len = BRICK_VOXELS as usize * self.bytes;
         let made = page.is_none();

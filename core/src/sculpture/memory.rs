@@ -1,11 +1,11 @@
-//! Memory in amounts of a grid's size, which the system may not have: it is asked for before anything changes, so that a
-//! command can be refused instead of the program being ended.
+//! Allocations of about a grid's size, which may fail: memory is allocated before anything changes, so that a command
+//! can be refused instead of the program being terminated.
 //!
 //! Knows no grid and no command.
 
 use std::collections::TryReserveError;
 
-/// The system does not give this memory.
+/// The system does not provide the memory.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct NoMemory {
     /// Bytes that were needed.
@@ -13,13 +13,13 @@ pub struct NoMemory {
 }
 
 impl NoMemory {
-    /// MiB that were needed.
+    /// Returns the MiB that were needed.
     pub fn mib(self) -> u64 {
         self.bytes.div_ceil(1 << 20)
     }
 }
 
-/// A list of `count` equal values.
+/// Returns a list of `count` equal values.
 pub fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, TryReserveError> {
     let mut list = Vec::new();
     list.try_reserve_exact(count)?;
@@ -27,7 +27,7 @@ pub fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, TryReserveErro
     Ok(list)
 }
 
-/// A copy of a list of plain values.
+/// Returns a copy of a list of plain values.
 pub fn copied<T: Copy>(values: &[T]) -> Result<Vec<T>, TryReserveError> {
     let mut list = Vec::new();
     list.try_reserve_exact(values.len())?;
@@ -35,7 +35,7 @@ pub fn copied<T: Copy>(values: &[T]) -> Result<Vec<T>, TryReserveError> {
     Ok(list)
 }
 
-/// A list of copies that may need memory themselves.
+/// Returns a list of copies that may need memory themselves.
 pub fn copied_each<T>(
     values: &[T],
     copy: impl Fn(&T) -> Result<T, TryReserveError>,

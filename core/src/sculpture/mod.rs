@@ -1,8 +1,8 @@
-//! The data of a sculpture: existence bits, colours, placement, selection, and the edit that changes
-//! voxels and records their earlier state for undo.
+//! The data of a sculpture: existence bits, colours, placement, selection, and the edit that changes voxels and records
+//! their earlier state for undo.
 //!
-//! The lowest room: imports no other. Knows no tool, no file, no clock. Programs change a sculpture by
-//! commands to a document, two rooms further up, not by calling this directly.
+//! The lowest room: imports no other. Knows no tool, no file, no clock. Programs change a sculpture by commands to a
+//! document, two rooms further up, rather than by calling this directly.
 
 pub mod bit_block;
 pub mod brick;

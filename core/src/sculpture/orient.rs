@@ -1,8 +1,8 @@
 //! Rotates and mirrors whole sculptures by an [`Orientation`].
 //!
-//! Takes contents and gives new ones, in which sizes, voxels and colours have followed the axes. Works
-//! brick by brick: where the voxels of a brick come from is the same for all bricks, so one table
-//! of 512 entries serves them all. Memory is checked before it is taken. Knows no document.
+//! Takes contents and gives new ones, with sizes, voxels and colours in the new orientation. Works brick by brick: the
+//! source of each voxel within a brick is the same for all bricks, so one table of 512 entries serves them all. Memory
+//! is checked before it is allocated. Knows no document.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -18,7 +18,7 @@ use super::{Grid, GridError, Limits, Material};
 use crate::progress::Progress;
 use crate::refusal::{MemoryBudget, OverBudget};
 
-/// Why a sculpture cannot be laid another way.
+/// Why a sculpture cannot be reoriented.
 #[derive(Debug, Error)]
 pub enum OrientError {
     /// The new grid is not possible.
@@ -32,25 +32,25 @@ pub enum OrientError {
     Cancelled,
 }
 
-/// A sculpture about to be laid another way.
+/// A prepared reorientation of a sculpture.
 pub struct Reorientation<'a> {
     from: &'a Contents,
     orientation: Orientation,
-    /// Where each voxel of a brick comes from: the index in its brick, plus 512 times the number of
-    /// that brick among the up to eight that the new one overlaps.
+    /// The source of each voxel of a brick: the index in its brick, plus 512 times the number of that brick among the
+    /// up to eight that the new one overlaps.
     sources: Box<[u16]>,
     /// The numbers that occur in `sources`, as bits.
     overlapped: u8,
-    /// A page of the base colour, in place of those that are not there.
+    /// A page of the base colour, in place of absent ones.
     base_page: Page,
 }
 
 impl<'a> Reorientation<'a> {
-    /// Prepares to lay `from` another way.
+    /// Prepares the reorientation of `from`.
     pub fn new(from: &'a Contents, orientation: Orientation) -> Reorientation<'a> {
         let (dims, brick_dims) = (from.grid.dims(), from.grid.brick_dims());
-        // The former upper border of a reversed axis begins the first brick, so that bricks overlap two unless the size
-        // is a multiple of the brick's.
+        // The former upper border of a reversed axis begins the first brick. So bricks overlap two on that axis unless
+        // the size is a multiple of the brick's.
         let first = orientation.source(IVec3::ZERO, brick_dims) * BRICK_EDGE_VX as i32;
         let mut overlapped = 0;
         let sources = (0..BRICK_VOXELS).map(|local| {
@@ -68,8 +68,8 @@ impl<'a> Reorientation<'a> {
         Reorientation { from, orientation, sources, overlapped, base_page }
     }
 
-    /// Whether the inverse orientation restores every byte: bricks become bricks, or there are no
-    /// pages of colours that could be divided in another way.
+    /// Returns whether the inverse orientation restores every byte: bricks become bricks, or there are no pages of
+    /// colours that could be divided differently.
     pub fn is_exact(&self) -> bool {
         self.overlapped == 1 || self.from.material.page_count() == 0
     }
@@ -78,7 +78,7 @@ impl<'a> Reorientation<'a> {
         self.orientation.size(self.from.grid.dims())
     }
 
-    /// Lays it that way.
+    /// Reorients the sculpture.
     ///
     /// # Errors
     /// If the result needs more memory than `limits` allow, or `progress` is cancelled.
@@ -96,7 +96,7 @@ impl<'a> Reorientation<'a> {
             if progress.is_cancelled() {
                 return Brick::EMPTY;
             }
-            // Once a layer, as it is begun: layers are filled side by side.
+            // Once per layer, when it is begun: layers are filled in parallel.
             if b.x == 0 && b.y == 0 {
                 let before = begun.fetch_add(1, Ordering::Relaxed);
                 progress.advance(before as f32 / layers as f32);
@@ -135,7 +135,8 @@ impl<'a> Reorientation<'a> {
         }
     }
 
-    /// The bricks that the new brick at `b` overlaps, by their numbers; none beyond the border.
+    /// Returns the indices of the bricks that the new brick at `b` overlaps, by their numbers; `None` beyond the
+    /// border.
     fn overlapped_bricks(&self, b: UVec3) -> [Option<usize>; 8] {
         let grid = &self.from.grid;
         let last = self.orientation.source(b.as_ivec3(), grid.brick_dims());
@@ -158,7 +159,7 @@ impl<'a> Reorientation<'a> {
         if all_are(BrickKind::Empty) {
             return Brick::EMPTY;
         }
-        // The part beyond the border is cut off anyhow.
+        // The part beyond the border is cut off in any case.
         if all_are(BrickKind::Full) {
             return Brick::FULL;
         }
@@ -175,7 +176,7 @@ impl<'a> Reorientation<'a> {
         turned
     }
 
-    /// The colours of a new brick; none where all have the base colour.
+    /// Returns the colours of a new brick; `None` if all have the base colour.
     fn page(&self, b: UVec3) -> Option<Page> {
         match self.from.material.depth().bytes() {
             0 => None,
@@ -185,7 +186,7 @@ impl<'a> Reorientation<'a> {
         }
     }
 
-    /// The same for colours of `B` bytes.
+    /// Performs [`Self::page`] for colours of `B` bytes.
     fn page_of<const B: usize>(&self, b: UVec3) -> Option<Page> {
         let material = &self.from.material;
         let pages = self.overlapped_bricks(b).map(|at| at.and_then(|at| material.page(at)));
@@ -197,12 +198,12 @@ impl<'a> Reorientation<'a> {
         for (out, &source) in turned.as_chunks_mut::<B>().0.iter_mut().zip(&self.sources) {
             *out = from[usize::from(source >> 9)][usize::from(source & 511)];
         }
-        // A page that stays whole stays, whatever its colours, so that the way back is exact.
+        // A page that is moved as a whole is kept whatever its colours, so that the inverse is exact.
         (self.overlapped == 1 || turned != self.base_page).then_some(turned)
     }
 
-    /// Refuses a result that would take more memory for colours than is allowed. The pages are counted one by one only
-    /// where an upper bound is too much.
+    /// Refuses a result whose colours would take more memory than allowed. Counts the pages one by one only if an upper
+    /// bound exceeds the budget.
     fn check_colour_memory(&self, colours: &Material, budget: u64) -> Result<(), OrientError> {
         let painted = self.from.material.page_count() as u64;
         let bricks = self.from.grid.brick_count();
@@ -231,7 +232,7 @@ mod tests {
     use super::*;
     use crate::sculpture::{ColourDepth, Rgb};
 
-    /// Voxels and colours scattered by a simple rule; some colours where no voxel is.
+    /// Returns voxels and colours scattered by a simple rule, with some colours where there is no voxel.
     fn scattered(dims: UVec3, depth: ColourDepth, salt: u32) -> Contents {
         let mut grid = Grid::new(dims, Vec3::new(1.0, 2.0, 3.0), 1 << 30).unwrap();
         let mut material = Material::new(depth, Rgb::STONE, grid.brick_count());
@@ -258,7 +259,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
-        /// Against the definition, voxel by voxel, in all 48 ways; and back.
+        /// Compares with the definition, voxel by voxel, in all 48 orientations, and with their inverses.
         #[test]
         fn voxels_colours_and_sizes_follow_the_axes(
             dims in prop::array::uniform3(prop_oneof![1u32..30, Just(8), Just(16)]),
@@ -280,7 +281,7 @@ mod tests {
                     prop_assert_eq!(turned.rgb(v), from.rgb(source.as_uvec3()));
                 }
                 prop_assert_eq!(turned.grid.opaque_count(), from.grid.opaque_count());
-                // Equal to the bit in all that a grid keeps about its bricks.
+                // Equal to the bit in everything that a grid stores about its bricks.
                 let mut counted = turned.grid.clone();
                 counted.fill_bricks(|b| *turned.grid.brick(b));
                 prop_assert_eq!(&counted, &turned.grid);
@@ -297,7 +298,7 @@ mod tests {
 
     #[test]
     fn pages_are_counted_before_they_are_made() {
-        // One brick is painted; mirrored, its voxels lie in two.
+        // One brick is painted; after mirroring, its voxels lie in two.
         let mut from = scattered(UVec3::new(20, 8, 8), ColourDepth::Bits24, 1);
         (0..3).for_each(|at| drop(from.material.swap_page(at, None)));
         from.material.paint(1, &Brick::FULL, Rgb::new(1, 2, 3));
@@ -322,7 +323,7 @@ mod tests {
             })))
         ));
 
-        // Along an axis of whole bricks nothing is divided.
+        // Along an axis of whole bricks, nothing is divided.
         assert!(Reorientation::new(&from, Orientation::mirroring(1)).is_exact());
         assert!(Reorientation::new(&from, Orientation::quarter_turn(0)).is_exact());
     }

@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use glam::{IVec3, UVec3};
 
-/// Where the x, y and z axes of a box go: for each the axis (0 to 2) and whether it is reversed.
+/// The destination of the x, y and z axes of a box: for each the axis (0 to 2) and whether it is reversed.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Orientation {
     to: [usize; 3],
@@ -18,10 +18,10 @@ pub struct Orientation {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Orientation {
-    /// As it was copied: no axis exchanged or reversed.
+    /// The original orientation: no axis exchanged or reversed.
     pub const UPRIGHT: Orientation = Orientation { to: [0, 1, 2], reversed: [false; 3] };
 
-    /// All 48, [`Orientation::UPRIGHT`] first.
+    /// Returns all 48, [`Orientation::UPRIGHT`] first.
     pub fn all() -> impl Iterator<Item = Orientation> {
         const ORDERS: [[usize; 3]; 6] =
             [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
@@ -33,7 +33,7 @@ impl Orientation {
         })
     }
 
-    /// A quarter turn about an axis (0 to 2), anticlockwise as seen against the axis.
+    /// Returns a quarter turn about an axis (0 to 2), anticlockwise as seen against the axis.
     pub fn quarter_turn(axis: usize) -> Orientation {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let mut turn = Orientation::UPRIGHT;
@@ -43,14 +43,14 @@ impl Orientation {
         turn
     }
 
-    /// The mirroring of one axis (0 to 2).
+    /// Returns the mirroring of one axis (0 to 2).
     pub fn mirroring(axis: usize) -> Orientation {
         let mut mirror = Orientation::UPRIGHT;
         mirror.reversed[axis] = true;
         mirror
     }
 
-    /// First `self`, then `next`.
+    /// Composes two orientations: first `self`, then `next`.
     pub fn then(self, next: Orientation) -> Orientation {
         Orientation {
             to: self.to.map(|axis| next.to[axis]),
@@ -58,7 +58,7 @@ impl Orientation {
         }
     }
 
-    /// The orientation that leads back: `self.then(self.inverse())` is upright.
+    /// Returns the inverse: `self.then(self.inverse())` is upright.
     pub fn inverse(self) -> Orientation {
         let mut inverse = Orientation::UPRIGHT;
         for axis in 0..3 {
@@ -68,24 +68,24 @@ impl Orientation {
         inverse
     }
 
-    /// Whether an axis (0 to 2), before it is moved, is reversed.
+    /// Returns whether an axis (0 to 2), before it is moved, is reversed.
     pub fn reverses(self, axis: usize) -> bool {
         self.reversed[axis]
     }
 
-    /// Moves what belongs to each axis to where that axis goes. Directions do not matter.
+    /// Permutes per-axis values with the axes. Ignores reversal.
     pub fn permuted<T: Copy>(self, values: [T; 3]) -> [T; 3] {
         let mut out = values;
         (0..3).for_each(|axis| out[self.to[axis]] = values[axis]);
         out
     }
 
-    /// The size of a box of `size` in this orientation.
+    /// Returns the size of a box of `size` in this orientation.
     pub fn size(self, size: UVec3) -> UVec3 {
         self.permuted(size.to_array()).into()
     }
 
-    /// The voxel of a box of `size` that comes to lie at `v`, both counted from the lower corner.
+    /// Returns the voxel of a box of `size` that is moved to `v`, both counted from the lower corner.
     #[inline]
     pub fn source(self, v: IVec3, size: UVec3) -> IVec3 {
         let mut out = IVec3::ZERO;
@@ -96,8 +96,7 @@ impl Orientation {
         out
     }
 
-    /// Where the voxel `v` of a box of `size` is afterwards; the inverse of
-    /// [`Orientation::source`].
+    /// Returns the destination of the voxel `v` of a box of `size`; the inverse of [`Orientation::source`].
     #[inline]
     pub fn destination(self, v: IVec3, size: UVec3) -> IVec3 {
         self.inverse().source(v, self.size(size))
@@ -111,7 +110,7 @@ pub enum Up {
     X,
     /// -x.
     MinusX,
-    /// y, so nothing need be turned.
+    /// y, so nothing need be rotated.
     #[default]
     Y,
     /// -y.
@@ -133,8 +132,8 @@ impl Up {
         (Up::MinusX, "-x"),
     ];
 
-    /// The rotation that makes this axis the y axis. Where that leaves a choice, the side that faces the viewer (z)
-    /// continues to do so.
+    /// Returns the rotation that maps this axis to the y axis. Where that leaves a choice, the side that faces the
+    /// viewer (z) keeps facing the viewer.
     pub fn turned_upright(self) -> Orientation {
         let (to, reversed) = match self {
             Up::Y => ([0, 1, 2], [false, false, false]),
@@ -175,7 +174,7 @@ impl Default for Orientation {
     }
 }
 
-/// Where x, y and z go: `x,y,z` is upright, `-x,y,z` is mirrored, `y,-x,z` is turned.
+/// Writes the destinations of x, y and z: `x,y,z` is upright, `-x,y,z` is mirrored, `y,-x,z` is rotated.
 impl fmt::Display for Orientation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let axes = [0, 1, 2]
@@ -234,7 +233,7 @@ mod tests {
             let mirror = Orientation::mirroring(axis);
             assert_eq!(mirror.then(mirror), Orientation::UPRIGHT);
         }
-        // Anticlockwise about z: what lay along x lies along y.
+        // Anticlockwise about z: voxels along x move to y.
         let size = UVec3::new(4, 1, 1);
         let turn = Orientation::quarter_turn(2);
         assert_eq!(turn.size(size), UVec3::new(1, 4, 1));

@@ -17,11 +17,11 @@ use super::material::{Brush, Page};
 use super::region::{BrickBox, Region};
 use super::stroke::{BandRecord, Recording, StrokeRecorder};
 
-/// Regions of fewer bricks than this stay on one thread: waking others would cost more.
+/// Regions of fewer bricks than this stay on one thread: waking others would cost more than it gains.
 const PARALLEL_BRICKS: u64 = 256;
 
-/// Gives every existing voxel of `region` the colour that `colour` returns for its coordinates and its
-/// present colour. Does nothing without colour depth.
+/// Gives every existing voxel of `region` the colour that `colour` returns for its coordinates and its present colour.
+/// Does nothing without colour depth.
 pub fn paint_each(
     contents: &mut Contents,
     region: &impl Region,
@@ -62,7 +62,7 @@ pub fn paint_each(
         for z in slabs {
             for y in bricks.min.y..bricks.max.y {
                 let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
-                // Only making the masks gains by vector instructions.
+                // Only the computation of masks gains from vector instructions.
                 dispatch!(level, simd => row.walk(
                     simd,
                     region,
@@ -94,7 +94,7 @@ struct Palette {
 
 /// The page of a brick.
 struct BrickPage<'a> {
-    /// Of the brick.
+    /// Linear index of the brick.
     index: u32,
     page: &'a mut Option<Page>,
     /// Whether the stroke already has its earlier state.
@@ -178,7 +178,7 @@ mod tests {
             let mut dirty = BrickSet::new(contents.grid.brick_count());
             let min = IVec3::from(from);
             let region = VoxelBox { min, max: min + IVec3::from(size) };
-            // Twice, so that the second time meets pages.
+            // Twice, so that the second time finds pages.
             for _ in 0..2 {
                 let before = contents.clone();
                 let stats =

@@ -24,7 +24,7 @@ impl Default for Placement {
 }
 
 impl Placement {
-    /// An error that names the first invalid part, if there is one.
+    /// Checks all parts. The error names the first invalid one.
     pub fn check(&self) -> Result<(), InvalidValue> {
         let Placement { rotation, translation, scale } = *self;
         let check = |is_valid, field, value: &dyn Display| {
@@ -36,8 +36,8 @@ impl Placement {
         check(scale.is_finite() && scale > 0.0, "scale", &scale)
     }
 
-    /// Maps grid coordinates (in voxels, voxel (x,y,z) covers [x,x+1) etc.) to the world:
-    /// the centre goes to the origin, is scaled by the voxel size, rotated, translated.
+    /// Maps grid coordinates (in voxels; voxel (x,y,z) covers [x,x+1) etc.) to the world: the centre moves to the
+    /// origin, then the grid is scaled by the voxel size, rotated and translated.
     pub fn world_from_grid(&self, dims: UVec3, voxel_size: Vec3) -> Affine3A {
         Affine3A::from_scale_rotation_translation(
             voxel_size * self.scale,

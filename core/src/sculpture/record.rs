@@ -28,15 +28,14 @@ pub struct BrickRecord {
 }
 
 impl BrickRecord {
-    /// Keeps the bits of a brick that is neither empty nor full. Bricks of one word come in
-    /// rising order, and are named by the next [`BrickRecord::keep_word`].
+    /// Keeps the bits of a brick that is neither empty nor full. Bricks of one word come in ascending order, and are
+    /// named by the next [`BrickRecord::keep_word`].
     #[inline(always)]
     pub fn keep_mixed(&mut self, bits: &Brick) {
         self.mixed_bits.push(*bits);
     }
 
-    /// Names the bricks of a word that are kept; the bits of those that are mixed have been given to
-    /// [`BrickRecord::keep_mixed`].
+    /// Names the kept bricks of a word. The bits of the mixed ones have been given to [`BrickRecord::keep_mixed`].
     #[inline(always)]
     pub fn keep_word(&mut self, word: u32, kept: WordKinds) {
         let lists = [&mut self.empty, &mut self.full, &mut self.mixed];
@@ -47,44 +46,44 @@ impl BrickRecord {
         }
     }
 
-    /// Keeps the colour page of a brick, or that it had none.
+    /// Keeps the colour page of a brick, or its absence.
     pub fn keep_page(&mut self, index: u32, page: Option<Page>) {
         self.page_bytes += page.as_ref().map_or(0, |p| p.len());
         self.pages.push((index, page));
     }
 
-    /// The bricks that were empty, full and mixed.
+    /// Returns the bricks that were empty, full and mixed.
     pub fn kinds(&self) -> [&[BrickMask]; 3] {
         [&self.empty, &self.full, &self.mixed]
     }
 
-    /// The bits of the mixed bricks, in the order in which [`BrickRecord::kinds`] names them.
+    /// Returns the bits of the mixed bricks, in the order in which [`BrickRecord::kinds`] names them.
     pub fn mixed_bits(&self) -> &[Brick] {
         &self.mixed_bits
     }
 
-    /// The colour pages kept, with the linear indices of their bricks; none where there was none.
+    /// Returns the kept colour pages with the linear indices of their bricks; `None` for a brick without a page.
     pub fn pages(&self) -> &[(u32, Option<Page>)] {
         &self.pages
     }
 
-    /// Earlier bits of bricks of the mask, if any.
+    /// Returns the earlier bits of bricks of the mask, if any.
     pub fn mask(&self) -> Option<&BrickRecord> {
         self.mask.as_deref()
     }
 
-    /// Takes the part about the mask out of the record.
+    /// Takes the mask's part out of the record.
     pub(super) fn take_mask(&mut self) -> Option<BrickRecord> {
         self.mask.take().map(|mask| *mask)
     }
 
-    /// Keeps earlier bits of bricks of the mask, too.
+    /// Adds earlier bits of bricks of the mask.
     pub fn with_mask(self, mask: BrickRecord) -> BrickRecord {
         BrickRecord { mask: (!mask.is_empty()).then(|| Box::new(mask)), ..self }
     }
 
-    /// A record of what [`BrickRecord::kinds`], [`BrickRecord::mixed_bits`] and [`BrickRecord::pages`]
-    /// return. There must be bits for each mixed brick, and each brick may be named once only.
+    /// Returns a record of the values of [`BrickRecord::kinds`], [`BrickRecord::mixed_bits`] and
+    /// [`BrickRecord::pages`]. There must be bits for each mixed brick, and each brick may be named only once.
     pub fn from_parts(
         [empty, full, mixed]: [Vec<BrickMask>; 3],
         mixed_bits: Vec<Brick>,
@@ -94,7 +93,7 @@ impl BrickRecord {
         BrickRecord { empty, full, mixed, mixed_bits, pages, page_bytes, mask: None }
     }
 
-    /// Whether no earlier value is kept.
+    /// Returns whether no earlier value is kept.
     pub fn is_empty(&self) -> bool {
         self.empty.is_empty()
             && self.full.is_empty()
@@ -103,7 +102,7 @@ impl BrickRecord {
             && self.mask.is_none()
     }
 
-    /// Heap bytes in use.
+    /// Returns the heap bytes in use.
     pub fn heap_bytes(&self) -> usize {
         let masks = self.empty.capacity() + self.full.capacity() + self.mixed.capacity();
         masks * size_of::<BrickMask>()
@@ -113,7 +112,7 @@ impl BrickRecord {
             + self.mask.as_ref().map_or(0, |mask| size_of::<BrickRecord>() + mask.heap_bytes())
     }
 
-    /// Heap bytes that it takes after [`BrickRecord::gather`].
+    /// Returns the heap bytes after [`BrickRecord::gather`].
     pub fn gathered_bytes(&self) -> usize {
         let masks = self.empty.len() + self.full.len() + self.mixed.len();
         masks * size_of::<BrickMask>()
@@ -122,7 +121,7 @@ impl BrickRecord {
             + self.page_bytes
     }
 
-    /// Upper bound for the heap bytes of the reverse record ([`BrickRecord::swap`]).
+    /// Returns an upper bound for the heap bytes of the reverse record ([`BrickRecord::swap`]).
     pub fn reverse_bytes(&self, contents: &Contents) -> usize {
         let lists = [&self.empty, &self.full, &self.mixed];
         let masks: usize = lists.iter().map(|list| list.len()).sum();
@@ -139,7 +138,7 @@ impl BrickRecord {
             + self.mask.as_ref().map_or(0, |mask| mask.reverse_bytes_in(contents.mask.as_deref()))
     }
 
-    /// The same for the record of a mask; there may be none yet.
+    /// Returns the same bound for the record of a mask; there may be none yet.
     fn reverse_bytes_in(&self, mask: Option<&Grid>) -> usize {
         let lists = [&self.empty, &self.full, &self.mixed];
         let masks: usize = lists.iter().map(|list| list.len()).sum();
@@ -151,8 +150,8 @@ impl BrickRecord {
             + mask.map_or(0, mixed) * size_of::<Brick>()
     }
 
-    /// Moves the values of `parts` into one record without spare capacity. The parts are left empty
-    /// and keep their memory unless it is large.
+    /// Moves the values of `parts` into one record without spare capacity. The parts are left empty and keep their
+    /// memory unless it is large.
     pub fn gather<P: AsMut<BrickRecord>>(parts: &mut [P]) -> BrickRecord {
         BrickRecord {
             empty: gather(parts, |part| &mut part.empty),
@@ -165,7 +164,7 @@ impl BrickRecord {
         }
     }
 
-    /// A copy, unless the system lacks the memory for it.
+    /// Returns a copy, unless the system lacks the memory for it.
     pub fn copied(&self) -> Result<BrickRecord, TryReserveError> {
         let mask = match &self.mask {
             Some(mask) => Some(Box::new(mask.copied()?)),
@@ -185,14 +184,14 @@ impl BrickRecord {
         })
     }
 
-    /// Writes the kept values into `contents` and returns the values they replace. Adds every
-    /// brick that may have changed to `touched`.
+    /// Writes the kept values into `contents` and returns the values they replace. Adds every brick that may have
+    /// changed to `touched`.
     pub fn swap(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
         self.swap_into(Room::default(), contents, touched)
     }
 
-    /// [`BrickRecord::swap`], unless the system lacks the memory for it: then nothing has changed, and the record is
-    /// given back.
+    /// Performs [`BrickRecord::swap`], unless the system lacks the memory for it. Then nothing has changed, and the record
+    /// is returned.
     pub fn try_swap(
         self,
         contents: &mut Contents,
@@ -204,7 +203,7 @@ impl BrickRecord {
         }
     }
 
-    /// The memory that a swap needs; none if the system does not give it.
+    /// Returns the memory that a swap needs; `None` if the system does not provide it.
     fn room(&self, contents: &mut Contents) -> Option<Room> {
         let reverse = self.reverse_room(&contents.grid).ok()?;
         let mut room = Room { reverse, ..Room::default() };
@@ -223,7 +222,7 @@ impl BrickRecord {
         Some(room)
     }
 
-    /// An empty record with room for the reverse in a grid.
+    /// Returns an empty record with room for the reverse in a grid.
     fn reverse_room(&self, grid: &Grid) -> Result<BrickRecord, TryReserveError> {
         let lists = [&self.empty, &self.full, &self.mixed];
         let masks = lists.iter().map(|list| list.len()).sum();
@@ -307,7 +306,7 @@ impl BrickRecord {
         reverse
     }
 
-    /// Writes the kept values into the mask of `contents`, which is made or dropped as needed.
+    /// Writes the kept values into the mask of `contents`, which is created or dropped as needed.
     fn swap_mask(
         self,
         reverse: BrickRecord,
@@ -324,8 +323,7 @@ impl BrickRecord {
         reverse
     }
 
-    /// Sets the bricks of one word to what `bits` returns for them in turn, with their counts, and
-    /// keeps the old ones.
+    /// Sets the bricks of one word to successive values of `bits`, with their counts, and keeps the old ones.
     #[inline(always)]
     fn swap_word(
         &mut self,
@@ -355,10 +353,10 @@ impl BrickRecord {
 /// Memory for a swap.
 #[derive(Default)]
 struct Room {
-    /// An empty record, and that of the mask.
+    /// An empty record, and one for the mask.
     reverse: BrickRecord,
     of_mask: BrickRecord,
-    /// A mask, where there is none yet.
+    /// A mask, if there is none yet.
     mask: Option<Grid>,
 }
 

@@ -1,8 +1,8 @@
-//! Regions: sets of voxels as edits query them. A region has a bounding box and says, for each row of
-//! bricks along x, which bricks it touches, which it covers entirely, and which voxels of the others.
+//! Regions: sets of voxels as edits query them. A region has a bounding box. For each row of bricks along x, it tells
+//! which bricks it touches, which it covers entirely, and which voxels of the others.
 //!
 //! The unit is a row because solids are convex: the values that decide the 64 rows of voxels in a row of bricks are
-//! computed once, and the bricks in the middle are then known without looking at them. Knows no tool.
+//! computed once, and the bricks in the middle are then known without examining them. Knows no tool.
 
 use std::ops::Range;
 
@@ -22,33 +22,33 @@ pub struct VoxelBox {
 }
 
 impl VoxelBox {
-    /// All voxels of `grid`.
+    /// Returns all voxels of `grid`.
     pub fn of_grid(grid: &Grid) -> VoxelBox {
         VoxelBox { min: IVec3::ZERO, max: grid.dims().as_ivec3() }
     }
 
-    /// The voxels in both; empty if there are none.
+    /// Returns the voxels in both; empty if there are none.
     pub fn intersect(self, other: VoxelBox) -> VoxelBox {
         VoxelBox { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
-    /// Whether the box holds no voxel.
+    /// Returns whether the box holds no voxel.
     pub fn is_empty(self) -> bool {
         !self.min.cmplt(self.max).all()
     }
 
-    /// Size in voxels; 0 on an axis where `max` is below `min`.
+    /// Returns the size in voxels; 0 on an axis where `max` is below `min`.
     pub fn size(self) -> UVec3 {
         self.max.saturating_sub(self.min).max(IVec3::ZERO).as_uvec3()
     }
 
-    /// Whether the voxel `v` is in the box.
+    /// Returns whether the voxel `v` is in the box.
     pub fn contains(self, v: IVec3) -> bool {
         v.cmpge(self.min).all() && v.cmplt(self.max).all()
     }
 }
 
-/// Where a box cuts the bricks of a row on y and z, in voxels of the brick: 0 to 8.
+/// The part of a row's bricks that a box covers on y and z, in voxels of the brick: 0 to 8.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct BoxRow {
     low: [u32; 2],
@@ -101,7 +101,7 @@ pub struct BrickBox {
 }
 
 impl BrickBox {
-    /// The bricks of `grid` that the bounds of `region` reach, if there are any.
+    /// Returns the bricks of `grid` within the bounds of `region`, if there are any.
     pub fn around(region: &impl Region, grid: &Grid) -> Option<BrickBox> {
         let bounds = region.bounds_vx().intersect(VoxelBox::of_grid(grid));
         (!bounds.is_empty()).then(|| BrickBox {
@@ -110,14 +110,14 @@ impl BrickBox {
         })
     }
 
-    /// Number of bricks in the box.
+    /// Returns the number of bricks in the box.
     pub fn brick_count(self) -> u64 {
         (self.max - self.min).as_u64vec3().element_product()
     }
 }
 
-/// How a region covers the bricks of a row, named by their brick coordinate along x; they may lie beyond the grid's
-/// border.
+/// How a region covers the bricks of a row. Bricks are named by their brick coordinate along x; they may lie beyond the
+/// grid's border.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RowReach {
     /// Bricks outside of this range are not covered at all.
@@ -131,20 +131,19 @@ impl RowReach {
     pub const NONE: RowReach = RowReach { touched: 0..0, whole: 0..0 };
 }
 
-/// A set of voxels that is queried by rows of bricks, with the vector instructions of the whole edit.
+/// A set of voxels that is queried by rows of bricks, with vector instructions chosen for the whole edit.
 pub trait Region: Sync {
     /// Values computed once for a row of bricks along x; their memory is reused for the next row.
     type Row: Default;
 
-    /// A box outside of which the region covers nothing (it may reach beyond the grid).
+    /// Returns a box outside which the region covers nothing (it may extend beyond the grid).
     fn bounds_vx(&self) -> VoxelBox;
 
-    /// Intersects the region with the row of bricks whose lower edge runs along x at voxel coordinates
-    /// `y_vx`, `z_vx`.
+    /// Intersects the region with the row of bricks whose lower edge runs along x at voxel coordinates `y_vx`, `z_vx`.
     fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach;
 
-    /// The covered voxels of a touched brick of the row passed to [`Region::cut_row`] last. May
-    /// include voxels beyond the grid's border.
+    /// Returns the covered voxels of a touched brick of the row passed to [`Region::cut_row`] last. May include voxels
+    /// beyond the grid's border.
     fn mask<S: Simd>(&self, simd: S, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick;
 }
 
@@ -175,18 +174,18 @@ pub struct ListedBricks {
 }
 
 impl ListedBricks {
-    /// The bricks must come x fastest, then y, then z, each at most once.
+    /// Takes bricks in the order x fastest, then y, then z, each at most once.
     pub fn new(bricks: Vec<(UVec3, Brick)>) -> ListedBricks {
         debug_assert!(bricks.is_sorted_by_key(|(b, _)| (b.z, b.y, b.x)));
         ListedBricks { bricks }
     }
 
-    /// Brick coordinates and masks, x fastest, then y, then z.
+    /// Returns the brick coordinates and masks, x fastest, then y, then z.
     pub fn bricks(&self) -> &[(UVec3, Brick)] {
         &self.bricks
     }
 
-    /// The voxels that are in any of `lists`.
+    /// Returns the voxels that are in any of `lists`.
     pub fn union(lists: impl IntoIterator<Item = ListedBricks>) -> ListedBricks {
         let mut bricks: Vec<(UVec3, Brick)> = lists.into_iter().flat_map(|l| l.bricks).collect();
         bricks.sort_by_key(|(b, _)| (b.z, b.y, b.x));
@@ -201,7 +200,7 @@ impl ListedBricks {
 }
 
 impl Region for ListedBricks {
-    /// Where the row's bricks stand in the list.
+    /// The position of the row's bricks in the list.
     type Row = Range<usize>;
 
     fn bounds_vx(&self) -> VoxelBox {

@@ -1,8 +1,8 @@
-//! Edits the bricks of one row: sets their bits and counts, keeps the old bits for undo, and reports
-//! which bricks changed.
+//! Edits the bricks of one row: sets their bits and counts, keeps the old bits for undo, and reports the changed
+//! bricks.
 //!
-//! Bricks come in rising order, so that the masks of 64 of them are gathered in registers and written
-//! once. Knows no tool and no colour.
+//! Bricks come in ascending order, so that the masks of 64 of them are gathered in registers and written once. Knows no
+//! tool and no colour.
 
 use fearless_simd::Simd;
 use glam::UVec3;
@@ -15,7 +15,7 @@ use super::stroke::BandRecord;
 
 const FULL: u16 = BRICK_VOXELS as u16;
 
-/// Bricks of a row that an edit covers, in the same way.
+/// Bricks of a row that an edit covers alike.
 pub enum Piece<'a, S: Simd, R: Region> {
     /// `len` bricks along x from `first` on, all of them.
     Whole { first: UVec3, len: u32 },
@@ -36,7 +36,7 @@ impl<S: Simd, R: Region> Piece<'_, S, R> {
         }
     }
 
-    /// The voxels that are covered of a brick.
+    /// Returns the covered voxels of a brick.
     #[inline(always)]
     pub fn mask(&self, brick: UVec3) -> Brick {
         match self {
@@ -51,7 +51,7 @@ pub struct RowEdit<'a, 'g> {
     grid: &'a mut GridBand<'g>,
     record: &'a mut BandRecord,
     kept_before: &'a BrickSet,
-    /// The current word of 64 bricks, and which of them the stroke has already kept.
+    /// The current word of 64 bricks, and those of them that the stroke has already kept.
     word: u32,
     kept_of_word: u64,
     kept: WordKinds,
@@ -150,7 +150,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
         }
     }
 
-    /// Lists the covered voxels that exist to be painted.
+    /// Lists the covered, existing voxels for painting.
     #[inline(always)]
     pub fn paint(&mut self, piece: Piece<impl Simd, impl Region>) {
         piece.each(
@@ -168,8 +168,8 @@ impl<'a, 'g> RowEdit<'a, 'g> {
         );
     }
 
-    /// Fills or empties `len` bricks along x: up to 64 at once where all have `before` voxels,
-    /// which is none to fill them or 512 to empty them; else each by `one`.
+    /// Fills or empties `len` bricks along x: up to 64 at once where all have `before` voxels, which is 0 to fill them
+    /// or 512 to empty them; otherwise each by `one`.
     #[inline(always)]
     fn each_run(
         &mut self,
@@ -214,7 +214,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
         }
     }
 
-    /// Sets a brick to new bits, and keeps the old ones if the stroke has none of it yet.
+    /// Sets a brick to new bits, and keeps the old ones if the stroke has not kept any of it yet.
     #[inline(always)]
     fn replace(&mut self, b: UVec3, index: u32, before: u16, bits: &Brick, count: u16) {
         self.enter_word(index);

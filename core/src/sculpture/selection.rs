@@ -1,5 +1,4 @@
-//! The selection: a marker box, and a stack of boxes added and subtracted in order, to which all tools
-//! can be limited.
+//! The selection: a marker box, and a stack of boxes added and subtracted in order. All tools can be limited to it.
 //!
 //! Boxes are in voxels and may reach beyond the grid. Changes no voxel; [`super::edit_scope`] intersects a tool's
 //! region with the selection where edits are applied.
@@ -40,7 +39,7 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// For a grid of `dims` voxels: a marker of half its size in its middle, an empty stack.
+    /// Returns the selection for a grid of `dims` voxels: a marker of half its size in its middle, and an empty stack.
     pub fn new(dims: UVec3) -> Selection {
         let size = (dims / 2).max(UVec3::ONE).as_ivec3();
         let min = (dims.as_ivec3() - size) / 2;
@@ -51,12 +50,12 @@ impl Selection {
         }
     }
 
-    /// The marker's box.
+    /// Returns the marker's box.
     pub fn marker(&self) -> VoxelBox {
         self.marker
     }
 
-    /// An error that says why `marker` is not a valid marker, if it is not.
+    /// Checks whether `marker` is a valid marker. The error says why it is not.
     pub fn check_marker(marker: VoxelBox) -> Result<(), InvalidValue> {
         let VoxelBox { min, max } = marker;
         let (far, given) = (IVec3::splat(MARKER_LIMIT_VX), format_args!("{min} to {max}"));
@@ -66,24 +65,24 @@ impl Selection {
         InvalidValue::check(!marker.is_empty(), "marker", rule, given)
     }
 
-    /// Replaces the marker; an error if `marker` is not a valid one.
+    /// Replaces the marker. Returns an error if `marker` is not a valid one.
     pub fn set_marker(&mut self, marker: VoxelBox) -> Result<(), InvalidValue> {
         Self::check_marker(marker)?;
         self.marker = marker;
         Ok(())
     }
 
-    /// The boxes of the stack, the lowest first.
+    /// Returns the boxes of the stack, the lowest first.
     pub fn boxes(&self) -> &[SelectedBox] {
         &self.stack.0
     }
 
-    /// The stack, as a region of voxels.
+    /// Returns the stack, as a region of voxels.
     pub fn stack(&self) -> &BoxStack {
         &self.stack
     }
 
-    /// Puts the marker's box on the stack; false if the stack is full.
+    /// Puts the marker's box on the stack. Returns false if the stack is full.
     pub fn push(&mut self, adds: bool) -> bool {
         let room = self.stack.0.len() < MAX_BOXES;
         if room {
@@ -92,7 +91,7 @@ impl Selection {
         room
     }
 
-    /// Removes the uppermost box; false if there is none.
+    /// Removes the uppermost box. Returns false if there is none.
     pub fn drop_last(&mut self) -> bool {
         self.stack.0.pop().is_some()
     }
@@ -102,12 +101,12 @@ impl Selection {
         self.stack.0.clear();
     }
 
-    /// The same boxes about the same voxels after a grid of `dims` voxels was laid another way.
+    /// Returns the boxes about the same voxels after a grid of `dims` voxels was reoriented.
     pub fn oriented(&self, orientation: Orientation, dims: UVec3) -> Selection {
         let turned = |bounds: VoxelBox| {
             let ends = [bounds.min, bounds.max - 1].map(|v| orientation.destination(v, dims));
             let (min, max) = (ends[0].min(ends[1]), ends[0].max(ends[1]) + 1);
-            // A box that was as far away as allowed could be farther now, by less than the grid.
+            // A box at the limit could lie beyond it now, by less than the grid's size.
             let limit = IVec3::splat(MARKER_LIMIT_VX);
             let back = (limit - max).min(IVec3::ZERO) + (-limit - min).max(IVec3::ZERO);
             let (min, max) = (min + back, max + back);
@@ -118,7 +117,7 @@ impl Selection {
         Selection { marker: turned(self.marker), stack: BoxStack(stack), limits: self.limits }
     }
 
-    /// Whether tools are limited to the selection, if anything is selected.
+    /// Returns whether tools are limited to the selection, if anything is selected.
     pub fn limits(&self) -> bool {
         self.limits
     }
@@ -128,19 +127,19 @@ impl Selection {
         self.limits = limits;
     }
 
-    /// The boxes that tools are limited to. None while they work everywhere.
+    /// Returns the boxes that tools are limited to; `None` while they work everywhere.
     pub fn limit(&self) -> Option<&BoxStack> {
         (self.limits && !self.stack.0.is_empty()).then_some(&self.stack)
     }
 }
 
 impl BoxStack {
-    /// Whether there is no box on the stack.
+    /// Returns whether there is no box on the stack.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether a voxel is selected: the uppermost box around it decides.
+    /// Returns whether a voxel is selected: the uppermost box that contains it decides.
     pub fn contains(&self, v: IVec3) -> bool {
         self.0.iter().rev().find(|b| b.bounds.contains(v)).is_some_and(|b| b.adds)
     }
@@ -185,7 +184,7 @@ impl Region for BoxStack {
     }
 }
 
-/// The union of two rows' coverage; `whole` may leave out some bricks.
+/// Returns the union of two rows' coverage; `whole` may leave out some bricks.
 fn joined(a: &RowReach, b: &RowReach) -> RowReach {
     let hull = |a: &std::ops::Range<u32>, b: &std::ops::Range<u32>| {
         if a.is_empty() { b.clone() } else { a.start.min(b.start)..a.end.max(b.end) }
@@ -201,7 +200,7 @@ fn joined(a: &RowReach, b: &RowReach) -> RowReach {
     RowReach { touched: hull(&a.touched, &b.touched), whole }
 }
 
-/// The longest part of `range` beside `hole`.
+/// Returns the longest part of `range` beside `hole`.
 fn longest_without(
     range: &std::ops::Range<u32>,
     hole: &std::ops::Range<u32>,

@@ -1,8 +1,8 @@
-//! Collects the undo record of a stroke while it is in progress: for each brick that an edit changes
-//! for the first time, its earlier bits and colours.
+//! Collects the undo record of a stroke while it is in progress: for each brick that an edit changes for the first
+//! time, its earlier bits and colours.
 //!
-//! One recorder serves all strokes of a sculpture, so that a stroke allocates only the record that it
-//! results in. Knows no history.
+//! One recorder serves all strokes of a sculpture, so that a stroke allocates only its resulting record. Knows no
+//! history.
 
 use super::brick::Brick;
 use super::brick_set::{BrickMask, BrickSet};
@@ -16,7 +16,7 @@ pub struct StrokeRecorder {
     bands: Vec<BandRecord>,
     bits_kept: BrickSet,
     pages_kept: BrickSet,
-    /// Of the mask, once the stroke changes it.
+    /// The recorder of the mask, once the stroke changes it.
     mask: Option<Box<StrokeRecorder>>,
 }
 
@@ -41,7 +41,7 @@ impl AsMut<BrickRecord> for BandRecord {
     }
 }
 
-/// The bands to record into, with the bricks whose earlier state the stroke already has.
+/// The bands to record into, with the bricks whose earlier state has been kept.
 pub struct Recording<'a> {
     /// A record per band of the grid.
     pub bands: &'a mut [BandRecord],
@@ -52,7 +52,7 @@ pub struct Recording<'a> {
 }
 
 impl StrokeRecorder {
-    /// A recorder for sculptures of the size of `grid`.
+    /// Returns a recorder for sculptures of the size of `grid`.
     pub fn new(grid: &Grid) -> StrokeRecorder {
         StrokeRecorder {
             bands: std::iter::repeat_with(BandRecord::default).take(grid.band_count()).collect(),
@@ -62,7 +62,7 @@ impl StrokeRecorder {
         }
     }
 
-    /// The recorder of the mask of `grid`.
+    /// Returns the recorder of the mask of `grid`.
     pub fn for_mask(&mut self, grid: &Grid) -> &mut StrokeRecorder {
         self.mask.get_or_insert_with(|| Box::new(StrokeRecorder::new(grid)))
     }
@@ -96,13 +96,13 @@ impl StrokeRecorder {
         stats
     }
 
-    /// Bytes that the stroke's record takes so far.
+    /// Returns the bytes that the stroke's record takes so far.
     pub fn bytes(&self) -> usize {
         let own: usize = self.bands.iter().map(|band| band.earlier.gathered_bytes()).sum();
         own + self.mask.as_ref().map_or(0, |mask| mask.bytes())
     }
 
-    /// Goes on with a stroke that was ended, from its record.
+    /// Resumes an ended stroke from its record.
     pub fn resume(&mut self, mut record: BrickRecord, grid: &Grid) {
         if let Some(mask) = record.take_mask() {
             self.for_mask(grid).resume(mask, grid);

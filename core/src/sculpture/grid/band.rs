@@ -1,6 +1,5 @@
-//! Parallel write access to a grid: bands of four slabs of bricks along z, each lent to one task.
-//! Four slabs are what one occupancy word spans, so that bands share nothing. For loaders, runs of
-//! bricks in linear order.
+//! Parallel write access to a grid: bands of four slabs of bricks along z, each lent to one task. One occupancy word
+//! spans four slabs, so that bands share nothing. Loaders use runs of bricks in linear order.
 
 use std::ops::Range;
 
@@ -27,13 +26,13 @@ pub(in crate::sculpture) struct GridBand<'a> {
 }
 
 impl GridBand<'_> {
-    /// Linear index, in the grid, of the brick at brick coordinates `b`.
+    /// Returns the linear index, in the grid, of the brick at brick coordinates `b`.
     #[inline]
     pub fn brick_index(&self, b: UVec3) -> u32 {
         b.x + self.brick_dims.x * (b.y + self.brick_dims.y * b.z)
     }
 
-    /// The slabs of the band that lie in `slabs`.
+    /// Returns the slabs of the band that lie in `slabs`.
     pub fn slabs_of(&self, slabs: Range<u32>) -> Range<u32> {
         let first = self.first / (self.brick_dims.x * self.brick_dims.y);
         slabs.start.max(first)..slabs.end.min(first + BAND_SLABS)
@@ -49,21 +48,21 @@ impl GridBand<'_> {
         self.counts[(index - self.first) as usize]
     }
 
-    /// Counts of `len` bricks from `index` on.
+    /// Returns the counts of `len` bricks from `index` on.
     #[inline]
     pub fn counts(&self, index: u32, len: u32) -> &[u16] {
         let at = (index - self.first) as usize;
         &self.counts[at..at + len as usize]
     }
 
-    /// [`Grid::valid_mask`].
+    /// Performs [`Grid::valid_mask`].
     #[inline]
     pub fn valid_mask(&self, b: UVec3) -> Brick {
         valid_mask(self.dims, b)
     }
 
-    /// Replaces the brick at brick coordinates `b` and linear index `index` by one of `count`
-    /// voxels, all of them within [`GridBand::valid_mask`].
+    /// Replaces the brick at brick coordinates `b` and linear index `index` by one of `count` voxels, all of them
+    /// within [`GridBand::valid_mask`].
     #[inline(always)]
     pub fn set(&mut self, b: UVec3, index: u32, brick: &Brick, count: u16) {
         debug_assert_eq!(count, brick.count());
@@ -79,7 +78,7 @@ impl GridBand<'_> {
         }
     }
 
-    /// Fills `len` empty bricks along x from the one at `b` on, or empties as many full ones.
+    /// Fills `len` empty bricks along x, starting at `b`, or empties as many full ones.
     #[inline(always)]
     pub fn flip_run(&mut self, b: UVec3, index: u32, len: u32, full: bool) {
         let at = (index - self.first) as usize;
@@ -108,7 +107,7 @@ pub(crate) struct BrickPlaces {
 }
 
 impl BrickPlaces {
-    /// [`Grid::valid_mask`].
+    /// Performs [`Grid::valid_mask`].
     #[inline]
     pub fn valid_mask(&self, index: usize) -> Brick {
         valid_mask(self.dims, unflatten(index as u32, self.brick_dims))
@@ -116,9 +115,9 @@ impl BrickPlaces {
 }
 
 impl Grid {
-    /// Lets `f` write all bricks, in runs of `run` in linear order, on all threads. `f` gets the
-    /// linear index of a run's first brick and the run, and must leave only valid bits. Returns
-    /// what `f` returns, in order, or one of its errors.
+    /// Lets `f` write all bricks, in runs of `run` in linear order, on all threads. `f` gets the linear index of a
+    /// run's first brick and the run, and must leave only valid bits. Returns the values of `f` in order, or one of its
+    /// errors.
     pub(crate) fn try_fill_runs<T: Send, E: Send>(
         &mut self,
         run: usize,
@@ -142,23 +141,23 @@ impl Grid {
         result
     }
 
-    /// Number of bands.
+    /// Returns the number of bands.
     pub(in crate::sculpture) fn band_count(&self) -> usize {
         self.brick_dims.z.div_ceil(BAND_SLABS) as usize
     }
 
-    /// Linear index of a band's first brick, and so the distance between bands in bricks.
+    /// Returns the number of bricks in a band, which is the distance between the first bricks of successive bands.
     pub(in crate::sculpture) fn bricks_per_band(&self) -> usize {
         (self.brick_dims.x * self.brick_dims.y * BAND_SLABS) as usize
     }
 
-    /// The bands that hold the bricks of `slabs`.
+    /// Returns the bands that hold the bricks of `slabs`.
     pub(in crate::sculpture) fn bands_of(&self, slabs: Range<u32>) -> Range<usize> {
         (slabs.start / BAND_SLABS) as usize..slabs.end.div_ceil(BAND_SLABS) as usize
     }
 
-    /// Calls `f` for each band that holds bricks of `slabs`, with its entry of `states` (one per band of
-    /// the grid); on all threads if `parallel`.
+    /// Calls `f` for each band that holds bricks of `slabs`, with its entry of `states` (one per band of the grid); on
+    /// all threads if `parallel`.
     pub(in crate::sculpture) fn edit_bands<S: Send>(
         &mut self,
         slabs: Range<u32>,

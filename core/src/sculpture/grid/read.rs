@@ -1,7 +1,7 @@
-//! Reading a grid: single bricks by coordinates or linear index, the non-empty ones, rows along x,
-//! occupancy by blocks of 4^3 bricks, and bounding boxes.
+//! Reads a grid: single bricks by coordinates or linear index, the non-empty ones, rows along x, occupancy by blocks of
+//! 4^3 bricks, and bounding boxes.
 //!
-//! None of it tells how bricks are stored. Reads only; nothing allocates.
+//! Reveals nothing about how bricks are stored. Reads only; allocates nothing.
 
 use glam::UVec3;
 
@@ -9,31 +9,31 @@ use super::{BRICK_EDGE_VX, Grid};
 use crate::sculpture::brick::{Brick, BrickKind, local_coords, word_bounds};
 
 impl Grid {
-    /// Number of bricks, empty ones included: the length of a table with an entry per brick.
+    /// Returns the number of bricks, empty ones included: the length of a table with an entry per brick.
     #[inline]
     pub fn brick_count(&self) -> usize {
         self.bricks.len()
     }
 
-    /// The brick at brick coordinates `b`, which must be inside.
+    /// Returns the brick at brick coordinates `b`, which must be inside.
     #[inline(always)]
     pub fn brick(&self, b: UVec3) -> &Brick {
         &self.bricks[self.brick_index(b)]
     }
 
-    /// The brick of a linear brick index ([`Grid::brick_index`]).
+    /// Returns the brick of a linear brick index ([`Grid::brick_index`]).
     #[inline(always)]
     pub fn brick_at(&self, index: usize) -> &Brick {
         &self.bricks[index]
     }
 
-    /// Whether the brick of a linear brick index is empty, full or neither. Does not touch the bits.
+    /// Returns whether the brick of a linear brick index is empty, full or neither, without reading the bits.
     #[inline(always)]
     pub fn brick_kind(&self, index: usize) -> BrickKind {
         BrickKind::of_count(self.counts[index])
     }
 
-    /// The non-empty bricks with their brick coordinates, x fastest, then y, then z.
+    /// Returns the non-empty bricks with their brick coordinates, x fastest, then y, then z.
     pub fn nonempty_bricks(&self) -> impl Iterator<Item = (UVec3, &Brick)> {
         let UVec3 { y: height, z: depth, .. } = self.brick_dims;
         (0..depth).flat_map(move |z| {
@@ -43,7 +43,8 @@ impl Grid {
         })
     }
 
-    /// The non-empty bricks of the row along x at brick coordinates (y, z), each with its x, rising.
+    /// Returns the non-empty bricks of the row along x at brick coordinates (y, z), each with its x, in ascending
+    /// order.
     #[inline]
     pub fn nonempty_in_row(&self, y: u32, z: u32) -> impl Iterator<Item = (u32, &Brick)> {
         let start = UVec3::new(0, y, z);
@@ -57,8 +58,8 @@ impl Grid {
         })
     }
 
-    /// Copies bricks along x, from the one at brick coordinates `first` on, as many as `target` has
-    /// room for: 64 bytes each, as they lie in memory. The row must be long enough.
+    /// Copies as many bricks along x as `target` has room for, starting at brick coordinates `first`: 64 bytes each, as
+    /// they lie in memory. The row must be long enough.
     #[inline]
     pub fn copy_row(&self, first: UVec3, target: &mut [u8]) {
         let first = self.brick_index(first);
@@ -66,36 +67,36 @@ impl Grid {
         target.copy_from_slice(bytemuck::cast_slice(row));
     }
 
-    /// Size of the grid in blocks of 4^3 bricks, the unit of occupancy words.
+    /// Returns the size of the grid in blocks of 4^3 bricks, the unit of occupancy words.
     #[inline]
     pub fn occupancy_dims(&self) -> UVec3 {
         self.occupancy_dims
     }
 
-    /// The occupancy of the block of 4^3 bricks at block coordinates `block`, which must be inside:
-    /// a bit per brick, set where it is not empty, ordered as the voxels of a brick's word.
+    /// Returns the occupancy of the block of 4^3 bricks at block coordinates `block`, which must be inside: a bit per
+    /// brick, set if it is not empty, ordered as the voxels of a brick's word.
     #[inline(always)]
     pub fn occupancy_word(&self, block: UVec3) -> u64 {
         let UVec3 { x: width, y: height, .. } = self.occupancy_dims;
         self.occupancy[(block.x + width * (block.y + height * block.z)) as usize]
     }
 
-    /// The occupancy word of the block around the brick at `b`, and the brick's bit in it.
+    /// Returns the occupancy word of the block around the brick at `b`, and the brick's bit in it.
     #[inline(always)]
     pub fn occupancy_around(&self, b: UVec3) -> (u64, u32) {
         let (word, bit) = self.occupancy_place(b);
         (self.occupancy[word], bit)
     }
 
-    /// The box of whole bricks about all voxels, in voxels and cut to the grid: its lowest voxel and
-    /// one past its highest. None if the grid is empty.
+    /// Returns the bounding box of the non-empty bricks, in voxels and cut to the grid: its lowest voxel and one past
+    /// its highest. `None` if the grid is empty.
     pub fn bounds_vx(&self) -> Option<(UVec3, UVec3)> {
         let (mut low, mut high) = (UVec3::MAX, UVec3::ZERO);
         let UVec3 { x: width, y: height, .. } = self.occupancy_dims;
         for (row, words) in (0..).zip(self.occupancy.chunks_exact(width as usize)) {
             let mut first = UVec3::new(0, row % height, row / height) * 4;
             for &word in words {
-                // Most lie within what is known already.
+                // Most lie within the bounds known so far.
                 if word != 0 && !(first.cmpge(low).all() && (first + 4).cmple(high).all()) {
                     let (word_low, word_high) = word_bounds(word);
                     low = low.min(first + word_low);
@@ -108,13 +109,13 @@ impl Grid {
         (low.x != u32::MAX).then(|| (low * edge, (high * edge).min(self.dims)))
     }
 
-    /// The smallest box of voxels that holds every existing one, `min` inclusive and `max`
-    /// exclusive. None if the grid is empty.
+    /// Returns the smallest box of voxels that holds every existing one, `min` inclusive and `max` exclusive. `None` if
+    /// the grid is empty.
     pub fn opaque_bounds(&self) -> Option<(UVec3, UVec3)> {
         let (mut min, mut max) = (UVec3::MAX, UVec3::ZERO);
         for (b, brick) in self.nonempty_bricks() {
             let low = b * BRICK_EDGE_VX;
-            // Only a brick that reaches beyond the box so far needs a closer look.
+            // Only a brick that extends beyond the box so far needs a closer look.
             if low.cmpge(min).all() && (low + BRICK_EDGE_VX).cmple(max).all() {
                 continue;
             }

@@ -5,7 +5,7 @@ use glam::UVec3;
 use super::{BRICK_EDGE_VX, Grid};
 use crate::sculpture::brick::{Brick, BrickKind};
 
-/// Number of existing voxels in the outermost layers of a grid, beyond which there is no room.
+/// Returns the number of existing voxels in the outermost layers of a grid, at its walls.
 pub fn voxels_at_walls(grid: &Grid) -> u64 {
     let last = grid.brick_dims() - 1;
     let mut count = 0;
@@ -24,12 +24,12 @@ pub fn voxels_at_walls(grid: &Grid) -> u64 {
     count
 }
 
-/// The voxels of the brick at `b` that lie in an outermost layer.
+/// Returns the voxels of the brick at `b` that lie in an outermost layer.
 fn walls_of(grid: &Grid, b: UVec3) -> Brick {
     let (dims, last) = (grid.dims().to_array(), (grid.brick_dims() - 1).to_array());
     let mut walls = Brick::EMPTY;
     for (axis, b) in b.to_array().into_iter().enumerate() {
-        // The voxels before the one at `end` on this axis.
+        // The voxels below `end` on this axis.
         let below = |end: u32| {
             let mut limit = [BRICK_EDGE_VX; 3];
             limit[axis] = end;

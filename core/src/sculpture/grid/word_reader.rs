@@ -11,15 +11,15 @@ pub struct WordReader<'a> {
     words: &'a [u64],
     /// Size of the grid in words.
     dims: IVec3,
-    /// From a brick to the next along each axis, in words.
+    /// The distance from a brick to the next along each axis, in words.
     stride: IVec3,
 }
 
-/// From a word of a brick to the next along each axis, in words.
+/// The distance from a word of a brick to the next along each axis, in words.
 const STEP: IVec3 = IVec3::new(1, 2, 4);
 
 impl<'a> WordReader<'a> {
-    /// Read access to the words of `grid`.
+    /// Returns read access to the words of `grid`.
     #[inline]
     pub fn new(grid: &'a Grid) -> WordReader<'a> {
         let bricks = grid.brick_dims.as_ivec3();
@@ -27,8 +27,7 @@ impl<'a> WordReader<'a> {
         WordReader { words: bytemuck::cast_slice(&grid.bricks), dims: bricks * 2, stride }
     }
 
-    /// The eight words of the cube whose lower corner is the word at `corner`, x fastest; 0 outside of
-    /// the grid.
+    /// Returns the eight words of the cube whose lower corner is the word at `corner`, x fastest; 0 outside the grid.
     #[inline]
     pub fn cube(&self, corner: IVec3) -> [u64; 8] {
         std::array::from_fn(|i| {

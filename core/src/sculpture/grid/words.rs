@@ -1,7 +1,6 @@
 //! Replaces up to 64 bricks at once, those of one word of a brick set. Undo restores whole words.
 //!
-//! Takes a [`BrickMask`] and the new bricks, returns what kinds the old ones were. Keeps counts and
-//! occupancy consistent.
+//! Takes a [`BrickMask`] and the new bricks, returns the kinds of the old ones. Keeps counts and occupancy consistent.
 
 use super::{Grid, unflatten};
 use crate::sculpture::brick::{Brick, BrickKind};
@@ -18,7 +17,7 @@ pub struct WordKinds {
     pub mixed: u64,
 }
 
-/// Number of bricks that are neither empty nor full.
+/// Returns the number of bricks that are neither empty nor full.
 #[inline(always)]
 pub(in crate::sculpture) fn count_mixed(grid: &Grid, bricks: BrickMask) -> usize {
     let mut mixed = 0;
@@ -28,8 +27,8 @@ pub(in crate::sculpture) fn count_mixed(grid: &Grid, bricks: BrickMask) -> usize
     mixed
 }
 
-/// Sets bricks to what `bits` returns for them in turn, with their counts. Returns the kinds of the
-/// old bricks and passes those that are neither empty nor full to `keep_mixed`.
+/// Sets bricks to successive values of `bits`, with their counts. Returns the kinds of the old bricks and passes those
+/// that are neither empty nor full to `keep_mixed`.
 #[inline(always)]
 pub(in crate::sculpture) fn swap_word(
     grid: &mut Grid,

@@ -1,5 +1,4 @@
-//! The parts of a history: the change of a step, steps, the placeholders of those that a store keeps, and all steps at one
-//! moment.
+//! The parts of a history: the change of a step, steps, the placeholders of stored ones, and a snapshot of all steps.
 //!
 //! Knows no store and no limit of memory.
 
@@ -21,17 +20,17 @@ pub enum Change {
     Bricks(BrickRecord),
     /// The whole sculpture, replaced by a new or opened one.
     Whole(Box<Contents>),
-    /// The whole sculpture was laid another way, and `back` leads back. `before` is kept only where
-    /// that would not restore every byte.
+    /// The whole sculpture was reoriented, and `back` reverses that. `before` is kept only if `back` would not restore
+    /// every byte.
     Oriented {
-        /// The inverse of the orientation that was done.
+        /// The inverse of the orientation that was applied.
         back: Orientation,
         /// The sculpture as it was.
         before: Option<Box<Contents>>,
     },
-    /// The kind of surface, which was this one.
+    /// The kind of surface before the change.
     Surface(SurfaceKind),
-    /// One of the above, which a [`super::StepStore`] keeps.
+    /// One of the above, kept by a [`super::StepStore`].
     Stored(Stored),
 }
 
@@ -64,12 +63,12 @@ pub struct Step {
     pub label: String,
     /// The values to swap with the sculpture's.
     pub change: Change,
-    /// The state that reversing it leads to.
+    /// The state after reversing the step.
     pub state: State,
 }
 
 impl Step {
-    /// A copy, unless the system lacks the memory for it.
+    /// Returns a copy, unless the system lacks the memory for it.
     pub fn copied(&self) -> Result<Step, NoMemory> {
         let whole = |contents: &Contents| contents.copied().map(Box::new);
         let change = match &self.change {
@@ -88,12 +87,12 @@ impl Step {
         Ok(Step { label: self.label.clone(), change, state: self.state })
     }
 
-    /// Bytes that the step takes of the history's budget.
+    /// Returns the bytes that the step takes of the history's budget.
     pub fn heap_bytes(&self) -> usize {
         size_of::<Step>() + self.label.len() + self.change.heap_bytes()
     }
 
-    /// Bytes that the step takes with all its values in memory.
+    /// Returns the bytes that the step takes with all its values in memory.
     pub fn whole_bytes(&self) -> usize {
         match &self.change {
             Change::Stored(stored) => stored.0.whole_bytes(),
@@ -102,29 +101,29 @@ impl Step {
     }
 }
 
-/// A step in a store. Its place there is free again once the last owner is gone.
+/// A step in a store. Its space there is free again once the last owner is gone.
 pub trait StoredStep: Debug + Send + Sync {
-    /// The change, to be reversed from `contents`, equal to the stored one to the byte. `is_last`: nobody will want it
-    /// again. After an error the step is still there.
+    /// Returns the change, to be reversed from `contents`, equal to the stored one to the byte. `is_last`: it will not
+    /// be needed again. After an error the step remains stored.
     ///
     /// # Errors
-    /// If it cannot be read or is damaged: why, as a part of a sentence.
+    /// If it cannot be read or is damaged; the text is part of a sentence.
     fn load(&self, contents: &Contents, is_last: bool) -> Result<Change, String>;
-    /// The step as `format::history` writes it.
+    /// Returns the step as `format::history` writes it.
     ///
     /// # Errors
     /// As [`StoredStep::load`].
     fn packed(&self) -> Result<Vec<u8>, String>;
-    /// Bytes that the step takes in memory.
+    /// Returns the bytes that the step takes in memory.
     fn whole_bytes(&self) -> usize;
 }
 
-/// The placeholder of a step in a store. Equal to itself alone.
+/// The placeholder of a step in a store. Equal only to itself.
 #[derive(Clone, Debug)]
 pub struct Stored(pub Arc<dyn StoredStep>);
 
 impl Stored {
-    /// Whether no snapshot shares it.
+    /// Returns whether no snapshot shares it.
     pub fn is_only(&self) -> bool {
         Arc::strong_count(&self.0) == 1
     }
@@ -136,19 +135,19 @@ impl PartialEq for Stored {
     }
 }
 
-/// The steps that can be undone and redone, as they were at one moment. Steps are shared, so taking one
-/// copies no values; a step that is undone while it is shared is copied then.
+/// The steps that can be undone and redone at one moment. Steps are shared, so taking a snapshot copies no values; a
+/// step that is undone while it is shared is copied then.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct HistorySnapshot {
     /// Oldest first.
     pub undo: Vec<Arc<Step>>,
-    /// Last to be redone first.
+    /// The last to be redone first.
     pub redo: Vec<Arc<Step>>,
 }
 
 impl HistorySnapshot {
-    /// Drops the steps furthest from the current state until the rest takes at most `bytes`. Returns how
-    /// many steps were dropped of each list.
+    /// Drops the steps furthest from the current state until the rest takes at most `bytes`. Returns how many steps
+    /// were dropped from each list.
     pub fn shorten(&mut self, bytes: usize) -> [usize; 2] {
         let mut left = bytes;
         [&mut self.undo, &mut self.redo].map(|steps| {

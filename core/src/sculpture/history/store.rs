@@ -1,5 +1,5 @@
-//! The place for steps that memory has no room for: the interface that a history needs. Knows no file;
-//! `spill` in the room `persist` is such a store.
+//! The interface of a store for steps that do not fit into memory. Knows no file; `spill` in the room `persist` is such
+//! a store.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -8,12 +8,12 @@ use super::step::{Step, Stored};
 
 /// Keeps steps outside the memory of a history.
 pub trait StepStore: Debug + Send + Sync {
-    /// Takes a step. Waits only while too much of the steps given to it before is still in memory. Gives the step back
-    /// where it has no room or does not work.
+    /// Takes a step. Waits only while too many of the steps given to it before are still in memory. Gives the step back
+    /// if it is full or has failed.
     fn keep(&self, step: Arc<Step>) -> Result<Stored, Arc<Step>>;
-    /// Waits until a step of so many bytes can be made, or read, without too much in memory.
+    /// Waits until a step of `bytes` can be made, or read, without exceeding the memory.
     fn make_way(&self, bytes: usize);
-    /// Most bytes that it takes; 0 while it does not work. A step that needs more memory than this is refused in
+    /// Returns the most bytes that it takes; 0 if it has failed. A step that needs more memory than this is refused in
     /// advance.
     fn room_bytes(&self) -> u64;
 }

@@ -7,7 +7,7 @@ use crate::sculpture::grid::WordKinds;
 use crate::sculpture::record::BrickRecord;
 use crate::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
 
-/// A step that keeps some mixed bricks, or a whole sculpture.
+/// Returns a step that keeps some mixed bricks, or a whole sculpture.
 fn step(name: usize, bricks: u8) -> Step {
     let label = format!("step {name}");
     if bricks.is_multiple_of(16) {
@@ -32,14 +32,14 @@ fn recount(history: &History) -> usize {
 }
 
 proptest! {
-    /// An undone step comes back with another number of bytes, as full bricks turn to mixed.
+    /// An undone step comes back with another number of bytes, since full bricks become mixed.
     #[test]
     fn bytes_are_counted_and_within_the_budget(
         budget in 0usize..60_000,
         moves in prop::collection::vec((0u8..4, 0u8..80), 0..80),
     ) {
         let mut history = History::new(budget);
-        // Names of the steps that must be there, had the budget no end.
+        // Names of the steps that would remain if the budget were unlimited.
         let (mut undo, mut redo): (Vec<usize>, Vec<usize>) = Default::default();
         for (name, (kind, bricks)) in moves.into_iter().enumerate() {
             let named = |label: &str| label["step ".len()..].parse::<usize>().unwrap();
