@@ -1,4 +1,4 @@
-//! A picture of a lit ball, which shows a lighting at a glance: for buttons to choose it with.
+//! A picture of a lit ball, which shows a lighting at a glance: for buttons that select a lighting.
 //!
 //! From a [`Lighting`] to a small picture, by the formula of all shaders. Knows no grid.
 
@@ -9,11 +9,11 @@ use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::{Lighting, Pixels};
 use crate::sculpture::Rgb;
 
-/// How far the eye is from the middle of the ball, in radii.
+/// The distance of the eye from the centre of the ball, in radii.
 const DISTANCE: f32 = 6.0;
 
-/// The ball in a picture of `edge_px` pixels a side, of which it touches the edges; transparent around it. In true
-/// colours it is a colourful ball. Lamps at a place stand where they do around a sculpture of the size of the ball.
+/// Returns the ball in a picture of `edge_px` pixels a side, of which it touches the edges; transparent around it. With
+/// true colours, the ball is colourful. Lamps with a position keep it, as around a sculpture of the size of the ball.
 pub fn ball(lighting: &Lighting, edge_px: u32) -> Pixels {
     let eye_from_world = Affine3A::from_translation(Vec3::new(0.0, 0.0, -DISTANCE));
     let illumination = Illumination::new(lighting, &eye_from_world, &Affine3A::IDENTITY);
@@ -32,7 +32,7 @@ fn draw<S: Simd>(simd: S, illumination: &Illumination, edge_px: u32, out: &mut P
             let i = (first + lane) as u32;
             let at_px = Vec2::new((i % edge_px) as f32, (i / edge_px) as f32) + 0.5;
             let at = (at_px / radius_px - 1.0) * Vec2::new(1.0, -1.0);
-            // Half a pixel to either side of the outline is partly covered.
+            // The outline is antialiased over half a pixel on either side.
             *cover = (radius_px * (1.0 - at.length()) + 0.5).clamp(0.0, 1.0);
             let flat = at.clamp_length_max(1.0);
             let normal = flat.extend((1.0 - flat.length_squared()).max(0.0).sqrt());

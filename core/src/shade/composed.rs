@@ -1,5 +1,5 @@
-//! Composition without a rasterizer: a shaded picture over its background, with the depth of what it shows. The twin of
-//! `shaders/composite.wgsl` and `shaders/background.frag.wgsl`, for devices that are this processor.
+//! Composition without a rasterizer: a shaded picture over its background, with the depth of each pixel. The twin of
+//! `shaders/composite.wgsl` and `shaders/background.frag.wgsl`, for CPU devices.
 //!
 //! From an index map and its shaded picture to rows of colours and depths. Runs on all cores, without allocating.
 
@@ -16,7 +16,7 @@ use crate::surface::{IndexMap, PixelRect};
 /// Pixels that are composed at once.
 const LANES: usize = 16;
 
-/// Least number of pixels that are worth a task of their own.
+/// The least number of pixels that are worth a task of their own.
 const TASK_PIXELS: usize = 1 << 13;
 
 /// A component of a direction smaller than this counts as this, as for rays.
@@ -25,7 +25,7 @@ const STANDSTILL: f32 = 1e-20;
 /// A picture to compose.
 #[derive(Clone, Copy, Debug)]
 pub struct Composition<'a> {
-    /// The voxels that are seen.
+    /// The visible voxels.
     pub map: &'a IndexMap,
     /// Shaded from `map`.
     pub pixels: &'a Pixels,
@@ -33,28 +33,29 @@ pub struct Composition<'a> {
     pub dims: UVec3,
     /// The projection of the depths, reversed and infinite.
     pub projection: Mat4,
-    /// A gradient, in sRGB from 0 to 1, from the upper to the lower edge of the picture; none: it is transparent there.
+    /// A gradient, in sRGB from 0 to 1, from the upper to the lower edge of the picture. If `None`, the background is
+    /// transparent.
     pub background: Option<[Vec3; 2]>,
-    /// The gradient is even in light, as on targets that a device encodes, and not in sRGB.
+    /// Interpolates the gradient in linear light, as on targets that a device encodes, rather than in sRGB.
     pub is_linear: bool,
-    /// Blue comes first in a pixel, and not red.
+    /// Stores the blue channel first, rather than red.
     pub is_bgra: bool,
-    /// The visible rect: nothing is seen outside of it.
+    /// The visible rect: nothing is visible outside it.
     pub visible: PixelRect,
 }
 
 /// Sixteen pixels of a row.
 struct PixelGroup<S: Simd> {
-    /// Of the first, in the picture.
+    /// Position of the first pixel in the picture.
     at: [u32; 2],
     voxels: u32x16<S>,
-    /// As little-endian numbers.
+    /// The pixels as little-endian numbers.
     pixels: u32x16<S>,
 }
 
 impl Composition<'_> {
-    /// Writes the pixels of `rect`, which lies in the picture, row by row without gaps. Depths are 0 where nothing is
-    /// seen.
+    /// Writes the pixels of `rect`, which lies in the picture, row by row without gaps. Depths are 0 where no voxel is
+    /// visible.
     pub fn compose(&self, rect: PixelRect, colours: &mut [[u8; 4]], depths: &mut [f32]) {
         let width = rect.max.x.saturating_sub(rect.min.x) as usize;
         if width == 0 {
@@ -76,7 +77,7 @@ impl Composition<'_> {
         });
     }
 
-    /// Pixels of a row, from this one on.
+    /// Composes the pixels of a row, starting at this one.
     #[inline(always)]
     fn compose_row<S: Simd>(
         &self,
@@ -105,7 +106,7 @@ impl Composition<'_> {
         for i in (0..voxels.len()).step_by(LANES) {
             let x = seen.start + i as u32;
             let count = LANES.min(voxels.len() - i);
-            // The last ones of a row may be fewer.
+            // The last group of a row may be smaller.
             let (mut few_voxels, mut few_pixels) = ([NO_VOXEL; LANES], [[0; 4]; LANES]);
             few_voxels[..count].copy_from_slice(&voxels[i..i + count]);
             few_pixels[..count].copy_from_slice(&pixels[i..i + count]);
@@ -122,7 +123,7 @@ impl Composition<'_> {
         }
     }
 
-    /// Their colours, as little-endian numbers, and depths.
+    /// Returns the pixels' colours, as little-endian numbers, and depths.
     #[inline(always)]
     fn compose_few<S: Simd>(
         &self,
@@ -155,7 +156,7 @@ impl Composition<'_> {
             },
         );
         let t = enter[0].max(enter[1]).max(enter[2]);
-        // Clip z of a point is `z_axis.z * z + w_axis.z`, its z in eye space is -t. An eye inside the voxel sees it at
+        // Clip z of a point is `z_axis.z * z + w_axis.z`; its z in eye space is -t. An eye inside the voxel sees it at
         // the near plane.
         let depth = (t * -self.projection.z_axis.z + self.projection.w_axis.z) / t;
         let depth = t.simd_gt(0.0).select(depth, splat(1.0)).max(0.0).min(1.0);
@@ -166,7 +167,7 @@ impl Composition<'_> {
         (seen.select(colours | 0xFF00_0000, background), seen.select(depth, infinite))
     }
 
-    /// The colour of the background in a row of pixels.
+    /// Returns the colour of the background in a row of pixels.
     fn background_of_row(&self, y: u32) -> [u8; 4] {
         let Some([top, bottom]) = self.background else { return [0; 4] };
         let down = (y as f32 + 0.5) / self.map.rays.size.y as f32;
@@ -182,7 +183,7 @@ impl Composition<'_> {
 const IN_TURN: [f32; LANES] =
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
-/// sRGB of linear light.
+/// Encodes linear light as sRGB.
 fn encoded(light: f32) -> f32 {
     if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
 }
@@ -196,8 +197,8 @@ mod tests {
     use crate::view::Camera;
     use glam::UVec2;
 
-    /// Pixel by pixel, with any part of the picture composed alone as in the whole: the voxel's colour at the depth where
-    /// its pixel's ray enters it, or the background.
+    /// Compares pixel by pixel, with any part of the picture composed alone as in the whole: each pixel has the voxel's
+    /// colour and the depth at which its ray enters the voxel, or the background.
     #[test]
     fn a_picture_is_composed_pixel_by_pixel() {
         let grid = scenes::cheese(61, 30, 7).unwrap();

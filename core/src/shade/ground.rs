@@ -1,9 +1,9 @@
-//! The ground of a picture: a plane below the sculpture that catches the sun's shadow, is darker where the
-//! sculpture takes the light of the sky, has lines a round number of voxels apart, and fades with distance.
+//! The ground of a picture: a plane below the sculpture that receives the sun's shadow, is darker where the sculpture
+//! blocks the light of the sky, has lines a round number of voxels apart, and fades with distance.
 //!
-//! How much light arrives is computed for the points of a [`LightMap`], whatever the eye and the render mode; the
-//! [`GroundPicture`] of an eye makes colours of it. A plane lies along the grid, at the lowest face of a voxel:
-//! where final pictures have their ground, too.
+//! The light that arrives is computed for the points of a [`LightMap`], independent of the eye and the render mode; the
+//! [`GroundPicture`] of an eye derives colours from it. The plane is aligned with the grid, at the lowest face of a
+//! voxel: final pictures have their ground there, too.
 
 mod light_map;
 mod picture;
@@ -25,10 +25,10 @@ pub use picture::{GroundPicture, GroundShader};
 /// The colour of the ground; final pictures have the same.
 pub const GROUND_COLOUR: Rgb = Rgb::new(200, 198, 194);
 
-/// Where the ground has faded: distance from the middle of the sculpture, in its radii.
+/// The distance from the centre of the sculpture at which the ground has faded, in the sculpture's radii.
 const REACH_RADII: f32 = 2.6;
 
-/// At most so many lines cross the longest side of the grid.
+/// The most lines that cross the longest side of the grid.
 const MOST_ACROSS: u32 = 16;
 
 /// How the ground of a picture looks.
@@ -38,22 +38,22 @@ pub struct Ground {
     pub up: Vec3,
     /// The colour under white light.
     pub colour: Rgb,
-    /// Nothing but shadow, over what is there: for the picture of a camera.
+    /// Draws only the shadow over the background: for the picture of a camera.
     pub shadow_only: bool,
-    /// Angle that the disc of the sun takes in the sky.
+    /// The angular diameter of the sun's disc.
     pub sun_deg: f32,
-    /// The number of the sample, of those that make up an antialiased picture.
+    /// The index of the sample in an antialiased picture.
     pub sample: u32,
 }
 
 impl Ground {
-    /// This ground in one of the samples of an antialiased picture.
+    /// Returns this ground in one of the samples of an antialiased picture.
     pub fn of_sample(self, sample: u32) -> Ground {
         Ground { sample, ..self }
     }
 }
 
-/// The distance between two lines: 1, 2 or 5 voxels, or ten, a hundred, ... times that.
+/// Returns the distance between two lines: 1, 2 or 5 voxels, times a power of ten.
 pub fn line_spacing_vx(dims: UVec3) -> u32 {
     let least = dims.max_element().div_ceil(MOST_ACROSS);
     let decades = (0..).map(|power| 10u32.pow(power));
@@ -63,18 +63,18 @@ pub fn line_spacing_vx(dims: UVec3) -> u32 {
         .unwrap_or(least)
 }
 
-/// Where the ground lies, in grid coordinates. Of the axes across, the first follows the upright one.
+/// The plane of the ground, in grid coordinates. Of the axes across, the first is the one after the upright axis.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct GroundPlane {
-    /// The axis that it is perpendicular to.
+    /// The axis perpendicular to the plane.
     pub axis: usize,
-    /// Whether that axis points up, or down.
+    /// Whether that axis points up; otherwise down.
     pub upwards: bool,
-    /// Its place on that axis.
+    /// Its position on that axis.
     pub height: f32,
-    /// Below the middle of the sculpture, on the axes across.
+    /// The point below the centre of the sculpture, on the axes across.
     pub centre: Vec2,
-    /// How far it reaches from there.
+    /// The half extents from there.
     pub half: Vec2,
     /// The box around the voxels.
     bounds: [Vec3; 2],
@@ -83,7 +83,7 @@ pub struct GroundPlane {
 }
 
 impl GroundPlane {
-    /// The plane below the voxels of `grid` when its axis `up` points up; none below an empty grid.
+    /// Returns the plane below the voxels of `grid` when its axis `up` points up; `None` below an empty grid.
     pub fn below(grid: &Grid, up: Vec3) -> Option<GroundPlane> {
         let (low, high) = grid.opaque_bounds()?;
         let (low, high) = (low.as_vec3(), high.as_vec3());
@@ -103,12 +103,12 @@ impl GroundPlane {
         })
     }
 
-    /// A unit vector upwards, in grid coordinates.
+    /// Returns a unit vector upwards, in grid coordinates.
     pub fn up(&self) -> Vec3 {
         Vec3::AXES[self.axis] * if self.upwards { 1.0 } else { -1.0 }
     }
 
-    /// The point at `place`, from (-1, -1) to (1, 1), in grid coordinates.
+    /// Returns the point at `place`, from (-1, -1) to (1, 1), in grid coordinates.
     pub fn point(&self, place: Vec2) -> Vec3 {
         let at = self.centre + place * self.half;
         let mut point = Vec3::ZERO;
@@ -119,7 +119,7 @@ impl GroundPlane {
     }
 }
 
-/// The coordinates of `v` on the axes across `axis`.
+/// Returns the coordinates of `v` on the axes across `axis`.
 fn across(axis: usize, v: Vec3) -> Vec2 {
     Vec2::new(v[(axis + 1) % 3], v[(axis + 2) % 3])
 }
@@ -127,21 +127,21 @@ fn across(axis: usize, v: Vec3) -> Vec2 {
 /// The linear light that an open point of the ground sends to the eye.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct GroundLight {
-    /// Of what comes from everywhere.
+    /// From ambient light.
     pub ambient: Vec3,
-    /// Of the lights that throw no shadow.
+    /// From the lights that cast no shadow.
     pub others: Vec3,
-    /// Of the sun.
+    /// From the sun.
     pub direct: Vec3,
-    /// From this light to that of the picture.
+    /// Maps this light to that of the picture.
     pub tone: ToneCurve,
     /// The sun, if it is above the ground.
     pub sun: Option<Sun>,
 }
 
 impl GroundLight {
-    /// Of `ground` at `plane` with this lighting. The first distant light throws shadows on it, whether it does so on
-    /// the sculpture or not.
+    /// Returns the light of `ground` at `plane` with this lighting. The first distant light casts shadows on it,
+    /// whether it does so on the sculpture or not.
     pub fn new(
         ground: &Ground,
         plane: &GroundPlane,

@@ -1,13 +1,13 @@
 //! The lighting formula: Blinn-Phong (Blinn, "Models of light reflection for computer synthesized
 //! pictures", 1977) with ambient light from a hemisphere, for sixteen surface points at once.
 //!
-//! The ambient light on a surface is that of an even sky above an even ground: their mean, weighted
-//! by the part of each that the surface faces, (1 + cos) / 2 of the sky for the cosine between its
-//! normal and the direction up.
+//! The ambient light on a surface is that of a uniform sky above a uniform ground: their mean, weighted by the part of
+//! each that the surface faces. That is (1 + cos) / 2 of the sky for the cosine between its normal and the direction
+//! up.
 //!
-//! Colours are sRGB; light is added in linear space. Gamma 2.0 stands for the sRGB curve (square
-//! to linear, square root back): it costs a multiplication where the true curve costs a power
-//! and differs from it by at most 0.043 of full scale in linear light. Shaders do the same.
+//! Colours are sRGB; light is added in linear space. Gamma 2.0 approximates the sRGB curve (square to linear, square
+//! root back): it costs a multiplication where the true curve costs a power, and differs from it by at most 0.043 of
+//! full scale in linear light. Shaders do the same.
 //!
 //! Works in eye space: the eye is at the origin. Knows no grid and no pictures.
 
@@ -24,8 +24,8 @@ use crate::sculpture::vectors::for_axes;
 /// Number of points lit at once.
 pub(super) const LANES: usize = 16;
 
-/// Lower bound for squared lengths, to divide by. A device may flush much smaller numbers to 0; the
-/// shaders use the same bound.
+/// Lower bound for squared lengths that are divisors. A device may flush much smaller numbers to 0; the shaders use the
+/// same bound.
 const LEAST_SQUARE: f32 = 1e-30;
 
 /// Sixteen points of a surface, in grid coordinates.
@@ -35,7 +35,7 @@ pub struct SurfacePoints {
     pub position: [[f32; LANES]; 3],
     /// Points out of the solid, of any length. A covector of grid coordinates.
     pub gradient: [[f32; LANES]; 3],
-    /// sRGB: red in the lowest byte. [`Illumination::colour`] where there is one and the mask does not change it.
+    /// sRGB: red in the lowest byte. [`Illumination::colour`], if there is one and the mask does not change it.
     pub colour: [u32; LANES],
     /// Share of the ambient light that arrives, 0 to 1.
     pub open: [f32; LANES],
@@ -75,17 +75,17 @@ pub struct Illumination {
     pub lights: [Option<EyeLight>; MAX_LIGHTS],
     /// Ambient light on a surface that faces the horizon, linear.
     pub ambient: Vec3,
-    /// How much more of it there is on one that faces the sky.
+    /// The additional ambient light on a surface that faces the sky.
     pub ambient_slope: Vec3,
     /// Towards the sky, in eye space.
     pub up: Vec3,
-    /// From the light of the surface to that of the picture.
+    /// Maps the light of the surface to that of the picture.
     pub tone: ToneCurve,
-    /// The colour of all voxels, sRGB, if it is not their own.
+    /// The colour of all voxels, sRGB, if it replaces their own.
     pub colour: Option<Rgb>,
-    /// The light that throws shadows.
+    /// The light that casts shadows.
     pub sun: Option<Sun>,
-    /// Replaces all light, and is multiplied with the colours.
+    /// Replaces all light; its colours multiply those of the surface.
     pub matcap: Option<Matcap>,
     /// Share of light in the highlight, 0 to 1.
     pub specular: f32,
@@ -102,7 +102,7 @@ impl Illumination {
     ) -> Illumination {
         let eye_from_grid = eye_from_world * world_from_grid;
         let covectors = Mat3::from(eye_from_grid.matrix3).inverse().transpose();
-        // Of a size with the gradients, whatever that of a voxel is.
+        // Comparable in magnitude to the gradients, whatever the voxel size.
         let largest = covectors.to_cols_array().into_iter().fold(0f32, |a, b| a.max(b.abs()));
         let substance = lighting.look.substance();
         let exposure = lighting.exposure_ev.exp2();
@@ -131,7 +131,7 @@ impl Illumination {
         }
     }
 
-    /// The light that each point sends to the eye, as opaque sRGB: red in the lowest byte.
+    /// Returns the light that each point sends to the eye, as opaque sRGB: red in the lowest byte.
     #[inline(always)]
     pub fn shade<S: Simd>(&self, simd: S, points: &SurfacePoints) -> u32x16<S> {
         let splat = |v: f32| f32x16::splat(simd, v);
@@ -173,7 +173,7 @@ impl Illumination {
                 }
             };
             let cos_light = dot(normal, to_light);
-            // The vector half way between has length sqrt(2 + 2 cos) before it is normalised.
+            // The half vector has length sqrt(2 + 2 cos) before it is normalised.
             let between = (dot(to_light, to_eye) * 2.0 + 2.0).max(LEAST_SQUARE).sqrt();
             let cos_half = ((cos_light + cos_eye) / between).max(0.0);
             let lit = cos_light.simd_gt(0.0);
@@ -193,8 +193,8 @@ impl Illumination {
     }
 }
 
-/// The light of the points of a matcap's ball that are turned to the eye as these surfaces are: the ball's axes are
-/// those of the picture, turned as the line of sight. Of each colour, a share arrives.
+/// Returns the light of a matcap for surfaces: that of the point of its ball with the same orientation to the eye. The
+/// ball's axes are those of the picture, rotated to the line of sight. Each colour channel reflects its share.
 #[inline(always)]
 fn from_matcap<S: Simd>(
     simd: S,
@@ -205,7 +205,7 @@ fn from_matcap<S: Simd>(
 ) -> u32x16<S> {
     let splat = |v: f32| f32x16::splat(simd, v);
     let [zero, one] = [0.0, 1.0].map(splat);
-    // Horizontal, and across the line of sight.
+    // Horizontal, and perpendicular to the line of sight.
     let right = unit_or(simd, [to_eye[2], zero, -to_eye[0]], [one, zero, zero]);
     let up = [
         to_eye[1] * right[2] - to_eye[2] * right[1],
@@ -248,20 +248,20 @@ fn in_eye_space(light: Light, eye_from_world: &Affine3A, exposure: f32) -> EyeLi
     EyeLight { source, radiance: linear(light.colour) * (light.intensity * exposure) }
 }
 
-/// sRGB to linear by gamma 2.0, 0 to 1.
+/// Converts sRGB to linear by gamma 2.0, 0 to 1.
 fn linear(Rgb(channels): Rgb) -> Vec3 {
     let v = Vec3::from(channels.map(f32::from)) / 255.0;
     v * v
 }
 
-/// Linear to sRGB by gamma 2.0, 0 to 255.
+/// Converts linear to sRGB by gamma 2.0, 0 to 255.
 #[inline(always)]
 fn srgb<S: Simd>(linear: f32x16<S>) -> u32x16<S> {
     (linear.max(0.0).min(1.0).sqrt() * 255.0 + 0.5).to_int()
 }
 
-/// The unit normal from one of any length. A visible surface cannot face away from the eye: the
-/// component that does is removed, and a voxel without a normal faces the eye.
+/// Returns the unit normal from one of any length. A visible surface cannot face away from the eye: the component that
+/// does is removed, and a voxel without a normal faces the eye.
 #[inline(always)]
 fn facing<S: Simd>(simd: S, normal: [f32x16<S>; 3], to_eye: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
     let normal = unit_or(simd, normal, to_eye);
@@ -273,7 +273,7 @@ fn facing<S: Simd>(simd: S, normal: [f32x16<S>; 3], to_eye: [f32x16<S>; 3]) -> [
     let turned =
         [normal[0] - to_eye[0] * away, normal[1] - to_eye[1] * away, normal[2] - to_eye[2] * away];
     let turned = unit_or(simd, turned, to_eye);
-    // The others are kept to the bit: a pixel's shade does not depend on the pixels beside it.
+    // The others are preserved to the bit: a pixel's shade does not depend on its neighbours.
     [
         turns.select(turned[0], normal[0]),
         turns.select(turned[1], normal[1]),
@@ -281,7 +281,7 @@ fn facing<S: Simd>(simd: S, normal: [f32x16<S>; 3], to_eye: [f32x16<S>; 3]) -> [
     ]
 }
 
-/// The unit vector along `v`, or `other` where `v` has no length.
+/// Returns the unit vector along `v`, or `other` if `v` has length 0.
 #[inline(always)]
 fn unit_or<S: Simd>(simd: S, v: [f32x16<S>; 3], other: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
     let squared = dot(v, v);
@@ -290,7 +290,7 @@ fn unit_or<S: Simd>(simd: S, v: [f32x16<S>; 3], other: [f32x16<S>; 3]) -> [f32x1
     [none.select(other[0], v[0]), none.select(other[1], v[1]), none.select(other[2], v[2])]
 }
 
-/// `base` to a whole power, by squaring.
+/// Raises `base` to an integer power by squaring.
 #[inline(always)]
 fn power<S: Simd>(simd: S, base: f32x16<S>, exponent: u32) -> f32x16<S> {
     let (mut square, mut rest) = (base, exponent);

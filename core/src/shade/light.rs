@@ -8,15 +8,15 @@ use super::occlusion::OCCLUSION_REACH_VX;
 use super::tone::ToneMapping;
 use crate::sculpture::Rgb;
 
-/// Most lights of a picture.
+/// The most lights in a picture.
 pub const MAX_LIGHTS: usize = 4;
 
 /// The coordinates in which a light is fixed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LightFrame {
-    /// The world's: it stays where it is while the eye moves.
+    /// The world's: the light stays in place while the eye moves.
     World,
-    /// The eye's: it moves along, as a headlamp.
+    /// The eye's: the light moves with it, as a headlamp.
     Eye,
 }
 
@@ -45,9 +45,9 @@ pub struct Light {
 /// The shadow of the first distant light.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Shadow {
-    /// Angle that the disc of the sun takes in the sky. The larger, the softer the mean of samples.
+    /// The angular diameter of the sun's disc. The larger, the softer the mean of samples.
     pub sun_deg: f32,
-    /// The number of the sample, of those that make up an antialiased picture.
+    /// The index of the sample in an antialiased picture.
     pub sample: u32,
 }
 
@@ -56,7 +56,7 @@ pub struct Shadow {
 pub struct Lighting {
     /// The lights; `None` is an unused slot.
     pub lights: [Option<Light>; MAX_LIGHTS],
-    /// The look of the surface: what it is made of.
+    /// The look of the surface: its material.
     pub look: Look,
     /// Used by [`Look::Matcap`].
     pub matcap: Matcap,
@@ -70,24 +70,24 @@ pub struct Lighting {
     pub up: Vec3,
     /// Factor on all light, as a power of two.
     pub exposure_ev: f32,
-    /// From the light of the surface to that of the picture.
+    /// Maps the light of the surface to that of the picture.
     pub tone: ToneMapping,
-    /// Share of light in the highlight, 0 to 1; of true colours, as is the shininess.
+    /// Share of light in the highlight, 0 to 1. Applies to true colours, as does the shininess.
     pub specular: f32,
     /// Exponent of the highlight: the larger, the smaller and sharper. At most [`MAX_SHININESS`].
     pub shininess: u32,
     /// Whether ambient light is occluded by voxels nearby ([`super::occlusion`]).
     pub occlusion: bool,
-    /// Whether the first distant light throws shadows ([`super::shadow`]).
+    /// Whether the first distant light casts shadows ([`super::shadow`]).
     pub shadow: Option<Shadow>,
-    /// How far normals are averaged over neighbours, by the software shader (`smooth`).
+    /// The neighbourhood for averaging normals, by the software shader (`smooth`).
     pub smooth_normals: Smoothing,
-    /// How far colours are averaged over neighbours, likewise.
+    /// The neighbourhood for averaging colours, likewise.
     pub smooth_colours: Smoothing,
 }
 
-/// The largest exponent of a highlight; larger ones count as this one. The device's shaders use the
-/// same number of bits.
+/// The largest exponent of a highlight; larger ones are clamped to it. The device's shaders use the same number of
+/// bits.
 pub const MAX_SHININESS: u32 = 1024;
 
 /// The neighbourhood of an interpolation filter of the software shader.
@@ -107,7 +107,7 @@ impl Smoothing {
     /// All values, from none to widest.
     pub const ALL: [Smoothing; 3] = [Smoothing::Off, Smoothing::Near, Smoothing::Wide];
 
-    /// Number of neighbours to each side.
+    /// Returns the number of neighbours to each side.
     pub fn reach(self) -> i32 {
         match self {
             Smoothing::Off => 0,
@@ -118,8 +118,8 @@ impl Smoothing {
 }
 
 impl Lighting {
-    /// How far from the voxel seen the voxels may be, on each axis, that its pixel's shade depends on; `None`
-    /// if others matter, too: those that throw shadows, or that the pixels around show.
+    /// Returns the distance, on each axis, of the farthest voxels that affect the shade of a pixel, from its visible
+    /// voxel. `None` if other voxels matter, too: those that cast shadows, or that neighbouring pixels show.
     pub fn reach_vx(&self) -> Option<u32> {
         match [self.smooth_normals, self.smooth_colours] {
             _ if self.shadow.is_some() => None,
@@ -131,7 +131,7 @@ impl Lighting {
 }
 
 impl Lighting {
-    /// This lighting in one of the samples of an antialiased picture.
+    /// Returns this lighting in one of the samples of an antialiased picture.
     pub fn of_sample(self, sample: u32) -> Lighting {
         let shadow = self.shadow.map(|shadow| Shadow { sample, ..shadow });
         Lighting { shadow, ..self }
@@ -139,7 +139,7 @@ impl Lighting {
 }
 
 impl Default for Lighting {
-    /// One white lamp above the left shoulder, and the same ambient light from everywhere.
+    /// Returns one white lamp above the left shoulder, and the same ambient light from all directions.
     fn default() -> Self {
         let lamp = Light {
             frame: LightFrame::Eye,

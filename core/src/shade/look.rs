@@ -1,8 +1,8 @@
-//! Looks: what the surface of a picture is made of, whatever colours its voxels have.
+//! Looks: the material of the surface in a picture, whatever colours its voxels have.
 //!
-//! True colours, clay and stone are lit by the lights; a matcap is a picture of a lit ball, in which a surface has
-//! the light of the point of the ball with its normal (Sloan, Martin, Gooch and Gooch, "The lit sphere: a model for
-//! capturing NPR shading from art", 2001).
+//! True colours, clay and stone are lit by the lights. A matcap is a picture of a lit ball: a surface has the light of
+//! the point of the ball with its normal (Sloan, Martin, Gooch and Gooch, "The lit sphere: a model for capturing NPR
+//! shading from art", 2001).
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 
 use crate::sculpture::Rgb;
 
-/// The look of a surface: what it is made of.
+/// The look of a surface: its material.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Look {
@@ -28,7 +28,7 @@ pub enum Look {
 /// A material in place of the voxels' colours.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Substance {
-    /// In sRGB.
+    /// Colour in sRGB.
     pub colour: Rgb,
     /// As in [`super::Lighting`].
     pub specular: f32,
@@ -40,7 +40,7 @@ impl Look {
     /// All values.
     pub const ALL: [Look; 4] = [Look::Colours, Look::Clay, Look::Stone, Look::Matcap];
 
-    /// The material that replaces the voxels' colours.
+    /// Returns the material that replaces the voxels' colours.
     pub fn substance(self) -> Option<Substance> {
         match self {
             Look::Colours => None,
@@ -61,25 +61,24 @@ impl Look {
 /// Edge of a matcap in texels.
 pub const MATCAP_EDGE: usize = 128;
 
-/// The part of the picture's half edge that the ball's radius takes: its outermost texels are mixed with what is
-/// around it.
+/// The ball's radius as a fraction of the picture's half edge: its outermost texels are blended with those around it.
 pub const MATCAP_RADIUS: f32 = 0.98;
 
 /// The texels of a matcap, upper row first: sRGB, red in the lowest byte. 255 in the highest.
 pub type MatcapTexels = [u32; MATCAP_EDGE * MATCAP_EDGE];
 
-/// A picture of a lit ball. A handle: the picture is kept until the end of the program, once for all that are equal,
-/// so that descriptions of pictures stay values. There are few of them, of 64 KiB each.
+/// A picture of a lit ball. A handle: each distinct picture is kept once until the program ends, so that descriptions
+/// of pictures remain plain values. There are few of them, of 64 KiB each.
 #[derive(Clone, Copy)]
 pub struct Matcap(&'static MatcapTexels);
 
 impl Matcap {
-    /// The one that comes with the program: grey wax under a warm lamp and a cool rim light.
+    /// Returns the built-in matcap: grey wax under a warm lamp and a cool rim light.
     pub fn built_in() -> Matcap {
         static BUILT_IN: OnceLock<Matcap> = OnceLock::new();
         *BUILT_IN.get_or_init(|| {
             Matcap::from_fn(|at| {
-                // Beyond the ball its edge goes on.
+                // Beyond the ball, its edge colour continues.
                 let flat = at.clamp_length_max(1.0);
                 let z = (1.0 - flat.length_squared()).max(0.0).sqrt();
                 wax(flat.extend(z))
@@ -87,7 +86,7 @@ impl Matcap {
         })
     }
 
-    /// From the colour at each place: (-1, -1) to (1, 1) from the lower left to the upper right corner.
+    /// Returns a matcap of the colour at each place: (-1, -1) to (1, 1) from the lower left to the upper right corner.
     pub fn from_fn(mut colour: impl FnMut(Vec2) -> Rgb) -> Matcap {
         static KEPT: Mutex<Vec<&'static MatcapTexels>> = Mutex::new(Vec::new());
         let mut texels = Box::new([0; MATCAP_EDGE * MATCAP_EDGE]);
@@ -105,12 +104,13 @@ impl Matcap {
         Matcap(kept[kept.len() - 1])
     }
 
-    /// The picture.
+    /// Returns the picture.
     pub fn texels(&self) -> &'static MatcapTexels {
         self.0
     }
 
-    /// The linear colour at a place in texels, from 0 to the edge less 1 on both axes, downwards; interpolated.
+    /// Returns the linear colour at a position in texels, from 0 to the edge less 1 on both axes, downwards;
+    /// interpolated.
     #[inline(always)]
     pub(super) fn sample(&self, x: f32, y: f32) -> Vec3 {
         let last = (MATCAP_EDGE - 2) as f32;
@@ -134,7 +134,7 @@ impl Default for Matcap {
 }
 
 impl PartialEq for Matcap {
-    /// Equal pictures are kept once.
+    /// Compares handles: equal pictures are kept once.
     fn eq(&self, other: &Self) -> bool {
         std::ptr::eq(self.0, other.0)
     }
@@ -146,10 +146,10 @@ impl std::fmt::Debug for Matcap {
     }
 }
 
-/// The colour of wax with this normal, seen along z.
+/// Returns the colour of wax with this normal, seen along z.
 fn wax(normal: Vec3) -> Rgb {
     let lit_from = |x: f32, y: f32, z: f32| normal.dot(Vec3::new(x, y, z).normalize());
-    // Light enters wax and leaves it beside, so that it wraps around.
+    // Light is scattered below the surface of wax, so that it wraps around.
     let key = (lit_from(-0.5, 0.7, 0.6) * 0.75 + 0.25).max(0.0);
     let sky = lit_from(0.0, 1.0, 0.2) * 0.5 + 0.5;
     let rim = (1.0 - normal.z).powi(3) * (lit_from(0.8, 0.3, -0.2) * 0.5 + 0.5);

@@ -1,6 +1,6 @@
 //! How pictures show the mask: protected voxels are darker and bluish, and hatched along the diagonals of the grid.
 //!
-//! The rule is here, and here alone: [`ShownColours`] applies it to voxels, for shaders on the CPU, and to pages of
+//! The only place with this rule: [`ShownColours`] applies it to voxels, for shaders on the CPU, and to pages of
 //! bricks, for copies on a device. Knows no lights and no pictures.
 
 use glam::{IVec3, UVec3};
@@ -12,12 +12,11 @@ use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
 const LINE_VX: u32 = 3;
 
 /// The colours mixed into a protected voxel's colour in dark and in light lines, and how many parts in 256 its own
-/// colour keeps: so little that hatching is seen on black and on white, so much that painted colours can still be told
-/// apart.
+/// colour keeps: few enough for the hatching to be visible on black and on white, enough to tell painted colours apart.
 const DARK: (Rgb, u32) = (Rgb::new(12, 22, 60), 80);
 const LIGHT: (Rgb, u32) = (Rgb::new(64, 96, 160), 96);
 
-/// The colour in which the protected voxel at these coordinates is shown, from the one it would be shown in.
+/// Returns the colour of the protected voxel at these coordinates in pictures, from its unprotected one.
 #[inline]
 pub fn mask_tint(Rgb(own): Rgb, voxel: UVec3) -> Rgb {
     let line = voxel.element_sum() / LINE_VX;
@@ -33,19 +32,19 @@ pub struct ShownColours<'a> {
     pub grid: &'a Grid,
     /// Their colours.
     pub material: &'a Material,
-    /// The colour that all have instead.
+    /// The colour that replaces those of all voxels.
     pub instead: Option<Rgb>,
-    /// The protected voxels, where these are shown: a grid of the same size.
+    /// The protected voxels, if the mask is shown: a grid of the same size.
     pub mask: Option<&'a Grid>,
 }
 
 impl ShownColours<'_> {
-    /// The colour of all voxels of bricks without a page.
+    /// Returns the colour of all voxels of bricks without a page.
     pub fn base(&self) -> Rgb {
         self.instead.unwrap_or(self.material.base())
     }
 
-    /// Bits of a colour in pages: as many as the voxels' own have, if any.
+    /// Returns the bits of a colour in pages: as many as the voxels' own have, if any.
     pub fn depth(&self) -> ColourDepth {
         match (self.instead, self.material.depth()) {
             (Some(_), _) | (None, ColourDepth::None) if self.mask.is_some() => ColourDepth::Bits24,
@@ -54,7 +53,7 @@ impl ShownColours<'_> {
         }
     }
 
-    /// The colour of the voxel at `v`.
+    /// Returns the colour of the voxel at `v`.
     #[inline]
     pub fn rgb(&self, v: UVec3) -> Rgb {
         let (brick, local) = (self.grid.brick_index(v / BRICK_EDGE_VX), v % BRICK_EDGE_VX);
@@ -68,7 +67,7 @@ impl ShownColours<'_> {
         }
     }
 
-    /// The number of bricks with a page.
+    /// Returns the number of bricks with a page.
     pub fn page_count(&self) -> usize {
         match self.mask {
             None if self.instead.is_none() => self.material.page_count(),
@@ -76,8 +75,8 @@ impl ShownColours<'_> {
         }
     }
 
-    /// Calls `f` with the bricks whose page a change of the voxels of `brick` may bring forth or make needless, but for
-    /// the brick itself: those beside it that may become, or cease to be, buried.
+    /// Calls `f` with the other bricks whose page a change of the voxels of `brick` may create or remove: its
+    /// neighbours that may become, or cease to be, buried.
     pub fn for_each_dependent(&self, brick: usize, mut f: impl FnMut(usize)) {
         if let Some(mask) = self.mask {
             for_each_beside(self.grid, brick, |beside| {
@@ -89,8 +88,8 @@ impl ShownColours<'_> {
         }
     }
 
-    /// Whether a brick has voxels of other colours than [`ShownColours::base`]. Where only protected voxels make it
-    /// so, not if the brick is buried: nobody sees them, and a mask may cover the whole inside of a sculpture.
+    /// Returns whether a brick has voxels of other colours than [`ShownColours::base`]. A buried brick whose only such
+    /// voxels are protected has no page: they are invisible, and a mask may cover the whole inside of a sculpture.
     pub fn has_page(&self, brick: usize) -> bool {
         self.own_page(brick).is_some() || !self.tinted(brick).is_empty()
     }
@@ -117,7 +116,7 @@ impl ShownColours<'_> {
         self.material.page(brick).filter(|_| self.instead.is_none())
     }
 
-    /// The protected voxels of a brick that may be seen.
+    /// Returns the protected voxels of a brick that may be visible.
     fn tinted(&self, brick: usize) -> Brick {
         match self.mask {
             Some(mask) if mask.brick_kind(brick) != BrickKind::Empty => {
@@ -128,7 +127,7 @@ impl ShownColours<'_> {
         }
     }
 
-    /// Whether a brick and the six beside it are full.
+    /// Returns whether a brick and its six neighbours are full.
     fn is_buried(&self, brick: usize) -> bool {
         let is_full = |brick| self.grid.brick_kind(brick) == BrickKind::Full;
         let mut beside = 0;

@@ -1,9 +1,9 @@
 //! Shading: from an index map to a picture. Pure CPU code.
 //!
-//! A pixel is shaded in two independent steps: what surface is there (its normal from the
-//! [`normal_field`], its colour from the material, [`mod@mask_tint`]ed where it is protected, its share of ambient light by [`occlusion`]), and what light it
-//! sends to the eye (`illumination`), as a picture shows it ([`tone`]). Filters of normals and colours
-//! (`smooth`) come between the two, and cost time only where they are switched on ([`refined`]).
+//! A pixel is shaded in two independent steps. The first finds the surface: its normal from the [`normal_field`], its
+//! colour from the material, [`mod@mask_tint`]ed if it is protected, its share of ambient light by [`occlusion`]. The
+//! second computes the light it sends to the eye (`illumination`), as a picture shows it ([`tone`]). Filters of normals
+//! and colours (`smooth`) come between the two, and cost time only if they are enabled ([`refined`]).
 
 #[doc(hidden)]
 pub mod ball;

@@ -1,4 +1,4 @@
-//! The first moments of existence around voxels, which are their gradients.
+//! The first moments of existence around voxels, which give the gradients.
 //!
 //! Five voxels along an axis always lie in two words of 4^3, so that eight words hold all neighbours.
 //! Folded to one word, with a bit for each residue modulo 4, only neighbours two voxels to either side
@@ -15,16 +15,16 @@ const REACH_SQUARED: i32 = 6;
 /// The neighbours of a voxel in the eight words around it.
 #[derive(Clone, Copy)]
 struct Masks {
-    /// Those two voxels up on some axis.
+    /// The neighbours two voxels up on some axis.
     upper: [u64; 8],
-    /// The others.
+    /// The other neighbours.
     lower: [u64; 8],
 }
 
-/// For a voxel `2 + (x, y, z)` of a cube of 8^3, `x + 4y + 16z` the index.
+/// The masks for voxel `2 + (x, y, z)` of a cube of 8^3, at index `x + 4y + 16z`.
 static NEIGHBOURS: [Masks; 64] = neighbours();
 
-/// The voxels of a word whose x, y, z is 0. Shifted by `1 << 2 * axis` they are those of 1.
+/// The voxels of a word whose x, y, z is 0. Shifted by `1 << 2 * axis`, they are those of 1.
 const PLANES: [u64; 3] = [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0xFFFF];
 
 const fn neighbours() -> [Masks; 64] {
@@ -53,8 +53,8 @@ const fn neighbours() -> [Masks; 64] {
     masks
 }
 
-/// The existing neighbours of voxel `2 + (x, y, z)` of a cube of eight words, folded to two;
-/// `at` is `x + 4y + 16z`.
+/// Returns the existing neighbours of voxel `2 + (x, y, z)` of a cube of eight words, folded to two; `at` is `x + 4y +
+/// 16z`.
 #[inline(always)]
 pub(super) fn fold(at: usize, bits: &[u64; 8]) -> (u64, u64) {
     let masks = &NEIGHBOURS[at & 63];
@@ -66,7 +66,7 @@ pub(super) fn fold(at: usize, bits: &[u64; 8]) -> (u64, u64) {
     (upper, lower)
 }
 
-/// Minus the sum of the offsets of folded neighbours.
+/// Returns minus the sum of the offsets of folded neighbours.
 #[inline(always)]
 pub(super) fn moments(at: usize, upper: u64, lower: u64) -> IVec3 {
     let moment = |axis: usize| {

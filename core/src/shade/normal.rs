@@ -3,11 +3,10 @@
 //!
 //! From a grid and a voxel to a vector that points out of the solid, in grid coordinates.
 //!
-//! The gradient is the first moment of existence over the 81 voxels whose centre is at most
-//! `sqrt(6)` voxels away. Other neighbourhoods, by their mean error against the radial direction
-//! on balls of radius 8 to 200: six voxels two away 20 degrees, 3^3 7.6, 5^3 4.8, these 81 3.1;
-//! a ball of radius 3.3 comes to 2.4 but touches 27 words instead of 8. Weights within the 5^3
-//! gain nothing. How the moment is counted: `moments`.
+//! The gradient is the first moment of existence over the 81 voxels whose centre is at most `sqrt(6)` voxels away.
+//! Other neighbourhoods, by their mean error against the radial direction on balls of radius 8 to 200: six voxels two
+//! away 20 degrees, 3^3 7.6, 5^3 4.8, these 81 3.1; a ball of radius 3.3 achieves 2.4 but touches 27 words instead of
+//! 8. Weights within the 5^3 gain nothing. `moments` computes the moment.
 
 use glam::{UVec3, Vec3};
 
@@ -15,11 +14,11 @@ use super::moments::{fold, moments};
 use crate::sculpture::Grid;
 use crate::sculpture::grid::WordReader;
 
-/// Reach, on each axis, of the neighbourhood that a voxel's normal depends on.
+/// The reach, on each axis, of the neighbourhood that a voxel's normal depends on.
 pub const NORMAL_REACH_VX: u32 = 2;
 
-/// Minus the gradient of existence around a voxel, not normalised: it points out of the solid. Whole
-/// numbers; zero where the neighbourhood is full, empty or symmetric.
+/// Returns minus the gradient of existence around a voxel, not normalised: it points out of the solid. Has integer
+/// components; zero if the neighbourhood is full, empty or symmetric.
 pub fn gradient(grid: &Grid, voxel: UVec3) -> Vec3 {
     let low = voxel.as_ivec3() - 2;
     let inside = low & 3;
@@ -36,7 +35,7 @@ mod tests {
     use crate::sculpture::Brick;
     use glam::IVec3;
 
-    /// The definition, voxel by voxel.
+    /// Computes the definition, voxel by voxel.
     fn naive(grid: &Grid, voxel: UVec3) -> Vec3 {
         let mut sum = IVec3::ZERO;
         for z in -2..=2 {

@@ -1,20 +1,19 @@
-//! Ambient occlusion: the share of ambient light that reaches a voxel, estimated from the bits around
-//! it.
+//! Ambient occlusion: the share of ambient light that reaches a voxel, estimated from the bits around it.
 //!
-//! In front of a plane half of the surroundings is empty, and all of the light arrives; in a corner
-//! or a crevice less is. The surroundings are the cube of 8^3 voxels about the voxel's middle. It
-//! cuts 27 words of 4^3, of which each counts by its share of existing voxels times its part within
-//! the cube: so the value changes gradually from voxel to voxel.
-//! (After the volumetric obscurance of Loos and Sloan, 2010, with a box for the sphere.)
+//! In front of a plane, half of the surroundings is empty, and all of the light arrives; in a corner or a crevice, less
+//! does. The surroundings are the cube of 8^3 voxels about the voxel's centre. It intersects 27 words of 4^3, each of
+//! which counts by its share of existing voxels times its part within the cube: so the value changes gradually from
+//! voxel to voxel. (After the volumetric obscurance of Loos and Sloan, 2010, with a box instead of the sphere.)
 //!
-//! On a slanted or curved surface voxels are steps, and how much of the cube is filled tells first of all how deep in its
-//! step a voxel lies: it would show as rings around the flats of a ball and as streaks along walls. Surface voxels know
-//! their depth, so what it adds is taken away ([`Filled::openness_at`]); others count as those of a face do.
+//! On a slanted or curved surface, voxels form steps, and the filled part of the cube depends mainly on how deep in its
+//! step a voxel lies. That would show as rings around the flats of a ball and as streaks along walls. The depth of
+//! surface voxels is known, so its contribution is subtracted ([`Filled::openness_at`]); other voxels count as if they
+//! lay in a face.
 //!
-//! Between the corners of words that count is trilinear. So it needs to be known there only, where the
-//! cube consists of eight whole words: the 27 corners in and around a brick are the **table** of that
-//! brick, and a voxel takes eight of its values. The [`super::normal_field`] keeps the openness of surface voxels;
-//! for others, tables are made when a picture first meets a brick ([`OpennessTables`]).
+//! Between the corners of words, that count is trilinear. So it is needed only at the corners, where the cube consists
+//! of eight whole words: the 27 corners in and around a brick are the **table** of that brick, and a voxel uses eight
+//! of its values. The [`super::normal_field`] keeps the openness of surface voxels; for others, tables are made when a
+//! picture first meets a brick ([`OpennessTables`]).
 
 use glam::{IVec3, UVec3};
 
@@ -22,30 +21,30 @@ use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, WORD_EDGE_VX};
 use crate::sculpture::grid::WordReader;
 
-/// How far from a voxel the voxels may be, on each axis, that its occlusion depends on.
+/// The distance, on each axis, of the farthest voxels that a voxel's occlusion depends on.
 pub const OCCLUSION_REACH_VX: u32 = 2 * WORD_EDGE_VX - 1;
 
-/// Openness of a cube without voxels. The middle of a voxel lies half a voxel within the surface, so that 9/16 of
-/// the cube are filled at a face: that is as open as it gets, with some reserve for the steps of slanted faces.
+/// Openness of a cube without voxels. The centre of a voxel lies half a voxel within the surface, so that 9/16 of the
+/// cube are filled at a face: that gives full openness, with some reserve for the steps of slanted faces.
 const OPENNESS_OF_NOTHING: f32 = 2.36;
 
-/// By how much a voxel makes it less.
+/// The decrease of openness per existing voxel.
 const PER_VOXEL: f32 = OPENNESS_OF_NOTHING / (8 * WORD_EDGE_VX.pow(3)) as f32;
 
-/// How much more of the cube is filled, in voxels, for each voxel that its middle lies deeper below the surface: a layer
-/// of the cube.
+/// The increase of the filled part of the cube, in voxels, for each voxel that its centre lies deeper below the
+/// surface: a layer of the cube.
 const VOXELS_PER_DEPTH: f32 = (2 * WORD_EDGE_VX * 2 * WORD_EDGE_VX) as f32;
 
-/// How deep the middles of voxels lie below a face, in voxels.
+/// The depth of the centres of voxels below a face, in voxels.
 const DEPTH_AT_FACE_VX: f32 = 0.5;
 
-/// Fractions of a voxel in which the filling is counted.
+/// The fixed-point scale of the filled part: units per voxel.
 const FILLED_PER_VOXEL: f32 = 64.0;
 
 /// Corners of words along an axis of a brick.
 const CORNERS: usize = 3;
 
-/// Tables that are kept, one for each remainder of the brick's coordinates.
+/// The number of cached tables, one for each remainder of the brick's coordinates.
 const KEPT: usize = 64;
 const KEPT_LOG2_PER_AXIS: u32 = 2;
 
@@ -55,10 +54,10 @@ pub type Table = [[[u16; CORNERS]; CORNERS]; CORNERS];
 /// The 4^3 words in and around a brick: `[z][y][x]`.
 pub type WordsAround = [[[u64; 4]; 4]; 4];
 
-/// The tables of the bricks that were met last. They are those of one grid, while it stays as it is.
+/// The tables of the bricks that were met last. Valid for one grid, while it does not change.
 #[derive(Clone, Debug)]
 pub struct OpennessTables {
-    /// The brick that each place is for; [`u32::MAX`] for none.
+    /// The brick of each slot; [`u32::MAX`] for none.
     bricks: [u32; KEPT],
     tables: [Table; KEPT],
 }
@@ -70,13 +69,13 @@ impl Default for OpennessTables {
 }
 
 impl OpennessTables {
-    /// How much of the cube about a voxel is filled.
+    /// Returns how much of the cube about a voxel is filled.
     #[cfg(test)]
     pub fn filled(&mut self, grid: &Grid, voxel: UVec3) -> Filled {
         Filled((filled_in(self.table_of(grid, voxel), voxel) * FILLED_PER_VOXEL + 0.5) as u16)
     }
 
-    /// The share of ambient light that reaches a voxel: 0 if it is buried, 1 on a plane or an edge.
+    /// Returns the share of ambient light that reaches a voxel: 0 if it is buried, 1 on a plane or an edge.
     #[inline(always)]
     pub fn openness(&mut self, grid: &Grid, voxel: UVec3) -> f32 {
         openness_in(self.table_of(grid, voxel), voxel)
@@ -97,21 +96,22 @@ impl OpennessTables {
     }
 }
 
-/// The share of ambient light that reaches a voxel of the brick with this table, if it lies as deep as in a face.
+/// Returns the share of ambient light that reaches a voxel of the brick with this table, assuming the depth of a voxel
+/// in a face.
 #[inline(always)]
 fn openness_in(table: &Table, voxel: UVec3) -> f32 {
     openness(filled_in(table, voxel), DEPTH_AT_FACE_VX)
 }
 
-/// The share of ambient light that reaches a voxel of which the middle lies `depth_vx` below the surface and around
-/// which so many voxels exist.
+/// Returns the share of ambient light that reaches a voxel whose centre lies `depth_vx` below the surface and around
+/// which `filled` voxels exist.
 #[inline(always)]
 fn openness(filled: f32, depth_vx: f32) -> f32 {
     let of_depth = (depth_vx.clamp(0.0, 1.0) - DEPTH_AT_FACE_VX) * VOXELS_PER_DEPTH;
     (OPENNESS_OF_NOTHING - (filled - of_depth) * PER_VOXEL).clamp(0.0, 1.0)
 }
 
-/// The existing voxels in the cube about a voxel of the brick with this table.
+/// Returns the number of existing voxels in the cube about a voxel of the brick with this table.
 #[inline(always)]
 fn filled_in(table: &Table, voxel: UVec3) -> f32 {
     let [x, y, z] = ((voxel / WORD_EDGE_VX) & 1).to_array().map(|c| c as usize);
@@ -125,12 +125,13 @@ fn filled_in(table: &Table, voxel: UVec3) -> f32 {
     mix(in_plane(z), in_plane(z + 1), share.z)
 }
 
-/// How much of the cube about a voxel is filled, in fractions of a voxel.
+/// The filled part of the cube about a voxel, in fractions of a voxel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Filled(u16);
 
 impl Filled {
-    /// The share of ambient light that reaches a voxel with its middle that deep below the surface, 255 for all of it.
+    /// Returns the share of ambient light that reaches a voxel whose centre lies `depth_vx` below the surface, 255 for
+    /// all of it.
     #[inline(always)]
     pub fn openness_at(self, depth_vx: f32) -> u8 {
         let filled = f32::from(self.0) * (1.0 / FILLED_PER_VOXEL);
@@ -138,7 +139,7 @@ impl Filled {
     }
 }
 
-/// How much of the cube about each voxel of a brick is filled, `x + 8 y + 64 z`.
+/// The filled part of the cube about each voxel of a brick, `x + 8 y + 64 z`.
 #[derive(Clone, Debug)]
 pub struct BrickFilling([Filled; BRICK_VOXELS as usize]);
 
@@ -158,7 +159,7 @@ impl std::ops::Index<usize> for BrickFilling {
 }
 
 impl BrickFilling {
-    /// Replaces it by that of the brick with this table. Axis by axis, and in rows of eight.
+    /// Replaces the values by those of the brick with this table. Works axis by axis, and in rows of eight.
     #[inline(always)]
     pub fn fill(&mut self, table: &Table) {
         const EDGE: usize = BRICK_EDGE_VX as usize;
@@ -192,7 +193,7 @@ impl BrickFilling {
     }
 }
 
-/// The table of brick `b`.
+/// Returns the table of brick `b`.
 #[inline(always)]
 pub(super) fn table(grid: &Grid, b: UVec3) -> Table {
     let (words, first) = (WordReader::new(grid), b.as_ivec3() * 2 - 1);
@@ -207,7 +208,7 @@ pub(super) fn table(grid: &Grid, b: UVec3) -> Table {
     table_of(&around)
 }
 
-/// The table of a brick: sums of eight of the words in and around it.
+/// Returns the table of a brick: sums of eight of the words in and around it.
 #[inline(always)]
 pub fn table_of(around: &WordsAround) -> Table {
     let mut in_planes = [[[0; CORNERS]; CORNERS]; 4];
@@ -246,7 +247,7 @@ mod tests {
         OpennessTables::default().openness(grid, voxel)
     }
 
-    /// Voxel by voxel: the share of each word, times how far it reaches into the cube.
+    /// Computes the definition, voxel by voxel: the share of each word, times its part within the cube.
     fn naive(grid: &Grid, voxel: UVec3) -> f32 {
         let middle = voxel.as_vec3() + 0.5;
         let mut filled = 0.0;
@@ -272,7 +273,7 @@ mod tests {
     fn openness_is_its_definition() {
         let grid = scenes::cheese(61, 40, 4).unwrap();
         let mut random = Random(2);
-        // More bricks than tables are kept.
+        // More bricks than cached tables.
         let mut tables = OpennessTables::default();
         for _ in 0..2000 {
             let v = random.voxel(grid.dims()).as_uvec3();

@@ -1,4 +1,4 @@
-//! Samples and shades again what an edit may have changed, and compares with the whole picture.
+//! Resamples and reshades what an edit may have changed, and compares with the whole picture.
 
 use glam::{Quat, UVec2, Vec3};
 use proptest::prelude::*;
@@ -18,7 +18,7 @@ const SAMPLERS: [(Sample, SampleRect); 2] =
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Sampling and shading only the rectangles again gives the same as the whole picture.
+    /// Resampling and reshading only the rectangles gives the same as the whole picture.
     #[test]
     fn outside_of_the_rectangles_nothing_changes(
         seed: u64,

@@ -12,20 +12,20 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// A transparent picture.
+    /// Returns a transparent picture.
     pub fn new(size: UVec2) -> Pixels {
         let mut pixels = Pixels::default();
         pixels.reset(size);
         pixels
     }
 
-    /// Gives the picture another size, keeping its memory. The values are left as they are.
+    /// Changes the size of the picture, keeping its memory. The values are left as they are.
     pub fn reset(&mut self, size: UVec2) {
         self.size = size;
         self.rgba.resize(size.x as usize * size.y as usize, [0; 4]);
     }
 
-    /// The bytes of all pixels, as files and textures take them.
+    /// Returns the bytes of all pixels, in the form of files and textures.
     pub fn bytes(&self) -> &[u8] {
         self.rgba.as_flattened()
     }

@@ -1,8 +1,7 @@
-//! Point clouds: each voxel that an index map shows, once, with its normal and colour, for a renderer
-//! that draws and lights points.
+//! Point clouds: each voxel of an index map once, with its normal and colour, for a renderer that draws and lights
+//! points.
 //!
-//! From an index map and the sculpture; points are in the order of voxel indices, whichever sampler made
-//! the map.
+//! Takes an index map and the sculpture. Points are in the order of voxel indices, whichever sampler made the map.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -24,9 +23,8 @@ pub struct SurfacePoint {
     pub voxel: [u16; 3],
     /// Its normal.
     pub normal: PackedNormal,
-    /// The stand-in for a missing normal: a vector out of the solid, of any length, a covector of
-    /// grid coordinates; then the share of the ambient light that arrives, 0 to 127, all bits inverted in the
-    /// shadow of the sun.
+    /// The substitute for a missing normal: a vector out of the solid, of any length, a covector of grid coordinates.
+    /// Then the share of ambient light that arrives, 0 to 127, with all bits inverted in the shadow of the sun.
     pub estimate: [i8; 4],
     /// sRGB, and 255.
     pub colour: [u8; 4],
@@ -40,7 +38,7 @@ pub struct PointCloud {
 }
 
 impl PointCloud {
-    /// Replaces the points by those of `map`, with the occlusion and the colours that `lighting` has them lit with.
+    /// Replaces the points by those of `map`, with the occlusion and the colours that `lighting` specifies.
     pub fn take(
         &mut self,
         map: &IndexMap,
@@ -58,7 +56,7 @@ impl PointCloud {
         for row in map.voxels.chunks(width.max(1)) {
             let mut last = NO_VOXEL;
             for (x, &voxel) in row.iter().enumerate() {
-                // Most pixels show the voxel of one beside them; other duplicates go by sorting.
+                // Most pixels show the voxel of a neighbour; sorting removes other duplicates.
                 if voxel != NO_VOXEL && voxel != last && above.get(x) != Some(&voxel) {
                     self.indices.push(voxel);
                 }
@@ -93,14 +91,14 @@ impl PointCloud {
         indices.map_init(OpennessTables::default, point).collect_into_vec(&mut self.points);
     }
 
-    /// The points of the last call.
+    /// Returns the points of the last call.
     pub fn points(&self) -> &[SurfacePoint] {
         &self.points
     }
 }
 
 impl SurfacePoint {
-    /// Middle of the voxel, in grid coordinates.
+    /// Returns the centre of the voxel, in grid coordinates.
     pub fn position(&self) -> Vec3 {
         Vec3::from(self.voxel.map(f32::from)) + 0.5
     }

@@ -1,5 +1,5 @@
-//! A picture of a sculpture that depends on nothing but its voxels and colours: for hashes of what is seen, and for
-//! lists of sculptures.
+//! A picture of a sculpture that depends only on its voxels and colours: for hashes of its appearance, and for lists of
+//! sculptures.
 //!
 //! Rays are cast and shaded on the CPU, from the upper right in front, with the usual light.
 
@@ -11,7 +11,7 @@ use crate::sculpture::history::Contents;
 use crate::surface::{IndexMap, raycast};
 use crate::view::Camera;
 
-/// The picture, of `size` pixels; transparent where nothing is seen. The same for any number of threads.
+/// Returns the picture, of `size` pixels; transparent where no voxel is visible. The same for any number of threads.
 pub fn portrait(contents: &Contents, size: UVec2) -> Pixels {
     let Contents { grid, material, .. } = contents;
     let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());

@@ -1,4 +1,4 @@
-//! The software shader with its filters of normals and colours. Without any it is [`super::shade`], which needs
+//! The software shader with its filters of normals and colours. Without filters it equals [`super::shade`], which needs
 //! neither memory nor a second pass.
 //!
 //! Has the inputs and outputs of [`super::shade`]. Keeps its memory from picture to picture.
@@ -23,13 +23,13 @@ use crate::surface::IndexMap;
 pub struct SoftwareShader {
     shown: Vec<Shown>,
     smooth: Vec<Shown>,
-    /// Shares of the ambient light and of the sun's.
+    /// Shares of the ambient light and of the sun's that arrive.
     reaching: Vec<[f32; 2]>,
 }
 
 impl SoftwareShader {
-    /// Shades every pixel of `map`, by the options in `lighting`. `out` takes the size of the map
-    /// and keeps its memory.
+    /// Shades every pixel of `map`, with the options in `lighting`. `out` takes the size of the map and keeps its
+    /// memory.
     pub fn shade(
         &mut self,
         map: &IndexMap,
@@ -78,7 +78,7 @@ impl SoftwareShader {
         });
     }
 
-    /// Finds what each pixel shows.
+    /// Finds the surface of each pixel.
     fn look(
         &mut self,
         map: &IndexMap,
@@ -133,7 +133,7 @@ fn show(source: &ShadeSource, illumination: &Illumination, v: UVec3) -> Shown {
     }
 }
 
-/// A row of pixels and what it shows.
+/// A row of pixels with their surfaces.
 struct Row<'a> {
     grid: &'a Grid,
     voxels: &'a [u32],
@@ -142,7 +142,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// `back`: from normals in eye space to gradients.
+    /// Shades a row. `back` maps normals in eye space to gradients.
     #[inline(always)]
     fn shade<S: Simd>(
         &self,
@@ -213,11 +213,11 @@ mod tests {
         pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum()
     }
 
-    /// The passes for filters, and occlusion, with nothing to do, give the plain shader's picture.
+    /// The passes for filters and occlusion, with nothing to do, give the plain shader's picture.
     #[test]
     fn open_surroundings_and_equal_neighbours_change_nothing() {
         let mut grid = Grid::new(UVec3::splat(64), Vec3::ONE, 1 << 20).unwrap();
-        // Voxels so far apart that neither filter nor occlusion finds any but the one itself.
+        // Voxels so far apart that each lies outside the filters and the occlusion of the others.
         for i in 0..64 {
             grid.set(glam::IVec3::new(i % 4, i / 4 % 4, i / 16) * 16, true);
         }
@@ -244,7 +244,7 @@ mod tests {
         assert!(difference(&dark, &short) > 1000);
         let normals = Lighting { smooth_normals: Smoothing::Wide, ..plain };
         assert!(difference(&shaded(&grid, &normals, &mut shader), &short) > 1000);
-        // One colour all over stays what it is.
+        // A uniform colour stays unchanged.
         let colours = Lighting { smooth_colours: Smoothing::Wide, ..plain };
         assert_eq!(shaded(&grid, &colours, &mut shader), short);
     }

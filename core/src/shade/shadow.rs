@@ -1,10 +1,10 @@
 //! The shadow of the sun, which is the first distant lamp: whether a ray from a voxel reaches a point of its disc.
 //!
-//! There is one ray a voxel and picture. The first picture takes the middle of the disc; the further samples of an
-//! antialiased picture take points all over it, other ones for each voxel, so that shadows are sharp in the one and
-//! soft in the mean. The points depend on nothing but the voxel and the number of the sample.
+//! Each voxel casts one ray per picture. The first picture uses the centre of the disc; the further samples of an
+//! antialiased picture use points all over it, different ones for each voxel, so that shadows are sharp in the first
+//! and soft in the mean. The points depend only on the voxel and the index of the sample.
 //!
-//! In grid coordinates. shaders/shadow.wgsl is the twin.
+//! Works in grid coordinates. shaders/shadow.wgsl is the twin.
 
 use glam::{Affine3A, Mat3, UVec3, Vec2, Vec3};
 
@@ -12,24 +12,25 @@ use super::light::{LightSource, Shadow};
 use crate::sculpture::Grid;
 use crate::surface::raycast;
 
-/// From the middle of a voxel to where its ray begins, along its normal: above the steps of a slanted face.
+/// The distance from the centre of a voxel to the origin of its ray, along its normal: above the steps of a slanted
+/// face.
 const LIFT_VX: f32 = 1.5;
 
 /// The sun of a picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Sun {
-    /// Which of the lights in use it is.
+    /// Its index among the lights in use.
     pub light: usize,
-    /// Towards the middle of its disc.
+    /// Towards the centre of its disc.
     pub towards: Vec3,
-    /// From there to its edge, in two directions across.
+    /// From there to its edge, in two perpendicular directions.
     pub across: [Vec3; 2],
-    /// The number of the sample.
+    /// The index of the sample.
     pub sample: u32,
 }
 
 impl Sun {
-    /// The first distant one of `sources`, which are in eye space.
+    /// Returns the first distant one of `sources`, which are in eye space.
     pub(super) fn new(
         shadow: &Shadow,
         sources: impl Iterator<Item = LightSource>,
@@ -49,8 +50,8 @@ impl Sun {
         Some(Sun { light, towards: towards * scale, across, sample: shadow.sample })
     }
 
-    /// The part of its light that reaches a voxel whose surface points `outwards` (a covector of any length): 1 or
-    /// 0. 1 where the surface is turned away, which then gets none all the same.
+    /// Returns the part of its light that reaches a voxel whose surface points `outwards` (a covector of any length): 1
+    /// or 0. Returns 1 if the surface is turned away, since it gets no light in any case.
     pub(super) fn reaching(&self, grid: &Grid, voxel: UVec3, outwards: Vec3) -> f32 {
         let lift = outwards.try_normalize().unwrap_or(self.towards);
         if lift.dot(self.towards) <= 0.0 {
@@ -63,7 +64,7 @@ impl Sun {
     }
 }
 
-/// A point of the unit disc; its middle for sample 0.
+/// Returns a point of the unit disc; its centre for sample 0.
 pub(super) fn on_disc(voxel: UVec3, sample: u32) -> Vec2 {
     if sample == 0 {
         return Vec2::ZERO;
@@ -79,7 +80,7 @@ pub(super) fn on_disc(voxel: UVec3, sample: u32) -> Vec2 {
     let a = hash.wrapping_add(sample.wrapping_mul(49472)) & 0xFFFF;
     let b = (hash >> 16).wrapping_add(sample.wrapping_mul(37345)) & 0xFFFF;
     let square = Vec2::new(a as f32, b as f32) * (1.0 / 32768.0) - 1.0;
-    // From the square to the disc by concentric ellipses.
+    // Maps the square to the disc by concentric ellipses.
     let Vec2 { x, y } = square;
     Vec2::new(x * (1.0 - 0.5 * y * y).sqrt(), y * (1.0 - 0.5 * x * x).sqrt())
 }
@@ -90,7 +91,7 @@ mod tests {
     use crate::sculpture::Grid;
     use glam::IVec3;
 
-    /// A floor of 4 voxels' height with a wall on it, and a sun at 45 degrees behind the wall.
+    /// Returns a floor of 4 voxels' height with a wall on it, and a sun at 45 degrees behind the wall.
     fn scene(sun_deg: f32, sample: u32) -> (Grid, Sun) {
         let mut grid = Grid::new(UVec3::new(64, 64, 64), Vec3::ONE, 1 << 20).unwrap();
         for (x, z) in (0..64).flat_map(|x| (0..64).map(move |z| (x, z))) {

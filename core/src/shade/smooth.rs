@@ -1,16 +1,16 @@
-//! The interpolation filters of the software shader: normals and colours of a pixel become weighted
-//! means over the pixels around it that show the same surface.
+//! The interpolation filters of the software shader: normals and colours of a pixel become weighted means over the
+//! neighbouring pixels that show the same surface.
 //!
-//! The weight of a neighbour falls with its distance in the picture, the distance of its voxel from the
-//! plane through the pixel's own voxel, and the angle between the normals (a cross bilateral filter:
-//! Tomasi and Manduchi, "Bilateral filtering for gray and color images", 1998). So edges stay sharp:
-//! what lies behind another surface, or round a corner, has no weight.
+//! The weight of a neighbour falls with its distance in the picture, the distance of its voxel from the plane through
+//! the pixel's own voxel, and the angle between the normals (a cross bilateral filter: Tomasi and Manduchi, "Bilateral
+//! filtering for gray and color images", 1998). So edges stay sharp: pixels behind another surface, or round a corner,
+//! have no weight.
 //!
 //! The neighbours are 3x3 or 5x5 samples, spaced such that the outermost is about one voxel away:
 //! for a distant surface they are adjacent pixels, for a near one they are fractions of a voxel apart.
 //! That turns steps from voxel to voxel into a gradual change.
 //!
-//! From what each pixel shows to the means. Knows no grid and no light.
+//! Takes the surface of each pixel, returns the means. Knows no grid and no light.
 
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
@@ -21,21 +21,21 @@ use crate::sculpture::NO_VOXEL;
 /// Distance from the plane at which a neighbour's weight becomes 0, in voxels.
 const PLANE_REACH_VX: f32 = 2.0;
 
-/// The place on a surface that a pixel shows. Vectors are in eye space.
+/// The surface point of a pixel. Vectors are in eye space.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct Shown {
-    /// Middle of the voxel.
+    /// Centre of the voxel.
     pub position: Vec3,
-    /// Unit length, or zero where there is none.
+    /// Unit length, or zero if there is none.
     pub normal: Vec3,
-    /// Linear.
+    /// Linear colour.
     pub colour: Vec3,
 }
 
-/// A picture of what is shown.
+/// A picture of surface points.
 pub(super) struct Surfaces<'a> {
     pub size: UVec2,
-    /// [`NO_VOXEL`] where there is nothing.
+    /// [`NO_VOXEL`] where no voxel is visible.
     pub voxels: &'a [u32],
     pub shown: &'a [Shown],
     /// Mean edge of a voxel in eye space.
@@ -45,8 +45,8 @@ pub(super) struct Surfaces<'a> {
 }
 
 impl Surfaces<'_> {
-    /// The mean normals (unit length) and colours of every pixel, row by row. `normals` and
-    /// `colours` say over how many neighbours; without any they stay as they are.
+    /// Computes the mean normals (unit length) and colours of every pixel, row by row. `normals` and `colours` select
+    /// the neighbourhoods; values that are not filtered are copied.
     pub fn smooth(&self, normals: Smoothing, colours: Smoothing, out: &mut Vec<Shown>) {
         out.clear();
         out.extend_from_slice(self.shown);
@@ -103,7 +103,7 @@ impl Surfaces<'_> {
         Shown { normal, colour: colour / sum, ..centre }
     }
 
-    /// The weight of `other` beside `centre`, 0 to 1, by what they show.
+    /// Returns the weight of `other` beside `centre`, 0 to 1.
     fn weight(&self, centre: &Shown, other: &Shown) -> f32 {
         let off_vx = (other.position - centre.position).dot(centre.normal) / self.voxel_edge;
         let plane = (1.0 - (off_vx / PLANE_REACH_VX).powi(2)).max(0.0);
@@ -115,14 +115,14 @@ impl Surfaces<'_> {
         plane * (alike * alike) * (alike * alike)
     }
 
-    /// Pixels between neighbours, so that the outermost is about one voxel away.
+    /// Returns the distance between neighbours in pixels, such that the outermost is about one voxel away.
     fn step_px(&self, distance: f32, reach: i32) -> i32 {
         let voxel_px = self.voxel_edge / (distance.max(f32::MIN_POSITIVE) * self.pixel_at_1);
         ((voxel_px / reach as f32).round() as i32).clamp(1, 64)
     }
 }
 
-/// 1 in the middle, falling evenly to 0 just beyond the reach.
+/// Returns 1 in the middle, decreasing linearly to 0 just beyond the reach.
 fn tent(offset: i32, reach: i32) -> f32 {
     1.0 - offset.abs() as f32 / (reach + 1) as f32
 }
@@ -136,7 +136,7 @@ mod tests {
         Vec3::new(random.unit(), random.unit(), random.unit()) * 2.0 - 1.0
     }
 
-    /// The definition once more, in f64 and with other loops.
+    /// Computes the definition, in f64 and with other loops.
     fn naive(surfaces: &Surfaces, at: UVec2, reach: i32) -> (Vec3, Vec3) {
         let index = |x: i32, y: i32| (x + y * surfaces.size.x as i32) as usize;
         let centre = surfaces.shown[index(at.x as i32, at.y as i32)];
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn edges_stay_and_what_is_off_stays() {
-        // Left a face to the viewer, right one to the side, and far behind a third.
+        // The left face is turned to the viewer, the right one to the side, and a third is far behind.
         let size = UVec2::new(30, 5);
         let shown: Vec<_> = (0..150)
             .map(|i| {

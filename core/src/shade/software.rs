@@ -1,6 +1,6 @@
 //! The software shader: from an index map, the sculpture with its normals, and lights to a picture.
 //!
-//! The result is RGBA with alpha 0 where no voxel is seen. Runs on all cores, without allocating.
+//! The result is RGBA with alpha 0 where no voxel is visible. Runs on all cores, without allocating.
 
 use std::ops::Range;
 
@@ -25,10 +25,10 @@ const BAND_ROWS: usize = 32;
 /// Width of the strips of a band: the bricks of a strip stay in the first-level cache.
 const STRIP_PX: usize = 64;
 
-/// Distance of the pixels by which the bricks of a strip are found.
+/// The distance between the pixels that are sampled to find the bricks of a strip.
 const SAMPLE_STEP_PX: usize = STRIP_PX / LANES;
 
-/// The part of a voxel's coordinates that tells its place in its brick.
+/// The bits of a voxel's coordinates that give its position in its brick.
 const IN_BRICK: u32 = BRICK_EDGE_VX - 1;
 
 /// Poses of the sculpture and the eye.
@@ -53,8 +53,8 @@ pub fn shade(
     shade_rect(map, source, pose, lighting, rect, out);
 }
 
-/// Shades again the pixels of `rect` (cut to the picture). `out` must have the size of the map; a
-/// picture of another size is shaded as a whole.
+/// Reshades the pixels of `rect` (cut to the picture). `out` must have the size of the map; a picture of another size
+/// is shaded as a whole.
 pub fn shade_rect(
     map: &IndexMap,
     source: &ShadeSource,
@@ -89,7 +89,7 @@ struct Shader<'a> {
     places: Places,
     illumination: Illumination,
     occlusion: bool,
-    /// Whether any voxel may have a colour of its own that is seen.
+    /// Whether any voxel may have a visible colour of its own.
     has_colours: bool,
     /// The colour of all others.
     base: u32,
@@ -138,7 +138,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// [`shade_rect`] with a choice of vector instructions.
+    /// Performs [`shade_rect`] with selected vector instructions.
     fn shade_rect(&self, level: Level, map: &IndexMap, rect: PixelRect, out: &mut Pixels) {
         let picture = PixelRect::of_picture(map.rays.size);
         let rect = if out.size == map.rays.size { rect.intersect(picture) } else { picture };
@@ -192,8 +192,8 @@ impl Shader<'_> {
         }
     }
 
-    /// Has the memory that a strip of a band needs brought close by, all at once: what its pixels look up one after the
-    /// other depends on what came before. Takes samples, which meet most bricks; without effect on the picture.
+    /// Prefetches the memory for a strip of a band, all at once: the pixels' own look-ups depend on each other. Uses
+    /// sampled pixels, which meet most bricks. Has no effect on the picture.
     #[inline(always)]
     fn fetch<S: Simd>(&self, simd: S, width: usize, strip: Range<usize>, voxels: &[u32]) {
         let field = self.source.normals;
@@ -215,9 +215,9 @@ impl Shader<'_> {
         std::hint::black_box(pages.fetch(&wanted));
     }
 
-    /// Shades the pixels of a row that see `voxels`; the last ones may be beyond `out`. `own`: normals of their own,
-    /// which the voxels' stand in for where there is none. In steps for all pixels, so that the memory that one needs
-    /// is waited for together with that of the others.
+    /// Shades the pixels of a row that see `voxels`; the last ones may be beyond `out`. `own`: normals of the pixels;
+    /// those of the voxels replace missing ones. Performs each step for all pixels, so that their memory accesses
+    /// overlap.
     #[inline(always)]
     fn shade_row<S: Simd>(
         &self,
@@ -272,7 +272,7 @@ impl Shader<'_> {
         }
     }
 
-    /// Where voxels are.
+    /// Computes the coordinates of voxels.
     #[inline(always)]
     fn locate<S: Simd>(&self, simd: S, voxels: u32x16<S>, found: &mut Found) {
         let places = self.places.coords(simd, voxels);
@@ -290,7 +290,7 @@ impl Shader<'_> {
         found.points.colour = [self.base; LANES];
     }
 
-    /// The colours of voxels, where they have their own.
+    /// Looks up the colours of voxels that have their own.
     #[inline(always)]
     fn colours(&self, found: &mut Found) {
         let material = self.source.material;
@@ -308,7 +308,7 @@ impl Shader<'_> {
         }
     }
 
-    /// The share of ambient light that reaches the voxels of the lanes `seen`.
+    /// Computes the share of ambient light that reaches the voxels of the lanes `seen`.
     #[inline(always)]
     fn openness<S: Simd>(
         &self,
@@ -320,14 +320,14 @@ impl Shader<'_> {
         let records = u32x16::load_array_ref(simd, &found.records);
         let open = (records >> SurfaceRecord::OPENNESS).to_float::<f32x16<S>>() * (1.0 / 255.0);
         open.store_array(&mut found.points.open);
-        // Voxels within the solid, and those of a sculpture that was just opened.
+        // Voxels within the solid, and those of a sculpture that has just been opened.
         let missing = records.simd_eq(SurfaceRecord::NONE.0).to_bitmask() as u32 & seen;
         for lane in bits(missing) {
             found.points.open[lane] = tables.openness(self.source.grid, found.coords(lane));
         }
     }
 
-    /// The share of the sun's light that reaches the voxels of the lanes `seen`.
+    /// Computes the share of the sun's light that reaches the voxels of the lanes `seen`.
     #[inline(always)]
     fn sunlight(&self, sun: &Sun, seen: u32, voxels: &[u32; LANES], found: &mut Found) {
         for lane in bits(seen) {
@@ -340,7 +340,7 @@ impl Shader<'_> {
         }
     }
 
-    /// The normals of pixels or of their voxels.
+    /// Looks up the normals of pixels or of their voxels.
     #[inline(always)]
     fn normals<S: Simd>(&self, simd: S, seen: u32, own: Option<&[u16]>, found: &mut Found) {
         let none = u32::from(PackedNormal::NONE.0);
@@ -378,7 +378,7 @@ fn tint(mask: &Grid, depth: ColourDepth, found: &mut Found) {
     }
 }
 
-/// The set bits of a mask, rising.
+/// Returns the set bits of a mask, in ascending order.
 #[inline(always)]
 fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -388,12 +388,12 @@ fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// A colour as [`SurfacePoints`] takes it.
+/// Returns a colour in the form of [`SurfacePoints`].
 fn packed(Rgb([r, g, b]): Rgb) -> u32 {
     u32::from_le_bytes([r, g, b, 0])
 }
 
-/// Coordinates of voxels from their index, and of bricks.
+/// Converts indices of voxels to their coordinates and bricks.
 pub(super) struct Places {
     row: u32,
     slice: u32,
@@ -406,7 +406,7 @@ impl Places {
         Places { row: dims.x, slice: dims.x * dims.y, brick_dims }
     }
 
-    /// The linear indices of the bricks of voxels at these coordinates.
+    /// Returns the linear indices of the bricks of voxels at these coordinates.
     #[inline(always)]
     fn bricks<S: Simd>(&self, coords: [u32x16<S>; 3]) -> u32x16<S> {
         const LOG2: u32 = BRICK_EDGE_VX.trailing_zeros();
@@ -414,7 +414,7 @@ impl Places {
         (x >> LOG2) + ((y >> LOG2) + (z >> LOG2) * self.brick_dims.y) * self.brick_dims.x
     }
 
-    /// Of voxels.
+    /// Returns the coordinates of voxels.
     #[inline(always)]
     pub fn coords<S: Simd>(&self, simd: S, voxels: u32x16<S>) -> [i32x16<S>; 3] {
         let (z, in_slice) = divide(simd, voxels, self.slice);
@@ -423,8 +423,8 @@ impl Places {
     }
 }
 
-/// Quotient and remainder. The quotient must be below 2^20 and the divisor below 2^30: then the
-/// quotient by floating point is at most one off.
+/// Returns quotient and remainder. The quotient must be below 2^20 and the divisor below 2^30: then the floating-point
+/// quotient is at most one off.
 #[inline(always)]
 fn divide<S: Simd>(simd: S, value: u32x16<S>, divisor: u32) -> (u32x16<S>, u32x16<S>) {
     let zero = u32x16::splat(simd, 0);

@@ -1,4 +1,4 @@
-//! A sculpture as shaders see it: voxels, colours, and the normals of its surface.
+//! A sculpture in the form that shaders take: voxels, colours, and the normals of its surface.
 
 use glam::{UVec3, Vec3};
 
@@ -9,34 +9,34 @@ use super::occlusion::OpennessTables;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::{Grid, Material, Rgb};
 
-/// The sculpture that is shaded.
+/// The sculpture to shade.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadeSource<'a> {
     /// The voxels.
     pub grid: &'a Grid,
     /// Their colours.
     pub material: &'a Material,
-    /// The normals of `grid`. While they are incomplete, estimates stand in for missing ones.
+    /// The normals of `grid`. While they are incomplete, estimates replace missing ones.
     pub normals: &'a NormalField,
-    /// The voxels that are shown as protected: a grid of the same size. None: the mask is not shown.
+    /// The voxels that are shown as protected: a grid of the same size. `None`: the mask is not shown.
     pub mask: Option<&'a Grid>,
 }
 
 impl<'a> ShadeSource<'a> {
-    /// The colours to light, where all voxels have the colour `instead` of their own if there is one.
+    /// Returns the colours to light. If `instead` is given, it replaces the colours of all voxels.
     pub fn colours(&self, instead: Option<Rgb>) -> ShownColours<'a> {
         let ShadeSource { grid, material, mask, .. } = *self;
         ShownColours { grid, material, instead, mask }
     }
 
-    /// The packed normal of a voxel.
+    /// Returns the packed normal of a voxel.
     #[inline(always)]
     pub(super) fn normal(&self, voxel: UVec3) -> PackedNormal {
         let brick = self.grid.brick_index(voxel / BRICK_EDGE_VX);
         self.normals.packed(brick, voxel % BRICK_EDGE_VX)
     }
 
-    /// The share of ambient light that reaches a voxel.
+    /// Returns the share of ambient light that reaches a voxel.
     #[inline(always)]
     pub(super) fn openness(&self, tables: &mut OpennessTables, voxel: UVec3) -> f32 {
         let brick = self.grid.brick_index(voxel / BRICK_EDGE_VX);
@@ -46,14 +46,14 @@ impl<'a> ShadeSource<'a> {
         }
     }
 
-    /// The vector out of the solid at a voxel with this packed normal: a covector of grid coordinates, of any
-    /// length. 0 where no side is outside: such a voxel faces the eye.
+    /// Returns the vector out of the solid at a voxel with this packed normal: a covector of grid coordinates, of any
+    /// length. 0 if no side is outside: such a voxel faces the eye.
     #[inline(always)]
     pub(super) fn outwards(&self, voxel: UVec3, normal: PackedNormal) -> Vec3 {
         normal.unpack().unwrap_or_else(|| self.estimate(voxel))
     }
 
-    /// The vector out of the solid at a voxel that has no normal.
+    /// Returns the vector out of the solid at a voxel that has no normal.
     pub(super) fn estimate(&self, voxel: UVec3) -> Vec3 {
         if self.normals.has_estimates() { gradient(self.grid, voxel) } else { Vec3::ZERO }
     }

@@ -1,7 +1,7 @@
-//! Tone mapping: from the linear light of a surface, which has no upper bound, to the 0 to 1 of a picture.
+//! Tone mapping: maps the linear light of a surface, which has no upper bound, to the 0 to 1 of a picture.
 //!
 //! Every curve has the form `x (a x + b) / (x (c x + d) + e)` for each channel. So shaders on the device take it as
-//! five numbers and need no branch, and no mapping at all is the curve `x`.
+//! five numbers and need no branch, and no mapping is the curve `x`.
 
 use fearless_simd::{Simd, f32x16};
 
@@ -9,7 +9,7 @@ use fearless_simd::{Simd, f32x16};
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ToneMapping {
-    /// As it is; what exceeds 1 is cut off.
+    /// Unchanged; values above 1 are clamped.
     #[default]
     Off,
     /// The filmic curve: dark tones are lifted, bright ones fade into white. The fit of the reference rendering
@@ -30,7 +30,7 @@ impl ToneMapping {
     /// All values.
     pub const ALL: [ToneMapping; 2] = [ToneMapping::Off, ToneMapping::Filmic];
 
-    /// Its curve.
+    /// Returns its curve.
     pub fn curve(self) -> ToneCurve {
         match self {
             ToneMapping::Off => ToneCurve { factors: [0.0, 1.0, 0.0, 0.0], floor: 1.0 },
@@ -40,7 +40,7 @@ impl ToneMapping {
 }
 
 impl ToneCurve {
-    /// The curve at `light`, which is not negative, before it is cut off at 1.
+    /// Returns the curve at `light`, which is not negative, before clamping to 1.
     #[inline(always)]
     pub(super) fn map<S: Simd>(&self, light: f32x16<S>) -> f32x16<S> {
         let [a, b, c, d] = self.factors;

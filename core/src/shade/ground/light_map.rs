@@ -1,9 +1,8 @@
-//! The share of light that reaches the points of a [`GroundPlane`]: that of the sun, by a ray from each point, and
-//! that of the sky, by some rays from fewer points ([`Openness`]), which depends on nothing but the voxels.
+//! The share of light that reaches the points of a [`GroundPlane`]: that of the sun, by a ray from each point, and that
+//! of the sky, by some rays from fewer points ([`Openness`]), which depends only on the voxels.
 //!
-//! The first picture takes the middle of the sun's disc and of each texel; the further samples of an antialiased
-//! picture take other points of both, so that shadows are soft in the mean. Shares do not depend on the number of
-//! threads.
+//! The first picture uses the centre of the sun's disc and of each texel; the further samples of an antialiased picture
+//! use other points of both, so that shadows are soft in the mean. Shares do not depend on the number of threads.
 
 use std::f32::consts::TAU;
 
@@ -22,7 +21,7 @@ pub const MAP_EDGE: usize = 384;
 const OPEN_EDGE: usize = 64;
 /// Rays to the sky from each of its points.
 const SKY_RAYS: u32 = 16;
-/// How far below the plane rays begin, so that they enter the voxels on it.
+/// The distance below the plane at which rays begin, so that they enter the voxels on it.
 const BELOW_VX: f32 = 0.01;
 
 /// The share of the sky's light, 0 to 1, at the points of a table over the plane.
@@ -32,7 +31,7 @@ pub struct Openness {
 }
 
 impl Openness {
-    /// Of the plane below `grid`.
+    /// Computes the openness of the plane below `grid`.
     pub fn new(grid: &Grid, plane: &GroundPlane) -> Openness {
         let caster = Caster { grid, plane };
         let rays: Vec<Vec3> = (0..SKY_RAYS).map(sky_direction).collect();
@@ -40,7 +39,7 @@ impl Openness {
         seen.par_chunks_mut(OPEN_EDGE).enumerate().for_each(|(y, row)| {
             for (x, share) in row.iter_mut().enumerate() {
                 let origin = plane.point(place(Vec2::new(x as f32, y as f32), OPEN_EDGE));
-                // Other directions at each point: the light that they miss is evened out below.
+                // Different directions at each point: the noise is smoothed below.
                 let turn = Vec2::from_angle(TAU * 0.618_034 * (x + 5 * y) as f32);
                 let open = |ray: &&Vec3| {
                     let level = turn.rotate(ray.truncate());
@@ -52,7 +51,7 @@ impl Openness {
         Openness { shares: smoothed(&smoothed(&seen)) }
     }
 
-    /// At `place`, from (-1, -1) to (1, 1).
+    /// Returns the share at `place`, from (-1, -1) to (1, 1).
     fn at(&self, place: Vec2) -> f32 {
         let last = (OPEN_EDGE - 1) as f32;
         let at =
@@ -68,13 +67,13 @@ impl Openness {
 /// The share of the sun's and of the sky's light at each texel, of 255, row by row.
 #[derive(Clone, Default)]
 pub struct LightMap {
-    /// [`MAP_EDGE`] rows of as many.
+    /// [`MAP_EDGE`] rows of [`MAP_EDGE`] texels.
     pub texels: Vec<[u8; 2]>,
 }
 
 impl LightMap {
-    /// Computes the shares on `plane` below `grid`, whose `openness` is known; without a sun no point lacks its
-    /// light. Keeps the map's memory.
+    /// Computes the shares on `plane` below `grid`, whose `openness` is known. Without a sun, every point has full
+    /// sunlight. Keeps the map's memory.
     pub fn update(
         &mut self,
         grid: &Grid,
@@ -102,7 +101,7 @@ impl LightMap {
     }
 }
 
-/// The place of a texel in a map of `edge` texels, from (-1, -1) to (1, 1).
+/// Returns the place of a texel in a map of `edge` texels, from (-1, -1) to (1, 1).
 fn place(texel: Vec2, edge: usize) -> Vec2 {
     (texel + 0.5) * (2.0 / edge as f32) - 1.0
 }
@@ -113,7 +112,7 @@ struct Caster<'a> {
 }
 
 impl Caster<'_> {
-    /// The direction of the grid of one of the plane in space: across it, and up.
+    /// Returns the grid direction of a direction relative to the plane: two axes across it, then up.
     fn in_grid(&self, direction: Vec3) -> Vec3 {
         let GroundPlane { axis, voxel_size, .. } = *self.plane;
         let size = across(axis, voxel_size);
@@ -125,7 +124,7 @@ impl Caster<'_> {
 
     fn is_blocked(&self, point: Vec3, direction: Vec3) -> bool {
         let origin = point - self.plane.up() * BELOW_VX;
-        // Most rays pass the box around the voxels.
+        // Most rays miss the box around the voxels.
         let [low, high] = self.plane.bounds;
         let per_t = 1.0 / direction;
         let (a, b) = ((low - origin) * per_t, (high - origin) * per_t);
@@ -134,14 +133,14 @@ impl Caster<'_> {
     }
 }
 
-/// One of [`SKY_RAYS`] directions, as many as the cosine with the way up (z) is large.
+/// Returns one of [`SKY_RAYS`] directions, distributed in proportion to the cosine with up (z).
 fn sky_direction(index: u32) -> Vec3 {
     let share = (index as f32 + 0.5) / SKY_RAYS as f32;
     let level = Vec2::from_angle(TAU * 0.381_966 * index as f32) * share.sqrt();
     level.extend((1.0 - share).sqrt())
 }
 
-/// The means over 3x3 points.
+/// Returns the means over 3x3 points.
 fn smoothed(shares: &[f32]) -> Vec<f32> {
     let last = OPEN_EDGE as i32 - 1;
     let at =

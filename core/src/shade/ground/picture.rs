@@ -1,5 +1,5 @@
-//! The colours of the ground in the picture of one eye: where each pixel meets it, its light there, its lines, and
-//! how far it has faded. `shaders/ground.wgsl` is the twin of [`GroundPicture::pixel`].
+//! The colours of the ground in the picture of one eye: the point of the ground at each pixel, its light, its lines,
+//! and its fading. `shaders/ground.wgsl` is the twin of [`GroundPicture::pixel`].
 
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -10,30 +10,30 @@ use crate::sculpture::Grid;
 use crate::shade::{Lighting, Pixels, ShadePose};
 use crate::view::PixelRays;
 
-/// Every so many lines one is stronger.
+/// Every fifth line is stronger.
 const MAJOR: f32 = 5.0;
-/// Half widths of lines in pixels, and what they take from the light.
+/// Half widths of lines in pixels, and the share of light that they absorb.
 const MINOR_LINE: [f32; 2] = [0.5, 0.2];
 const MAJOR_LINE: [f32; 2] = [0.7, 0.4];
-/// Lines vanish where there are more than this many in twelve pixels; half as many are drawn in full.
+/// Lines are drawn in full up to `1 / DENSE` lines per pixel, and vanish at `2 / DENSE`.
 const DENSE: f32 = 6.0;
 
 /// The ground in the picture of one eye, as numbers, in the form that a device takes, too.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct GroundPicture {
-    /// The first two over the third, each times (x, y, 1) in pixels, is the place on the plane, from (-1, -1) to
-    /// (1, 1); the third is positive where the plane is seen. Then 0; 1 if nothing but shadow is drawn; 0.
+    /// The first two over the third, each times (x, y, 1) in pixels, is the position on the plane, from (-1, -1) to (1,
+    /// 1); the third is positive where the plane is visible. Then 0; 1 if only the shadow is drawn; 0.
     pub rows: [[f32; 4]; 3],
     /// [`GroundLight`]'s ambient light, others and direct light; then the floor of the tone curve, 0, 0.
     pub light: [[f32; 4]; 3],
     /// The factors of the tone curve.
     pub tone: [f32; 4],
-    /// Places on the plane times the first two plus the others count lines.
+    /// Positions on the plane times the first two, plus the others, count lines.
     pub lines: [f32; 4],
 }
 
 impl GroundPicture {
-    /// With lines `spacing_vx` apart. None if the eye is not above the plane.
+    /// Returns the ground with lines `spacing_vx` apart; `None` if the eye is not above the plane.
     pub fn new(
         ground: &Ground,
         plane: &GroundPlane,
@@ -70,7 +70,8 @@ impl GroundPicture {
         })
     }
 
-    /// The colour, sRGB, and the opacity of the ground at a point of the picture, in pixels from its upper left corner.
+    /// Returns the colour, sRGB, and the opacity of the ground at a point of the picture, in pixels from its upper left
+    /// corner.
     pub fn pixel(&self, at: Vec2, map: &LightMap) -> [f32; 4] {
         let [across, along, falling] = self.rows.map(|row| Vec3::from_slice(&row[..3]));
         let at = at.extend(1.0);
@@ -92,7 +93,7 @@ impl GroundPicture {
             let share = light.element_sum() / full.element_sum().max(1e-6);
             return [0.0, 0.0, 0.0, fade * (1.0 - share.sqrt())];
         }
-        // How the place changes from pixel to pixel.
+        // The change of the position from pixel to pixel.
         let step = |i: usize| (Vec2::new(across[i], along[i]) - place * falling[i]).abs() / falls;
         let cells = Vec2::new(self.lines[0], self.lines[1]);
         let width = (step(0).max(step(1)) * cells).max(Vec2::splat(1e-9));
@@ -109,7 +110,7 @@ impl GroundPicture {
     }
 }
 
-/// How much the lines at whole numbers take from the light at `cell`, where a pixel is `width` wide.
+/// Returns the share of light that the lines at whole numbers absorb at `cell`, for a pixel that is `width` wide.
 fn grid_lines(cell: Vec2, width: Vec2, [half_px, ink]: [f32; 2]) -> f32 {
     let away = (cell - (cell + 0.5).floor()).abs();
     let cover = (half_px + 0.5 - away / width).clamp(Vec2::ZERO, Vec2::ONE);
@@ -117,7 +118,7 @@ fn grid_lines(cell: Vec2, width: Vec2, [half_px, ink]: [f32; 2]) -> f32 {
     (cover * sparse).max_element() * ink
 }
 
-/// The shares of light at a place, interpolated, 0 to 1.
+/// Returns the shares of light at a place, interpolated, 0 to 1.
 fn sample(map: &LightMap, place: Vec2) -> [f32; 2] {
     let edge = MAP_EDGE as f32;
     let at = ((place * 0.5 + 0.5) * edge - 0.5).clamp(Vec2::ZERO, Vec2::splat(edge - 1.0));
@@ -138,14 +139,14 @@ pub struct GroundShader<'a> {
 }
 
 impl<'a> GroundShader<'a> {
-    /// Of the ground below `grid` whose axis `up` points up; none below an empty grid.
+    /// Returns a shader of the ground below `grid` whose axis `up` points up; `None` below an empty grid.
     pub fn new(grid: &'a Grid, up: Vec3) -> Option<GroundShader<'a>> {
         let plane = GroundPlane::below(grid, up)?;
         let openness = Openness::new(grid, &plane);
         Some(GroundShader { grid, plane, openness, map: LightMap::default() })
     }
 
-    /// Puts the ground where `pixels`, of an eye with these rays, show nothing of the grid.
+    /// Draws the ground where `pixels`, of an eye with these rays, show nothing of the grid.
     pub fn put_behind(
         &mut self,
         ground: &Ground,

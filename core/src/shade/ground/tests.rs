@@ -5,7 +5,7 @@ use crate::scenes;
 use crate::shade::{Light, LightFrame, ToneMapping};
 use crate::view::Camera;
 
-/// A wall 20 voxels high, from the ground at y = 8 on.
+/// Returns a wall 20 voxels high that stands on the ground at y = 8.
 fn wall() -> Grid {
     let mut grid = Grid::new(UVec3::splat(64), Vec3::ONE, 1 << 20).unwrap();
     for (y, z) in (8..28).flat_map(|y| (20..44).map(move |z| (y, z))) {
@@ -14,7 +14,7 @@ fn wall() -> Grid {
     grid
 }
 
-/// A sun in the direction of less x, as high as far.
+/// Returns a lighting with a sun towards negative x, at 45 degrees.
 fn lighting() -> Lighting {
     let sun = Light {
         frame: LightFrame::World,
@@ -36,7 +36,7 @@ fn light_of(ground: &Ground, plane: &GroundPlane) -> GroundLight {
     GroundLight::new(ground, plane, &lighting(), &Affine3A::IDENTITY, &Affine3A::IDENTITY)
 }
 
-/// The map of `ground` below the wall.
+/// Returns the map of `ground` below the wall.
 fn map_of(ground: &Ground) -> (GroundPlane, LightMap) {
     let grid = wall();
     let plane = GroundPlane::below(&grid, ground.up).unwrap();
@@ -46,7 +46,7 @@ fn map_of(ground: &Ground) -> (GroundPlane, LightMap) {
     (plane, map)
 }
 
-/// The texel below a point of the grid.
+/// Returns the texel below a point of the grid.
 fn texel(plane: &GroundPlane, map: &LightMap, point: Vec3) -> [u8; 2] {
     let place = (across(plane.axis, point) - plane.centre) / plane.half;
     let at = ((place * 0.5 + 0.5) * MAP_EDGE as f32).as_uvec2();
@@ -110,7 +110,7 @@ fn the_ground_is_dark_where_the_sculpture_takes_the_sky() {
     let places = [32.0, 38.0, 50.0, 70.0].map(open);
     assert!(places.is_sorted(), "{places:?}");
     assert!(places[0] < 100 && places[1] < 190 && places[3] > 235, "{places:?}");
-    // As much on both sides.
+    // Equally open on both sides.
     assert!((open(24.0) - open(40.0)).abs() < 16);
 }
 
@@ -127,7 +127,7 @@ fn pixels_show_the_place_on_the_plane_that_the_eye_sees() {
         let pixel = (Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5) * rays.size.as_vec2();
         picture.pixel(pixel, map)
     };
-    // Half the light of white from everywhere, and the sun's.
+    // Half the light of white from the ambient light, and the sun's.
     let lit = |open: f32, sunlit: f32| {
         let grey = (128.0f32 / 255.0).powi(2);
         (grey * open + 0.5 * 0.5f32.sqrt() * sunlit).sqrt()
@@ -150,7 +150,7 @@ fn pixels_show_the_place_on_the_plane_that_the_eye_sees() {
     }
     let [in_shadow, ..] = of(&ground(), &map, Vec3::new(46.0, 8.0, 32.0));
     assert!((lit(0.3, 0.0)..lit(1.0, 0.0)).contains(&in_shadow), "{in_shadow}");
-    // From below there is no ground.
+    // From below, no ground is visible.
     let below = Camera::framing(40.0, Vec3::new(0.3, -0.8, 1.0), Vec3::Y).eye(UVec2::splat(9));
     let rays = below.pixel_rays(&at);
     assert_eq!(GroundPicture::new(&ground(), &plane, &light, &rays, 10), None);
@@ -161,7 +161,7 @@ fn lines_stand_at_round_places_and_every_fifth_is_stronger() {
     let grid = scenes::solid_cube(32).unwrap();
     let plane = GroundPlane::below(&grid, Vec3::Y).unwrap();
     let light = light_of(&ground(), &plane);
-    // Straight from above, a pixel a tenth of a voxel.
+    // Straight from above, with pixels of a tenth of a voxel.
     let rays = PixelRaysFromAbove { height: 100.0 }.rays();
     let picture = GroundPicture::new(&ground(), &plane, &light, &rays, 4).unwrap();
     let map = LightMap { texels: vec![[255; 2]; MAP_EDGE * MAP_EDGE] };
@@ -182,7 +182,7 @@ fn lines_stand_at_round_places_and_every_fifth_is_stronger() {
     }
 }
 
-/// Rays down to the plane y = 0, ten pixels a voxel, from the corner x = z = 0.
+/// Rays down to the plane y = 0, with ten pixels per voxel, from the corner x = z = 0.
 struct PixelRaysFromAbove {
     height: f32,
 }

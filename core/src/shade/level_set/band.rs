@@ -2,8 +2,7 @@
 //!
 //! A surface voxel has its own depth. Any other voxel that touches a surface voxel gets the mean distance from the
 //! planes of those that are nearest to it: across a face, or else an edge, or else a corner. So a voxel above a face
-//! takes no part of the plane round the edge, and edges stay as sharp as the normals know them. All others are far
-//! inside or outside.
+//! ignores the plane round the edge, and edges stay as sharp as the normals. All others are far inside or outside.
 
 use glam::{IVec3, UVec3, Vec3};
 
@@ -16,7 +15,7 @@ use crate::shade::normal_field::{NO_PAGE, PackedDepth};
 
 /// Edge of a brick with a voxel around it.
 const EDGE: usize = 10;
-/// The bits of a row, a row for each y and z.
+/// The bits of a row, for each y and z.
 type Rows = [[u16; EDGE]; EDGE];
 /// A plane for each voxel.
 type Planes = [[[Plane; EDGE]; EDGE]; EDGE];
@@ -26,13 +25,13 @@ pub(super) struct Band {
     /// Existing voxels, and surface voxels. Bit and index 0 are the voxel before the brick.
     existing: Rows,
     surface: Rows,
-    /// The planes of the surface voxels, moved where they are of a thin part; nothing of others.
+    /// The planes of the surface voxels, moved for thin parts; unspecified for other voxels.
     planes: Planes,
     /// Voxels of the brick that touch a surface voxel, or are one.
     near: Rows,
 }
 
-/// The bricks around one: their number and offset.
+/// Returns the bricks around one: their number and offset.
 fn around() -> impl Iterator<Item = (usize, IVec3)> {
     (0..27).map(|i| (i, IVec3::new(i as i32 % 3, i as i32 / 3 % 3, i as i32 / 9) - 1))
 }
@@ -66,11 +65,11 @@ const RINGS: [&[[i8; 3]]; 3] = [
     ],
 ];
 
-/// Without a normal, a plane is half a voxel from the middle, to all sides.
+/// Without a normal, the plane is half a voxel from the centre in every direction.
 const NO_NORMAL_DEPTH: f32 = 0.5 * PackedDepth::PER_VX;
 
 impl Band {
-    /// The brick of linear index `index`; none if it has no voxel near the surface.
+    /// Returns the brick of linear index `index`; `None` if it has no voxel near the surface.
     pub fn of(grid: &Grid, normals: &NormalField, index: u32) -> Option<Band> {
         let b = grid.brick_coords(index as usize).as_ivec3();
         let dims = grid.brick_dims().as_ivec3();
@@ -102,7 +101,7 @@ impl Band {
         Some(Band { existing: joined(&bricks), surface, near, planes })
     }
 
-    /// The levels of the brick's voxels.
+    /// Returns the levels of the brick's voxels.
     pub fn levels(&self) -> PageLevels {
         let mut levels = [FAR; 512];
         for z in 0..8 {
@@ -128,7 +127,7 @@ impl Band {
         levels
     }
 
-    /// The distance of a voxel from the surface, positive on its own side, in units of a level.
+    /// Returns the distance of a voxel from the surface, positive on its own side, in units of a level.
     fn distance(&self, at: IVec3, inside: bool) -> f32 {
         let side = if inside { -1.0 } else { 1.0 };
         if inside && let Some((_, depth)) = self.plane(at) {
@@ -155,7 +154,7 @@ impl Band {
         FAR.into()
     }
 
-    /// The plane of a surface voxel; coordinates are those of the brick, -1 to 8.
+    /// Returns the plane of a surface voxel; coordinates are those of the brick, -1 to 8.
     #[inline(always)]
     fn plane(&self, at: IVec3) -> Option<Plane> {
         let UVec3 { x, y, z } = (at + 1).as_uvec3();
@@ -164,7 +163,8 @@ impl Band {
     }
 }
 
-/// The planes of the voxels of `surface`. `plane` gives those of the normals, by coordinates of the brick from -8 to 15.
+/// Returns the planes of the voxels of `surface`. `plane` gives the unmoved ones, by coordinates of the brick from -8
+/// to 15.
 fn planes(bricks: &BricksAround, surface: &Rows, plane: impl Fn(IVec3) -> Option<Plane>) -> Planes {
     let mut planes = [[[(Vec3::ZERO, NO_NORMAL_DEPTH); EDGE]; EDGE]; EDGE];
     let rows = surface.iter().zip(&mut planes).zip(-1..);
@@ -187,10 +187,10 @@ fn planes(bricks: &BricksAround, surface: &Rows, plane: impl Fn(IVec3) -> Option
     planes
 }
 
-/// Rows of the voxels in a brick and next to it, from the layers (`x + 8 y`) of the 27 bricks.
+/// Returns the rows of the voxels in a brick and next to it, from the layers (`x + 8 y`) of the 27 bricks.
 fn joined(bricks: &BricksAround) -> Rows {
     let mut rows = Rows::default();
-    // Along an axis: the brick, and the voxel in it.
+    // Along an axis: the index of the brick, and that of the voxel in it.
     let at = |i: usize| (i.div_ceil(8), (i + 7) % 8);
     for (z, rows) in rows.iter_mut().enumerate() {
         let (brick_z, z) = at(z);
@@ -205,7 +205,7 @@ fn joined(bricks: &BricksAround) -> Rows {
     rows
 }
 
-/// Bits of the brick with a set bit among the 27 at and around them.
+/// Returns the bits of the brick that have a set bit among the 27 at and around them.
 fn dilated(rows: &Rows) -> Rows {
     let mut out = Rows::default();
     for z in 1..EDGE - 1 {
@@ -218,7 +218,7 @@ fn dilated(rows: &Rows) -> Rows {
     out
 }
 
-/// The existing voxels of the brick at brick coordinates `b`, which may be outside, and of the 26 around it.
+/// Returns the existing voxels of the brick at brick coordinates `b`, which may be outside, and of the 26 around it.
 fn bricks_around(grid: &Grid, b: IVec3) -> BricksAround {
     let dims = grid.brick_dims().as_ivec3();
     let mut bricks = [[0; 8]; 27];
@@ -236,7 +236,7 @@ fn bricks_around(grid: &Grid, b: IVec3) -> BricksAround {
     bricks
 }
 
-/// The cells of a brick of cells that have an existing voxel at one of their corners.
+/// Returns the cells of a brick of cells that have an existing voxel at one of their corners.
 pub(super) fn cells_at(grid: &Grid, b: IVec3) -> Brick {
     let existing = joined(&bricks_around(grid, b));
     let mut layers = [0u64; BRICK_EDGE_VX as usize];

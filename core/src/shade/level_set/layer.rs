@@ -1,6 +1,6 @@
-//! The levels of one layer of voxels, as plain rows: where many cells are visited in turn, each page is read once.
+//! The levels of one layer of voxels, as plain rows: for visiting many cells in turn, with each page read once.
 //!
-//! Takes a level set and its grid, gives the levels of cells between two layers.
+//! Takes a level set and its grid, returns the levels of cells between two layers.
 
 use std::ops::Range;
 
@@ -20,8 +20,8 @@ pub struct LevelLayer {
 }
 
 impl LevelLayer {
-    /// Reads what some bricks along x and y have of the layer `z` of `grid`, with the margins beside those at its border.
-    /// It may be the layer before its first or after its last. Nothing is known of other voxels then.
+    /// Reads the part of layer `z` of `grid` in some bricks along x and y, with the margins beside those at its border.
+    /// The layer may be the one before the first or after the last. Other voxels are unspecified then.
     pub fn read(&mut self, set: &LevelSet, grid: &Grid, z: i64, bricks: &[Range<u32>; 2]) {
         let dims = grid.dims();
         let UVec2 { x: width, y: height } = dims.truncate() + 2;
@@ -57,7 +57,7 @@ impl LevelLayer {
             }
         }
         if inside != z {
-            // The margins are beyond the border already, seen from voxels inside.
+            // The margins lie beyond the border by now, as seen from voxels inside.
             for row in self.levels[width * rows.start..width * rows.end].chunks_exact_mut(width) {
                 row[columns.clone()].iter_mut().for_each(|level| *level = beyond(*level));
             }
@@ -98,8 +98,8 @@ impl LevelLayer {
         }
     }
 
-    /// The levels of the corners of a cell with the voxels `[x - 1, x]` and `[y - 1, y]` of a layer and of the one
-    /// above it: corner `x + 2 y + 4 z`. The cell lies between 0 and the grid's dimensions, both included.
+    /// Returns the levels of the corners of a cell with the voxels `[x - 1, x]` and `[y - 1, y]` of a layer and of the
+    /// one above it: corner `x + 2 y + 4 z`. The cell lies between 0 and the grid's dimensions, inclusive.
     #[inline(always)]
     pub fn corners(low: &LevelLayer, high: &LevelLayer, [x, y]: [usize; 2]) -> [i8; 8] {
         let first = y * low.width + x;

@@ -1,7 +1,7 @@
-//! Single rays to the smooth surface, and the field at a point: what tracing of light asks for.
+//! Single rays to the smooth surface, and the field at a point, for light tracing.
 //!
-//! Takes rays and points in grid coordinates; gives places on the surface, signed distances and their slope. Knows no
-//! light.
+//! Takes rays and points in grid coordinates; returns points on the surface, signed distances and their gradient. Knows
+//! no light.
 
 use glam::{IVec3, UVec3, Vec3};
 
@@ -12,24 +12,24 @@ use crate::shade::NormalField;
 use crate::shade::normal_field::PackedDepth;
 use crate::surface::raycast;
 
-/// How far the surface may lie outside the voxels' cubes, in voxels: it ends at the middles of the empty ones beside
-/// them.
+/// The farthest that the surface may lie outside the voxels' cubes, in voxels: it ends at the centres of the empty
+/// voxels beside them.
 pub const BEYOND_VOXELS_VX: f32 = 0.5;
 
 impl LevelSet {
-    /// The first cell on a ray in which the surface may be; [`LevelSet::hit`] starts from it.
+    /// Returns the first cell on a ray in which the surface may be; [`LevelSet::hit`] starts from it.
     pub fn first_cell(&self, origin: Vec3, direction: Vec3) -> Option<UVec3> {
         let origin = in_cells(origin);
         let own = cell_of(origin);
-        // A ray that goes on from the surface starts in one.
+        // A ray that continues from the surface starts in a cell with surface.
         match self.cells.get(own) {
             true => Some(own.as_uvec3()),
             false => raycast::cast(&self.cells, origin, direction).map(|hit| hit.voxel),
         }
     }
 
-    /// The first place on the surface along a ray whose first cell is known. In the mean of many rays its voxels have
-    /// the shares of the corners of the cell, so that colours change gradually.
+    /// Returns the first point on the surface along a ray whose first cell is known. In the mean of many rays, the
+    /// reported voxels have the weights of the corners of the cell, so that colours change gradually.
     pub fn hit(
         &self,
         (grid, normals): (&Grid, &NormalField),
@@ -41,7 +41,8 @@ impl LevelSet {
         scene.hit(naming(origin, direction), in_cells(origin), direction, first, cache)
     }
 
-    /// The signed distance of a point from the surface in voxels, positive outside. Rough beyond a voxel from it.
+    /// Returns the signed distance of a point from the surface in voxels, positive outside. Inaccurate more than a
+    /// voxel from it.
     pub fn distance_vx(&self, grid: &Grid, point: Vec3, cache: &mut CellCache) -> f32 {
         let point = in_cells(point);
         let cell = cell_of(point);
@@ -49,7 +50,7 @@ impl LevelSet {
         trilinear(corners, point - cell.as_vec3()) / PackedDepth::PER_VX
     }
 
-    /// The direction in which the distance of a point grows most, of any length.
+    /// Returns the gradient of the distance at a point, of any length.
     pub fn slope(&self, grid: &Grid, point: Vec3, cache: &mut CellCache) -> Vec3 {
         let point = in_cells(point);
         let cell = cell_of(point);
@@ -63,7 +64,7 @@ impl LevelSet {
     }
 }
 
-/// A random choice that depends on the ray alone.
+/// Returns a random choice that depends only on the ray.
 #[inline(always)]
 fn naming(origin: Vec3, direction: Vec3) -> Naming {
     let bits = origin.to_array().into_iter().chain(direction.to_array()).map(f32::to_bits);
@@ -74,8 +75,8 @@ fn naming(origin: Vec3, direction: Vec3) -> Naming {
     Naming::ByShare((number >> 8) as f32 / (1 << 24) as f32)
 }
 
-/// The cell around a point near the grid, in coordinates of cells. (Baseline processors have no instruction to round
-/// down.)
+/// Returns the cell around a point near the grid, in coordinates of cells. (Baseline processors have no instruction to
+/// round down.)
 #[inline(always)]
 fn cell_of(point: Vec3) -> IVec3 {
     (point + 64.0).as_ivec3() - 64

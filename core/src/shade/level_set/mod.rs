@@ -1,14 +1,14 @@
-//! The smooth surface of a sculpture: the zero of a field of signed distances.
+//! The smooth surface of a sculpture: the zero set of a field of signed distances.
 //!
-//! Every voxel near the surface has a level: the distance of its middle from the surface, negative inside, in units
-//! of [`PackedDepth::PER_VX`] of a voxel. Between the middles of eight voxels the field is trilinear, and the surface
-//! is where it is 0. A surface voxel's level is its depth in the [`NormalField`]; `band` gives the voxels beside it
-//! the distance from the planes of surface voxels next to them. An existing voxel is always inside and an empty one
-//! outside (constrained smoothing: Gibson, "Constrained elastic surface nets", 1998), so nothing vanishes, and a
-//! mesh of the zero has the voxels' topology.
+//! Every voxel near the surface has a level: the distance of its centre from the surface, negative inside, in units of
+//! [`PackedDepth::PER_VX`] of a voxel. Between the centres of eight voxels the field is trilinear, and the surface is
+//! where it is 0. A surface voxel's level is its depth in the [`NormalField`]; `band` gives the voxels beside it the
+//! distance from the planes of surface voxels next to them. An existing voxel is always inside and an empty one outside
+//! (constrained smoothing: Gibson, "Constrained elastic surface nets", 1998), so nothing vanishes, and a mesh of the
+//! zero set has the voxels' topology.
 //!
-//! A *cell* is the cube between the middles of eight voxels. Cell `c` has the voxels `c - 1` to `c`; cells with any
-//! existing voxel are kept as a grid of their own, one voxel larger than the sculpture, in which `ray` finds the
+//! A *cell* is the cube between the centres of eight voxels. Cell `c` has the voxels `c - 1` to `c`. Cells with any
+//! existing voxel are stored as a grid of their own, one voxel larger than the sculpture, in which `ray` finds the
 //! first cells of a ray. `sample` makes index maps.
 //!
 //! Takes a grid and its normals, and follows their changes; knows no document. Levels do not depend on the order in
@@ -39,7 +39,7 @@ pub use self::light_ray::BEYOND_VOXELS_VX;
 pub use self::ray::{CellCache, SurfaceHit};
 pub use self::sample::LevelSampler;
 
-/// The level of places far outside; its negative is the level of places far inside.
+/// The level of points far outside; its negative is the level of points far inside.
 pub const FAR: i8 = 127;
 /// The smallest level outside; its negative is the largest inside.
 const LEAST: i8 = 3;
@@ -47,7 +47,7 @@ const LEAST: i8 = 3;
 /// The entry of a brick without a page: all its voxels are far from the surface.
 pub const NO_PAGE: u32 = u32::MAX;
 
-/// Bricks that are computed at once, so that memory stays bounded and the time can be looked at in between.
+/// Bricks that are computed at once, so that memory stays bounded and the time can be checked in between.
 const PORTION: usize = 1024;
 
 /// The levels of the voxels of a brick: `x + 8 y + 64 z`.
@@ -67,8 +67,8 @@ pub struct LevelSet {
 }
 
 impl LevelSet {
-    /// For pictures of a grid of this size, within `budget_bytes`; all levels are outstanding. An error, too, if there are
-    /// more cells than an index map can name.
+    /// Returns the levels for pictures of a grid of this size, within `budget_bytes`; all levels are outstanding. Also
+    /// returns an error if there are more cells than an index map can address.
     pub fn new(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
         let UVec3 { x, y, z } = grid.dims() + 1;
         let cells = u64::from(x) * u64::from(y) * u64::from(z);
@@ -78,7 +78,7 @@ impl LevelSet {
         }
     }
 
-    /// [`LevelSet::new`] for what asks for levels alone and casts no rays: of a grid of any size.
+    /// Returns the levels for callers that cast no rays: for a grid of any size, as [`LevelSet::new`] otherwise.
     pub fn for_mesh(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
         let count = grid.brick_count();
         let cells = grid.of_cells(budget_bytes)?;
@@ -93,7 +93,7 @@ impl LevelSet {
         })
     }
 
-    /// Whether the levels are those of a grid of this size.
+    /// Returns whether the levels are those of a grid of this size.
     pub fn fits(&self, grid: &Grid) -> bool {
         self.cells.dims() == grid.dims() + 1
     }
@@ -113,13 +113,13 @@ impl LevelSet {
         }
     }
 
-    /// Computes what is outstanding, on all cores. Appends the bricks whose levels or cells differ from before, rising.
-    /// `grid` and `normals` must be those that changes were last noted of.
+    /// Computes the outstanding levels, on all cores. Appends the bricks whose levels or cells differ from before, in
+    /// ascending order. `grid` and `normals` must be those of the last noted changes.
     pub fn update(&mut self, grid: &Grid, normals: &NormalField, changed: &mut Vec<u32>) {
         self.update_while(grid, normals, changed, || true);
     }
 
-    /// [`LevelSet::update`], but only while `goes_on` says so. The rest remains outstanding.
+    /// Performs [`LevelSet::update`], but only while `goes_on` returns true. The rest remains outstanding.
     pub fn update_while(
         &mut self,
         grid: &Grid,
@@ -145,17 +145,17 @@ impl LevelSet {
         portions.flatten().for_each(|&index| self.stale.insert(index));
     }
 
-    /// Number of bricks whose levels are to be computed.
+    /// Returns the number of bricks whose levels are to be computed.
     pub fn outstanding(&self) -> usize {
         self.stale.len()
     }
 
-    /// Whether nothing is outstanding.
+    /// Returns whether nothing is outstanding.
     pub fn is_complete(&self) -> bool {
         self.stale.is_empty()
     }
 
-    /// Stores the levels of a brick; returns whether they differ.
+    /// Stores the levels of a brick. Returns whether they differ.
     fn store(&mut self, index: u32, levels: Option<&PageLevels>) -> bool {
         let page = &mut self.table[index as usize];
         match levels {
@@ -182,7 +182,7 @@ impl LevelSet {
         }
     }
 
-    /// Updates the cells of a brick, and of those beyond the grid's border next to it; returns whether any differ.
+    /// Updates the cells of a brick, and of those beyond the grid's border next to it. Returns whether any differ.
     fn update_cells(&mut self, grid: &Grid, index: u32) -> bool {
         let mut places = [u32::MAX; 8];
         places.iter_mut().zip(self.cell_bricks(grid, index)).for_each(|(to, place)| *to = place);
@@ -198,7 +198,7 @@ impl LevelSet {
         differs
     }
 
-    /// The level of a voxel of `grid`, or of a place outside. There a voxel at the border continues by one voxel.
+    /// Returns the level of a voxel of `grid`, or of one outside: there a voxel at the border continues by one voxel.
     #[inline(always)]
     pub fn level(&self, grid: &Grid, v: IVec3) -> i8 {
         let inside = v.clamp(IVec3::ZERO, grid.dims().as_ivec3() - 1);
@@ -218,13 +218,13 @@ impl LevelSet {
         }
     }
 
-    /// The level of a brick without a page.
+    /// Returns the level of a brick without a page.
     #[inline(always)]
     fn far(&self, grid: &Grid, index: usize) -> i8 {
         if grid.brick_kind(index) == BrickKind::Full { -FAR } else { FAR }
     }
 
-    /// The levels of the corners of a cell: corner `x + 2 y + 4 z`.
+    /// Returns the levels of the corners of a cell: corner `x + 2 y + 4 z`.
     #[inline(always)]
     pub fn corners(&self, grid: &Grid, cell: IVec3) -> [f32; 8] {
         let low = cell - 1;
@@ -251,18 +251,19 @@ impl LevelSet {
         levels
     }
 
-    /// The page of each brick, by linear index; [`NO_PAGE`] where all voxels are far inside (a full brick) or outside.
+    /// Returns the page of each brick, by linear index; [`NO_PAGE`] where all voxels are far inside (a full brick) or
+    /// outside.
     pub fn table(&self) -> &[u32] {
         &self.table
     }
 
-    /// The levels of bricks, by page.
+    /// Returns the levels of bricks, by page.
     pub fn pages(&self) -> &[PageLevels] {
         &self.pages
     }
 
-    /// The bricks of [`LevelSet::cells`], by linear index, that depend on the voxels of a brick of `grid` and the one
-    /// before it along each axis: its own, and at the grid's end those beyond.
+    /// Returns the bricks of [`LevelSet::cells`], by linear index, that depend on the voxels of a brick of `grid` and
+    /// the one before it along each axis: its own, and at the grid's end those beyond.
     pub fn cell_bricks(&self, grid: &Grid, index: u32) -> impl Iterator<Item = u32> {
         let b = grid.brick_coords(index as usize);
         let at_end = b.cmpeq(grid.brick_dims() - 1);
@@ -275,18 +276,18 @@ impl LevelSet {
         })
     }
 
-    /// Cells with an existing voxel. Its coordinates are those of the grid plus one half.
+    /// Returns the cells with an existing voxel. Their coordinates are those of the grid plus one half.
     pub fn cells(&self) -> &Grid {
         &self.cells
     }
 
-    /// The rays of a picture in the coordinates of [`LevelSet::cells`].
+    /// Returns the rays of a picture in the coordinates of [`LevelSet::cells`].
     pub fn rays_of_cells(rays: &PixelRays) -> PixelRays {
         PixelRays { origin: in_cells(rays.origin), ..*rays }
     }
 
-    /// Whether a voxel of `grid` covers more than a pixel in the picture of `rays`, at least where the grid is
-    /// nearest to the eye: only then can the smooth surface be told from the voxels.
+    /// Returns whether a voxel of `grid` covers more than a pixel in the picture of `rays`, at least where the grid is
+    /// nearest to the eye: otherwise the smooth surface cannot be distinguished from the voxels.
     pub fn shows(grid: &Grid, rays: &PixelRays) -> bool {
         let middle = rays.direction_at(rays.size.x as f32 * 0.5, rays.size.y as f32 * 0.5);
         let nearest = rays.origin.clamp(Vec3::ZERO, grid.dims().as_vec3());
@@ -294,14 +295,14 @@ impl LevelSet {
         rays.step_x.length().max(rays.step_y.length()) * distance.max(0.0) < 1.0
     }
 
-    /// Memory in use, in bytes.
+    /// Returns the memory in use, in bytes.
     pub fn heap_bytes(&self) -> u64 {
         let pages = (self.pages.len() * size_of::<PageLevels>() + self.table.len() * 4) as u64;
         pages + self.cells.heap_bytes()
     }
 }
 
-/// The level beyond the grid's border at a voxel with this level.
+/// Returns the level beyond the grid's border at a voxel with this level.
 #[inline(always)]
 fn beyond(level: i8) -> i8 {
     match level {
@@ -310,19 +311,19 @@ fn beyond(level: i8) -> i8 {
     }
 }
 
-/// The place of a voxel in [`PageLevels`].
+/// Returns the index of a voxel in [`PageLevels`].
 #[inline(always)]
 fn place(x: u32, y: u32, z: u32) -> usize {
     (x | y << 3 | z << 6) as usize
 }
 
-/// The offset of a corner of a cell from its first.
+/// Returns the offset of a corner of a cell from its first.
 #[inline(always)]
 fn corner(i: usize) -> IVec3 {
     IVec3::new(i as i32 & 1, i as i32 >> 1 & 1, i as i32 >> 2)
 }
 
-/// The coordinates of cells from those of the grid.
+/// Converts grid coordinates to coordinates of cells.
 #[inline(always)]
 fn in_cells(point: Vec3) -> Vec3 {
     point + 0.5

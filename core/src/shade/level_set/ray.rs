@@ -1,9 +1,9 @@
-//! Where a ray meets the smooth surface.
+//! Intersects a ray with the smooth surface.
 //!
-//! A ray goes from cell to cell. Within a cell the field along it is a polynomial of degree three: between its
-//! extrema a change of sign is searched, and the root refined (Marmitt, Kleer, Wald, Friedrich and Slusallek, "Fast
-//! and accurate ray-voxel intersection techniques for iso-surface ray tracing", 2004). shaders/level_set.wgsl is
-//! the twin of this file.
+//! A ray goes from cell to cell. Within a cell the field along it is a cubic polynomial: a change of sign is searched
+//! between its extrema, and the root refined (Marmitt, Kleer, Wald, Friedrich and Slusallek, "Fast and accurate
+//! ray-voxel intersection techniques for iso-surface ray tracing", 2004). shaders/level_set.wgsl is the twin of this
+//! file.
 
 use glam::{IVec3, UVec3, Vec3};
 
@@ -14,31 +14,33 @@ use crate::shade::NormalField;
 use crate::shade::normal_field::{NO_PAGE, PackedNormal};
 use crate::surface::raycast;
 
-/// Most cells of a ray that are looked into; a ray along a rough surface goes through many. Beyond, nothing is seen.
+/// The most cells that a ray examines; a ray along a rough surface passes through many. Beyond them, no surface is
+/// found.
 const MOST_CELLS: u32 = 1024;
-/// The part of a ray in an empty cell from which on the next existing cell is searched by the ray caster, in voxels.
+/// The least length of a ray in an empty cell, in voxels, from which the ray caster searches for the next existing
+/// cell.
 const LEAST_WAY: f32 = 0.02;
 /// Steps of the search for a root: far below a hundredth of a voxel.
 const ROOT_STEPS: u32 = 6;
-/// Weight of a corner beyond its share, so that a place in a corner of the cell has a normal, too.
+/// Added to the weight of each corner, so that a point in a corner of the cell has a normal, too.
 const LEAST_SHARE: f32 = 1e-3;
 
-/// A place on the smooth surface.
+/// A point on the smooth surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SurfaceHit {
-    /// The existing voxel nearest to it, of those whose middles are the corners of its cell.
+    /// The existing voxel nearest to the point, among the corners of its cell.
     pub voxel: UVec3,
-    /// Out of the surface; none where no corner of the cell has one.
+    /// Points out of the surface; none if no corner of the cell has one.
     pub normal: PackedNormal,
-    /// In lengths of the direction.
+    /// The distance along the ray, in lengths of its direction.
     pub t: f32,
 }
 
-/// Which of the existing corners of its cell is named for a place on the surface.
+/// Selects the existing corner of a cell that is reported for a point on the surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Naming {
     Nearest,
-    /// The nearer, the more often, for numbers from 0 to 1: in the mean of many, colours are interpolated.
+    /// Selects the nearer ones more often, by a number from 0 to 1: in the mean of many, colours are interpolated.
     ByShare(f32),
 }
 
@@ -50,17 +52,17 @@ pub(super) struct Scene<'a> {
     pub levels: &'a LevelSet,
 }
 
-/// A cell with what is known at its corners.
+/// A cell with the values at its corners.
 #[derive(Clone)]
 struct Cell {
     at: IVec3,
     levels: [f32; 8],
-    /// 0 where there is none; of the existing corners, once they were asked for.
+    /// 0 if there is none; valid for the existing corners, once requested.
     normals: [Vec3; 8],
     has_normals: bool,
 }
 
-/// The cells that were looked into last: pixels next to each other look into the same. The cache changes no result.
+/// The cells that were examined last: adjacent pixels examine the same ones. The cache does not affect results.
 #[derive(Clone)]
 pub struct CellCache(Vec<Cell>);
 
@@ -82,7 +84,7 @@ impl CellCache {
         &mut self.0[hash % CACHED_CELLS]
     }
 
-    /// A cell with its levels.
+    /// Returns a cell with its levels.
     #[inline(always)]
     fn cell(&mut self, grid: &Grid, levels: &LevelSet, at: IVec3) -> &mut Cell {
         let known = self.slot(at);
@@ -93,7 +95,7 @@ impl CellCache {
         known
     }
 
-    /// The levels of the corners of a cell.
+    /// Returns the levels of the corners of a cell.
     #[inline(always)]
     pub(super) fn levels(&mut self, grid: &Grid, levels: &LevelSet, at: IVec3) -> &[f32; 8] {
         &self.cell(grid, levels, at).levels
@@ -101,7 +103,7 @@ impl CellCache {
 }
 
 impl Scene<'_> {
-    /// The first place on the surface along a ray in coordinates of cells, of which `first` is the first that exists.
+    /// Returns the first point on the surface along a ray in coordinates of cells. `first` is its first existing cell.
     #[inline(always)]
     pub fn hit(
         &self,
@@ -119,7 +121,7 @@ impl Scene<'_> {
         let mut cell = first.as_ivec3();
         for _ in 0..MOST_CELLS {
             let low = cell.as_vec3();
-            // A ray within a plane of an axis crosses none of its planes: NaN and infinities lose.
+            // A ray within a plane of an axis crosses none of its planes: NaN and infinities are ignored.
             let (a, b) = ((low - origin) * inverse, (low + 1.0 - origin) * inverse);
             let from = a.min(b).max_element().max(0.0);
             let leaves = a.max(b);
@@ -133,7 +135,7 @@ impl Scene<'_> {
                     return Some(self.shown(naming, known, begin.lerp(end, share), t));
                 }
             } else if to - from > long_enough {
-                // From well within the empty cell: rounding must not lead back to the one before.
+                // From well within the empty cell: rounding must not lead back to the previous one.
                 let middle = origin + direction * (0.5 * (from + to));
                 cell = raycast::cast(cells, middle, direction)?.voxel.as_ivec3();
                 continue;
@@ -153,7 +155,7 @@ impl Scene<'_> {
         None
     }
 
-    /// The voxel and the normal at a place of a cell.
+    /// Returns the voxel and the normal at a point of a cell.
     #[inline(always)]
     fn shown(&self, naming: Naming, cell: &mut Cell, place: Vec3, t: f32) -> SurfaceHit {
         let voxel = |i: usize| cell.at - 1 + corner(i);
@@ -165,9 +167,9 @@ impl Scene<'_> {
             cell.has_normals = true;
         }
         let mut normal = Vec3::ZERO;
-        // While normals are not complete, any existing corner will do.
+        // While normals are incomplete, any existing corner is accepted.
         let (mut named, mut most) = (0, -1.0);
-        // Of the corners with normals: the voxels of the surface.
+        // The weights of the corners with normals: the voxels of the surface.
         let mut shares = [0.0; 8];
         for (i, of_surface) in shares.iter_mut().enumerate() {
             let own = cell.normals[i];
@@ -196,7 +198,7 @@ impl Scene<'_> {
     }
 }
 
-/// The one of `shares` in which `number` lies, from 0 to 1 of their sum; none if there is none.
+/// Returns the index of the weight in which `number` lies, from 0 to 1 of the sum of `shares`; `None` if the sum is 0.
 #[inline(always)]
 fn by_share(shares: &[f32; 8], number: f32) -> Option<usize> {
     let mut rest = number * shares.iter().sum::<f32>();
@@ -211,7 +213,7 @@ fn by_share(shares: &[f32; 8], number: f32) -> Option<usize> {
     last
 }
 
-/// The weight of a corner at a place of a cell.
+/// Returns the weight of a corner at a point of a cell.
 #[inline(always)]
 fn share(place: Vec3, corner: IVec3) -> f32 {
     let shares = Vec3::select(corner.cmpeq(IVec3::ONE), place, 1.0 - place);
@@ -228,7 +230,8 @@ pub(super) fn trilinear(corners: &[f32; 8], place: Vec3) -> f32 {
     mix(low, high, place.z)
 }
 
-/// Where on the way from `begin` to `end` in a cell, as a share of it, the field is 0 or less for the first time.
+/// Returns the first point between `begin` and `end` in a cell, as a fraction of the segment, at which the field is 0
+/// or less.
 #[inline(always)]
 pub(super) fn first_root(corners: &[f32; 8], begin: Vec3, end: Vec3) -> Option<f32> {
     if corners.iter().all(|&level| level > 0.0) {
@@ -260,7 +263,7 @@ pub(super) fn first_root(corners: &[f32; 8], begin: Vec3, end: Vec3) -> Option<f
     None
 }
 
-/// The roots of `a s^2 + b s + c`; 2 where there are none.
+/// Returns the roots of `a s^2 + b s + c`; 2 if there are none.
 #[inline(always)]
 fn extrema(a: f32, b: f32, c: f32) -> [f32; 2] {
     let discriminant = b * b - 4.0 * a * c;
@@ -272,7 +275,7 @@ fn extrema(a: f32, b: f32, c: f32) -> [f32; 2] {
     [q / a, c / q].map(|root| if root.is_finite() { root } else { 2.0 })
 }
 
-/// The root between two places with values of different signs: regula falsi with Illinois steps.
+/// Returns the root between two points with values of different signs: regula falsi with Illinois steps.
 #[inline(always)]
 fn root(places: [f32; 2], values: [f32; 2], value: impl Fn(f32) -> f32) -> f32 {
     let ([mut low, mut high], [mut at_low, mut at_high]) = (places, values);

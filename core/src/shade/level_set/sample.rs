@@ -1,9 +1,9 @@
 //! Index maps of the smooth surface.
 //!
-//! The exact ray caster finds the first cell of every pixel, [`super::ray`] the place on the surface from there on.
-//! A map names the nearest voxel of each pixel, as any other sampler's does, and has the normals between voxels. The
-//! further samples of an antialiased picture name any voxel next to the place, the nearer, the more often: in their
-//! mean whatever is shaded by voxels, such as colours, changes gradually from one voxel to the next.
+//! The exact ray caster finds the first cell of every pixel; [`super::ray`] finds the point on the surface from there
+//! on. A map names the nearest voxel of each pixel, as any other sampler's does, and has the normals between voxels.
+//! The further samples of an antialiased picture name any voxel next to the point, nearer ones more often: in their
+//! mean, values that are shaded by voxel, such as colours, change gradually from one voxel to the next.
 
 use rayon::prelude::*;
 
@@ -15,12 +15,12 @@ use crate::shade::normal_field::PackedNormal;
 use crate::surface::{IndexMap, PixelRect, raycast};
 use crate::view::PixelRays;
 
-/// Rows of pixels that one parallel task samples, and width of the strips in which it does: pixels of a strip look into
-/// the same cells.
+/// Rows of pixels that one parallel task samples, and the width of its strips: pixels of a strip examine the same
+/// cells.
 const BAND_ROWS: usize = 16;
 const STRIP_PX: usize = 64;
 
-/// How a sample of a pixel names voxels: with other numbers for each pixel, and evenly distributed ones over its
+/// Returns how a sample of a pixel selects voxels: by different numbers for each pixel, evenly distributed over its
 /// samples (multiples of the golden ratio).
 #[inline(always)]
 fn naming(sample: u32, [x, y]: [u32; 2]) -> Naming {
@@ -28,7 +28,7 @@ fn naming(sample: u32, [x, y]: [u32; 2]) -> Naming {
     if sample == 0 {
         return Naming::Nearest;
     }
-    // Finaliser of MurmurHash3.
+    // The finaliser of MurmurHash3.
     let mut hash = x ^ y << 16 ^ y >> 16;
     hash = (hash ^ hash >> 16).wrapping_mul(0x85EB_CA6B);
     hash = (hash ^ hash >> 13).wrapping_mul(0xC2B2_AE35);
@@ -41,7 +41,7 @@ fn naming(sample: u32, [x, y]: [u32; 2]) -> Naming {
 pub struct LevelSampler {
     /// The first cell of each pixel.
     cells: IndexMap,
-    /// The sample of an antialiased picture that is made; 0 names the nearest voxels.
+    /// The index of the sample in an antialiased picture; 0 selects the nearest voxels.
     pub sample: u32,
 }
 
@@ -52,7 +52,7 @@ impl Default for LevelSampler {
 }
 
 impl LevelSampler {
-    /// Fills `map` with what `rays` see of the smooth surface. `levels` must be up to date with `grid` and `normals`.
+    /// Fills `map` with the smooth surface seen along `rays`. `levels` must be up to date with `grid` and `normals`.
     pub fn sample(
         &mut self,
         grid: &Grid,
@@ -65,7 +65,7 @@ impl LevelSampler {
         self.sample_rect(grid, normals, levels, PixelRect::of_picture(rays.size), map);
     }
 
-    /// Samples again the pixels of `rect` (cut to the picture) of a map of the smooth surface.
+    /// Resamples the pixels of `rect` (cut to the picture) of a map of the smooth surface.
     pub fn sample_rect(
         &mut self,
         grid: &Grid,

@@ -22,7 +22,8 @@ fn rays_at(grid: &Grid, radius: f32, direction: Vec3) -> PixelRays {
         .pixel_rays(&world_from_grid)
 }
 
-/// Distances of the places that a picture shows, by the shape's own signed distance: mean, standard deviation, largest.
+/// Returns the distances of a picture's surface points, by the shape's own signed distance: mean, standard deviation,
+/// largest.
 fn errors(grid: &Grid, rays: &PixelRays, distance: impl Fn(Vec3) -> f32) -> [f32; 3] {
     let (normals, levels) = smooth(grid);
     let scene = ray::Scene { grid, normals: &normals, levels: &levels };
@@ -120,7 +121,7 @@ fn faces_of_cubes_stay_in_their_planes_even_at_the_border_of_the_grid() {
     }
 }
 
-/// Every existing voxel is inside, every empty one outside, whatever the shape.
+/// Asserts that every existing voxel is inside and every empty one outside, whatever the shape.
 fn assert_signs(grid: &Grid, levels: &LevelSet) {
     let dims = grid.dims().as_ivec3();
     for z in -1..=dims.z {
@@ -151,7 +152,7 @@ fn signs_are_those_of_the_voxels() {
 
 #[test]
 fn layers_have_the_levels_of_cells() {
-    // A brick's edge, beside one, and a grid of a single voxel.
+    // The edge of a brick, beside one, and a grid of a single voxel.
     for (dims, seed) in [([16, 8, 24], 1), ([9, 17, 7], 2), ([1, 1, 1], 3), ([3, 8, 9], 4)] {
         let mut random = scenes::Random(seed);
         let mut grid = Grid::new(UVec3::from_array(dims), Vec3::ONE, 1 << 24).unwrap();
@@ -173,7 +174,7 @@ fn layers_have_the_levels_of_cells() {
     }
 }
 
-/// A level set that follows edits equals one that is made anew.
+/// A level set that follows edits equals a new one.
 #[test]
 fn edits_are_followed() {
     let mut random = scenes::Random(11);
@@ -216,7 +217,7 @@ fn edits_are_followed() {
     }
 }
 
-/// A level set that was computed in portions equals one that is computed at once.
+/// A level set that was computed in portions equals one that was computed at once.
 #[test]
 fn portions_add_up() {
     let grid = scenes::cheese(96, 20, 4).unwrap();
@@ -242,7 +243,7 @@ fn voxels(grid: &Grid) -> impl Iterator<Item = IVec3> + use<> {
         .map(move |i| IVec3::new(i % dims.x, i / dims.x % dims.y, i / dims.x / dims.y))
 }
 
-/// Maps name existing surface voxels near the ray, have a normal for each pixel, and part by part are the whole.
+/// Maps name existing surface voxels near the ray, have a normal for each pixel, and their parts equal the whole.
 #[test]
 fn maps_name_existing_voxels_near_the_ray() {
     let grid = scenes::cheese(64, 30, 2).unwrap();
@@ -282,8 +283,8 @@ fn maps_name_existing_voxels_near_the_ray() {
     }
 }
 
-/// On a flat face of cubes the voxels named over many samples have their mean in the place that is seen, so that
-/// colours are interpolated; those of sample 0 are the nearest.
+/// On a flat face of cubes, the mean of the voxels named over many samples is the visible point, so that colours are
+/// interpolated; those of sample 0 are the nearest.
 #[test]
 fn samples_name_voxels_by_their_share() {
     let grid = grid_of(32, |at| (at - 16.0).abs().max_element() < 8.0);
@@ -315,7 +316,7 @@ fn samples_name_voxels_by_their_share() {
 }
 
 proptest! {
-    /// The first change of sign on a way through a cell, compared with many small steps.
+    /// Compares the first change of sign on a path through a cell with many small steps.
     #[test]
     fn roots_are_the_first_change_of_sign(
         corners in prop::array::uniform8(-127f32..127.0),
@@ -368,7 +369,7 @@ fn the_longest_grids_have_a_smooth_surface_and_those_with_too_many_cells_for_ray
     let seen = map.voxels.iter().filter(|&&voxel| voxel != NO_VOXEL);
     let far = seen.clone().map(|&voxel| grid.voxel_coords(voxel).as_vec3() + 0.5 - middle);
     assert!(seen.count() > 300 && far.into_iter().all(|v| (7.0..9.0).contains(&v.length())));
-    // More cells than 2^32, of a grid that has fewer voxels.
+    // More cells than 2^32, in a grid with fewer voxels.
     let most = Grid::new(UVec3::new(4096, 1024, 1023), Vec3::ONE, 1 << 30).unwrap();
     assert!(matches!(LevelSet::new(&most, 1 << 30), Err(GridError::Index(..))));
     assert!(LevelSet::for_mesh(&most, 1 << 30).is_ok());

@@ -1,13 +1,12 @@
-//! Where the surface of thin parts lies: so that they keep their volume.
+//! Adjusts the surface of thin parts so that they keep their volume.
 //!
-//! Normals and depths are found by smoothing the bits, which moves both surfaces of a plate towards each other as soon
-//! as it is not much thicker than the Gaussian is wide. A run of few voxels along an axis whose ends face away from each
-//! other is thin: the planes of its ends are moved so that together they are as far apart as the run is long. A part
-//! that is thin along two axes or more, a bar or a needle, has planes further out, since the corners of a mesh lie
-//! within them. The edge of something thick is no thin part, though its runs are short, too: they are longer further
-//! inside.
+//! Normals and depths come from smoothed bits. Smoothing moves both surfaces of a plate towards each other if it is not
+//! much thicker than the Gaussian is wide. A run of few voxels along an axis whose ends face away from each other is
+//! thin: the planes of its ends are moved so that their distance equals the length of the run. A part that is thin
+//! along two axes or more, a bar or a needle, has planes further out, since the corners of a mesh lie within them. The
+//! edge of something thick is no thin part, although its runs are short, too: they are longer further inside.
 //!
-//! Takes the bits of a brick and those around it, and planes of surface voxels; gives other planes. Knows no pages.
+//! Takes the bits of a brick and those around it, and planes of surface voxels; returns other planes. Knows no pages.
 
 use glam::{IVec3, Vec3};
 
@@ -17,23 +16,23 @@ use crate::shade::normal_field::PackedDepth;
 /// The bits of the 27 bricks at and around one: number `x + 3 y + 9 z`, a word for each z, bit `x + 8 y`.
 pub(super) type BricksAround = [[u64; 8]; 27];
 
-/// The plane of a surface voxel: its normal and, in units of a level, the depth of the voxel's middle below it. One without
-/// a normal lies at its depth to all sides.
+/// The plane of a surface voxel: its normal and, in units of a level, the depth of the voxel's centre below it. Without
+/// a normal, the depth applies in every direction.
 pub(super) type Plane = (Vec3, f32);
 
 /// The longest run that is thin.
 const MOST_VX: i32 = 5;
-/// The part of its normal along the axis from which on, and above which wholly, the end of a run faces along it.
+/// The component of its normal along the axis from which the end of a run faces along it partly, and wholly.
 const FACING: [f32; 2] = [0.3, 0.6];
-/// How far inside the runs of an edge are longer, by how much, and from which part of the mean normal of the ends on they
-/// lead inside.
+/// The distance further inside at which runs of an edge are longer, their least extra length, and the least component
+/// of the mean normal of the ends that counts as leading inside.
 const INSIDE_VX: i32 = 2;
 const LONGER_VX: i32 = 2;
 const LEADS_INSIDE: f32 = 0.3;
-/// How much further out the planes of a bar of one voxel lie than its sides.
+/// The extra distance of the planes of a bar of one voxel beyond its sides.
 const CORNERS_VX: f32 = 0.28;
 
-/// Whether a voxel exists, by coordinates of the brick in the middle, from -8 to 15.
+/// Returns whether a voxel exists, by coordinates of the brick in the middle, from -8 to 15.
 #[inline(always)]
 fn exists(bricks: &BricksAround, at: IVec3) -> bool {
     let brick = ((at + 8) >> 3i32).dot(IVec3::new(1, 3, 9)) as usize;
@@ -41,8 +40,8 @@ fn exists(bricks: &BricksAround, at: IVec3) -> bool {
     bricks[brick][local.z as usize] >> (local.x + 8 * local.y) & 1 != 0
 }
 
-/// Whether the run of `length` voxels along `axis` with `middle` in it is that of the edge of something thick: `normals`
-/// is the sum of those of its ends.
+/// Returns whether the run of `length` voxels along `axis` through `middle` belongs to the edge of something thick.
+/// `normals` is the sum of the normals of its ends.
 fn is_edge(bricks: &BricksAround, middle: IVec3, axis: usize, length: i32, normals: Vec3) -> bool {
     let mut aside = normals;
     aside[axis] = 0.0;
@@ -61,8 +60,8 @@ fn is_edge(bricks: &BricksAround, middle: IVec3, axis: usize, length: i32, norma
     1 + reach(unit) as i32 + reach(-unit) as i32 >= length + LONGER_VX
 }
 
-/// The plane of the surface voxel `at`, moved from `own` if the voxel is of a thin part. `plane` gives those of other
-/// surface voxels.
+/// Returns the plane of the surface voxel `at`, moved from `own` if the voxel belongs to a thin part. `plane` gives the
+/// planes of other surface voxels.
 #[inline(always)]
 pub(super) fn moved(
     bricks: &BricksAround,
@@ -71,7 +70,7 @@ pub(super) fn moved(
     plane: &impl Fn(IVec3) -> Option<Plane>,
 ) -> Plane {
     let (normal, depth) = own;
-    // Of the thin runs along each axis: how much they count, and how far the plane is to move.
+    // The weight and the shift of the plane for the thin runs along each axis, summed.
     let (mut weights, mut shifts) = (0.0, 0.0);
     let (mut thin_axes, mut is_alone, mut least) = (0.0f32, false, MOST_VX);
     for (axis, unit) in IVec3::AXES.into_iter().enumerate() {
@@ -110,7 +109,7 @@ pub(super) fn moved(
         }
         thin_axes += of_axis;
     }
-    // The corners of a bar's mesh lie within its planes: the less, the thicker it is.
+    // The corners of a bar's mesh lie within its planes: the thicker the bar, the less.
     let corners = (thin_axes - 1.0).clamp(0.0, 1.0) / (least * least) as f32;
     let corners = corners * CORNERS_VX * PackedDepth::PER_VX;
     match is_alone {

@@ -20,26 +20,26 @@ use crate::sculpture::Grid;
 use crate::sculpture::brick::BrickKind;
 use crate::shade::occlusion::Filled;
 
-/// Bricks around the targets whose samples count.
+/// The distance in bricks around the targets within which samples count.
 const MARGIN_BRICKS: i32 = 2;
-/// Most bricks in the box around a part, margins included: its index takes 4 bytes for each.
+/// The most bricks in the box around a part, margins included: its index takes 4 bytes for each.
 const MOST_BRICKS: u64 = 40 * 40 * 40;
 /// Edge of the blocks into which larger parts are divided.
 const PART_EDGE_LOG2: u32 = 4;
 
-/// No place in the lists.
+/// No index in the lists.
 const NONE: u32 = u32::MAX;
 
-/// How far normals are computed.
+/// The precision of computed normals.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Precision {
-    /// First estimates of the bricks themselves: of about a fifth of the work after an edit; edges are rounded.
+    /// First estimates of the bricks themselves: about a fifth of the work after an edit; edges are rounded.
     Estimated,
     /// As [`super::NormalField`] describes them.
     Refined,
 }
 
-/// How far a brick is computed.
+/// The last stage that a brick needs.
 const SAMPLED: u8 = 1;
 const FILTERED: u8 = 2;
 const TARGET: u8 = 3;
@@ -50,7 +50,7 @@ pub struct Batch {
     /// Lower corner and size of the box, in bricks.
     low: IVec3,
     size: IVec3,
-    /// For each brick of the box, how far it is computed; then its place in `bricks`.
+    /// For each brick of the box, its stage; then its index in `bricks`.
     stages: Vec<u8>,
     places: Vec<u32>,
     bricks: Vec<Place>,
@@ -61,15 +61,15 @@ pub struct Batch {
     bare: Vec<u32>,
 }
 
-/// A brick that is computed.
+/// A brick to compute.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     brick: IVec3,
     index: u32,
     stage: u8,
-    /// The words of the brick in which samples count: a bit each.
+    /// The words of the brick in which samples are needed: a bit each.
     words: u8,
-    /// The cells that are filtered: a bit each.
+    /// The cells to filter: a bit each.
     cells: u64,
 }
 
@@ -92,8 +92,8 @@ impl Sampled {
     }
 }
 
-/// Adds the refined records of the samples of a brick to `records`, which are empty. `around` gives the cells of a
-/// brick with their filtered normals by its offset from this one.
+/// Adds the refined records of the samples of a brick to `records`, which is empty. `around` gives the cells of a brick
+/// with their filtered normals by its offset from this one.
 fn refine<'a>(
     level: Level,
     samples: &Samples,
@@ -121,7 +121,7 @@ fn refine<'a>(
     });
 }
 
-/// Records of the first estimates.
+/// Computes records of the first estimates.
 fn estimates(samples: &Samples, records: &mut Vec<SurfaceRecord>) {
     records.clear();
     for (z, layer) in samples.mask.layers.into_iter().enumerate() {
@@ -136,11 +136,11 @@ fn estimates(samples: &Samples, records: &mut Vec<SurfaceRecord>) {
     }
 }
 
-/// The surface that was found in a brick.
+/// The surface found in a brick.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceOf<'a> {
     pub mask: &'a SurfaceMask,
-    /// In the order of the mask.
+    /// The records in the order of the mask.
     pub records: &'a [SurfaceRecord],
 }
 
@@ -155,7 +155,7 @@ impl SurfaceOf<'_> {
 struct Scratch {
     sums: Sums,
     neighbourhood: Neighbourhood,
-    /// How much is filled around each surface voxel.
+    /// The filled part around each surface voxel.
     filled: Vec<Filled>,
 }
 
@@ -164,7 +164,7 @@ thread_local! {
 }
 
 impl Batch {
-    /// Calls `compute` with all of `targets` (linear indices, rising), or with parts of them that lie close
+    /// Calls `compute` with all of `targets` (linear indices, ascending), or with parts of them that lie close
     /// together.
     pub fn for_each_part(
         &mut self,
@@ -243,7 +243,7 @@ impl Batch {
         for_each(&bricks[..last], &mut records[..last], &finish);
     }
 
-    /// The targets of the last [`Batch::compute`]: brick and surface.
+    /// Returns the targets of the last [`Batch::compute`]: brick and surface.
     pub fn results(&self) -> impl Iterator<Item = (u32, SurfaceOf<'_>)> {
         let last = self.bricks.partition_point(|place| place.stage == TARGET);
         let all = self.bricks[..last].iter().zip(&self.samples).zip(&self.records);
@@ -253,8 +253,8 @@ impl Batch {
         with_surface.chain(self.bare.iter().map(|index| (*index, SurfaceOf::NONE)))
     }
 
-    /// The words and the cells of a brick, of which bricks around it depend on samples and on filtered normals. Those
-    /// that are further computed themselves need all.
+    /// Returns the words and the cells of a brick whose samples and filtered normals bricks around it depend on. Bricks
+    /// of a later stage need all.
     fn parts_for_others(&self, at: IVec3, stage: u8) -> (u8, u64) {
         let mut words = if stage == SAMPLED { 0 } else { u8::MAX };
         let mut cells = if stage == TARGET { u64::MAX } else { 0 };
@@ -278,7 +278,7 @@ impl Batch {
         (words, cells)
     }
 
-    /// Lists the bricks to compute for `targets`: targets first, then those that are filtered, then the rest.
+    /// Lists the bricks to compute for `targets`: targets first, then those to filter, then the rest.
     fn plan(&mut self, grid: &Grid, targets: &[u32], precision: Precision) {
         let (low, high) = bounds(grid, targets);
         self.low = low - MARGIN_BRICKS;
@@ -332,7 +332,7 @@ impl Batch {
     }
 }
 
-/// Calls `compute` for each pair, on all cores. The closure comes as a pointer, so that the loop is compiled once.
+/// Calls `compute` for each pair, on all cores. The closure is a trait object, so that the loop is compiled once.
 fn for_each<T: Send>(places: &[Place], out: &mut [T], compute: &(dyn Fn(&Place, &mut T) + Sync)) {
     places.par_iter().zip(out).with_min_len(4).for_each(|(place, out)| compute(place, out));
 }
@@ -347,7 +347,7 @@ fn linear(at: IVec3, size: IVec3) -> usize {
     (at.x + size.x * (at.y + size.y * at.z)) as usize
 }
 
-/// The box around bricks: its lower corner and one past its highest.
+/// Returns the box around bricks: its lower corner and one past its highest.
 fn bounds(grid: &Grid, bricks: &[u32]) -> (IVec3, IVec3) {
     bricks.iter().fold((IVec3::MAX, IVec3::MIN), |(low, high), &index| {
         let b = grid.brick_coords(index as usize).as_ivec3();
@@ -355,7 +355,7 @@ fn bounds(grid: &Grid, bricks: &[u32]) -> (IVec3, IVec3) {
     })
 }
 
-/// Whether the brick at `b`, which must be inside, may have a surface voxel: it is neither empty nor full among
+/// Returns whether the brick at `b`, which must be inside, may have a surface voxel: it is neither empty nor full among
 /// full neighbours.
 fn may_have_surface(grid: &Grid, b: IVec3) -> bool {
     let kind = |b: IVec3| grid.brick_kind(grid.brick_index(b.as_uvec3()));

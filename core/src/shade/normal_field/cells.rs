@@ -1,14 +1,13 @@
-//! Refined normals: means of first estimates over places of one surface, which keep edges.
+//! Refined normals: means of first estimates over points of one surface, which preserve edges.
 //!
-//! A cell is a cube of 2^3 voxels. Its samples are merged into one: place and normal are means, weighted by
-//! planarity to the power of 24, so that what lies on an edge has no say beside what lies on a face. The normal of
-//! a place is then a weighted mean over the cells around it. A cell's weight falls with its distance, with the
-//! distance of the place from the cell's plane, and with the angle between the normals: a bilateral filter
-//! (Fleishman, Drori and Cohen-Or, "Bilateral mesh denoising", 2003; Jones, Durand and Desbrun, "Non-iterative,
-//! feature-preserving mesh smoothing", 2003). It is applied to the cells, and with their new normals to the
-//! voxels.
+//! A cell is a cube of 2^3 voxels. Its samples are merged into one: point and normal are means, weighted by planarity
+//! to the power of 24, so that samples on an edge have no influence beside those on a face. The normal of a point is
+//! then a weighted mean over the cells around it. A cell's weight falls with its distance, with the distance of the
+//! point from the cell's plane, and with the angle between the normals: a bilateral filter (Fleishman, Drori and
+//! Cohen-Or, "Bilateral mesh denoising", 2003; Jones, Durand and Desbrun, "Non-iterative, feature-preserving mesh
+//! smoothing", 2003). It is applied to the cells, and with their new normals to the voxels.
 //!
-//! From the samples of bricks and of their neighbours to normals. Sums have a fixed order, so all vector
+//! Takes the samples of bricks and of their neighbours, returns normals. Sums have a fixed order, so all vector
 //! instructions give the same normals.
 
 use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
@@ -36,18 +35,18 @@ const LEAST_WEIGHT: f32 = 1e-9;
 /// Weight of the estimate of the voxel itself.
 const OWN_WEIGHT: f32 = 1e-4;
 
-/// How far the smoothing of bits moves a curved surface inwards, over the difference of the two mean heights of the
-/// cells around a place (see [`depth`]). A Gaussian of variance s^2 moves a ball of radius r by s^2 / r; the heights
-/// of what lies a distance d away differ by d^2 / r, with a mean d^2 of a third of the squared reach.
+/// The displacement of a curved surface inwards by smoothing the bits, over the difference of the two mean heights of
+/// the cells around a point (see [`depth`]). A Gaussian of variance s^2 moves a ball of radius r by s^2 / r. The
+/// heights of cells at distance d differ by d^2 / r, with a mean d^2 of a third of the squared reach.
 const CURVATURE_SHIFT: f32 = 1.69 / (VOXEL_REACH_VX * VOXEL_REACH_VX / 3.0);
 
 /// Edge of the cube of cells in which a [`Neighbourhood`] is collected.
 const COLLECTED: i32 = 8;
-/// Most cells of a neighbourhood.
+/// The most cells of a neighbourhood.
 const MOST: usize = (COLLECTED * COLLECTED * COLLECTED) as usize;
 const LANES: usize = 16;
 
-/// The merged samples of a brick. Cell (x, y, z) has number `x + 4 y + 16 z`.
+/// The merged samples of a brick. Cell (x, y, z) has index `x + 4 y + 16 z`.
 #[derive(Clone, Debug)]
 pub struct Cells {
     /// The cells that have samples: a bit each.
@@ -70,13 +69,13 @@ impl Default for Cells {
     }
 }
 
-/// Weighted sums over the cells around a place.
+/// Weighted sums over the cells around a point.
 struct Sums {
     weight: f32,
     normal: Vec3,
-    /// Of the offsets of the cells from the place.
+    /// Sum of the offsets of the cells from the point.
     offset: Vec3,
-    /// Of the heights of the cells above the place, each along its own normal.
+    /// Sum of the heights of the cells above the point, each along its own normal.
     height: f32,
 }
 
@@ -112,7 +111,7 @@ impl Cells {
     }
 }
 
-/// The cells of the voxels of a mask, in order.
+/// Returns the cells of the voxels of a mask, in order.
 #[inline(always)]
 fn voxels(mask: &SurfaceMask) -> impl Iterator<Item = IVec3> {
     (0..).zip(mask.layers).flat_map(|(z, layer)| {
@@ -143,7 +142,7 @@ fn get(vectors: &[[f32; BRICK_CELLS]; 3], cell: usize) -> Vec3 {
     Vec3::new(vectors[0][cell], vectors[1][cell], vectors[2][cell])
 }
 
-/// The cells around some place of a brick, as lists for vectors.
+/// The cells around some point of a brick, as lists for vectors.
 pub struct Neighbourhood {
     positions: [[f32; MOST]; 3],
     normals: [[f32; MOST]; 3],
@@ -155,14 +154,14 @@ pub struct Neighbourhood {
 struct CellPart<'a> {
     cells: &'a Cells,
     normals: &'a CellNormals,
-    /// The cells that are meant: a bit each.
+    /// The cells to use: a bit each.
     used: u64,
-    /// Lower corner of the brick, from that of the brick in the middle.
+    /// Lower corner of the brick, relative to that of the brick in the middle.
     corner_vx: Vec3,
 }
 
-/// Where weighted means are wanted: a box in voxels from the lower corner of a brick, and the distance at which
-/// weights become 0.
+/// The points for which weighted means are computed: a box in voxels from the lower corner of a brick, and the distance
+/// at which weights become 0.
 struct Places {
     low: Vec3,
     high: Vec3,
@@ -170,7 +169,7 @@ struct Places {
 }
 
 impl Places {
-    /// The places on the surface of all voxels of a cube: at most one outside of their middles.
+    /// Returns the surface points of all voxels of a cube: at most 1 outside their centres.
     fn of_cube(corner_vx: IVec3, edge_vx: f32, reach_vx: f32) -> Places {
         let low = corner_vx.as_vec3() - 0.5;
         Places { low, high: low + (edge_vx + 1.0), reach_vx }
@@ -185,9 +184,9 @@ impl Default for Neighbourhood {
 }
 
 impl Neighbourhood {
-    /// Collects the cells of the cube of 8^3 cells from `low` on, in cells from the lower corner of a brick, that
-    /// have weight for any place in `places`. `around` gives the cells of a brick by its offset from that one,
-    /// with the normals to use.
+    /// Collects the cells of the cube of 8^3 cells, starting at `low` in cells from the lower corner of a brick, that
+    /// have weight for any point in `places`. `around` gives the cells of a brick by its offset from that one, with the
+    /// normals to use.
     #[inline(always)]
     fn collect<'a, S: Simd>(
         &mut self,
@@ -214,7 +213,7 @@ impl Neighbourhood {
                 }
             }
         }
-        // The lanes that fill up the last vector have no weight.
+        // The lanes that pad the last vector have no weight.
         let end = self.count.next_multiple_of(LANES).min(MOST);
         self.weights[self.count..end].fill(0.0);
     }
@@ -255,7 +254,7 @@ impl Neighbourhood {
         }
     }
 
-    /// The weighted sums for a place with an estimate of its normal.
+    /// Returns the weighted sums for a point with an estimate of its normal.
     #[inline(always)]
     fn sum<S: Simd>(&self, simd: S, at: Vec3, estimate: Vec3, reach_vx: f32) -> Sums {
         let zero = f32x16::splat(simd, 0.0);
@@ -304,7 +303,7 @@ fn load<S: Simd>(simd: S, values: &[f32; MOST], first: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &values[first..first + LANES])
 }
 
-/// The sums of all lanes, in an order that no vector instructions change: halves are added to each other.
+/// Returns the sums of all lanes, in an order independent of the vector instructions: halves are added to each other.
 #[inline(always)]
 fn sums_of<S: Simd>(simd: S, [a, b, c, d]: [f32x16<S>; 4]) -> [f32; 4] {
     let (a, b, c, d) = (quarter(simd, a), quarter(simd, b), quarter(simd, c), quarter(simd, d));
@@ -320,7 +319,7 @@ fn quarter<S: Simd>(simd: S, values: f32x16<S>) -> f32x4<S> {
     low + high
 }
 
-/// The cells of a brick at `offset` bricks on an axis that lie in the cube from `low` on: four bits.
+/// Returns the cells of a brick at `offset` bricks on an axis that lie in the cube starting at `low`: four bits.
 #[inline(always)]
 fn part(low: i32, offset: i32) -> u32 {
     let first = (low - offset * CELLS).clamp(0, CELLS);
@@ -328,7 +327,7 @@ fn part(low: i32, offset: i32) -> u32 {
     ((1 << end) - 1) & !((1 << first) - 1)
 }
 
-/// The cells of a brick that lie in the given ones along each axis.
+/// Returns the cells of a brick that lie in the given ones along each axis.
 #[inline(always)]
 fn mask(x: u32, y: u32, z: u32) -> u64 {
     let row = u64::from(x);
@@ -336,8 +335,8 @@ fn mask(x: u32, y: u32, z: u32) -> u64 {
     (0..4).filter(|i| z >> i & 1 != 0).fold(0, |all, i| all | layer << (16 * i))
 }
 
-/// The words of a brick whose cells [`filter_cells`] of the brick beside it in this direction collects: a bit each. It
-/// reaches two cells beyond a brick, which is the edge of a word.
+/// Returns the words of a brick whose cells [`filter_cells`] collects for the neighbouring brick in this direction: a
+/// bit each. It reaches two cells beyond a brick, which is the edge of a word.
 pub fn words_towards(direction: IVec3) -> u8 {
     let halves = |d: i32| match d {
         0 => 0b11,
@@ -351,7 +350,8 @@ pub fn words_towards(direction: IVec3) -> u8 {
     })
 }
 
-/// The cells of a brick that [`filter_voxels`] of the brick beside it in this direction collects: three along each axis.
+/// Returns the cells of a brick that [`filter_voxels`] collects for the neighbouring brick in this direction: three
+/// along each axis.
 pub fn cells_towards(direction: IVec3) -> u64 {
     let near = |d: i32| match d {
         0 => 0b1111,
@@ -383,9 +383,9 @@ pub fn filter_cells<'a, S: Simd>(
     }
 }
 
-/// Computes the normals and depths of the surface voxels of a brick: calls `out` with each, in the order of the
-/// samples; the normal is of any length, and 0 where there is none. The depth of a voxel's middle below the surface
-/// is along its normal, in voxels. `around` gives cells and filtered normals of a brick by its offset from this one.
+/// Computes the normals and depths of the surface voxels of a brick, and calls `out` with each, in the order of the
+/// samples. The normal is of any length, and 0 if there is none. The depth of a voxel's centre below the surface is
+/// along its normal, in voxels. `around` gives cells and filtered normals of a brick by its offset from this one.
 #[inline(always)]
 pub fn filter_voxels<'a, S: Simd>(
     simd: S,
@@ -394,7 +394,7 @@ pub fn filter_voxels<'a, S: Simd>(
     neighbourhood: &mut Neighbourhood,
     mut out: impl FnMut(usize, Vec3, f32),
 ) {
-    // By cubes of 4^3 voxels, so that the lists are short.
+    // In cubes of 4^3 voxels, so that the lists are short.
     for word in 0..8 {
         let corner = IVec3::new(word & 1, word >> 1 & 1, word >> 2);
         let square = 0x0F0F_0F0Fu64 << (4 * corner.x + 32 * corner.y);
@@ -419,11 +419,11 @@ pub fn filter_voxels<'a, S: Simd>(
     }
 }
 
-/// The depth of `voxel` below the surface around `at`, along `normal`, which has any length.
+/// Returns the depth of `voxel` below the surface around `at`, along `normal`, which has any length.
 ///
-/// The mean of two heights of the cells above `at`: along this normal, and along theirs. On a curved surface cells lie
-/// below the one plane by as much as `at` lies below the other, so the mean has no bias. Their difference tells the
-/// curvature, and with it how far smoothing the bits has moved the surface.
+/// The mean of two heights of the cells above `at`: along this normal, and along theirs. On a curved surface, cells lie
+/// below the one plane by as much as `at` lies below the other, so the mean has no bias. Their difference gives the
+/// curvature, and with it the displacement of the surface by smoothing the bits.
 #[inline(always)]
 fn depth(voxel: Vec3, at: Vec3, normal: Vec3, sums: &Sums) -> f32 {
     let normal = normal.normalize_or_zero();

@@ -1,15 +1,14 @@
 //! The normals of all surface voxels of a sculpture, computed once and looked up by every shader; the depth of each
 //! voxel below the surface, from which [`super::level_set`] makes the smooth surface; and the openness of each
-//! ([`super::occlusion`]), which comes of the same bits.
+//! ([`super::occlusion`]), which is computed from the same bits.
 //!
-//! A normal depends on the voxels within two bricks of its own: `window` estimates it from the smoothed bits,
-//! `cells` refines it by what lies around on the same surface. After an edit only the bricks around it are
-//! computed again, on all cores; those that a picture does not show can be put off. After opening a sculpture all are
-//! computed, in portions, so that no picture waits. Until then, and for voxels that are no surface, shaders use
-//! [`super::normal`].
+//! A normal depends on the voxels within two bricks of its own: `window` estimates it from the smoothed bits, `cells`
+//! refines it from its surroundings on the same surface. After an edit only the bricks around it are recomputed, on all
+//! cores; those that a picture does not show can be deferred. After opening a sculpture all are computed, in portions,
+//! so that no picture waits. Until then, and for voxels that are not on the surface, shaders use [`super::normal`].
 //!
-//! Takes a grid and what changed in it; knows no document. Brick-wise results do not depend on the order in which
-//! bricks are computed, nor on threads or vector instructions.
+//! Takes a grid and its changes; knows no document. Brick-wise results do not depend on the order in which bricks are
+//! computed, nor on threads or vector instructions.
 
 mod batch;
 mod cells;
@@ -31,9 +30,9 @@ use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
 use crate::sculpture::brick_set::BrickSet;
 
-/// Bricks by which a changed brick affects others, on every axis.
+/// The distance, in bricks, up to which a changed brick affects others, on every axis.
 const REACH_BRICKS: u32 = 2;
-/// Most bricks that are computed at once after an edit, whatever else waits.
+/// The most bricks that are computed at once after an edit, regardless of other outstanding work.
 const MOST_AT_ONCE: usize = 4096;
 /// Edge of the blocks of bricks in which a whole sculpture is computed.
 const BLOCK_EDGE_BRICKS_LOG2: u32 = 4;
@@ -44,28 +43,28 @@ pub struct NormalField {
     /// The page of each brick.
     table: Vec<u32>,
     pages: Pages,
-    /// A hash of the bits of each brick that the normals follow: an edit of colours alone changes no normal.
+    /// A hash of the bits of each brick that the normals reflect: an edit of colours alone changes no normal.
     hashes: Vec<u64>,
-    /// Bricks to compute; those from `fresh` on are of the last edits and come first.
+    /// Bricks to compute; those from `fresh` on belong to the last edits and come first.
     queue: Vec<u32>,
     fresh: usize,
-    /// Bricks that edits have changed and no picture has shown since, which have no page; and some that are not queued
-    /// any more, since they were computed for a picture.
+    /// Bricks without a page that edits have changed and no picture has shown since; and some that are no longer
+    /// queued, since they were computed for a picture.
     deferred: Vec<u32>,
-    /// Those of `queue` and `deferred` that are to be computed.
+    /// Bricks of `queue` and `deferred` that remain to be computed.
     queued: Flags,
     /// Bricks whose first estimates edits have changed since the last update: those with other bits, and their
     /// neighbours.
     inexact: BrickSet,
-    /// Bricks of `deferred` that pictures have shown by first estimates, or as they were before an edit close by:
-    /// oldest first.
+    /// Bricks of `deferred` that pictures have shown by first estimates, or as they were before a nearby edit; oldest
+    /// first.
     estimated: Vec<u32>,
     batch: Batch,
     generation: u64,
 }
 
 impl NormalField {
-    /// The field of `grid`, complete.
+    /// Returns the field of `grid`, complete.
     pub fn of(grid: &Grid) -> NormalField {
         let mut field = NormalField::default();
         field.follow(grid, None);
@@ -73,8 +72,8 @@ impl NormalField {
         field
     }
 
-    /// Notes that bricks (linear indices) may have changed since the last call; `None`: all, of a grid perhaps of
-    /// another size.
+    /// Notes that bricks (linear indices) may have changed since the last call; `None`: all, and the size of the grid
+    /// may differ.
     pub fn follow(&mut self, grid: &Grid, changed: Option<&[u32]>) {
         let Some(changed) = changed.filter(|_| self.table.len() == grid.brick_count()) else {
             return self.follow_all(grid);
@@ -121,36 +120,37 @@ impl NormalField {
         for_each_around(grid, index, 1, |index| inexact.insert(index));
     }
 
-    /// A number that changes when [`NormalField::follow`] begins anew, with no page.
+    /// Returns a number that changes when [`NormalField::follow`] starts afresh, without pages.
     pub fn generation(&self) -> u64 {
         self.generation
     }
 
-    /// Whether every normal is that of the grid as it was at the last [`NormalField::follow`].
+    /// Returns whether every normal is that of the grid as it was at the last [`NormalField::follow`].
     pub fn is_complete(&self) -> bool {
         self.queue.is_empty() && self.deferred.is_empty()
     }
 
-    /// Whether normals of a sculpture that was opened are missing, so that estimates stand in for them. Those that are
-    /// put off are of bricks that nobody sees.
+    /// Returns whether normals of a newly opened sculpture are missing, so that estimates replace them. Deferred ones
+    /// do not count: their bricks are not visible.
     pub fn has_estimates(&self) -> bool {
         !self.queue.is_empty()
     }
 
-    /// Number of bricks whose normals are to be computed, a few more than once; without those put off.
+    /// Returns the number of bricks whose normals are to be computed, a few of them counted more than once; without
+    /// deferred ones.
     pub fn outstanding(&self) -> usize {
         self.queue.len()
     }
 
-    /// Memory in use, in bytes, but for lists of work.
+    /// Returns the memory in use, in bytes, without lists of pending work.
     pub fn heap_bytes(&self) -> u64 {
         let brick_bytes = size_of::<u32>() + size_of::<u64>();
         (size_of_val(self.pages.units()) + self.table.len() * brick_bytes) as u64
     }
 
-    /// Computes what is outstanding: first what edits have changed, then the rest for as long as `go_on` returns
-    /// true. An edit of very many bricks is part of the rest; it leaves them without normals meanwhile. Appends the
-    /// bricks whose normals differ from before, rising, each once. `grid` must be that of the last
+    /// Computes outstanding normals: first those that edits have changed, then the rest for as long as `go_on` returns
+    /// true. An edit of very many bricks is part of the rest; until then they have no normals. Appends the bricks whose
+    /// normals differ from before, in ascending order, each once. `grid` must be that of the last
     /// [`NormalField::follow`].
     pub fn update(&mut self, grid: &Grid, changed: &mut Vec<u32>, mut go_on: impl FnMut() -> bool) {
         self.inexact.clear();
@@ -195,7 +195,7 @@ impl NormalField {
         }
     }
 
-    /// Computes `targets`, in parts if they are far from each other. Estimated ones are still to be refined.
+    /// Computes `targets`, in parts if they are far from each other. Estimated ones remain to be refined.
     fn compute(
         &mut self,
         level: Level,
@@ -221,50 +221,50 @@ impl NormalField {
         });
     }
 
-    /// The normal of a voxel; none if it is no surface voxel, lies in the middle of a symmetric neighbourhood, or
-    /// was not computed yet.
+    /// Returns the normal of a voxel; none if it is not a surface voxel, lies in the middle of a symmetric
+    /// neighbourhood, or has not been computed yet.
     #[inline(always)]
     pub fn packed(&self, brick: usize, local: UVec3) -> PackedNormal {
         self.record(brick, local).map_or(PackedNormal::NONE, SurfaceRecord::normal)
     }
 
-    /// The record of a voxel; none if it is no surface voxel, or was not computed yet.
+    /// Returns the record of a voxel; `None` if it is not a surface voxel, or has not been computed yet.
     #[inline(always)]
     pub(super) fn record(&self, brick: usize, local: UVec3) -> Option<SurfaceRecord> {
         self.pages.record(self.page(brick), local.x | local.y << 3 | local.z << 6)
     }
 
-    /// The page of a brick, or [`NO_PAGE`].
+    /// Returns the page of a brick, or [`NO_PAGE`].
     #[inline(always)]
     pub(super) fn page(&self, brick: usize) -> u32 {
         self.table.get(brick).copied().unwrap_or(NO_PAGE)
     }
 
-    /// The unit normal of a voxel in grid coordinates, where there is one.
+    /// Returns the unit normal of a voxel in grid coordinates, if it has one.
     pub fn normal(&self, grid: &Grid, voxel: UVec3) -> Option<Vec3> {
         let brick = grid.brick_index(voxel / BRICK_EDGE_VX);
         self.packed(brick, voxel % BRICK_EDGE_VX).unpack()
     }
 
-    /// The plane of the surface at a voxel of a brick that has a page: its unit normal (0 for none), and the depth of
-    /// the voxel's middle below it in units of [`PackedDepth::PER_VX`]. None if it is no surface voxel.
+    /// Returns the plane of the surface at a voxel of a brick that has a page: its unit normal (0 for none), and the
+    /// depth of the voxel's centre below it in units of [`PackedDepth::PER_VX`]. `None` if it is not a surface voxel.
     #[inline(always)]
     pub(super) fn plane(&self, page: u32, local: UVec3) -> Option<(Vec3, f32)> {
         let record = self.pages.record(page, local.x | local.y << 3 | local.z << 6)?;
         Some((record.normal().unpack().unwrap_or(Vec3::ZERO), f32::from(record.depth().0)))
     }
 
-    /// The page of each brick, by linear index; [`NO_PAGE`] for none.
+    /// Returns the page of each brick, by linear index; [`NO_PAGE`] for none.
     pub fn table(&self) -> &[u32] {
         &self.table
     }
 
-    /// The pages, and which of their units were written.
+    /// Returns the pages, and the units of them that were written.
     pub fn pages(&self) -> &Pages {
         &self.pages
     }
 
-    /// [`Pages::take_written`]; of this generation.
+    /// Performs [`Pages::take_written`], for this generation.
     pub fn take_written(&mut self, target: &mut Vec<u32>) {
         self.pages.take_written(target);
     }
@@ -288,7 +288,7 @@ fn for_each_around(grid: &Grid, index: u32, reach: u32, mut f: impl FnMut(u32)) 
 struct Flags(Vec<u64>);
 
 impl Flags {
-    /// None is set.
+    /// Returns flags of which none is set.
     fn new(bricks: usize) -> Flags {
         Flags(vec![0; bricks.div_ceil(64)])
     }
@@ -306,13 +306,13 @@ impl Flags {
     }
 }
 
-/// A number for the block of bricks around the brick of a linear index.
+/// Returns a key of the block of bricks around the brick of a linear index.
 fn block(grid: &Grid, index: u32) -> u64 {
     let UVec3 { x, y, z } = grid.brick_coords(index as usize) >> BLOCK_EDGE_BRICKS_LOG2;
     u64::from(z) << 40 | u64::from(y) << 20 | u64::from(x)
 }
 
-/// A hash of the bits of a brick.
+/// Returns a hash of the bits of a brick.
 fn hash(brick: &Brick) -> u64 {
     const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15;
     brick.words.iter().fold(0, |hash: u64, word| (hash.rotate_left(23) ^ word).wrapping_mul(FACTOR))

@@ -1,9 +1,8 @@
 //! Unit vectors in 16 bits: octahedral, 8 bits for each of two coordinates.
 //!
-//! The octahedron is unfolded onto a square (Meyer, Süßmuth, Sußner, Stamminger and Greiner, "On floating-point
-//! normal vectors", 2010), whose coordinates are stored as 0 to 254: with an odd number of steps the axes of the
-//! grid are exact. The mean error is 0.35 degrees, the largest 0.95. 255 is never stored, which leaves a value for
-//! "no normal".
+//! The octahedron is unfolded onto a square (Meyer, Süßmuth, Sußner, Stamminger and Greiner, "On floating-point normal
+//! vectors", 2010), whose coordinates are stored as 0 to 254: with an odd number of steps, the axes of the grid are
+//! exact. The mean error is 0.35 degrees, the largest 0.95. 255 is never stored, which leaves a value for "no normal".
 
 use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 use glam::{Vec2, Vec3};
@@ -13,24 +12,24 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, PartialEq, Eq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct PackedNormal(pub u16);
 
-/// The depth of a surface voxel's middle below the surface, in a byte: 0 to 2 voxels.
+/// The depth of a surface voxel's centre below the surface, in a byte: 0 to 2 voxels.
 #[repr(transparent)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct PackedDepth(pub u8);
 
 impl PackedDepth {
-    /// Units of a voxel.
+    /// Units per voxel.
     pub const PER_VX: f32 = 64.0;
-    /// A voxel that exists is not outside, and a surface has no depth beyond the voxels next to it.
+    /// An existing voxel is not outside, and the depth of a surface is limited to the adjacent voxels.
     const RANGE: [f32; 2] = [3.0, 127.0];
 
-    /// The depth in voxels.
+    /// Returns the depth in voxels.
     #[inline(always)]
     pub fn vx(self) -> f32 {
         f32::from(self.0) * (1.0 / Self::PER_VX)
     }
 
-    /// Packs a depth in voxels, limited to what a surface voxel can have.
+    /// Packs a depth in voxels, clamped to the range of a surface voxel.
     #[inline(always)]
     pub fn pack(depth_vx: f32) -> PackedDepth {
         let [least, most] = Self::RANGE;
@@ -38,7 +37,7 @@ impl PackedDepth {
     }
 }
 
-/// Steps to either side of 0.
+/// Steps on either side of 0.
 const STEPS: f32 = 127.0;
 
 impl PackedNormal {
@@ -60,7 +59,7 @@ impl PackedNormal {
         PackedNormal(x | y << 8)
     }
 
-    /// The vector, of unit length but for rounding; `None` for [`PackedNormal::NONE`].
+    /// Returns the vector, of unit length up to rounding; `None` for [`PackedNormal::NONE`].
     #[inline(always)]
     pub fn unpack(self) -> Option<Vec3> {
         if self == PackedNormal::NONE {
@@ -84,8 +83,8 @@ fn folded(v: Vec2) -> Vec2 {
     )
 }
 
-/// [`PackedNormal::unpack`] of sixteen vectors, not normalised: between 0.57 and 1 long. Those without a normal
-/// have no meaning.
+/// Performs [`PackedNormal::unpack`] on sixteen vectors. They are not normalised: their length is between 0.57 and 1.
+/// Results for voxels without a normal are unspecified.
 #[inline(always)]
 pub fn unpack_many<S: Simd>(simd: S, packed: u32x16<S>) -> [f32x16<S>; 3] {
     let x = (packed & 255).to_float::<f32x16<S>>() * (1.0 / STEPS) - 1.0;
@@ -98,7 +97,7 @@ pub fn unpack_many<S: Simd>(simd: S, packed: u32x16<S>) -> [f32x16<S>; 3] {
     [outer.select(folded_x, x), outer.select(folded_y, y), z]
 }
 
-/// `size` with the sign of `of`.
+/// Returns `size` with the sign of `of`.
 #[inline(always)]
 fn signed<S: Simd>(size: f32x16<S>, of: f32x16<S>) -> f32x16<S> {
     of.simd_lt(0.0).select(-size, size)

@@ -1,8 +1,9 @@
 //! Storage of the records of surface voxels: a page for each brick that has any.
 //!
-//! A page has the mask of its surface voxels, then a record for each; a voxel's record has the number of surface
-//! voxels before it. So memory follows the surface: 80 bytes a brick and 4 a voxel, rounded up to units of 128 bytes.
-//! All pages are numbers in one array that a device holds in the same form. Memory that is freed is used again.
+//! A page has the mask of its surface voxels, then a record for each; the index of a voxel's record is the number of
+//! surface voxels before it. So memory is proportional to the surface: 80 bytes per brick and 4 per voxel, rounded up
+//! to units of 128 bytes. All pages are numbers in one array that a device holds in the same form. Freed memory is
+//! reused.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -11,20 +12,20 @@ use super::window::SurfaceMask;
 
 /// Numbers of 4 bytes in a unit.
 const UNIT_NUMBERS: usize = 32;
-/// Numbers of a page before its records: two for the mask of each layer, and the counts before them in halves.
+/// Numbers of a page before its records: two for the mask of each layer, then the 16-bit counts before each layer.
 const HEAD_NUMBERS: usize = 20;
-/// Most units of a page: one of a brick of nothing but surface voxels.
+/// The most units of a page: one of a brick of surface voxels only.
 const MOST_UNITS: usize = (HEAD_NUMBERS + 512_usize).div_ceil(UNIT_NUMBERS);
 
 /// Numbers in a cache line.
 const LINE_NUMBERS: usize = 16;
-/// Cache lines in which the head and the records of most pages are: of up to 108 surface voxels.
+/// Cache lines that hold the head and the records of most pages: of up to 108 surface voxels.
 const FETCHED_LINES: usize = 8;
 
-/// The entry of a brick without a page: that of a page without surface voxels, so that look-ups need not ask.
+/// The entry of a brick without a page: that of a page without surface voxels, so that look-ups need no branch.
 pub const NO_PAGE: u32 = 0;
 
-/// The unit that pages, with their records, consist of.
+/// The unit that pages consist of.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
 pub struct Unit(pub [u32; UNIT_NUMBERS]);
@@ -35,10 +36,10 @@ pub struct Unit(pub [u32; UNIT_NUMBERS]);
 pub struct SurfaceRecord(pub u32);
 
 impl SurfaceRecord {
-    /// That of a voxel that is no surface voxel, or whose brick was not computed yet: without a normal.
+    /// The record of a voxel that is not a surface voxel, or whose brick has not been computed yet: without a normal.
     pub const NONE: SurfaceRecord = SurfaceRecord(PackedNormal::NONE.0 as u32);
 
-    /// `openness`: the share of ambient light that arrives, 255 for all of it.
+    /// Returns a record. `openness`: the share of ambient light that arrives, 255 for all of it.
     #[inline(always)]
     pub fn new(normal: PackedNormal, depth: PackedDepth, openness: u8) -> SurfaceRecord {
         SurfaceRecord(
@@ -49,25 +50,25 @@ impl SurfaceRecord {
     /// The first bit of the openness.
     pub const OPENNESS: u32 = 24;
 
-    /// Its normal, if it has one.
+    /// Returns its normal, if it has one.
     #[inline(always)]
     pub fn normal(self) -> PackedNormal {
         PackedNormal(self.0 as u16)
     }
 
-    /// How deep its middle is.
+    /// Returns the depth of the voxel's centre.
     #[inline(always)]
     pub fn depth(self) -> PackedDepth {
         PackedDepth((self.0 >> 16) as u8)
     }
 
-    /// The share of ambient light that arrives, 255 for all of it.
+    /// Returns the share of ambient light that arrives, 255 for all of it.
     #[inline(always)]
     pub fn openness(self) -> u8 {
         (self.0 >> Self::OPENNESS) as u8
     }
 
-    /// All but the openness.
+    /// Returns all but the openness.
     fn shape(self) -> u32 {
         self.0 & ((1 << Self::OPENNESS) - 1)
     }
@@ -94,13 +95,13 @@ impl Head {
         head
     }
 
-    /// Number of surface voxels.
+    /// Returns the number of surface voxels.
     fn count(&self) -> usize {
         usize::from(self.before[7]) + self.layers[7].count_ones() as usize
     }
 }
 
-/// Units of a page with so many records.
+/// Returns the number of units of a page with `records` records.
 fn units_for(records: usize) -> usize {
     (HEAD_NUMBERS + records).div_ceil(UNIT_NUMBERS)
 }
@@ -112,7 +113,7 @@ pub struct Pages {
     units: Vec<Unit>,
     /// Free runs of units, by their length less 1: the first unit of each.
     free: [Vec<u32>; MOST_UNITS],
-    /// The units that were written since they were last asked for.
+    /// The units written since the last query.
     written: Vec<u32>,
 }
 
@@ -123,12 +124,12 @@ impl Default for Pages {
 }
 
 impl Pages {
-    /// All units, free ones included.
+    /// Returns all units, free ones included.
     pub fn units(&self) -> &[Unit] {
         &self.units
     }
 
-    /// Moves the numbers of the units that were written since the last call to `target`: rising, each once.
+    /// Moves the indices of the units that were written since the last call to `target`: in ascending order, each once.
     pub fn take_written(&mut self, target: &mut Vec<u32>) {
         target.clear();
         target.append(&mut self.written);
@@ -136,32 +137,32 @@ impl Pages {
         target.dedup();
     }
 
-    /// For looking up many records.
+    /// Returns a view for looking up many records.
     #[inline(always)]
     pub fn records(&self) -> Records<'_> {
         Records { units: &self.units, numbers: bytemuck::cast_slice(&self.units) }
     }
 
-    /// The record of the voxel `local` (`x + 8 y + 64 z`) of a page; none if it is no surface voxel.
+    /// Returns the record of the voxel `local` (`x + 8 y + 64 z`) of a page; `None` if it is not a surface voxel.
     #[inline(always)]
     pub fn record(&self, page: u32, local: u32) -> Option<SurfaceRecord> {
         let layer = self.layers(page)[local as usize / 64 % 8];
         (layer >> (local % 64) & 1 != 0).then(|| self.records().at(page, local))
     }
 
-    /// The surface voxels of a page: a word per z, bit `x + 8 y`.
+    /// Returns the surface voxels of a page: a word per z, bit `x + 8 y`.
     pub fn layers(&self, page: u32) -> &[u64; 8] {
         &self.head(page).layers
     }
 
-    /// Reads a little of the first cache lines of `pages`, so that the memory of all is waited for at once. The result
-    /// has no meaning, but must be used.
+    /// Reads part of the first cache lines of `pages`, so that their memory accesses overlap. The result has no
+    /// meaning, but must be used.
     #[inline(always)]
     pub fn fetch(&self, pages: &[u32]) -> u32 {
         let numbers = self.records().numbers;
         let mut sum = 0;
         for page in pages {
-            // The page after a short one is most often that of a brick beside it.
+            // The page after a short one usually belongs to an adjacent brick.
             let first = UNIT_NUMBERS * *page as usize;
             for line in 0..FETCHED_LINES {
                 sum ^= numbers.get(first + LINE_NUMBERS * line).copied().unwrap_or(0);
@@ -176,8 +177,8 @@ impl Pages {
     }
 
     /// Stores the records of a brick, in the order of `mask`, in place of those of `page`, which may be [`NO_PAGE`].
-    /// Returns the page, and whether anything but openness differs from what there was. Without surface voxels there
-    /// is no page.
+    /// Returns the page, and whether anything but openness differs from before. Without surface voxels there is no
+    /// page.
     pub fn store(
         &mut self,
         page: u32,
@@ -239,7 +240,7 @@ impl Pages {
         *self = Pages::default();
     }
 
-    /// A run of units: the shortest free one that is long enough, or a part of it, or a new one.
+    /// Returns a run of units: the shortest free one that is long enough, or a part of it, or a new one.
     fn new_run(&mut self, units: usize) -> u32 {
         let found =
             (units..=MOST_UNITS).find_map(|length| Some((length, self.free[length - 1].pop()?)));
@@ -267,8 +268,8 @@ pub struct Records<'a> {
 }
 
 impl Records<'_> {
-    /// The record of the voxel `local` (`x + 8 y + 64 z`) of a page, which may be [`NO_PAGE`]. Without branches, so
-    /// that the memory that one voxel needs is waited for together with that of the next ones.
+    /// Returns the record of the voxel `local` (`x + 8 y + 64 z`) of a page, which may be [`NO_PAGE`]. Has no branches,
+    /// so that memory accesses of successive voxels overlap.
     #[inline(always)]
     pub fn at(&self, page: u32, local: u32) -> SurfaceRecord {
         let z = local as usize / 64 % 8;
@@ -290,8 +291,8 @@ mod tests {
     use super::*;
     use crate::scenes::Random;
 
-    /// Random pages, replaced and freed, always give back what was stored last, and freed memory is used again. A
-    /// copy that follows by what was written is the same.
+    /// Random pages, replaced and freed, always return the values stored last, and freed memory is reused. A copy that
+    /// follows the written units is the same.
     #[test]
     fn pages_keep_what_was_stored_last() {
         let mut random = Random(9);
@@ -318,7 +319,7 @@ mod tests {
             let (new_page, found) = pages.store(*page, &mask, &records);
             assert_eq!(found, differs, "round {round}");
             assert_eq!(pages.store(new_page, &mask, &records), (new_page, false));
-            // Openness alone is written, but does not count.
+            // A change of openness alone is written, but does not count as a difference.
             let lit: Vec<_> =
                 records.iter().map(|record| SurfaceRecord(record.0 ^ 3 << 24)).collect();
             assert_eq!(pages.store(new_page, &mask, &lit), (new_page, false));

@@ -1,9 +1,9 @@
-//! Which normals a picture after an edit waits for: those of the bricks that it shows. The rest is put off until the
-//! view rests or something else looks at them.
+//! Selects the normals that a picture after an edit waits for: those of its visible bricks. The rest is deferred until
+//! the view rests or another reader needs them.
 //!
-//! A picture that must come at once has first estimates ([`super::window`]) where bits have changed; those of the view
-//! at rest have the refined normals, however many bricks a stroke has left behind: refined in between, each would hold
-//! up a picture ten times as long as it takes to estimate it. Refined normals reach a brick farther, where a picture
+//! A picture that is needed at once has first estimates ([`super::window`]) where bits have changed. Pictures of the
+//! view at rest have the refined normals, however many bricks a stroke has left behind: refining them earlier would
+//! delay each picture ten times as long as estimating them. Refined normals reach a brick farther, where a picture
 //! shows them as they were before the edit.
 
 use fearless_simd::Level;
@@ -16,23 +16,24 @@ use crate::sculpture::brick_set::{BrickMask, BrickSet};
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::surface::{IndexMap, PixelRect, PixelRects};
 
-/// Bricks that were put off and are computed together.
+/// Deferred bricks that are computed together.
 const DEFERRED_PORTION: usize = 256;
-/// Most bricks that are refined at once for a picture that must come at once.
+/// The most bricks that are refined at once for a picture that is needed at once.
 const PROMPT_PORTION: usize = 24;
-/// Most bricks that a picture may show by first estimates: of all of a sculpture that fills a screen. Beyond it, or beyond
-/// [`MOST_AT_ONCE`] that are to be refined, normals are computed in portions, and until then every picture waits for some
-/// of them and finds the others itself: of edits after an undo of many at once that was far more than these estimates.
+/// The most bricks that a picture may show by first estimates: those of a sculpture that fills a screen. Beyond it, or
+/// beyond [`MOST_AT_ONCE`] to be refined, normals are computed in portions, and until then every picture waits for some
+/// of them and estimates the others itself. For edits after an undo of many at once, that took far longer than these
+/// estimates.
 const MOST_ESTIMATED: usize = 1 << 15;
 /// Rows of a picture in which a thread looks for bricks.
 const ROWS_AT_ONCE: usize = 64;
 
 impl NormalField {
-    /// Puts off what the last edits have changed, but for the bricks that are seen in `pixels` of `maps`; these must be
-    /// all in which they can be seen. Then nobody may look at other pictures before the next [`NormalField::update`].
-    /// With [`Precision::Estimated`], many bricks have first estimates until [`NormalField::update_deferred`]. Reports
-    /// bricks as `update` does. Does nothing while normals of a sculpture that was opened are missing, or where very
-    /// many of the bricks are seen.
+    /// Defers the changes of the last edits, except for the bricks that are visible in `pixels` of `maps`; these must
+    /// be all in which they can be visible. No other pictures may be used before the next [`NormalField::update`]. With
+    /// [`Precision::Estimated`], many bricks have first estimates until [`NormalField::update_deferred`]. Reports
+    /// bricks as `update` does. Does nothing while normals of a newly opened sculpture are missing, or if very many of
+    /// the bricks are visible.
     pub fn update_seen<'a>(
         &mut self,
         grid: &Grid,
@@ -59,7 +60,7 @@ impl NormalField {
             return;
         }
         let inexact = std::mem::take(&mut self.inexact);
-        // A brick that was put off before may have a page, and be altered again.
+        // A brick that was deferred before may have a page, and be changed again.
         let unseen = self.queue.iter().copied().chain(inexact.masks().flat_map(BrickMask::indices));
         for index in unseen.filter(|index| !seen.contains(*index)) {
             let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);
@@ -101,19 +102,19 @@ impl NormalField {
         self.compute(Level::new(), grid, &targets, Precision::Estimated, changed);
     }
 
-    /// Leaves those of `deferred` that are to be computed, each once, rising.
+    /// Keeps those of `deferred` that remain to be computed, each once, in ascending order.
     pub(super) fn retain_deferred(&mut self) {
         self.deferred.sort_unstable();
         self.deferred.dedup();
         self.deferred.retain(|index| self.queued.contains(*index));
     }
 
-    /// Number of bricks that are put off, or more.
+    /// Returns an upper bound of the number of deferred bricks.
     pub fn deferred(&self) -> usize {
         self.deferred.len()
     }
 
-    /// Computes what was put off, for as long as `go_on` returns true. Reports bricks as [`NormalField::update`] does.
+    /// Computes deferred normals, for as long as `go_on` returns true. Reports bricks as [`NormalField::update`] does.
     pub fn update_deferred(
         &mut self,
         grid: &Grid,
@@ -138,14 +139,14 @@ impl NormalField {
             let mut portion = self.deferred.split_off(from);
             portion.sort_unstable();
             self.compute(Level::new(), grid, &portion, Precision::Refined, changed);
-            // Whether they differ from those before the edit is not known.
+            // Whether they differ from those before the edit is unknown.
             changed.extend_from_slice(&portion);
         }
         sort_from(changed, first);
     }
 }
 
-/// Sorts `list` from `first` on, and leaves each once.
+/// Sorts `list` from `first` on, and removes duplicates.
 pub(super) fn sort_from(list: &mut Vec<u32>, first: usize) {
     let mut own = list.split_off(first);
     own.sort_unstable();
@@ -153,7 +154,7 @@ pub(super) fn sort_from(list: &mut Vec<u32>, first: usize) {
     list.append(&mut own);
 }
 
-/// Adds to `seen` the bricks of `wanted` whose voxels are seen in `rect`.
+/// Adds to `seen` the bricks of `wanted` whose voxels are visible in `rect`.
 fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &Flags, seen: &mut BrickSet) {
     let rect = rect.intersect(PixelRect::of_picture(map.rays.size));
     let (left, right) = (rect.min.x as usize, rect.max.x as usize);

@@ -1,4 +1,4 @@
-//! The field against its definition, against analytic surfaces, and after edits against a new one.
+//! Compares the field with its definition, with analytic surfaces, and after edits with a new one.
 
 use glam::{IVec3, Mat3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ mod naive;
 mod openness;
 mod seen;
 
-/// A grid of the voxels whose middles are in a solid.
+/// Returns a grid of the voxels whose centres are in a solid.
 fn grid_of(edge_vx: u32, inside: impl Fn(Vec3) -> bool + Sync) -> Grid {
     let mut grid = Grid::new(UVec3::splat(edge_vx), Vec3::ONE, 1 << 30).unwrap();
     grid.fill_bricks(|b| {
@@ -25,7 +25,7 @@ fn grid_of(edge_vx: u32, inside: impl Fn(Vec3) -> bool + Sync) -> Grid {
     grid
 }
 
-/// All surface voxels with their normals.
+/// Returns all surface voxels with their normals.
 fn surface(grid: &Grid, field: &NormalField) -> Vec<(UVec3, Option<Vec3>)> {
     let mut all = Vec::new();
     for (b, brick) in grid.nonempty_bricks() {
@@ -41,7 +41,7 @@ fn surface(grid: &Grid, field: &NormalField) -> Vec<(UVec3, Option<Vec3>)> {
     all
 }
 
-/// Mean and 99th percentile.
+/// Returns the mean and the 99th percentile.
 fn spread(mut errors: Vec<f32>) -> (f32, f32) {
     errors.sort_by(f32::total_cmp);
     let mean = errors.iter().sum::<f32>() / errors.len() as f32;
@@ -188,7 +188,7 @@ fn the_field_is_its_definition() {
         }
         let (mean, most) = spread(errors.clone());
         let worst = errors.into_iter().fold(0.0, f32::max);
-        // The errors that packing causes; a step of the table at its very edge may cost a little more.
+        // The errors that packing causes; a table step at its very edge may add a little.
         assert!(mean < 0.4 && most < 1.0 && worst < 3.0, "{mean} {most} {worst}");
         let _ = random.unit();
     }
@@ -197,7 +197,7 @@ fn the_field_is_its_definition() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// The field that follows edits, whatever they are and however far apart, is that of the grid as it is.
+    /// The field that follows edits, whatever they are and however far apart, equals a new one.
     #[test]
     fn a_field_that_follows_edits_is_that_of_the_grid(
         dims in prop::array::uniform3(1u32..90),
@@ -254,7 +254,7 @@ proptest! {
     }
 }
 
-/// The packed normals of all voxels, by brick.
+/// Returns the packed normals of all voxels, by brick.
 fn pictures(grid: &Grid, field: &NormalField) -> Vec<Vec<PackedNormal>> {
     let local = |i: u32| UVec3::from(crate::sculpture::brick::local_coords(i));
     (0..grid.brick_count()).map(|b| (0..512).map(|i| field.packed(b, local(i))).collect()).collect()
@@ -266,7 +266,7 @@ fn work_in_portions_ends_where_work_at_once_does() {
     let mut grid = scenes::cheese(300, 60, 7).unwrap();
     let mut field = NormalField::default();
     let mut changed = Vec::new();
-    // Opened, and edited all over: the normals there were are gone at once.
+    // Opened, and edited all over: the previous normals are gone at once.
     for edited in [false, true] {
         let all: Vec<u32> = (0..grid.brick_count() as u32).collect();
         if edited {

@@ -1,13 +1,13 @@
 //! First estimate of normals: the gradient of smoothed existence at the surface voxels of a brick, how planar the
-//! surface is around each of them, and how deep each lies in it.
+//! surface is around each of them, and the depth of each.
 //!
-//! Existence is smoothed with a Gaussian of 1.3 voxels, as whole numbers and separable: nine voxels along each
-//! axis. So a brick depends on the cube of 16^3 voxels around it, which is 4^3 words. In a half space the smoothed
-//! value of a voxel tells its depth below the surface, and the length of the gradient follows from the depth. The
-//! length found, over the one that follows, is the planarity: 1 on planes, little on edges and in noise.
+//! Existence is smoothed with a Gaussian of 1.3 voxels, in whole numbers and separably: nine voxels along each axis. So
+//! a brick depends on the cube of 16^3 voxels around it, which is 4^3 words. In a half space the smoothed value of a
+//! voxel determines its depth below the surface, and the depth determines the length of the gradient. The planarity is
+//! the measured length over the expected one: 1 on planes, small on edges and in noise.
 //!
-//! From the bits around a brick to one sample for each of its surface voxels. Sums are whole numbers: along one axis
-//! or two they fit in 16 bits, along three they are below 2^24, so they do not depend on the vector instructions in use.
+//! Takes the bits around a brick, returns one sample for each of its surface voxels. Sums are whole numbers: along one
+//! axis or two they fit in 16 bits, along three they are below 2^24, so they do not depend on the vector instructions.
 
 use std::sync::LazyLock;
 
@@ -46,7 +46,7 @@ const SLOPES: [i16; TAPS] = {
     slopes
 };
 
-/// The amounts that a row of sixteen voxels adds to the smoothed values and to the derivatives of the eight in its
+/// The contributions of a row of sixteen voxels to the smoothed values and to the derivatives of the eight in its
 /// middle, for each value of its lower and of its upper half.
 struct RowTable {
     sums: [[[u16; EDGE]; 256]; 2],
@@ -70,22 +70,22 @@ static ROWS: LazyLock<Box<RowTable>> = LazyLock::new(|| {
     table
 });
 
-/// The properties of a half space where its smoothed value is that of the interval: the depth of the voxel in
-/// voxels, and the factor from the length of the gradient to the planarity.
+/// The properties of a half space for each interval of its smoothed value: the depth of the voxel in voxels, and the
+/// factor from the length of the gradient to the planarity.
 static HALF_SPACE: LazyLock<[[f32; 2]; INTERVALS + 1]> = LazyLock::new(half_space);
 
-/// Basic operations only, so that all machines have the same numbers: the normal distribution is summed in small
-/// steps.
+/// Computes the table with basic operations only, so that all machines get the same numbers: the normal distribution is
+/// summed in small steps.
 fn half_space() -> [[f32; 2]; INTERVALS + 1] {
     const STEP: f64 = 1.0 / 4096.0;
     let deviation = (SECOND_MOMENT / SUM).sqrt();
-    // From -5 to 5 standard deviations. exp(-x^2/2) by a product: its factor falls by a factor itself.
+    // From -5 to 5 standard deviations. exp(-x^2/2) is a product whose factor itself decreases by a constant factor.
     let mut table = [[0.0; 2]; INTERVALS + 1];
     let (mut x, mut share, mut next) = (-5.0f64, 0.0f64, 0);
     while next <= INTERVALS {
         let density = bell(x) / (std::f64::consts::TAU.sqrt() * deviation);
         if share * INTERVALS as f64 >= next as f64 || x >= 5.0 {
-            // A surface voxel is at most a diagonal deep, and its middle not outside.
+            // A surface voxel is at most a diagonal deep, and its centre is not outside.
             let depth = (x * deviation).clamp(0.0, 1.0);
             let scale = SECOND_MOMENT * SUM * SUM;
             table[next] = [depth as f32, (1.0 / (density * scale)) as f32];
@@ -98,15 +98,15 @@ fn half_space() -> [[f32; 2]; INTERVALS + 1] {
     table
 }
 
-/// `exp(-x^2 / 2)` by its series, halved until it converges fast.
+/// Returns `exp(-x^2 / 2)` by its series, with the argument reduced until it converges fast.
 fn bell(x: f64) -> f64 {
     let y = x * x / 2.0 / 1024.0;
     let once = 1.0 - y * (1.0 - y / 2.0 * (1.0 - y / 3.0 * (1.0 - y / 4.0)));
     (0..10).fold(once, |v, _| v * v)
 }
 
-/// The surface voxels of a brick: existing ones that have an empty neighbour across a face. Voxels outside of
-/// the grid are empty.
+/// The surface voxels of a brick: existing ones that have an empty neighbour across a face. Voxels outside the grid are
+/// empty.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct SurfaceMask {
     /// A word per z; bit `x + 8 y`.
@@ -114,7 +114,7 @@ pub struct SurfaceMask {
 }
 
 impl SurfaceMask {
-    /// Number of voxels.
+    /// Returns the number of voxels.
     pub fn count(&self) -> usize {
         self.layers.iter().map(|layer| layer.count_ones() as usize).sum()
     }
@@ -124,14 +124,14 @@ impl SurfaceMask {
 #[derive(Debug, Default)]
 pub struct Samples {
     pub mask: SurfaceMask,
-    /// Places on the surface, in voxels from the lower corner of the brick: middles of voxels, moved outwards by
-    /// their depth.
+    /// Points on the surface, in voxels from the lower corner of the brick: centres of voxels, moved outwards by their
+    /// depth.
     pub positions: [Vec<f32>; 3],
-    /// Out of the solid; of unit length, or 0.
+    /// Point out of the solid; of unit length, or 0.
     pub normals: [Vec<f32>; 3],
-    /// 0 to 1.
+    /// Planarity, 0 to 1.
     pub planarity: Vec<f32>,
-    /// Around all voxels of a brick with surface, where it was asked for: `x + 8 y + 64 z`.
+    /// The filled part around all voxels of a brick with surface, if requested: `x + 8 y + 64 z`.
     pub filling: BrickFilling,
 }
 
@@ -150,7 +150,7 @@ impl Samples {
     }
 }
 
-/// Sums over the cube, smoothed or derived along x, then y: memory for [`sample`].
+/// Sums over the cube, smoothed or differentiated along x, then y: memory for [`sample`].
 #[derive(Debug)]
 pub struct Sums {
     /// Along x: `[z][y][x]` over the cube's y and z and the brick's x.
@@ -175,16 +175,16 @@ impl Default for Sums {
     }
 }
 
-/// The results that are wanted of a brick.
+/// The requested results for a brick.
 #[derive(Clone, Copy)]
 pub struct Wanted {
     /// The words with samples: a bit each.
     pub words: u8,
-    /// Whether to count how much around its voxels is filled.
+    /// Whether to compute the filled part around its voxels.
     pub filling: bool,
 }
 
-/// Replaces `samples` by those of the brick at brick coordinates `brick`. Their mask is that of the wanted words.
+/// Replaces `samples` by those of the brick at brick coordinates `brick`. Their mask is that of the requested words.
 #[inline(always)]
 pub fn sample<S: Simd>(
     simd: S,
@@ -224,15 +224,15 @@ pub fn sample<S: Simd>(
     }
 }
 
-/// The places along an axis of the cube that the windows of these places of the brick reach: a bit each.
+/// Returns the positions along an axis of the cube that the windows of these positions of the brick reach: a bit each.
 fn reached(places: u32) -> u32 {
     (0..TAPS).fold(0, |reached, tap| reached | places << tap)
 }
 
-/// The words around a brick, of which the middle two along each axis are the brick's.
+/// Returns the words around a brick, of which the middle two along each axis are the brick's.
 #[inline(always)]
 fn words_around(grid: &Grid, brick: IVec3) -> WordsAround {
-    // For each word along an axis: in which of three bricks, and which half of it.
+    // For each word along an axis: the index of its brick among three, and its half of that brick.
     const FROM: [(usize, usize); 4] = [(0, 1), (1, 0), (1, 1), (2, 0)];
     let dims = grid.brick_dims().as_ivec3();
     let mut bricks = [&Brick::EMPTY; 27];
@@ -253,7 +253,7 @@ fn words_around(grid: &Grid, brick: IVec3) -> WordsAround {
     words
 }
 
-/// The bits of the 16^3 voxels around a brick: a row along x for each y and z.
+/// Returns the bits of the 16^3 voxels around a brick: a row along x for each y and z.
 #[inline(always)]
 fn rows_of(words: &WordsAround) -> [[u16; CUBE]; CUBE] {
     let mut rows = [[0; CUBE]; CUBE];
@@ -273,7 +273,7 @@ fn rows_of(words: &WordsAround) -> [[u16; CUBE]; CUBE] {
     rows
 }
 
-/// The four nibbles of 16 bits, each in the lowest bits of 16.
+/// Returns the four nibbles of 16 bits, each in the lowest bits of 16.
 #[inline(always)]
 fn spread_nibbles(bits: u64) -> u64 {
     let pairs = (bits | bits << 24) & 0x0000_00FF_0000_00FF;
@@ -302,7 +302,7 @@ fn surface_mask(rows: &[[u16; CUBE]; CUBE], words: u8) -> SurfaceMask {
     mask
 }
 
-/// Sums along x, of the lines and layers whose bits are set.
+/// Sums the selected lines and layers along x.
 #[inline(always)]
 fn sum_rows(rows: &[[u16; CUBE]; CUBE], [lines, layers]: [u32; 2], sums: &mut Sums) {
     let table = &**ROWS;
@@ -324,8 +324,7 @@ fn sum_rows(rows: &[[u16; CUBE]; CUBE], [lines, layers]: [u32; 2], sums: &mut Su
     }
 }
 
-/// Sums along y, of the lines and layers whose bits are set; four rows at a time, of which others than those have no
-/// meaning.
+/// Sums the selected lines and layers along y, four rows at a time; rows that are not selected are unspecified.
 #[inline(always)]
 fn sum_layers<S: Simd>(simd: S, [lines, layers]: [u32; 2], sums: &mut Sums) {
     for z in 0..CUBE {
@@ -373,7 +372,7 @@ fn load<S: Simd>(simd: S, layer: &[[f32; EDGE]; EDGE], first: usize) -> f32x16<S
     f32x16::from_slice(simd, &layer.as_flattened()[first..first + 16])
 }
 
-/// Sums along z for two rows of voxels from `y` on, and appends the samples of those whose bits are set.
+/// Sums two rows of voxels along z, starting at `y`, and appends the samples of those whose bits are set.
 #[inline(always)]
 fn sum_columns<S: Simd>(
     simd: S,
@@ -394,7 +393,7 @@ fn sum_columns<S: Simd>(
         slopes[2] += values * slope;
     }
     let length = (slopes[0] * slopes[0] + slopes[1] * slopes[1] + slopes[2] * slopes[2]).sqrt();
-    // Whole numbers: a gradient that is not zero is at least 1 long.
+    // Whole numbers: a gradient that is not zero has a length of at least 1.
     let outwards = f32x16::splat(simd, -1.0) / length.max(1.0);
     let interval = (sum * (INTERVALS as f64 / (SUM * SUM * SUM)) as f32).to_array();
     let length = length.to_array();

@@ -36,7 +36,7 @@ fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
     assert_eq!(unlit.rgba[centre][..3], [63, 31, 17]);
 }
 
-/// A pixel is the same alone and in company: the pixels beside it in a vector must not show.
+/// A pixel has the same shade alone and beside others: its neighbours in a vector must not affect it.
 #[test]
 fn a_pixel_is_shaded_the_same_whatever_is_beside_it() {
     let grid = scenes::cheese(64, 30, 7).unwrap();
@@ -83,7 +83,7 @@ fn places_are_those_of_the_grid() {
     }
 }
 
-/// The picture by its definition, one pixel at a time in other words.
+/// Computes a pixel of the picture by its definition, in another form.
 fn reference(source: &ShadeSource, pose: &ShadePose, lighting: &Lighting, voxel: u32) -> [f32; 3] {
     let ShadeSource { grid, material, normals, mask } = *source;
     let linear = |c: Rgb| Vec3::from(c.0.map(|c| (f32::from(c) / 255.0).powi(2)));

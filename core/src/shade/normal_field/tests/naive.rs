@@ -1,4 +1,4 @@
-//! Every value of the definition, voxel by voxel and in f64.
+//! Computes every value of the definition, voxel by voxel and in f64.
 
 use super::*;
 use glam::{DVec3, I64Vec3};
@@ -12,7 +12,7 @@ pub struct Sample {
     pub planarity: f64,
 }
 
-/// The cumulative normal distribution, by a sum.
+/// Returns the cumulative normal distribution, by a sum.
 fn half_space(share: f64) -> (f64, f64) {
     let deviation = (430.0f64 / 254.0).sqrt();
     let (mut x, mut sum) = (-5.0, 0.0);
@@ -39,7 +39,7 @@ pub fn sample(grid: &Grid, voxel: UVec3) -> Sample {
             }
         }
     }
-    // As the table of the field has it, in steps.
+    // In steps, like the table of the field.
     let share = (sum / 254f64.powi(3) * 1024.0).floor() / 1024.0;
     let (depth, density) = half_space(share);
     let normal = -slope / slope.length().max(1.0);
@@ -90,11 +90,11 @@ fn sum<'a>(
     })
 }
 
-/// The normals of all surface voxels, 0 for none.
+/// Returns the normals of all surface voxels, 0 for none.
 pub fn normals(grid: &Grid, voxels: &[UVec3]) -> Vec<DVec3> {
     let samples: Vec<_> = voxels.iter().map(|v| sample(grid, *v)).collect();
     let cells = cells(&samples);
-    // Cells see the cube of 8^3 cells that begins two before their brick.
+    // Cells use the cube of 8^3 cells that begins two before their brick.
     let filtered: Vec<DVec3> = cells
         .iter()
         .map(|own| {

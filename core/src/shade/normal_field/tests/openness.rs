@@ -1,8 +1,8 @@
-//! The openness of what has steps: that of the surface that the steps stand for.
+//! Tests that the openness of stepped shapes equals that of the surface that the steps approximate.
 
 use super::*;
 
-/// The openness of the surface voxels of a grid that are `wanted`, from 0 to 1: the least and the greatest.
+/// Returns the openness of the surface voxels of a grid that are `wanted`, from 0 to 1: the least and the greatest.
 fn range(grid: &Grid, wanted: impl Fn(Vec3) -> bool) -> [f32; 2] {
     let field = NormalField::of(grid);
     let mut range = [f32::INFINITY, f32::NEG_INFINITY];
@@ -37,7 +37,7 @@ fn steps_of_slopes_and_balls_are_as_open_as_faces() {
     }
 }
 
-/// The inside of a turned vessel has no streaks: all around it is as open.
+/// The inside of a rotated vessel has no streaks: it is equally open all around.
 #[test]
 fn the_inside_of_a_tube_is_equally_open_all_around() {
     for (radius, wall) in [(30.0f32, 6.0f32), (60.0, 8.0)] {

@@ -1,4 +1,4 @@
-//! Tests of what pictures show after edits, whatever is estimated or put off; and that in the end all is refined.
+//! Tests of pictures after edits, with estimated or deferred normals; in the end all are refined.
 
 use std::collections::BTreeSet;
 
@@ -15,7 +15,7 @@ fn rays(grid: &Grid) -> PixelRays {
     eye.pixel_rays(&world_from_grid)
 }
 
-/// Sets the voxels of a ball; the bricks that it may have changed.
+/// Sets the voxels of a ball. Returns the bricks that it may have changed.
 fn ball(grid: &mut Grid, centre: IVec3, radius_vx: i32, exists: bool) -> Vec<u32> {
     let mut changed = BTreeSet::new();
     let edge = 2 * radius_vx + 1;
@@ -29,8 +29,8 @@ fn ball(grid: &mut Grid, centre: IVec3, radius_vx: i32, exists: bool) -> Vec<u32
     changed.into_iter().collect()
 }
 
-/// Carves and fills where a view looks, and calls `check` with the grid, the field, the index map, the bricks that
-/// changed and those that the field reported.
+/// Carves and fills in view, and calls `check` with the grid, the field, the index map, the bricks that changed and
+/// those that the field reported.
 fn edit(
     precision: Precision,
     mut check: impl FnMut(&Grid, &NormalField, &IndexMap, &[u32], &[u32]),
@@ -61,14 +61,14 @@ fn edit(
     assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
 }
 
-/// The voxels of a map, with their bricks.
+/// Returns the voxels of a map, with their bricks.
 fn seen<'a>(grid: &'a Grid, map: &'a IndexMap) -> impl Iterator<Item = (UVec3, usize)> {
     let voxels = map.voxels.iter().filter(|voxel| **voxel != NO_VOXEL);
     let seen = voxels.map(|&voxel| grid.voxel_coords(voxel));
     seen.map(|v| (v, grid.brick_index(v / 8)))
 }
 
-/// The openness of a surface voxel.
+/// Returns the openness of a surface voxel.
 fn openness(grid: &Grid, field: &NormalField, v: UVec3) -> Option<u8> {
     field.record(grid.brick_index(v / 8), v % 8).map(SurfaceRecord::openness)
 }
@@ -128,7 +128,7 @@ fn prompt_pictures_show_first_estimates_where_bits_have_changed_and_refine_them_
     assert!(estimated > 1000 && refined > 1000, "{estimated} {refined}");
 }
 
-/// An edit of which nothing is seen puts off more than one picture can wait for: the rest follows in portions.
+/// An edit of which nothing is visible defers more than one picture can wait for: the rest follows in portions.
 #[test]
 fn very_many_bricks_that_were_put_off_are_computed_in_portions() {
     let (before, grid) = (scenes::cheese(160, 40, 3).unwrap(), scenes::cheese(160, 60, 4).unwrap());
@@ -150,8 +150,9 @@ fn very_many_bricks_that_were_put_off_are_computed_in_portions() {
     assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
 }
 
-/// After an undo of many edits at once, of which a picture shows very many bricks, neither that picture nor those of the
-/// next edits wait for more than what they show; what is shown is estimated at least, and all is refined in the end.
+/// After an undo of many edits at once, of which a picture shows very many bricks, neither that picture nor those of
+/// the next edits wait for more than their visible bricks; visible bricks are at least estimated, and all are refined
+/// in the end.
 #[test]
 fn edits_after_a_change_of_very_many_visible_bricks_are_prompt() {
     let mut grid = Grid::new(UVec3::new(560, 24, 560), Vec3::ONE, 1 << 30).unwrap();
