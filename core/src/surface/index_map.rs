@@ -1,5 +1,5 @@
-//! The index map of an eye: the voxel seen through each pixel. Written by samplers on CPU and GPU, read
-//! by shaders; and the pixel rectangle.
+//! The index map of an eye: the voxel visible through each pixel. Written by samplers on CPU and GPU, read by shaders.
+//! Also the pixel rectangle.
 
 use std::ops::Range;
 
@@ -8,34 +8,34 @@ use glam::UVec2;
 use crate::sculpture::NO_VOXEL;
 use crate::view::PixelRays;
 
-/// One linear voxel index ([`crate::sculpture::Grid::voxel_index`]) per pixel, row by row from
-/// the top, [`NO_VOXEL`] where the ray meets nothing; with the rays that it was made with.
+/// One linear voxel index ([`crate::sculpture::Grid::voxel_index`]) per pixel, row by row from the top, [`NO_VOXEL`]
+/// where the ray meets nothing; with the rays that it was made with.
 #[derive(Clone, PartialEq, Debug)]
 pub struct IndexMap {
-    /// The view that the map was made of.
+    /// The view of the map.
     pub rays: PixelRays,
     /// `rays.size.x * rays.size.y` values, or none ([`IndexMap::forget`]).
     pub voxels: Vec<u32>,
-    /// The normal of each pixel, packed as [`crate::shade::normal_field::PackedNormal`], from a sampler that knows
-    /// the surface between voxels; else none, and the voxels have theirs.
+    /// The normal of each pixel, packed as [`crate::shade::normal_field::PackedNormal`], from a sampler that knows the
+    /// surface between voxels. Otherwise empty: the voxels' own normals apply.
     pub normals: Vec<u16>,
 }
 
 impl IndexMap {
-    /// A map in which nothing is seen.
+    /// Returns a map without visible voxels.
     pub fn new(rays: PixelRays) -> IndexMap {
         let pixels = rays.size.x as usize * rays.size.y as usize;
         IndexMap { rays, voxels: vec![NO_VOXEL; pixels], normals: Vec::new() }
     }
 
-    /// Gives the map another view, keeping its memory. The values are left as they are.
+    /// Changes the view of the map, keeping its memory. The values are left as they are.
     pub fn reset(&mut self, rays: PixelRays) {
         self.rays = rays;
         self.voxels.resize(rays.size.x as usize * rays.size.y as usize, NO_VOXEL);
         self.normals.clear();
     }
 
-    /// [`IndexMap::reset`] for a map that has normals.
+    /// Performs [`IndexMap::reset`] for a map that has normals.
     pub fn reset_with_normals(&mut self, rays: PixelRays) {
         let normals = std::mem::take(&mut self.normals);
         self.reset(rays);
@@ -43,32 +43,31 @@ impl IndexMap {
         self.normals.resize(self.voxels.len(), u16::MAX);
     }
 
-    /// Gives the map another view of which only the rays are kept in memory: the voxels are on the
-    /// device alone.
+    /// Changes the view of the map, keeping only the rays in memory: the voxels are only on the device.
     pub fn forget(&mut self, rays: PixelRays) {
         self.rays = rays;
         self.voxels.clear();
         self.normals.clear();
     }
 
-    /// Whether the voxels are in memory.
+    /// Returns whether the voxels are in memory.
     pub fn is_known(&self) -> bool {
         !self.voxels.is_empty()
     }
 
-    /// The voxel seen through pixel (x, y), if there is one and it is in memory.
+    /// Returns the voxel visible through pixel (x, y), if there is one and it is in memory.
     pub fn get(&self, x: u32, y: u32) -> Option<u32> {
         let voxel = *self.voxels.get((x + y * self.rays.size.x) as usize)?;
         (voxel != NO_VOXEL).then_some(voxel)
     }
 
-    /// Number of pixels through which a voxel is seen.
+    /// Returns the number of pixels through which a voxel is visible.
     pub fn covered(&self) -> usize {
         self.voxels.iter().filter(|&&v| v != NO_VOXEL).count()
     }
 }
 
-/// A rectangle of pixels, `min` inclusive and `max` exclusive; empty where `min` is not below.
+/// A rectangle of pixels, `min` inclusive and `max` exclusive; empty if `min` is not below `max`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PixelRect {
     /// Upper left pixel.
@@ -78,7 +77,7 @@ pub struct PixelRect {
 }
 
 impl PixelRect {
-    /// The whole of a picture of `size` pixels.
+    /// Returns the whole of a picture of `size` pixels.
     pub fn of_picture(size: UVec2) -> PixelRect {
         PixelRect { min: UVec2::ZERO, max: size }
     }
@@ -86,49 +85,49 @@ impl PixelRect {
     /// A rectangle of no pixels.
     pub const EMPTY: PixelRect = PixelRect { min: UVec2::ZERO, max: UVec2::ZERO };
 
-    /// Whether the rectangle holds no pixel.
+    /// Returns whether the rectangle holds no pixel.
     pub fn is_empty(self) -> bool {
         !self.min.cmplt(self.max).all()
     }
 
-    /// Number of pixels in the rectangle.
+    /// Returns the number of pixels in the rectangle.
     pub fn pixel_count(self) -> u64 {
         self.max.saturating_sub(self.min).as_u64vec2().element_product()
     }
 
-    /// The rows that it touches.
+    /// Returns the rows that it touches.
     pub fn rows(self) -> Range<u32> {
         if self.is_empty() { 0..0 } else { self.min.y..self.max.y }
     }
 
-    /// The rows of a picture, `width` pixels wide, that it touches, in full width.
+    /// Returns the rows of a picture, `width` pixels wide, that it touches, in full width.
     pub fn rows_of<T>(self, pixels: &[T], width: u32) -> &[T] {
         let Range { start, end } = self.rows();
         &pixels[(start * width) as usize..(end * width) as usize]
     }
 
-    /// [`PixelRect::rows_of`], mutable.
+    /// Performs [`PixelRect::rows_of`] on mutable pixels.
     pub fn rows_of_mut<T>(self, pixels: &mut [T], width: u32) -> &mut [T] {
         let Range { start, end } = self.rows();
         &mut pixels[(start * width) as usize..(end * width) as usize]
     }
 
-    /// The upper left corner and the size.
+    /// Returns the upper left corner and the size.
     pub fn corner_and_size(self) -> ([u32; 2], [u32; 2]) {
         (self.min.to_array(), self.max.saturating_sub(self.min).to_array())
     }
 
-    /// The pixels in both.
+    /// Returns the pixels in both.
     pub fn intersect(self, other: PixelRect) -> PixelRect {
         PixelRect { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
-    /// The smallest rectangle that holds both, of which none is empty.
+    /// Returns the smallest rectangle that holds both, neither of which may be empty.
     pub fn union(self, other: PixelRect) -> PixelRect {
         PixelRect { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Wider by `px` on every side, but not beyond pixel 0. Stays empty if it is.
+    /// Returns the rectangle extended by `px` on every side, but not beyond pixel 0. An empty one stays empty.
     pub fn grown(self, px: u32) -> PixelRect {
         if self.is_empty() {
             return self;

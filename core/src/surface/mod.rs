@@ -1,4 +1,4 @@
-//! Sampling the surface: which voxel is seen through each pixel. Pure CPU code.
+//! Sampling the surface: the voxel visible through each pixel. Pure CPU code.
 
 pub mod index_map;
 #[doc(hidden)]

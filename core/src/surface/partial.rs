@@ -1,8 +1,8 @@
 //! The pixels that an edit may change while nothing moves: the projections of the changed bricks.
 //!
-//! From changed bricks and the rays of a picture to a few rectangles that cover all affected pixels. A
-//! pixel's voxel changes only if its ray crosses a changed brick; its shade also depends on the voxels
-//! around the one seen, and so on bricks within some voxels of it. Works by whole bricks, not voxels.
+//! Takes changed bricks and the rays of a picture, returns a few rectangles that cover all affected pixels. A pixel's
+//! voxel changes only if its ray crosses a changed brick. Its shade also depends on the voxels around the visible one,
+//! and so on bricks within some voxels of it. Works by whole bricks, not voxels.
 
 use glam::{UVec3, Vec3};
 
@@ -16,14 +16,14 @@ use crate::view::PixelRays;
 /// With more runs of bricks than this, one box around all of them is projected instead.
 const MAX_RUNS: usize = 4096;
 
-/// Pixels by which rectangles are wider than exact rays need: samplers on the GPU round otherwise.
+/// Pixels by which rectangles are wider than exact rays need: samplers on the GPU round differently.
 const MARGIN_PX: u32 = 1;
 
-/// The pixels of `rays` whose voxel, or a voxel within `reach_vx` of it on every axis, may lie in
-/// one of the `changed` bricks (linear indices, rising).
+/// Returns the pixels of `rays` whose voxel, or a voxel within `reach_vx` of it on every axis, may lie in one of the
+/// `changed` bricks (linear indices, ascending).
 ///
-/// With a reach of 0 these are the pixels to sample again, with the reach of the normals or of a
-/// wider filter those to shade again.
+/// With a reach of 0 these are the pixels to resample; with the reach of the normals or of a wider filter, those to
+/// reshade.
 pub fn changed_pixels(grid: &Grid, changed: &[u32], rays: &PixelRays, reach_vx: u32) -> PixelRects {
     let mut rects = PixelRects::NONE;
     let picture = PixelRect::of_picture(rays.size);
@@ -56,7 +56,7 @@ pub fn changed_pixels(grid: &Grid, changed: &[u32], rays: &PixelRays, reach_vx: 
     rects.without_overlap()
 }
 
-/// The pixels of `rays` in which anything of `grid` can be seen.
+/// Returns the pixels of `rays` in which any part of `grid` may be visible.
 pub fn pixels_of_grid(grid: &Grid, rays: &PixelRays) -> PixelRect {
     let picture = PixelRect::of_picture(rays.size);
     let Some((low, high)) = grid.bounds_vx() else { return PixelRect::EMPTY };

@@ -1,9 +1,9 @@
-//! A small set of pixel rectangles that cover all rectangles added to it. Rectangles close to each other
-//! are merged, so that the overhead per rectangle stays small.
+//! A small set of pixel rectangles that cover all rectangles added to it. Rectangles close to each other are merged, so
+//! that the overhead per rectangle stays small.
 
 use super::index_map::PixelRect;
 
-/// Most rectangles in a set: enough for a tool and its mirror images.
+/// The most rectangles in a set: enough for a tool and its mirror images.
 pub const MAX_RECTS: usize = 8;
 
 /// Rectangles of pixels, which may overlap; see [`PixelRects::without_overlap`].
@@ -17,29 +17,29 @@ impl PixelRects {
     /// No rectangle.
     pub const NONE: PixelRects = PixelRects { rects: [PixelRect::EMPTY; MAX_RECTS], count: 0 };
 
-    /// One rectangle, or none if it is empty.
+    /// Returns a set of one rectangle, or none if it is empty.
     pub fn of(rect: PixelRect) -> PixelRects {
         let mut rects = PixelRects::NONE;
         rects.add(rect);
         rects
     }
 
-    /// The rectangles.
+    /// Returns the rectangles.
     pub fn as_slice(&self) -> &[PixelRect] {
         &self.rects[..self.count]
     }
 
-    /// Whether there is no rectangle.
+    /// Returns whether there is no rectangle.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Pixels in all of them.
+    /// Returns the number of pixels in all rectangles.
     pub fn pixel_count(&self) -> u64 {
         self.as_slice().iter().map(|rect| rect.pixel_count()).sum()
     }
 
-    /// The smallest rectangle that holds all of them.
+    /// Returns the smallest rectangle that holds all rectangles.
     pub fn bounds(&self) -> PixelRect {
         self.as_slice().iter().copied().reduce(PixelRect::union).unwrap_or(PixelRect::EMPTY)
     }
@@ -86,7 +86,7 @@ impl PixelRects {
     }
 }
 
-/// Whether sampling the bounds of two rectangles costs no more than sampling both on their own.
+/// Returns whether sampling the bounds of two rectangles costs no more than sampling both on their own.
 fn near(a: &PixelRect, b: &PixelRect) -> bool {
     const FIXED_COST_PX: u64 = 1024;
     a.union(*b).pixel_count() <= a.pixel_count() + b.pixel_count() + FIXED_COST_PX

@@ -1,12 +1,11 @@
 //! Quickstep, the approximate ray caster of the 2005 system (Mueller, "Volume Modelling and
 //! Rendering Based on 3D Voxel Grids").
 //!
-//! It walks bricks exactly while they are empty. In one that is not, it takes the first and the
-//! last voxel of the ray and draws a digital line between them: the axis with most steps is the
-//! basis and advances with each step, the others in proportion; each advance tests one voxel. No
-//! crossing is computed in between, so that the line can miss a voxel that the ray touches, or test
-//! one that it does not: the reported voxel exists and lies within a voxel of the ray, but may not be
-//! the first. [`super::raycast`] is the exact caster.
+//! It walks bricks exactly while they are empty. In a non-empty brick, it takes the first and the last voxel of the ray
+//! and draws a digital line between them: the axis with most steps is the basis and advances with each step, the others
+//! in proportion; each advance tests one voxel. No crossing is computed in between, so the line can miss a voxel that
+//! the ray touches, or test one that it does not. The reported voxel exists and lies within a voxel of the ray, but may
+//! not be the first. [`super::raycast`] is the exact caster.
 //!
 //! Its functions have the inputs and outputs of the exact caster's.
 
@@ -19,8 +18,8 @@ use super::raycast::walk::Walk;
 use crate::sculpture::{Brick, Grid};
 use crate::view::PixelRays;
 
-/// A voxel that exists near the beginning of the solid along `origin + t * direction`, `t >= 0`,
-/// in grid coordinates.
+/// Returns an existing voxel near the beginning of the solid along `origin + t * direction`, `t >= 0`, in grid
+/// coordinates.
 #[inline(always)]
 pub fn cast(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<UVec3> {
     let ray = Ray::new(origin, direction)?;
@@ -43,7 +42,7 @@ pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
     sample_rect(grid, map, PixelRect::of_picture(rays.size));
 }
 
-/// Samples again the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
+/// Resamples the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
 pub fn sample_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
     sample_each(
         grid,
@@ -54,7 +53,7 @@ pub fn sample_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
     );
 }
 
-/// The first existing voxel of the line from `first` to `last`, both in `brick`.
+/// Returns the first existing voxel of the line from `first` to `last`, both in `brick`.
 #[inline(always)]
 fn line(brick: &Brick, first: IVec3, last: IVec3) -> Option<UVec3> {
     let exists = |v: IVec3| {
@@ -72,7 +71,7 @@ fn line(brick: &Brick, first: IVec3, last: IVec3) -> Option<UVec3> {
     let (second, third) = ((basis + 1) % 3, (basis + 2) % 3);
     let mut voxel = first;
     let mut found = exists(voxel);
-    // Half a step ahead, so that the others advance midway between their turns.
+    // Half a step ahead, so that the other axes advance midway between their turns.
     let mut turn = [steps[basis] / 2; 2];
     for _ in 0..steps[basis] {
         if found.is_some() {
@@ -101,9 +100,9 @@ mod tests {
     use crate::view::Camera;
     use glam::UVec2;
 
-    /// Least distance, as the largest of three axes, between a ray and a voxel's box.
+    /// Returns the least distance, as the largest of three axes, between a ray and a voxel's box.
     fn distance_vx(origin: Vec3, direction: Vec3, voxel: UVec3) -> f32 {
-        // The distance is convex along the ray: search by thirds.
+        // The distance is convex along the ray: ternary search.
         let gap = |t: f32| {
             let p = origin + direction * t;
             let low = voxel.as_vec3();
@@ -119,9 +118,9 @@ mod tests {
 
     #[test]
     fn quickstep_finds_existing_voxels_near_the_ray_and_mostly_near_the_first() {
-        // Of the pixels where the exact caster sees a voxel, the share where Quickstep sees the
-        // same one, and the share where it sees that one or one of its 26 neighbours. Measured:
-        // cheese 0.862, 0.987; rough gyroid 0.494, 0.837; engine 0.617, 0.895.
+        // The share of pixels where Quickstep finds the voxel of the exact caster, of those with one; and the share
+        // where it finds that one or one of its 26 neighbours. Measured: cheese 0.862, 0.987; rough gyroid 0.494,
+        // 0.837; engine 0.617, 0.895.
         let scenes = [
             (scenes::cheese(128, 60, 3), 0.86, 0.98),
             (scenes::gyroid(128, 3), 0.49, 0.83),

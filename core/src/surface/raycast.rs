@@ -1,14 +1,13 @@
 //! The exact ray caster: the first existing voxel along a ray, and the index map of a view.
 //!
-//! Input are a grid and rays in grid coordinates. `ray` defines what exact means: a ray visits voxels
-//! in the order of its crossings of voxel boundaries, and the caster returns the first existing one,
-//! the same that a traversal voxel by voxel from the eye finds.
+//! Takes a grid and rays in grid coordinates. `ray` defines exactness: a ray visits voxels in the order of its
+//! crossings of voxel boundaries, and the caster returns the first existing one, the same as a voxel-by-voxel traversal
+//! from the eye.
 //!
-//! There are two implementations. `walk` traces one ray and skips empty space: blocks of 4^3 bricks,
-//! bricks, words of 4^3 voxels. `sweep` samples a tile of a picture the other way round: it visits
-//! the cubes of the grid front to back, each once for all pixels of the tile that may see it, and
-//! traces sixteen rays at once through a brick ([`packet`]). At usual distances a brick covers some
-//! thirty pixels, so that nearly all decisions are shared.
+//! There are two implementations. `walk` traces one ray and skips empty space: blocks of 4^3 bricks, bricks, words of
+//! 4^3 voxels. `sweep` samples a tile of a picture with the loops exchanged: it visits the cubes of the grid front to
+//! back, each once for all pixels of the tile that may see it, and traces sixteen rays at once through a brick
+//! ([`packet`]). At usual distances a brick covers some thirty pixels, so that nearly all decisions are shared.
 //!
 //! Knows no colours, no light and no cameras beyond the rays of their pixels.
 
@@ -38,13 +37,12 @@ pub struct Hit {
     pub voxel: UVec3,
     /// Outward normal of the face by which the ray entered the voxel; zero if it started inside.
     pub face: IVec3,
-    /// Where the ray entered the voxel, in lengths of the direction; 0 if it started inside.
+    /// The position at which the ray entered the voxel, in lengths of the direction; 0 if it started inside.
     pub t: f32,
 }
 
-/// The first existing voxel along `origin + t * direction`, `t >= 0`, in grid coordinates. The voxel
-/// around the origin is hit at `t = 0`. None if there is no voxel, a number is not finite, or the
-/// direction is zero.
+/// Returns the first existing voxel along `origin + t * direction`, `t >= 0`, in grid coordinates. The voxel around the
+/// origin is hit at `t = 0`. `None` if there is no voxel, a number is not finite, or the direction is zero.
 pub fn cast(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
     let ray = Ray::new(origin, direction)?;
     let (voxel, event) = Walk::enter(grid, ray)?.first_voxel()?;
@@ -61,7 +59,7 @@ pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
     sample_rect(grid, map, PixelRect::of_picture(rays.size));
 }
 
-/// Samples again the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
+/// Resamples the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
 pub fn sample_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
     sample_rect_at(Level::new(), grid, map, rect);
 }
@@ -79,8 +77,7 @@ fn sample_rect_at(level: Level, grid: &Grid, map: &mut IndexMap, rect: PixelRect
     }
 }
 
-/// Fills the pixels of `rect` with the voxels that `first_voxel` finds for their origins and
-/// directions.
+/// Fills the pixels of `rect` with the voxels that `first_voxel` finds for their origins and directions.
 pub(super) fn sample_each(
     grid: &Grid,
     map: &mut IndexMap,

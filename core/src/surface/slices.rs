@@ -1,14 +1,13 @@
-//! The geometry that the slicing renderer draws: rectangles of bricks ("areas") in the slabs of a
-//! grid, and the layers of a view, front to back.
+//! The geometry of the slicing renderer: rectangles of bricks ("areas") in the slabs of a grid, and the layers of a
+//! view, front to back.
 //!
-//! A slab is one or several layers of bricks across an axis. Empty bricks are left out, and so are buried
-//! ones: full, with the touching layers of all six neighbours full, so that every ray
-//! from outside hits another voxel first. The others are joined to areas by dividing
-//! a slab's rectangle in two until it is dense enough. An area may thus hold bricks that need
-//! not be drawn; every brick that needs to be is in exactly one.
+//! A slab is one or several layers of bricks across an axis. Empty bricks are left out, and so are buried ones: full,
+//! with the touching layers of all six neighbours full, so that every ray from outside hits another voxel first. The
+//! others are grouped into areas by dividing a slab's rectangle in two until it is dense enough. An area may thus hold
+//! bricks that need not be drawn; every brick that needs to be is in exactly one.
 //!
-//! Areas are kept per axis and rebuilt only in slabs where a brick began or ceased to need
-//! drawing. Knows grids and rays, no Vulkan.
+//! Areas are stored per axis and rebuilt only in slabs where a brick began or ceased to need drawing. Knows grids and
+//! rays, no Vulkan.
 
 mod areas;
 mod exposure;
@@ -31,8 +30,7 @@ pub struct SliceAreas {
     slab_bricks: u32,
 }
 
-/// Layers of bricks in a slab. With more there are fewer fragments that start a ray, and more empty
-/// bricks to traverse.
+/// Layers of bricks in a slab. More layers mean fewer fragments that start a ray, but more empty bricks to traverse.
 const SLAB_BRICKS: u32 = 2;
 
 impl Default for SliceAreas {
@@ -48,19 +46,18 @@ struct AxisAreas {
 }
 
 impl SliceAreas {
-    /// With slabs of `slab_bricks` (at least 1) layers of bricks.
+    /// Returns areas for slabs of `slab_bricks` (at least 1) layers of bricks.
     pub fn with_slab_bricks(slab_bricks: u32) -> SliceAreas {
         let exposure = Exposure::default();
         SliceAreas { exposure, axes: Default::default(), slab_bricks: slab_bricks.max(1) }
     }
 
-    /// Voxels from one slab to the next.
+    /// Returns the number of voxels from one slab to the next.
     pub fn slab_vx(&self) -> u32 {
         self.slab_bricks * BRICK_EDGE_VX
     }
 
-    /// Marks changed bricks (linear indices); `None` means that the whole grid is new, perhaps with
-    /// another size.
+    /// Marks changed bricks (linear indices); `None` means that the whole grid is new, possibly with another size.
     pub fn update(&mut self, grid: &Grid, changed: Option<&[u32]>) {
         match changed {
             Some(bricks) if self.exposure.fits(grid) => {
@@ -80,7 +77,7 @@ impl SliceAreas {
         }
     }
 
-    /// The areas of every slab across `axis`, in rising order.
+    /// Returns the areas of every slab across `axis`, in ascending order.
     pub fn along(&mut self, axis: usize) -> &[SlabAreas] {
         let exposure = &self.exposure;
         let areas = self.axes[axis].get_or_insert_with(|| {
@@ -91,7 +88,7 @@ impl SliceAreas {
         &areas.slabs
     }
 
-    /// Whether the brick at `b` needs drawing.
+    /// Returns whether the brick at `b` needs drawing.
     pub fn is_exposed(&self, b: UVec3) -> bool {
         self.exposure.get(b)
     }

@@ -18,7 +18,7 @@ pub(super) struct Tile<'a> {
 }
 
 impl Tile<'_> {
-    /// The row of pixels at `y`, counted from the top of the tile.
+    /// Returns the row of pixels at `y`, counted from the top of the tile.
     #[inline(always)]
     pub fn row(&mut self, y: u32) -> &mut [u32] {
         self.rows[y as usize]
@@ -47,7 +47,7 @@ pub(super) fn for_each_tile(map: &mut IndexMap, rect: PixelRect, f: impl Fn(Tile
         });
 }
 
-/// Cuts a band of tiles in two until tiles are left.
+/// Splits a band of tiles in two until single tiles are left.
 fn halve(tile: Tile, f: &(impl Fn(Tile) + Sync)) {
     let PixelRect { min, max } = tile.rect;
     let tiles = (max.x - min.x).div_ceil(TILE_EDGE_PX);

@@ -1,7 +1,7 @@
 //! Traces sixteen rays at once through one brick.
 //!
-//! From the pixels of the rays and a non-empty brick to the first existing voxel on each ray. Orders
-//! crossings as `ray` defines, by the same arithmetic.
+//! Takes the pixels of the rays and a non-empty brick, returns the first existing voxel on each ray. Orders crossings
+//! as `ray` defines, by the same arithmetic.
 
 use fearless_simd::{Level, Simd, f32x16, mask32x16, prelude::*, u8x16, u8x64, u32x16};
 use glam::{IVec3, Vec3};
@@ -15,10 +15,10 @@ use crate::view::PixelRays;
 /// Rays in a packet.
 pub(super) const LANES: usize = 16;
 
-/// Packed voxels of a brick have ten bits a coordinate, x the lowest.
+/// Packed voxels of a brick have ten bits per coordinate, x the lowest.
 const FIELD: u32 = 10;
-/// Bits that are set from when a coordinate leaves 0..8 on either side: a ray never comes back,
-/// and far before a coordinate could overflow its ten bits all rays of a packet are out.
+/// Bits that are set once a coordinate leaves 0..8 on either side. A ray never comes back, and all rays of a packet
+/// have left long before a coordinate could overflow its ten bits.
 const GUARD: u32 = 0x3F8 | 0x3F8 << FIELD | 0x3F8 << (2 * FIELD);
 
 /// A brick prepared for packets.
@@ -59,11 +59,11 @@ pub(super) struct PacketHit<S: Simd> {
 struct PacketRays<S: Simd> {
     simd: S,
     eye: Vec3,
-    /// One over the direction on each axis.
+    /// The reciprocal of the direction on each axis.
     inverse: [f32x16<S>; 3],
 }
 
-/// When rays enter a brick.
+/// The entry of rays into a brick.
 struct Entry<S: Simd> {
     /// The planes of each axis that are crossed before these times come before the entry.
     before: [f32x16<S>; 3],
@@ -75,9 +75,9 @@ struct Entry<S: Simd> {
 struct Entered<S: Simd> {
     /// In the brick.
     voxel: [u32x16<S>; 3],
-    /// On each axis the last plane that was crossed.
+    /// The last plane crossed on each axis.
     plane: [f32x16<S>; 3],
-    /// The rays that go down an axis, and from plane to plane along their ways.
+    /// The rays that run backwards along each axis, and the step from plane to plane along the rays.
     backward: [mask32x16<S>; 3],
     step: [f32x16<S>; 3],
 }
@@ -115,7 +115,7 @@ impl<S: Simd> PacketRays<S> {
         let inverse = for_axes(
             #[inline(always)]
             |axis| {
-                // As PixelRays::direction_at and Ray::new.
+                // As in PixelRays::direction_at and Ray::new.
                 let direction =
                     splat(rays.corner[axis]) + x * rays.step_x[axis] + y * rays.step_y[axis];
                 let standing = direction.abs().simd_lt(STANDSTILL);
@@ -128,7 +128,7 @@ impl<S: Simd> PacketRays<S> {
     #[inline(always)]
     fn entry(&self, brick: &PacketBrick) -> Entry<S> {
         let inverse = &self.inverse;
-        // When the rays enter and leave the brick's slab of each axis.
+        // The times at which the rays enter and leave the brick's slab of each axis.
         let [(near_x, far_x), (near_y, far_y), (near_z, far_z)] = for_axes(
             #[inline(always)]
             |axis| {
@@ -137,8 +137,8 @@ impl<S: Simd> PacketRays<S> {
             },
         );
         let entry = near_x.max(near_y).max(near_z.max(0.0));
-        // A crossing comes before the entry if its time is below: at equal times only if its axis
-        // comes before that of the entry, and always if it is at the start.
+        // A crossing comes before the entry if its time is less. At equal times it does so only if its axis comes
+        // before that of the entry, or if it is at the start.
         let after: f32x16<S> = (entry.bitcast::<u32x16<S>>() + 1).bitcast();
         let start = entry.simd_le(0.0);
         let by_z = start | entry.simd_eq(near_z);
@@ -149,7 +149,7 @@ impl<S: Simd> PacketRays<S> {
         Entry { before, passes }
     }
 
-    /// The voxels entered: on each axis as many planes on as come before the entry.
+    /// Returns the voxels entered: on each axis, advanced by the number of planes crossed before the entry.
     #[inline(always)]
     fn enter(&self, brick: &PacketBrick, entry: &Entry<S>) -> Entered<S> {
         let splat = |v: f32| f32x16::splat(self.simd, v);
@@ -185,7 +185,7 @@ impl<S: Simd> PacketRays<S> {
         Entered { voxel, plane, backward, step }
     }
 
-    /// Goes on voxel by voxel to the first that exists, or out of the brick.
+    /// Walks voxel by voxel to the first existing one, or out of the brick.
     #[inline(always)]
     fn walk(
         &self,
@@ -220,7 +220,7 @@ impl<S: Simd> PacketRays<S> {
             let exists = active & (bits & 1).simd_ne(0);
             found = exists.select(voxel, found);
             hit |= exists;
-            // Finished rays advance, too: that needs no select.
+            // Finished rays advance, too: that saves a select.
             let y_first = t[1].simd_le(t[2]);
             let x_first = t[0].simd_le(t[1].min(t[2]));
             voxel += x_first.select(units[0], y_first.select(units[1], units[2]));
@@ -237,7 +237,7 @@ impl<S: Simd> PacketRays<S> {
     }
 }
 
-/// The bytes of a table at the given indices (0..64); only the lowest byte of a result counts.
+/// Returns the bytes of a table at the given indices (0..64); only the lowest byte of a result counts.
 #[inline(always)]
 fn look_up<S: Simd>(simd: S, table: &[u8; 64], index: u32x16<S>) -> u32x16<S> {
     #[cfg(target_arch = "x86_64")]
@@ -247,7 +247,7 @@ fn look_up<S: Simd>(simd: S, table: &[u8; 64], index: u32x16<S>) -> u32x16<S> {
     }
     #[cfg(target_arch = "x86_64")]
     if let Level::Avx2(_) = simd.level() {
-        // In each quarter of the table at once, then by quarters.
+        // Looks up each quarter of the table at once, then selects among the quarters.
         let bytes: u8x64<S> = (index & 15).bitcast();
         let odd = (index & 16).simd_ne(0);
         let low = odd.select(look_up_in(simd, table, 1, bytes), look_up_in(simd, table, 0, bytes));
@@ -258,7 +258,7 @@ fn look_up<S: Simd>(simd: S, table: &[u8; 64], index: u32x16<S>) -> u32x16<S> {
     u32x16::from_fn(simd, |lane| u32::from(table[(index[lane] & 63) as usize]))
 }
 
-/// The bytes of a quarter of a table at the given indices (0..16).
+/// Returns the bytes of a quarter of a table at the given indices (0..16).
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn look_up_in<S: Simd>(simd: S, table: &[u8; 64], quarter: usize, index: u8x64<S>) -> u32x16<S> {

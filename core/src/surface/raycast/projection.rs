@@ -1,6 +1,6 @@
-//! Projects cubes of voxels to the picture: the pixels in which they can be seen.
+//! Projects cubes of voxels to the picture: the pixels in which they may be visible.
 //!
-//! From the rays of a picture and aligned cubes to conservative rectangles of pixels.
+//! Takes the rays of a picture and aligned cubes, returns conservative rectangles of pixels.
 
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::{DMat3, DVec2, DVec3, UVec2, Vec3};
@@ -20,7 +20,7 @@ pub(super) struct TileRect {
     pub y1: u32,
 }
 
-/// Where a tile lies in the picture, in pixels.
+/// The position of a tile in the picture, in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TileFrame {
     pub left: f32,
@@ -29,21 +29,21 @@ pub(super) struct TileFrame {
     pub height: f32,
 }
 
-/// The eight corners of a cube whose lower corner is the origin: `x s`, `y s` and `s`, where x
-/// and y are pixels and s is the distance in lengths of the direction.
+/// The eight corners of a cube whose lower corner is the origin: `x s`, `y s` and `s`, where x and y are pixels and s
+/// is the distance in lengths of the direction.
 #[derive(Clone, Copy, Default, Debug)]
 struct Corners {
     xs: [f32; 8],
     ys: [f32; 8],
     s: [f32; 8],
-    /// Nearer than this, the division by s would be too inexact (or s is not positive).
+    /// Below this, the division by s would be too inexact (or s is not positive).
     least_s: f32,
 }
 
 /// Projects cubes of voxels to pixels.
 #[derive(Clone, Debug)]
 pub(in crate::surface) struct Projection {
-    /// Rows that take a point relative to the eye to `x s`, `y s` and `s`.
+    /// Rows that map a point relative to the eye to `x s`, `y s` and `s`.
     rows: [DVec3; 3],
     eye: DVec3,
     corners: [Corners; MAX_LEVEL + 1],
@@ -52,7 +52,7 @@ pub(in crate::surface) struct Projection {
 }
 
 impl Projection {
-    /// `None` if the rays do not span a picture.
+    /// Returns the projection; `None` if the rays do not span a picture.
     pub fn new(rays: &PixelRays) -> Option<Projection> {
         let axes = [rays.step_x, rays.step_y, rays.corner].map(Vec3::as_dvec3);
         let inverse = DMat3::from_cols(axes[0], axes[1], axes[2]).inverse();
@@ -61,8 +61,8 @@ impl Projection {
         }
         let rows = [inverse.row(0), inverse.row(1), inverse.row(2)];
         let size = rays.size.as_dvec2();
-        // A rounding of the direction, of a crossing or of the projection moves a ray by parts
-        // of its largest component.
+        // A rounding of the direction, of a crossing or of the projection moves a ray by a fraction of its largest
+        // component.
         let reach = axes[0].abs() * size.x + axes[1].abs() * size.y + axes[2].abs();
         let rounding = f64::from(f32::EPSILON) * 16.0;
         let margin_px = [0, 1].map(|i| (0.0625 + rounding * rows[i].abs().dot(reach)) as f32);
@@ -83,8 +83,7 @@ impl Projection {
         Some(Projection { rows, eye: rays.origin.as_dvec3(), corners, margin_px })
     }
 
-    /// The pixels of a picture of `size` whose rays may meet the box from `low` to `high`, in grid
-    /// coordinates.
+    /// Returns the pixels of a picture of `size` whose rays may meet the box from `low` to `high`, in grid coordinates.
     pub fn pixels_of_box(&self, low: Vec3, high: Vec3, size: UVec2) -> PixelRect {
         let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -99,20 +98,20 @@ impl Projection {
         if farthest <= 0.0 {
             return PixelRect::EMPTY;
         }
-        // As near as the smallest cubes may come; anything nearer may be anywhere.
+        // The nearest distance that the smallest cubes allow; anything nearer may be anywhere.
         if nearest < f64::from(self.corners[0].least_s) {
             return PixelRect::of_picture(size);
         }
         let margin = DVec2::from(self.margin_px.map(f64::from));
         let top = size.as_dvec2();
-        // The centres of pixels are at halves.
+        // The centres of pixels are at half-integers.
         let low = (min - 0.5 - margin).ceil().clamp(DVec2::ZERO, top);
         let high = ((max - 0.5 + margin).floor() + 1.0).clamp(DVec2::ZERO, top);
         PixelRect { min: low.as_uvec2(), max: high.as_uvec2() }
     }
 
-    /// The rectangles of the eight children of a cube, in the order of their corners (bit 0 is
-    /// x); `level` is that of a child. The mask tells which can be seen in the tile at all.
+    /// Returns the rectangles of the eight children of a cube, in the order of their corners (bit 0 is x); `level` is
+    /// that of a child. The mask has the children that may be visible in the tile at all.
     #[inline(always)]
     pub(super) fn children<S: Simd>(
         &self,
@@ -142,7 +141,7 @@ impl Projection {
         }
         let near: mask32x8<S> = s0.simd_lt(corners.least_s);
         let seen = s1.simd_gt(0.0);
-        // The centres of pixels are at halves.
+        // The centres of pixels are at half-integers.
         let [margin_x, margin_y] = self.margin_px;
         let low_x = (x0 - (tile.left + 0.5 + margin_x)).ceil().max(0.0);
         let high_x = (x1 - (tile.left + 0.5 - margin_x)).floor().min(tile.width - 1.0);

@@ -1,5 +1,5 @@
-//! The arithmetic of a ray on the grid: when it crosses which voxel boundary, and in which order. All
-//! casters use it, so that they agree to the voxel.
+//! The arithmetic of a ray on the grid: the times and the order of its crossings of voxel boundaries. All casters use
+//! it, so that they agree to the voxel.
 //!
 //! - The ray crosses the plane `k` (an integer) of an axis at `t = (k - origin) * (1 / direction)`,
 //!   computed in `f32` from the integer each time and never accumulated.
@@ -17,7 +17,7 @@ use glam::{IVec3, Vec3};
 /// Components of a direction below this magnitude are replaced by it.
 pub const STANDSTILL: f32 = 1e-20;
 
-/// A crossing of a voxel boundary: when, and on which axis (0..3); and the order of crossings.
+/// A crossing of a voxel boundary: its time and axis (0..3); and the order of crossings.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Crossing {
     pub t: f32,
@@ -25,7 +25,7 @@ pub(crate) struct Crossing {
 }
 
 impl Crossing {
-    /// Comes after every crossing that is behind the ray and before all others.
+    /// Comes after every crossing behind the ray and before all others.
     pub const START: Crossing = Crossing { t: 0.0, axis: 3 };
 
     #[inline(always)]
@@ -40,12 +40,12 @@ pub(crate) struct Ray {
     origin: Vec3,
     direction: Vec3,
     inverse: Vec3,
-    /// Per axis 1 or -1.
+    /// 1 or -1 on each axis.
     pub step: IVec3,
 }
 
 impl Ray {
-    /// `None` where origin or direction are not finite or the direction has no length.
+    /// Returns the ray; `None` if origin or direction are not finite or the direction has length 0.
     #[inline(always)]
     pub fn new(origin: Vec3, direction: Vec3) -> Option<Ray> {
         let usable = origin.is_finite() && direction.is_finite() && direction != Vec3::ZERO;
@@ -63,7 +63,7 @@ impl Ray {
         Ray { origin, direction, inverse: 1.0 / direction, step }
     }
 
-    /// When the ray crosses `plane` of `axis`.
+    /// Returns the crossing of `plane` of `axis`.
     #[inline(always)]
     pub fn crossing(&self, axis: usize, plane: i32) -> Crossing {
         Crossing { t: (plane as f32 - self.origin[axis]) * self.inverse[axis], axis }
@@ -74,27 +74,26 @@ impl Ray {
         self.step[axis] > 0
     }
 
-    /// The plane by which the ray leaves the cells `low..low + size` of an axis.
+    /// Returns the plane through which the ray leaves the cells `low..low + size` of an axis.
     #[inline(always)]
     pub fn far_plane(&self, axis: usize, low: i32, size: i32) -> i32 {
         if self.forward(axis) { low + size } else { low }
     }
 
-    /// The plane by which the ray enters the cells `low..low + size` of an axis.
+    /// Returns the plane through which the ray enters the cells `low..low + size` of an axis.
     #[inline(always)]
     pub fn near_plane(&self, axis: usize, low: i32, size: i32) -> i32 {
         if self.forward(axis) { low } else { low + size }
     }
 
-    /// The cell behind `plane`, seen along the ray.
+    /// Returns the cell behind `plane`, as seen along the ray.
     #[inline(always)]
     pub fn cell_after(&self, axis: usize, plane: i32) -> i32 {
         if self.forward(axis) { plane } else { plane - 1 }
     }
 
-    /// The cell of `axis` in which the ray is just after `event`, known to lie from `first` to
-    /// `last` (in the order in which the ray meets them). Guessed from the position, then
-    /// corrected by the crossings themselves.
+    /// Returns the cell of `axis` in which the ray is just after `event`, known to lie from `first` to `last` (in the
+    /// order in which the ray meets them). Estimated from the position, then corrected by the crossings themselves.
     #[inline(always)]
     pub fn cell_at(&self, axis: usize, event: Crossing, first: i32, last: i32) -> i32 {
         let guess = (self.origin[axis] + self.direction[axis] * event.t).floor() as i32;

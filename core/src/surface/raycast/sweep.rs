@@ -1,9 +1,8 @@
-//! Samples a tile: visits the cubes of the grid that are visible in it, front to back, until every pixel
-//! has its voxel.
+//! Samples a tile: visits the cubes of the grid that are visible in it, front to back, until every pixel has its voxel.
 //!
-//! Every ray visits the eight children of a cube in an order consistent with an octree's front-to-back
-//! traversal from the eye. A brick is therefore cast at once for all pixels that may see it and have no
-//! voxel yet, and the first voxel found for a pixel is the first on its ray.
+//! Every ray visits the eight children of a cube in an order consistent with an octree's front-to-back traversal from
+//! the eye. A brick is therefore cast at once for all pixels that may see it and have no voxel yet, and the first voxel
+//! found for a pixel is the first on its ray.
 
 use fearless_simd::{Level, Simd, dispatch, mask32x16, prelude::*, u32x16};
 use glam::{IVec3, UVec3};
@@ -21,7 +20,7 @@ const TILE_PIXELS: usize = (TILE_EDGE_PX * TILE_EDGE_PX) as usize;
 const BRICK: usize = 3;
 const BLOCK: usize = 5;
 
-/// Size of the stack: up to seven siblings a level, and the eight of the last.
+/// Size of the stack: up to seven siblings per level, and the eight of the last.
 const STACK: usize = 8 * (MAX_LEVEL - BRICK);
 
 /// The data that all tiles of a picture share.
@@ -33,7 +32,7 @@ pub(super) struct Sweep<'a> {
     pub level: Level,
 }
 
-/// A cube on the stack, with the pixels in which it can be seen.
+/// A cube on the stack, with the pixels in which it may be visible.
 #[derive(Clone, Copy, Default)]
 struct Cube {
     low: [i32; 3],
@@ -43,16 +42,16 @@ struct Cube {
 
 /// The pixels of a tile.
 struct Canvas {
-    /// A bit for each pixel that has no voxel yet, a word a row.
+    /// A bit for each pixel that has no voxel yet, a word per row.
     open: [u64; TILE_EDGE_PX as usize],
     voxels: [u32; TILE_PIXELS],
     /// The open pixels of a rectangle, padded to whole packets.
     queue: [u32; TILE_PIXELS + LANES],
 }
 
-/// The visible children of a cube and where they are seen.
+/// The visible children of a cube and their rectangles.
 struct Children {
-    /// Those that are not empty: a bit each.
+    /// The non-empty ones: a bit each.
     occupied: u32,
     /// The one to visit first: the others follow in the order of `turn ^ nearest`.
     nearest: usize,
@@ -98,8 +97,8 @@ impl Sweep<'_> {
         }
     }
 
-    /// The non-empty children of a cube; all children inside the grid where they are larger than an
-    /// occupancy word.
+    /// Returns the non-empty children of a cube; if they are larger than an occupancy word, all children inside the
+    /// grid.
     #[inline(always)]
     fn occupied_children(&self, cube: &Cube) -> u32 {
         let grid = self.grid;
@@ -134,7 +133,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// The child of a cube on the side of the eye of all three middle planes.
+    /// Returns the child of a cube on the side of the eye of all three middle planes.
     #[inline(always)]
     fn nearest_child(&self, cube: &Cube) -> usize {
         let half = 1 << (cube.level - 1);
@@ -146,7 +145,7 @@ impl Sweep<'_> {
 }
 
 impl<S: Simd> TileSweep<'_, S> {
-    /// Visits the cubes that may be seen in the pixels of `whole`, the nearest first.
+    /// Visits the cubes that may be visible in the pixels of `whole`, the nearest first.
     #[inline(always)]
     fn visit_cubes(&mut self, whole: TileRect) {
         let (simd, sweep) = (self.simd, self.sweep);
@@ -184,7 +183,7 @@ impl<S: Simd> TileSweep<'_, S> {
         }
     }
 
-    /// Casts those bricks of a cube of 2^3 that are occupied.
+    /// Casts the occupied bricks of a cube of 2^3.
     #[inline(always)]
     fn cast_bricks(&mut self, cube: &Cube, children: &Children) {
         let grid = self.sweep.grid;
@@ -251,7 +250,7 @@ impl Canvas {
         self.open[rect.y0 as usize..=rect.y1 as usize].iter().any(|row| row & columns != 0)
     }
 
-    /// Queues the open pixels of a rectangle and returns their number.
+    /// Queues the open pixels of a rectangle. Returns their number.
     #[inline(always)]
     fn queue_open<S: Simd>(&mut self, simd: S, rect: TileRect) -> usize {
         let columns = Self::columns(rect);

@@ -5,8 +5,7 @@ use crate::view::Camera;
 use glam::{Quat, UVec2};
 use proptest::prelude::*;
 
-/// The traversal of Amanatides and Woo from the eye, voxel by voxel, by the rules of [`ray`] but
-/// without its code.
+/// Traverses the grid by Amanatides and Woo from the eye, voxel by voxel, by the rules of [`ray`] but without its code.
 pub(crate) fn naive(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
     let dir = direction.to_array().map(|d| if d.abs() < 1e-20 { 1e-20 } else { d });
     let (o, inv) = (origin.to_array(), dir.map(|d| 1.0 / d));
@@ -40,7 +39,7 @@ pub(crate) fn naive(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
     }
 }
 
-/// Every set of vector instructions that this processor has: what is tested must hold for all.
+/// Returns every set of vector instructions of this processor: tests must hold for all.
 pub(crate) fn levels() -> Vec<Level> {
     let best = Level::new();
     let mut levels = vec![best];
@@ -53,7 +52,7 @@ pub(crate) fn levels() -> Vec<Level> {
     levels
 }
 
-/// Checks that every pixel of a picture sees what the naive walk of its ray meets.
+/// Checks that every pixel of a picture has the voxel that the naive walk of its ray finds.
 fn check_picture(grid: &Grid, rays: PixelRays) -> Result<(), TestCaseError> {
     let PixelRays { origin, size, .. } = rays;
     let mut expected = IndexMap::new(rays);
@@ -74,7 +73,7 @@ fn check_picture(grid: &Grid, rays: PixelRays) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A grid of blobs, plates and dust: empty bricks, full ones and all between.
+/// Returns a grid of blobs, plates and dust: with empty, full and mixed bricks.
 fn arb_grid() -> impl Strategy<Value = Grid> {
     let dims = prop::array::uniform3(prop_oneof![1u32..20, 60u32..100]);
     let boxes = prop::collection::vec(
@@ -100,12 +99,12 @@ fn arb_grid() -> impl Strategy<Value = Grid> {
     })
 }
 
-/// A coordinate in and around a grid, often exactly on a voxel plane or in its middle.
+/// Returns a coordinate in and around a grid, often exactly on a voxel plane or in its middle.
 fn arb_coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![-150f32..250.0, (-150i32..250).prop_map(|v| v as f32 * 0.5), 0f32..100.0]
 }
 
-/// A component of a direction: anything, small integers (ties, zeros, corners), nearly nothing.
+/// Returns a component of a direction: any, small integers (ties, zeros, corners), or nearly zero.
 fn arb_component() -> impl Strategy<Value = f32> {
     prop_oneof![
         -1f32..1.0,

@@ -1,15 +1,15 @@
-//! Traces one ray through a grid, skipping the largest empty blocks on its way.
+//! Traces one ray through a grid, skipping the largest empty blocks along it.
 //!
-//! From a grid and a [`Ray`] to the first existing voxel. Visits a subset of the voxels of the plain
-//! traversal (Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987) and skips
-//! only empty ones, since both order crossings alike.
+//! Takes a grid and a [`Ray`], returns the first existing voxel. Visits a subset of the voxels of the plain traversal
+//! (Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987) and skips only empty ones, since both
+//! order crossings alike.
 
 use super::ray::{Crossing, Ray};
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Brick, Grid};
 use glam::{IVec3, UVec3};
 
-/// Blocks of 4^3 bricks, bricks, 4^3 words, voxels: the logarithms of their edges.
+/// The logarithms of the edges of blocks of 4^3 bricks, bricks, words of 4^3 voxels, and voxels.
 const BLOCK: u32 = 5;
 const BRICK: u32 = 3;
 const WORD: u32 = 2;
@@ -25,7 +25,7 @@ pub(in crate::surface) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// Starts in the first voxel of the grid on the ray. None if the ray misses the grid.
+    /// Starts in the first voxel of the grid on the ray. Returns `None` if the ray misses the grid.
     #[inline(always)]
     pub fn enter(grid: &'a Grid, ray: Ray) -> Option<Walk<'a>> {
         let dims = grid.dims().as_ivec3();
@@ -75,8 +75,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Continues to the first voxel in a non-empty brick, possibly the current one. False if there is
-    /// none.
+    /// Continues to the first voxel in a non-empty brick, possibly the current one. Returns false if there is none.
     #[inline(always)]
     pub fn find_brick(&mut self) -> bool {
         while let Some(level) = self.empty_level() {
@@ -87,13 +86,13 @@ impl<'a> Walk<'a> {
         true
     }
 
-    /// Moves to the first voxel after the current brick. False if that is outside the grid.
+    /// Moves to the first voxel after the current brick. Returns false if that is outside the grid.
     #[inline(always)]
     pub fn leave_brick(&mut self) -> bool {
         self.leave(BRICK)
     }
 
-    /// The last voxel of the current brick on the ray (which may lie beyond the grid's border).
+    /// Returns the last voxel of the current brick on the ray, which may lie beyond the grid's border.
     #[inline(always)]
     pub fn last_in_brick(&self) -> IVec3 {
         let (event, mut cell) = self.after(BRICK);
@@ -111,7 +110,7 @@ impl<'a> Walk<'a> {
         self.grid.brick(self.cell.as_uvec3() / BRICK_EDGE_VX)
     }
 
-    /// The level of the largest empty block, brick or larger, around the current voxel.
+    /// Returns the level of the largest empty block, brick or larger, around the current voxel.
     #[inline(always)]
     fn empty_level(&self) -> Option<u32> {
         let brick = self.cell.as_uvec3() / BRICK_EDGE_VX;
@@ -119,8 +118,8 @@ impl<'a> Walk<'a> {
         if occupied == 0 { Some(BLOCK) } else { (occupied >> bit & 1 == 0).then_some(BRICK) }
     }
 
-    /// Moves to the first voxel after the aligned block of `1 << level` voxels an edge that
-    /// holds the current one. False if that is outside the grid.
+    /// Moves to the first voxel after the aligned block of `1 << level` voxels an edge that holds the current one.
+    /// Returns false if that is outside the grid.
     #[inline(always)]
     fn leave(&mut self, level: u32) -> bool {
         (self.event, self.cell) = self.after(level);
@@ -128,7 +127,7 @@ impl<'a> Walk<'a> {
         (0..self.dims[axis]).contains(&self.cell[axis])
     }
 
-    /// The crossing that leaves the block of `level`, and the voxel to which it leads.
+    /// Returns the crossing that leaves the block of `level`, and the voxel that it leads to.
     #[inline(always)]
     fn after(&self, level: u32) -> (Crossing, IVec3) {
         let ray = &self.ray;

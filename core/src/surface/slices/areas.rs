@@ -8,8 +8,8 @@ use super::exposure::Exposure;
 /// Fixed cost of drawing an area, in bricks.
 const AREA_COST_BRICKS: u32 = 32;
 
-/// A rectangle of bricks, as thick as the slab, `max` exclusive. Its axes are the two that follow the
-/// slab's axis in cyclic order x, y, z.
+/// A rectangle of bricks, as thick as the slab, `max` exclusive. Its axes are the two after the slab's axis in cyclic
+/// order x, y, z.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Area {
     /// Lowest brick.
@@ -21,7 +21,7 @@ pub struct Area {
 /// The areas of one slab.
 pub type SlabAreas = Vec<Area>;
 
-/// Brick coordinates from the index of a layer of bricks and coordinates in it.
+/// Returns the brick coordinates from the index of a layer of bricks and coordinates in it.
 pub(super) fn brick_of(axis: usize, layer: u32, uv: UVec2) -> UVec3 {
     let mut b = UVec3::ZERO;
     b[axis] = layer;
@@ -30,7 +30,7 @@ pub(super) fn brick_of(axis: usize, layer: u32, uv: UVec2) -> UVec3 {
     b
 }
 
-/// Size of a slab across `axis`, in bricks.
+/// Returns the size of a slab across `axis`, in bricks.
 pub(super) fn slab_size(axis: usize, brick_dims: UVec3) -> UVec2 {
     UVec2::new(brick_dims[(axis + 1) % 3], brick_dims[(axis + 2) % 3])
 }
@@ -58,8 +58,7 @@ pub(super) fn rebuild(
     );
 }
 
-/// A summed-area table (Crow 1984) of the bricks that need drawing, so that any rectangle is counted
-/// with four lookups.
+/// A summed-area table (Crow 1984) of the bricks that need drawing, so that any rectangle is counted with four lookups.
 struct Sums {
     size: UVec2,
     counts: Vec<u32>,
@@ -91,7 +90,7 @@ impl Sums {
             - self.at(max.x, min.y)
     }
 
-    /// The smallest rectangle in `area` with the same count, which must not be 0.
+    /// Returns the smallest rectangle in `area` with the same count, which must not be 0.
     fn trim(&self, mut area: Area, count: u32) -> Area {
         for axis in 0..2 {
             let with = |area: Area, low: u32, high: u32| {
@@ -113,7 +112,7 @@ impl Sums {
     }
 }
 
-/// Appends the cheapest areas found for the bricks in `area` and returns their cost in bricks.
+/// Appends the cheapest areas found for the bricks in `area`. Returns their cost in bricks.
 fn divide(sums: &Sums, area: Area, areas: &mut SlabAreas) -> u32 {
     let count = sums.count(area);
     if count == 0 {
@@ -139,10 +138,9 @@ fn divide(sums: &Sums, area: Area, areas: &mut SlabAreas) -> u32 {
     whole
 }
 
-/// Where to divide a rectangle: at the sharpest edge of what it holds, as in Berger and
-/// Rigoutsos, "An algorithm for point clustering and grid generation" (1991): the strongest
-/// change of sign in the second difference of the counts per row or column; where there is
-/// none, in the middle of the longer axis.
+/// Returns the best split of a rectangle: at the sharpest edge of its contents, as in Berger and Rigoutsos, "An
+/// algorithm for point clustering and grid generation" (1991). That is the strongest change of sign in the second
+/// difference of the counts per row or column; if there is none, the middle of the longer axis.
 fn best_split(sums: &Sums, area: Area) -> (usize, u32) {
     let size = area.max - area.min;
     let longer = usize::from(size.y > size.x);
@@ -161,7 +159,7 @@ fn best_split(sums: &Sums, area: Area) -> (usize, u32) {
         for i in 0..size[axis] as i32 {
             let next = if i + 1 < size[axis] as i32 { line(i + 1) } else { 0 };
             let bend = before - 2 * here + next;
-            // Between i - 1 and i. Of equal edges the one nearest to the middle is taken.
+            // Between i - 1 and i. Of equal edges, the one nearest to the middle is used.
             let strength = 2 * (bend - bend_before).abs() + i32::from(i == middle);
             if i > 0 && bend_before.signum() * bend.signum() < 0 && strength > best_strength {
                 best_strength = strength;

@@ -1,4 +1,4 @@
-//! The bricks that can be seen from outside: those neither empty nor buried.
+//! The bricks that are visible from outside: those neither empty nor buried.
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::sculpture::brick::BrickKind;
 use crate::sculpture::{Brick, Grid};
 
-/// One flag a brick, by its linear index.
+/// One flag per brick, by its linear index.
 #[derive(Debug, Default)]
 pub(super) struct Exposure {
     flags: Vec<bool>,
@@ -27,7 +27,7 @@ impl Exposure {
         Exposure { flags, dims: grid.dims(), brick_dims }
     }
 
-    /// Whether this is about a grid of the same size.
+    /// Returns whether the flags are those of a grid of the same size.
     pub fn fits(&self, grid: &Grid) -> bool {
         self.dims == grid.dims()
     }
@@ -44,8 +44,8 @@ impl Exposure {
         (b.x + self.brick_dims.x * (b.y + self.brick_dims.y * b.z)) as usize
     }
 
-    /// Updates the changed bricks and their neighbours; calls `flipped` with the coordinates of each
-    /// whose flag has changed.
+    /// Updates the changed bricks and their neighbours. Calls `flipped` with the coordinates of each whose flag has
+    /// changed.
     pub fn update(&mut self, grid: &Grid, changed: &[u32], mut flipped: impl FnMut(UVec3)) {
         for &brick in changed {
             let b = grid.brick_coords(brick as usize).as_ivec3();
@@ -81,8 +81,8 @@ const NEIGHBOURS: [([i32; 3], Face); 6] = [
     ([0, 0, 1], ([0, 1, 2, 3], 0x0000_0000_0000_FFFF)),
 ];
 
-/// A brick with an empty voxel and one that exists has two of them side by side, so it can be
-/// seen; a full one can be seen unless every voxel that touches it exists.
+/// Returns whether a brick may be visible. A brick with an empty and an existing voxel has two of them side by side, so
+/// it may be; a full one may be unless every voxel that touches it exists.
 fn exposed(grid: &Grid, index: usize) -> bool {
     match grid.brick_kind(index) {
         BrickKind::Empty => return false,

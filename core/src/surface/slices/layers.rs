@@ -1,4 +1,4 @@
-//! The layers of a grid in front-to-back order for an eye, and the areas of them in view.
+//! The layers of a grid in front-to-back order for an eye, and their areas in view.
 
 use glam::{Vec2, Vec3};
 
@@ -10,8 +10,8 @@ use glam::UVec3;
 /// A layer whose nearer side is closer to the eye than this, in voxels, covers the picture.
 const TOUCHING_VX: f32 = 1e-2;
 
-/// The axis along which the eye looks at the grid most directly: that of the side nearest to an
-/// eye outside, that of the view for an eye inside.
+/// Returns the axis along which the eye looks at the grid most directly: that of the nearest side for an eye outside,
+/// that of the view for an eye inside.
 pub fn facing_axis(rays: &PixelRays, dims: UVec3) -> usize {
     let dims = dims.as_vec3();
     let inside = rays.origin.cmpge(Vec3::ZERO).all() && rays.origin.cmple(dims).all();
@@ -41,17 +41,17 @@ pub struct Layer {
     pub rank: u32,
 }
 
-/// The part to draw of a layer: a rectangle of voxels in it, or (`None`) all of the picture, because
-/// the eye is in the layer.
+/// The part of a layer to draw: a rectangle of voxels in it, or (`None`) all of the picture, because the eye is in the
+/// layer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LayerRect {
-    /// Where the layer lies.
+    /// The layer.
     pub layer: Layer,
-    /// The rectangle to draw of it, in voxels across the axis.
+    /// The rectangle to draw, in voxels across the axis.
     pub rect: Option<Area>,
 }
 
-/// The layers across an axis, as an eye meets them.
+/// The layers across an axis, in the order from an eye.
 #[derive(Clone, Copy, Debug)]
 pub struct Layers {
     axis: usize,
@@ -63,15 +63,14 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Layers of `thickness` voxels, of which a whole number makes a slab of `slab` voxels.
+    /// Returns layers of `thickness` voxels, a whole number of which make a slab of `slab` voxels.
     pub fn new(rays: &PixelRays, dims: UVec3, axis: usize, thickness: u32, slab: u32) -> Layers {
         let frustum = FrustumPlanes::new(rays);
         Layers { axis, thickness, slab, dims, frustum, eye: rays.origin[axis] }
     }
 
-    /// Calls `draw` with everything that may be visible, front to back: of two layers on a ray, the one
-    /// that the ray enters first has the lower rank and is drawn first. `slabs` are the areas along
-    /// the axis.
+    /// Calls `draw` with everything that may be visible, front to back: of two layers on a ray, the one that the ray
+    /// enters first has the lower rank and is drawn first. `slabs` are the areas along the axis.
     pub fn for_each(&self, slabs: &[SlabAreas], mut draw: impl FnMut(LayerRect)) {
         let count = self.dims[self.axis].div_ceil(self.thickness);
         // The layers before `below` lie below the eye, those from `above` on above it.
@@ -120,8 +119,8 @@ impl Layers {
     }
 }
 
-/// The planes of a view: through the eye and the picture's four sides, and across the view.
-/// Inside is where `normal . (p - origin) >= 0`.
+/// The planes of a view: through the eye and the picture's four sides, and across the view. The inside is where `normal
+/// . (p - origin) >= 0`.
 #[derive(Clone, Copy, Debug)]
 struct FrustumPlanes {
     origin: Vec3,
@@ -141,7 +140,7 @@ impl FrustumPlanes {
         FrustumPlanes { origin: rays.origin, normals: [side(0), side(1), side(2), side(3), across] }
     }
 
-    /// False only if the box lies outside one plane.
+    /// Returns whether a box may touch the view. Returns false only if the box lies outside one plane.
     fn touches(&self, low: Vec3, high: Vec3) -> bool {
         let (low, high) = (low - self.origin, high - self.origin);
         self.normals.iter().all(|&n| {

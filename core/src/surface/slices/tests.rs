@@ -4,7 +4,7 @@ use crate::view::{Camera, PixelRays};
 use glam::{Affine3A, IVec3, UVec2, Vec3};
 use proptest::prelude::*;
 
-/// A grid of boxes, so that there are empty, full, buried and mixed bricks.
+/// Returns a grid of boxes, so that there are empty, full, buried and mixed bricks.
 fn arb_grid() -> impl Strategy<Value = Grid> {
     let boxes = prop::collection::vec(
         (prop::array::uniform3(0i32..50), prop::array::uniform3(1i32..50), any::<bool>()),
@@ -24,7 +24,7 @@ fn arb_grid() -> impl Strategy<Value = Grid> {
 
 type BoxEdit = ([i32; 3], [i32; 3], bool);
 
-/// Sets a box of voxels; gives the bricks that changed.
+/// Sets a box of voxels. Returns the bricks that changed.
 fn set_box(grid: &mut Grid, (low, size, exists): BoxEdit) -> Vec<u32> {
     let before = grid.clone();
     for z in 0..size[2] {
@@ -40,7 +40,7 @@ fn set_box(grid: &mut Grid, (low, size, exists): BoxEdit) -> Vec<u32> {
 
 const AROUND: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
 
-/// Whether the brick holds a voxel beside an empty one.
+/// Returns whether the brick holds a voxel beside an empty one.
 fn naive_exposed(grid: &Grid, b: UVec3) -> bool {
     (0..512).any(|i| {
         let local = UVec3::from(crate::sculpture::brick::local_coords(i));
@@ -120,8 +120,8 @@ proptest! {
         }
     }
 
-    /// Anything that a ray meets must have been drawn for its pixel, by a layer and an area that the ray
-    /// passes, and no layer of a lower rank may hold anything that the ray meets later.
+    /// Any voxel that a ray meets must be drawn for its pixel, by a layer and an area that the ray passes, and no layer
+    /// of a lower rank may hold a voxel that the ray meets later.
     #[test]
     fn layers_come_in_the_order_of_the_rays_and_hold_what_they_meet(
         grid in arb_grid(),
