@@ -1,11 +1,11 @@
 //! Removes the noise that remains in a final picture, without blurring edges.
 //!
-//! From a film to one with other radiances: the edge-avoiding a-trous wavelet transform (Dammertz, Sewtz, Hanika and
-//! Lensch, "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination Filtering", 2010). It filters
-//! the light that falls on surfaces, without their colours, so that these stay sharp. Weights fall with the angle
-//! between normals, the distance from the other's plane, and the difference of light over its standard error (after
-//! Schied et al., "Spatiotemporal Variance-Guided Filtering", 2017): more samples mean less filtering, and none in the
-//! limit. The background has no noise and stays as it is.
+//! Takes a film, returns one with other radiances, by the edge-avoiding a-trous wavelet transform (Dammertz, Sewtz,
+//! Hanika and Lensch, "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination Filtering", 2010). It
+//! filters the light that falls on surfaces, without their colours, so that these stay sharp. Weights fall with the
+//! angle between normals, the distance from the other's plane, and the difference of light over its standard error
+//! (after Schied et al., "Spatiotemporal Variance-Guided Filtering", 2017): more samples mean less filtering, and none
+//! in the limit. The background has no noise and stays unchanged.
 
 use glam::{IVec2, UVec2, Vec3};
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ struct Light {
     variance: f32,
 }
 
-/// The film without noise.
+/// Returns the film without noise.
 pub fn denoise(film: Film) -> Film {
     let size = film.size();
     let mut lights: Vec<Light> = film.pixels().par_iter().map(without_colour).collect();
@@ -96,7 +96,7 @@ impl Filter<'_> {
         Light { light: light / sum, variance: variance / (sum * sum) }
     }
 
-    /// The mean variance of 3x3 pixels: that of single pixels is itself uncertain.
+    /// Returns the mean variance of 3x3 pixels: that of a single pixel is itself uncertain.
     fn smooth_variance(&self, at: IVec2) -> f32 {
         let (mut variance, mut sum) = (0.0, 0.0);
         for offset in (-1..=1).flat_map(|y| (-1..=1).map(move |x| IVec2::new(x, y))) {
@@ -111,7 +111,7 @@ impl Filter<'_> {
     }
 }
 
-/// Whether two pixels show the same surface: 0 to 1.
+/// Returns how likely two pixels show the same surface: 0 to 1.
 fn alike(a: &PixelSum, b: &PixelSum, offset: IVec2) -> f32 {
     let cosine = a.normal.dot(b.normal).max(0.0)
         / (a.normal.length() * b.normal.length()).max(f32::MIN_POSITIVE);

@@ -1,7 +1,7 @@
 //! The light around a sculpture: a sun with a disc, the sky, and a square lamp.
 //!
-//! From angles and strengths to radiances in linear Rec. 709. Angles are seen by the viewer: azimuth 0 is behind the
-//! viewer, positive to the right, and elevation is above the horizon. The sky is a gradient from zenith to horizon
+//! Maps angles and strengths to radiances in linear Rec. 709. Angles are relative to the viewer: azimuth 0 is behind
+//! the viewer, positive to the right, and elevation is above the horizon. The sky is a gradient from zenith to horizon
 //! with a glow around the sun, and sunlight is reddened by the air it passes: the mean optical depths of a clear
 //! atmosphere, with the optical mass of Kasten and Young (Applied Optics 28, 1989). Everything is scaled so that a
 //! white surface that faces the sun is nearly white in the picture, whatever the elevation.
@@ -15,33 +15,33 @@ use glam::Vec3;
 /// The sun.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Sun {
-    /// From behind the viewer, to the right.
+    /// Azimuth from behind the viewer, to the right.
     pub azimuth_deg: f32,
-    /// Above the horizon.
+    /// Elevation above the horizon.
     pub elevation_deg: f32,
-    /// Diameter of its disc: the larger, the softer its shadows. That of the real sun is 0.53.
+    /// Angular diameter of its disc: the larger, the softer its shadows. That of the real sun is 0.53.
     pub size_deg: f32,
-    /// 1 is a clear day.
+    /// Strength; 1 is a clear day.
     pub strength: f32,
 }
 
-/// A square lamp that faces the middle of the sculpture.
+/// A square lamp that faces the centre of the sculpture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct AreaLight {
-    /// From behind the viewer, to the right.
+    /// Azimuth from behind the viewer, to the right.
     pub azimuth_deg: f32,
-    /// Above the horizon.
+    /// Elevation above the horizon.
     pub elevation_deg: f32,
-    /// Its edge, in radii of the sculpture; it is three radii away.
+    /// Its edge length, in radii of the sculpture; it is three radii away.
     pub size: f32,
-    /// 1 lights the sculpture's middle about as the sun does.
+    /// Strength; at 1 it lights the sculpture's centre about as the sun does.
     pub strength: f32,
 }
 
 /// The light of a final picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum LightOptions {
-    /// Sun, sky and perhaps a lamp.
+    /// Sun, sky and optionally a lamp.
     Outdoors {
         /// The sun.
         sun: Sun,
@@ -50,7 +50,7 @@ pub enum LightOptions {
         /// The lamp.
         area_light: Option<AreaLight>,
     },
-    /// The same radiance from everywhere.
+    /// The same radiance from all directions.
     Uniform(Vec3),
 }
 
@@ -61,25 +61,25 @@ impl Default for LightOptions {
     }
 }
 
-/// Where the viewer stands, in the world.
+/// The viewpoint, in the world.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Standpoint {
     /// Unit vector that points up.
     pub up: Vec3,
-    /// From the sculpture to the viewer.
+    /// The direction from the sculpture to the viewer.
     pub to_viewer: Vec3,
-    /// The middle of the sculpture.
+    /// The centre of the sculpture.
     pub middle: Vec3,
-    /// Of the ball about the middle that holds it.
+    /// The radius of the bounding sphere about the centre.
     pub radius: f32,
 }
 
 impl Standpoint {
-    /// The unit vector towards azimuth and elevation.
+    /// Returns the unit vector towards azimuth and elevation.
     pub fn towards(&self, azimuth_deg: f32, elevation_deg: f32) -> Vec3 {
         let up = self.up;
         let back = self.to_viewer.reject_from(up);
-        // Seen from straight above any direction is as good.
+        // Seen from straight above, any direction is as good.
         let back = match back.length_squared() > 1e-6 * self.to_viewer.length_squared() {
             true => back.normalize(),
             false => up.any_orthonormal_vector(),
@@ -94,18 +94,18 @@ impl Standpoint {
 /// The sun of one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct SunDisc {
-    /// Unit vector towards its middle.
+    /// Unit vector towards its centre.
     pub direction: Vec3,
     /// Sine of its angular radius.
     pub sin_radius: f32,
-    /// On a surface that faces it.
+    /// Irradiance of a surface that faces it.
     pub irradiance: Vec3,
-    /// Of the disc.
+    /// Radiance of the disc.
     pub radiance: Vec3,
 }
 
 impl SunDisc {
-    /// Whether the disc is seen in `direction` (unit length).
+    /// Returns whether the disc is visible in `direction` (unit length).
     fn covers(&self, direction: Vec3) -> bool {
         let off = direction.cross(self.direction).length_squared();
         direction.dot(self.direction) > 0.0 && off < self.sin_radius * self.sin_radius
@@ -115,28 +115,28 @@ impl SunDisc {
 /// The lamp of one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Lamp {
-    /// Its middle.
+    /// Its centre.
     pub centre: Vec3,
-    /// Half its edges.
+    /// One half edge.
     pub half_u: Vec3,
     /// The other half edge.
     pub half_v: Vec3,
     /// Unit vector to the lit side.
     pub normal: Vec3,
-    /// Of its surface.
+    /// Radiance of its surface.
     pub radiance: Vec3,
 }
 
 /// The sky as a gradient.
 #[derive(Clone, Copy, Debug)]
 pub struct Gradient {
-    /// Straight above.
+    /// Radiance straight above.
     pub zenith: Vec3,
-    /// At the horizon.
+    /// Radiance at the horizon.
     pub horizon: Vec3,
-    /// More around the sun.
+    /// Additional radiance around the sun.
     pub glow: Vec3,
-    /// Below the horizon.
+    /// Radiance below the horizon.
     pub below: Vec3,
 }
 
@@ -148,7 +148,7 @@ pub struct Environment {
     /// The lamp, if there is one.
     pub lamp: Option<Lamp>,
     up: Vec3,
-    /// Where the sun is, or would be.
+    /// The direction of the sun, even if it is below the horizon.
     pub towards_sun: Vec3,
     /// The sky.
     pub gradient: Gradient,
@@ -163,7 +163,7 @@ const SUN_OVER_SKY: f32 = 5.0;
 pub(super) const WHITE: f32 = 1.2;
 
 impl Environment {
-    /// The light of `options` around this standpoint.
+    /// Returns the light of `options` around this standpoint.
     pub fn new(options: &LightOptions, at: &Standpoint) -> Environment {
         match *options {
             LightOptions::Uniform(radiance) => {
@@ -191,7 +191,7 @@ impl Environment {
         let height = sun.elevation_deg.clamp(0.0, 90.0);
         let mass = 1.0 / (height.to_radians().sin() + 0.505_72 * (height + 6.079_95).powf(-1.6364));
         let sunlight = (-OPTICAL_DEPTH * (mass - 1.0).max(0.0)).map(f32::exp);
-        // Towards evening the horizon takes the colour of the sunlight, and all is darker.
+        // Towards evening, the horizon takes the colour of the sunlight, and everything is darker.
         let day = sunlight.element_sum() / 3.0;
         let gradient = Gradient {
             zenith: Vec3::new(0.16, 0.31, 0.62) * (0.35 + 0.65 * day),
@@ -204,7 +204,7 @@ impl Environment {
         let sky_irradiance = environment.irradiance(at.up);
         let luminance = |v: Vec3| v.dot(Vec3::new(0.2126, 0.7152, 0.0722));
         let sun_irradiance = sunlight * (SUN_OVER_SKY * luminance(sky_irradiance));
-        // With the strengths of a clear day, so that a stronger sun is a brighter one.
+        // With the strengths of a clear day, so that a stronger sun is brighter.
         let facing = luminance(sun_irradiance + environment.irradiance(towards_sun));
         let scale = WHITE * PI / facing.max(f32::MIN_POSITIVE);
         let gradient = &mut environment.gradient;
@@ -216,7 +216,7 @@ impl Environment {
         let sin_radius = (0.5 * sun.size_deg).to_radians().sin();
         let irradiance = sun_irradiance * (scale * sun.strength);
         if sun.strength > 0.0 && sun.elevation_deg > 0.0 {
-            // Of the disc, projected: pi sin^2.
+            // The projected disc: pi sin^2.
             let radiance = irradiance / (PI * sin_radius * sin_radius).max(f32::MIN_POSITIVE);
             let direction = towards_sun;
             environment.sun = Some(SunDisc { direction, sin_radius, irradiance, radiance });
@@ -225,7 +225,7 @@ impl Environment {
         environment
     }
 
-    /// The radiance from `direction` (unit length) without the sun's disc and the lamp.
+    /// Returns the radiance from `direction` (unit length) without the sun's disc and the lamp.
     #[inline]
     pub fn sky(&self, direction: Vec3) -> Vec3 {
         let height = direction.dot(self.up);
@@ -240,28 +240,28 @@ impl Environment {
         zenith + (horizon - zenith) * (low * low) + glow * (0.25 * c8 + 0.75 * c32)
     }
 
-    /// The colour in which the ground fades at the horizon in `direction`.
+    /// Returns the colour to which the ground fades at the horizon in `direction`.
     #[inline]
     pub fn horizon(&self, direction: Vec3) -> Vec3 {
         let level = direction - self.up * direction.dot(self.up);
         self.sky(level.normalize_or(self.up))
     }
 
-    /// The radiance that the eye sees in `direction` where nothing else is: the sky with the sun's disc.
+    /// Returns the radiance that the eye sees in `direction` where there is no surface: the sky with the sun's disc.
     #[inline]
     pub fn seen(&self, direction: Vec3) -> Vec3 {
         let disc = self.sun.filter(|sun| sun.covers(direction));
         self.sky(direction) + disc.map_or(Vec3::ZERO, |sun| sun.radiance)
     }
 
-    /// The irradiance of sun and sky on a surface of this normal that nothing shades.
+    /// Returns the irradiance of sun and sky on an unshaded surface of this normal.
     pub fn open_irradiance(&self, normal: Vec3) -> Vec3 {
         let sun =
             self.sun.map_or(Vec3::ZERO, |sun| sun.irradiance * sun.direction.dot(normal).max(0.0));
         sun + self.irradiance(normal)
     }
 
-    /// The irradiance of the sky alone on a surface of this normal, by a fixed grid of directions.
+    /// Returns the irradiance of the sky alone on a surface of this normal, by a fixed grid of directions.
     fn irradiance(&self, normal: Vec3) -> Vec3 {
         const STEPS: u32 = 32;
         let mut sum = Vec3::ZERO;
@@ -279,7 +279,7 @@ impl Lamp {
         let distance = 3.0 * at.radius;
         let (u, v) = towards.any_orthonormal_pair();
         let half = 0.5 * light.size * at.radius;
-        // From afar the irradiance is radiance times area over the squared distance.
+        // From afar, the irradiance is radiance times area over the squared distance.
         let solid_angle = (2.0 * half / distance).powi(2);
         Lamp {
             centre: at.middle + towards * distance,
@@ -290,7 +290,7 @@ impl Lamp {
         }
     }
 
-    /// Where a ray meets the lit side, in lengths of its direction.
+    /// Returns the distance at which a ray meets the lit side, in lengths of its direction.
     #[inline]
     pub fn hit(&self, origin: Vec3, direction: Vec3) -> Option<f32> {
         let facing = direction.dot(self.normal);
@@ -304,7 +304,7 @@ impl Lamp {
     }
 }
 
-/// A direction around `normal`, distributed as its cosine, from a point of the unit square.
+/// Returns a cosine-distributed direction around `normal`, from a point of the unit square.
 #[inline(always)]
 pub(super) fn cosine_direction(normal: Vec3, at: glam::Vec2) -> Vec3 {
     let disc = disc_point(at);
@@ -313,8 +313,8 @@ pub(super) fn cosine_direction(normal: Vec3, at: glam::Vec2) -> Vec3 {
     u * disc.x + v * disc.y + normal * up
 }
 
-/// A point of the unit disc, evenly distributed, from a point of the unit square, without tearing strata apart
-/// (Shirley and Chiu, "A Low Distortion Map Between Disk and Square", 1997).
+/// Returns a uniformly distributed point of the unit disc, from a point of the unit square, without tearing strata
+/// apart (Shirley and Chiu, "A Low Distortion Map Between Disk and Square", 1997).
 #[inline(always)]
 pub(super) fn disc_point(at: glam::Vec2) -> glam::Vec2 {
     let p = at * 2.0 - 1.0;

@@ -1,4 +1,4 @@
-//! The light around a sculpture: directions, strengths, the sun's disc and the lamp.
+//! Tests the light around a sculpture: directions, strengths, the sun's disc and the lamp.
 
 use std::f32::consts::PI;
 
@@ -31,7 +31,7 @@ fn angles_are_the_viewers() {
         let found = at.towards(azimuth, elevation);
         assert!(found.abs_diff_eq(expected, 1e-6), "{azimuth} {elevation}: {found}");
     }
-    // From straight above any direction will do.
+    // From straight above, any direction will do.
     let above = Standpoint { to_viewer: Vec3::Y, ..at };
     assert!(above.towards(10.0, 20.0).is_normalized());
 }
@@ -58,7 +58,7 @@ fn a_white_surface_that_faces_the_sun_is_as_bright_at_any_hour() {
 fn the_disc_of_the_sun_has_its_irradiance() {
     let environment = outdoors(50.0, 1.0, 0.0);
     let sun = environment.sun.unwrap();
-    // Points of a disc of twice the sun's size, seen from the surface that faces it.
+    // Points of a disc of twice the sun's size, as seen from the surface that faces it.
     let (u, v) = sun.direction.any_orthonormal_pair();
     let (mut sum, steps) = (Vec3::ZERO, 400);
     for (i, j) in (0..steps).flat_map(|i| (0..steps).map(move |j| (i, j))) {

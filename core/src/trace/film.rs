@@ -1,7 +1,7 @@
 //! The film of a final picture: the sums of samples, pixel by pixel, then their means.
 //!
-//! Takes the samples of each pixel in order; gives linear light, and what a filter or other programs need besides:
-//! colour, normal and place of the surface, coverage, and how uncertain the light is. Knows no rays.
+//! Takes the samples of each pixel in order; returns linear light and the auxiliary values for filters and other
+//! programs: colour, normal and position of the surface, coverage, and the uncertainty of the light. Knows no rays.
 
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ use super::scene::Surface;
 /// The most pixels of a final picture: 8192x8192.
 pub const MAX_PIXELS: u64 = 1 << 26;
 
-/// Least albedo by which light is divided.
+/// The least albedo as a divisor of light.
 const LEAST_ALBEDO: f32 = 0.01;
 
 /// One sample.
@@ -20,11 +20,11 @@ pub(super) struct Sample {
     radiance: Vec3,
     albedo: Vec3,
     normal: Vec3,
-    /// Along the eye's axis, in the world; 0 for the background.
+    /// Depth along the eye's axis, in the world; 0 for the background.
     depth: f32,
-    /// 1 where any surface is seen.
+    /// 1 if any surface is visible.
     surface: f32,
-    /// 1 where the sculpture is seen.
+    /// 1 if the sculpture is visible.
     alpha: f32,
 }
 
@@ -48,26 +48,26 @@ pub struct PixelSum {
     pub radiance: Vec3,
     /// Share of light that the surface reflects; 0 for the background.
     pub albedo: Vec3,
-    /// In the world, shorter where normals differ; 0 for the background.
+    /// Mean normal in the world, shorter where normals differ; 0 for the background.
     pub normal: Vec3,
-    /// Along the eye's axis, in world units, of the surface alone.
+    /// Depth along the eye's axis, in world units, of the surface only.
     pub depth: f32,
     /// Share of the samples that meet sculpture or ground.
     pub surface: f32,
     /// Share of the samples that meet the sculpture.
     pub alpha: f32,
-    /// Mean luminance of the light before colours take their shares of it.
+    /// Mean luminance of the light before it is multiplied by colours.
     pub light: f32,
     /// The square of the standard error of `light`.
     pub variance: f32,
 }
 
-/// The luminance of linear light.
+/// Returns the luminance of linear light.
 pub(super) fn luminance(light: Vec3) -> f32 {
     light.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// The divisor of radiance that leaves the light that falls on a surface. Background counts as white.
+/// Returns the divisor of radiance that yields the light that falls on a surface. Background counts as white.
 pub(super) fn divisor(albedo: Vec3, surface: f32) -> Vec3 {
     (albedo + (1.0 - surface)).max(Vec3::splat(LEAST_ALBEDO))
 }
@@ -97,7 +97,7 @@ impl PixelSum {
         self.light *= share;
         let squared = self.light * self.light;
         let spread = self.variance * share - squared;
-        // A single sample says nothing of others.
+        // A single sample tells nothing about others.
         self.variance = if count > 1 { spread.max(0.0) / (count - 1) as f32 } else { squared };
     }
 }
@@ -110,7 +110,7 @@ pub struct Film {
 }
 
 impl Film {
-    /// `None` for more than [`MAX_PIXELS`], or none.
+    /// Returns an empty film; `None` for more than [`MAX_PIXELS`], or none.
     pub(super) fn new(size: UVec2) -> Option<Film> {
         let count = u64::from(size.x) * u64::from(size.y);
         let pixels =
@@ -118,7 +118,7 @@ impl Film {
         Some(Film { size, pixels })
     }
 
-    /// The film of sums that another tracer has made of `samples` samples each. `None` unless there is one for each
+    /// Returns the film of sums of `samples` samples each from another tracer. `None` unless there is one for each
     /// pixel.
     pub fn of_sums(size: UVec2, pixels: Vec<PixelSum>, samples: u32) -> Option<Film> {
         let count = u64::from(size.x) * u64::from(size.y);
@@ -129,17 +129,17 @@ impl Film {
         })
     }
 
-    /// Width and height in pixels.
+    /// Returns the width and height in pixels.
     pub fn size(&self) -> UVec2 {
         self.size
     }
 
-    /// Row by row from the top.
+    /// Returns the pixels row by row from the top.
     pub fn pixels(&self) -> &[PixelSum] {
         &self.pixels
     }
 
-    /// The film with another radiance in each pixel.
+    /// Returns the film with another radiance in each pixel.
     pub(super) fn with_radiance(mut self, radiance: &[Vec3]) -> Film {
         self.pixels.iter_mut().zip(radiance).for_each(|(pixel, light)| pixel.radiance = *light);
         self
@@ -152,7 +152,7 @@ impl Film {
         rows.map(|(y, row)| (y as u32, row))
     }
 
-    /// Makes means of the sums of `count` samples.
+    /// Converts the sums of `count` samples to means.
     pub(super) fn close(&mut self, count: u32) {
         self.pixels.par_iter_mut().for_each(|pixel| pixel.close(count));
     }

@@ -1,4 +1,4 @@
-//! From colours to linear light, by a table of the curve of sRGB.
+//! Converts colours to linear light, by a table of the sRGB curve.
 //!
 //! Knows no light and no picture.
 
@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::sculpture::Rgb;
 
-/// sRGB to linear.
+/// Converts sRGB to linear.
 pub(super) fn linear_colour(Rgb(channels): Rgb) -> Vec3 {
     Vec3::from(channels.map(|value| LINEAR[usize::from(value)]))
 }

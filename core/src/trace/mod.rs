@@ -1,13 +1,13 @@
 //! The final picture: path tracing of the sculpture with sun, sky, a square lamp and a lens.
 //!
-//! From a sculpture, a camera and options to a [`Film`] of linear light: `scene` says what rays meet, `path` what
-//! light comes along them, `environment` where it comes from, `sampling` which of many directions is tried. A
-//! picture is the mean of passes, each with one ray a pixel. All rays of a pass are shifted by the same part of a
-//! pixel, so that without a lens the sampler of whole pictures finds what the eye sees. `denoise` removes the
-//! noise that remains, and `tone` makes values for a screen.
+//! Takes a sculpture, a camera and options, returns a [`Film`] of linear light: `scene` finds the surfaces that rays
+//! meet, `path` the light that arrives along them, `environment` its sources, `sampling` the directions to try. A
+//! picture is the mean of passes, each with one ray per pixel. All rays of a pass are shifted by the same fraction of a
+//! pixel, so that without a lens the sampler of whole pictures finds what the eye sees. `denoise` removes the remaining
+//! noise, and `tone` computes values for a screen.
 //!
-//! The same to the bit for any number of threads: every pixel has its own random numbers, and its passes are added in
-//! order. Knows no files and no documents.
+//! The result is the same to the bit for any number of threads: every pixel has its own random numbers, and its passes
+//! are added in order. Knows no files and no documents.
 
 mod denoise;
 mod environment;
@@ -52,7 +52,7 @@ use scene::{Met, Scene};
 
 /// The most samples of a pixel of a final picture.
 pub const MAX_FINAL_SAMPLES: u32 = 4096;
-/// Largest [`TraceOptions::bounces`] that is worth its time.
+/// The largest useful value of [`TraceOptions::bounces`].
 pub const MAX_BOUNCES: u32 = 64;
 /// Distance from the sculpture, in its radii, at which half of the ground has faded into the horizon.
 const HALF_FADED_RADII: f32 = 12.0;
@@ -67,22 +67,22 @@ pub struct Ground {
 /// The lens of the camera.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Lens {
-    /// Diameter of its opening over the distance of the places in focus; at 0 everything is sharp.
+    /// Diameter of its aperture over the distance in focus; at 0 everything is sharp.
     pub aperture: f32,
-    /// The place of the picture that is sharp: shares of its width from the left and height from the top.
+    /// The point of the picture in focus: fractions of its width from the left and height from the top.
     pub focus: Vec2,
 }
 
-/// How a final picture is made.
+/// The options of a final picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct TraceOptions {
-    /// Rays a pixel.
+    /// Rays per pixel.
     pub samples: u32,
-    /// Most surfaces by which light reaches the one that is seen.
+    /// The most surfaces on the path of light before the visible one.
     pub bounces: u32,
-    /// Where light comes from.
+    /// The sources of light.
     pub light: LightOptions,
-    /// None: the sculpture floats.
+    /// The ground; if `None`, the sculpture floats.
     pub ground: Option<Ground>,
     /// The lens.
     pub lens: Lens,
@@ -100,7 +100,7 @@ impl Default for TraceOptions {
     }
 }
 
-/// Where a picture is taken from.
+/// The viewpoint of a picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct TraceCamera {
     /// The eye.
@@ -134,7 +134,7 @@ pub fn trace(
     trace_watched((source, levels), camera, options, progress, &mut |_, _| {})
 }
 
-/// [`trace`], which shows the sums so far and their number of samples after each pass.
+/// Performs [`trace`], and passes the sums so far and their number of samples to the progress after each pass.
 pub fn trace_watched(
     (source, levels): (&ShadeSource, Option<&LevelSet>),
     camera: &TraceCamera,
@@ -195,7 +195,7 @@ fn tracer<'a>(
     Tracer { scene, environment, open_ground, bounces: options.bounces }
 }
 
-/// The least height of the voxels along `up`, in the world.
+/// Returns the least height of the voxels along `up`, in the world.
 fn lowest_along(source: &ShadeSource, world_from_grid: &Affine3A, up: Vec3) -> f32 {
     let slope = world_from_grid.matrix3.transpose() * up;
     let mut lowest = f32::INFINITY;
@@ -216,7 +216,7 @@ fn lowest_along(source: &ShadeSource, world_from_grid: &Affine3A, up: Vec3) -> f
     if lowest.is_finite() { lowest + origin } else { origin }
 }
 
-/// The pupil of a lens with an opening.
+/// Returns the pupil of a lens with an opening.
 fn pupil(scene: &Scene, camera: &TraceCamera, rays: &PixelRays, lens: &Lens) -> Option<Pupil> {
     if lens.aperture <= 0.0 {
         return None;
@@ -236,12 +236,12 @@ fn pupil(scene: &Scene, camera: &TraceCamera, rays: &PixelRays, lens: &Lens) -> 
     Some(Pupil { right: axis(Vec3::X), up: axis(Vec3::Y), focus })
 }
 
-/// One ray a pixel.
+/// A pass with one ray per pixel.
 struct Pass<'a> {
     tracer: &'a Tracer<'a>,
     source: &'a ShadeSource<'a>,
     pupil: Option<Pupil>,
-    /// Those of the eye.
+    /// The rays of the eye.
     rays: PixelRays,
     /// The first voxel or cell on each; with a pupil none.
     map: &'a IndexMap,

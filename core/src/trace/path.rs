@@ -1,10 +1,10 @@
-//! Paths of light: what a surface sends to the eye.
+//! Paths of light that reach the eye from a surface.
 //!
-//! Backwards from the surface that the eye sees: at each surface the light of sun and lamp, unless something is in
-//! the way, then on in a random direction, until the sky is met or the light is too weak to matter (Russian
-//! roulette). Surfaces are matt, and directions are distributed as the cosine around the smooth normal, so that
-//! light is neither lost nor gained at any of them. Each light is found in one way alone, sun and lamp from the
-//! surface and the sky by chance, so nothing is counted twice and no weights are needed.
+//! Traced backwards from the surface that the eye sees. At each surface, the path adds the light of sun and lamp unless
+//! they are blocked, then continues in a random direction, until the sky is met or the light is too weak to matter
+//! (Russian roulette). Surfaces are matt, and directions are cosine-distributed around the smooth normal, so that no
+//! surface loses or gains light. Each light is sampled in one way only, sun and lamp from the surface and the sky by
+//! chance, so nothing is counted twice and no weights are needed.
 //!
 //! Knows no pictures.
 
@@ -17,21 +17,21 @@ use super::sampling::Sampler;
 use super::scene::{Met, Scene, Surface};
 use crate::shade::level_set::CellCache;
 
-/// The bounce from which on roulette decides whether a path goes on.
+/// The bounce from which on roulette decides whether a path continues.
 const ROULETTE_FROM: u32 = 1;
 
 /// See the module text.
 pub(super) struct Tracer<'a> {
     pub scene: Scene<'a>,
     pub environment: Environment,
-    /// Radiance of the ground where no shadow falls.
+    /// Radiance of unshadowed ground.
     pub open_ground: Vec3,
-    /// Most surfaces on a path after the one seen.
+    /// The most surfaces on a path after the visible one.
     pub bounces: u32,
 }
 
 impl Tracer<'_> {
-    /// The radiance that `seen` sends to the eye.
+    /// Returns the radiance that `seen` sends to the eye.
     pub fn radiance(&self, seen: &Surface, sampler: &mut Sampler, cache: &mut CellCache) -> Vec3 {
         let (mut surface, mut radiance) = (*seen, Vec3::ZERO);
         let mut throughput = surface.albedo;
@@ -59,7 +59,7 @@ impl Tracer<'_> {
         radiance
     }
 
-    /// The irradiance of sun and lamp.
+    /// Returns the irradiance of sun and lamp.
     fn direct(&self, surface: &Surface, sampler: &mut Sampler, cache: &mut CellCache) -> Vec3 {
         let mut irradiance = Vec3::ZERO;
         if let Some(sun) = &self.environment.sun {
@@ -88,7 +88,7 @@ impl Tracer<'_> {
     }
 }
 
-/// A direction within the cone around `axis`, evenly distributed over the disc that it cuts from the sky.
+/// Returns a direction within the cone around `axis`, uniformly distributed over the disc that it cuts from the sky.
 fn cone_direction(axis: Vec3, sin_radius: f32, at: Vec2) -> Vec3 {
     let disc = disc_point(at) * sin_radius;
     let (u, v) = axis.any_orthonormal_pair();

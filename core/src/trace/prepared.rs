@@ -1,7 +1,7 @@
-//! The numbers of a final picture for a device that traces it: what a tracer on the CPU works with, as plain values.
+//! The numbers of a final picture for a device that traces it: the inputs of the CPU tracer, as plain values.
 //!
-//! Takes what [`super::trace`] takes. A device adds samples to [`PixelSum`]s as this room does, pass by pass, and gets
-//! its film from [`Film::of_sums`](super::Film::of_sums). Knows no device.
+//! Takes the inputs of [`super::trace`]. A device adds samples to [`PixelSum`]s as this room does, pass by pass, and
+//! gets its film from [`Film::of_sums`](super::Film::of_sums). Knows no device.
 
 use glam::{Affine3A, Mat3, Vec3};
 
@@ -22,19 +22,19 @@ pub struct Prepared {
     pub world_from_normal: Mat3,
     /// Up in the world.
     pub up: Vec3,
-    /// Of the ball about the sculpture, in the world.
+    /// The radius of the bounding sphere of the sculpture, in the world.
     pub radius: f32,
     /// The box around all voxels, in grid coordinates.
     pub bounds: (Vec3, Vec3),
-    /// The middle of that box.
+    /// The centre of that box.
     pub middle: Vec3,
     /// The ground, if there is one.
     pub ground: Option<PreparedGround>,
-    /// The radiance of ground on which no shadow falls.
+    /// The radiance of unshadowed ground.
     pub open_ground: Vec3,
     /// The sun, if it is up.
     pub sun: Option<SunDisc>,
-    /// Where it would be.
+    /// The direction of the sun, even if it is below the horizon.
     pub towards_sun: Vec3,
     /// The sky.
     pub sky: Gradient,
@@ -44,10 +44,10 @@ pub struct Prepared {
     pub pupil: Option<Pupil>,
 }
 
-/// The ground: where the height over it is 0.
+/// The ground: the plane where the height over it is 0.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedGround {
-    /// With `offset` gives the height over the ground, in the world, of points of the grid.
+    /// Together with `offset`, gives the height of points of the grid over the ground, in the world.
     pub height: Vec3,
     /// The height of the grid's origin.
     pub offset: f32,
@@ -55,7 +55,7 @@ pub struct PreparedGround {
     pub albedo: Vec3,
 }
 
-/// The numbers of a final picture of voxels; `source` has all its normals.
+/// Returns the numbers of a final picture of voxels; `source` has all its normals.
 pub fn prepare(source: &ShadeSource, camera: &TraceCamera, options: &TraceOptions) -> Prepared {
     let tracer = tracer((source, None), camera, options);
     let (scene, environment) = (&tracer.scene, &tracer.environment);
@@ -78,7 +78,7 @@ pub fn prepare(source: &ShadeSource, camera: &TraceCamera, options: &TraceOption
     }
 }
 
-/// The rays of a pass.
+/// Returns the rays of a pass.
 pub fn pass_rays(camera: &TraceCamera, index: u32) -> PixelRays {
     camera.eye.shifted_by_px(sample_offset_px(index)).pixel_rays(&camera.world_from_grid)
 }

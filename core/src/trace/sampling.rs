@@ -1,10 +1,10 @@
 //! Random numbers of a final picture: an Owen-scrambled Sobol sequence for each decision of each pixel.
 //!
-//! From pixel, sample and the order of decisions to points of the unit square. The first 2^n samples of a decision
-//! are evenly spread over the square for every n, pixels and decisions are independent of each other, and nothing
-//! depends on threads. After Burley, "Practical Hash-based Owen Scrambling" (JCGT 9, 2020): a nested uniform scramble
-//! is a hash in which low bits affect only higher ones, applied to reversed bits. Integers alone, so that a device
-//! computes the same numbers.
+//! Maps pixel, sample and the order of decisions to points of the unit square. The first 2^n samples of a decision are
+//! evenly spread over the square for every n, pixels and decisions are independent of each other, and nothing depends
+//! on threads. After Burley, "Practical Hash-based Owen Scrambling" (JCGT 9, 2020): a nested uniform scramble is a hash
+//! in which low bits affect only higher ones, applied to reversed bits. Uses only integers, so that a device computes
+//! the same numbers.
 //!
 //! Knows no light and no rays.
 
@@ -13,20 +13,20 @@ use glam::Vec2;
 /// The decisions of one path.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
-    /// The sample's number, bits reversed.
+    /// The sample's index, bits reversed.
     reversed_index: u32,
-    /// Of the pixel and the number of decisions so far.
+    /// A hash of the pixel and the number of decisions so far.
     state: u32,
 }
 
 impl Sampler {
-    /// For sample `index` of a pixel.
+    /// Returns the sampler of sample `index` of a pixel.
     #[inline(always)]
     pub fn new(pixel: u32, index: u32) -> Sampler {
         Sampler { reversed_index: index.reverse_bits(), state: hash(pixel) }
     }
 
-    /// The point of the next decision: both coordinates from 0 to below 1.
+    /// Returns the point of the next decision: both coordinates from 0 to below 1.
     #[inline(always)]
     pub fn next_2d(&mut self) -> Vec2 {
         self.state = self.state.wrapping_add(0x9E37_79B9);
@@ -39,7 +39,7 @@ impl Sampler {
         Vec2::new(unit(x), unit(y))
     }
 
-    /// The number of the next decision, from 0 to below 1.
+    /// Returns the number of the next decision, from 0 to below 1.
     #[inline(always)]
     pub fn next_1d(&mut self) -> f32 {
         self.state = self.state.wrapping_add(0x9E37_79B9);
@@ -49,7 +49,7 @@ impl Sampler {
     }
 }
 
-/// A hash of 32 bits (C. Wellons, "lowbias32").
+/// Returns a hash of 32 bits (C. Wellons, "lowbias32").
 #[inline(always)]
 fn hash(mut x: u32) -> u32 {
     x = (x ^ x >> 16).wrapping_mul(0x7FEB_352D);
@@ -57,7 +57,7 @@ fn hash(mut x: u32) -> u32 {
     x ^ x >> 16
 }
 
-/// A permutation in which every bit depends on itself and the lower ones alone (after Laine and Karras).
+/// Returns a permutation in which every bit depends only on itself and the lower ones (after Laine and Karras).
 #[inline(always)]
 fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3D20_ADEA);
@@ -67,7 +67,7 @@ fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53A2_2864)
 }
 
-/// The second coordinate of the Sobol point whose first is `x`: its digits times Pascal's triangle modulo 2.
+/// Returns the second coordinate of the Sobol point whose first is `x`: its digits times Pascal's triangle modulo 2.
 #[inline(always)]
 fn second_dimension(mut x: u32) -> u32 {
     x ^= x << 1 & 0xAAAA_AAAA;
@@ -130,7 +130,7 @@ mod tests {
             sum += correlation(&first, &points(pixel, 1, 64)).abs();
             sum += correlation(&first, &points(pixel + 1, 0, 64)).abs();
         }
-        // Of independent points it is 0.1 on average.
+        // The average for independent points is 0.1.
         assert!(sum / 400.0 < 0.15, "{}", sum / 400.0);
     }
 

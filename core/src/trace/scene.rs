@@ -1,14 +1,14 @@
 //! The scene that rays of a final picture meet: the sculpture and the ground.
 //!
-//! From rays to the nearest surface: where on it further rays start, its normal and its colour. Points are in grid
-//! coordinates, directions and normals in the world, so that voxels may have edges of different lengths and angles
-//! are true.
+//! Maps rays to the nearest surface: the origin of further rays on it, its normal and its colour. Points are in grid
+//! coordinates, directions and normals in the world, so that voxels may have edges of different lengths and angles are
+//! true.
 //!
-//! A surface of voxels has terraces. Light is meant to fall on the surface that they stand for, whose normal is that of
+//! A surface of voxels has terraces. Light should fall on the surface that they approximate, whose normal is that of
 //! the [`crate::shade::NormalField`]; rays to and from terraces would darken them by each other. So further rays start
-//! above the steps: along the normal by up to [`CLEARANCE_VX`], less where the surface follows the grid and has no steps.
-//! Shadows of details that are smaller than that are lost. With a [`LevelSet`] rays meet the smooth surface itself
-//! ([`super::smooth`]) and none of this is needed.
+//! above the steps: along the normal by up to [`CLEARANCE_VX`], less where the surface is aligned with the grid and has
+//! no steps. Shadows of details that are smaller than that are lost. With a [`LevelSet`], rays meet the smooth surface
+//! itself ([`super::smooth`]) and none of this is needed.
 //!
 //! Knows no light.
 
@@ -22,23 +22,23 @@ use crate::shade::level_set::{BEYOND_VOXELS_VX, CellCache};
 use crate::shade::{LevelSet, ShadeSource};
 use crate::surface::raycast::cast;
 
-/// How far above a sloping surface rays start: above the highest corner of its steps.
+/// The height above a sloping surface at which rays start: above the highest corner of its steps.
 const CLEARANCE_VX: f32 = 1.5;
 /// Points of a face stay this far from its edges.
 const EDGE_VX: f32 = 0.01;
-/// Where there is no room for that, and on surfaces along the grid.
+/// The clearance if there is no room for more, and on surfaces along the grid.
 const LEAST_CLEARANCE_VX: f32 = 0.02;
-/// Clearance over the slope against the grid.
+/// Clearance per slope against the grid.
 const CLEARANCE_PER_SLOPE: f32 = 30.0;
-/// A normal that points away from the face seen by more than this is that of another side: a thin wall.
+/// A normal that points away from the visible face by more than this belongs to another side: a thin wall.
 pub(super) const OTHER_SIDE: f32 = -0.2;
-/// Distance from the sculpture, in its radii, beyond which indirect light takes the ground as lit by all of the sky.
+/// Distance from the sculpture, in its radii, beyond which indirect light treats the ground as lit by the whole sky.
 const OPEN_GROUND_RADII: f32 = 4.0;
 
 /// A surface on a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surface {
-    /// Where further rays start, in grid coordinates.
+    /// The origin of further rays, in grid coordinates.
     pub start: Vec3,
     /// Unit vector out of the surface, in the world.
     pub normal: Vec3,
@@ -46,13 +46,13 @@ pub(super) struct Surface {
     pub albedo: Vec3,
 }
 
-/// The result of following a ray: what it meets.
+/// The surface that a ray meets.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Met {
     Nothing,
     Sculpture(Surface),
     Ground(Surface),
-    /// Ground on which no shadow of the sculpture falls.
+    /// Ground outside the sculpture's shadow.
     OpenGround,
 }
 
@@ -79,7 +79,7 @@ impl PreparedGround {
 }
 
 impl<'a> Scene<'a> {
-    /// `lowest`: the least height of the sculpture along `up`.
+    /// Returns the scene. `lowest`: the least height of the sculpture along `up`.
     pub fn new(
         (source, levels): (ShadeSource<'a>, Option<&'a LevelSet>),
         world_from_grid: Affine3A,
@@ -115,13 +115,13 @@ impl<'a> Scene<'a> {
         self.ground.map_or(Vec3::ZERO, |ground| ground.albedo)
     }
 
-    /// Distance of a point from the sculpture's middle, in its radii.
+    /// Returns the distance of a point from the sculpture's centre, in its radii.
     pub fn distance_radii(&self, point: Vec3) -> f32 {
         let away = self.world_from_grid.transform_vector3(point - self.middle);
         away.length() / self.radius
     }
 
-    /// Finds what a ray from a surface meets; `direction` is in the world.
+    /// Finds the surface that a ray from a surface meets; `direction` is in the world.
     pub fn meet(&self, origin: Vec3, direction: Vec3, cache: &mut CellCache) -> Met {
         let along = self.grid_from_world * direction;
         let sculpture = match self.levels {
@@ -144,7 +144,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Whether something lies between `origin` and `origin + direction * reach`.
+    /// Returns whether something lies between `origin` and `origin + direction * reach`.
     pub fn is_blocked(
         &self,
         origin: Vec3,
@@ -161,8 +161,8 @@ impl<'a> Scene<'a> {
             || self.ground_on(origin, direction.dot(self.up)).is_some_and(|(_, t)| t < reach)
     }
 
-    /// Finds what the eye sees along a ray of a picture, and how far away. `first` is what [`Scene::first`] says
-    /// of the ray.
+    /// Finds the surface that the eye sees along a ray of a picture, and its distance. `first` is the result of
+    /// [`Scene::first`] for the ray.
     pub fn seen(
         &self,
         origin: Vec3,
@@ -192,7 +192,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The first voxel on any ray of a picture, or the first cell of the smooth surface.
+    /// Returns the first voxel on any ray of a picture, or the first cell of the smooth surface.
     pub fn first(&self, origin: Vec3, along: Vec3) -> Option<UVec3> {
         match self.levels {
             Some(levels) => levels.first_cell(origin, along),
@@ -200,7 +200,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Whether a ray passes the box around the sculpture, as most rays that leave it do.
+    /// Returns whether a ray passes through the box around the sculpture. Most rays that leave the sculpture do.
     pub fn passes_box(&self, origin: Vec3, along: Vec3, reach: f32) -> bool {
         let beyond = if self.levels.is_some() { BEYOND_VOXELS_VX } else { 0.0 };
         let (low, high) = (self.bounds.0 - beyond, self.bounds.1 + beyond);
@@ -228,8 +228,8 @@ impl<'a> Scene<'a> {
         Surface { start, normal: self.up, albedo: ground.albedo }
     }
 
-    /// Where a ray enters a voxel that it is known to meet first, and the face: one without a voxel before it, whatever
-    /// rounding says at an edge.
+    /// Returns the entry of a ray into the voxel that it is known to meet first, and the face: one without a voxel in
+    /// front of it, regardless of rounding at an edge.
     fn entry(&self, origin: Vec3, along: Vec3, voxel: UVec3) -> (f32, IVec3) {
         let near = voxel.as_vec3() + Vec3::select(along.cmplt(Vec3::ZERO), Vec3::ONE, Vec3::ZERO);
         let (mut t, mut face, mut found) = (0.0, -along.signum().as_ivec3(), false);
@@ -245,9 +245,9 @@ impl<'a> Scene<'a> {
         (t, face)
     }
 
-    /// The surface at a point of a face of a voxel.
+    /// Returns the surface at a point of a face of a voxel.
     fn surface(&self, voxel: UVec3, face: IVec3, point: Vec3) -> Surface {
-        // Rounding must put it neither off the face nor in front of the voxel beside.
+        // Rounding must neither move it off the face nor in front of the adjacent voxel.
         let low = voxel.as_vec3();
         let plane = low + face.max(IVec3::ZERO).as_vec3();
         let within = point.clamp(low + EDGE_VX, low + (1.0 - EDGE_VX));
@@ -262,7 +262,7 @@ impl<'a> Scene<'a> {
         Surface { start, normal, albedo: self.albedo(voxel) }
     }
 
-    /// The share of light that a voxel reflects.
+    /// Returns the share of light that a voxel reflects.
     pub fn albedo(&self, voxel: UVec3) -> Vec3 {
         let ShadeSource { grid, material, .. } = self.source;
         let (brick, local) = (grid.brick_index(voxel / BRICK_EDGE_VX), voxel % BRICK_EDGE_VX);
@@ -281,13 +281,13 @@ impl<'a> Scene<'a> {
         near + normal * if free < clearance { 0.5 * free } else { clearance }
     }
 
-    /// How far the way from `origin` is free of voxels, up to `reach`: few voxels, so without skipping any.
+    /// Returns the distance from `origin` that is free of voxels, up to `reach`. Visits few voxels, so it skips none.
     fn free_way(&self, origin: Vec3, direction: Vec3, reach: f32) -> f32 {
         let mut cell = origin.floor();
         let step = Vec3::select(direction.cmplt(Vec3::ZERO), Vec3::NEG_ONE, Vec3::ONE);
         let per_t = 1.0 / direction;
         let mut next = (cell + step.max(Vec3::ZERO) - origin) * per_t;
-        // Along an axis that it does not follow, the way crosses nothing.
+        // A ray parallel to an axis plane never crosses planes of that axis.
         next = Vec3::select(direction.cmpeq(Vec3::ZERO), Vec3::INFINITY, next);
         loop {
             let axis = next.min_position();

@@ -1,11 +1,11 @@
 //! Light on the smooth surface of a sculpture instead of its voxels.
 //!
-//! The surface is the zero of a [`LevelSet`], whose normals are those of ordinary pictures. It is trilinear from voxel
-//! to voxel, so it waves by hundredths of a voxel around the shape that it stands for, which low light would show.
-//! Further rays therefore start a little above it, along the normal, less where the surface follows the grid and is
-//! exact: never within the sculpture, and never beyond what lies above.
+//! The surface is the zero set of a [`LevelSet`], whose normals are those of ordinary pictures. It is trilinear from
+//! voxel to voxel, so it ripples by hundredths of a voxel around the shape that it approximates, which low light would
+//! show. Further rays therefore start a little above it, along the normal, less where the surface is aligned with the
+//! grid and is exact: never within the sculpture, and never beyond what lies above.
 //!
-//! Takes places on the surface; gives [`Surface`]s. Knows no light.
+//! Takes points on the surface; returns [`Surface`]s. Knows no light.
 
 use glam::Vec3;
 
@@ -13,17 +13,17 @@ use super::scene::{OTHER_SIDE, Scene, Surface};
 use crate::shade::level_set::{CellCache, SurfaceHit};
 use crate::shade::{LevelSet, ShadeSource};
 
-/// How far above a sloping surface rays start: above its waves.
+/// The height above a sloping surface at which rays start: above its ripples.
 const CLEARANCE_VX: f32 = 0.4;
-/// On surfaces along the grid.
+/// The clearance on surfaces along the grid.
 const LEAST_CLEARANCE_VX: f32 = 0.02;
-/// Clearance over the slope against the grid.
+/// Clearance per slope against the grid.
 const CLEARANCE_PER_SLOPE: f32 = 10.0;
-/// How often the clearance is halved where there is no room for it.
+/// The number of times that the clearance is halved if there is no room for it.
 const HALVINGS: u32 = 5;
 
 impl Scene<'_> {
-    /// The first place on the smooth surface along a ray, nearer than `reach`.
+    /// Returns the first point on the smooth surface along a ray, nearer than `reach`.
     pub(super) fn smooth_on(
         &self,
         levels: &LevelSet,
@@ -40,7 +40,7 @@ impl Scene<'_> {
         (hit.t < reach).then_some(hit)
     }
 
-    /// The surface at a place on the smooth surface.
+    /// Returns the surface at a point of the smooth surface.
     pub(super) fn smooth_surface(
         &self,
         levels: &LevelSet,

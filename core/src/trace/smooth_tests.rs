@@ -1,4 +1,4 @@
-//! Light on the smooth surface: energy, walls that let none through, no shadows of the surface's own waves.
+//! Tests light on the smooth surface: energy, walls that block all light, no shadows of the surface's own ripples.
 
 use glam::{Quat, UVec2, Vec3};
 
@@ -19,7 +19,7 @@ fn traced(subject: &Subject, options: &TraceOptions) -> Film {
     trace((&subject.source(), Some(&levels)), &subject.camera, options, &()).unwrap()
 }
 
-/// A hollow box, turned, whose walls are two voxels thick.
+/// Returns a hollow, rotated box whose walls are two voxels thick.
 fn turned_box() -> Grid {
     let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2);
     grid_of(48, |p| {
@@ -78,7 +78,7 @@ fn no_light_comes_through_a_wall_of_two_voxels() {
     }
 }
 
-/// Low light on a ball is as bright as its angle says, up to where the sun sets on it.
+/// Low light on a ball is as bright as its angle implies, up to the terminator.
 #[test]
 fn a_ball_throws_no_shadow_on_itself() {
     let middle = Vec3::new(32.2, 31.9, 32.3);
@@ -106,7 +106,7 @@ fn a_ball_throws_no_shadow_on_itself() {
     assert!(lit > 1500 && dim * 200 < lit, "{dim} of {lit}");
 }
 
-/// The share of each pixel that the sculpture covers is that of a ball, to less than voxels can.
+/// The share of each pixel that the sculpture covers is that of a ball, more exactly than voxels allow.
 #[test]
 fn the_outline_of_a_ball_is_round() {
     let middle = Vec3::new(16.2, 15.9, 16.1);

@@ -1,4 +1,4 @@
-//! Final pictures against what must hold of any: energy, independence of threads, the lens, the filter.
+//! Tests general properties of final pictures: energy, independence of threads, the lens, the filter.
 
 use glam::{UVec2, UVec3, Vec2, Vec3};
 
@@ -48,7 +48,7 @@ pub(super) fn cheese() -> Grid {
     scenes::cheese(64, 40, 3).unwrap()
 }
 
-/// Voxels that are three times as high as wide, in steps of all slopes.
+/// Returns a ball of voxels that are 2.5 times as high as wide, with steps of all slopes.
 pub(super) fn stretched_ball() -> Grid {
     let mut grid = Grid::new(UVec3::new(60, 24, 60), Vec3::new(1.0, 2.5, 1.0), 1 << 20).unwrap();
     grid.fill_bricks(|brick| {
@@ -67,7 +67,7 @@ fn grid_middle() -> Vec3 {
     Vec3::new(30.0, 12.0, 30.0)
 }
 
-/// In light of the same strength from everywhere, surfaces that reflect all of it cannot be seen.
+/// In light of the same strength from all directions, surfaces that reflect all of it are invisible.
 #[test]
 fn white_surfaces_vanish_in_a_white_furnace() {
     for grid in [cheese(), scenes::gyroid(64, 1).unwrap(), stretched_ball()] {
@@ -100,7 +100,7 @@ fn few_paths_end_early() {
     assert!(sum / film.pixels().len() as f32 > 0.4 && sum / film.pixels().len() as f32 <= 1.0);
 }
 
-/// Seen from so far away that rounding moves points of rays by parts of a voxel.
+/// Seen from so far away that rounding moves points of rays by fractions of a voxel.
 #[test]
 fn the_furnace_is_white_from_afar() {
     let mut subject = subject(cheese(), WHITE, UVec2::splat(40));
@@ -127,7 +127,7 @@ fn no_surface_sends_more_light_than_it_gets() {
             TraceOptions { samples: 8, bounces, light, ground: None, ..Default::default() };
         for pixel in subject.trace(&options).pixels().iter().filter(|pixel| pixel.alpha == 1.0) {
             let most = pixel.albedo * radiance;
-            // Roulette makes single paths brighter, their mean not.
+            // Roulette makes single paths brighter, but not their mean.
             assert!(bounces > 0 || pixel.radiance.cmple(most * 1.0001).all(), "{pixel:?}");
             assert!(pixel.radiance.min_element() >= 0.0);
         }
@@ -136,7 +136,7 @@ fn no_surface_sends_more_light_than_it_gets() {
 
 #[test]
 fn a_surface_in_the_open_is_as_bright_as_its_light_says() {
-    // The top of a slab under a sky without a sun: all of its light, none from elsewhere.
+    // The top of a slab under a sky without a sun receives all of its light, and none from elsewhere.
     let mut grid = Grid::new(UVec3::new(64, 8, 64), Vec3::ONE, 1 << 20).unwrap();
     grid.fill_bricks(|_| crate::sculpture::Brick::FULL);
     let mut subject = subject(grid, WHITE, UVec2::splat(16));
@@ -201,7 +201,7 @@ fn a_picture_is_the_same_for_any_number_of_threads() {
     }
 }
 
-/// How much neighbours in rows differ within the places of a mask.
+/// Returns how much neighbours in rows differ within a mask.
 fn contrast(film: &Film, within: &[bool]) -> f32 {
     let pairs = within.windows(2).zip(film.pixels().windows(2));
     pairs
@@ -212,7 +212,7 @@ fn contrast(film: &Film, within: &[bool]) -> f32 {
 
 #[test]
 fn what_lies_in_focus_is_sharp_and_the_rest_is_not() {
-    // A striped floor that stretches away from the eye.
+    // A striped floor that extends away from the eye.
     let grid = {
         let mut grid = Grid::new(UVec3::new(48, 8, 480), Vec3::ONE, 1 << 24).unwrap();
         grid.fill_bricks(|_| crate::sculpture::Brick::FULL);
@@ -272,11 +272,11 @@ fn the_filter_keeps_an_even_picture_and_removes_noise_without_edges() {
     };
     let (before, after) = (error(&rough), error(&denoise(rough.clone())));
     assert!(after < 0.75 * before, "{before} to {after}");
-    // Even where the noise cannot be known.
+    // Even if the noise is unknown.
     let one = noisy.trace(&options(1));
     let (before, after) = (error(&one), error(&denoise(one.clone())));
     assert!(after < 0.75 * before, "{before} to {after}");
-    // Much less is done where there is less noise.
+    // Much less is filtered if there is less noise.
     let fine = noisy.trace(&options(256));
     let (before, after) = (error(&fine), error(&denoise(fine.clone())));
     assert!(after < 1.1 * before, "{before} to {after}");

@@ -1,11 +1,12 @@
-//! From linear light to the values of a screen.
+//! Maps linear light to the values of a screen.
 //!
 //! Khronos PBR Neutral tone mapping (Khronos Group, 2024) without its correction for reflections, since surfaces are
-//! matt: light up to 0.8 stays as it is, brighter light is compressed below white and slowly loses its hue. So the
-//! colours of the sculpture are seen as they are.
+//! matt: light up to 0.8 stays unchanged, brighter light is compressed below white and slowly loses its hue. So the
+//! colours of the sculpture are shown unchanged.
 //!
 //! A denoised picture changes so slowly over ground and sky that the steps of 8 bits would show as rings around the
-//! sculpture. So values are rounded up or down by a pattern of the pixels, whose mean over some pixels is the value.
+//! sculpture. So values are dithered: a pattern of the pixels decides whether they are rounded up or down, and its mean
+//! over some pixels is the value.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,17 +14,17 @@ use rayon::prelude::*;
 use super::film::Film;
 use crate::shade::Pixels;
 
-/// The light from which on it is compressed.
+/// The light above which it is compressed.
 const START_COMPRESSION: f32 = 0.8;
-/// How fast very bright light turns white.
+/// The rate at which very bright light turns white.
 const DESATURATION: f32 = 0.15;
 
-/// The picture for a screen, opaque; `exposure_ev` doubles the light with each unit.
+/// Returns the picture for a screen, opaque; `exposure_ev` doubles the light with each unit.
 pub fn display_pixels(film: &Film, exposure_ev: f32) -> Pixels {
     display_with_gain(film, exposure_ev.exp2())
 }
 
-/// [`display_pixels`] of a film that still has the sums of `samples` samples.
+/// Performs [`display_pixels`] on a film that still has the sums of `samples` samples.
 pub fn preview_pixels(film: &Film, samples: u32, exposure_ev: f32) -> Pixels {
     display_with_gain(film, exposure_ev.exp2() / samples.max(1) as f32)
 }
@@ -43,14 +44,14 @@ fn display_with_gain(film: &Film, gain: f32) -> Pixels {
     pixels
 }
 
-/// The offset added to the value of a pixel before it is cut to a whole number: 0 to 1, evenly distributed among the
-/// pixels around any (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014: interleaved
+/// Returns the dither offset added to the value of a pixel before it is truncated: 0 to 1, evenly distributed among
+/// neighbouring pixels (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014: interleaved
 /// gradient noise).
 fn rounding(x: usize, y: usize) -> f32 {
     (52.982_918 * (0.067_110_56 * x as f32 + 0.005_837_15 * y as f32).fract()).fract()
 }
 
-/// Light of any strength to 0 to 1.
+/// Maps light of any strength to 0 to 1.
 fn neutral(light: Vec3) -> Vec3 {
     let light = light.max(Vec3::ZERO);
     let peak = light.max_element();
@@ -63,7 +64,7 @@ fn neutral(light: Vec3) -> Vec3 {
     (light * (new_peak / peak)).lerp(Vec3::splat(new_peak), white)
 }
 
-/// The sRGB value of a linear one, 0 to 255, by the curve of IEC 61966-2-1.
+/// Converts a linear value to sRGB, 0 to 255, by the curve of IEC 61966-2-1.
 fn srgb_level(linear: f32) -> f32 {
     let v = match linear <= 0.003_130_8 {
         true => linear * 12.92,
@@ -99,7 +100,7 @@ mod tests {
         assert!(glare.min_element() > 0.97, "{glare}");
     }
 
-    /// Light that grows by two levels over a picture grows evenly, without steps that would be seen as rings.
+    /// Light that grows by two levels over a picture grows evenly, without steps that would be visible as rings.
     #[test]
     fn gentle_slopes_of_light_have_no_steps() {
         let size = UVec2::new(512, 64);
