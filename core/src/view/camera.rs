@@ -5,10 +5,11 @@ use glam::{UVec2, Vec3};
 
 use super::eye::{Eye, Frustum};
 
-/// How far a camera is that stands for an orthographic one, in diameters of what it sees: at 640x480 no point is
-/// then farther than a quarter of a pixel from its place.
+/// Distance of a camera that approximates an orthographic one, in diameters of the visible object: at 640x480 no point
+/// is then farther than a quarter of a pixel from its exact position.
 const AFAR_DIAMETERS: f32 = 240.0;
-/// The same in voxels at most. A picture of single precision has rays that are off by some millionths of their length.
+/// The largest distance in voxels. In single precision, the rays of a picture are off by some millionths of their
+/// length.
 const AFAR_VX: f32 = 240_000.0;
 
 /// Width of a picture over that of the points framed in it.
@@ -42,13 +43,13 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// A camera that looks at the world's origin from `direction`, at the distance from which a ball
-    /// of `radius` about it fills most of the picture's height.
+    /// Returns a camera that looks at the world's origin from `direction`, at the distance from which a ball of
+    /// `radius` about it fills most of the picture's height.
     pub fn framing(radius: f32, direction: Vec3, up: Vec3) -> Camera {
         let fov_y_rad = 45f32.to_radians();
         let distance = 1.05 * radius / (0.5 * fov_y_rad).sin();
         let direction = direction.try_normalize().unwrap_or(Vec3::Z);
-        // Looking straight along `up` leaves the roll open: take another axis.
+        // Looking straight along `up` leaves the roll undefined: use another axis.
         let up = if direction.cross(up).length_squared() < 1e-6 {
             if direction.x.abs() < 0.9 { Vec3::X } else { Vec3::Z }
         } else {
@@ -63,8 +64,8 @@ impl Camera {
         }
     }
 
-    /// A camera that looks at the middle of `points` from `direction`, as near as possible with all of
-    /// them in a picture of `aspect` (width / height). At `zoom` 1 a small margin remains.
+    /// Returns a camera that looks at the centre of `points` from `direction`, as near as possible with all of them in
+    /// a picture of `aspect` (width / height). At `zoom` 1 a small margin remains.
     pub fn framing_points(
         points: &[Vec3],
         direction: Vec3,
@@ -80,8 +81,8 @@ impl Camera {
         let turn = rh::view::look_at_affine3a(camera.eye, Vec3::ZERO, camera.up).matrix3;
         let slope_y = (0.5 * fov_y_rad).tan() / FRAME_MARGIN;
         let slope_x = slope_y * aspect;
-        // A point (x, y, z) as seen from the target is in the picture of an eye `distance` away
-        // if |x| <= slope_x (distance - z), and so for y.
+        // A point (x, y, z) relative to the target is in the picture of an eye `distance` away if |x| <= slope_x
+        // (distance - z), and likewise for y.
         let distance = points
             .iter()
             .map(|&point| turn * (point - target))
@@ -92,18 +93,18 @@ impl Camera {
         Camera { eye, target, near: distance * 1e-3, ..camera }
     }
 
-    /// An orthographic camera, up to a fraction of a pixel: so far away and with so narrow an angle that its rays are
-    /// parallel for whoever looks at what is around the target, `diameter` world units and `diameter_vx` voxels in
-    /// size. So samplers and picking, whose rays all start in the eye, need to know nothing of it.
+    /// Returns an orthographic camera, up to a fraction of a pixel: so distant, and with so narrow an angle of view,
+    /// that its rays are practically parallel around the target, within `diameter` world units or `diameter_vx` voxels.
+    /// So samplers and picking, whose rays all start in the eye, need no special case.
     ///
-    /// The picture shows the same of the plane through the target as this camera's does. The more it magnifies, the
-    /// nearer the eye is: small details then need exact rays more than parallel ones.
+    /// The picture shows the same part of the plane through the target as this camera's does. The more it magnifies,
+    /// the nearer the eye is: small details need exact rays more than parallel ones.
     pub fn orthographic(&self, diameter: f32, diameter_vx: f32) -> Camera {
         let from_target = self.eye - self.target;
         let half_height = from_target.length() * (0.5 * self.fov_y_rad).tan();
         let magnification = (0.5 * diameter / half_height).max(1.0);
         let diameters = (AFAR_DIAMETERS / magnification.sqrt()).min(AFAR_VX / diameter_vx.max(1.0));
-        // Never within what it looks at.
+        // Never within the object.
         let distance = diameter * diameters.max(2.0);
         Camera {
             eye: self.target + from_target.normalize_or(Vec3::Z) * distance,
@@ -113,7 +114,7 @@ impl Camera {
         }
     }
 
-    /// The eye for a picture of `size` pixels.
+    /// Returns the eye for a picture of `size` pixels.
     pub fn eye(&self, size: UVec2) -> Eye {
         let aspect = size.x as f32 / size.y.max(1) as f32;
         Eye {
@@ -132,7 +133,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Points of a sculpture, projected and by the rays of their pixels, are where parallel rays see them.
+        /// Points of a sculpture, projected and by the rays of their pixels, lie where parallel rays see them.
         #[test]
         fn an_orthographic_camera_is_a_parallel_projection_within_a_quarter_pixel(
             turn in prop::array::uniform3(-3.0f32..3.0),
@@ -158,7 +159,7 @@ mod tests {
             let projected = (Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5) * size.as_vec2();
             let off = projected.as_dvec2().distance(expected);
             prop_assert!(off < 0.25, "projected at {projected}, not {expected}: {off}");
-            // The ray through that place passes the point as closely.
+            // The ray through that position passes the point as closely.
             let rays = eye.pixel_rays(&world_from_grid);
             let direction = rays.direction_at(expected.x as f32, expected.y as f32);
             let met = rays.origin + direction * (clip.w);
@@ -182,7 +183,7 @@ mod tests {
             assert!(distance < before && distance > 1000.0, "{distance}");
             before = distance;
         }
-        // However large the grid, rays are exact to parts of a voxel.
+        // However large the grid, rays are exact to fractions of a voxel.
         assert!(usual.orthographic(200.0, 7094.0).eye.length() < 200.0 / 7094.0 * 1.001 * AFAR_VX);
     }
 

@@ -1,5 +1,4 @@
-//! An eye: one view of the world, mono or one of a stereo pair, and the rays through its pixels in
-//! grid coordinates.
+//! An eye: one view of the world, mono or one of a stereo pair, and the rays through its pixels in grid coordinates.
 //!
 //! Eye space is right-handed, x right, y up, looking along -z. Clip space is Vulkan's: x right,
 //! y down, depth reversed (1 at the near plane, 0 at infinity).
@@ -13,7 +12,7 @@ pub struct Eye {
     pub eye_from_world: Affine3A,
     /// Clip from eye, reversed depth, y down.
     pub projection: Mat4,
-    /// Pixels.
+    /// Size in pixels.
     pub size: UVec2,
 }
 
@@ -31,14 +30,14 @@ pub struct Frustum {
 }
 
 impl Frustum {
-    /// Symmetric, from the vertical angle and the aspect ratio width / height.
+    /// Returns a symmetric frustum from the vertical angle and the aspect ratio width / height.
     pub fn symmetric(fov_y_rad: f32, aspect: f32) -> Frustum {
         let up = (0.5 * fov_y_rad).tan();
         let right = up * aspect;
         Frustum { left: -right, right, down: -up, up }
     }
 
-    /// Off-axis perspective with reversed depth and no far plane.
+    /// Returns the off-axis perspective with reversed depth and no far plane.
     pub fn projection(&self, near: f32) -> Mat4 {
         let (w, h) = (self.right - self.left, self.up - self.down);
         Mat4::from_cols(
@@ -67,7 +66,7 @@ pub struct PixelRays {
 }
 
 impl PixelRays {
-    /// The rays of a picture without pixels.
+    /// Returns the rays of a picture without pixels.
     pub fn of_nothing() -> PixelRays {
         PixelRays {
             origin: Vec3::ZERO,
@@ -78,13 +77,13 @@ impl PixelRays {
         }
     }
 
-    /// Direction of the ray through the centre of pixel (x, y), y counted downwards.
+    /// Returns the direction of the ray through the centre of pixel (x, y), y counted downwards.
     #[inline(always)]
     pub fn direction(&self, x: u32, y: u32) -> Vec3 {
         self.direction_at(x as f32 + 0.5, y as f32 + 0.5)
     }
 
-    /// Direction through any point of the picture, in pixels from its upper left corner.
+    /// Returns the direction through any point of the picture, in pixels from its upper left corner.
     #[inline(always)]
     pub fn direction_at(&self, x: f32, y: f32) -> Vec3 {
         self.corner + self.step_x * x + self.step_y * y
@@ -92,9 +91,9 @@ impl PixelRays {
 }
 
 impl Eye {
-    /// Rays in the coordinates of a grid placed by `world_from_grid`: the inverted
-    /// model-view-projection, evaluated once. Directions have length 1 along the eye's axis, so
-    /// that `t` is the distance from the eye plane in world units.
+    /// Returns the rays in the coordinates of a grid placed by `world_from_grid`: the inverted model-view-projection,
+    /// evaluated once. Directions have length 1 along the eye's axis, so that `t` is the distance from the eye plane in
+    /// world units.
     pub fn pixel_rays(&self, world_from_grid: &Affine3A) -> PixelRays {
         let grid_from_eye = (self.eye_from_world * *world_from_grid).inverse();
         let p = &self.projection;
@@ -116,12 +115,12 @@ impl Eye {
         }
     }
 
-    /// Maps homogeneous grid coordinates to clip space.
+    /// Returns the map from homogeneous grid coordinates to clip space.
     pub fn clip_from_grid(&self, world_from_grid: &Affine3A) -> Mat4 {
         self.projection * Mat4::from(self.eye_from_world * *world_from_grid)
     }
 
-    /// World position of the eye.
+    /// Returns the world position of the eye.
     pub fn position(&self) -> Vec3 {
         self.eye_from_world.inverse().translation.into()
     }

@@ -1,4 +1,4 @@
-//! Views: where eyes are and which ray belongs to a pixel. Pure geometry.
+//! Views: the positions of eyes and the rays of their pixels. Pure geometry.
 
 pub mod camera;
 pub mod eye;

@@ -1,20 +1,19 @@
 //! Off-axis views: a rectangle on a screen as a window into the world, seen by an eye anywhere in
 //! front of it.
 //!
-//! Input are positions in metres on the screen's axes: origin at the screen's centre, x right, y up, z
-//! towards the viewer. Output are [`Eye`]s. Does not know where positions come from. The projection is
-//! that of R. Kooima: "Generalized Perspective Projection", 2009, for a screen that is a plane of
-//! constant z.
+//! Takes positions in metres on the screen's axes: origin at the screen's centre, x right, y up, z towards the viewer.
+//! Returns [`Eye`]s. Does not know the source of positions. The projection is that of R. Kooima: "Generalized
+//! Perspective Projection", 2009, for a screen that is a plane of constant z.
 
 use glam::{Affine3A, Mat3, Quat, UVec2, Vec2, Vec3};
 
 use super::eye::{Eye, Frustum};
 
-/// Eyes nearer to the plane of the screen than this, in metres, or behind it, are moved to this
-/// distance: there would be no picture for them.
+/// The least distance of an eye from the plane of the screen, in metres. Eyes that are nearer, or behind the plane, are
+/// moved to this distance: they would have no picture.
 pub const NEAREST_EYE_M: f32 = 0.05;
 
-/// A rectangle in the plane of the screen. Metres.
+/// A rectangle in the plane of the screen, in metres.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ScreenPlane {
     /// Its centre, relative to the screen's.
@@ -30,25 +29,25 @@ pub struct ScreenPlane {
 pub struct ScreenInWorld {
     /// The point of the world, in world units, at the middle of the rectangle.
     pub centre: Vec3,
-    /// World axes from screen axes.
+    /// Rotation from screen axes to world axes.
     pub rotation: Quat,
     /// World units per metre in front of the screen, above 0.
     pub units_per_m: f32,
 }
 
-/// Where two eyes are.
+/// The positions of two eyes.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Head {
     /// The point between the eyes, on the screen's axes.
     pub position_m: Vec3,
     /// Rotation from the head's axes to the screen's.
     pub orientation: Quat,
-    /// From eye to eye along the head's x axis.
+    /// Distance between the eyes along the head's x axis.
     pub eye_distance_m: f32,
 }
 
 impl Head {
-    /// The left and the right eye, on the screen's axes.
+    /// Returns the left and the right eye, on the screen's axes.
     pub fn eyes_m(&self) -> [Vec3; 2] {
         let half = self.orientation * Vec3::X * (0.5 * self.eye_distance_m);
         [self.position_m - half, self.position_m + half]
@@ -56,12 +55,12 @@ impl Head {
 }
 
 impl ScreenPlane {
-    /// A whole screen.
+    /// Returns the rectangle of a whole screen.
     pub fn new(width_m: f32, height_m: f32) -> ScreenPlane {
         ScreenPlane { centre_m: Vec2::ZERO, width_m, height_m }
     }
 
-    /// The part from `low` to `high`, both as fractions of width and height from the upper left corner.
+    /// Returns the part from `low` to `high`, both as fractions of width and height from the upper left corner.
     pub fn part(&self, low: Vec2, high: Vec2) -> ScreenPlane {
         let size = Vec2::new(self.width_m, self.height_m);
         let middle = 0.5 * (low + high) - 0.5;
@@ -72,14 +71,14 @@ impl ScreenPlane {
         }
     }
 
-    /// Top left, top right, bottom right, bottom left, on the screen's axes.
+    /// Returns the corners top left, top right, bottom right, bottom left, on the screen's axes.
     pub fn corners_m(&self) -> [Vec3; 4] {
         let (x, y) = (0.5 * self.width_m, 0.5 * self.height_m);
         [(-x, y), (x, y), (x, -y), (-x, -y)]
             .map(|(x, y)| (self.centre_m + Vec2::new(x, y)).extend(0.0))
     }
 
-    /// The world from the screen's axes.
+    /// Returns the map from the screen's axes to the world.
     pub fn world_from_screen(&self, world: &ScreenInWorld) -> Affine3A {
         Affine3A::from_scale_rotation_translation(
             Vec3::splat(world.units_per_m),
@@ -88,8 +87,8 @@ impl ScreenPlane {
         ) * Affine3A::from_translation(-self.centre_m.extend(0.0))
     }
 
-    /// The view of an eye at `eye_m` on the screen's axes through the rectangle, `size` pixels large.
-    /// `near` is in world units.
+    /// Returns the view of an eye at `eye_m` on the screen's axes through the rectangle, `size` pixels large. `near` is
+    /// in world units.
     pub fn eye(&self, eye_m: Vec3, world: &ScreenInWorld, size: UVec2, near: f32) -> Eye {
         let from_eye = self.centre_m - eye_m.truncate();
         let depth = eye_m.z.max(NEAREST_EYE_M);
@@ -105,7 +104,7 @@ impl ScreenPlane {
         Eye { eye_from_world, projection: frustum.projection(near), size }
     }
 
-    /// The views of the left and the right eye of a head.
+    /// Returns the views of the left and the right eye of a head.
     pub fn eyes(&self, head: &Head, world: &ScreenInWorld, size: UVec2, near: f32) -> [Eye; 2] {
         head.eyes_m().map(|eye_m| self.eye(eye_m, world, size, near))
     }
@@ -165,7 +164,7 @@ mod tests {
             let to_world = plane.world_from_screen(&world);
             let on = to_world.transform_point3(Vec3::new(x, y, 0.0));
             prop_assert!(ndc(&from_a, on).distance(ndc(&from_b, on)) < 1e-3);
-            // A point behind it is seen where the line to the eye crosses the screen.
+            // A point behind the screen is visible where the line to the eye crosses it.
             let behind_m = Vec3::new(x, y, -0.4);
             for (head, eye) in [(a, from_a), (b, from_b)] {
                 let crossing = head + (behind_m - head) * (head.z / (head.z + 0.4));

@@ -1,5 +1,4 @@
-//! The physical room: rigid poses in metres, similarities, and the placement of the sculpture's world
-//! in the room.
+//! The physical room: rigid poses in metres, similarities, and the placement of the sculpture's world in the room.
 //!
 //! The room is right-handed, x right, y up, in metres, as in OpenXR. World units are those of the
 //! sculpture (a voxel edge). One similarity maps between them, so that an eye in the room becomes an
@@ -10,37 +9,37 @@ use glam::{Affine3A, Quat, UVec2, Vec3};
 use super::eye::{Eye, Frustum};
 use crate::sculpture::Placement;
 
-/// Nearest distance that is drawn, in metres.
+/// The near plane, in metres.
 pub const NEAR_M: f32 = 0.02;
 /// Largest plausible distance of a tracked pose from the room's origin, in metres.
 pub const FARTHEST_M: f32 = 1000.0;
 
-/// Position and rotation of something in the room; it looks along its own -z.
+/// Position and rotation of an object in the room; it faces along its own -z.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Pose {
-    /// Metres.
+    /// Position in metres.
     pub position: Vec3,
     /// Rotation from the pose's axes to the room's.
     pub rotation: Quat,
 }
 
 impl Pose {
-    /// The unit vector that it looks along.
+    /// Returns the unit vector along which it faces.
     pub fn forward(&self) -> Vec3 {
         self.rotation * Vec3::NEG_Z
     }
 
-    /// A point given in its own coordinates (metres), in the room.
+    /// Maps a point from the pose's own coordinates (metres) to the room.
     pub fn at(&self, own: Vec3) -> Vec3 {
         self.position + self.rotation * own
     }
 
-    /// A point of the room in its own coordinates.
+    /// Maps a point of the room to the pose's own coordinates.
     pub fn own(&self, room: Vec3) -> Vec3 {
         self.rotation.inverse() * (room - self.position)
     }
 
-    /// `other`, given in its coordinates, in the room.
+    /// Composes two poses: maps `other`, given relative to this one, to the room.
     pub fn then(&self, other: &Pose) -> Pose {
         Pose {
             position: self.at(other.position),
@@ -48,8 +47,8 @@ impl Pose {
         }
     }
 
-    /// Whether the pose is plausible: all numbers are finite, the position is within [`FARTHEST_M`],
-    /// and the rotation is normalised.
+    /// Returns whether the pose is plausible: all numbers are finite, the position is within [`FARTHEST_M`], and the
+    /// rotation is normalised.
     pub fn is_plausible(&self) -> bool {
         // Comparisons with NaN are false.
         self.position.abs().max_element() <= FARTHEST_M
@@ -74,13 +73,13 @@ impl Similarity {
     pub const IDENTITY: Similarity =
         Similarity { rotation: Quat::IDENTITY, scale: 1.0, translation: Vec3::ZERO };
 
-    /// The rigid map that carries `from` to `to`.
+    /// Returns the rigid map that moves `from` to `to`.
     pub fn carrying(from: &Pose, to: &Pose) -> Similarity {
         let rotation = (to.rotation * from.rotation.inverse()).normalize();
         Similarity { rotation, scale: 1.0, translation: to.position - rotation * from.position }
     }
 
-    /// Rotates and scales about `centre`, which moves to `to`.
+    /// Returns the similarity that rotates and scales about `centre`, which moves to `to`.
     pub fn about(centre: Vec3, rotation: Quat, scale: f32, to: Vec3) -> Similarity {
         Similarity { rotation, scale, translation: to - rotation * centre * scale }
     }
@@ -90,13 +89,13 @@ impl Similarity {
         self.rotation * point * self.scale + self.translation
     }
 
-    /// The similarity that undoes this one.
+    /// Returns the similarity that undoes this one.
     pub fn inverse(&self) -> Similarity {
         let (rotation, scale) = (self.rotation.inverse(), 1.0 / self.scale);
         Similarity { rotation, scale, translation: rotation * -self.translation * scale }
     }
 
-    /// First `self`, then `next`.
+    /// Composes two similarities: first `self`, then `next`.
     pub fn then(&self, next: &Similarity) -> Similarity {
         Similarity {
             rotation: (next.rotation * self.rotation).normalize(),
@@ -105,7 +104,7 @@ impl Similarity {
         }
     }
 
-    /// Whether all numbers are finite and the scale is positive.
+    /// Returns whether all numbers are finite and the scale is positive.
     pub fn is_finite(&self) -> bool {
         self.rotation.is_finite()
             && self.translation.is_finite()
@@ -117,9 +116,9 @@ impl Similarity {
 /// The view of one eye of a headset, in the room.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RoomView {
-    /// Where it is in the room.
+    /// Its pose in the room.
     pub pose: Pose,
-    /// The frustum that it sees.
+    /// Its frustum.
     pub frustum: Frustum,
 }
 
@@ -131,11 +130,11 @@ pub struct Room {
 }
 
 impl Room {
-    /// The world's origin `distance_m` before the head and `drop_m` below it, upright and facing
-    /// the person whichever way the head nods, with `metres_per_unit`.
+    /// Returns a room with the world's origin `distance_m` in front of the head and `drop_m` below it, upright and
+    /// facing the user regardless of the head's pitch, with `metres_per_unit`.
     pub fn before(head: &Pose, distance_m: f32, drop_m: f32, metres_per_unit: f32) -> Room {
         let forward = head.forward();
-        // Looking straight up or down, the head's own up axis says where ahead is.
+        // Looking straight up or down, the head's own up axis gives the forward direction.
         let flat = Vec3::new(forward.x, 0.0, forward.z);
         let flat = match flat.length_squared() > 1e-4 {
             true => flat,
@@ -152,7 +151,7 @@ impl Room {
         }
     }
 
-    /// The eye of the world that sees what `view` sees of the room, in a picture of `size` pixels.
+    /// Returns the eye in the world that corresponds to `view` in the room, for a picture of `size` pixels.
     pub fn eye(&self, view: &RoomView, size: UVec2) -> Eye {
         let pose = self.in_world(&view.pose);
         let world_from_eye = Affine3A::from_rotation_translation(pose.rotation, pose.position);
@@ -164,7 +163,7 @@ impl Room {
         }
     }
 
-    /// A pose of the room in the world, its position in world units.
+    /// Maps a pose of the room to the world, with its position in world units.
     pub fn in_world(&self, pose: &Pose) -> Pose {
         let world_from_room = self.room_from_world.inverse();
         Pose {
@@ -173,7 +172,7 @@ impl Room {
         }
     }
 
-    /// The placement of a sculpture after the room's contents were carried along by `by`.
+    /// Returns the placement of a sculpture after the room's contents were moved by `by`.
     pub fn carried(&self, placement: &Placement, by: &Similarity) -> Placement {
         let by = self.room_from_world.then(by).then(&self.room_from_world.inverse());
         Placement {
@@ -231,8 +230,7 @@ mod tests {
         }
     }
 
-    /// The way of OpenXR (metres, room) and the way of the renderer (units, world) lead to the
-    /// same pixel and the same depth.
+    /// OpenXR's mapping (metres, room) and the renderer's (units, world) lead to the same pixel and the same depth.
     #[test]
     fn an_eye_of_the_world_sees_what_the_view_of_the_room_sees() {
         let head = pose(Vec3::new(0.2, 1.5, 0.3), Quat::from_rotation_y(0.3));

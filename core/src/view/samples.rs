@@ -1,10 +1,10 @@
 //! Samples of a picture for antialiasing: the same eye, shifted by fractions of a pixel. The mean of their
 //! pictures, in linear light, is the antialiased one.
 //!
-//! From the number of a sample to its offset, and from an eye and an offset to the shifted eye. The offsets are
-//! the Halton sequence of the bases 2 and 3 (J. H. Halton, Numerische Mathematik 2, 1960), turned so that it begins
-//! at the pixel's centre: any number of its first points covers the pixel evenly. Does not know how pictures are
-//! made or averaged.
+//! Maps the index of a sample to its offset, and an eye and an offset to the shifted eye. The offsets are the Halton
+//! sequence of the bases 2 and 3 (J. H. Halton, Numerische Mathematik 2, 1960), shifted so that it begins at the
+//! pixel's centre: any number of its first points covers the pixel evenly. Does not know how pictures are made or
+//! averaged.
 
 use glam::Vec2;
 
@@ -13,8 +13,8 @@ use super::eye::Eye;
 /// The most samples of a picture.
 pub const MAX_SAMPLES: u32 = 64;
 
-/// Where sample `index` lies in a pixel: pixels from the pixel's centre, -0.5 to 0.5, y downwards. Sample 0 is
-/// at the centre.
+/// Returns the position of sample `index` in a pixel: in pixels from the pixel's centre, -0.5 to 0.5, y downwards.
+/// Sample 0 is at the centre.
 pub fn sample_offset_px(index: u32) -> Vec2 {
     let centred = |base| {
         let at = radical_inverse(index, base);
@@ -23,7 +23,7 @@ pub fn sample_offset_px(index: u32) -> Vec2 {
     Vec2::new(centred(2), centred(3))
 }
 
-/// The digits of `index` in `base`, mirrored at the point: 0 to 1.
+/// Returns the digits of `index` in `base`, mirrored at the radix point: 0 to 1.
 fn radical_inverse(mut index: u32, base: u32) -> f64 {
     let (mut inverse, mut place) = (0.0, 1.0);
     while index > 0 {
@@ -35,8 +35,8 @@ fn radical_inverse(mut index: u32, base: u32) -> f64 {
 }
 
 impl Eye {
-    /// The eye whose pixels have their centres `offset_px` pixels to the right of and below those of this one:
-    /// the same position, the projection shifted. With no offset it is the same eye to the bit.
+    /// Returns the eye whose pixel centres lie `offset_px` to the right of and below those of this one: the same
+    /// position, with the projection shifted. Without offset it is the same eye to the bit.
     pub fn shifted_by_px(&self, offset_px: Vec2) -> Eye {
         // Clip space is two units wide and high.
         let shift = 2.0 * offset_px / self.size.as_vec2();
@@ -51,7 +51,7 @@ impl Eye {
         eye
     }
 
-    /// The eye of sample `index` of its picture.
+    /// Returns the eye of sample `index` of its picture.
     pub fn sample(&self, index: u32) -> Eye {
         self.shifted_by_px(sample_offset_px(index))
     }
@@ -65,7 +65,7 @@ mod tests {
     use crate::view::eye::Frustum;
     use crate::view::{Camera, StereoRig};
 
-    /// Mono, off-axis, and a stereo pair.
+    /// Returns a mono eye, an off-axis one, and a stereo pair.
     fn eyes() -> [Eye; 4] {
         let camera = Camera { eye: Vec3::new(3.0, 2.0, 9.0), ..Camera::default() };
         let mono = camera.eye(UVec2::new(641, 480));
@@ -134,7 +134,7 @@ mod tests {
         for count in [3, 9, 27] {
             assert_eq!(strata(1, count), vec![1; count]);
         }
-        // An upright or slanting edge through the pixel covers as much of it as the share of samples beyond the edge.
+        // The part of the pixel beyond an upright or slanting edge equals the share of samples beyond the edge.
         for count in [16, 64] {
             let mean = all[..count].iter().sum::<Vec2>() / count as f32;
             assert!(mean.abs().max_element() < 0.06, "{count}: {mean}");

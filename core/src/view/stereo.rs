@@ -1,29 +1,29 @@
-//! The two eyes of a stereo picture without head tracking: parallel cameras whose frusta are shifted
-//! so that both see the same window at the distance of convergence.
+//! The two eyes of a stereo picture without head tracking: parallel cameras whose frusta are shifted so that both see
+//! the same window at the distance of convergence.
 //!
-//! From the eye between them to the left and the right one. Does not know how the two pictures are
-//! shown. The cameras are not toed in: that would give points off the centre a vertical parallax (A. Woods, T. Docherty, R. Koch: "Image Distortions in Stereoscopic
-//! Video Systems", SPIE 1915, 1993).
+//! Maps the eye between them to the left and the right one. Does not know how the two pictures are shown. The cameras
+//! are not toed in: that would give points off the centre a vertical parallax (A. Woods, T. Docherty, R. Koch: "Image
+//! Distortions in Stereoscopic Video Systems", SPIE 1915, 1993).
 
 use glam::{Affine3A, Vec3};
 
 use super::eye::Eye;
 
-/// Distance between the eyes, and where their pictures coincide. Lengths in world units.
+/// The distance between the eyes, and the distance at which their pictures coincide. Lengths are in world units.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct StereoRig {
-    /// From eye to eye, 0 or more.
+    /// Distance between the eyes, 0 or more.
     pub eye_distance: f32,
-    /// From the eyes' plane to the plane that is seen in the plane of the screen, above 0.
+    /// Distance from the eyes' plane to the plane that appears in the plane of the screen, above 0.
     pub convergence: f32,
-    /// Exchanges the pictures of the two eyes, for screens that have them the other way round.
+    /// Exchanges the pictures of the two eyes, for screens that have them reversed.
     pub swap: bool,
 }
 
 impl StereoRig {
-    /// The pictures for the left and the right eye, in this order, of a head whose middle sees
-    /// `mono`. A point `depth` before the eyes has the parallax (right minus left, positive behind
-    /// the screen) `eye_distance * (1 - convergence / depth)` measured in the plane of convergence.
+    /// Returns the pictures for the left and the right eye, in this order, of a head whose midpoint sees `mono`. A
+    /// point `depth` in front of the eyes has the parallax (right minus left, positive behind the screen) `eye_distance
+    /// * (1 - convergence / depth)` measured in the plane of convergence.
     pub fn eyes(&self, mono: &Eye) -> [Eye; 2] {
         let half = 0.5 * self.eye_distance;
         let [left, right] = [-half, half].map(|x| shifted(mono, x, self.convergence));
@@ -31,7 +31,7 @@ impl StereoRig {
     }
 }
 
-/// The eye moved by `x` to its right, which sees the same window at `convergence`.
+/// Returns the eye moved by `x` to its right, which sees the same window at `convergence`.
 fn shifted(mono: &Eye, x: f32, convergence: f32) -> Eye {
     let mut eye = *mono;
     eye.eye_from_world = Affine3A::from_translation(Vec3::new(-x, 0.0, 0.0)) * mono.eye_from_world;
@@ -56,7 +56,7 @@ mod tests {
     fn mono() -> Eye {
         let camera = Camera { eye: Vec3::new(3.0, 2.0, 9.0), ..Camera::default() };
         let mut eye = camera.eye(UVec2::new(640, 480));
-        // Off-centre, so that nothing rests on symmetry.
+        // Off-centre, so that no result depends on symmetry.
         eye.projection = Frustum { left: -0.3, right: 0.5, down: -0.2, up: 0.4 }.projection(0.1);
         eye
     }

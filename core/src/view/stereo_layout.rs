@@ -1,24 +1,23 @@
-//! How the pictures of two eyes share one screen, pixel by pixel: the CPU twin of
-//! `shaders/stereo.frag.wgsl`, and the inverse, from a pixel of the screen to the picture shown there.
+//! The layout of the pictures of two eyes on one screen, pixel by pixel: the CPU twin of `shaders/stereo.frag.wgsl`,
+//! and the inverse, from a pixel of the screen to the picture shown there.
 //!
-//! Every layout shows both pictures entirely; each has the size of the screen. Knows no Vulkan and no
-//! cameras.
+//! Every layout shows both pictures entirely; each has the size of the screen. Knows no Vulkan and no cameras.
 
 use std::str::FromStr;
 
 use glam::{UVec2, Vec2};
 use serde::Deserialize;
 
-/// How two pictures are shown on one screen.
+/// The layout of two pictures on one screen.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StereoLayout {
     /// One picture for both eyes
     #[default]
     Mono,
-    /// A layer an eye of a quad-buffered window
+    /// One layer per eye of a quad-buffered window
     Layers,
-    /// Left and right half, each squeezed, as 3D televisions take it
+    /// Left and right half, each squeezed, as 3D televisions expect
     SideBySide,
     /// Upper and lower half, each squeezed
     TopBottom,
@@ -42,7 +41,7 @@ impl StereoLayout {
         StereoLayout::Anaglyph,
     ];
 
-    /// Its name in the interface.
+    /// Returns its name in the interface.
     pub fn label(self) -> &'static str {
         match self {
             StereoLayout::Mono => "Mono",
@@ -55,7 +54,7 @@ impl StereoLayout {
         }
     }
 
-    /// Its name in text, as it is stored.
+    /// Returns its name in text, as it is stored.
     pub const fn name(self) -> &'static str {
         match self {
             StereoLayout::Mono => "mono",
@@ -68,13 +67,13 @@ impl StereoLayout {
         }
     }
 
-    /// Number of pictures that it shows.
+    /// Returns the number of pictures that it shows.
     pub fn eyes(self) -> usize {
         if self == StereoLayout::Mono { 1 } else { 2 }
     }
 
-    /// The eye whose picture is seen at `at` (pixels of a screen of `size`), and where in that
-    /// picture. Where both eyes see a pixel, the left one counts.
+    /// Returns the eye whose picture is shown at `at` (pixels of a screen of `size`), and the position in that picture.
+    /// Where both eyes see a pixel, the left one counts.
     pub fn unfold(self, at: Vec2, size: UVec2) -> (usize, Vec2) {
         let half = (size / 2).as_vec2();
         match self {
@@ -92,8 +91,8 @@ impl StereoLayout {
         }
     }
 
-    /// One pixel of the screen, of which there are `size`. `picture` gives the pixel of an eye's
-    /// picture. [`StereoLayout::Layers`] has two screens, told apart by `layer`.
+    /// Returns one pixel of a screen of `size`. `picture` returns the pixel of an eye's picture.
+    /// [`StereoLayout::Layers`] has two screens, selected by `layer`.
     pub fn pixel(
         self,
         at: UVec2,
@@ -102,7 +101,7 @@ impl StereoLayout {
         picture: impl Fn(usize, UVec2) -> [u8; 3],
     ) -> [u8; 3] {
         let half = size / 2;
-        // Of the two pixels that are squeezed into one the mean is shown.
+        // The mean of the two pixels that are squeezed into one.
         let squeezed = |eye: usize, axis: usize, place: u32| {
             let mut first = at;
             first[axis] = (2 * place).min(size[axis] - 1);
@@ -147,7 +146,7 @@ mod tests {
 
     const SIZE: UVec2 = UVec2::new(8, 6);
 
-    /// A picture whose pixels tell their eye and place.
+    /// Returns a picture whose pixels identify their eye and position.
     fn tell(eye: usize, at: UVec2) -> [u8; 3] {
         [100 * eye as u8 + at.x as u8, 100 * eye as u8 + at.y as u8, 10 + eye as u8]
     }
