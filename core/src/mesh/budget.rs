@@ -1,4 +1,4 @@
-//! How much memory a mesh may take, counted before it is taken, and how much of its work is done.
+//! The memory budget of a mesh, counted before allocation, and the progress of its work.
 //!
 //! Many threads make a mesh; they share these counts. Knows neither grids nor files.
 
@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::Limits;
 
-/// Memory that a mesh may take, as much as the limits for the grid and the colours together.
+/// The memory that a mesh may take: as much as the limits for the grid and the colours together.
 pub(crate) struct Budget {
     bytes: u64,
     taken: AtomicU64,
@@ -23,23 +23,23 @@ impl Budget {
         Budget { bytes, taken: AtomicU64::new(0) }
     }
 
-    /// All bytes that may be taken.
+    /// Returns the total budget in bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// Counts bytes that are about to be taken; whether there is room for them.
+    /// Counts bytes before allocation. Returns whether they are within the budget.
     pub fn take(&self, bytes: u64) -> bool {
         let before = self.taken.fetch_add(bytes, Ordering::Relaxed);
         before.saturating_add(bytes) <= self.bytes
     }
 
-    /// An error if more was to be taken than there is room for.
+    /// Returns an error if the counted bytes exceed the budget.
     pub fn check(&self) -> Result<(), MeshError> {
         self.check_for(self.taken.load(Ordering::Relaxed))
     }
 
-    /// An error if there is no room for so many bytes in all.
+    /// Returns an error if `needed` bytes exceed the budget.
     pub fn check_for(&self, needed: u64) -> Result<(), MeshError> {
         let checked = self.check_work("the mesh needs at least", needed);
         checked.map_err(|over| over.advise("export a smaller part of the sculpture").into())
@@ -58,7 +58,7 @@ impl Budget {
 /// Reports how many pieces of a stage of work are done, from any thread.
 pub(super) struct Pieces<'a> {
     progress: &'a dyn Progress,
-    /// The shares of the work that are done before and after the stage.
+    /// The fractions of the work that are done before and after the stage.
     shares: [f32; 2],
     all: usize,
     done: Mutex<usize>,
@@ -73,9 +73,9 @@ impl Pieces<'_> {
         self.progress.is_cancelled()
     }
 
-    /// One more is done.
+    /// Reports that one more piece is done.
     pub fn one(&self) {
-        // Held meanwhile, so that shares are reported in their order.
+        // Locked meanwhile, so that shares are reported in ascending order.
         let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
         *done += 1;
         let [from, to] = self.shares;

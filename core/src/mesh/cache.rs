@@ -1,6 +1,7 @@
-//! The mesh of the last export, so that the next one of the same kind makes anew only what has changed since.
+//! The mesh of the last export, so that the next one of the same kind rebuilds only what has changed since.
 //!
-//! It takes memory until the next export, within a share of what meshes may take; larger ones are not kept, so that they
+//! It takes memory until the next export, up to a share of the memory for meshes. Larger meshes are not cached, so that
+//! they are in memory only once. Greedy meshes are always built whole.
 //! are in memory once. Greedy meshes are made at once.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -12,7 +13,7 @@ use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
 
-/// The part of the memory for meshes that a kept one may take.
+/// The divisor of the memory for meshes that a cached one may take.
 const SHARE: u64 = 4;
 
 /// See the module text.
@@ -21,7 +22,7 @@ pub struct MeshCache {
     kept: Mutex<Option<KeptMesh>>,
 }
 
-/// A cache as the contents of one version use it.
+/// A cache for the contents of one version.
 #[derive(Clone, Copy, Debug)]
 pub struct VersionedMeshCache<'a> {
     cache: &'a MeshCache,
@@ -29,24 +30,25 @@ pub struct VersionedMeshCache<'a> {
 }
 
 impl MeshCache {
-    /// For the contents that are `version` of all whose meshes are asked for.
+    /// Returns the cache for the contents of version `version`.
     pub fn at<'a>(&'a self, version: &'a ContentsVersion) -> VersionedMeshCache<'a> {
         VersionedMeshCache { cache: self, version }
     }
 
-    /// Gives its memory back.
+    /// Frees its memory.
     pub fn clear(&self) {
         *self.lock() = None;
     }
 
-    /// A poisoned lock does no harm: the mesh that the last export left is only a copy.
+    /// Locks the cached mesh. A poisoned lock does no harm: the mesh of the last export is only a copy.
     fn lock(&self) -> MutexGuard<'_, Option<KeptMesh>> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl VersionedMeshCache<'_> {
-    /// The mesh of `contents`, which have this version, as [`Mesh::of`] makes it but for the order of its parts.
+    /// Returns the mesh of `contents`, which have this version: that of [`Mesh::of`], except for the order of its
+    /// parts.
     pub fn mesh_of(
         &self,
         contents: &Contents,

@@ -1,10 +1,10 @@
-//! How the surface passes through a corner of the voxel lattice, for each of the 256 ways to fill the eight voxels
+//! The fans of surface faces around a corner of the voxel lattice, for each of the 256 ways to fill the eight voxels
 //! around it.
 //!
-//! Twelve faces meet at a corner, one between each two of its voxels that touch. Those between an existing and an
-//! empty voxel are of the surface; they form closed fans, and each fan gets a vertex of its own. Where only two
-//! voxels exist around an edge and touch in it alone, four faces of the surface meet: those of the same voxel belong
-//! together. So voxels that touch in an edge or a corner only are **parted**, and every fan is a disc.
+//! Twelve faces meet at a corner, one between each two of its voxels that touch. Those between an existing and an empty
+//! voxel belong to the surface; they form closed fans, and each fan gets a vertex of its own. Around an edge in which
+//! only two voxels exist and touch, four faces of the surface meet: those of the same voxel belong together. So voxels
+//! that touch only in an edge or a corner are **separated**, and every fan is a disc.
 //!
 //! Octant `i` of a corner is the voxel at `corner - 1 + (i & 1, i >> 1 & 1, i >> 2)`. Along axis `a` a face has the
 //! axes `u = a + 1` and `v = a + 2` (modulo 3); face `4 a + u + 2 v` lies on the side of the octants with these bits.
@@ -14,10 +14,10 @@ use std::sync::LazyLock;
 
 use glam::{IVec3, Vec3};
 
-/// Most fans of a corner: four voxels that touch in it alone, or in edges.
+/// The most fans of a corner: four voxels that touch only in it, or in edges.
 pub const MOST_FANS: usize = 4;
 
-/// Marks a face that is not of the surface.
+/// Marks a face that does not belong to the surface.
 const NO_FAN: u8 = u8::MAX;
 
 /// One fan of faces around a corner.
@@ -25,9 +25,9 @@ const NO_FAN: u8 = u8::MAX;
 pub struct Fan {
     /// Its faces, a bit each.
     pub faces: u16,
-    /// The existing voxels beside them, a bit per octant.
+    /// The existing voxels beside the faces, a bit per octant.
     pub solid: u8,
-    /// Away from the other fans of the corner; 0 if there is none.
+    /// Direction away from the other fans of the corner; 0 if there are none.
     pub apart: Vec3,
 }
 
@@ -40,19 +40,19 @@ pub struct Corner {
     pub fan_of: [u8; 12],
     /// The fans, by their lowest face.
     pub fans: [Fan; MOST_FANS],
-    /// For each axis, whether the edge below (bit 0) and above (bit 1) is one of four faces of the same fan.
+    /// For each axis, whether the edge below (bit 0) and above (bit 1) is shared by four faces of the same fan.
     pub pinched: [u8; 3],
 }
 
-/// The corners, by the octants that exist.
+/// The corners, indexed by the octants that exist.
 pub static CORNERS: LazyLock<[Corner; 256]> =
     LazyLock::new(|| std::array::from_fn(|octants| Corner::new(octants as u8)));
 
-/// Which of 64 corners have several fans or an edge that may be pinched. Bit `x` of word `i` is octant `i` of corner
-/// `x`.
+/// Returns the corners among 64 that have several fans or an edge that may be pinched. Bit `x` of word `i` is octant
+/// `i` of corner `x`.
 ///
-/// Such a corner has an edge around which the voxels alternate, or just two voxels exist, or are empty, and lie
-/// opposite.
+/// Such a corner has an edge around which the voxels alternate, or just two voxels, either existing or empty, that lie
+/// opposite each other.
 #[inline(always)]
 pub fn odd_corners(words: &[u64; 8]) -> u64 {
     let mut odd = 0;
@@ -76,18 +76,18 @@ pub fn odd_corners(words: &[u64; 8]) -> u64 {
     odd
 }
 
-/// The octant with bit `at` along `axis`, `u` and `v` along the two that follow.
+/// Returns the octant with bit `at` along `axis`, `u` and `v` along the next two axes.
 const fn octant(axis: usize, at: usize, u: usize, v: usize) -> usize {
     at << axis | u << ((axis + 1) % 3) | v << ((axis + 2) % 3)
 }
 
-/// The two octants beside a face: below and above along its axis.
+/// Returns the two octants beside a face: below and above along its axis.
 pub const fn beside(face: usize) -> [usize; 2] {
     let (axis, u, v) = (face / 4, face & 1, face >> 1 & 1);
     [octant(axis, 0, u, v), octant(axis, 1, u, v)]
 }
 
-/// The face between two octants that differ along one axis.
+/// Returns the face between two octants that differ along one axis.
 fn between(a: usize, b: usize) -> usize {
     let axis = (a ^ b).trailing_zeros() as usize;
     4 * axis + (a >> ((axis + 1) % 3) & 1) + 2 * (a >> ((axis + 2) % 3) & 1)
@@ -100,7 +100,7 @@ impl Corner {
             let [low, high] = beside(face);
             exists(low) != exists(high)
         };
-        // A fan is named by its lowest face until all are known.
+        // A fan is identified by its lowest face until all are known.
         let mut fan_of: [u8; 12] =
             std::array::from_fn(|face| if is_face(face) { face as u8 } else { NO_FAN });
         let mut join = |a: usize, b: usize| {
@@ -108,11 +108,11 @@ impl Corner {
             fan_of.iter_mut().filter(|fan| **fan == high).for_each(|fan| *fan = low);
         };
         for (axis, side) in (0..6).map(|i| (i / 2, i % 2)) {
-            // The octants around the edge, in turn.
+            // The octants around the edge, in order.
             let ring = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[u, v]| octant(axis, side, u, v));
             let around: [usize; 4] = std::array::from_fn(|i| between(ring[i], ring[(i + 1) % 4]));
             if around.iter().all(|&face| is_face(face)) {
-                // Face i lies between octants i and i + 1: those beside an existing octant belong together.
+                // Face i lies between octants i and i + 1: the faces beside an existing octant belong together.
                 let first = usize::from(!exists(ring[0]));
                 join(around[(first + 3) % 4], around[first]);
                 join(around[(first + 1) % 4], around[(first + 2) % 4]);
@@ -155,7 +155,7 @@ impl Corner {
         corner
     }
 
-    /// Directions in which the fans are moved apart: each towards the side of it that no other fan bounds.
+    /// Computes the directions in which the fans are moved apart: each towards its side that no other fan bounds.
     fn part(&mut self, octants: u8) {
         if self.count < 2 {
             return;
@@ -178,7 +178,7 @@ impl Corner {
     }
 }
 
-/// Whether octants `a` and `b` are joined through faces of `all`.
+/// Returns whether octants `a` and `b` are connected through faces of `all`.
 fn connected(all: u8, a: u8, b: u8) -> bool {
     let mut reached = a;
     loop {
@@ -193,7 +193,7 @@ fn connected(all: u8, a: u8, b: u8) -> bool {
     }
 }
 
-/// The offset of an octant's voxel from the corner.
+/// Returns the offset of an octant's voxel from the corner.
 pub fn voxel_of(octant: usize) -> IVec3 {
     IVec3::new(octant as i32 & 1, octant as i32 >> 1 & 1, octant as i32 >> 2) - 1
 }
@@ -261,7 +261,7 @@ mod tests {
             let towards = voxel_of(octant).as_vec3() + 0.5;
             assert!(fan.apart.dot(towards.normalize()) > 0.99, "{fan:?}");
         }
-        // Opposite holes: each fan goes into its own hole.
+        // Opposite holes: each fan moves into its own hole.
         for fan in CORNERS[0b0111_1110].fans.iter().take(2) {
             let hole = [0usize, 7].into_iter().find(|hole| {
                 let faces = (0..12).filter(|face| fan.faces >> face & 1 != 0);

@@ -1,9 +1,9 @@
-//! A mesh that is kept from one export to the next: after edits only what they may change is made anew.
+//! A mesh that is kept from one export to the next: after edits, only the affected blocks are rebuilt.
 //!
-//! Blocks of cells of the lattice are meshed independently, each with all vertices of its faces; where blocks meet, both
-//! have a vertex. Put together, each vertex is there once, and the faces are those of the mesh that is made at once, in
-//! another order. Takes the contents and the bricks that have changed since the last time; keeps no contents, so that
-//! the next edit need not copy them. Knows no files.
+//! Blocks of cells of the lattice are meshed independently, each with all vertices of its faces; adjacent blocks both
+//! have the vertices between them. The joined mesh has each vertex once, and the faces of a mesh that is built whole,
+//! in another order. Takes the contents and the bricks that have changed since the last time; keeps no contents, so
+//! that the next edit need not copy them. Knows no files.
 
 use std::collections::HashMap;
 
@@ -22,7 +22,7 @@ use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Grid, Limits, Rgb};
 
-/// Cells of a block along each axis: a word along x, and few across, as all of a block are made anew for any change.
+/// Cells of a block along each axis: a word along x, and few across, since any change rebuilds a whole block.
 const BLOCK: UVec3 = UVec3::new(Cells::MOST_ALONG_X, 16, 16);
 
 /// The part of a block, and the keys of its vertices.
@@ -38,12 +38,12 @@ impl Block {
     }
 }
 
-/// A state of contents that may be meshed, one after the other.
+/// A version of the contents to mesh; versions are consecutive.
 #[derive(Clone, Debug)]
 pub struct ContentsVersion {
-    /// One more than that of the version before.
+    /// One more than that of the previous version.
     pub number: u64,
-    /// The bricks that have changed since the version before, rising; none if all may have.
+    /// The bricks that have changed since the previous version, in ascending order; `None` if all may have.
     pub changed: Option<Vec<u32>>,
 }
 
@@ -56,39 +56,39 @@ struct Subject {
     coloured: bool,
 }
 
-/// See the module text. Greedy meshes cannot be kept: a rectangle may go through all blocks.
+/// See the module text. Greedy meshes cannot be kept: a rectangle may extend through all blocks.
 #[derive(Debug)]
 pub struct KeptMesh {
     kind: MeshKind,
     colours: VertexColours,
-    /// The subject and version that the blocks are of; none before the first time, and after work that was given up.
+    /// The subject and version of the blocks; `None` at first, and after aborted work.
     of: Option<(Subject, u64)>,
-    /// Of the smooth surface.
+    /// The smooth surface.
     smoothing: Option<Smoothing>,
-    /// By x, y, z.
+    /// The blocks in the order x, y, z.
     blocks: Vec<Block>,
 }
 
 impl KeptMesh {
-    /// A mesh of this kind, of nothing yet. None for kinds that cannot be kept.
+    /// Returns an empty mesh of this kind; `None` for kinds that cannot be kept.
     pub fn new(kind: MeshKind, colours: VertexColours) -> Option<KeptMesh> {
         let kept = KeptMesh { kind, colours, of: None, smoothing: None, blocks: Vec::new() };
         (kind != MeshKind::Greedy).then_some(kept)
     }
 
-    /// Whether it is a mesh of this kind.
+    /// Returns whether it is a mesh of this kind.
     pub fn is_of(&self, kind: MeshKind, colours: VertexColours) -> bool {
         (self.kind, self.colours) == (kind, colours)
     }
 
-    /// Bytes in memory.
+    /// Returns the bytes in memory.
     pub fn heap_bytes(&self) -> u64 {
         let smoothing = self.smoothing.as_ref().map_or(0, Smoothing::heap_bytes);
         smoothing + self.blocks.iter().map(Block::heap_bytes).sum::<u64>()
     }
 
-    /// Makes it the mesh of `contents`, which are `version` of all that it has been made of, within `limits`. Returns how
-    /// many of how many blocks were made anew.
+    /// Updates the mesh to `contents`, which have version `version`, within `limits`. Returns the number of rebuilt
+    /// blocks and of all blocks.
     pub fn update(
         &mut self,
         contents: &Contents,
@@ -148,12 +148,12 @@ impl KeptMesh {
         Ok([anew_count, count as usize])
     }
 
-    /// The mesh that it is at present, each vertex once.
+    /// Returns the present mesh, each vertex once.
     pub fn mesh(&self) -> Result<Mesh, MeshError> {
         let Some((Subject { dims, base, .. }, _)) = self.of else {
             return Ok(Mesh { parts: Vec::new(), base: Rgb::STONE });
         };
-        // The number of the first vertex that each block owns.
+        // The index of the first vertex that each block owns.
         let counts: Vec<u64> = (0..self.blocks.len())
             .into_par_iter()
             .map(|block| {
@@ -172,7 +172,7 @@ impl KeptMesh {
             firsts.push(first);
             first += count as u32;
         }
-        // The numbers of the vertices at the lowest sides of blocks, which others have, too.
+        // The indices of the vertices at the lowest sides of blocks, which other blocks share.
         let mut shared = HashMap::new();
         for (block, Block { keys, .. }) in self.blocks.iter().enumerate() {
             let cells = cells_of(dims, block);
@@ -199,7 +199,7 @@ impl KeptMesh {
                     own.positions.push(part.positions[i]);
                     own.colours.extend(part.colours.get(i));
                 } else {
-                    // A block that follows has the same corner, and owns it.
+                    // A later block has the same corner, and owns it.
                     numbers.push(shared[key] - first);
                 }
             }
@@ -212,7 +212,7 @@ impl KeptMesh {
     }
 }
 
-/// Makes blocks in the memory that they have; not all if there is no room for them or the work is cancelled.
+/// Rebuilds blocks in their existing memory. Stops if memory is exhausted or the work is cancelled.
 fn remake<P: Place>(
     contents: &Contents,
     coloured: bool,
@@ -241,13 +241,13 @@ fn remake<P: Place>(
     blocks.par_iter_mut().map_init(|| Scratch::new(1), make).all(|is_made| is_made);
 }
 
-/// Number of blocks along each axis of a grid of `dims` voxels.
+/// Returns the number of blocks along each axis of a grid of `dims` voxels.
 fn block_dims(dims: UVec3) -> UVec3 {
     // One corner more than voxels.
     (dims + BLOCK) / BLOCK
 }
 
-/// The cells of a block of a grid of `dims` voxels.
+/// Returns the cells of a block of a grid of `dims` voxels.
 fn cells_of(dims: UVec3, block: usize) -> Cells {
     let (block, blocks) = (block as u32, block_dims(dims));
     let (x, rest) = (block % blocks.x, block / blocks.x);
@@ -256,11 +256,12 @@ fn cells_of(dims: UVec3, block: usize) -> Cells {
     Cells { x: first.x..end.x, y: first.y..end.y, z: first.z..end.z }
 }
 
-/// Whether the bricks with voxels beside the corners of the cells are all empty, or all full: there is no surface then.
+/// Returns whether the bricks with voxels beside the corners of the cells are all empty, or all full: then there is no
+/// surface.
 fn is_uniform(grid: &Grid, cells: &Cells) -> bool {
     let voxels = [&cells.x, &cells.y, &cells.z].map(|range| (range.start, range.end));
     let (first, last) = (UVec3::from(voxels.map(|v| v.0)), UVec3::from(voxels.map(|v| v.1)));
-    // Beyond the grid there is nothing.
+    // Beyond the grid, all is empty.
     let reaches_out = first.cmpeq(UVec3::ZERO).any() || last.cmpge(grid.dims()).any();
     let low = first.saturating_sub(UVec3::ONE) / BRICK_EDGE_VX;
     let high = (last / BRICK_EDGE_VX).min(grid.brick_dims() - 1);
@@ -271,7 +272,8 @@ fn is_uniform(grid: &Grid, cells: &Cells) -> bool {
             .all(|z| (low.y..=high.y).all(|y| (low.x..=high.x).all(|x| kind(x, y, z) == expected)))
 }
 
-/// The blocks that some bricks may change, rising: those with a corner whose octants have one of their voxels.
+/// Returns the blocks that some bricks may change, in ascending order: those with a corner that has one of their voxels
+/// among its octants.
 fn blocks_of(grid: &Grid, bricks: &[u32]) -> Vec<u32> {
     let dims = block_dims(grid.dims());
     let mut blocks = BrickSet::new(dims.element_product() as usize);

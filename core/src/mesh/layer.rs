@@ -1,25 +1,24 @@
-//! The vertices of one layer of the lattice of voxel corners, and their numbers.
+//! The vertices of one layer of the lattice of voxel corners, and their indices.
 //!
-//! A layer numbers its vertices: first one for each corner of the surface, row by row; then the further fans of
-//! corners that have several, and the vertices in the middle of pinched edges along x and y; then those of pinched
-//! edges along z. An edge is *pinched* if four faces meet in it and neither of its corners tells their two pairs
-//! apart: without vertices of its own, one for each pair, four faces would share one edge of the mesh.
+//! A layer indexes its vertices: first one for each corner of the surface, row by row; then the further fans of corners
+//! that have several, and the vertices in the middle of pinched edges along x and y; then those of pinched edges along
+//! z. An edge is *pinched* if four faces meet in it and neither of its corners separates their two pairs: without
+//! vertices of its own, one for each pair, four faces would share one edge of the mesh.
 //!
 //! Takes rows of bits; knows no positions.
 
 use super::contact::{CORNERS, Corner, odd_corners};
 use super::rows::{Places, Rows, columns, for_each_bit, moved_down, moved_up};
 
-/// Numbers of the places of a corner in the keys of further vertices: fans 1 to 3, then two for the edge along each
-/// axis.
+/// The number of slots of a corner in the keys of further vertices: fans 1 to 3, then two for the edge along each axis.
 const PLACES: u32 = 16;
-/// Place of the vertices in the edge along x.
+/// The slot of the vertices in the edge along x.
 const EDGE_PLACE: u32 = 4;
 
 /// The vertices of the lattice's layer between the voxel layers `z - 1` and `z`.
 #[derive(Default)]
 pub struct Layer {
-    /// Words of a row of corners.
+    /// Words in a row of corners.
     pub width: usize,
     /// Corners of the surface, a bit each.
     pub corners: Vec<u64>,
@@ -29,49 +28,49 @@ pub struct Layer {
     pub ambiguous: Vec<u64>,
     /// Rank of the first corner of each row, and the number of corners.
     row_starts: Vec<u32>,
-    /// The place of each corner along x, by rank.
+    /// The position of each corner along x, by rank.
     places: Vec<u16>,
     /// The octants of each corner, by rank.
     octants: Vec<u8>,
-    /// Keys of the further vertices, rising; those of pinched edges along z by themselves.
+    /// Keys of the further vertices, in ascending order; those of pinched edges along z separately.
     further: Vec<u32>,
     further_z: Vec<u32>,
     has_odd: bool,
 }
 
-/// The data of a row of corners while a layer is read.
+/// The buffers for a row of corners while a layer is read.
 pub struct RowOfCorners {
     places: Places,
-    /// By place along x; those that are no corners mean nothing.
+    /// By position along x; unspecified where there is no corner.
     octants: Vec<u8>,
 }
 
 impl RowOfCorners {
-    /// Of `width` words.
+    /// Returns buffers for rows of `width` words.
     pub fn new(width: usize) -> RowOfCorners {
         RowOfCorners { places: Places::new(width), octants: vec![0; 64 * width] }
     }
 }
 
-/// The place of a vertex beyond the first of its corner.
+/// The kind of a vertex beyond the first of its corner.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Further {
-    /// The fan of this number.
+    /// The fan of this index.
     Fan(usize),
-    /// In the middle of the edge from the corner along an axis; of the existing voxel with this bit along the
-    /// second axis after it.
+    /// In the middle of the edge from the corner along an axis; on the side of the existing voxel with this bit along
+    /// the second axis after it.
     Middle { axis: usize, side: usize },
 }
 
 impl Layer {
-    /// The layer below the voxel layer `z`, without the pinched edges along z.
+    /// Returns the layer below the voxel layer `z`, without the pinched edges along z.
     pub fn new(rows: &Rows, z: i64) -> Layer {
         let mut layer = Layer::default();
         layer.read(rows, z, &mut RowOfCorners::new(rows.width()));
         layer
     }
 
-    /// Becomes [`Layer::new`], in the memory that it has.
+    /// Replaces the layer by [`Layer::new`], in its existing memory.
     pub fn read(&mut self, rows: &Rows, z: i64, row: &mut RowOfCorners) {
         let (width, height) = (rows.width(), rows.corner_rows);
         let layer = self;
@@ -94,7 +93,7 @@ impl Layer {
             let [a, b] = [y as i64 - 1, y as i64];
             let around = [rows.row(a, z - 1), rows.row(b, z - 1), rows.row(a, z), rows.row(b, z)];
             for i in 0..width {
-                // By octants.
+                // The row of each octant.
                 let mut words = [0; 8];
                 for (j, row) in around.iter().enumerate() {
                     (words[2 * j], words[2 * j + 1]) = (moved_up(row, i), row[i]);
@@ -146,7 +145,7 @@ impl Layer {
                             self.further.extend([first, first + 1]);
                         }
                     }
-                    // An edge along z may yet be.
+                    // An edge along z may still be pinched.
                     let may_be = corner.pinched[2] & 2 != 0;
                     kept |= u64::from(may_be || self.further.len() > before) << bit;
                 });
@@ -155,7 +154,7 @@ impl Layer {
         }
     }
 
-    /// Lists the pinched edges from here to the layer above.
+    /// Lists the pinched edges from this layer to the layer above.
     pub fn find_edges_to(&mut self, above: &Layer) {
         if !self.has_odd {
             return;
@@ -176,7 +175,7 @@ impl Layer {
         }
     }
 
-    /// Bytes on the heap.
+    /// Returns the bytes on the heap.
     pub fn heap_bytes(&self) -> u64 {
         let words = self.corners.capacity() + self.odd.capacity() + self.ambiguous.capacity();
         let numbers =
@@ -184,17 +183,17 @@ impl Layer {
         (8 * words + 4 * numbers + 2 * self.places.capacity() + self.octants.capacity()) as u64
     }
 
-    /// Number of corners, the first vertices.
+    /// Returns the number of corners, the first vertices.
     pub fn corner_count(&self) -> usize {
         self.octants.len()
     }
 
-    /// Number of vertices.
+    /// Returns the number of vertices.
     pub fn count(&self) -> usize {
         self.octants.len() + self.further.len() + self.further_z.len()
     }
 
-    /// Whether all vertices are first ones and no edge of the layer is pinched.
+    /// Returns whether each vertex is the first of its corner and no edge of the layer is pinched.
     pub fn is_plain(&self) -> bool {
         !self.has_odd
     }
@@ -203,7 +202,7 @@ impl Layer {
         (x + y * (64 * self.width)) as u32 * PLACES
     }
 
-    /// The rank of the corner at (x, y), which must be of the surface.
+    /// Returns the rank of the corner at (x, y), which must belong to the surface.
     fn rank(&self, x: usize, y: usize) -> usize {
         let row = &self.corners[y * self.width..];
         let before: u32 = row[..x / 64].iter().map(|word| word.count_ones()).sum();
@@ -211,29 +210,29 @@ impl Layer {
         (self.row_starts[y] + before + last) as usize
     }
 
-    /// Whether the lattice has corners at y.
+    /// Returns whether the lattice has corners at y.
     pub fn has_row(&self, y: usize) -> bool {
         y < self.height()
     }
 
-    /// Rows of corners.
+    /// Returns the rows of corners.
     fn height(&self) -> usize {
         self.row_starts.len() - 1
     }
 
-    /// The octants of the corner at (x, y), which must be of the surface.
+    /// Returns the octants of the corner at (x, y), which must belong to the surface.
     pub fn octants_at(&self, x: usize, y: usize) -> u8 {
         self.octants[self.rank(x, y)]
     }
 
-    /// The corner at (x, y), if the surface passes through it.
+    /// Returns the corner at (x, y), if the surface passes through it.
     pub fn corner(&self, x: usize, y: usize) -> Option<&'static Corner> {
         let word = (self.has_row(y) && x / 64 < self.width)
             .then(|| self.corners[y * self.width + x / 64])?;
         (word >> (x % 64) & 1 != 0).then(|| &CORNERS[self.octants[self.rank(x, y)] as usize])
     }
 
-    /// The number in the layer of the vertex of a fan of the corner at (x, y), which must be of the surface.
+    /// Returns the index in the layer of the vertex of a fan of the corner at (x, y), which must belong to the surface.
     pub fn fan(&self, x: usize, y: usize, fan: usize) -> usize {
         match fan {
             0 => self.rank(x, y),
@@ -241,8 +240,8 @@ impl Layer {
         }
     }
 
-    /// The number of the vertex in the edge from (x, y) along `axis`, on the side of the existing voxel with this bit
-    /// along the second axis after it. None if the edge is not pinched.
+    /// Returns the index of the vertex in the edge from (x, y) along `axis`, on the side of the existing voxel with
+    /// this bit along the second axis after it. `None` if the edge is not pinched.
     pub fn middle(&self, x: usize, y: usize, axis: usize, side: usize) -> Option<usize> {
         let key = self.key(x, y) + EDGE_PLACE + 2 * axis as u32 + side as u32;
         let (keys, before) = match axis {
@@ -256,7 +255,7 @@ impl Layer {
         before + keys.partition_point(|&other| other < key)
     }
 
-    /// The further vertices in the order of their numbers: their corner, and which they are.
+    /// Returns the further vertices in the order of their indices: their corner and kind.
     pub fn further(&self) -> impl Iterator<Item = ([usize; 2], Further)> {
         self.further.iter().chain(&self.further_z).map(|&key| {
             let (at, place) = ((key / PLACES) as usize, (key % PLACES) as usize);
@@ -269,7 +268,7 @@ impl Layer {
         })
     }
 
-    /// The keys of the further vertices, in the order of their numbers: the corner, and which of its vertices.
+    /// Returns the keys of the further vertices, in the order of their indices: the corner, and the slot of the vertex.
     pub fn further_keys(&self) -> impl Iterator<Item = ([usize; 2], u8)> {
         let row = 64 * self.width;
         self.further.iter().chain(&self.further_z).map(move |&key| {
@@ -278,7 +277,7 @@ impl Layer {
         })
     }
 
-    /// The corners by rows, in the order of their numbers: y, the places along x, and the octants of each.
+    /// Returns the corners by rows, in the order of their indices: y, the positions along x, and the octants of each.
     pub fn rows(&self) -> impl Iterator<Item = (usize, &[u16], &[u8])> {
         (0..self.height()).map(|y| {
             let row = self.row_starts[y] as usize..self.row_starts[y + 1] as usize;
@@ -286,7 +285,7 @@ impl Layer {
         })
     }
 
-    /// Writes the numbers of the corners of row `y` to their places in `numbers`, from `base` on.
+    /// Writes the indices of the corners of row `y` to their positions in `numbers`, starting at `base`.
     #[inline(always)]
     pub fn number_row(&self, y: usize, base: u32, numbers: &mut [u32]) {
         let (first, end) = (self.row_starts[y], self.row_starts[y + 1]);
@@ -296,7 +295,7 @@ impl Layer {
         }
     }
 
-    /// Whether a row has no odd corner.
+    /// Returns whether a row has no odd corner.
     pub fn is_plain_row(&self, y: usize) -> bool {
         self.odd_row(y).iter().all(|&word| word == 0)
     }
@@ -305,19 +304,19 @@ impl Layer {
         &self.odd[y * self.width..(y + 1) * self.width]
     }
 
-    /// Whether the corner at (x, y) is odd.
+    /// Returns whether the corner at (x, y) is odd.
     pub fn is_odd(&self, x: u16, y: usize) -> bool {
         self.odd[y * self.width + usize::from(x) / 64] >> (x % 64) & 1 != 0
     }
 
-    /// Bits of the places of row `y` whose corner, or the next one, is odd.
+    /// Returns the positions of row `y` whose corner, or the next one, is odd, as bits.
     pub fn odd_beside(&self, y: usize, i: usize) -> u64 {
         let row = self.odd_row(y);
         row[i] | moved_down(row, i)
     }
 }
 
-/// Whether an edge between two corners has four faces, in two pairs that neither of them tells apart.
+/// Returns whether an edge between two corners has four faces, in two pairs that neither of them separates.
 fn is_pinched(low: Option<&Corner>, high: Option<&Corner>, axis: usize) -> bool {
     let (Some(low), Some(high)) = (low, high) else { return false };
     low.pinched[axis] & 2 != 0 && high.pinched[axis] & 1 != 0

@@ -1,12 +1,12 @@
-//! Meshes of a sculpture: closed surfaces around its voxels, of triangles.
+//! Triangle meshes of a sculpture: closed surfaces around its voxels.
 //!
 //! Every mesh is watertight and 2-manifold: each edge has two triangles of opposite directions, and the triangles
-//! around a vertex form one fan. Voxels that touch in an edge or a corner only are parted (`contact`): there the
-//! surfaces have vertices of their own. Meshes at the voxels' faces move these apart by [`GAP_VX`], so that this holds
-//! also for files that store no more than positions; except for that their volume is the number of voxels.
+//! around a vertex form one fan. Voxels that touch only in an edge or a corner are separated (`contact`): the surfaces
+//! have vertices of their own there. Meshes at the voxels' faces move these apart by [`GAP_VX`], so that this also
+//! holds for files that store only positions; apart from that, their volume is the number of voxels.
 //!
-//! Slabs of the lattice of voxel corners are meshed independently (`slab`), so a mesh consists of parts and is the
-//! same for any number of threads. Takes contents, gives a [`Mesh`] in grid coordinates; knows no files, no units.
+//! Slabs of the lattice of voxel corners are meshed independently (`slab`), so a mesh consists of parts and is the same
+//! for any number of threads. Takes contents, returns a [`Mesh`] in grid coordinates; knows no files, no units.
 
 mod budget;
 mod cache;
@@ -42,15 +42,15 @@ pub use self::kept::{ContentsVersion, KeptMesh};
 pub use self::place::GAP_VX;
 pub use self::simplify::simplified;
 
-/// Layers of the lattice in a part: a multiple of a brick's.
+/// Layers of the lattice in a part: a multiple of the brick edge.
 const PART_LAYERS: u32 = 16;
 
-/// Which surface a mesh follows.
+/// The surface that a mesh follows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum MeshKind {
     /// Each exposed face of a voxel.
     Faces,
-    /// The exposed faces, merged to rectangles where they lie in a plane.
+    /// The exposed faces, merged to rectangles where they are coplanar.
     Greedy,
     /// The smooth surface that pictures show.
     #[default]
@@ -63,18 +63,18 @@ impl MeshKind {
         [(MeshKind::Faces, "faces"), (MeshKind::Greedy, "greedy"), (MeshKind::Smooth, "smooth")];
 }
 
-/// Which colours the vertices of a mesh have.
+/// The colours of the vertices of a mesh.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum VertexColours {
-    /// Those of the voxels, if any of these has a colour of its own.
+    /// Those of the voxels, if any voxel has a colour of its own.
     #[default]
     Voxels,
-    /// None, for files that hold none: faces are merged across colours, and less memory is taken.
+    /// None, for files without colours: faces are merged across colours, and less memory is needed.
     None,
 }
 
 impl VertexColours {
-    /// Whether the vertices of a mesh of `contents` have colours.
+    /// Returns whether the vertices of a mesh of `contents` have colours.
     fn are_in(self, contents: &Contents) -> bool {
         self == VertexColours::Voxels && contents.material.page_count() > 0
     }
@@ -86,7 +86,7 @@ pub enum MeshError {
     /// [`Progress::is_cancelled`] returned true.
     #[error("the work was cancelled")]
     Cancelled,
-    /// More vertices than a mesh can number.
+    /// More vertices than a mesh can index.
     #[error(
         "the mesh would have {0} vertices, more than the 2^32 that it can number; export a smaller part of the sculpture"
     )]
@@ -106,12 +106,12 @@ pub struct Part {
     pub positions: Vec<Vec3>,
     /// Their colours; empty if all have the colour of the mesh.
     pub colours: Vec<Rgb>,
-    /// Faces of four vertices, counter-clockwise from outside. Numbers count from the part's first vertex and may
-    /// reach into the parts that follow.
+    /// Faces of four vertices, counter-clockwise from outside. Indices count from the part's first vertex and may refer
+    /// to vertices of later parts.
     pub quads: Vec<[u32; 4]>,
-    /// Faces of three.
+    /// Faces of three vertices.
     pub triangles: Vec<[u32; 3]>,
-    /// Number of the first vertex in the mesh.
+    /// Index of the first vertex in the mesh.
     pub first_vertex: u32,
 }
 
@@ -136,7 +136,7 @@ impl Part {
 /// A closed surface.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Mesh {
-    /// In the order of their vertices.
+    /// The parts in the order of their vertices.
     pub parts: Vec<Part>,
     /// The colour of vertices without one of their own.
     pub base: Rgb,
@@ -165,7 +165,7 @@ impl Mesh {
         }
     }
 
-    /// The mesh of a smooth surface that is known.
+    /// Returns the mesh of a given smooth surface.
     pub fn smooth(
         contents: &Contents,
         levels: &LevelSet,
@@ -212,7 +212,7 @@ impl Mesh {
         Mesh::joined(parts, contents.material.base())
     }
 
-    /// A mesh of parts whose faces count from their own vertices.
+    /// Returns a mesh of parts whose faces count from their own vertices.
     fn joined(mut parts: Vec<Part>, base: Rgb) -> Result<Mesh, MeshError> {
         let count: u64 = parts.iter().map(|part| part.positions.len() as u64).sum();
         if count > u64::from(u32::MAX) {
@@ -226,22 +226,22 @@ impl Mesh {
         Ok(Mesh { parts, base })
     }
 
-    /// Number of vertices.
+    /// Returns the number of vertices.
     pub fn vertex_count(&self) -> u64 {
         self.parts.iter().map(|part| part.positions.len() as u64).sum()
     }
 
-    /// Number of triangles; a quad counts as two.
+    /// Returns the number of triangles; a quad counts as two.
     pub fn triangle_count(&self) -> u64 {
         self.parts.iter().map(|part| (2 * part.quads.len() + part.triangles.len()) as u64).sum()
     }
 
-    /// Whether vertices have colours of their own.
+    /// Returns whether vertices have colours of their own.
     pub fn is_coloured(&self) -> bool {
         self.parts.iter().any(|part| !part.colours.is_empty())
     }
 
-    /// The position of a vertex.
+    /// Returns the position of a vertex.
     pub fn position(&self, vertex: u32) -> Vec3 {
         let part = self.part_of(vertex);
         part.positions[(vertex - part.first_vertex) as usize]
@@ -252,12 +252,12 @@ impl Mesh {
         &self.parts[after - 1]
     }
 
-    /// Positions of all vertices.
+    /// Returns the positions of all vertices.
     pub fn positions(&self) -> impl Iterator<Item = Vec3> {
         self.parts.iter().flat_map(|part| part.positions.iter().copied())
     }
 
-    /// Colours of all vertices.
+    /// Returns the colours of all vertices.
     pub fn colours(&self) -> impl Iterator<Item = Rgb> {
         self.parts.iter().flat_map(|part| {
             let own = part.colours.iter().copied();
@@ -266,12 +266,12 @@ impl Mesh {
         })
     }
 
-    /// The triangles by the numbers of their vertices, counter-clockwise from outside.
+    /// Returns the triangles by the indices of their vertices, counter-clockwise from outside.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
         (0..self.parts.len()).flat_map(|part| self.triangles_of(part))
     }
 
-    /// The triangles of a part. Quads are cut along their shorter diagonal.
+    /// Returns the triangles of a part. Quads are split along their shorter diagonal.
     pub fn triangles_of(&self, part: usize) -> impl Iterator<Item = [u32; 3]> {
         let (number, part) = (part, &self.parts[part]);
         let first = part.first_vertex;
@@ -288,13 +288,13 @@ impl Mesh {
         triangles.map(move |triangle| triangle.map(|vertex| first + vertex))
     }
 
-    /// The position of a vertex of a part that follows, by its number in `part`.
+    /// Returns the position of a vertex of a later part, by its index in `part`.
     #[cold]
     fn position_beyond(&self, part: usize, vertex: u32) -> Vec3 {
         self.position(self.parts[part].first_vertex + vertex)
     }
 
-    /// The volume inside, in voxels.
+    /// Returns the enclosed volume, in voxels.
     pub fn volume_vx(&self) -> f64 {
         let sums = (0..self.parts.len()).into_par_iter().map(|part| {
             let corners = |[a, b, c]: [u32; 3]| [a, b, c].map(|v| self.position(v).as_dvec3());
@@ -304,13 +304,13 @@ impl Mesh {
         sums.collect::<Vec<_>>().into_iter().sum()
     }
 
-    /// Bytes in memory.
+    /// Returns the bytes in memory.
     pub fn heap_bytes(&self) -> u64 {
         self.parts.iter().map(Part::heap_bytes).sum()
     }
 }
 
-/// Adds a face of any number of vertices, as triangles from the first if they are more than four.
+/// Adds a face of any number of vertices, as a fan of triangles from the first if there are more than four.
 fn push_polygon(part: &mut Part, vertices: &[u32]) {
     if let &[a, b, c, d] = vertices {
         part.quads.push([a, b, c, d]);
@@ -319,7 +319,7 @@ fn push_polygon(part: &mut Part, vertices: &[u32]) {
     part.triangles.extend(vertices[1..].windows(2).map(|pair| [vertices[0], pair[0], pair[1]]));
 }
 
-/// Bytes of a mesh with a face for each exposed face of a voxel, and about as many vertices.
+/// Returns the bytes of a mesh with a face for each exposed face of a voxel, and about as many vertices.
 fn bytes_of_faces(contents: &Contents, coloured: bool) -> u64 {
     let end = contents.grid.dims().z + 1;
     let starts: Vec<u32> = (0..end).step_by(PART_LAYERS as usize).collect();

@@ -1,8 +1,8 @@
-//! Where the vertices of a mesh lie, and their colours.
+//! The positions of the vertices of a mesh, and their colours.
 //!
-//! All meshes that follow the voxels have the same faces; they differ in where their vertices are: at the corners
-//! of the voxels, or on the smooth surface, as in surface nets (Gibson, "Constrained elastic surface nets", 1998).
-//! Takes corners of the lattice with the octants around them; gives positions in grid coordinates.
+//! All meshes that follow the voxels have the same faces; they differ in the positions of their vertices: at the
+//! corners of the voxels, or on the smooth surface, as in surface nets (Gibson, "Constrained elastic surface nets",
+//! 1998). Takes corners of the lattice with the octants around them; returns positions in grid coordinates.
 
 use std::ops::Range;
 use std::sync::LazyLock;
@@ -15,28 +15,29 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::{Grid, Rgb};
 use crate::shade::{LevelLayer, LevelSet};
 
-/// How far vertices that share a corner of the lattice are moved apart, so that a mesh without shared vertices, as
-/// in an .stl file, is a manifold, too.
+/// The distance by which vertices that share a corner of the lattice are moved apart, so that a mesh without shared
+/// vertices, as in an .stl file, is a manifold, too.
 pub const GAP_VX: f32 = 1.0 / 64.0;
 
 /// Places the vertices of a mesh.
 pub trait Place: Sync {
-    /// The data kept of the voxels beside a layer of the lattice while its vertices are placed.
+    /// The data of the voxels beside a layer of the lattice that is needed to place its vertices.
     type Layer: Default;
 
-    /// Makes `layer` that of the corners of `rows` at `z`; it may be that of any others before.
+    /// Replaces `layer` by that of the corners of `rows` at `z`.
     fn enter(&self, layer: &mut Self::Layer, z: i32, rows: &Rows);
-    /// The vertex of a corner with one fan.
+    /// Returns the vertex of a corner with one fan.
     fn only(&self, layer: &Self::Layer, corner: IVec3, octants: u8) -> Vec3 {
         self.fan(layer, corner, octants, 0)
     }
-    /// The vertex of a fan of the corner at `corner`, around which `octants` exist.
+    /// Returns the vertex of a fan of the corner at `corner`, around which `octants` exist.
     fn fan(&self, layer: &Self::Layer, corner: IVec3, octants: u8, fan: usize) -> Vec3;
-    /// The vertex in the middle of the pinched edge from `corner` along `axis`, on the side of the existing `octant`.
+    /// Returns the vertex in the middle of the pinched edge from `corner` along `axis`, on the side of the existing
+    /// `octant`.
     fn middle(&self, layer: &Self::Layer, corner: IVec3, axis: usize, octant: usize) -> Vec3;
 }
 
-/// At the corners of the voxels.
+/// Places vertices at the corners of the voxels.
 pub struct AtCorners;
 
 impl Place for AtCorners {
@@ -67,13 +68,13 @@ impl Place for AtCorners {
     }
 }
 
-/// The data that a fan's vertex is computed from: the mean of the places where the surface crosses its edges.
+/// The data for computing a fan's vertex: the mean of the points where the surface crosses its edges.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Mean {
-    /// The mean of the lower ends of the edges, from the middle of the first voxel around the corner.
+    /// The mean of the lower ends of the edges, relative to the centre of the first voxel around the corner.
     start: Vec3A,
-    /// The weight of the four edges along each axis; 0 where an edge is not the fan's.
+    /// The weight of the four edges along each axis; 0 if an edge does not belong to the fan.
     weights: [Vec3A; 4],
 }
 
@@ -90,12 +91,12 @@ impl Mean {
     }
 }
 
-/// Those of all fans of all corners.
+/// The means of all fans of all corners.
 static MEANS: LazyLock<[[Mean; MOST_FANS]; 256]> =
     LazyLock::new(|| CORNERS.each_ref().map(|corner| corner.fans.map(|fan| Mean::of(fan.faces))));
 
-/// On the smooth surface: the place nearest to the mean of those where it crosses the edges of a cell between voxel
-/// centres.
+/// Places vertices on the smooth surface: at the point nearest to the mean of those where it crosses the edges of a
+/// cell between voxel centres.
 pub struct OnSurface<'a> {
     grid: &'a Grid,
     levels: &'a LevelSet,
@@ -105,14 +106,14 @@ pub struct OnSurface<'a> {
 /// The levels of the voxels below and above a layer of the lattice.
 #[derive(Default)]
 pub struct LevelsBeside {
-    /// The layer, and the bricks of it along x and y.
+    /// The layer, and its bricks along x and y.
     place: Option<(i32, [Range<u32>; 2])>,
     low: LevelLayer,
     high: LevelLayer,
 }
 
 impl LevelsBeside {
-    /// The levels of the eight voxels around a corner.
+    /// Returns the levels of the eight voxels around a corner.
     #[inline(always)]
     fn around(&self, corner: IVec3) -> [f32; 8] {
         let [x, y] = [corner.x as usize, corner.y as usize];
@@ -120,7 +121,7 @@ impl LevelsBeside {
     }
 }
 
-/// Between the middles of eight voxels, from 0 to 1: the trilinear value of `levels`, and its gradient.
+/// Returns the trilinear value of `levels` between the centres of eight voxels, from 0 to 1, and its gradient.
 #[inline(always)]
 fn trilinear(levels: &[f32; 8], at: Vec3A) -> (f32, Vec3A) {
     let &[a, b, c, d, e, f, g, h] = levels;
@@ -134,8 +135,8 @@ fn trilinear(levels: &[f32; 8], at: Vec3A) -> (f32, Vec3A) {
     (weights.dot(Vec4::new(a, b, c, d)), gradient)
 }
 
-/// The vertex of a fan whose edges the surface crosses in `mean` in the mean: one step of Newton's method from there, so
-/// that the vertices of edges, corners and thin parts lie on the surface, too, and not within it.
+/// Returns the vertex of a fan whose edges the surface crosses at `mean` on average: one step of Newton's method from
+/// there, so that the vertices of edges, corners and thin parts lie on the surface, too, and not within it.
 #[inline(always)]
 fn on_surface(levels: &[f32; 8], mean: Vec3A) -> Vec3A {
     let (value, gradient) = trilinear(levels, mean);
@@ -143,13 +144,13 @@ fn on_surface(levels: &[f32; 8], mean: Vec3A) -> Vec3A {
     (mean - step).clamp(Vec3A::splat(MARGIN_VX), Vec3A::splat(1.0 - MARGIN_VX))
 }
 
-/// How far vertices stay away from the sides of their cells, so that those of neighbours never meet.
+/// The distance of vertices from the sides of their cells, so that those of neighbours never coincide.
 const MARGIN_VX: f32 = 1.0 / 32.0;
-/// A gradient (squared, in levels a voxel) so small that a step along it would lead anywhere.
+/// A squared gradient, in levels per voxel, below which a step along it would be arbitrary.
 const LEAST_GRADIENT_SQUARED: f32 = 256.0;
 
-/// The vertex of a fan that is parted from others: where the surface is on the way from the mean of its crossings
-/// to its side of the corner, or there if the surface joins what the mesh parts.
+/// Returns the vertex of a fan that is separated from others: the point where the surface crosses the segment from the
+/// mean of its crossings to its side of the corner, or that mean if the surface joins what the mesh separates.
 #[cold]
 fn on_parted_surface(levels: &[f32; 8], mean: Vec3A, apart: Vec3) -> Vec3A {
     let end = Vec3A::splat(0.5) + Vec3A::from(apart) * GAP_VX;
@@ -161,7 +162,7 @@ fn on_parted_surface(levels: &[f32; 8], mean: Vec3A, apart: Vec3) -> Vec3A {
 }
 
 impl<'a> OnSurface<'a> {
-    /// On the smooth surface of `grid`.
+    /// Returns the placement on the smooth surface of `grid`.
     pub fn new(grid: &'a Grid, levels: &'a LevelSet) -> OnSurface<'a> {
         OnSurface { grid, levels, means: &MEANS }
     }
@@ -187,7 +188,7 @@ impl Place for OnSurface<'_> {
         let levels = layer.around(corner);
         let d = levels.map(f32::abs);
         let Mean { start, weights } = &self.means[octants as usize][fan];
-        // The octants below and above the faces 0, 4 and 8 and those that follow, as `beside` says.
+        // The octants below and above the faces 0, 4 and 8 and those that follow, as in `beside`.
         let ends = [
             [[d[0], d[0], d[0]], [d[1], d[2], d[4]]],
             [[d[2], d[4], d[1]], [d[3], d[6], d[5]]],
@@ -212,7 +213,7 @@ impl Place for OnSurface<'_> {
         let [u, v] = [1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3)];
         let [own, beside, other] =
             [levels[octant], levels[octant ^ u] + levels[octant ^ v], levels[octant ^ u ^ v]];
-        // From the middle of the own voxel (0) towards that of the other one (1).
+        // From the centre of its own voxel (0) towards that of the other one (1).
         let level = |t: f32| own * (1.0 - t) * (1.0 - t) + beside * t * (1.0 - t) + other * t * t;
         let (mut inside, mut outside) = (0.0, 0.5 - GAP_VX);
         if level(outside) * own < 0.0 {
@@ -229,7 +230,7 @@ impl Place for OnSurface<'_> {
     }
 }
 
-/// The colour of a vertex: the mean of the existing voxels beside its faces.
+/// Returns the colour of a vertex: the mean of the existing voxels beside its faces.
 pub fn colour(contents: &Contents, corner: IVec3, solid: u8) -> Rgb {
     let mut sum = [0u32; 3];
     let count = solid.count_ones();
@@ -241,20 +242,20 @@ pub fn colour(contents: &Contents, corner: IVec3, solid: u8) -> Rgb {
     Rgb(sum.map(|sum| ((sum + count / 2) / count.max(1)) as u8))
 }
 
-/// The octants that exist around a corner.
+/// Returns the octants that exist around a corner.
 pub fn octants_around(grid: &Grid, corner: IVec3) -> u8 {
     (0..8).fold(0, |octants, i| octants | u8::from(grid.get(corner + voxel_of(i))) << i)
 }
 
-/// The existing octant beside the pinched edge above a corner along `axis`, with bit `side` along the second axis
-/// after it.
+/// Returns the existing octant beside the pinched edge above a corner along `axis`, with bit `side` along the second
+/// axis after it.
 pub fn octant_of_edge(octants: u8, axis: usize, side: usize) -> usize {
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let octant = 1 << axis | side << v;
     if octants >> octant & 1 != 0 { octant } else { octant | 1 << u }
 }
 
-/// The existing voxels beside the faces of a fan.
+/// Returns the existing voxels beside the faces of a fan.
 pub fn solid_of(octants: u8, fan: usize) -> u8 {
     let Fan { solid, .. } = CORNERS[octants as usize].fans[fan];
     solid

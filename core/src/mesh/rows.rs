@@ -1,7 +1,7 @@
-//! The voxels of some layers of a grid as rows of bits along x, the form in which surfaces are found: a shift
-//! compares 64 voxels with their neighbours.
+//! The voxels of some layers of a grid as rows of bits along x, the form in which surfaces are found: a shift compares
+//! 64 voxels with their neighbours.
 //!
-//! Takes a grid and a range of layers, which may reach beyond it; gives rows, empty beyond the grid.
+//! Takes a grid and a range of layers, which may extend beyond it; returns rows, empty beyond the grid.
 
 use std::ops::Range;
 
@@ -10,10 +10,10 @@ use glam::{UVec2, UVec3};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 
-/// A box of cells of the lattice of voxel corners, named by their lowest corners. It may end with the lattice.
+/// A box of cells of the lattice of voxel corners, identified by their lowest corners. It may end with the lattice.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Cells {
-    /// Along x: from the first voxel of a brick on, at most [`Cells::MOST_ALONG_X`].
+    /// Along x: starting at the first voxel of a brick, at most [`Cells::MOST_ALONG_X`].
     pub x: Range<u32>,
     /// Along y.
     pub y: Range<u32>,
@@ -22,27 +22,27 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// So that a row of them, with a brick before and one after it, is one word.
+    /// Makes a row of cells, with a brick before and one after it, fit into one word.
     pub const MOST_ALONG_X: u32 = 64 - 2 * BRICK_EDGE_VX;
 
-    /// Whether the cell of this corner is one of them.
+    /// Returns whether the cell of this corner is in the box.
     pub fn contains(&self, [x, y, z]: [u16; 3]) -> bool {
         self.x.contains(&x.into()) && self.y.contains(&y.into()) && self.z.contains(&z.into())
     }
 
-    /// Whether cells before these may have the corner, too, which must be of one of them.
+    /// Returns whether earlier cells may have the corner, too, which must belong to one of these.
     pub fn is_shared(&self, [x, y, z]: [u16; 3]) -> bool {
         let starts = [self.x.start, self.y.start, self.z.start];
         [x, y, z].map(u32::from).iter().zip(starts).any(|(at, start)| *at == start)
     }
 }
 
-/// Rows of voxels of the layers `first_z..`: all of them, or those around a box of cells. Rows count from the box then, and
-/// along x from the brick before it.
+/// Rows of voxels of the layers `first_z..`: all of them, or those around a box of cells. In the latter case, rows
+/// count from the box, and along x from the brick before it.
 pub struct Rows {
     first_z: i64,
-    /// Where the rows begin, a multiple of a brick's edge, the first row that there is and that which counts as 0, in the
-    /// grid.
+    /// The first voxel of the rows, a multiple of a brick's edge; the first existing row; and the row that counts as 0;
+    /// all in the grid.
     first_x: i64,
     first_y: i64,
     y_0: i64,
@@ -52,23 +52,23 @@ pub struct Rows {
     width: usize,
     bits: Vec<u64>,
     empty: Vec<u64>,
-    /// By words, the corners that count, and those whose faces do.
+    /// The corners that count, and those whose faces count, by words.
     pub corner_mask: Vec<u64>,
     pub face_mask: Vec<u64>,
-    /// Rows of corners, and of those whose faces count.
+    /// The number of rows of corners, and of those whose faces count.
     pub corner_rows: usize,
     pub face_rows: usize,
     /// The voxels beside the corners, along x and y, and beyond the grid.
     beside: [Range<i64>; 2],
 }
 
-/// Words of a row of the corners of a lattice around `dims` voxels.
+/// Returns the words of a row of the corners of a lattice around `dims` voxels.
 pub fn row_words(dims: UVec3) -> usize {
     (dims.x as usize + 1).div_ceil(64)
 }
 
 impl Rows {
-    /// The voxels of `grid` in the layers `layers` along z.
+    /// Returns the voxels of `grid` in the layers `layers` along z.
     pub fn of(grid: &Grid, layers: Range<i64>) -> Rows {
         let dims = grid.dims();
         let all = Rows::read(grid, layers, 0, row_words(dims), 0..dims.y.into());
@@ -76,7 +76,7 @@ impl Rows {
         Rows { corner_rows, face_rows: corner_rows, ..all }
     }
 
-    /// The voxels around the corners of some cells.
+    /// Returns the voxels around the corners of some cells.
     pub fn around(grid: &Grid, cells: &Cells) -> Rows {
         let dims = grid.dims();
         let layers = i64::from(cells.z.start) - 1..i64::from(cells.z.end) + 1;
@@ -89,14 +89,14 @@ impl Rows {
         let bits = |count: u32| (u64::MAX >> (64 - count)) << BRICK_EDGE_VX;
         let length = cells.x.end - cells.x.start;
         rows.face_mask = vec![bits(length)];
-        // With the lowest corners of the cells that follow.
+        // With the lowest corners of the next cells.
         rows.corner_mask = vec![bits(length + 1)];
         rows.beside =
             [i64::from(cells.x.start) - 1..i64::from(cells.x.end) + 1, first - 1..end + 1];
         rows
     }
 
-    /// The voxels of some layers and rows of the grid, or beyond it, and of `width` words along x.
+    /// Returns the voxels of some layers and rows of the grid, or beyond it, and of `width` words along x.
     fn read(grid: &Grid, layers: Range<i64>, first_x: i64, width: usize, rows: Range<i64>) -> Rows {
         let dims = grid.dims();
         let height = (rows.end - rows.start) as usize;
@@ -136,17 +136,17 @@ impl Rows {
         read
     }
 
-    /// Words of a row.
+    /// Returns the number of words of a row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Where x = 0 and y = 0 lie in the grid.
+    /// Returns the position of x = 0 and y = 0 in the grid.
     pub fn origin(&self) -> [i32; 2] {
         [self.first_x as i32, self.y_0 as i32]
     }
 
-    /// The bricks along x and y that have voxels beside the corners, of as many as there are.
+    /// Returns the bricks along x and y, among `brick_dims`, that have voxels beside the corners.
     pub fn bricks_beside(&self, brick_dims: UVec2) -> [Range<u32>; 2] {
         let edge = i64::from(BRICK_EDGE_VX);
         let bricks = |voxels: &Range<i64>, most: u32| {
@@ -178,8 +178,8 @@ impl Rows {
         }
     }
 
-    /// Number of faces between an existing voxel and an empty one, of those that the voxels of some layers have below
-    /// them along each axis.
+    /// Returns the number of faces between an existing voxel and an empty one, among the lower faces of the voxels of
+    /// some layers along each axis.
     pub fn faces(&self, layers: Range<u32>) -> usize {
         let mut faces = 0;
         let ys = 0..self.face_rows as i64;
@@ -195,7 +195,7 @@ impl Rows {
         faces
     }
 
-    /// The row at (y, z): bit x of its words is the voxel at x. Empty beyond the grid.
+    /// Returns the row at (y, z): bit x of its words is the voxel at x. Empty beyond the grid.
     #[inline]
     pub fn row(&self, y: i64, z: i64) -> &[u64] {
         let layers = (self.bits.len() / (self.width * self.height)) as i64;
@@ -209,31 +209,31 @@ impl Rows {
     }
 }
 
-/// Bit x is bit x - 1 of the row: word `i` of the row moved up by one voxel.
+/// Returns word `i` of the row moved up by one voxel: bit x is bit x - 1 of the row.
 #[inline(always)]
 pub fn moved_up(row: &[u64], i: usize) -> u64 {
     row[i] << 1 | if i > 0 { row[i - 1] >> 63 } else { 0 }
 }
 
-/// Bit x is bit x + 1 of the row.
+/// Returns word `i` of the row moved down by one voxel: bit x is bit x + 1 of the row.
 #[inline(always)]
 pub fn moved_down(row: &[u64], i: usize) -> u64 {
     row[i] >> 1 | row.get(i + 1).map_or(0, |next| next << 63)
 }
 
-/// The places of the bits that are set in the words of one row, rising.
+/// The positions of the set bits in the words of one row, in ascending order.
 ///
-/// Eight places are written at a time, needed or not: a loop that ends after as many steps as a word has bits is
-/// mostly mispredicted, and costs more than the steps. (The way of simdjson: Langdale and Lemire, "Parsing gigabytes of
+/// Eight positions are written at a time, needed or not: a loop with as many steps as a word has bits is mostly
+/// mispredicted, and costs more than the steps. (The method of simdjson: Langdale and Lemire, "Parsing gigabytes of
 /// JSON per second", 2019, section 3.2.)
 pub struct Places {
-    /// Those after the first `count` mean nothing.
+    /// Entries after the first `count` are unspecified.
     places: Vec<u16>,
     count: usize,
 }
 
 impl Places {
-    /// For rows of `width` words, at most 1024.
+    /// Returns an empty list for rows of `width` words, at most 1024.
     pub fn new(width: usize) -> Places {
         Places { places: vec![0; 64 * width + 8], count: 0 }
     }
@@ -243,7 +243,7 @@ impl Places {
         self.count = 0;
     }
 
-    /// Adds the places of the word `i` of the row.
+    /// Adds the positions of the word `i` of the row.
     #[inline(always)]
     pub fn add(&mut self, i: usize, word: u64) {
         let (mut rest, mut at) = (word, self.count);
@@ -260,15 +260,15 @@ impl Places {
         }
     }
 
-    /// The places of the words that were added since the row began.
+    /// Returns the positions of the words that were added since the row began.
     #[inline(always)]
     pub fn of_row(&self) -> &[u16] {
         &self.places[..self.count]
     }
 }
 
-/// Byte `i` has the bits of place `i` of the bytes at `byte` of eight words: that of the first word is its lowest.
-/// (A transposition of 8 x 8 bits; Warren, "Hacker's Delight", 2nd edition, section 7-3.)
+/// Transposes 8 x 8 bits: byte `i` of the result has bit `i` of the bytes at `byte` of eight words, that of the first
+/// word lowest. (Warren, "Hacker's Delight", 2nd edition, section 7-3.)
 #[inline(always)]
 pub fn columns(words: &[u64; 8], byte: usize) -> [u8; 8] {
     let mut bits = 0;
@@ -284,7 +284,7 @@ pub fn columns(words: &[u64; 8], byte: usize) -> [u8; 8] {
     bits.to_le_bytes()
 }
 
-/// Calls `f` with the places of the bits that are set, rising.
+/// Calls `f` with the positions of the set bits, in ascending order.
 #[inline(always)]
 pub fn for_each_bit(mut bits: u64, mut f: impl FnMut(usize)) {
     while bits != 0 {

@@ -1,8 +1,8 @@
-//! The part of a mesh of some layers of the lattice, a face of it for each exposed face of a voxel.
+//! The part of a mesh in some layers of the lattice, with a face for each exposed face of a voxel.
 //!
-//! Takes the contents, where vertices are placed, and a range of layers; gives a [`Part`] that owns the vertices of
-//! these layers. Its faces also name vertices of the layer that follows, which the next part begins with: their
-//! numbers go on from its own, so parts that were made independently fit together.
+//! Takes the contents, the placement of vertices, and a range of layers; returns a [`Part`] that owns the vertices of
+//! these layers. Its faces also refer to vertices of the next layer, with which the next part begins: their indices
+//! continue its own, so parts that were made independently fit together.
 
 use std::ops::Range;
 
@@ -15,36 +15,36 @@ use super::{Budget, Part, push_polygon};
 use crate::sculpture::Rgb;
 use crate::sculpture::history::Contents;
 
-/// The source that a slab is made from.
+/// The inputs of a slab.
 pub struct Slab<'a, P> {
     /// The sculpture.
     pub contents: &'a Contents,
-    /// Where vertices are.
+    /// The placement of vertices.
     pub place: &'a P,
     /// Whether vertices have colours.
     pub coloured: bool,
 }
 
-/// Bytes of a face of a mesh and of a vertex, of which there are about as many.
+/// Returns the bytes of a face of a mesh and of a vertex; a mesh has about as many of each.
 pub fn bytes_of_face(coloured: bool) -> u64 {
     let colour = if coloured { size_of::<Rgb>() } else { 0 };
     (size_of::<[u32; 4]>() + size_of::<Vec3>() + colour) as u64
 }
 
-/// Faces of one direction: their axis, and whether they look up along it.
+/// The direction of faces: their axis, and whether they face up along it.
 type Direction = (usize, bool);
 
 /// The identity of a vertex.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct CornerKey {
-    /// The corner of the lattice that it is at, or in the edge from it.
+    /// The corner of the lattice at the vertex, or at the start of its edge.
     pub corner: [u16; 3],
-    /// Which of the corner's vertices (as the layer's [`Layer::further_keys`]; 0 is the first).
+    /// The slot of the vertex at the corner (as in the layer's [`Layer::further_keys`]; 0 is the first).
     pub place: u8,
 }
 
 impl CornerKey {
-    /// Appends the keys of the vertices of a layer, in the order of their numbers.
+    /// Appends the keys of the vertices of a layer, in the order of their indices.
     fn list(layer: &Layer, rows: &Rows, z: u32, keys: &mut Vec<CornerKey>) {
         // Along x rows may begin before the grid, but no corner does.
         let [x_0, y_0] = rows.origin().map(|first| first as u16);
@@ -59,7 +59,7 @@ impl CornerKey {
     }
 }
 
-/// Memory for making parts, one after the other.
+/// Reusable memory for making parts.
 pub struct Scratch<L> {
     near: L,
     corners: RowOfCorners,
@@ -68,7 +68,7 @@ pub struct Scratch<L> {
 }
 
 impl<L: Default> Scratch<L> {
-    /// For rows of `width` words.
+    /// Returns memory for rows of `width` words.
     pub fn new(width: usize) -> Scratch<L> {
         Scratch {
             near: L::default(),
@@ -79,14 +79,14 @@ impl<L: Default> Scratch<L> {
     }
 }
 
-/// A layer and the number of its first vertex.
+/// A layer and the index of its first vertex.
 struct Numbered<'a> {
     layer: &'a Layer,
     base: u32,
 }
 
 impl<P: Place> Slab<'_, P> {
-    /// The part of the layers `layers` of the lattice; none if `budget` has no room for it.
+    /// Returns the part of the layers `layers` of the lattice; `None` if it exceeds `budget`.
     pub fn part(&self, layers: Range<u32>, budget: &Budget) -> Option<Part> {
         let (first, end) = (i64::from(layers.start), i64::from(layers.end));
         let rows = Rows::of(&self.contents.grid, first - 1..end + 1);
@@ -95,9 +95,9 @@ impl<P: Place> Slab<'_, P> {
         self.fill_part(&rows, layers, &mut scratch, budget, (&mut part, None)).then_some(part)
     }
 
-    /// Makes `part` that of a box of cells, and `keys` what its vertices are, in the memory that they have; false if
-    /// `budget` has no room for more. Unlike a part of layers it has all vertices of its faces, also those that the
-    /// cells which follow have, too.
+    /// Replaces `part` by that of a box of cells, and `keys` by its vertices, in their existing memory. Returns false
+    /// if `budget` is exceeded. Unlike a part of layers it has all vertices of its faces, including those shared with
+    /// later cells.
     pub fn fill_block(
         &self,
         cells: &Cells,
@@ -111,7 +111,7 @@ impl<P: Place> Slab<'_, P> {
         self.fill_part(&rows, cells.z.clone(), scratch, budget, (part, Some(keys)))
     }
 
-    /// Fills a part without vertices and faces.
+    /// Fills a part that has neither vertices nor faces.
     fn fill_part(
         &self,
         rows: &Rows,
@@ -155,7 +155,7 @@ impl<P: Place> Slab<'_, P> {
             self.put_vertices(layer, rows, near, end as i32, part);
             CornerKey::list(layer, rows, end, keys);
         }
-        // Parted voxels have more vertices than that.
+        // Separated voxels have more vertices than that.
         budget.take(part.heap_bytes().saturating_sub(kept + counted))
     }
 
@@ -212,18 +212,18 @@ impl<P: Place> Slab<'_, P> {
     }
 }
 
-/// The data of a row while faces are found.
+/// The buffers for a row while its faces are found.
 struct RowOfFaces {
-    /// The numbers of the corners of rows y and y + 1, here and above; those of other places mean nothing.
+    /// The indices of the corners of rows y and y + 1, in this layer and above; unspecified at other positions.
     numbers: [Vec<u32>; 4],
-    /// The faces of a row along each axis, but those with an odd corner.
+    /// The faces of a row along each axis, except those with an odd corner.
     faces: [Places; 3],
     /// The row moved up by one voxel.
     left: Vec<u64>,
 }
 
 impl RowOfFaces {
-    /// Of `width` words.
+    /// Returns buffers for rows of `width` words.
     fn new(width: usize) -> RowOfFaces {
         RowOfFaces {
             numbers: std::array::from_fn(|_| vec![0; 64 * width]),
@@ -301,7 +301,7 @@ fn put_faces(
     }
 }
 
-/// Adds the faces of a row that [`put_faces`] leaves: those with an odd corner.
+/// Adds the faces of a row that [`put_faces`] skips: those with an odd corner.
 fn put_odd_faces(rows: &Rows, [y, z]: [usize; 2], layers: &[Numbered; 2], part: &mut Part) {
     let height = y as i64;
     let here = rows.row(height, z as i64);
@@ -328,13 +328,13 @@ fn put_odd_faces(rows: &Rows, [y, z]: [usize; 2], layers: &[Numbered; 2], part: 
     }
 }
 
-/// Adds one face with any vertices that it has. `corner` is its lowest.
+/// Adds one face with any additional vertices. `corner` is its lowest.
 fn put_face(corner: [usize; 3], (axis, is_up): Direction, layers: &[Numbered; 2], part: &mut Part) {
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let mut voxel = corner.map(|at| at as i64);
     voxel[axis] -= i64::from(is_up);
     let (mut vertices, mut middles) = (Vec::with_capacity(8), Vec::new());
-    // The corners in turn, each with the axis and the lower end of the edge to the next.
+    // The corners in order, each with the axis and the lower end of the edge to the next.
     let turn = [([0, 0], u, [0, 0]), ([1, 0], v, [1, 0]), ([1, 1], u, [0, 1]), ([0, 1], v, [0, 0])];
     for ([du, dv], along, start) in turn {
         let moved = |[du, dv]: [usize; 2]| {
@@ -356,7 +356,7 @@ fn put_face(corner: [usize; 3], (axis, is_up): Direction, layers: &[Numbered; 2]
             vertices.push(base + middle as u32);
         }
     }
-    // Triangles from a vertex in the middle of an edge have an area each.
+    // Triangles from a vertex in the middle of an edge all have an area.
     vertices.rotate_left(middles.first().copied().unwrap_or(0));
     if !is_up {
         vertices[1..].reverse();

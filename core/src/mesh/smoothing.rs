@@ -1,13 +1,13 @@
-//! The smooth surface that a mesh follows, as pictures show it; kept, it follows edits.
+//! The smooth surface that a mesh follows, as shown in pictures; it is kept and follows edits.
 //!
-//! Takes a grid and what has changed of it; gives levels, and which bricks they have changed in. Knows no vertices.
+//! Takes a grid and its changes; returns levels, and the bricks whose levels have changed. Knows no vertices.
 
 use super::MeshError;
 use crate::progress::Progress;
 use crate::sculpture::{Grid, Limits};
 use crate::shade::{LevelSet, NormalField};
 
-/// Portions of work between two reports of how far it has come.
+/// Portions of work between two progress reports.
 const PORTIONS: usize = 16;
 
 /// Normals and levels of a grid.
@@ -18,7 +18,7 @@ pub(super) struct Smoothing {
 }
 
 impl Smoothing {
-    /// For a grid of this size, within `limits`; all is outstanding.
+    /// Returns the surface of a grid of this size, within `limits`; all is outstanding.
     pub fn new(grid: &Grid, limits: &Limits) -> Result<Smoothing, MeshError> {
         let levels = LevelSet::for_mesh(grid, limits.grid_bytes)?;
         Ok(Smoothing { normals: NormalField::default(), levels })
@@ -28,13 +28,13 @@ impl Smoothing {
         &self.levels
     }
 
-    /// Bytes in memory.
+    /// Returns the bytes in memory.
     pub fn heap_bytes(&self) -> u64 {
         self.normals.heap_bytes() + self.levels.heap_bytes()
     }
 
-    /// Computes the surface of `grid`. `changed`: the bricks whose voxels differ from the last time, to which those are
-    /// added whose levels do; none: all may.
+    /// Computes the surface of `grid`. `changed`: the bricks whose voxels differ from the last time, to which those
+    /// whose levels differ are added; `None`: all may differ.
     pub fn update(
         &mut self,
         grid: &Grid,

@@ -1,11 +1,11 @@
 //! The faces of voxels, merged to rectangles.
 //!
 //! Rectangles alone would have T-junctions: corners of one in the middle of another's side. So a corner of any
-//! rectangle is a vertex of all that touch it, as are corners with several fans; all others vanish. Rectangles become
-//! triangles between the vertices on their sides ([`polygon`]), none without area. Where colours change, faces are
-//! not merged, since colours are those of vertices.
+//! rectangle is a vertex of all that touch it, as are corners with several fans; all others are removed. Rectangles
+//! become triangles between the vertices on their sides ([`polygon`]), none without area. Where colours change, faces
+//! are not merged, since colours belong to vertices.
 //!
-//! Takes contents; gives one part.
+//! Takes contents; returns one part.
 
 mod numbers;
 mod polygon;
@@ -23,14 +23,14 @@ use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
 
-/// Rectangles that are triangulated by a thread at a time.
+/// The number of rectangles that a thread triangulates at a time.
 const PORTION: usize = 1 << 13;
 
-/// Memory that each rectangle takes at least: itself, copied once, a face and a vertex.
+/// The least memory per rectangle: itself, copied once, a face and a vertex.
 const LEAST_BYTES: u64 =
     (2 * size_of::<Rectangle>() + size_of::<[u32; 4]>() + size_of::<Vec3>()) as u64;
 
-/// The mesh of merged faces.
+/// Returns the mesh of merged faces.
 pub fn mesh(
     contents: &Contents,
     colours: VertexColours,
@@ -76,7 +76,7 @@ fn merged(
         let mut part = Part::default();
         if room() {
             portion.iter().for_each(|rectangle| put_rectangle(&numbers, rectangle, &mut part));
-            // Once more where all are together.
+            // Once more for joining the parts.
             budget.take(2 * part.heap_bytes());
         }
         pieces.one();

@@ -1,7 +1,7 @@
-//! Which corners of the lattice are vertices of merged faces, and their numbers.
+//! The corners of the lattice that are vertices of merged faces, and their indices.
 //!
-//! Layer by layer: first the corners of rectangles and those with several fans, row by row; then the further
-//! vertices of the layer ([`Layer`]). Layers in which no corner is odd are not kept.
+//! Layer by layer: first the corners of rectangles and those with several fans, row by row; then the further vertices
+//! of the layer ([`Layer`]). Layers without odd corners are not kept.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -15,32 +15,32 @@ use crate::mesh::place::{AtCorners, Place, colour, octant_of_edge, octants_aroun
 use crate::mesh::rows::{Rows, for_each_bit, row_words};
 use crate::sculpture::history::Contents;
 
-/// Layers that a thread looks at together.
+/// Layers that a thread processes together.
 pub const LAYERS: u32 = 16;
 
-/// The vertices and their numbers.
+/// The vertices and their indices.
 pub struct Numbers {
     width: usize,
     /// Rows of a layer.
     height: usize,
     /// The corners that are vertices, a bit each.
     kept: Vec<u64>,
-    /// The number of the first vertex of each row of corners.
+    /// The index of the first vertex of each row of corners.
     row_starts: Vec<u32>,
-    /// Layers with odd corners, with the number of their first further vertex.
+    /// Layers with odd corners, with the index of their first further vertex.
     odd: Vec<Option<(Layer, u32)>>,
     count: u64,
 }
 
 impl Numbers {
-    /// Bytes of the bits and rows of all corners.
+    /// Returns the bytes of the bits and rows of all corners.
     pub fn bytes_of_bits(dims: UVec3) -> u64 {
         let rows = (u64::from(dims.y) + 1) * (u64::from(dims.z) + 1);
         rows * (8 * row_words(dims) as u64 + 4)
     }
 
-    /// Of the corners of `rectangles`, and all that must be kept. `goes_on` is told how many bytes the layers of a
-    /// portion take; once it says no the numbers mean nothing.
+    /// Returns the vertices for the corners of `rectangles`, and all others that must be kept. `goes_on` gets the bytes
+    /// of the layers of a portion; once it returns false, the indices are unspecified.
     pub fn new(
         contents: &Contents,
         rectangles: &[Rectangle],
@@ -110,13 +110,13 @@ impl Numbers {
         Numbers { width, height, kept, row_starts, odd: numbered, count }
     }
 
-    /// Whether the corner is a vertex.
+    /// Returns whether the corner is a vertex.
     #[inline(always)]
     pub fn is_kept(&self, [x, y, z]: [usize; 3]) -> bool {
         self.kept[(z * self.height + y) * self.width + x / 64] >> (x % 64) & 1 != 0
     }
 
-    /// The vertex of the fan with `face` at a corner that is one.
+    /// Returns the vertex of the fan with `face` at a corner that is a vertex.
     pub fn vertex(&self, [x, y, z]: [usize; 3], face: usize) -> u32 {
         if let Some((layer, further)) = &self.odd[z] {
             let fan = layer.corner(x, y).map_or(0, |corner| corner.fan_of[face] as usize);
@@ -130,7 +130,7 @@ impl Numbers {
         self.row_starts[row] + before + (words[x / 64] & ((1 << (x % 64)) - 1)).count_ones()
     }
 
-    /// The vertex in the middle of an edge, as [`Layer::middle`].
+    /// Returns the vertex in the middle of an edge, as [`Layer::middle`].
     pub fn middle(&self, [x, y, z]: [usize; 3], axis: usize, side: usize) -> Option<u32> {
         let (layer, further) = self.odd[z].as_ref()?;
         let at = layer.middle(x, y, axis, side)?;

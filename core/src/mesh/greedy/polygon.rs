@@ -1,14 +1,14 @@
-//! Triangles of a rectangle with vertices on its sides.
+//! Triangulates a rectangle with vertices on its sides.
 //!
 //! A triangle whose corners lie on one side would have no area. So a fan from the vertex before the lower right corner
-//! takes the right side, one from the vertex after the upper left corner the left side, and what remains lies between
-//! vertices of the lower and of the upper side, which are joined in turn.
+//! covers the right side, and one from the vertex after the upper left corner the left side. The rest lies between
+//! vertices of the lower and of the upper side, which are joined alternately.
 
 use super::numbers::Numbers;
 use super::rectangles::Rectangle;
 use crate::mesh::Part;
 
-/// The vertices of the sides, each from its first corner to before its last, counter-clockwise; each with its place
+/// The vertices of the sides, each from its first corner to before its last, counter-clockwise; each with its position
 /// along the axis of the lower and upper side, in halves of a voxel.
 type Sides = [Vec<(u32, u32)>; 4];
 
@@ -46,12 +46,12 @@ pub fn put_rectangle(numbers: &Numbers, rectangle: &Rectangle, part: &mut Part) 
     }
 }
 
-/// Walks around the rectangle.
+/// Collects the vertices around the rectangle.
 fn sides(numbers: &Numbers, rectangle: &Rectangle) -> Sides {
     let axis = rectangle.axis as usize;
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let (low, high) = (rectangle.low.map(usize::from), rectangle.high.map(usize::from));
-    // Where existing voxels are along the axis.
+    // The position of existing voxels along the axis.
     let solid = low[axis] as i64 - i64::from(rectangle.is_up);
     let mut sides = Sides::default();
     let turns = [(u, true), (v, true), (u, false), (v, false)];

@@ -1,5 +1,5 @@
 //! Finds rectangles of faces in the planes of the voxel lattice, row by row: a run of faces is extended to the rows
-//! that have all of it (Lysenko, "Meshing in a Minecraft game", 2012), with masks of 64 faces at a time.
+//! that contain all of it (Lysenko, "Meshing in a Minecraft game", 2012), with masks of 64 faces at a time.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,9 +14,9 @@ use crate::sculpture::history::Contents;
 /// Merged faces of a plane: those between `low` and `high`, corners of the lattice that differ along two axes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Rectangle {
-    /// The axis that it looks along.
+    /// The axis that it is perpendicular to.
     pub axis: u8,
-    /// Whether upwards.
+    /// Whether it faces up.
     pub is_up: bool,
     /// Its lowest corner.
     pub low: [u16; 3],
@@ -24,11 +24,11 @@ pub struct Rectangle {
     pub high: [u16; 3],
 }
 
-/// Planes that are looked at together: those of a word.
+/// Planes that are processed together: those of a word.
 pub const PLANES: u32 = 64;
 
-/// The rectangles of all planes across `axis`, in portions. `is_coloured`: faces of different colours are not merged.
-/// `goes_on` is told how many rectangles were found in a portion; once it says no the rest is left out.
+/// Returns the rectangles of all planes across `axis`, in portions. `is_coloured`: faces of different colours are not
+/// merged. `goes_on` gets the number of rectangles found in a portion; once it returns false, the rest is left out.
 pub fn rectangles(
     contents: &Contents,
     axis: usize,
@@ -73,7 +73,7 @@ fn of_planes(
 ) -> Vec<Rectangle> {
     let grid = &contents.grid;
     let dims = grid.dims();
-    // Rows along x where there are such.
+    // Rows along x if possible.
     let (along, across) = [(1, 2), (0, 2), (0, 1)][axis];
     let (width, height) = (dims[along].div_ceil(64) as usize, dims[across] as usize);
     let words = width * height * planes.len();
@@ -168,7 +168,7 @@ impl Faces {
         Rectangle { axis: self.axis as u8, is_up: self.is_up, low, high }
     }
 
-    /// Takes the faces out that have any other colour near, each as a rectangle of its own.
+    /// Removes the faces with another colour nearby, each as a rectangle of its own.
     fn split_off_colours(&mut self, contents: &Contents, plane: u32, found: &mut Vec<Rectangle>) {
         let number = (plane - self.first_plane) as usize;
         for row in 0..self.height {
@@ -189,7 +189,7 @@ impl Faces {
         }
     }
 
-    /// Merges the faces of a plane, and takes them out.
+    /// Merges the faces of a plane, and removes them.
     fn merge(&mut self, plane: u32, found: &mut Vec<Rectangle>) {
         let number = (plane - self.first_plane) as usize;
         for row in 0..self.height {
@@ -213,7 +213,7 @@ impl Faces {
         }
     }
 
-    /// Where the run of faces from `from` on ends.
+    /// Returns the end of the run of faces that starts at `from`.
     fn run_end(&self, plane: usize, row: usize, from: usize) -> usize {
         let mut at = from;
         loop {
@@ -238,7 +238,7 @@ impl Faces {
     }
 }
 
-/// The words of the bits from `from` to before `to`, with their masks.
+/// Returns the words of the bits from `from` to before `to`, with their masks.
 fn masks(from: usize, to: usize) -> impl Iterator<Item = (usize, u64)> {
     (from / 64..to.div_ceil(64)).map(move |i| {
         let low = from.saturating_sub(64 * i).min(64);
@@ -247,7 +247,7 @@ fn masks(from: usize, to: usize) -> impl Iterator<Item = (usize, u64)> {
     })
 }
 
-/// Whether the existing voxels at and around `voxel` have the same colour.
+/// Returns whether the existing voxels at and around `voxel` have the same colour.
 fn has_one_colour(contents: &Contents, voxel: IVec3) -> bool {
     let (grid, material) = (&contents.grid, &contents.material);
     let last = grid.dims().as_ivec3() - 1;
@@ -262,7 +262,7 @@ fn has_one_colour(contents: &Contents, voxel: IVec3) -> bool {
     within(low, high).all(|v| !grid.get(v.as_ivec3()) || contents.rgb(v) == own)
 }
 
-/// All places from `low` to `high`.
+/// Returns all positions from `low` to `high`.
 fn within(low: UVec3, high: UVec3) -> impl Iterator<Item = UVec3> {
     (low.z..=high.z).flat_map(move |z| {
         (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| UVec3::new(x, y, z)))

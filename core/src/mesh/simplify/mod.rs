@@ -1,9 +1,9 @@
-//! Fewer triangles: edges are collapsed, the least error first, until so many are left as are wanted.
+//! Reduces triangles: collapses edges, the least error first, until the requested number is left.
 //!
-//! The error is that of [`Quadric`]s, and larger where colours differ. An edge is only collapsed if that leaves a
-//! manifold (the link condition: Dey, Edelsbrunner, Guha and Nekhayev, "Topology preserving edge contraction", 1999)
-//! and turns no triangle over. So the result is as closed as the mesh was and has its topology; where nothing more may
-//! be collapsed, more triangles are left than wanted. One thread does it; the result is always the same.
+//! The error is that of [`Quadric`]s, and larger where colours differ. An edge is only collapsed if the surface remains
+//! a manifold (the link condition: Dey, Edelsbrunner, Guha and Nekhayev, "Topology preserving edge contraction", 1999)
+//! and no triangle is flipped. So the result is as closed as the mesh was and has its topology; if no further edge may
+//! be collapsed, more triangles are left than requested. Uses one thread; the result is deterministic.
 
 mod quadric;
 mod surface;
@@ -15,21 +15,22 @@ use super::{Budget, Mesh, MeshError, Part};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 
-/// Collapses between two looks at whether the work is cancelled.
+/// Collapses between two checks for cancellation.
 const PORTION: u64 = 1 << 14;
 
-/// Bits of an error (a positive float, so ordered as its bits) that do not tell buckets apart: buckets are a fifth wide.
+/// Low bits of an error (a positive float, so ordered as its bits) that do not distinguish buckets: buckets are a fifth
+/// wide.
 const BUCKET_SHIFT: u32 = 21;
 /// Buckets of all positive floats.
 const BUCKETS: usize = 1 << (31 - BUCKET_SHIFT);
 
-/// An edge that may be collapsed, and the sum of its vertices' versions, by which an edge is known that has changed.
+/// An edge that may be collapsed, and the sum of its vertices' versions, which identifies an edge that has changed.
 type Candidate = ([u32; 2], u32);
 
-/// The edges by their errors, as exactly as the buckets are narrow: unlike a heap, this costs no more for many edges.
+/// The edges by their errors, to the precision of the buckets: unlike a heap, this costs no more for many edges.
 struct Queue {
     buckets: Vec<Vec<Candidate>>,
-    /// None below this one has edges.
+    /// All buckets below this one are empty.
     lowest: usize,
 }
 
@@ -44,7 +45,7 @@ impl Queue {
         self.lowest = self.lowest.min(bucket);
     }
 
-    /// All edges of the lowest bucket that has any.
+    /// Returns all edges of the lowest bucket that has any.
     fn pop(&mut self) -> Option<Vec<Candidate>> {
         let next = self.buckets[self.lowest..].iter().position(|bucket| !bucket.is_empty())?;
         self.lowest += next;
@@ -52,8 +53,8 @@ impl Queue {
     }
 }
 
-/// Bytes that simplifying takes at most, `mesh` included. Its own vectors are gone before the queue is filled, whose
-/// buckets may have room for twice what they hold.
+/// Returns the most bytes that simplifying takes, `mesh` included. Its own vectors are freed before the queue is
+/// filled, whose buckets may have twice the capacity that they use.
 fn needed_bytes(mesh: &Mesh) -> u64 {
     let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
     let (copied, whole) = Surface::needed_bytes(vertices, triangles, mesh.is_coloured());
@@ -62,8 +63,8 @@ fn needed_bytes(mesh: &Mesh) -> u64 {
     (mesh.heap_bytes() + copied).max(whole + queue)
 }
 
-/// The mesh with at most `triangles`, as far as its topology allows. Refused before memory is taken if it needs more
-/// than the limits for the grid and the colours together.
+/// Returns the mesh with at most `triangles`, as far as its topology allows. Refuses, before allocating, if that needs
+/// more than the limits for the grid and the colours together.
 pub fn simplified(
     mesh: Mesh,
     triangles: u64,
@@ -118,7 +119,7 @@ pub fn simplified(
     Mesh::joined(vec![part], base)
 }
 
-/// The normal of a triangle, as long as twice its area.
+/// Returns the normal of a triangle, as long as twice its area.
 fn cross([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a)
 }

@@ -3,20 +3,20 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-/// Determinants below this share of the largest possible are taken for 0: then no single point is the best.
+/// Determinants below this share of the largest possible are treated as 0: then no single point is the best.
 const LEAST_DETERMINANT: f64 = 1e-4;
 
 /// `x A x + 2 b x + c`, summed over planes and weighted by area.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct Quadric {
-    /// xx, xy, xz, yy, yz, zz.
+    /// The elements xx, xy, xz, yy, yz, zz.
     square: [f64; 6],
     linear: DVec3,
     constant: f64,
 }
 
 impl Quadric {
-    /// Of the plane of a triangle, weighted by its area.
+    /// Returns the quadric of the plane of a triangle, weighted by its area.
     pub fn of_triangle([a, b, c]: [Vec3; 3]) -> Quadric {
         let [a, b, c] = [a, b, c].map(|corner| corner.as_dvec3());
         let cross = (b - a).cross(c - a);
@@ -34,7 +34,7 @@ impl Quadric {
         }
     }
 
-    /// The sum of both.
+    /// Returns the sum of both.
     pub fn plus(&self, other: &Quadric) -> Quadric {
         let mut sum = *self;
         sum.square.iter_mut().zip(other.square).for_each(|(sum, value)| *sum += value);
@@ -43,7 +43,7 @@ impl Quadric {
         sum
     }
 
-    /// The area of all planes' triangles.
+    /// Returns the area of all planes' triangles.
     pub fn area(&self) -> f64 {
         self.square[0] + self.square[3] + self.square[5]
     }
@@ -53,13 +53,13 @@ impl Quadric {
         DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
     }
 
-    /// The error of a place.
+    /// Returns the error of a point.
     pub fn error(&self, place: DVec3) -> f64 {
         let value = place.dot(self.matrix() * place + 2.0 * self.linear) + self.constant;
         value.max(0.0)
     }
 
-    /// The place with the least error, if there is one.
+    /// Returns the point with the least error, if there is one.
     pub fn best(&self) -> Option<DVec3> {
         let matrix = self.matrix();
         let determinant = matrix.determinant();

@@ -9,23 +9,23 @@ use super::quadric::Quadric;
 use crate::mesh::{GAP_VX, Mesh, Part};
 use crate::sculpture::Rgb;
 
-/// Ends a list; a vertex that is gone.
+/// Ends a list; marks a removed vertex.
 const NONE: u32 = u32::MAX;
-/// How far a triangle may turn: the least cosine.
+/// The least cosine of the angle by which a triangle may rotate.
 const LEAST_COSINE: f32 = 0.2;
 /// The least ratio of a triangle's area to the square of its longest side, unless it was worse before.
 const LEAST_SHAPE: f32 = 0.02;
-/// Error for the square of an edge's length times its area: of edges in a plane the shorter go first.
+/// Error per square of an edge's length times its area: in a plane, shorter edges are collapsed first.
 const LENGTH_ERROR: f64 = 1e-5;
-/// Error for the square of a difference of colours (1 from black to white) over an area.
+/// Error per square of a difference of colours (1 from black to white) over an area.
 const COLOUR_ERROR: f64 = 0.5;
-/// How far beyond its edge, in lengths of it, a vertex may be placed.
+/// The distance beyond its edge, in lengths of the edge, up to which a vertex may be placed.
 const REACH: f32 = 1.0;
 
 /// The collapse of an edge into a vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Collapse {
-    /// Where the vertex goes.
+    /// The position of the vertex.
     pub place: Vec3,
     /// The cost of the collapse.
     pub error: f32,
@@ -34,26 +34,26 @@ pub struct Collapse {
 /// The surface.
 pub struct Surface {
     positions: Vec<Vec3>,
-    /// Empty, or one of each vertex.
+    /// Empty, or one colour per vertex.
     colours: Vec<[f32; 3]>,
     quadrics: Vec<Quadric>,
-    /// Counts the changes of a vertex; [`NONE`] once it is gone.
+    /// Counts the changes of a vertex; [`NONE`] once it is removed.
     versions: Vec<u32>,
     triangles: Vec<[u32; 3]>,
     /// The first and last corner of each vertex's list, and the next of each corner. Corner `3 t + i` is corner `i` of
-    /// triangle `t`. Those of triangles that are gone stay in lists until these are walked.
+    /// triangle `t`. Corners of removed triangles stay in lists until these are walked.
     first: Vec<u32>,
     last: Vec<u32>,
     next: Vec<u32>,
     /// Marks of vertices, current where they equal `mark`.
     marks: Vec<u32>,
     mark: u32,
-    /// Kept to save allocations.
+    /// Kept to avoid allocations.
     around: Vec<u32>,
 }
 
 impl Surface {
-    /// Of all triangles of a mesh.
+    /// Returns the surface of all triangles of a mesh.
     pub fn new(mesh: Mesh) -> Surface {
         let positions: Vec<Vec3> = mesh.positions().collect();
         let count = positions.len();
@@ -92,8 +92,8 @@ impl Surface {
         surface
     }
 
-    /// Bytes of a surface of so many vertices and triangles: what is copied from a mesh while that is still there, and
-    /// all.
+    /// Returns the bytes of a surface of `vertices` and `triangles`: those copied from a mesh while that still exists,
+    /// and the total.
     pub fn needed_bytes(vertices: u64, triangles: u64, is_coloured: bool) -> (u64, u64) {
         let colour = if is_coloured { size_of::<[f32; 3]>() } else { 0 };
         let copied = vertices * (size_of::<Vec3>() + colour) as u64
@@ -104,18 +104,18 @@ impl Surface {
         (copied, copied + own)
     }
 
-    /// All edges, each once, the lower vertex first.
+    /// Returns all edges, each once, the lower vertex first.
     pub fn edges(&self) -> impl Iterator<Item = [u32; 2]> {
         let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
         self.triangles.iter().flat_map(sides).filter(|[from, to]| from < to)
     }
 
-    /// The sum of the versions of both vertices.
+    /// Returns the sum of the versions of both vertices.
     pub fn version(&self, [a, b]: [u32; 2]) -> u32 {
         self.versions[a as usize].wrapping_add(self.versions[b as usize])
     }
 
-    /// Whether both vertices are still there.
+    /// Returns whether both vertices still exist.
     pub fn is_alive(&self, edge: [u32; 2]) -> bool {
         edge.iter().all(|&vertex| self.versions[vertex as usize] != NONE)
     }
@@ -134,7 +134,7 @@ impl Surface {
         let best = sum.best().map(|place| place.as_vec3()).filter(near);
         let places = best.map_or([a, b, middle], |best| [best; 3]);
         let errors = places.map(|place| sum.error(place.as_dvec3()));
-        // Of equal ones the first.
+        // The first among equal ones.
         let at = (1..3).fold(0, |least, i| if errors[i] < errors[least] { i } else { least });
         let area = sum.area();
         let mut error = errors[at] + LENGTH_ERROR * f64::from(length * length) * area;
@@ -150,7 +150,7 @@ impl Surface {
         is_coloured.then(|| edge.map(|vertex| self.colours[vertex as usize]))
     }
 
-    /// The triangles of a vertex.
+    /// Returns the triangles of a vertex.
     fn triangles_of(&self, vertex: u32) -> impl Iterator<Item = usize> {
         let some = |corner: u32| (corner != NONE).then_some(corner);
         std::iter::successors(some(self.first[vertex as usize]), move |&corner| {
@@ -160,10 +160,10 @@ impl Surface {
         .filter(|&triangle| self.triangles[triangle][0] != NONE)
     }
 
-    /// The vertices beside one, each once.
+    /// Writes the neighbours of a vertex to `out`, each once.
     pub fn neighbours(&self, vertex: u32, out: &mut Vec<u32>) {
         out.clear();
-        // Each triangle has the one that follows the vertex, and in a closed fan that is all of them.
+        // Each triangle contributes the vertex after this one; in a closed fan these are all neighbours.
         out.extend(self.triangles_of(vertex).map(|triangle| {
             let corners = self.triangles[triangle];
             let place = corners.iter().position(|&corner| corner == vertex).unwrap_or(0);
@@ -171,7 +171,7 @@ impl Surface {
         }));
     }
 
-    /// Whether the surface stays a manifold and keeps its shape.
+    /// Returns whether the surface stays a manifold and keeps its shape.
     fn may_collapse(&mut self, edge: [u32; 2], place: Vec3) -> bool {
         let mut around = std::mem::take(&mut self.around);
         let may = self.keeps_manifold(edge, &mut around) && self.keeps_shape(edge, place);
@@ -179,7 +179,7 @@ impl Surface {
         may
     }
 
-    /// The link condition: both ends have two neighbours in common, which keep three triangles.
+    /// Returns whether the link condition holds: both ends have two neighbours in common, which keep three triangles.
     fn keeps_manifold(&mut self, [a, b]: [u32; 2], around: &mut Vec<u32>) -> bool {
         self.neighbours(a, around);
         self.mark = self.mark.wrapping_add(1);
@@ -196,7 +196,7 @@ impl Surface {
         [c, d].iter().all(|&vertex| self.triangles_of(vertex).take(4).count() == 4)
     }
 
-    /// Whether no triangle turns over or becomes a needle.
+    /// Returns whether no triangle turns over or becomes a needle.
     fn keeps_shape(&self, [a, b]: [u32; 2], place: Vec3) -> bool {
         [[a, b], [b, a]].into_iter().all(|[own, other]| {
             self.triangles_of(own).all(|triangle| {
@@ -219,7 +219,7 @@ impl Surface {
         })
     }
 
-    /// Moves `b` into `a` at a place; false if that may not be.
+    /// Moves `b` into `a` at the position of `collapse`. Returns false if that is not allowed.
     pub fn try_collapse(&mut self, [a, b]: [u32; 2], collapse: &Collapse) -> bool {
         if !self.may_collapse([a, b], collapse.place) {
             return false;
@@ -251,7 +251,7 @@ impl Surface {
         true
     }
 
-    /// Takes the triangles that are gone out of a vertex's list.
+    /// Removes deleted triangles from a vertex's list.
     fn prune(&mut self, vertex: usize) {
         let mut corner = self.first[vertex];
         let (mut first, mut last) = (NONE, NONE);
@@ -271,7 +271,7 @@ impl Surface {
         (self.first[vertex], self.last[vertex]) = (first, last);
     }
 
-    /// Returns the surface that is left.
+    /// Returns the remaining surface.
     pub fn into_part(mut self) -> Part {
         self.move_apart();
         let mut part = Part::default();
@@ -291,7 +291,7 @@ impl Surface {
         part
     }
 
-    /// Moves vertices that fall together towards their neighbours, as formats without shared vertices need it.
+    /// Moves coincident vertices towards their neighbours, as formats without shared vertices require.
     fn move_apart(&mut self) {
         let mut taken = HashSet::new();
         let mut neighbours = Vec::new();
@@ -312,7 +312,7 @@ impl Surface {
     }
 }
 
-/// The ratio of a triangle's area to the square of its longest side.
+/// Returns the ratio of a triangle's area to the square of its longest side.
 fn shape(corners: [Vec3; 3]) -> f32 {
     let [a, b, c] = corners;
     let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));

@@ -1,4 +1,4 @@
-//! Checks a mesh by itself: whether it is a closed, orientable 2-manifold. Shares no code with what makes meshes.
+//! Checks a mesh by itself: whether it is a closed, orientable 2-manifold. Shares no code with the mesher.
 
 use std::collections::HashMap;
 
@@ -9,15 +9,15 @@ use glam::{DVec3, Vec3};
 pub struct Sound {
     /// Connected surfaces.
     pub surfaces: usize,
-    /// The sum of their genera: handles.
+    /// The sum of their genera, that is, of their handles.
     pub handles: i64,
-    /// Signed, positive if the triangles look outwards.
+    /// Signed volume, positive if the triangles face outwards.
     pub volume: f64,
     /// The smallest area of a triangle.
     pub least_area: f64,
 }
 
-/// An error that names the first fault.
+/// Checks a mesh. The error names the first fault.
 pub fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Sound, String> {
     if let Some(bad) = positions.iter().find(|position| !position.is_finite()) {
         return Err(format!("a vertex at {bad}"));
@@ -54,7 +54,7 @@ pub fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Sound, String
     Ok(Sound { surfaces, handles, volume, least_area })
 }
 
-/// The triangles around each vertex must form one closed fan.
+/// Checks that the triangles around each vertex form one closed fan.
 fn check_fans(
     positions: &[Vec3],
     triangles: &[[u32; 3]],
@@ -92,7 +92,7 @@ fn check_fans(
     Ok(())
 }
 
-/// Number of surfaces, and of their handles together.
+/// Returns the number of surfaces, and of their handles together.
 fn topology(vertices: usize, triangles: &[[u32; 3]]) -> Result<(usize, i64), String> {
     let mut parent: Vec<usize> = (0..vertices).collect();
     fn root(parent: &mut [usize], mut at: usize) -> usize {
@@ -129,7 +129,7 @@ fn topology(vertices: usize, triangles: &[[u32; 3]]) -> Result<(usize, i64), Str
     Ok((euler.len(), handles))
 }
 
-/// Vertices at the same position made one, as programs do that read files without shared vertices.
+/// Merges vertices at the same position, as programs do that read files without shared vertices.
 pub fn welded(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
     let mut kept = Vec::new();

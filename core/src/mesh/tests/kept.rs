@@ -1,4 +1,4 @@
-//! A mesh that is kept and follows edits is the one that is made anew.
+//! Tests that a kept mesh that follows edits equals a newly built one.
 
 use glam::{IVec3, UVec3, Vec3};
 
@@ -12,7 +12,7 @@ use crate::sculpture::{Brick, Limits, Rgb};
 
 const KINDS: [MeshKind; 2] = [MeshKind::Faces, MeshKind::Smooth];
 
-/// The triangles by the bits of their corners' places, and their colours; in an order of their own.
+/// Returns the triangles by the bits of their corners' positions, and their colours; in an order of their own.
 fn triangles(mesh: &Mesh) -> Vec<[([u32; 3], [u8; 3]); 3]> {
     let colours: Vec<[u8; 3]> = mesh.colours().map(|Rgb(colour)| colour).collect();
     let corner = |vertex: u32| {
@@ -31,7 +31,7 @@ fn triangles(mesh: &Mesh) -> Vec<[([u32; 3], [u8; 3]); 3]> {
     all
 }
 
-/// Versions of contents, told apart by comparing every brick.
+/// Versions of contents, distinguished by comparing every brick.
 #[derive(Default)]
 struct Versions {
     last: Option<Contents>,
@@ -55,7 +55,7 @@ impl Versions {
     }
 }
 
-/// Updates a kept mesh and compares it with one that is made at once.
+/// Updates a kept mesh and compares it with one that is built whole.
 fn expect_same(kept: &mut KeptMesh, contents: &Contents, version: &ContentsVersion, when: &str) {
     kept.update(contents, version, &Limits::default(), &()).unwrap();
     let kind = KINDS.into_iter().find(|&kind| kept.is_of(kind, VertexColours::Voxels)).unwrap();
@@ -133,7 +133,7 @@ fn only_what_an_edit_may_change_is_made_anew() {
             let version = versions.next(now);
             kept.update(now, &version, &Limits::default(), &()).unwrap()
         };
-        // 3 x 9 x 9: one corner more than voxels along each axis.
+        // 3 x 9 x 9: one more corner than voxels along each axis.
         assert_eq!(update(&now), [243, 243]);
         assert_eq!(update(&now), [0, 243]);
         now.grid.set(IVec3::new(84, 24, 24), !now.grid.get(IVec3::new(84, 24, 24)));
@@ -150,9 +150,9 @@ fn a_version_that_was_missed_or_given_up_is_made_up_for() {
     let unchanged = |number| ContentsVersion { number, changed: Some(Vec::new()) };
     for kind in KINDS {
         let mut kept = KeptMesh::new(kind, VertexColours::Voxels).unwrap();
-        // The first one has none before it.
+        // The first version has no predecessor.
         expect_same(&mut kept, &before, &unchanged(1), "first");
-        // 2 had the changes.
+        // Version 2 had the changes.
         expect_same(&mut kept, &now, &unchanged(3), "missed");
         let report = Report::default();
         report.cancel();

@@ -1,4 +1,4 @@
-//! Tests of meshes, by a checker of its own and by counting voxels.
+//! Tests of meshes, by an independent checker and by counting voxels.
 
 pub(crate) mod check;
 mod kept;

@@ -1,4 +1,4 @@
-//! Simplified meshes stay closed manifolds of the same topology, near the surface that they came from.
+//! Tests that simplified meshes stay closed manifolds of the same topology, near the original surface.
 
 use glam::{UVec3, Vec3};
 
@@ -62,7 +62,7 @@ fn a_simplified_ball_stays_near_its_surface() {
 
 #[test]
 fn what_cannot_be_simplified_further_is_left_closed() {
-    // Pieces keep four triangles at least, and their handles.
+    // Pieces keep at least four triangles, and their handles.
     let contents = contents(noise(UVec3::splat(13), 0.4, 5));
     for kind in [MeshKind::Faces, MeshKind::Greedy, MeshKind::Smooth] {
         let all = mesh(&contents, kind);
@@ -122,12 +122,12 @@ fn too_much_memory_is_refused_before_it_is_taken() {
     let all = mesh(&contents, MeshKind::Faces);
     let (count, own) = (all.triangle_count(), all.heap_bytes());
     let limits = |bytes| Limits { grid_bytes: bytes, colour_bytes: 0, ..Limits::default() };
-    // A mesh that just fits leaves no room to work in.
+    // A mesh that just fits leaves no memory to work in.
     let error = simplified(all.clone(), count / 2, &limits(own), &()).unwrap_err();
     let MeshError::OverBudget(over) = &error else { panic!("{error}") };
     assert_eq!(over.what, format!("simplifying {count} triangles needs"));
     assert!(error.to_string().contains("allowed for grids and colours"), "{error}");
     assert!(simplified(all.clone(), count / 2, &limits(8 * own), &()).is_ok());
-    // Nothing is to be done.
+    // There is nothing to do.
     assert!(simplified(all.clone(), count, &limits(0), &()).unwrap() == all);
 }

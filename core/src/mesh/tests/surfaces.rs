@@ -1,4 +1,4 @@
-//! Every kind of mesh of every kind of grid is a closed manifold around its voxels.
+//! Tests that every kind of mesh of every kind of grid is a closed manifold around its voxels.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ pub fn mesh(contents: &Contents, kind: MeshKind) -> Mesh {
     Mesh::of(contents, kind, VertexColours::Voxels, &Limits::default(), &()).unwrap()
 }
 
-/// Checks a mesh, also with only its positions.
+/// Checks a mesh, and also its positions alone.
 fn sound(name: &str, mesh: &Mesh) -> Sound {
     let positions: Vec<Vec3> = mesh.positions().collect();
     let triangles: Vec<[u32; 3]> = mesh.triangles().collect();
@@ -61,7 +61,7 @@ pub fn noise(dims: UVec3, share: f32, seed: u64) -> Grid {
     of_bits(dims, |_| random.unit() < share)
 }
 
-/// Voxels that touch in faces count as one piece.
+/// Returns the number of pieces; voxels that share a face belong to one piece.
 fn pieces(grid: &Grid) -> usize {
     let (dims, mut seen) = (grid.dims(), std::collections::HashSet::new());
     let mut count = 0;
@@ -126,7 +126,7 @@ fn meshes_of_voxels_enclose_exactly_their_volume() {
 
 #[test]
 fn any_contact_of_voxels_is_a_manifold() {
-    // Two, three and four voxels an axis: all contacts, also at borders of words and parts.
+    // Two, three and four voxels per axis: all contacts, also at borders of words and parts.
     for pattern in 0..256u32 {
         let grid = of_bits(UVec3::splat(2), |v| pattern >> (v.x + 2 * v.y + 4 * v.z) & 1 != 0);
         let contents = contents(grid);
@@ -245,7 +245,7 @@ fn faces_are_not_merged_where_colours_change() {
     let (merged, faces) = (colours(MeshKind::Greedy), colours(MeshKind::Faces));
     assert!(merged.len() * 2 < faces.len(), "{} of {}", merged.len(), faces.len());
     assert!(merged.iter().all(|(position, colour)| faces[position] == *colour));
-    // Every mixed colour is still there.
+    // Every mixed colour is preserved.
     let mixed = |all: &BTreeMap<[u32; 3], [u8; 3]>| {
         all.values().filter(|colour| ![[0, 0, 255], Rgb::STONE.0].contains(colour)).count()
     };
@@ -274,7 +274,7 @@ fn a_mesh_that_takes_too_much_memory_is_refused() {
         assert!((1..8).contains(&over.needed_mib), "{kind:?}: {error}");
         assert_eq!(over.budget_mib, 0, "{kind:?}: {error}");
     }
-    // Every mesh takes at most what it was counted as.
+    // Every mesh takes at most its counted bytes.
     for kind in KINDS {
         let mesh = mesh(&contents, kind);
         let limits =

@@ -1,4 +1,4 @@
-//! How thick thin parts are in the smooth mesh, against the voxels that they are made of.
+//! Compares the thickness of thin parts in the smooth mesh with that of their voxels.
 
 use std::f32::consts::FRAC_PI_4;
 
@@ -12,10 +12,10 @@ use crate::sculpture::region::VoxelBox;
 use crate::tools::solid::{Primitive, Solid};
 
 const EDGE_VX: u32 = 64;
-/// How much thinner or thicker than its voxels a part may be.
+/// The largest deviation of a part's thickness from that of its voxels.
 const TOLERANCE_VX: f64 = 0.25;
 
-/// Turns of parts: along the axes, and such that no axis is near.
+/// Returns rotations of parts: along the axes, and away from all axes.
 fn turns() -> [(&'static str, Quat); 6] {
     [
         ("along an axis", Quat::IDENTITY),
@@ -27,7 +27,7 @@ fn turns() -> [(&'static str, Quat); 6] {
     ]
 }
 
-/// A grid with a cuboid in its middle.
+/// Returns a grid with a cuboid in its middle.
 fn cuboid(half: Vec3, turn: Quat, off: Vec3) -> Grid {
     let solid = Primitive {
         solid: Solid::Cuboid,
@@ -49,13 +49,13 @@ fn cuboid(half: Vec3, turn: Quat, off: Vec3) -> Grid {
     grid
 }
 
-/// The volume of the smooth mesh of a grid, and its number of voxels.
+/// Returns the volume of the smooth mesh of a grid, and its number of voxels.
 fn volumes(grid: Grid) -> [f64; 2] {
     let voxels = grid.opaque_count() as f64;
     [mesh(&contents(grid), MeshKind::Smooth).volume_vx(), voxels]
 }
 
-/// How much longer, larger or thicker one part is than another, so that its ends and rims cancel.
+/// Returns the difference in length, area or thickness between two parts, so that the effects of ends and rims cancel.
 fn without_rims(small: Grid, large: Grid, per: f64) -> [f64; 2] {
     let [small, large] = [small, large].map(volumes);
     [0, 1].map(|i| ((large[i] - small[i]) / per).max(0.0))
@@ -77,9 +77,9 @@ impl Row {
         (*least, *most) = (least.min(smooth - voxels), most.max(smooth - voxels));
     }
 
-    /// As in the table of the documentation.
+    /// Returns the row as in the table of the documentation.
     fn text(&self) -> String {
-        // Without a sign of zero.
+        // Avoids a negative zero.
         let [least, most] = self.range_vx.map(|vx| (vx * 100.0).round() / 100.0 + 0.0);
         format!("| {} | {least:+.2} | {most:+.2} |", self.part)
     }
@@ -93,7 +93,7 @@ fn thin_parts_keep_their_thickness_and_the_documentation_says_how_well() {
         let mut plates = Row::new(format!("plate of {thick}"));
         let mut bars = Row::new(format!("bar of {thick} x {thick}"));
         let mut shells = Row::new(format!("wall of {thick} around a ball"));
-        // Between voxels where an even number fits, and anywhere.
+        // Between voxels if an even number fits, and anywhere.
         let between = if thick % 2 == 1 { Vec3::splat(0.5) } else { Vec3::ZERO };
         for (turn, off) in turns()
             .into_iter()
