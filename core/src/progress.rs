@@ -1,20 +1,19 @@
-//! How long work reports its progress and learns that it is cancelled: the trait [`Progress`], and a
-//! [`Report`] that another thread reads.
+//! Progress reports and cancellation of long work: the trait [`Progress`], and a [`Report`] that another thread reads.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Receives the progress of work. Calls must be cheap and are rare (some hundred per job); pieces of
-/// work follow one another and do not nest.
+/// Receives the progress of work. Calls must be cheap and are rare (some hundred per job). Pieces of work follow one
+/// another and do not nest.
 pub trait Progress: Sync {
-    /// A piece of work begins.
+    /// Begins a piece of work.
     fn begin(&self, what: &str);
-    /// The share that is done, 0 to 1.
+    /// Reports the share that is done, 0 to 1.
     fn advance(&self, done: f32);
-    /// The piece of work has ended.
+    /// Ends the piece of work.
     fn end(&self);
-    /// Whether the work is cancelled. Once true it stays so; work polls it, stops, and leaves everything
-    /// as it was.
+    /// Returns whether the work is cancelled. Once true it stays so; work polls it, stops, and leaves everything as it
+    /// was.
     fn is_cancelled(&self) -> bool {
         false
     }
@@ -37,25 +36,25 @@ pub struct Report {
 /// A piece of work in progress.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Stage {
-    /// Such as "unpacking"; empty between two pieces.
+    /// A name such as "unpacking"; empty between two pieces.
     pub what: String,
-    /// The share of it that is done, 0 to 1; none where that is not known.
+    /// The share of it that is done, 0 to 1; `None` if unknown.
     pub done: Option<f32>,
 }
 
 impl Report {
-    /// The piece of work in progress.
+    /// Returns the piece of work in progress.
     pub fn stage(&self) -> Stage {
         self.lock().clone()
     }
 
-    /// Asks the work to stop where it can.
+    /// Asks the work to stop at the next opportunity.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
     fn lock(&self) -> MutexGuard<'_, Stage> {
-        // A stage is whole at any time, whoever died with the lock.
+        // A stage is consistent at any time, even if a thread died with the lock.
         self.stage.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

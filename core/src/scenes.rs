@@ -1,21 +1,20 @@
-//! Scenes for tests and benchmarks: sculptures from formulas, the same on every machine and in every
-//! run.
+//! Scenes for tests and benchmarks: sculptures from formulas, the same on every machine and in every run.
 //!
-//! From sizes and seeds to grids. A voxel exists if its centre lies in the solid.
+//! Takes sizes and seeds, returns grids. A voxel exists if its centre lies in the solid.
 
 use glam::{IVec3, UVec3, Vec3};
 
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::{Brick, Grid, GridError};
 
-/// A full cube.
+/// Returns a full cube.
 pub fn solid_cube(edge_vx: u32) -> Result<Grid, GridError> {
     let mut grid = cube(edge_vx)?;
     grid.fill_bricks(|_| Brick::FULL);
     Ok(grid)
 }
 
-/// A cube minus `spheres` balls of radius 4 to 28 voxels with centres anywhere in it.
+/// Returns a cube minus `spheres` balls of radius 4 to 28 voxels with centres anywhere in it.
 pub fn cheese(edge_vx: u32, spheres: u32, seed: u64) -> Result<Grid, GridError> {
     let mut grid = cube(edge_vx)?;
     let mut random = Random(seed);
@@ -53,15 +52,15 @@ pub fn cheese(edge_vx: u32, spheres: u32, seed: u64) -> Result<Grid, GridError> 
     Ok(grid)
 }
 
-/// A gyroid shell of eight cells an edge, cut to a ball; its surface is roughened by noise of
-/// about two voxels' depth, different in every voxel.
+/// Returns a gyroid shell of eight cells an edge, cut to a ball. Its surface is roughened by noise of about two voxels'
+/// depth, different in every voxel.
 pub fn gyroid(edge_vx: u32, seed: u64) -> Result<Grid, GridError> {
     let mut grid = cube(edge_vx)?;
     let edge = edge_vx as f32;
     let waves: Vec<(f32, f32)> = (0..edge_vx)
         .map(|i| ((i as f32 + 0.5) * 8.0 * std::f32::consts::TAU / edge).sin_cos())
         .collect();
-    // The gyroid's slope is about 1.5 a radian: from voxels to its value.
+    // The gyroid's slope is about 1.5 per radian: converts voxels to its value.
     let per_voxel = 1.5 * 8.0 * std::f32::consts::TAU / edge;
     let (half_thickness, roughness) = (0.035 * edge * 0.25 * per_voxel, 2.0 * per_voxel);
     grid.fill_bricks(|b| {
@@ -83,7 +82,7 @@ pub fn gyroid(edge_vx: u32, seed: u64) -> Result<Grid, GridError> {
     Ok(grid)
 }
 
-/// A machine of cylinders, bores, fins, pipes and bolts, like a scanned engine part.
+/// Returns a machine of cylinders, bores, fins, pipes and bolts, like a scanned engine part.
 pub fn engine_like(edge_vx: u32) -> Result<Grid, GridError> {
     let mut grid = cube(edge_vx)?;
     let scale = 1.0 / edge_vx as f32;
@@ -94,12 +93,12 @@ pub fn engine_like(edge_vx: u32) -> Result<Grid, GridError> {
     Ok(grid)
 }
 
-/// The engine in a unit cube, z up.
+/// Returns whether a point is in the engine, which fills a unit cube with z up.
 fn in_engine(p: Vec3) -> bool {
     let within = |low: [f32; 3], high: [f32; 3]| {
         p.cmpge(Vec3::from(low)).all() && p.cmple(Vec3::from(high)).all()
     };
-    // Distance from an axis: `along` is left out.
+    // Distance from an axis along `along`.
     let from_axis = |along: usize, centre: [f32; 2]| {
         let (a, b) = match along {
             0 => (p.y, p.z),
@@ -115,9 +114,9 @@ fn in_engine(p: Vec3) -> bool {
         let fin = (p.z * 40.0).fract() < 0.45;
         solid |= (0.55..0.85).contains(&p.z) && r < if fin { 0.118 } else { 0.092 };
         solid &= !(p.z > 0.3 && r < 0.068);
-        // Valve stems stand in the bores.
+        // Valve stems in the bores.
         solid |= (0.3..0.93).contains(&p.z) && r < 0.012;
-        // Exhaust pipes bend from the front to below.
+        // Exhaust pipes that bend from the front downwards.
         let bend = Vec3::new(p.x - centre[0], p.y - 0.25, p.z - 0.33);
         let ring = (bend.y.hypot(bend.z) - 0.09).hypot(bend.x);
         solid |= p.y < 0.26 && (0.022..0.036).contains(&ring);
@@ -144,7 +143,7 @@ fn cube(edge_vx: u32) -> Result<Grid, GridError> {
     Grid::new(UVec3::splat(edge_vx), Vec3::ONE, u64::MAX)
 }
 
-/// The brick of the voxels whose centre (in voxels from the brick's corner) is `inside`.
+/// Returns the brick of the voxels whose centre (in voxels from the brick's corner) is `inside`.
 fn brick_of(inside: impl Fn(Vec3) -> bool) -> Brick {
     let mut brick = Brick::EMPTY;
     for z in 0..BRICK_EDGE_VX {
@@ -164,18 +163,18 @@ fn brick_of(inside: impl Fn(Vec3) -> bool) -> Brick {
 pub struct Random(pub u64);
 
 impl Random {
-    /// The next number, all 64 bits of it random.
+    /// Returns the next number, all 64 bits of it random.
     pub fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         hash(self.0)
     }
 
-    /// The next number in [0, 1).
+    /// Returns the next number in [0, 1).
     pub fn unit(&mut self) -> f32 {
         (self.next_u64() >> 40) as f32 / (1 << 24) as f32
     }
 
-    /// A random voxel of a grid of `dims` voxels.
+    /// Returns a random voxel of a grid of `dims` voxels.
     pub fn voxel(&mut self, dims: UVec3) -> IVec3 {
         let unit = Vec3::new(self.unit(), self.unit(), self.unit());
         (unit * dims.as_vec3()).as_ivec3()
@@ -192,7 +191,7 @@ fn voxel_key(v: UVec3) -> u64 {
     u64::from(v.x) | u64::from(v.y) << 20 | u64::from(v.z) << 40
 }
 
-/// A cube of `edge_vx` voxels an edge, of which those exist whose middles are `inside`. For tests.
+/// Returns a cube of `edge_vx` voxels an edge with the voxels whose centres are `inside`. For tests.
 #[cfg(test)]
 pub(crate) fn grid_of(edge_vx: u32, mut inside: impl FnMut(Vec3) -> bool) -> Grid {
     let mut grid = Grid::new(UVec3::splat(edge_vx), Vec3::ONE, 1 << 24).unwrap();
@@ -223,7 +222,7 @@ mod tests {
             let radius = 4.0 + 24.0 * random.unit();
             for index in 0..64 * 64 * 64 {
                 let v = naive.voxel_coords(index);
-                // Relative to the brick, as the scene computes it: distances round alike.
+                // Relative to the brick, as the scene computes it, so that distances are rounded equally.
                 let corner = (v / 8 * 8).as_vec3();
                 let p = (v % 8).as_vec3() + 0.5;
                 if p.distance_squared(centre - corner) <= radius * radius {

@@ -1,9 +1,10 @@
 //! The print check: finds the faults that keep a sculpture from being printed in 3D, their places, and the commands
-//! that mend them.
+//! that repair them.
 //!
-//! Islands, cavities, thin walls, overhangs, and the size on the bed: what slicers (PrusaSlicer) and programs that
-//! repair models (Meshmixer) check. From a grid and [`CheckOptions`] to a [`Checked`]; changes nothing and knows no
-//! document. Up is y; the bed lies below the lowest voxel. All cores work, and memory is checked before it is taken.
+//! Checks islands, cavities, thin walls, overhangs, and the size on the bed, as slicers (PrusaSlicer) and repair
+//! programs (Meshmixer) do. Takes a grid and [`CheckOptions`], returns a [`Checked`]; changes nothing and knows no
+//! document. Up is y; the bed lies below the lowest voxel. All cores work, and memory is checked before it is
+//! allocated.
 
 mod overhang;
 mod places;
@@ -21,21 +22,21 @@ use crate::tools::pieces::{Part, Pieces, pieces};
 use crate::tools::repair::thickness::Thickness;
 use crate::tools::repair::{self, Keep, Repair, RepairError, Toward};
 
-/// Diameter of the drain holes that are proposed, in millimetres: resin and powder run out of less with difficulty.
+/// Diameter of the proposed drain holes, in millimetres: resin and powder hardly run out of smaller ones.
 const DRAIN_MM: f32 = 3.0;
-/// Most places of a kind that are listed; the largest ones.
+/// The most places of a kind that are listed; the largest ones.
 pub const MOST_PLACES: usize = 1000;
 
 /// The requirements on a print.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CheckOptions {
-    /// Length of a voxel along x in millimetres; none for the sculpture's voxel size.
+    /// Length of a voxel along x in millimetres; `None` for the sculpture's voxel size.
     pub voxel_mm: Option<f32>,
-    /// Walls must be at least so thick.
+    /// The least thickness of walls.
     pub wall_mm: f32,
-    /// Surfaces may lean so far out from the vertical without support: 0 for none, 90 for all.
+    /// The largest angle from the vertical at which surfaces need no support: 0 for none, 90 for all.
     pub overhang_deg: f32,
-    /// Gaps that are bridged along x or z without support.
+    /// The width of gaps that are bridged along x or z without support.
     pub bridge_mm: f32,
     /// Width (x), height (y) and depth (z) of the space above the bed.
     pub bed_mm: Vec3,
@@ -68,7 +69,7 @@ pub enum CheckError {
          ask for thinner walls, or for larger voxels"
     )]
     Wall {
-        /// The thickness asked for.
+        /// The requested thickness.
         wall_mm: f32,
         /// The shortest edge of a voxel.
         voxel_mm: f32,
@@ -94,11 +95,11 @@ impl From<RepairError> for CheckError {
 /// A kind of problem that a print may have.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Kind {
-    /// Pieces that do not stand on the bed and hang together with nothing.
+    /// Pieces that neither stand on the bed nor are connected to another piece.
     Islands,
-    /// Empty places that do not reach the outside.
+    /// Empty regions that are not connected to the outside.
     Cavities,
-    /// Walls that are thinner than wanted.
+    /// Walls that are thinner than required.
     ThinWalls,
     /// Surfaces that need support.
     Overhangs,
@@ -108,7 +109,7 @@ impl Kind {
     /// All, in the order of the report.
     pub const ALL: [Kind; 4] = [Kind::Islands, Kind::Cavities, Kind::ThinWalls, Kind::Overhangs];
 
-    /// Its name for people.
+    /// Returns its name for the user.
     pub const fn name(self) -> &'static str {
         match self {
             Kind::Islands => "floating pieces",
@@ -118,7 +119,7 @@ impl Kind {
         }
     }
 
-    /// Its name for programs.
+    /// Returns its name for programs.
     pub const fn key(self) -> &'static str {
         match self {
             Kind::Islands => "islands",
@@ -129,7 +130,7 @@ impl Kind {
     }
 }
 
-/// A place where something is wrong.
+/// The location of a fault.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Place {
     /// Number of voxels.
@@ -151,7 +152,7 @@ pub struct Finding {
     pub places: Vec<Place>,
     /// The voxels of all places.
     pub marked: ListedBricks,
-    /// The remedies, the best first. Nothing but support material mends overhangs.
+    /// The repairs, the best first. Only support material helps overhangs.
     pub repairs: Vec<Repair>,
 }
 
@@ -162,7 +163,7 @@ pub struct Checked {
     pub voxel_mm: Vec3,
     /// Width, height and depth of all voxels together; zero if there are none.
     pub size_mm: Vec3,
-    /// Whether that has room above the bed, turned about the vertical by a quarter if need be.
+    /// Whether that fits above the bed, turned about the vertical by a quarter if need be.
     pub fits: bool,
     /// The area that stands on the bed.
     pub contact_mm2: f32,
@@ -171,20 +172,20 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Whether it can be printed as it is, overhangs on support.
+    /// Returns whether it can be printed as it is, with support for overhangs.
     pub fn is_printable(&self) -> bool {
         let supported = |finding: &Finding| finding.kind == Kind::Overhangs;
         self.size_mm != Vec3::ZERO && self.fits && self.findings.iter().all(supported)
     }
 
-    /// The finding of a kind, if there is one.
+    /// Returns the finding of a kind, if there is one.
     pub fn finding(&self, kind: Kind) -> Option<&Finding> {
         self.findings.iter().find(|finding| finding.kind == kind)
     }
 }
 
 impl CheckOptions {
-    /// An error that names the first option that is out of range.
+    /// Checks the options. The error names the first option that is out of range.
     pub fn check(&self) -> Result<(), InvalidValue> {
         let CheckOptions { voxel_mm, wall_mm, overhang_deg, bridge_mm, bed_mm } = *self;
         let is_length = |mm: f32| mm.is_finite() && mm > 0.0;
@@ -203,14 +204,14 @@ impl CheckOptions {
         InvalidValue::check(is_bed, "size of the bed", rule, bed_mm)
     }
 
-    /// The edges of a voxel of `grid` in millimetres.
+    /// Returns the edges of a voxel of `grid` in millimetres.
     pub fn voxel_mm_of(&self, grid: &Grid) -> Vec3 {
         let size = grid.voxel_size();
         self.voxel_mm.map_or(size, |mm| size * (mm / size.x))
     }
 }
 
-/// Checks `grid`, with at most about `budget_bytes` beside it.
+/// Checks `grid`, with at most about `budget_bytes` of additional memory.
 pub fn check(
     grid: &Grid,
     options: &CheckOptions,
@@ -256,7 +257,7 @@ pub fn check(
     })
 }
 
-/// Whether a print has room above the bed, turned about the vertical by a quarter if need be.
+/// Returns whether a print fits above the bed, turned about the vertical by a quarter if need be.
 fn fits(size: Vec3, bed: Vec3) -> bool {
     size.cmple(bed).all() || Vec3::new(size.z, size.y, size.x).cmple(bed).all()
 }
@@ -269,7 +270,7 @@ fn islands(
     let found = pieces(grid, Part::Solid, budget_bytes, progress)?;
     let standing = repair::standing(&found);
     let largest_stands = found.largest().is_none_or(|piece| standing[piece as usize]);
-    // Where the largest piece floats, what stands on the bed is to go.
+    // If the largest piece floats, the pieces that stand on the bed are removed.
     let keep = if largest_stands { Keep::Standing } else { Keep::Largest };
     let repairs = vec![Repair::RemoveIslands { keep, smaller_vx: None }];
     Ok(of_pieces(grid, &found, Kind::Islands, repairs, &|piece| !standing[piece as usize]))
@@ -290,7 +291,7 @@ fn cavities(
     Ok(of_pieces(grid, &found, Kind::Cavities, repairs, &|piece| !found.reaches_border(piece)))
 }
 
-/// The finding of those pieces that are wrong.
+/// Returns the finding of faulty pieces.
 fn of_pieces(
     grid: &Grid,
     found: &Pieces,

@@ -1,10 +1,10 @@
-//! Overhangs: voxels with nothing below them whose surface leans too far out from the vertical.
+//! Overhangs: voxels with no voxel below them whose surface leans too far out from the vertical.
 //!
-//! The slope is that of the smooth normal ([`NormalField`]), which is rounded at edges; so ledges that are wider than the
-//! angle allows need support, too. In plates of a single layer, which have no normal of one side, a voxel needs support
-//! unless one of the nine voxels below it exists. Two kinds of voxels need none: those in the lowest
-//! layer, which lie on the bed, and those of a bridge, which have along x or z, without a gap, voxels that rest on others
-//! at both ends. From a grid to the voxels that need support; knows no document.
+//! The slope is that of the smooth normal ([`NormalField`]), which is rounded at edges; so ledges that are wider than
+//! the angle allows need support, too. In plates of a single layer, whose normal belongs to neither side, a voxel needs
+//! support unless one of the nine voxels below it exists. Two kinds of voxels need none: those in the lowest layer,
+//! which lie on the bed, and those of a bridge, which are connected along x or z, without a gap, to voxels that rest on
+//! others at both ends. Takes a grid, returns the voxels that need support; knows no document.
 
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
@@ -16,14 +16,14 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, local_coords};
 use crate::sculpture::region::ListedBricks;
 use crate::shade::NormalField;
 
-/// Normals of curved surfaces are exact to about so much; a slope at the very angle needs no support.
+/// The approximate accuracy of normals of curved surfaces; a slope at exactly the angle needs no support.
 const TOLERANCE_DEG: f32 = 5.0;
 /// Widest ledges that are measured.
 const WIDEST_VX: i32 = 8;
 /// Bricks between two reports of progress.
 const PORTION: usize = 1 << 14;
 
-/// The voxels of `grid` that need support; those in the layer `bed_y` lie on the bed. None if cancelled.
+/// Returns the voxels of `grid` that need support; those in the layer `bed_y` lie on the bed. `None` if cancelled.
 pub fn overhangs(
     grid: &Grid,
     options: &CheckOptions,
@@ -34,7 +34,7 @@ pub fn overhangs(
     let candidates = facing_down(grid, bed_y);
     let steepest = (options.overhang_deg + TOLERANCE_DEG).to_radians();
     let mut found = Vec::new();
-    // Ceilings are as steep as can be.
+    // Ceilings are the steepest overhangs.
     if steepest < std::f32::consts::FRAC_PI_2 && !candidates.is_empty() {
         let normals = normals(grid, progress)?;
         let voxel_mm = options.voxel_mm_of(grid);
@@ -60,7 +60,7 @@ pub fn overhangs(
     Some(ListedBricks::new(found))
 }
 
-/// The normals of all surfaces. None if cancelled.
+/// Returns the normals of all surfaces. `None` if cancelled.
 fn normals(grid: &Grid, progress: &dyn Progress) -> Option<NormalField> {
     let mut field = NormalField::default();
     field.follow(grid, None);
@@ -68,7 +68,7 @@ fn normals(grid: &Grid, progress: &dyn Progress) -> Option<NormalField> {
     field.is_complete().then_some(field)
 }
 
-/// The voxels above the layer `bed_y` that have none below them.
+/// Returns the voxels above the layer `bed_y` that have none below them.
 fn facing_down(grid: &Grid, bed_y: u32) -> Vec<(UVec3, Brick)> {
     let bricks = (0..grid.brick_count()).into_par_iter().with_min_len(1 << 10);
     let of_brick = |index: usize| {
@@ -96,11 +96,12 @@ struct Rule<'a> {
     grid: &'a Grid,
     normals: &'a NormalField,
     voxel_mm: Vec3,
-    /// The part of a unit normal that points down, from which on a surface needs support.
+    /// The downward component of a unit normal from which on a surface needs support.
     least_down: f32,
-    /// From a voxel to the next that rests on others, on a ledge that is too wide; none where that is too far.
+    /// Distance from a voxel on a ledge that is too wide to the nearest one that rests on others; `None` if it is too
+    /// far.
     ledge_vx: Option<i32>,
-    /// Longest bridges along x and z, in voxels.
+    /// The longest bridges along x and z, in voxels.
     bridge_vx: [f32; 2],
 }
 

@@ -1,6 +1,6 @@
-//! Gathers the voxels that something is wrong with into places: voxels that are near each other are one place.
+//! Groups faulty voxels into places: voxels that are near each other form one place.
 //!
-//! From masks to a [`Finding`].
+//! Takes masks, returns a [`Finding`].
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ use crate::tools::repair::Repair;
 /// Overhangs of fewer voxels are the roughness of a surface.
 const LEAST_OVERHANG: u64 = 4;
 
-/// A finding of `places`; none if there are none.
+/// Returns a finding of `places`; `None` if there are none.
 pub fn finding(
     kind: Kind,
     mut places: Vec<Place>,
@@ -32,7 +32,7 @@ pub fn finding(
     Some(Finding { kind, count, voxels, places, marked: marked(), repairs })
 }
 
-/// The finding of the voxels `marked`, those within about two voxels of each other in one place.
+/// Returns the finding of the voxels `marked`, with those within about two voxels of each other in one place.
 pub fn gathered(
     grid: &Grid,
     kind: Kind,
@@ -44,7 +44,7 @@ pub fn gathered(
     if marked.bricks().is_empty() {
         return Ok(None);
     }
-    // The cells of 2^3 voxels that hold one, and those around them: what touches is one place.
+    // The cells of 2^3 voxels that hold a marked one, and those around them: connected cells form one place.
     let bounds = marked.bounds_vx();
     let corner = bounds.min.max(IVec3::ZERO).as_uvec3() / 2;
     let dims = (bounds.max.as_uvec3() / 2 - corner).max(UVec3::ONE);
@@ -100,7 +100,7 @@ fn mend_error(error: crate::tools::pieces::PiecesError) -> CheckError {
     CheckError::from(crate::tools::repair::RepairError::from(error))
 }
 
-/// The voxels of `marked`.
+/// Returns the voxels of `marked`.
 pub fn voxels(marked: &ListedBricks) -> impl Iterator<Item = UVec3> {
     marked.bricks().iter().flat_map(|(b, mask)| {
         let mut inside = Vec::with_capacity(mask.count().into());
@@ -109,7 +109,7 @@ pub fn voxels(marked: &ListedBricks) -> impl Iterator<Item = UVec3> {
     })
 }
 
-/// Number of voxels in the layer `y` of a grid.
+/// Returns the number of voxels in the layer `y` of a grid.
 pub fn count_in_layer(grid: &Grid, y: u32) -> u64 {
     let (row, UVec3 { x, z, .. }) = (y / BRICK_EDGE_VX, grid.brick_dims());
     let bricks = (0..z).flat_map(|z| (0..x).map(move |x| UVec3::new(x, row, z)));

@@ -1,4 +1,4 @@
-//! Solids whose faults are known.
+//! Tests solids with known faults.
 
 use glam::{IVec3, UVec3};
 use proptest::prelude::*;
@@ -9,7 +9,8 @@ use crate::progress::Report;
 const EDGE: u32 = 48;
 const ROOM: u64 = 1 << 28;
 
-/// `exists` is asked with the middle of each voxel, from the middle of the grid.
+/// Returns a grid of the voxels for which `exists` is true. It gets the centre of each voxel, relative to that of the
+/// grid.
 fn grid(exists: impl Fn(Vec3) -> bool) -> Grid {
     let mut grid = Grid::new(UVec3::splat(EDGE), Vec3::ONE, ROOM).unwrap();
     for index in 0..EDGE.pow(3) {
@@ -88,7 +89,7 @@ fn each_fault_is_found_with_the_command_that_mends_it() {
     assert_eq!(island.places[0].bounds.min, IVec3::new(40, 32, 40));
     assert_eq!(finding(Kind::Cavities).count, 1);
     assert_eq!(finding(Kind::ThinWalls).count, 1);
-    // Below the island; the ceiling of the cavity is not needed to be looked at here.
+    // Below the island; the ceiling of the cavity need not be checked here.
     let below = |place: &Place| place.voxels == 16 && place.bounds.min == IVec3::new(40, 32, 40);
     assert!(finding(Kind::Overhangs).places.iter().any(below));
     let lines = |kind| finding(kind).repairs.iter().map(|repair| repair.verb()).collect::<Vec<_>>();
@@ -96,7 +97,7 @@ fn each_fault_is_found_with_the_command_that_mends_it() {
     assert_eq!(lines(Kind::Cavities), ["fill-cavities", "drain"]);
     assert_eq!(lines(Kind::ThinWalls), ["thicken"]);
     assert!(lines(Kind::Overhangs).is_empty());
-    // All first mends together leave nothing but overhangs.
+    // The first repairs of all findings together leave nothing but overhangs.
     let mut repaired = faulty;
     for repair in found.findings.iter().filter_map(|finding| finding.repairs.first()) {
         let plan = repair.plan(&repaired, ROOM, &()).unwrap();
@@ -127,10 +128,10 @@ fn a_largest_piece_in_the_air_is_found_and_stays() {
 fn a_ball_needs_support_below_its_steep_part() {
     let ball = grid(|p| p.length() < 20.0);
     let found = overhang_of(&ball, &CheckOptions::default());
-    // Between the normal and the direction down.
+    // The angle between the normal and the direction down.
     let angle = |p: &Vec3| (-p.y / p.length()).acos().to_degrees();
     assert!(found.iter().all(|p| p.y < 0.0 && angle(p) < 45.0));
-    // All whose surface leans by more than 54 degrees, but those on the bed and above its first voxels.
+    // All whose surface leans by more than 54 degrees, except those on the bed and above its first voxels.
     let steep = |p: &Vec3| {
         let faces_down = p.length() < 20.0 && (*p - Vec3::Y).length() >= 20.0;
         faces_down && p.y > -19.0 && angle(p) < 36.0
@@ -146,7 +147,7 @@ fn a_ball_needs_support_below_its_steep_part() {
 
 #[test]
 fn cones_on_their_tip_need_support_from_their_angle_on() {
-    // Of 10 voxels' radius at the bed.
+    // With a radius of 10 voxels at the bed.
     let cone = |deg: f32| {
         let slope = deg.to_radians().tan();
         grid(|p| p.x.hypot(p.z) < 6.0 + (p.y + 12.0) * slope && p.y > -12.0 && p.y < -2.0)
@@ -174,7 +175,7 @@ fn the_arms_of_a_t_need_support_and_a_short_bridge_does_not() {
     let tee = grid(|p| p.z.abs() < 4.0 && (post(p) || p.x.abs() < 16.0 && p.y > 6.0 && p.y < 12.0));
     let found = overhang_of(&tee, &CheckOptions::default());
     assert!(found.iter().all(|p| p.y == 6.5 && p.x.abs() > 4.0));
-    // Of the voxels beside the post some may lean less.
+    // Some of the voxels beside the post may lean less.
     assert!(found.len() >= 10 * 8 * 2 && found.len() <= 12 * 8 * 2, "{}", found.len());
     let thin =
         grid(|p| p.z.abs() < 4.0 && (post(p) || p.x.abs() < 16.0 && p.y > 11.0 && p.y < 12.0));
@@ -218,7 +219,8 @@ fn options_out_of_range_are_named() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// Mirrored along x or z, a sculpture has as many voxels of each kind; any is checked without a panic.
+    /// Mirroring a sculpture along x or z preserves the number of voxels of each kind; any sculpture is checked without
+    /// a panic.
     #[test]
     fn findings_are_mirrored_with_the_sculpture(
         boxes in prop::collection::vec((prop::array::uniform3(-24i32..20), prop::array::uniform3(1i32..20)), 0..6),

@@ -1,23 +1,23 @@
-//! Where rays through the centres of voxels cross triangles.
+//! Crossings of rays through the centres of voxels with triangles.
 //!
-//! Corners are rounded to fractions of a voxel; from there on all is computed in whole numbers: a ray through an edge
-//! that two triangles share crosses exactly one of them.
+//! Corners are rounded to fractions of a voxel; everything after that is computed in integers: a ray through an edge
+//! shared by two triangles crosses exactly one of them.
 
 use glam::{I64Vec3, UVec3};
 use rayon::prelude::*;
 
 /// Fractions of a voxel that corners are rounded to.
 pub const SUB_VX: i64 = 1 << 12;
-/// Triangles that a crossing can name.
+/// The most triangles that a crossing can index.
 pub const MOST_TRIANGLES: usize = 1 << 26;
 /// Triangles handled at a time.
 const PORTION: usize = 1 << 11;
 
-/// The axes across each axis: bits of rows go along x where that is one of them.
+/// The two axes across each axis: bits of rows run along x if that is one of them.
 pub const ACROSS: [(usize, usize); 3] = [(1, 2), (0, 2), (0, 1)];
 
-/// A crossing in 64 bits, in the order of rays and along them: the ray (24 bits), the number of voxel centres before
-/// the crossing (13 bits), whether it leaves (1 bit), and the triangle (26 bits).
+/// A crossing in 64 bits, ordered by rays and along them: the ray (24 bits), the number of voxel centres before the
+/// crossing (13 bits), whether it leaves (1 bit), and the triangle (26 bits).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Crossing(u64);
 
@@ -27,23 +27,23 @@ impl Crossing {
         Crossing(place | u64::from(leaves) << 26 | triangle as u64)
     }
 
-    /// Number of the ray: `a + size_a * b` for the axes across.
+    /// Returns the index of the ray: `a + size_a * b` for the axes across.
     pub fn ray(self) -> usize {
         (self.0 >> 40) as usize
     }
 
-    /// How many centres of voxels lie before it: the first voxel after it.
+    /// Returns the number of voxel centres before it, which is the first voxel after it.
     pub fn before(self) -> u32 {
         (self.0 >> 27 & 0x1FFF) as u32
     }
 
-    /// The voxels before and after it, of `count` along the ray.
+    /// Returns the voxels before and after it, of `count` along the ray.
     pub fn sides(self, count: u32) -> impl Iterator<Item = u32> {
         let after = self.before();
         after.checked_sub(1).into_iter().chain(Some(after).filter(|after| *after < count))
     }
 
-    /// 1 or -1, by the direction in which the surface is crossed.
+    /// Returns 1 or -1, by the direction in which the surface is crossed.
     pub fn step(self) -> i32 {
         if self.0 >> 26 & 1 != 0 { -1 } else { 1 }
     }
@@ -61,7 +61,7 @@ pub struct Rays {
 }
 
 impl Rays {
-    /// Those of the rays from `first` on and before `end`.
+    /// Returns the crossings of the rays from `first` to before `end`.
     pub fn of(&self, first: usize, end: usize) -> &[Crossing] {
         let at = |ray: usize| self.crossings.partition_point(|c| c.ray() < ray);
         &self.crossings[at(first)..at(end)]
@@ -77,12 +77,12 @@ pub struct Placed {
 }
 
 impl Placed {
-    /// The corners of a triangle.
+    /// Returns the corners of a triangle.
     pub fn triangle(&self, number: usize) -> [I64Vec3; 3] {
         self.triangles[number].map(|corner| self.corners[corner as usize])
     }
 
-    /// An upper bound of the number of crossings along all axes.
+    /// Returns an upper bound of the number of crossings along all axes.
     pub fn crossings_at_most(&self) -> u64 {
         let of_triangle = |number: usize| {
             let [p, q, r] = self.triangle(number);
@@ -94,7 +94,7 @@ impl Placed {
         (0..self.triangles.len()).into_par_iter().map(of_triangle).sum()
     }
 
-    /// All crossings of the rays along an axis.
+    /// Returns all crossings of the rays along an axis.
     pub fn cross(&self, axis: usize) -> Rays {
         let numbers: Vec<usize> = (0..self.triangles.len().div_ceil(PORTION)).collect();
         let portions = numbers.par_iter().map(|portion| {
@@ -151,7 +151,7 @@ impl Placed {
                 }
             }
             for i in low..=high {
-                // The edge across from a corner weighs it.
+                // The edge opposite a corner gives its weight.
                 let weight = |(constant, slope, _): (i64, i64, i64)| (constant + slope * i) as f64;
                 let depth = (weight(lines[1]) * p[axis] as f64
                     + weight(lines[2]) * q[axis] as f64

@@ -1,4 +1,4 @@
-//! How a mesh lies in its grid: which way is up, and how many voxels it gets.
+//! The orientation of a mesh in its grid, and the size of the grid in voxels.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,7 +10,7 @@ use super::{Mesh, VoxeliseError};
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::orientation::Up;
 
-/// How large a mesh becomes.
+/// The size of a mesh in voxels.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum MeshSize {
     /// Voxels of its longest side.
@@ -59,22 +59,22 @@ impl FromStr for MeshSize {
     }
 }
 
-/// The grid of a mesh, and where the mesh lies in it.
+/// The grid of a mesh, and the pose of the mesh in it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Frame {
     /// Size in voxels.
     pub dims: UVec3,
     /// Edge of a voxel, in millimetres.
     pub voxel_size: Vec3,
-    /// Grid axes in terms of the mesh's: rows of a rotation.
+    /// Rows of the rotation from the mesh's axes to the grid's.
     rows: [DVec3; 3],
-    /// Mesh point that comes to lie in the middle of the grid.
+    /// The mesh point at the centre of the grid.
     centre: DVec3,
     voxels_per_unit: f64,
 }
 
 impl Frame {
-    /// A grid that just holds the mesh. `mm_per_unit`: what a unit of the mesh stands for.
+    /// Returns a grid that just holds the mesh. `mm_per_unit`: the length of a unit of the mesh.
     pub fn around(
         mesh: &Mesh,
         size: MeshSize,
@@ -84,7 +84,7 @@ impl Frame {
         Frame::of_bounds(bounds(mesh), size, up, mm_per_unit)
     }
 
-    /// The same for a mesh of these [`bounds`].
+    /// Returns the frame of a mesh of these [`bounds`].
     pub fn of_bounds(
         (low, high): (DVec3, DVec3),
         size: MeshSize,
@@ -116,7 +116,7 @@ impl Frame {
         })
     }
 
-    /// Where a point of the mesh lies in the grid, in voxels.
+    /// Maps a point of the mesh to the grid, in voxels.
     pub fn in_grid(&self, at: Vec3) -> Vec3 {
         self.turned(at).as_vec3()
     }
@@ -127,14 +127,14 @@ impl Frame {
         turned * self.voxels_per_unit + self.dims.as_dvec3() / 2.0
     }
 
-    /// The mesh in the grid's coordinates.
+    /// Returns the mesh in the grid's coordinates.
     pub(super) fn place(&self, mesh: &Mesh) -> Result<Placed, VoxeliseError> {
         if mesh.triangles.len() > MOST_TRIANGLES {
             return Err(VoxeliseError::TooManyTriangles);
         }
         let corner = |at: &Vec3| {
             let at = self.turned(*at) * SUB_VX as f64;
-            // Those beyond the grid belong to triangles that are left out.
+            // Corners beyond the grid belong to triangles that are left out.
             let most = self.dims.as_dvec3() * SUB_VX as f64;
             let within = if at.is_finite() { at.clamp(DVec3::ZERO, most) } else { DVec3::ZERO };
             within.round().as_i64vec3()
@@ -146,7 +146,7 @@ impl Frame {
     }
 }
 
-/// The lowest and the highest coordinates of all triangles of finite size.
+/// Returns the lowest and the highest coordinates of all triangles of finite size.
 pub fn bounds(mesh: &Mesh) -> (DVec3, DVec3) {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for corner in mesh.triangles.iter().filter(|t| is_finite(mesh, t)).flatten() {

@@ -1,4 +1,4 @@
-//! A mesh as a soup of triangles, with their colours: of corners, of a texture, or one for all.
+//! A mesh as a triangle soup, with its colours: of corners, of a texture, or one for all.
 
 use std::sync::Arc;
 
@@ -16,30 +16,31 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// sRGB colours of the corners of each triangle. Empty, or as many as triangles.
     pub corner_colours: Vec<[Rgb; 3]>,
-    /// Places of the corners of each triangle in its texture, (0, 0) the lower left corner. Empty, or as many as triangles.
+    /// Texture coordinates of the corners of each triangle, (0, 0) the lower left corner. Empty, or as many as
+    /// triangles.
     pub corner_uvs: Vec<[Vec2; 3]>,
     /// Colours and textures that triangles may have.
     pub skins: Vec<Skin>,
-    /// The skin of each triangle, beyond the last one for none. Empty, or as many as triangles.
+    /// The skin of each triangle; an index beyond the last skin means none. Empty, or as many as triangles.
     pub skin_of: Vec<u32>,
 }
 
 /// The colour of a part of a mesh.
 #[derive(Clone, Debug)]
 pub struct Skin {
-    /// sRGB colour, which a texture and colours of corners are multiplied with.
+    /// sRGB colour, which multiplies the texture and the colours of corners.
     pub colour: Rgb,
     /// The texture, which repeats beyond its edges.
     pub texture: Option<Arc<Texture>>,
 }
 
 impl Mesh {
-    /// Whether it has any colours.
+    /// Returns whether it has any colours.
     pub fn has_colours(&self) -> bool {
         !self.corner_colours.is_empty() || !self.skin_of.is_empty()
     }
 
-    /// The colour of all triangles, if they have the same and no texture.
+    /// Returns the colour of all triangles, if they have the same and no texture.
     pub fn only_colour(&self) -> Option<Rgb> {
         let first = self.skins.get(*self.skin_of.first()? as usize)?;
         let is_plain = first.texture.is_none() && self.corner_colours.is_empty();
@@ -47,7 +48,7 @@ impl Mesh {
         (is_plain && same).then_some(first.colour)
     }
 
-    /// The colour of a triangle at the place of these weights of its corners.
+    /// Returns the colour of a triangle at the point with these barycentric weights.
     pub fn colour(&self, triangle: usize, weights: Vec3) -> Rgb {
         let [a, b, c] = weights.to_array();
         let mut colour = Vec3::splat(255.0);

@@ -1,10 +1,10 @@
-//! From a mesh of coloured triangles to a sculpture: a solid where the mesh encloses something, else a shell.
+//! Converts a mesh of coloured triangles to a sculpture: a solid if the mesh encloses a volume, else a shell.
 //!
-//! Rays along x, y and z through the centres of all voxels are cut with the triangles (`crossings`), in whole numbers,
-//! so that a closed mesh is never entered without being left. Each ray becomes spans of voxels (`spans`), which are
-//! handled as rows of bits. Rays that fall through a hole have no say; where there are any, the three directions vote.
-//! Surface voxels take the colour of the nearest triangle that crosses beside them (`paint`). The result is the same
-//! on any number of threads. Knows no files.
+//! Rays along x, y and z through the centres of all voxels are intersected with the triangles (`crossings`), in
+//! integers, so that a closed mesh is never entered without being left. Each ray becomes spans of voxels (`spans`),
+//! which are handled as rows of bits. Rays that pass through a hole are ignored; if there are any, the three directions
+//! vote. Surface voxels take the colour of the nearest triangle that crosses beside them (`paint`). The result is the
+//! same for any number of threads. Knows no files.
 
 mod crossings;
 mod frame;
@@ -24,18 +24,18 @@ use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, GridError, Limits, Material, Rgb};
 
-/// Share of rays that fall through holes from which on a mesh counts as open.
+/// The share of rays through holes from which on a mesh counts as open.
 const OPEN_SHARE: f64 = 0.02;
 
 /// The filling of the inside of a mesh.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Fill {
-    /// Solid; of an open mesh the surface alone.
+    /// Solid; for an open mesh, only the surface.
     #[default]
     Auto,
     /// Solid, even if there are large holes.
     Solid,
-    /// The surface alone, two voxels thick.
+    /// Only the surface, two voxels thick.
     Shell,
 }
 
@@ -48,9 +48,9 @@ impl Fill {
 /// The findings about a mesh.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Findings {
-    /// Share of the rays through the mesh that enter it and do not leave it, or the other way round: 0 for a closed one.
+    /// Share of the rays through the mesh that enter it without leaving it, or vice versa: 0 for a closed one.
     pub open_share: f64,
-    /// Whether the surface alone was taken.
+    /// Whether only the surface was used.
     pub is_shell: bool,
 }
 
@@ -63,10 +63,10 @@ pub enum VoxeliseError {
     /// The work needs more memory than allowed.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
-    /// Nothing of the mesh can be used.
+    /// The mesh has no usable triangle.
     #[error("the mesh has no triangle of finite size; export it again")]
     Nothing,
-    /// More triangles than can be numbered.
+    /// More triangles than can be indexed.
     #[error("the mesh has more than the 2^26 triangles that can be read; simplify it")]
     TooManyTriangles,
     /// [`Progress::is_cancelled`] returned true.

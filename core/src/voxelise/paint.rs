@@ -1,4 +1,4 @@
-//! Colours of the surface: each voxel beside a crossing takes that of the nearest triangle among those that cross
+//! Colours of the surface: each voxel beside a crossing takes the colour of the nearest triangle among those that cross
 //! beside it.
 
 use glam::{UVec3, Vec3};
@@ -12,10 +12,10 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords, local_index};
 use crate::sculpture::material::Page;
 use crate::sculpture::{Grid, Material, Rgb};
 
-/// Layers of bricks that are coloured between two looks at memory and cancellation.
+/// Layers of bricks that are coloured between two checks of memory and cancellation.
 const LAYERS: usize = 8;
 
-/// The data that the colours are made from.
+/// The data from which colours are computed.
 pub struct Painter<'a> {
     pub mesh: &'a Mesh,
     pub placed: &'a Placed,
@@ -68,7 +68,7 @@ impl Painter<'_> {
         Ok(())
     }
 
-    /// Adds what rays along x and y find in a layer of bricks, and sorts all by voxels.
+    /// Adds the crossings of rays along x and y in a layer of bricks, and sorts all by voxels.
     fn gather(&self, grid: &Grid, layer: usize, beside: &mut Vec<Beside>) {
         let dims = grid.dims();
         let slices = layer * BRICK_EDGE_VX as usize
@@ -103,7 +103,7 @@ impl Painter<'_> {
             let exists = |along: u32| grid.get(at(along).as_ivec3());
             let mut sides = crossing.sides(count).filter(|along| exists(*along));
             let (first, second) = (sides.next(), sides.next());
-            // With voxels on both sides, no surface of a solid is here.
+            // With voxels on both sides, there is no surface of a solid here.
             for along in [first, second].into_iter().flatten() {
                 if self.is_shell || second.is_none() {
                     put(at(along), crossing.triangle());
@@ -112,7 +112,7 @@ impl Painter<'_> {
         }
     }
 
-    /// The pages of a layer of bricks.
+    /// Returns the pages of a layer of bricks.
     fn pages(
         &self,
         grid: &Grid,
@@ -158,7 +158,7 @@ impl Painter<'_> {
     }
 }
 
-/// The weights of the corners at the point of a triangle that is nearest to `p`.
+/// Returns the barycentric weights of the point of a triangle that is nearest to `p`.
 pub(super) fn nearest(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));

@@ -1,7 +1,7 @@
 //! Rows of bits: the inside of a mesh from its spans, and its shell.
 //!
-//! A row holds the voxels along x; rows follow one another along y, then z, so that most work is done for 64 voxels
-//! at once. Spans along y and z mark their ends, which a running exclusive or fills.
+//! A row holds the voxels along x; rows follow one another along y, then z, so that most work is done for 64 voxels at
+//! once. Spans along y and z mark their ends, which a running exclusive or fills.
 
 use glam::UVec3;
 use rayon::prelude::*;
@@ -15,12 +15,12 @@ fn words(dims: UVec3) -> usize {
     dims.x.div_ceil(64) as usize
 }
 
-/// Bytes of the bits of a grid.
+/// Returns the bytes of the bits of a grid.
 pub fn bytes(dims: UVec3) -> u64 {
     words(dims) as u64 * 8 * u64::from(dims.y) * u64::from(dims.z)
 }
 
-/// The voxels inside. With `has_holes` the three directions vote, those of rays through holes left out.
+/// Returns the voxels inside. With `has_holes` the three directions vote; rays through holes are ignored.
 pub fn fill(rays: &[Rays], dims: UVec3, has_holes: bool) -> Vec<u64> {
     let (mut bits, unsure) = along_x(&rays[0], dims);
     if !has_holes {
@@ -47,7 +47,7 @@ pub fn fill(rays: &[Rays], dims: UVec3, has_holes: bool) -> Vec<u64> {
     bits
 }
 
-/// The inside by rays along x, and which rows lie on rays through holes.
+/// Returns the inside by rays along x, and the rows that lie on rays through holes.
 fn along_x(rays: &Rays, dims: UVec3) -> (Vec<u64>, Vec<bool>) {
     let (width, height) = (words(dims), dims.y as usize);
     let rows = height * dims.z as usize;
@@ -64,7 +64,7 @@ fn along_x(rays: &Rays, dims: UVec3) -> (Vec<u64>, Vec<bool>) {
     (bits, unsure)
 }
 
-/// Sets the bits from `start` on and before `end`, which is greater.
+/// Sets the bits from `start` to before `end`, which is greater.
 fn set_span(row: &mut [u64], start: u32, end: u32) {
     let (first, last) = (start as usize / 64, (end - 1) as usize / 64);
     let from = u64::MAX << (start % 64);
@@ -86,7 +86,7 @@ struct Across {
     unsure: Vec<u64>,
 }
 
-/// `slices` of `rows` rows of `size_x` voxels, the rays going from row to row.
+/// Returns the inside by rays that run from row to row, in `slices` of `rows` rows of `size_x` voxels.
 fn along(rays: &Rays, size_x: u32, rows: usize, slices: usize) -> Across {
     let width = size_x.div_ceil(64) as usize;
     let size_x = size_x as usize;
@@ -115,7 +115,8 @@ fn along(rays: &Rays, size_x: u32, rows: usize, slices: usize) -> Across {
     Across { bits, unsure }
 }
 
-/// The voxels on both sides of the surface: of one alone, steps of a slope would touch at edges only, and show gaps.
+/// Returns the voxels on both sides of the surface. Those of one side alone would touch only at edges on the steps of a
+/// slope, and leave gaps.
 pub fn shell(rays: &[Rays], dims: UVec3) -> Vec<u64> {
     let (width, height) = (words(dims), dims.y as usize);
     let mut bits = vec![0u64; width * height * dims.z as usize];
@@ -131,7 +132,7 @@ pub fn shell(rays: &[Rays], dims: UVec3) -> Vec<u64> {
     bits
 }
 
-/// The voxel at a place along a ray.
+/// Returns the voxel at a position along a ray.
 pub fn voxel(dims: UVec3, axis: usize, ray: usize, along: u32) -> UVec3 {
     let (a, b) = super::crossings::ACROSS[axis];
     let mut v = UVec3::ZERO;

@@ -1,12 +1,13 @@
-//! From the crossings of a ray to the voxels that lie inside along it.
+//! Converts the crossings of a ray to the voxels inside along it.
 
 use rayon::prelude::*;
 
 use super::crossings::{Crossing, Rays};
 
-/// Calls `emit` with the first voxel of each span inside, and one past its last. A surface that is crossed as often
-/// one way as the other encloses what it winds around, however often; else what is left after an even number of
-/// crossings is outside, whichever way the triangles face. Returns false, without a span, for a ray through a hole.
+/// Calls `emit` with the first voxel of each span inside, and one past its last. If the surface is crossed equally
+/// often in both directions, everything that it winds around is inside, however often. Otherwise points after an even
+/// number of crossings are outside, whichever direction the triangles face. Returns false, without a span, for a ray
+/// through a hole.
 pub fn inside(ray: &[Crossing], mut emit: impl FnMut(u32, u32)) -> bool {
     let is_wound = ray.iter().map(|c| c.step()).sum::<i32>() == 0;
     if !is_wound && ray.len() % 2 == 1 {
@@ -25,7 +26,7 @@ pub fn inside(ray: &[Crossing], mut emit: impl FnMut(u32, u32)) -> bool {
     true
 }
 
-/// Share of rays through holes among all that cross anything.
+/// Returns the share of rays through holes among all rays with crossings.
 pub fn open_share(rays: &[Rays]) -> f64 {
     let count = |rays: &Rays| {
         let all: Vec<&[Crossing]> = rays.crossings.chunk_by(|a, b| a.ray() == b.ray()).collect();

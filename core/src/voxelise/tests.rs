@@ -1,4 +1,4 @@
-//! Solids against their analytic volumes, holes, shells, colours, and what is refused.
+//! Tests solids against their analytic volumes, holes, shells, colours, and refused meshes.
 
 use glam::{IVec3, UVec3, Vec2, Vec3};
 
@@ -6,7 +6,7 @@ use super::*;
 use crate::sculpture::orientation::Up;
 use crate::tools::texture::Texture;
 
-/// A sphere of radius 1: an octahedron whose triangles are divided `times` times.
+/// Returns a sphere of radius 1: an octahedron whose triangles are divided `times` times.
 fn ball(times: u32) -> Mesh {
     let axes = [Vec3::X, Vec3::Y, Vec3::Z];
     let mut faces = Vec::new();
@@ -29,7 +29,7 @@ fn ball(times: u32) -> Mesh {
     soup(&faces)
 }
 
-/// A box with outward faces.
+/// Returns a box with outward faces.
 fn cuboid(low: Vec3, high: Vec3) -> Vec<[Vec3; 3]> {
     let corner = |i: usize| {
         Vec3::from_array(std::array::from_fn(|axis| {
@@ -78,7 +78,7 @@ fn shells_within_solids_are_cavities_and_solids_that_overlap_are_one() {
     faces.extend(cuboid(Vec3::new(2.0, 0.0, 0.0), Vec3::new(8.0, 4.0, 4.0)));
     let (found, _) = voxelise(&soup(&faces), 8, Fill::Auto);
     assert_eq!(found.grid.opaque_count(), 8 * 4 * 4);
-    // One face the wrong way round does not matter.
+    // One face with reversed winding does not matter.
     faces[3].swap(0, 1);
     let (found, findings) = voxelise(&soup(&faces[..12]), 6, Fill::Auto);
     assert_eq!((found.grid.opaque_count(), findings.open_share), (6 * 4 * 4, 0.0));
@@ -102,7 +102,7 @@ fn small_holes_are_closed_and_open_meshes_are_shells() {
     let (shell, findings) = voxelise(&open, 20, Fill::Auto);
     assert!(findings.is_shell && findings.open_share > 0.1, "{findings:?}");
     assert!(!shell.grid.get(IVec3::splat(10)) && shell.grid.get(IVec3::new(0, 10, 10)));
-    // Unless it is to be solid: two directions of three say so.
+    // Unless it is forced to be solid: two of three directions agree.
     let (filled, _) = voxelise(&open, 20, Fill::Solid);
     assert_eq!(filled.grid.opaque_count(), 20 * 20 * 20);
     let (shell, _) = voxelise(&whole, 60, Fill::Shell);
@@ -117,7 +117,7 @@ fn small_holes_are_closed_and_open_meshes_are_shells() {
 
 #[test]
 fn rays_through_shared_edges_cross_once() {
-    // A fan around a point that lies on the centre of a voxel, with edges through centres.
+    // A fan around a point at the centre of a voxel, with edges through centres.
     for turn in 0..4 {
         let faces = cuboid(Vec3::ZERO, Vec3::splat(9.0));
         let faces: Vec<[Vec3; 3]> = faces
@@ -216,7 +216,7 @@ fn what_cannot_be_is_refused_before_memory_is_taken() {
     assert!(matches!(run(&huge), Err(VoxeliseError::Grid(_))));
     let nothing = soup(&[[Vec3::splat(f32::NAN); 3], [Vec3::X; 3]]);
     assert!(matches!(around(&nothing, MeshSize::default()), Err(VoxeliseError::Nothing)));
-    // A triangle that is no number is left out; it leaves a hole, which is closed.
+    // A triangle with a non-finite corner is left out; it leaves a hole, which is closed.
     let mut torn = ball(4);
     torn.positions[300].x = f32::INFINITY;
     let (found, findings) = voxelise(&torn, 40, Fill::Auto);
