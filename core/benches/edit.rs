@@ -1,7 +1,7 @@
-//! Measures edits as a person makes them: a command applied to a document, with counts, dirty
-//! set and undo record included. Restoring the sculpture between two runs is not timed.
+//! Measures edits as a user makes them: a command applied to a document, including counts, dirty set and undo record.
+//! Restoring the sculpture between two runs is not timed.
 //!
-//! The print check and the longest of the commands that mend are measured on sculptures of the benchmark.
+//! The print check and the longest of the repair commands are measured on sculptures of the benchmark.
 //!
 //! Throughput is given in voxels that the solid holds.
 
@@ -52,7 +52,7 @@ fn subtract(solid: Solid, half: Vec3, rotation: Quat) -> Command {
     construct(EditOp::Subtract, solid, Vec3::new(251.3, 260.7, 255.1), half, rotation)
 }
 
-/// Times `command` on a fresh copy of the same state, which an undo brings back.
+/// Times `command` on a fresh copy of the same state, which an undo restores.
 fn time_command(document: &mut Document, command: &Command, runs: u64) -> Duration {
     let mut total = Duration::ZERO;
     for _ in 0..runs {
@@ -144,7 +144,7 @@ fn primitives(c: &mut Criterion) {
     group.finish();
 }
 
-/// The same 2000 spheres of radius 4 to 28 in every run.
+/// Returns the same 2000 spheres of radius 4 to 28 in every run.
 fn cheese_holes() -> Vec<Command> {
     let mut state = 0x5EED_u64;
     let mut unit = || {
@@ -186,7 +186,7 @@ fn cheese(c: &mut Criterion) {
     group.finish();
 }
 
-/// How long `commands` take `runs` times, as one stroke of that label if there is one; undone each time.
+/// Returns the duration of `commands`, run `runs` times, as one stroke of that label if there is one; undone each time.
 fn time_of(
     document: &mut Document,
     runs: u64,
@@ -212,8 +212,8 @@ fn time_of(
     total
 }
 
-/// Straight strokes of 200 voxels through a solid block along a diagonal of the turned solid: in sweeps of a fifth of the
-/// half extent, as the editor makes them, and in stamps as far apart, which leave ridges.
+/// Straight strokes of 200 voxels through a solid block along a diagonal of the rotated solid: in sweeps of a fifth of
+/// the half extent, as the editor makes them, and in stamps at the same spacing, which leave ridges.
 fn strokes(c: &mut Criterion) {
     const LENGTH_VX: f32 = 200.0;
     let turned = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);

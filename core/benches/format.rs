@@ -1,5 +1,5 @@
-//! Measures saving and loading in the program's own format and as PVM, through the same doors as
-//! the program, with everything until the disk has it.
+//! Measures saving and loading in the program's own format and as PVM, through the same functions as the program, until
+//! the data is on disk.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use sculpture_core::format::options::{ExportForm, ImportOptions};
@@ -39,7 +39,7 @@ fn files(c: &mut Criterion) {
     group.finish();
 }
 
-/// A sphere with bumps, of `4 * rows^2` triangles, coloured by its corners.
+/// Returns a sphere with bumps, of `4 * rows^2` triangles, with coloured corners.
 fn bumpy_ball(rows: u32) -> Mesh {
     let corner = |i: u32, j: u32| {
         let (a, b) = (j as f32 / rows as f32, (i % (rows * 2)) as f32 / (rows * 2) as f32);

@@ -1,6 +1,6 @@
-//! Measures the kernels of a picture on the CPU, by scene: exact ray caster, Quickstep, software
-//! shader, and all of a partial update; and meshes of the voxels' faces and of a smooth surface that is known. The
-//! view is that of `virtual-sculpture bench`.
+//! Measures the kernels of a picture on the CPU, by scene: exact ray caster, Quickstep, software shader, and all of a
+//! partial update; and meshes of the voxels' faces and of a given smooth surface. The view is that of
+//! `virtual-sculpture bench`.
 
 use std::hint::black_box;
 
@@ -92,7 +92,7 @@ fn pictures(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("normals", name), |b| {
             b.iter(|| NormalField::of(&grid));
         });
-        // The same bricks without their voxels and with them, in turn.
+        // The same bricks without their voxels and with them, alternately.
         let bricks: Vec<_> = changed.iter().map(|&index| *grid.brick_at(index as usize)).collect();
         let mut is_carved = false;
         group.bench_function(BenchmarkId::new("normals_of_edit", name), |b| {

@@ -1,5 +1,5 @@
-//! Carves a block by commands and renders it to a PNG file, with the CPU sampler and the software
-//! shader: `cargo run --package sculpture-core --example carve -- carved.png`
+//! Carves a block by commands and renders it to a PNG file, with the CPU sampler and the software shader: `cargo run
+//! --package sculpture-core --example carve -- carved.png`
 
 use std::error::Error;
 
@@ -18,7 +18,7 @@ subtract cuboid at=168,168,168 half=40
 add ellipsoid at=128,128,128 half=44 colour=#d8b44a
 ";
 
-/// The carved sculpture, `size` pixels large.
+/// Returns the carved sculpture, `size` pixels large.
 pub fn picture(size: UVec2) -> Result<RgbaImage, Box<dyn Error>> {
     let (dims, voxel_size) = (UVec3::splat(256), Vec3::ONE);
     let (colour_depth, base) = (ColourDepth::Bits24, Rgb::STONE);
@@ -28,7 +28,7 @@ pub fn picture(size: UVec2) -> Result<RgbaImage, Box<dyn Error>> {
         document.apply(&command)?;
     }
 
-    // Twice as large as wanted, to be averaged.
+    // Supersampled by 2, to be averaged.
     let eye = Camera::framing(190.0, Vec3::new(0.8, 0.6, 1.0), Vec3::Y).eye(size * 2);
     let (eye_from_world, world_from_grid) = (eye.eye_from_world, document.world_from_grid());
     let rays = eye.pixel_rays(&world_from_grid);

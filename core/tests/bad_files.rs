@@ -1,5 +1,5 @@
-//! Damaged and hostile files: each is accepted or refused as listed, with a readable message, without
-//! a panic and without much memory.
+//! Damaged and hostile files: each is accepted or refused as listed, with a readable message, without a panic and
+//! without much memory.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ fn load(path: &Path) -> Result<Loaded, FormatError> {
 const READ: [&str; 12] =
     ["pvm", "vox", "qb", "binvox", "obj", "stl", "ply", "nii", "gz", "nrrd", "nhdr", "vti"];
 
-/// Peak memory of this process, where the system reports it.
+/// Returns the peak memory of this process, if the system reports it.
 fn peak_mib() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
@@ -78,7 +78,7 @@ fn the_memory_budget_is_checked_before_unpacking() {
     );
 }
 
-/// A small random generator with a seed, so that failures are reproducible.
+/// A small seeded random generator, so that failures are reproducible.
 struct Dice(u64);
 
 impl Dice {

@@ -1,5 +1,6 @@
-//! `convert` between any two formats: a small coloured shape in every format that can be read becomes every format that
-//! can be written; what survives is what docs/formats.md says; and names that say something else than the content.
+//! Tests `convert` between any two formats: a small coloured shape in every readable format is converted to every
+//! writable format, and the preserved properties are those in docs/formats.md. Also tests names that do not match the
+//! content.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -23,7 +24,7 @@ const VOXEL_MM: f32 = 0.5;
 const RED: Rgb = Rgb([255, 0, 0]);
 const BLUE: Rgb = Rgb([0, 0, 255]);
 
-/// Whether a voxel exists: a block with a step, which looks different from all sides.
+/// Returns whether a voxel exists: a block with a step, which looks different from all sides.
 fn exists(v: UVec3) -> bool {
     v.cmplt(DIMS).all() && (v.y < 2 || v.x < 3 && (v.y < 4 || v.z < 2))
 }
@@ -77,7 +78,7 @@ fn save_as(
     format::save_with(path, contents, &options, texts, &Limits::default(), &())
 }
 
-/// Files that this program does not write, with the shape; by their endings.
+/// Returns files with the shape in the formats that this program does not write.
 fn foreign(folder: &TempDir) -> Vec<PathBuf> {
     let bytes: Vec<u8> = all().map(|v| if exists(v) { 255 } else { 0 }).collect();
     let rgb: Vec<u8> = all().flat_map(|v| if exists(v) { colour(v).0 } else { [0; 3] }).collect();
@@ -176,7 +177,7 @@ fn foreign(folder: &TempDir) -> Vec<PathBuf> {
     ]
 }
 
-/// A file of five frames.
+/// Returns a file of five frames.
 fn dicom(bytes: &[u8]) -> Vec<u8> {
     let mut out =
         [&[0; 128][..], b"DICM", &[2, 0, 0x10, 0], b"UI", &[20, 0], b"1.2.840.10008.1.2.1\0"]
@@ -203,7 +204,7 @@ fn dicom(bytes: &[u8]) -> Vec<u8> {
     [&out, &[0xE0, 0x7F, 0x10, 0][..], b"OB", &[0; 2], &length, bytes].concat()
 }
 
-/// A file with the shape in every format that can be read.
+/// Returns a file with the shape in every format that can be read.
 pub fn sources(folder: &TempDir) -> Vec<PathBuf> {
     let mut sources = foreign(folder);
     for ending in WRITE_ENDINGS.iter().filter(|ending| READ_ENDINGS.contains(ending)) {
@@ -220,7 +221,7 @@ pub fn sources(folder: &TempDir) -> Vec<PathBuf> {
     sources
 }
 
-/// A `.glb` as a `.gltf`, with its buffer in a file beside it.
+/// Returns a `.glb` as a `.gltf`, with its buffer in a file beside it.
 fn gltf(glb: &Path) -> PathBuf {
     let file = std::fs::read(glb).unwrap();
     let json_end = 20 + u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
@@ -232,7 +233,7 @@ fn gltf(glb: &Path) -> PathBuf {
     path
 }
 
-/// The rows of the table of docs/formats.md that begins with that line, by the endings in their first column.
+/// Returns the rows of the table of docs/formats.md that begins with that line, by the endings in their first column.
 fn documented(heading: &str) -> Vec<(String, Vec<String>)> {
     let docs = include_str!("../../docs/formats.md");
     let rows = docs

@@ -1,4 +1,4 @@
-//! Runs the example `carve` and looks at the picture that it makes.
+//! Runs the example `carve` and checks its picture.
 
 #[allow(dead_code, reason = "its `main` is the example's own")]
 #[path = "../examples/carve.rs"]

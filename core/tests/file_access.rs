@@ -1,4 +1,4 @@
-//! Two sessions with the same file: who may save it, and when.
+//! Tests two sessions with the same file: which of them may save it, and when.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use sculpture_core::session::{FileAccess, Session, SessionError};
 use crate::journal::memory::Memory;
 use crate::journal::{options, recovered};
 
-/// A session that locks its files, with a full sculpture of 16 voxels' edge.
+/// Returns a session that locks its files, with a full sculpture of 16 voxels an edge.
 fn session() -> Session {
     let Command::New(new) = "new dims=16,16,16".parse().unwrap() else { panic!() };
     let mut session = Session::new(&new, Limits::default()).unwrap();
@@ -46,14 +46,14 @@ fn a_second_session_learns_who_has_the_file_and_cannot_save_it() {
     let message = refused.to_string();
     assert!(message.contains("owl.vsc") && message.contains("another name"), "{message}");
     assert_eq!(std::fs::read(&path).unwrap(), bytes);
-    // Neither can a session that locks nothing, or one that never read it.
+    // Neither can a session that locks nothing, or one that has never read the file.
     let mut third = session();
     third.set_file_access(FileAccess::Brief);
     assert!(execute(&mut third, &format!("save {path:?}")).is_err());
     // A volume for other programs has no lock.
     execute(&mut second, &format!("save {:?}", folder.path().join("owl.pvm"))).unwrap();
 
-    // The first goes on, and the second follows once it is gone.
+    // The first continues, and the second takes over once it is gone.
     execute(&mut first, &format!("save {path:?}")).unwrap();
     drop(first);
     assert!(!is_locked(&path));

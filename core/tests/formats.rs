@@ -1,5 +1,5 @@
-//! File formats through the public interface: real volumes decode to known bytes and become sensible
-//! sculptures, and written files read back.
+//! Tests file formats through the public interface: real volumes decode to known bytes and become sensible sculptures,
+//! and written files read back.
 
 use std::path::{Path, PathBuf};
 
@@ -76,7 +76,7 @@ fn every_volume_decodes_to_the_bytes_of_the_original_program() {
     }
 }
 
-/// Share of the voxels that exist, of those in one connected body, and of the border voxels.
+/// Returns the share of the voxels that exist, of those in one connected body, and of the border voxels.
 fn body(contents: &Contents) -> (f64, f64, f64) {
     let grid = &contents.grid;
     let dims = grid.dims();
@@ -114,8 +114,8 @@ fn body(contents: &Contents) -> (f64, f64, f64) {
 
 #[test]
 fn the_automatic_threshold_finds_the_body() {
-    // Not noise: nearly all voxels are connected, and the air of the scan is empty. The head rest
-    // of the skull scan and the tubes of the other are separate bodies.
+    // Not noise: nearly all voxels are connected, and the air of the scan is empty. The head rest of the skull scan and
+    // the tubes of the other are separate bodies.
     for (name, share, together) in [
         ("derived/VisMale_128x256x256_u8.pvm", 0.38..0.46, 0.97),
         ("derived/CraniumCT_128x128x108_u16.pvm", 0.30..0.36, 0.88),
@@ -222,8 +222,8 @@ fn densities_have_the_base_colour_unless_grey_is_requested() {
 }
 
 prop_compose! {
-    /// A sculpture of random boxes, as after loading: voxels that do not exist have the base
-    /// colour, and pages exist only where they are needed.
+    /// Returns a sculpture of random boxes, as after loading: voxels that do not exist have the base colour, and pages
+    /// exist only where they are needed.
     fn sculptures()(
         dims in prop::array::uniform3(1u32..30),
         size in prop_oneof![
@@ -256,7 +256,7 @@ prop_compose! {
     }
 }
 
-/// The same sculpture without anything that cannot be seen.
+/// Returns the same sculpture without anything invisible.
 fn canonical(contents: &Contents) -> Contents {
     let Contents { grid, material, .. } = contents;
     let mut visible = Material::for_grid(grid, material.depth(), material.base());
@@ -353,7 +353,7 @@ proptest! {
 fn all_raw_types_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("ramp.raw");
-    // A ramp from -60 to 60 along x where the type has signs, else from 0 to 120.
+    // A ramp from -60 to 60 along x if the type is signed, else from 0 to 120.
     let ramp = |signed: bool| (0..=120).map(move |i| if signed { i - 60 } else { i });
     let write = |bytes: Vec<u8>| std::fs::write(&path, bytes).unwrap();
     for (samples, _) in Samples::NAMED {

@@ -1,8 +1,8 @@
-//! Files that people have kept, as they were written in November 2026, give back what they held: a script, the text of its
-//! commands, a journal with and without a checkpoint, a sculpture and its undo history.
+//! Tests that files written in November 2026 still have the same contents: a script, the text of its commands, a
+//! journal with and without a checkpoint, a sculpture and its undo history.
 //!
-//! `VS_FREEZE=1` writes those that are not there; one that is there is never written anew. On other systems than this one
-//! sines may differ in the last bit, and a voxel with them.
+//! `VS_FREEZE=1` writes missing files; existing ones are never overwritten. On other systems than the one that wrote
+//! them, sines may differ in the last bit, and with them a voxel.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 
 use std::fmt::Write;
@@ -25,7 +25,7 @@ fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/frozen").join(name)
 }
 
-/// A frozen file; `made` if it is to be frozen now.
+/// Returns a frozen file; `made` if it is being frozen now.
 fn frozen(name: &str, made: impl FnOnce() -> Vec<u8>) -> Vec<u8> {
     let path = path(name);
     if !path.exists() && std::env::var_os("VS_FREEZE").is_some_and(|on| on == "1") {
@@ -61,7 +61,7 @@ fn digest(session: &Session) -> String {
     })
 }
 
-/// The image of the script, and its last sculptures: with copies, symmetry, orientations, repairs, a mask.
+/// Returns the image of the script, and its last sculptures: with copies, symmetry, orientations, repairs, a mask.
 fn end_of_script() -> Vec<Command> {
     let all = script();
     let new = (0..all.len()).rev().filter(|i| matches!(all[*i], Command::New(_)));

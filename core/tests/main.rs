@@ -1,5 +1,5 @@
-//! The integration tests of the model, in one binary: its harness (`tests/trials` of the program) counts a
-//! test that needs something which the machine lacks as ignored.
+//! The integration tests of the model, in one binary. Its harness (`tests/trials` of the program) counts a test that
+//! needs something unavailable on the machine as ignored.
 
 // A failed unwrap is a failed test.
 #![allow(clippy::unwrap_used)]

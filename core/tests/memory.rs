@@ -1,5 +1,5 @@
-//! Commands that the system has no memory for are refused, and the document is as it was: in a process whose memory is
-//! limited.
+//! Tests, in a process with limited memory, that commands without enough memory are refused and leave the document
+//! unchanged.
 
 use std::sync::Arc;
 
@@ -10,7 +10,8 @@ use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Brick, ColourDepth, Grid, GridError, Limits, Material, Rgb};
 use trials::Limiter;
 
-/// A document whose grid takes 66 MiB, as do its bits in a step: each of its bricks has voxels, and none is full.
+/// Returns a document whose grid takes 66 MiB, as do its bits in a step: each of its bricks has voxels, and none is
+/// full.
 fn document() -> Document {
     let mut grid = Grid::new(UVec3::new(1024, 1024, 512), Vec3::ONE, 1 << 30).unwrap();
     grid.fill_bricks(|_| Brick::below([7, 7, 7]));
@@ -23,7 +24,7 @@ fn run(document: &mut Document, line: &str) -> Result<(), CommandError> {
     document.apply(&command).map(|_| ())
 }
 
-/// The state that refused commands must not change.
+/// Returns the state that refused commands must not change.
 fn summary(document: &Document) -> (u64, u64, usize, usize, bool) {
     let history = document.history();
     let counts = (history.undo_count(), history.redo_count());
@@ -31,7 +32,7 @@ fn summary(document: &Document) -> (u64, u64, usize, usize, bool) {
     (count, document.revision(), counts.0, counts.1, document.stroke_open())
 }
 
-/// A command that needs 66 MiB: refused where there are 40, done where there are more.
+/// Checks a command that needs 66 MiB: it is refused with 40 available, and done with more.
 fn check(document: &mut Document, limiter: &mut Limiter, line: &str) {
     let before = summary(document);
     let error = limiter.within(40, || run(document, line)).unwrap_err();
@@ -48,7 +49,7 @@ fn a_copy_that_there_is_no_memory_for_refuses_the_edit() {
         return;
     }
     let mut document = document();
-    // Threads and what they keep are there before the limit.
+    // Allocates threads and their memory before the limit.
     run(&mut document, "subtract cuboid at=40,40,40 half=20").unwrap();
     run(&mut document, "undo").unwrap();
     let mut limiter = Limiter::start();
@@ -66,7 +67,7 @@ fn a_copy_that_there_is_no_memory_for_refuses_the_edit() {
     let shared = document.share_contents();
     check(&mut document, &mut limiter, "cancel");
     drop(shared);
-    // Not shared, it needs no memory worth mentioning.
+    // Not shared, it needs negligible memory.
     limiter.within(40, || run(&mut document, "subtract cuboid at=300,40,40 half=9")).unwrap();
     check(&mut document, &mut limiter, "mask invert");
 }

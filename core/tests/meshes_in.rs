@@ -1,5 +1,5 @@
-//! Meshes of other programs through the public interface: real ones become what they show, and small ones in all
-//! formats are the same.
+//! Meshes of other programs through the public interface: real ones become the expected shapes, and small ones are the
+//! same in all formats.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ fn shared(name: &str, options: &ImportOptions) -> Loaded {
 #[test]
 fn real_meshes_become_solids_or_shells() {
     for (name, is_noted) in [
-        // Her texture lies beside her, and nothing names it.
+        // Her texture lies beside her, but no file refers to it.
         ("spot_triangulated.obj", true),
         ("spot_control_mesh.obj", true),
         ("teapot.obj", true),
@@ -44,7 +44,7 @@ fn real_meshes_become_solids_or_shells() {
         assert_eq!(grid.dims().max_element(), 64, "{name}");
         trials::note!("{name}: {} {} {:?}", grid.dims(), grid.opaque_count(), loaded.notes);
         assert_eq!(!loaded.notes.is_empty(), is_noted, "{name}: {:?}", loaded.notes);
-        // Whatever is open is said to be so.
+        // Open meshes are reported as such.
         let info = format::info_with(
             &shared_file(&format!("data/mesh/{name}")),
             &sized(64),
@@ -117,7 +117,7 @@ fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// A `.glb` of a description and the bytes of its buffer.
+/// Returns a `.glb` of a description and the bytes of its buffer.
 pub fn glb_file(json: &str, binary: &[u8]) -> Vec<u8> {
     let padded = |bytes: &[u8], with: u8| {
         let mut bytes = bytes.to_vec();
@@ -215,7 +215,8 @@ impl Files {
         self.write(&format!("{format}.ply"), file)
     }
 
-    /// Half the size in metres, doubled by a node; a red corner colour, linear, and a factor of the material.
+    /// Returns a file of half the size in metres, doubled by a node; with a red corner colour, linear, and a factor of
+    /// the material.
     fn glb(&self, change: impl Fn(String) -> String) -> PathBuf {
         let points: Vec<f32> = (0..8).flat_map(|i| corner(i).map(|v| v / 2.0)).collect();
         let indices: Vec<u8> =
@@ -249,7 +250,7 @@ fn the_same_box_in_all_formats() {
         let loaded = load(path, &sized(16)).unwrap_or_else(|e| panic!("{path:?}: {e}"));
         let grid = &loaded.contents.grid;
         let ending = path.extension().unwrap().to_str().unwrap();
-        // z points up in the files of most programs that print, y in others; glTF says so.
+        // z points up in the files of most printing programs, y in others; glTF specifies y.
         let (lying, standing) = (UVec3::new(16, 8, 4), UVec3::new(16, 4, 8));
         let usual = if ["stl", "ply"].contains(&ending) { standing } else { lying };
         assert_eq!((grid.dims(), grid.opaque_count()), (usual, 512), "{path:?}");
@@ -312,7 +313,7 @@ fn gltf_takes_its_numbers_from_files_beside_it_and_from_itself() {
     files.write("a.bin", &binary[..199]);
     let error = load(&files.write("cut.gltf", with("a.bin")), &sized(16)).unwrap_err().to_string();
     assert!(error.contains("bufferViews 2"), "{error}");
-    // A texture that is not there costs the colours alone.
+    // A missing texture costs only the colours.
     let textured = with("deeper/a b.bin")
         .replace(r#""baseColorFactor""#, r#""baseColorTexture":{"index":0},"baseColorFactor""#);
     let textured =

@@ -128,7 +128,7 @@ fn a_vti_packed_with_zlib_has_all_its_labels() {
 fn pieces_of_a_vti_are_put_together() {
     let folder = tempfile::tempdir().unwrap();
     let value = |x: u32, y: u32, z: u32| x + 10 * y + 100 * z;
-    // Points at the border of two pieces are in both, cells are not.
+    // Points at the border of two pieces are in both; cells are not.
     for (group, last) in [("PointData", 0), ("CellData", 1)] {
         let piece = |x: [u32; 2], z: [u32; 2], name: &str| {
             let mut text = String::new();
@@ -181,7 +181,7 @@ fn pieces_of_a_vti_are_put_together() {
     }
 }
 
-/// A NIfTI-1 header of i16 voxels, little-endian, with a matrix in its sform.
+/// Returns a NIfTI-1 header of i16 voxels, little-endian, with a matrix in its sform.
 fn nifti(dims: [i16; 3], rows: [[f32; 4]; 3], data: &[i16]) -> Vec<u8> {
     let mut file = vec![0u8; 352];
     let mut put = |at: usize, bytes: &[u8]| file[at..at + bytes.len()].copy_from_slice(bytes);
@@ -207,11 +207,11 @@ fn nifti(dims: [i16; 3], rows: [[f32; 4]; 3], data: &[i16]) -> Vec<u8> {
 fn patients_stand_upright_and_are_not_mirrored() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("head.nii");
-    // Voxels at the left, at the front and at the head of a patient of 5 x 6 x 7 mm, whichever way the axes run.
+    // Voxels at the left, front and head of a patient of 5 x 6 x 7 mm, whichever direction the axes have.
     for flip in [[1.0f32, 1.0, 1.0], [-1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, -1.0]] {
         let dims = [5, 6, 7];
         let mut data = vec![0i16; 5 * 6 * 7];
-        // The far end of an axis in terms of the patient: right, front, head.
+        // The far end of an axis relative to the patient: right, front, head.
         let end = |axis: usize, far: bool| {
             if (flip[axis] > 0.0) == far { dims[axis] as usize - 1 } else { 0 }
         };
@@ -266,7 +266,7 @@ fn packed_and_paired_files_and_those_that_are_none() {
         Vec3::new(2.0, 3.0, 4.0),
         "lengths of the matrix where pixdim has none"
     );
-    // Packed, though its name does not say so; and plain under the name of a packed one.
+    // Packed without a name that says so; and plain under the name of a packed file.
     use std::io::Write;
     let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     gz.write_all(&plain).unwrap();
@@ -274,7 +274,7 @@ fn packed_and_paired_files_and_those_that_are_none() {
     std::fs::write(at("c.NII.GZ"), &plain).unwrap();
     assert_eq!(volume(&at("b.nii")), expected);
     assert_eq!(volume(&at("c.NII.GZ")), expected);
-    // A pair.
+    // A pair of files.
     let mut header = plain[..348].to_vec();
     header[344..348].copy_from_slice(b"ni1\0");
     header[108..112].copy_from_slice(&0f32.to_le_bytes());

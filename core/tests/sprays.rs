@@ -1,5 +1,5 @@
-//! Brushes under an outline: exact undo, strokes on the surface as it was at their beginning, and
-//! what each tool may and may not change in random sculptures.
+//! Brushes under an outline: exact undo, strokes on the surface as it was at their beginning, and the permitted and
+//! forbidden changes of each tool in random sculptures.
 
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
@@ -28,7 +28,7 @@ fn block(colour_depth: ColourDepth) -> Document {
     Document::new(&new, Limits::default()).unwrap()
 }
 
-/// A footprint that looks from `eye` at `target`, with rays half a voxel apart there.
+/// Returns a footprint seen from `eye` towards `target`, with rays half a voxel apart there.
 fn looking(eye: Vec3, target: Vec3, radius: f32, coverage: Coverage) -> Footprint {
     let aim = target - eye;
     let across = aim.any_orthonormal_vector();
@@ -44,7 +44,7 @@ fn looking(eye: Vec3, target: Vec3, radius: f32, coverage: Coverage) -> Footprin
     }
 }
 
-/// A brush that changes voxels or colours, under a footprint.
+/// Returns a brush that changes voxels or colours, under a footprint.
 fn brush_use(footprint: Footprint) -> impl Strategy<Value = BrushUse> {
     let used = move |brush| BrushUse::under(brush, footprint);
     let smooth = (0f32..=1.0, 0f32..=1.0).prop_map(move |(strength, rounding)| {
@@ -64,7 +64,7 @@ fn brush_use(footprint: Footprint) -> impl Strategy<Value = BrushUse> {
     .prop_map(|used| used.with(REACH, 2.5))
 }
 
-/// A use from a direction at a point.
+/// Returns a use from a direction at a point.
 fn aimed(coverage: Coverage) -> impl Strategy<Value = BrushUse> {
     (point(), point(), 0f32..10.0).prop_flat_map(move |(direction, target, radius)| {
         let eye = target + (direction - 18.0).normalize_or(Vec3::Z) * 90.0;
@@ -172,7 +172,7 @@ fn unusable_sprays_are_refused_and_change_nothing() {
     assert_eq!(document.contents(), &before);
 }
 
-/// A block painted red in the lower half of x and blue in the upper, with pits across the border.
+/// Returns a block painted red in the lower half of x and blue in the upper, with pits across the border.
 fn painted_with_pits(colour_depth: ColourDepth) -> Document {
     let mut document = block(colour_depth);
     let script = "dye colour=#dc141e
@@ -211,7 +211,7 @@ fn voxels_that_filters_add_take_the_surrounding_colours() {
                 let Some(colour) = after.colour(v).filter(|_| !before.grid.get(v)) else {
                     continue;
                 };
-                // Six voxels from the border there is no trace of the other colour.
+                // Six voxels from the border, there is no trace of the other colour.
                 for (side, far) in [v.x < 14, v.x >= 26].into_iter().enumerate() {
                     if far {
                         assert_eq!(colour, quantised[side], "{filter} {depth:?} {v}");
@@ -247,7 +247,7 @@ fn inherited_colours_are_mirrored_and_bounded() {
         let v = contents.grid.voxel_coords(voxel).as_ivec3();
         assert_eq!(contents.colour(v), contents.colour(v.with_x(39 - v.x)), "{v}");
     }
-    // Without memory for colours nothing is filled, and the command is refused.
+    // Without memory for colours, nothing is filled, and the command is refused.
     let pages = contents.material.page_count() as u64;
     let limits = Limits { colour_bytes: contents.material.bytes_with(0), ..Limits::default() };
     let mut full = Document::from_contents(contents.clone(), limits);

@@ -1,4 +1,4 @@
-//! Files before they are imported: what a study shows is what the import makes.
+//! Tests studies of files before import: what a study shows is what the import makes.
 
 use std::path::{Path, PathBuf};
 
@@ -30,7 +30,7 @@ fn load(path: &Path, options: &ImportOptions) -> Contents {
         .contents
 }
 
-/// A scan of 7 x 5 x 4 different voxels with three lengths of edges, laid as `directions` say.
+/// Returns a scan of 7 x 5 x 4 different voxels with three edge lengths, in the orientation of `directions`.
 fn scan(folder: &Path, name: &str, directions: &str) -> PathBuf {
     let mut file = format!(
         "NRRD0004\ntype: short\ndimension: 3\nsizes: 7 5 4\nendian: little\nencoding: raw\n{directions}\n"
@@ -42,7 +42,7 @@ fn scan(folder: &Path, name: &str, directions: &str) -> PathBuf {
     path
 }
 
-/// Compares every slice with the voxels that the import makes. `part`: the region as it stands.
+/// Compares every slice with the voxels of the import. `part`: the region in the upright volume.
 fn is_what_is_made(path: &Path, study: &VolumeStudy, options: &ImportOptions) {
     let made = load(path, &study.settled(options));
     let outlook = study.outlook(&study.settled(options), &Limits::default()).unwrap();
@@ -113,7 +113,7 @@ fn large_slices_leave_voxels_out_evenly() {
     let turn = study.turn(&ImportOptions::default());
     let (size, values) = study.slice(turn, 2, 1, 3);
     assert_eq!((size.to_array(), values.len()), ([3, 3], 9));
-    // Rows are those at 4, 3 and 1 from below, columns 0, 2 and 4.
+    // The rows are those at 4, 3 and 1 from below, the columns 0, 2 and 4.
     assert_eq!(values[0], study.value(UVec3::new(0, 4, 1)));
     assert_eq!(values[8], study.value(UVec3::new(4, 1, 1)));
 }
@@ -134,7 +134,7 @@ fn cubic_voxels_and_memory_are_foretold() {
     let tiny = ImportOptions { cubic: Cubic::EdgeMm(0.001), ..ImportOptions::default() };
     let error = study.outlook(&tiny, &Limits::default()).unwrap_err().to_string();
     assert!(error.contains("voxel"), "{error}");
-    // What is too large as a whole can be read in part.
+    // A file that is too large as a whole can be read in part.
     let limits = Limits { grid_bytes: 80, colour_bytes: 4096, ..Limits::default() };
     let Ok(Study::Volume(study)) = format::study(&path, &tiny, &limits, &()) else {
         panic!("it is read all the same")
@@ -148,7 +148,7 @@ fn cubic_voxels_and_memory_are_foretold() {
 
 #[test]
 fn a_mesh_lies_in_the_grid_that_it_gets() {
-    // Nowhere thinner than a voxel, as the legs of the ant are.
+    // Nowhere thinner than a voxel, unlike the legs of the ant.
     let path = shared_file("data/mesh/spot_triangulated.obj");
     let Study::Mesh(mesh) = study(&path) else { panic!("a mesh") };
     assert!(!mesh.sample.is_empty() && mesh.sample.len() <= 4000 && mesh.count > 100);
@@ -167,7 +167,7 @@ fn a_mesh_lies_in_the_grid_that_it_gets() {
                 "{corner}"
             );
         }
-        // Its surface is where voxels are.
+        // Its surface coincides with voxels.
         let near = mesh.sample.iter().flatten().filter(|corner| {
             let at = frame.in_grid(**corner).as_ivec3();
             (0..27).any(|i| made.grid.get(at + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1))
@@ -179,7 +179,7 @@ fn a_mesh_lies_in_the_grid_that_it_gets() {
     assert!(mesh.outlook(&huge, &Limits::default()).is_err());
 }
 
-/// An L of seven voxels in a grid of 4 x 3 x 2, two of them of another colour.
+/// Returns an L of seven voxels in a grid of 4 x 3 x 2, two of them of another colour.
 fn model(folder: &Path, name: &str) -> PathBuf {
     let limits = Limits::default();
     let mut grid = Grid::new(UVec3::new(4, 3, 2), Vec3::ONE, limits.grid_bytes).unwrap();
@@ -284,7 +284,7 @@ fn files_that_leave_nothing_open_are_told_apart() {
     ] {
         assert_eq!(format::family(Path::new(name)), of, "{name}");
     }
-    // A volume that this program has written says everything itself.
+    // A volume written by this program describes itself completely.
     let folder = tempfile::tempdir().unwrap();
     let path = scan(folder.path(), "a.nrrd", "");
     let contents = load(&path, &ImportOptions::default());
@@ -293,7 +293,7 @@ fn files_that_leave_nothing_open_are_told_apart() {
     assert!(matches!(study(&own), Study::Settled));
 }
 
-/// Whatever can be opened can be looked at first, and what cannot is refused alike.
+/// Every file that can be opened can be studied first, and other files are refused alike.
 #[test]
 fn bad_files_are_refused_as_the_import_refuses_them() {
     let manifest = shared_file("data/bad/MANIFEST.tsv");

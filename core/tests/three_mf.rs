@@ -10,7 +10,7 @@ use sculpture_core::sculpture::{Limits, Rgb};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// A box of 4 x 2 x 1 units, the corner at the origin.
+/// A box of 4 x 2 x 1 units, with a corner at the origin.
 const BOX: &str = "<mesh><vertices><vertex x='0' y='0' z='0'/><vertex x='4' y='0' z='0'/><vertex x='0' y='2' z='0'/>\
     <vertex x='4' y='2' z='0'/><vertex x='0' y='0' z='1'/><vertex x='4' y='0' z='1'/><vertex x='0' y='2' z='1'/>\
     <vertex x='4' y='2' z='1'/></vertices><triangles>";
@@ -77,7 +77,7 @@ fn units_placements_and_colours_are_those_of_the_file() {
         assert_eq!(loaded.contents.rgb(UVec3::new(0, 3, 2)), Rgb::new(255, 0, 0));
         assert_eq!(loaded.notes, Vec::<String>::new());
     }
-    // Two boxes, one of them mirrored, by a component of a component; in a place that the relations name.
+    // Two boxes, one of them mirrored, by a component of a component; in a file that the relations name.
     let rest = "<object id='2'><components><component objectid='1'/><component objectid='1' \
         transform='-1 0 0 0 1 0 0 0 1 12 0 0'/></components></object>\
         <object id='3'><components><component objectid='2' transform='2 0 0 0 2 0 0 0 2 0 0 7'/></components>\

@@ -1,5 +1,5 @@
-//! Volumes whose up axis is not y: the import option turns them upright as they are read, colours and
-//! voxel sizes included, but not files that specify their orientation.
+//! Tests volumes whose up axis is not y: the import option turns them upright as they are read, including colours and
+//! voxel sizes, but not files that specify their orientation.
 
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::format::options::{Existence, ExportForm, ImportOptions};
@@ -13,7 +13,7 @@ fn load(path: &std::path::Path, options: &ImportOptions) -> Result<Contents, For
     format::load(path, options, &Limits::default(), &()).map(|loaded| loaded.contents)
 }
 
-/// 9 x 4 x 6 voxels in colour, each with its own; voxels of 1 x 2 x 3.
+/// Writes 9 x 4 x 6 voxels, each with a colour of its own; voxels of 1 x 2 x 3.
 fn coloured_raw(folder: &std::path::Path) -> (std::path::PathBuf, ImportOptions) {
     let path = folder.join("scan.raw");
     let voxels =

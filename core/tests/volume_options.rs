@@ -10,7 +10,7 @@ use sculpture_core::refusal::{MemoryBudget, OverBudget};
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Grid, Limits, Rgb};
 
-/// A raw file of `dims` voxels whose densities `of` gives, and how to read it.
+/// A raw file of `dims` voxels with the densities of `of`, and the options to read it.
 struct Scan {
     folder: tempfile::TempDir,
     options: ImportOptions,
@@ -129,7 +129,7 @@ fn a_region_is_cut_out_of_the_file() {
 #[test]
 fn cubic_voxels_keep_places_and_densities() {
     for samples in ["u8", "u16le", "u16be", "i16le", "i16be", "f32le", "f32be"] {
-        // Linear along all axes, so that interpolation finds the very densities.
+        // Linear along all axes, so that interpolation yields exact densities.
         let value = |p: Vec3| 10.0 + 2.0 * p.x + 3.0 * p.y + 4.0 * p.z;
         let size = Vec3::new(1.0, 2.0, 4.0);
         let layout = format!("8x6x5:{samples}:size=1,2,4");
@@ -145,7 +145,7 @@ fn cubic_voxels_keep_places_and_densities() {
                 assert!((found - expected).abs() <= 1.01, "{samples} {v}: {found} {expected}");
             }
         }
-        // The outermost layers go on.
+        // The outermost layers continue.
         assert_eq!(fine.density(UVec3::new(0, 5, 0)), fine.density(UVec3::new(0, 5, 1)));
         let coarse = scan.volume(Cubic::EdgeMm(4.0), None);
         assert_eq!((coarse.dims, coarse.voxel_size), (UVec3::new(2, 3, 5), Vec3::splat(4.0)));
@@ -155,7 +155,7 @@ fn cubic_voxels_keep_places_and_densities() {
         let part = scan.volume(Cubic::Finest, Some("0,0,1..7,5,1"));
         assert_eq!(part.dims, UVec3::new(8, 12, 4));
     }
-    // Voxels that are cubes already stay as they are, whatever edges are asked for beside theirs.
+    // Voxels that are already cubes stay unchanged, whatever other edges are requested.
     let cubes = Scan::new("4x4x4:i16le:size=0.5,0.5,0.5", |v| -(v.x as f32));
     for cubic in [Cubic::Finest, Cubic::EdgeMm(0.5)] {
         assert_eq!(cubes.volume(cubic, None), cubes.volume(Cubic::No, None));
@@ -202,7 +202,7 @@ fn labels_and_colours_are_not_mixed() {
 
 #[test]
 fn the_largest_piece_alone_and_without_holes() {
-    // A hollow ball, brighter at one side, a ball in it and specks around it.
+    // A hollow ball, brighter on one side, with a ball in it and specks around it.
     let density = |v: UVec3| {
         let r = (v.as_vec3() - 12.0).length();
         match r {
@@ -257,7 +257,7 @@ fn resampling_is_bounded_and_can_be_cancelled() {
     report.cancel();
     let error = format::load_volume(&path, &options, &Limits::default(), &report).unwrap_err();
     assert!(matches!(error, FormatError::Cancelled), "{error}");
-    // What was written by this program is known as such after resampling.
+    // A file written by this program is recognised as such after resampling.
     let contents = scan.load(|options| options.existence = Existence::Threshold(20.0)).unwrap();
     let pvm = scan.folder.path().join("own.pvm");
     format::save(&pvm, &contents, ExportForm::Auto, &()).unwrap();

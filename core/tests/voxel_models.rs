@@ -1,5 +1,5 @@
-//! Files of other voxel editors through the public interface: real ones hold what they should, and written ones read
-//! back.
+//! Files of other voxel editors through the public interface: real ones have the expected contents, and written ones
+//! read back.
 
 use std::path::Path;
 
@@ -35,7 +35,7 @@ fn voxels(contents: &Contents) -> Vec<(UVec3, Rgb)> {
     voxels
 }
 
-/// Voxels of colours, counted from the lowest corner of the box around them.
+/// Returns the voxels of colours, counted from the lowest corner of the box around them.
 fn from_corner(contents: &Contents) -> Vec<(UVec3, Rgb)> {
     let (low, _) = contents.grid.opaque_bounds().unwrap();
     let mut all: Vec<_> = voxels(contents).into_iter().map(|(v, rgb)| (v - low, rgb)).collect();
@@ -56,7 +56,7 @@ fn contents_of(dims: UVec3, depth: ColourDepth, voxels: &[(IVec3, Rgb)]) -> Cont
     Contents::new(grid, material)
 }
 
-/// The same grid, and the same colour of each voxel.
+/// Asserts that the grids and the colour of each voxel are the same.
 fn assert_same(found: &Contents, expected: &Contents) {
     assert_eq!(found.grid, expected.grid);
     assert_eq!(voxels(found), voxels(expected));
@@ -97,7 +97,7 @@ fn real_models_hold_what_they_should() {
     assert!(error.unwrap_err().to_string().contains("MagicaVoxel"));
 }
 
-/// Volumes with the same indices of voxels as the models: z of the file has become y, and y goes away from the viewer.
+/// Volumes with the same voxel indices as the models: z of the file becomes y, and y points away from the viewer.
 #[test]
 fn models_equal_the_volumes_made_of_the_same_thing() {
     for (model, volume) in [
@@ -147,7 +147,7 @@ fn large_grids_are_split_and_put_together_again() {
     }
     let info = format::info(&folder.path().join("a.vox")).unwrap();
     assert!(info.kind.contains("models: 4"), "{}", info.kind);
-    // Without a voxel the size is kept, too.
+    // Without voxels, the size is kept, too.
     let empty = contents_of(dims, ColourDepth::None, &[]);
     let path = folder.path().join("empty.vox");
     format::save(&path, &empty, ExportForm::Auto, &()).unwrap();
@@ -184,7 +184,7 @@ fn many_colours_become_255_that_are_close() {
     used.sort_unstable();
     used.dedup();
     assert!(used.len() > 200 && used.len() <= 255 && mean < 14.0, "{} {mean}", used.len());
-    // What has been reduced once is exact from then on.
+    // Colours that have been reduced once are exact from then on.
     let again = folder.path().join("again.vox");
     assert!(write(&again, &found).is_empty());
     assert_same(&load(&again), &found);
@@ -221,7 +221,7 @@ fn other_forms_and_formats_are_refused_with_a_remedy() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// A chunk of a Goxel file.
+/// Returns a chunk of a Goxel file.
 fn gox_chunk(id: &[u8; 4], content: &[u8]) -> Vec<u8> {
     [&id[..], &(content.len() as u32).to_le_bytes(), content, &[0; 4]].concat()
 }
@@ -261,7 +261,7 @@ fn goxel_blocks_stand_where_layers_say() {
     std::fs::write(&path, &file).unwrap();
     let loaded = load_with(&path, &ImportOptions::default()).unwrap();
     assert!(loaded.notes.iter().any(|note| note.contains("1 hidden")), "{:?}", loaded.notes);
-    // z became y, and y went away from the viewer.
+    // z becomes y, and y points away from the viewer.
     let (a, b) = (Rgb::new(9, 8, 7), Rgb::new(1, 2, 3));
     let expected = [([0, 0, 13], a), ([14, 12, 0], b), ([16, 0, 13], a), ([30, 12, 0], b)];
     let expected: Vec<_> = expected.map(|(v, rgb)| (UVec3::from(v), rgb)).into();
@@ -276,7 +276,7 @@ fn goxel_blocks_stand_where_layers_say() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
-    /// Ours to another program's format and back.
+    /// Converts our sculpture to another program's format and back.
     #[test]
     fn written_models_read_back_the_same(
         dims in prop::array::uniform3(1u32..40),

@@ -38,7 +38,7 @@ fn run(document: &mut Document, script: &str) {
     }
 }
 
-/// Any command of normal work.
+/// Returns any command of normal work.
 fn any_work() -> impl Strategy<Value = Command> {
     prop_oneof![1 => work(), 2 => area_work()]
 }
@@ -75,7 +75,7 @@ proptest! {
                     | Command::Redo { .. }
                     | Command::Cancel
             );
-            // It takes back what the stroke did, wherever that was, and pulls within the limit.
+            // It reverts the stroke so far, wherever that was, and pulls within the limit.
             let replaces = matches!(command, Command::Brush(used) if used.replaces_stroke());
             let before = if replaces { &begun } else { &before };
             if let (Some(stack), false) = (selection.limit(), free) {
@@ -89,7 +89,7 @@ proptest! {
             document.apply(&Command::End).unwrap();
         }
         let end = document.contents().clone();
-        // As long as there are steps: the oldest may be before an earlier `undo all`.
+        // As long as there are steps: the oldest may precede an earlier `undo all`.
         document.apply(&Command::Undo { steps: None }).unwrap();
         let start = Document::new(&new, Limits::default()).unwrap();
         prop_assert_eq!(document.contents(), start.contents());
@@ -228,7 +228,7 @@ fn moving_rotates_about_the_centre_and_moves_the_marker() {
     let moved = VoxelBox { min: IVec3::new(13, 6, 9), max: IVec3::new(17, 14, 11) };
     assert_eq!(document.selection().marker(), moved);
     assert_eq!(document.grid().opaque_count(), before.grid.opaque_count());
-    // What was the left end is the lower one: x has become y.
+    // The left end is now the lower one: x has become y.
     assert_eq!(document.contents().colour(IVec3::new(14, 6, 9)), Some(Rgb::new(0, 255, 0)));
     run(&mut document, "move by=-5,0,0 axes=-y,x,z");
     for v in voxels(before.grid.dims()) {
@@ -289,7 +289,7 @@ fn a_picture_colours_existing_voxels_inside_a_solid() {
     let texture: Command = "texture flag.png cuboid at=16,16,16 half=8".parse().unwrap();
     assert!(matches!(document.apply(&texture), Err(CommandError::NoPicture(_))));
     let blue = Rgb::new(0, 0, 255);
-    // The left half red, the right half blue.
+    // The left half is red, the right half blue.
     let flag = Texture::new(16, (0..16 * 2).map(|i| [RED, blue][i / 8 % 2]).collect()).unwrap();
     document.learn_picture("flag.png".as_ref(), flag);
     let applied = document.apply(&texture).unwrap();

@@ -1,4 +1,4 @@
-//! Random uses of brushes, made from their descriptions: every brush that has a command is among them.
+//! Random uses of brushes, generated from their descriptions: every brush that has a command is among them.
 
 use glam::Vec3;
 use proptest::prelude::*;
@@ -10,17 +10,17 @@ use sculpture_core::tools::brush::{Ball, BrushId, BrushSurface, BrushUse, Contac
 
 use super::strategies::{colour, path};
 
-/// Numbers in voxels that suit a small sculpture.
+/// A range of numbers in voxels that suits a small sculpture.
 const FAR_VX: f32 = 6.0;
 
-/// The strategies of what a use consists of.
+/// The strategies for the parts of a use.
 #[derive(Clone)]
 pub struct Parts {
     /// Vectors of footprints.
     pub ray: BoxedStrategy<Vec3>,
     /// Radii of footprints.
     pub rays: BoxedStrategy<f32>,
-    /// Middles of balls.
+    /// Centres of balls.
     pub centre: BoxedStrategy<Vec3>,
     /// Their radii.
     pub radius: BoxedStrategy<f32>,
@@ -30,7 +30,7 @@ pub struct Parts {
     pub value: fn(&Param) -> BoxedStrategy<Value>,
 }
 
-/// A use of any brush, without an image.
+/// Returns a use of any brush, without an image.
 pub fn brush_use(parts: &Parts) -> impl Strategy<Value = BrushUse> + use<> {
     let all = BrushId::ALL.iter().filter_map(|brush| Some((*brush, brush.spec().script?)));
     let all: Vec<(BrushId, Script)> = all.collect();
@@ -59,7 +59,7 @@ pub fn brush_use(parts: &Parts) -> impl Strategy<Value = BrushUse> + use<> {
     })
 }
 
-/// A use of the brush with an image.
+/// Returns a use of the brush with an image.
 pub fn stencil(parts: &Parts) -> impl Strategy<Value = BrushUse> + use<> {
     let params = BrushId::Paint.spec().params();
     let cover = params.iter().find(|param| param.key == "cover").unwrap();
@@ -118,7 +118,7 @@ fn maybe_absent(param: &Param, value: fn(&Param) -> BoxedStrategy<Value>) -> Box
     }
 }
 
-/// Values that a parameter can have, with lengths that suit a small sculpture.
+/// Returns the values that a parameter can have, with lengths that suit a small sculpture.
 pub fn valid(param: &Param) -> BoxedStrategy<Value> {
     match param.domain {
         Domain::Number([least, most]) if param.unit == Unit::Voxels => {
@@ -136,7 +136,7 @@ pub fn valid(param: &Param) -> BoxedStrategy<Value> {
     }
 }
 
-/// Values of the type of a parameter, most of which it must not have.
+/// Returns values of the type of a parameter, most of which it does not allow.
 pub fn hostile(param: &Param) -> BoxedStrategy<Value> {
     match param.domain {
         Domain::Number(_) => super::refusals::number().prop_map(Value::Number).boxed(),

@@ -1,5 +1,4 @@
-//! Documents whose history has little memory: steps that do not fit are refused, unless irreversible
-//! steps are allowed.
+//! Documents whose history has little memory: steps that do not fit are refused, unless irreversible steps are allowed.
 
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
@@ -14,7 +13,7 @@ use sculpture_core::sculpture::selection::Selection;
 use super::document::{RED, ball, painted};
 use super::strategies::{new_sculpture, work};
 
-/// Everything that a refused command must not change.
+/// Returns everything that a refused command must not change.
 fn all_of(document: &Document) -> (Contents, [usize; 3], bool, Option<Clip>, Selection) {
     let history = document.history();
     let steps = [history.undo_count(), history.redo_count(), history.bytes()];
@@ -96,7 +95,7 @@ fn a_step_beyond_the_budget_is_refused_unless_irreversible_steps_are_allowed() {
     apply(&mut document, "copy").unwrap();
     apply(&mut document, "mark at=8,8,8 size=50,50,50").unwrap();
     let before = all_of(&document);
-    // The pages painted over are more than 20 kB.
+    // The pages painted over take more than 20 kB.
     let large = "ellipsoid at=30,30,30 half=20";
     for line in [
         &format!("recolour {large} colour=#0000ff"),
@@ -135,7 +134,7 @@ fn a_step_beyond_the_budget_is_refused_unless_irreversible_steps_are_allowed() {
     assert!(document.stroke_open());
     apply(&mut document, "cancel").unwrap();
     assert_eq!(document.contents(), &before);
-    // Or kept, if that is allowed; then nothing before it can be undone.
+    // Or kept, if that is allowed; then no earlier step can be undone.
     apply(&mut document, "begin").unwrap();
     apply(&mut document, &format!("recolour {large} colour=#0000ff")).unwrap();
     apply(&mut document, "irreversible on").unwrap();
@@ -150,7 +149,7 @@ fn a_step_beyond_the_budget_is_refused_unless_irreversible_steps_are_allowed() {
     assert_eq!(document.history().undo_count(), 1);
 }
 
-/// A step of painting keeps little: that there were no pages. Its undo would have to keep all pages.
+/// A painting step stores little: that there were no pages. Its undo would have to store all pages.
 #[test]
 fn an_undo_whose_redo_cannot_be_kept_is_refused_unless_irreversible_steps_are_allowed() {
     let limits = Limits { history_bytes: 20_000, ..Limits::default() };

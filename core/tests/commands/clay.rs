@@ -1,4 +1,4 @@
-//! Strokes that pull at clay: each pull takes the place of the one before, and the stroke is one step.
+//! Strokes that pull at clay: each pull replaces the previous one, and the stroke is one step.
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
@@ -42,7 +42,7 @@ fn however_long_the_drag_the_clay_is_pulled_once() {
     assert!(dragged.contents() == once.contents());
     dragged.apply(&Command::End).unwrap();
     assert_eq!(dragged.history().undo_count(), once.history().undo_count());
-    // An array repeats the pull, not the way to it, and each copy leaves the others alone.
+    // An array repeats the pull, not the path to it, and each copy leaves the others alone.
     let array = Command::Array { count: 2, step: IVec3::new(3, 0, 0) };
     dragged.apply(&array).unwrap();
     once.apply(&array).unwrap();
@@ -74,7 +74,7 @@ fn clay_that_is_let_go_where_it_was_leaves_no_step() {
     assert_eq!(document.history().undo_count(), steps);
 }
 
-/// A pull that needs more memory for colours than there may be is refused, and what the stroke did stays, undone in
+/// A pull that exceeds the memory for colours is refused; the earlier changes of the stroke remain and are undone in
 /// one step.
 #[test]
 fn a_pull_that_is_refused_leaves_the_stroke_as_it_was() {
@@ -102,7 +102,7 @@ fn a_pull_that_is_refused_leaves_the_stroke_as_it_was() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
 
-    /// Whatever a stroke has done before: a pull from its start gives what the pull alone gives, and undo is exact.
+    /// Whatever a stroke has done before, a pull from its start gives the same as the pull alone, and undo is exact.
     #[test]
     fn a_pull_from_the_start_takes_the_place_of_the_stroke(
         new in new_sculpture(24),
@@ -158,7 +158,7 @@ fn brushes_work_on_the_surface_from_before_the_stroke() {
         let changed = once.contents().clone();
         let before = block(Limits::default());
         assert!(changed != *before.contents(), "{brush}");
-        // The next stroke goes on from there.
+        // The next stroke continues from there.
         once.apply(&begin()).unwrap();
         once.apply(&dab(20, brush)).unwrap();
         once.apply(&Command::End).unwrap();
@@ -186,7 +186,7 @@ fn swollen_clay_has_the_colours_around_it_and_keeps_to_the_selection() {
     assert_eq!(document.contents().rgb(UVec3::new(19, 22, 20)), Rgb::new(0x12, 0x34, 0x56));
 }
 
-/// The script of the gallery: each command does something, and both halves are alike.
+/// The script of the gallery: each command has an effect, and both halves are alike.
 #[test]
 fn a_bust_is_made_in_less_than_a_hundred_commands() {
     let script = parse_script(include_str!("../../../config/gallery/bust.sculpt")).unwrap();

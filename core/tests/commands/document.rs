@@ -32,7 +32,7 @@ fn agree(contents: &Contents, model: &Voxels) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Checks the invariants of a grid: counts, occupancy, nothing beyond its border.
+/// Checks the invariants of a grid: counts, occupancy, no bits beyond its border.
 fn sound(grid: &Grid) -> Result<(), TestCaseError> {
     let mut copy = Grid::new(grid.dims(), grid.voxel_size(), u64::MAX).unwrap();
     copy.fill_bricks(|b| *grid.brick(b));
@@ -40,7 +40,7 @@ fn sound(grid: &Grid) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// The bricks whose bits or colours differ.
+/// Returns the bricks whose bits or colours differ.
 fn changed_bricks(before: &Contents, after: &Contents) -> HashSet<u32> {
     let differs = |&brick: &u32| {
         let i = brick as usize;
@@ -53,7 +53,7 @@ fn changed_bricks(before: &Contents, after: &Contents) -> HashSet<u32> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
 
-    /// A trial leaves nothing behind, and tells what happens if it is done in earnest.
+    /// A trial leaves no trace, and predicts the result of the actual command.
     #[test]
     fn what_is_tried_leaves_nothing_behind(
         new in new_sculpture(24),
@@ -165,7 +165,7 @@ proptest! {
         commands in prop::collection::vec(work(), 1..40),
     ) {
         let mut document = Document::new(&new, Limits::default()).unwrap();
-        // The sculpture at each number of undo steps.
+        // The sculpture after each number of undo steps.
         let mut at_step = vec![document.contents().clone()];
         for command in &commands {
             let steps_before = document.history().undo_count();
@@ -229,7 +229,7 @@ pub fn ball(op: EditOp, centre: Vec3, radius: f32) -> Command {
 
 pub const RED: Rgb = Rgb::new(255, 0, 0);
 
-/// Large enough to be divided among threads, with sides that are no multiples of a brick.
+/// Large enough to be divided among threads, with sides that are not multiples of a brick.
 #[test]
 fn large_edits_equal_the_definition() {
     let dims = UVec3::new(131, 126, 141);
@@ -316,7 +316,7 @@ fn colours_stay_within_their_budget() {
     assert!(refused.to_string().contains("MiB for colours"), "{refused}");
     assert_eq!(document.contents(), &before);
     assert_eq!(document.history().undo_count(), 1);
-    // What needs no new pages is always possible: again, base colour, subtract.
+    // Commands that need no new pages are always possible: again, base colour, subtract.
     document.apply(&ball(EditOp::Recolour(Rgb::new(0, 0, 9)), Vec3::splat(12.0), 4.6)).unwrap();
     document.apply(&ball(EditOp::Add(None), Vec3::splat(20.0), 9.0)).unwrap();
     document.apply(&ball(EditOp::Recolour(RED), Vec3::splat(20.0), 9.0)).unwrap_err();

@@ -1,5 +1,5 @@
-//! Solids that are drawn: their voxels are those of their definition and of the solids that they are like, at any border,
-//! in empty and in full grids, mirrored, and undone.
+//! Drawn solids: their voxels are those of their definition and of equivalent solids, at any border, in empty and in
+//! full grids, mirrored, and undone.
 
 use std::fs;
 use std::path::Path;
@@ -121,7 +121,7 @@ fn with(commands: &[&str]) -> Document {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
 
-    /// Every voxel as the definition says, and mirrored images exactly; undo gives all back.
+    /// Every voxel follows the definition, and mirrored images are exact; undo restores everything.
     #[test]
     fn voxels_are_those_of_the_definition(
         new in new_sculpture(24),
@@ -174,7 +174,7 @@ proptest! {
         prop_assert_eq!(document.contents(), &before);
     }
 
-    /// The same voxels as of other solids and by other formulas.
+    /// The same voxels as those of other solids and by other formulas.
     #[test]
     fn drawn_solids_are_like_the_solids_in_a_box_that_they_are_named_after(
         at in prop::array::uniform3(5f32..35.0),

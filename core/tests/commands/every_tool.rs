@@ -1,4 +1,4 @@
-//! Every tool at the edges of what there is: on empty and full grids, at borders and corners and outside, with no strength.
+//! Every tool in edge cases: on empty and full grids, at borders, in corners and outside, with no strength.
 
 use glam::{UVec3, Vec3};
 use sculpture_core::command::{Command, NewSculpture};
@@ -36,7 +36,7 @@ fn uses_at(at_vx: Vec3) -> Vec<Command> {
     uses::of_every_tool(&place).into_iter().chain(further).collect()
 }
 
-/// What changes nothing, besides brushes without strength; what may be refused is.
+/// The same tools with no strength; they may also be refused.
 const WITHOUT_STRENGTH: &[&str] = &[
     "stencil \"stripes\" eye=20,60,20 aim=0,-1,0 across=0.1,0,0 down=0,0,0.1 radius=9 cover=0",
     "spray paintbrush eye=20,60,20 aim=0,-1,0 across=0.1,0,0 down=0,0,0.1 radius=9 colour=#ffff00 cover=0",

@@ -1,4 +1,4 @@
-//! Random options of reading and writing files.
+//! Random options for reading and writing files.
 
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ use sculpture_core::sculpture::orientation::Up;
 
 use super::strategies::any_number;
 
-/// Any way to read a file.
+/// Returns any options for reading a file.
 pub fn import() -> impl Strategy<Value = ImportOptions> {
     let threshold = (-1e9f64..1e9).prop_map(Existence::Threshold);
     let range =
@@ -68,7 +68,7 @@ pub fn import() -> impl Strategy<Value = ImportOptions> {
     })
 }
 
-/// Any way to write a file.
+/// Returns any options for writing a file.
 pub fn export() -> impl Strategy<Value = ExportOptions> {
     let form = prop::sample::select(&ExportForm::NAMED[..]);
     let kind = prop::sample::select(&MeshKind::NAMED[..]);

@@ -1,5 +1,4 @@
-//! Sessions compared with a model of which file belongs to which state, under random opening, saving,
-//! editing, undo and redo.
+//! Sessions compared with a model of the file of each state, under random opening, saving, editing, undo and redo.
 
 use std::path::{Path, PathBuf};
 
@@ -235,7 +234,7 @@ fn undo_past_open_brings_back_the_texts_of_the_file() {
     assert_eq!(format::info(&again).unwrap().texts.description, b"a lake");
 }
 
-/// What a script says of a mesh is done, told and recorded; other formats have no use for it.
+/// The script's options for a mesh are applied, reported and recorded; other formats ignore them.
 #[test]
 fn a_mesh_is_saved_as_its_command_says() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! A history at full size: 1024 voxels along each axis, 24 bits of colour, every voxel painted. Steps that
-//! the history cannot keep are refused before anything changes.
+//! A history at full size: 1024 voxels along each axis, 24 bits of colour, every voxel painted. Steps that the history
+//! cannot keep are refused before anything changes.
 
 use std::time::Instant;
 
@@ -8,7 +8,7 @@ use sculpture_core::command::Command;
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::history::Contents;
 
-/// A hash of all bits and colours; a copy would take gigabytes.
+/// Returns a hash of all bits and colours; a copy would take gigabytes.
 fn digest(contents: &Contents) -> u64 {
     let Contents { grid, material, .. } = contents;
     let mix = |hash: u64, v: u64| (hash ^ v).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
@@ -21,7 +21,7 @@ fn digest(contents: &Contents) -> u64 {
     (0..grid.brick_count()).into_par_iter().map(brick).reduce(|| 0, u64::wrapping_add)
 }
 
-/// Everything that a refused command must not change.
+/// Returns everything that a refused command must not change.
 fn all_of(document: &Document) -> (u64, usize, usize, usize, u64) {
     let history = document.history();
     let (undo, redo) = (history.undo_count(), history.redo_count());
@@ -75,15 +75,14 @@ fn at_1024_cubed_in_24_bits_nothing_vanishes_unasked() {
     let again = all_of(&document);
     assert_eq!((again.0, again.1, again.2, again.4), (before.0, before.1, before.2, before.4));
 
-    // The first step painted everything: its undo would have to keep everything. The others are
-    // undone.
+    // The first step painted everything: its undo would have to keep everything. The others are undone.
     assert_eq!(apply(&mut document, "undo all").unwrap(), 3);
     let before = all_of(&document);
     assert_eq!((before.0, before.1, before.2, before.4), (painted, 1, 3, 0));
     assert!(is_refused(apply(&mut document, "undo")));
     assert_eq!(all_of(&document), before);
 
-    // Where irreversible steps are allowed, it is undone.
+    // If irreversible steps are allowed, it is undone.
     apply(&mut document, "irreversible on").unwrap();
     assert_eq!(apply(&mut document, "undo").unwrap(), 1);
     assert_eq!(document.material().page_count(), 0);

@@ -1,4 +1,4 @@
-//! Masks: what is protected stays as it is whatever is done, and masks are undone, saved and turned with the sculpture.
+//! Masks: no command changes protected voxels, and masks are undone, saved and oriented with the sculpture.
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
@@ -16,7 +16,7 @@ use sculpture_core::tools::texture::Texture;
 use super::strategies::{area, colour};
 use super::uses::{self, Place};
 
-/// Changes of the mask, with solids, voxels, numbers and lengths of those given.
+/// Returns changes of the mask, with solids, voxels, numbers and lengths from the given strategies.
 pub fn mask(
     drawn: impl Strategy<Value = DrawnSolid>,
     voxel: std::ops::Range<u32>,
@@ -92,7 +92,7 @@ fn masked(contents: &Contents) -> usize {
     every().filter(|v| contents.is_masked(*v)).count()
 }
 
-/// All that changes voxels, but what lays the whole sculpture another way or replaces it.
+/// All commands that change voxels, except those that reorient or replace the whole sculpture.
 const CHANGES: &[&str] = &[
     "add ellipsoid at=20,16,14 half=12 colour=#ff0000",
     "subtract cuboid at=20,12,14 half=30 turn=10,20,30",
@@ -184,7 +184,7 @@ fn what_is_pasted_and_repeated_leaves_the_mask_alone_too() {
     for v in every().filter(|v| before.is_masked(*v)) {
         assert_eq!(document.contents().colour(v), before.colour(v), "{v}");
     }
-    // Nothing of a copy is lost by a mask; of what is cut, only what may go.
+    // Copying ignores the mask; cutting removes only unprotected voxels.
     let protected = "mask add grid";
     run(&mut document, protected).unwrap();
     assert!(run(&mut document, "copy").is_ok());
@@ -192,7 +192,7 @@ fn what_is_pasted_and_repeated_leaves_the_mask_alone_too() {
     assert!(matches!(run(&mut document, "move by=1,0,0"), Err(CommandError::NothingMarked(_))));
 }
 
-/// All changes of masks, each after those before.
+/// All changes of masks, each after the previous ones.
 const MASKS: &[&str] = &[
     "mask add ellipsoid at=14,18,10 half=7,8,7",
     "mask add tube points=0,16,14,3;20,18,14,4;40,10,14,2",
@@ -226,7 +226,7 @@ fn changes_of_masks_are_undone_exactly_and_change_no_voxel() {
         let before = states.last().unwrap();
         assert!(now.grid == before.grid && now.material == before.material, "{line}");
         let differing = every().filter(|v| now.is_masked(*v) != before.is_masked(*v)).count();
-        // What is taken out and added again in one go is counted twice.
+        // Voxels that are removed and added again at once are counted twice.
         assert!(differing > 0 && changed >= differing as u64, "{line}: {changed}, {differing}");
         assert!(now.mask.as_ref().is_none_or(|mask| mask.opaque_count() > 0));
         assert_eq!(document.history().undo_labels().last(), Some(label(line)), "{line}");
@@ -268,7 +268,7 @@ fn a_stroke_may_mask_and_sculpt_and_is_one_step() {
     ] {
         run(&mut document, line).unwrap();
     }
-    // A pull from the stroke's start takes back what was done before, masks as well.
+    // A pull from the stroke's start reverts the earlier changes, masks as well.
     let marker = document.selection().marker();
     assert!(every().all(|v| document.contents().is_masked(v) == marker.contains(v)));
     run(&mut document, "end").unwrap();
@@ -391,7 +391,7 @@ fn what_cannot_be_masked_is_refused() {
         assert!(text.parse::<Command>().is_err(), "{text}");
     }
     assert!(*document.contents() == before);
-    // Where there is no mask, there is nothing to change.
+    // Without a mask, there is nothing to change.
     for line in ["mask clear", "mask shrink", "mask grow", "mask smooth", "mask subtract grid"] {
         assert_eq!(run(&mut document, line).unwrap(), 0, "{line}");
     }
@@ -415,7 +415,7 @@ fn what_cannot_be_masked_is_refused() {
 }
 
 proptest! {
-    /// Empty and full grids, masks at the border, and everything at once.
+    /// Empty and full grids, masks at the border, and everything combined.
     #[test]
     fn a_mask_holds_whatever_is_done(
         masks in prop::collection::vec(prop::sample::select(MASKS), 1..4),
@@ -424,7 +424,7 @@ proptest! {
     ) {
         let mut document = document();
         run(&mut document, fill).unwrap();
-        // What the grid has no voxel for is refused.
+        // Changes for which the grid has no suitable voxel are refused.
         masks.iter().for_each(|line| drop(run(&mut document, line)));
         let before = document.contents().clone();
         changes.iter().for_each(|line| drop(run(&mut document, line)));

@@ -1,5 +1,5 @@
-//! The simplest possible document: a colour or none for each voxel, copied for every undo step. The
-//! reference that the real one is compared with.
+//! The simplest possible document: a colour or none for each voxel, copied for every undo step. It is the reference for
+//! the real one.
 
 use std::rc::Rc;
 
@@ -54,7 +54,7 @@ impl Voxels {
         (0..z as i32).flat_map(move |z| (0..y as i32).flat_map(move |y| row(y, z)))
     }
 
-    /// The same voxels in another orientation.
+    /// Returns the same voxels in another orientation.
     pub fn oriented(&self, orientation: Orientation) -> Voxels {
         let voxel_size = orientation.permuted(self.voxel_size.to_array()).into();
         let dims = orientation.size(self.dims);
@@ -70,7 +70,7 @@ impl Voxels {
 
     pub fn edit(&mut self, op: EditOp, covers: impl Fn(IVec3) -> bool) -> Done {
         let mut done = Done::default();
-        // Without colour depth all voxels have the base colour.
+        // Without colour depth, all voxels have the base colour.
         let stored = |colour| match self.depth {
             ColourDepth::None => self.base,
             depth => depth.quantise(colour),
@@ -121,7 +121,7 @@ impl Model {
         done
     }
 
-    /// Executes a command; None if it must be refused.
+    /// Executes a command. Returns `None` if it must be refused.
     pub fn apply(&mut self, command: &Command) -> Option<Done> {
         let open = self.stroke_open();
         Some(match command {

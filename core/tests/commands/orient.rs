@@ -1,5 +1,5 @@
-//! Reorienting the whole sculpture: undo restores identical bytes, marker, selection and symmetry
-//! follow, and refusals change nothing.
+//! Reorienting the whole sculpture: undo restores identical bytes, marker, selection and symmetry follow, and refusals
+//! change nothing.
 
 use glam::{IVec3, UVec3};
 use sculpture_core::command::Command;
@@ -78,7 +78,7 @@ fn marker_selection_and_symmetry_follow_there_and_back() {
     );
     let (selection, symmetry) = (document.selection().clone(), document.symmetry());
     run(&mut document, "orient axes=y,-z,x");
-    // x goes to y, y to z reversed, z to x.
+    // x becomes y, y becomes z reversed, z becomes x.
     let marker = document.selection().marker();
     assert_eq!((marker.min, marker.max), (IVec3::new(1, -2, -6), IVec3::new(3, 1, 24)));
     let selected = document.selection().boxes()[0].bounds;
@@ -110,14 +110,14 @@ fn contents_are_kept_only_where_reversing_is_not_exact() {
     assert!(divided.history().bytes() >= bytes + kept);
     run(&mut divided, "undo");
     assert!(divided.history().bytes() < bytes + 200, "the second step can be reversed exactly");
-    // Along the axis of whole bricks nothing is divided differently.
+    // Along the axis of whole bricks, nothing is divided differently.
     run(&mut divided, "orient axes=x,-y,z");
     assert!(divided.history().bytes() < bytes + 200);
 }
 
 #[test]
 fn a_refusal_changes_nothing() {
-    // One brick of three is painted; mirrored, its voxels lie in two.
+    // One brick of three is painted; after mirroring, its voxels lie in two.
     let painted = |limits| {
         let new: Command = "new dims=20,8,8 colour=24".parse().unwrap();
         let Command::New(new) = new else { panic!() };
@@ -143,7 +143,7 @@ fn a_refusal_changes_nothing() {
         assert_eq!((document.history().bytes(), document.state()), (bytes, state));
         assert_eq!((document.revision(), document.selection()), (revision, &selection));
         document.drain_changes(|_, dirty| assert_eq!(dirty, Some(&[][..])));
-        // Orientations that divide no brick are accepted all the same.
+        // Orientations that divide no brick are still accepted.
         run(&mut document, "orient axes=x,-z,y");
     }
     let mut document = painted(Limits::default());
@@ -152,7 +152,7 @@ fn a_refusal_changes_nothing() {
     assert!(matches!(error, CommandError::StrokeOpen("orient")), "{error}");
 }
 
-/// As a window does it: the long part runs without the session.
+/// As in a window: the long part runs without the session.
 #[test]
 fn the_long_part_runs_without_the_session_or_is_cancelled() {
     let new: Command = "new dims=13,24,9 colour=8".parse().unwrap();

@@ -1,5 +1,5 @@
-//! Solids along the grid's axes in each of the 48 orientations (24 rotations and their mirror images),
-//! compared with integer maps of axes and directions.
+//! Solids along the grid's axes in each of the 48 orientations (24 rotations and their mirror images), compared with
+//! integer maps of axes and directions.
 
 use glam::{DVec3, IVec3, Quat, UVec3, Vec3};
 use sculpture_core::command::{Command, NewSculpture};
@@ -12,7 +12,7 @@ use sculpture_core::tools::symmetry::{Parity, Symmetry};
 /// The grid's axis and the sign for each axis of a tool.
 type AxisMap = [(usize, f64); 3];
 
-/// The 24 rotations, with the quaternion of each computed from its matrix.
+/// Returns the 24 rotations, with the quaternion of each computed from its matrix.
 fn turns() -> Vec<(AxisMap, Quat)> {
     let mut all = Vec::new();
     for [x, y, z] in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]] {
@@ -34,7 +34,7 @@ fn turns() -> Vec<(AxisMap, Quat)> {
     all
 }
 
-/// `p` in tool space, where the solid fills [-1, 1].
+/// Returns whether `p` in tool space, where the solid fills [-1, 1], is inside.
 fn inside(solid: Solid, p: [f64; 3], half: [f64; 3]) -> bool {
     let [x, y, z] = p.map(f64::abs);
     let around = (x * x + z * z).sqrt();
@@ -62,7 +62,7 @@ fn inside(solid: Solid, p: [f64; 3], half: [f64; 3]) -> bool {
     }
 }
 
-/// Whether the solid covers the point `v` (voxels).
+/// Returns whether the solid covers the point `v` (voxels).
 fn covers(primitive: &Primitive, map: &AxisMap, voxel_size: Vec3, v: DVec3) -> bool {
     let stretch = voxel_size.as_dvec3() / f64::from(voxel_size.min_element());
     let offset = (v - primitive.centre_vx.as_dvec3()) * stretch;

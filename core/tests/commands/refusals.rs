@@ -54,7 +54,7 @@ impl State {
     }
 }
 
-/// Numbers including extremes, denormals and NaN.
+/// Returns numbers including extremes, denormals and NaN.
 pub fn number() -> impl Strategy<Value = f32> {
     let odd = [
         0.0,
@@ -109,7 +109,7 @@ fn solid() -> impl Strategy<Value = Primitive> {
 fn brush() -> impl Strategy<Value = Command> {
     let parts = Parts {
         ray: vector().boxed(),
-        // No more rays than the test has time for.
+        // Few enough rays for the duration of the test.
         rays: number().prop_map(|r| if r > 12.0 && r <= 256.0 { 12.0 } else { r }).boxed(),
         centre: vector().boxed(),
         radius: number().boxed(),

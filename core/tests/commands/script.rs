@@ -14,7 +14,7 @@ use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
 
 use super::strategies;
 
-/// A volume with all kinds of bricks, partly painted.
+/// Returns a volume with all kinds of bricks, partly painted.
 fn synthetic_volume() -> Contents {
     let dims = UVec3::new(150, 131, 97);
     let mut grid = Grid::new(dims, Vec3::new(1.0, 1.0, 1.25), 1 << 30).unwrap();
@@ -36,7 +36,7 @@ fn synthetic_volume() -> Contents {
     Contents::new(grid, material)
 }
 
-/// Everything that undo must restore, as bytes.
+/// Returns everything that undo must restore, as bytes.
 fn bytes(contents: &Contents) -> (Vec<u8>, Vec<Option<Vec<u8>>>) {
     let bricks = 0..contents.grid.brick_count();
     let bits = bricks.clone().flat_map(|brick| bytemuck::bytes_of(contents.grid.brick_at(brick)));

@@ -21,7 +21,7 @@ use super::drawn_solids::{drawn_solid, small_drawn_solid};
 use super::file_options::{export, import};
 use super::masks::mask;
 
-/// Few colours, so that voxels are often painted with the colour that they have.
+/// Returns few colours, so that voxels are often painted with the colour that they have.
 pub fn colour() -> impl Strategy<Value = Rgb> {
     prop_oneof![
         Just(Rgb::new(200, 190, 170)),
@@ -46,7 +46,7 @@ pub fn op() -> impl Strategy<Value = EditOp> {
     ]
 }
 
-/// Solids with centre coordinates in `centre` and half extents in `half`.
+/// Returns solids with centre coordinates in `centre` and half extents in `half`.
 pub fn primitive(
     centre: std::ops::Range<f32>,
     half: std::ops::Range<f32>,
@@ -90,7 +90,7 @@ pub fn placement() -> impl Strategy<Value = Placement> {
     )
 }
 
-/// Text that needs quotes or escapes in a script.
+/// Returns text that needs quotes or escapes in a script.
 pub fn hostile_text() -> impl Strategy<Value = String> {
     prop_oneof![
         any::<String>(),
@@ -143,7 +143,7 @@ pub fn orientation() -> impl Strategy<Value = Orientation> {
         .prop_map(|steps| steps.into_iter().fold(Orientation::UPRIGHT, Orientation::then))
 }
 
-/// Boxes with corners in `corner` and lengths up to `longest`.
+/// Returns boxes with corners in `corner` and lengths up to `longest`.
 pub fn marker(corner: std::ops::Range<i32>, longest: i32) -> impl Strategy<Value = VoxelBox> {
     (prop::array::uniform3(corner), prop::array::uniform3(1..=longest)).prop_map(|(min, size)| {
         VoxelBox { min: min.into(), max: IVec3::from(min) + IVec3::from(size) }
@@ -154,7 +154,7 @@ fn any_ivec3() -> impl Strategy<Value = IVec3> {
     any::<[i32; 3]>().prop_map(IVec3::from)
 }
 
-/// A use of any brush that suits a sculpture of 24 voxels: those under an outline look at it.
+/// Returns a use of any brush that suits a sculpture of 24 voxels: those under an outline look at it.
 pub fn brush_command() -> impl Strategy<Value = Command> {
     let vector = |range: std::ops::Range<f32>| prop::array::uniform3(range).prop_map(Vec3::from);
     let parts = Parts {
@@ -176,7 +176,7 @@ pub fn brush_command() -> impl Strategy<Value = Command> {
     )
 }
 
-/// Commands about areas and copies, with values that suit a sculpture of 24 voxels.
+/// Returns commands about areas and copies, with values that suit a sculpture of 24 voxels.
 pub fn area_work() -> impl Strategy<Value = Command> {
     let near = || prop::array::uniform3(-12i32..24).prop_map(IVec3::from);
     prop_oneof![
@@ -208,7 +208,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
     ]
 }
 
-/// Changes of colours that are possible.
+/// Returns changes of colours that are possible.
 fn tint() -> impl Strategy<Value = Tint> {
     let point = || prop::array::uniform3(-9.0f32..30.0).prop_map(Vec3::from);
     prop_oneof![
@@ -228,7 +228,7 @@ fn tint() -> impl Strategy<Value = Tint> {
     ]
 }
 
-/// Changes of colours with any numbers.
+/// Returns changes of colours with any numbers.
 fn any_tint() -> impl Strategy<Value = Tint> {
     (tint(), any_vec3()).prop_map(|(tint, any)| match tint {
         Tint::Adjust { .. } => Tint::Adjust { hue_deg: any.x, saturation: any.y, value: any.z },
@@ -245,7 +245,7 @@ fn surface_kind() -> impl Strategy<Value = SurfaceKind> {
     prop::sample::select(&SurfaceKind::NAMED[..]).prop_map(|(kind, _)| kind)
 }
 
-/// Mends with lengths in `length`.
+/// Returns repairs with lengths in `length`.
 fn repair<S: Strategy<Value = f32>>(length: impl Fn() -> S) -> impl Strategy<Value = Repair> {
     let smaller = || prop::option::of(any::<u32>());
     prop_oneof![
@@ -262,7 +262,7 @@ fn any_unit() -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-1f32..1.0).prop_map(Vec3::from)
 }
 
-/// Every finite `f32`, not only those near 1.
+/// Returns every finite `f32`, not only those near 1.
 pub fn any_number() -> impl Strategy<Value = f32> {
     any::<u32>().prop_map(f32::from_bits).prop_filter("finite", |v| v.is_finite())
 }
@@ -271,7 +271,7 @@ fn any_vec3() -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(any_number()).prop_map(Vec3::from)
 }
 
-/// Every command, with every value that its text form can express.
+/// Returns every command, with every value that its text form can express.
 pub fn any_command() -> impl Strategy<Value = Command> {
     let steps = || prop::option::of(any::<u32>());
     let solid = prop::sample::select(&Solid::ALL[..]);
@@ -347,8 +347,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
     ]
 }
 
-/// Pulls by a vector, turns about it and pinches towards it.
-/// Uses of brushes with vectors and radii that only the text form can hold.
+/// Returns uses of brushes with vectors and radii that only the text form can express.
 fn anywhere() -> Parts {
     Parts {
         ray: any_vec3().boxed(),
@@ -360,7 +359,7 @@ fn anywhere() -> Parts {
     }
 }
 
-/// Commands of normal work on a small sculpture, in and out of strokes.
+/// Returns commands of normal work on a small sculpture, in and out of strokes.
 pub fn work() -> impl Strategy<Value = Command> {
     let steps = || prop_oneof![4 => (1u32..4).prop_map(Some), 1 => Just(None)];
     let way = prop::option::of(prop::array::uniform3(-4f32..28.0).prop_map(Vec3::from));

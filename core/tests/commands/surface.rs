@@ -1,5 +1,5 @@
-//! The form in which near voxels are shown: an undo step that changes no voxel, which files, orientations and other
-//! sculptures respect.
+//! The form in which nearby voxels are shown: an undo step that changes no voxel, and that files, orientations and
+//! other sculptures preserve.
 
 use std::path::Path;
 
@@ -36,7 +36,7 @@ fn a_kind_of_surface_is_undone_and_redone_and_changes_no_voxel() {
     assert_ne!(document.state(), state, "there is something to save");
     assert_eq!(document.state().sculpture, state.sculpture, "its file is the same");
     assert_eq!(document.history().undo_labels().last(), Some("surface cubes"));
-    // Later steps go through the same history.
+    // Later steps use the same history.
     run(&mut document, "subtract ellipsoid at=4,9,3 half=5\nundo 2").unwrap();
     assert!(document.contents() == &before && document.state() == state);
     run(&mut document, "redo").unwrap();
@@ -59,7 +59,7 @@ fn it_stays_with_the_sculpture() {
     assert!(document.contents() == &read);
 }
 
-/// Models of cubes keep them; what was a mesh or a scan is smooth, and so is what the program has written otherwise.
+/// Models of cubes stay cubes; meshes and scans are smooth, as are files that the program has written otherwise.
 #[test]
 fn models_of_voxel_editors_keep_their_cubes() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Symmetry about any plane and around an axis: what tools do is symmetric, and what is not valid is refused.
+//! Symmetry about any plane and around an axis: tools act symmetrically, and invalid symmetries are refused.
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use sculpture_core::command::{Command, NewSculpture};
@@ -11,7 +11,7 @@ use super::uses;
 
 const EDGE: u32 = 48;
 
-/// A ball in the middle of a grid of 48 voxels an edge, which is symmetric in every way.
+/// Returns a ball in the middle of a grid of 48 voxels an edge, which is symmetric in every way.
 fn ball(voxel_size: Vec3) -> Document {
     let new = NewSculpture {
         dims: UVec3::splat(EDGE),
@@ -68,7 +68,7 @@ fn tools() -> Vec<String> {
     TOOLS.iter().map(|line| line.to_string()).chain(drawn).collect()
 }
 
-/// How many voxels differ from their images, and how many lie near the surface.
+/// Returns how many voxels differ from their images, and how many lie near the surface.
 fn asymmetry(document: &Document) -> (usize, usize) {
     let contents = document.contents();
     let images = document.images();
@@ -105,7 +105,7 @@ fn planes_along_the_grid_and_half_turns_are_exact() {
             let before = document.contents().clone();
             assert!(run(&mut document, tool).unwrap() > 0, "{symmetry}: {tool}");
             let (differing, surface) = asymmetry(&document);
-            // Quarter turns round what lies at the middle of a voxel's edge the other way round.
+            // Quarter turns round values at the middle of a voxel's edge in the other direction.
             let allowed = if symmetry.contains("radial=4") { surface / 100 } else { 0 };
             assert!(differing <= allowed, "{symmetry}: {tool}: {differing} of {surface}");
             run(&mut document, "undo").unwrap();
@@ -129,15 +129,15 @@ fn any_plane_and_any_turn_is_symmetric_to_the_voxel_at_the_surface() {
         for tool in &tools() {
             let mut document = ball(voxel_size);
             run(&mut document, symmetry).unwrap();
-            // As symmetric as a ball of voxels is.
+            // As symmetric as a ball of voxels can be.
             let (at_first, _) = asymmetry(&document);
-            // Among long voxels the ball is flatter, and some tools miss it.
+            // With long voxels the ball is flatter, and some tools miss it.
             match run(&mut document, tool).unwrap() {
                 0 if voxel_size != Vec3::ONE => continue,
                 changed => assert!(changed > 0, "{symmetry}: {tool}"),
             }
             let (differing, surface) = asymmetry(&document);
-            // A voxel's image lies between voxels: of those at the surface, some fall on the other side.
+            // A voxel's image lies between voxels: some of those at the surface fall on the other side.
             assert!(
                 differing <= at_first + surface / 2,
                 "{symmetry} {voxel_size}: {tool}: {differing} ({at_first}) of {surface}"
@@ -148,7 +148,7 @@ fn any_plane_and_any_turn_is_symmetric_to_the_voxel_at_the_surface() {
     }
 }
 
-/// How many voxels differ from their images although all around the image is alike, two voxels far.
+/// Returns how many voxels differ from their images although all voxels within two of the image are alike.
 fn deep_asymmetry(document: &Document) -> usize {
     let contents = document.contents();
     let mut differing = 0;

@@ -135,7 +135,7 @@ fn quoted_paths_are_taken_literally() {
 }
 
 proptest! {
-    /// Any Windows path, typed between quotes, names that file and is written as it was typed.
+    /// Any Windows path, typed between quotes, refers to that file and is written as it was typed.
     #[test]
     fn windows_paths_survive_both_ways(
         path in "([A-Z]:|\\\\\\\\[a-z]{1,4})(\\\\[-a-z0-9 .#=,'ntrxé]{0,8}){0,5}",

@@ -126,7 +126,7 @@ fn tints_that_cannot_be_are_refused_and_change_nothing() {
 fn a_flood_stops_at_other_colours_and_at_the_selection_and_is_mirrored() {
     let red = Rgb::new(255, 0, 0);
     let mut document = block(ColourDepth::Bits24, Limits::default());
-    // A belt of another colour parts the ends of the block.
+    // A belt of another colour separates the ends of the block.
     run(&mut document, "recolour cuboid at=20,16,12 half=4,30,30 colour=#00ff00").unwrap();
     let start = document.contents().clone();
     run(&mut document, "flood at=3,32,7 colour=#ff0000").unwrap();
@@ -154,7 +154,7 @@ fn a_flood_stops_at_other_colours_and_at_the_selection_and_is_mirrored() {
     assert_eq!(colour(&document, 3, 32, 7), Rgb::STONE);
 }
 
-/// The script of the gallery: each command does something, and the flood keeps to the pond.
+/// The script of the gallery: each command has an effect, and the flood fill stays within the pond.
 #[test]
 fn a_hill_is_coloured_by_commands() {
     let script = include_str!("../../../config/gallery/colours.sculpt");

@@ -1,10 +1,10 @@
-//! More files of the kinds in the table, made here; see `mod.rs`.
+//! More files of the kinds in the table, generated here; see `mod.rs`.
 
 use std::io::Write;
 
 use super::*;
 
-/// A box from the origin as an object of a `.3mf`.
+/// Returns a box from the origin as an object of a `.3mf`.
 fn object(id: u32, edge: u32) -> String {
     let vertex = |i: u32| {
         let [x, y, z] = [4, 2, 1].map(|bit| if i & bit == 0 { 0 } else { edge });
@@ -68,7 +68,7 @@ fn parts_that_bambu_studio_does_not_print_are_left_out() {
     }
 }
 
-/// The first voxels of the layers that are read of pages 0 to `pages`, each of which holds its number.
+/// Returns the first voxels of the layers that are read from pages 0 to `pages`, each of which holds its index.
 fn layers_of(pages: u8, description: &str) -> (Vec<f32>, Vec3) {
     let folder = tempfile::tempdir().unwrap();
     let path = numbered_pages(folder.path(), pages, description);
@@ -90,14 +90,14 @@ fn the_order_of_an_ome_tiff_is_its_own() {
             ),
         )
     };
-    // Micrometres, where no unit is named.
+    // Micrometres, if no unit is given.
     assert_eq!(of("XYCZT", ""), (vec![0.0, 2.0], Vec3::new(0.5, 0.5, 2.0)));
     assert_eq!(of("XYZCT", "").0, [0.0, 1.0]);
     assert_eq!(of("XYTCZ", "").0, [0.0, 4.0]);
     assert_eq!(of("XYCZT", "<TiffData/>").0, [0.0, 2.0]);
     let blocks = "<TiffData IFD='5' FirstZ='0'/><TiffData IFD='3' FirstZ='1' PlaneCount='1'/>";
     assert_eq!(of("XYCZT", blocks).0, [5.0, 3.0]);
-    // Other channels and files are not looked at; what is not there cannot be.
+    // Other channels and files are ignored; missing ones cannot be read.
     let blocks = "<TiffData IFD='1' FirstC='1'/><TiffData IFD='0'><UUID FileName='b'>urn:uuid:2</UUID></TiffData>\
                   <TiffData IFD='6'/><TiffData IFD='7' FirstZ='1'/>";
     assert_eq!(of("XYCZT", blocks).0, [6.0, 7.0]);
@@ -187,7 +187,7 @@ fn ply_header(format: &str, faces: &str) -> String {
     )
 }
 
-/// Two triangles of each face as a strip.
+/// Returns two triangles of each face as a strip.
 fn strips() -> Vec<i32> {
     FACES.iter().flat_map(|[a, b, c, d]| [a - 1, b - 1, d - 1, c - 1, -1]).collect()
 }
@@ -222,7 +222,7 @@ fn ply_headers_with_windows_line_ends_and_numbers_on_lines_of_their_own() {
     }
     std::fs::write(&path, file).unwrap();
     check(path.clone(), Right { is_silent: true, ..a_box([10, 30, 20]) });
-    // Each number on a line; then a face without corners whose line goes on with the next face.
+    // Each number on a line; then a face without corners whose line continues with the next face.
     let of = |face: [i32; 4]| {
         format!("4 {} {} {} {}\n", face[0] - 1, face[1] - 1, face[2] - 1, face[3] - 1)
     };
@@ -241,7 +241,7 @@ fn ply_headers_with_windows_line_ends_and_numbers_on_lines_of_their_own() {
 fn obj_faces_that_count_backwards_count_from_where_they_stand() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.obj");
-    // Each face behind its own corners.
+    // Each face after its own corners.
     let of = |face: [i32; 4]| {
         let corners = face.map(|corner| CORNERS[corner as usize - 1]);
         let corners = corners.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();

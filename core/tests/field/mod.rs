@@ -1,8 +1,9 @@
-//! Files as people have them: what exporters write and public reports complain of. A table of files with their right
-//! values, which were counted by programs that share no code with this one (trimesh, tifffile, nibabel, pynrrd, pydicom).
+//! Files from practice: typical output of exporters, and files from public bug reports. A table of files with their
+//! correct values, which were computed by programs that share no code with this one (trimesh, tifffile, nibabel,
+//! pynrrd, pydicom).
 //!
-//! Files that were made for these tests lie in `fixtures/field`; those of other projects are in the shared folder, and are
-//! skipped where it is missing.
+//! Files that were made for these tests lie in `fixtures/field`; those of other projects are in the shared folder, and
+//! are skipped if it is missing.
 
 mod made;
 mod reports;
@@ -26,34 +27,34 @@ use tiff::encoder::colortype::Gray8;
 use tiff::tags::Tag;
 use trials::shared_file;
 
-/// How large a mesh becomes.
+/// The size of a mesh in the table.
 const MILLIMETRE: MeshSize = MeshSize::VoxelMm(1.0);
-/// From this density on the scans of the table are counted.
+/// The density from which on voxels of the scans in the table are counted.
 #[allow(dead_code)]
 const DENSE: Existence = Existence::Threshold(500.0);
 
-/// The right values of a file; what is left open is not looked at.
+/// The correct values of a file; unset values are not checked.
 #[derive(Default)]
 struct Right {
     existence: Existence,
     size: Option<MeshSize>,
-    /// Of the sculpture, y up.
+    /// Size of the sculpture, y up.
     dims: Option<[u32; 3]>,
     /// Size and edges of a voxel in the file.
     file_dims: Option<[u32; 3]>,
     voxel: Option<[f32; 3]>,
     count: Option<u64>,
-    /// How many voxels have which colour; all of them if these are named.
+    /// The number of voxels of each colour; all of them if any are listed.
     colours: &'static [([u8; 3], u64)],
     /// Colours that occur.
     shown: &'static [[u8; 3]],
     /// Voxels of each layer of the file, its third axis.
     layers: &'static [u64],
-    /// Triangles of the file.
+    /// Number of triangles in the file.
     triangles: Option<&'static str>,
-    /// Parts of what is told.
+    /// Parts of the messages.
     notes: &'static [&'static str],
-    /// Whether nothing must be told.
+    /// Whether there must be no message.
     is_silent: bool,
 }
 
@@ -82,7 +83,7 @@ fn voxels(contents: &Contents) -> Vec<(UVec3, Rgb)> {
     all.into_iter().map(|v| (v, contents.rgb(v))).collect()
 }
 
-/// Checks a file; the error names all that is wrong.
+/// Checks a file. Returns all errors.
 fn wrong(path: &Path, right: &Right) -> Vec<String> {
     let loaded = match load(path, &options(right)) {
         Ok(loaded) => loaded,
@@ -150,7 +151,7 @@ fn check(path: PathBuf, right: Right) {
     assert!(wrong.is_empty(), "{}: {wrong:#?}", path.display());
 }
 
-/// A file that is refused: the message has these parts, and does not call it damaged.
+/// Checks that a file is refused: the message has these parts, and does not call it damaged.
 fn refused(path: PathBuf, parts: &[&str]) {
     let error = load(&path, &ImportOptions::default()).unwrap_err();
     for part in parts {
@@ -162,12 +163,12 @@ fn refused(path: PathBuf, parts: &[&str]) {
 /// The layers of the block that most scans of the table hold.
 const LAYERS: [u64; 10] = [24, 36, 48, 60, 72, 84, 96, 108, 120, 132];
 
-/// A box of 10 x 20 x 30 in the file.
+/// Returns the values of a box of 10 x 20 x 30 in the file.
 fn a_box(dims: [u32; 3]) -> Right {
     Right { dims: Some(dims), count: Some(6000), triangles: Some("12"), ..Right::default() }
 }
 
-/// The scan of 24 x 20 x 10 in the file.
+/// Returns the values of the scan of 24 x 20 x 10 in the file.
 fn scan() -> Right {
     let (file_dims, count) = (Some([24, 20, 10]), Some(780));
     Right { existence: DENSE, file_dims, count, layers: &LAYERS, ..Right::default() }
@@ -359,7 +360,7 @@ fn vox_of_teardown_is_refused_by_its_name() {
     refused(foreign("20_vox_real_teardown.vox"), &["TDCZ", "Teardown"]);
 }
 
-/// A TIFF file of pages that hold their numbers, counted from 0.
+/// Returns a TIFF file of pages that hold their index, counted from 0.
 fn numbered_pages(folder: &Path, pages: u8, description: &str) -> PathBuf {
     let mut bytes = Cursor::new(Vec::new());
     let mut encoder = TiffEncoder::new(&mut bytes).unwrap();

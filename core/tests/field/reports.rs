@@ -1,4 +1,4 @@
-//! Meshes and models of which public reports say that other programs cannot read them, made here; see `mod.rs`.
+//! Meshes and models that other programs cannot read according to public reports, generated here; see `mod.rs`.
 
 use std::io::{Cursor, Write};
 
@@ -6,7 +6,7 @@ use super::made::{CORNERS, FACES};
 use super::*;
 use crate::meshes_in::glb_file;
 
-/// Checks a file of that name.
+/// Checks a file of this name.
 fn checked(name: &str, bytes: impl AsRef<[u8]>, right: Right) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -14,14 +14,14 @@ fn checked(name: &str, bytes: impl AsRef<[u8]>, right: Right) {
     check(path, right);
 }
 
-/// Two triangles of a face.
+/// Returns the two triangles of a face.
 fn halves([a, b, c, d]: [i32; 4]) -> [[i32; 3]; 2] {
     [[a, b, c], [a, c, d]]
 }
 
 #[test]
 fn stl_numbers_of_three_digits_words_apart_and_several_solids() {
-    // SolidWorks writes three digits of the exponent, and zeros that are none.
+    // SolidWorks writes exponents of three digits, and inexact zeros.
     let number = |value: i32| match value {
         0 => "-1.971277e-016".to_string(),
         _ => {
@@ -67,7 +67,7 @@ fn ply_of_doubles_whose_lists_are_counted_in_shorts_and_whose_faces_have_colours
     checked("a.ply", file, Right { shown: &[[1, 2, 3]], ..a_box([10, 30, 20]) });
 }
 
-/// A `.glb` with one mesh, of this description and buffer.
+/// Returns a `.glb` with one mesh, of this description and buffer.
 fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
     let json = format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],{json},
@@ -77,20 +77,20 @@ fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
     glb_file(&json, binary)
 }
 
-/// A corner in metres.
+/// Returns a corner in metres.
 fn metres(corner: [i32; 3]) -> Vec<u8> {
     corner.iter().flat_map(|at| (*at as f32 / 1000.0).to_le_bytes()).collect()
 }
 
 #[test]
 fn gltf_values_that_are_sparse_over_nothing_or_over_others() {
-    // Nothing lies below the sparse values: what they leave out is 0, which the first corner is.
+    // There are no values below the sparse ones: omitted values are 0, as is the first corner.
     let mut binary: Vec<u8> = (1..8).collect();
     binary.push(0);
     CORNERS[1..].iter().for_each(|corner| binary.extend(metres(*corner)));
     let corners = FACES.iter().flat_map(|face| halves(*face)).flatten();
     corners.for_each(|corner| binary.extend((corner as u16 - 1).to_le_bytes()));
-    // Others that all but the first are put in the place of.
+    // Base values, all but the first of which are replaced.
     binary.extend([metres(CORNERS[0]), metres([9000; 3]).repeat(7)].concat());
     for base in ["", r#""bufferView":3,"#] {
         let json = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
@@ -139,7 +139,7 @@ fn three_mf_units_are_those_of_placements_too() {
         format!("<triangle v1='{a}' v2='{b}' v3='{c}'/>")
     };
     let triangles: String = FACES.iter().flat_map(|face| halves(*face).map(triangle)).collect();
-    // A box of 10 x 20 x 30 hundredths of an inch; its copy stands two edges of it further on.
+    // A box of 10 x 20 x 30 hundredths of an inch; its copy is moved by two of its edges.
     let model = format!(
         "<model unit='inch' xmlns='http://schemas.microsoft.com/3dmanufacturing/core/2015/02'><resources>\
          <object id='1'><mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object>\
@@ -173,7 +173,7 @@ fn obj_colours_of_corners_and_corners_counted_from_0() {
     assert!(error.contains("line 9"), "{error}");
 }
 
-/// A chunk of a `.vox` file.
+/// Returns a chunk of a `.vox` file.
 fn chunk(id: &[u8; 4], content: &[u8], children: &[u8]) -> Vec<u8> {
     let lengths = [content.len(), children.len()].map(|length| (length as u32).to_le_bytes());
     [&id[..], &lengths.concat(), content, children].concat()
@@ -183,13 +183,13 @@ fn numbers(numbers: &[i32]) -> Vec<u8> {
     numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
 }
 
-/// A model of a `.vox` file.
+/// Returns a model of a `.vox` file.
 fn model(dims: [i32; 3], voxels: &[[u8; 4]]) -> Vec<u8> {
     let content = [numbers(&[voxels.len() as i32]), voxels.concat()].concat();
     [chunk(b"SIZE", &numbers(&dims), &[]), chunk(b"XYZI", &content, &[])].concat()
 }
 
-/// A `.vox` file whose colour 1 is red, and 255 blue.
+/// Returns a `.vox` file whose colour 1 is red, and 255 blue.
 fn vox(version: i32, chunks: &[Vec<u8>]) -> Vec<u8> {
     let mut palette = vec![[9, 9, 9, 255]; 256];
     (palette[0], palette[254]) = ([200, 10, 20, 255], [0, 0, 250, 255]);
@@ -197,7 +197,7 @@ fn vox(version: i32, chunks: &[Vec<u8>]) -> Vec<u8> {
     [b"VOX ", &version.to_le_bytes()[..], &chunk(b"MAIN", &[], &children)].concat()
 }
 
-/// A text with its length.
+/// Returns a text preceded by its length.
 fn text(text: &str) -> Vec<u8> {
     [numbers(&[text.len() as i32]), text.as_bytes().to_vec()].concat()
 }
@@ -242,7 +242,7 @@ fn vox_models_as_large_as_there_can_be() {
 
 #[test]
 fn vox_colours_are_those_of_the_palette_however_it_is_shown() {
-    // The order in which the palette is shown.
+    // The order in which the palette is displayed.
     let order: Vec<u8> = (0..=255).rev().collect();
     let voxels = [[0, 0, 0, 1], [1, 0, 0, 255], [2, 0, 0, 7]];
     let file = vox(150, &[model([3, 1, 1], &voxels), chunk(b"IMAP", &order, &[])]);
@@ -269,7 +269,7 @@ fn qb_packed_with_its_colours_turned_and_to_either_hand() {
         [&[1, 1, 0, 0], &fields[..], &[1], b"a", &place].concat()
     };
     let plain = [header(0, 0, 0), rows.concat(), back.concat()].concat();
-    // Blue, green, red; a run is 2, how often, and which colour; 6 ends a layer.
+    // Blue, green, red; a run is 2, the count, and the colour; 6 ends a layer.
     let turned = |[r, g, b, a]: [u8; 4]| [b, g, r, a];
     let run =
         |count: i32, colour: [u8; 4]| [numbers(&[2, count]), turned(colour).to_vec()].concat();
@@ -287,7 +287,7 @@ fn qb_packed_with_its_colours_turned_and_to_either_hand() {
     let (dims, expected) = read("plain.qb", plain.clone());
     assert_eq!((dims, expected.len()), (UVec3::new(3, 2, 2), 5 + 2));
     assert_eq!(read("packed.qb", packed), (dims, expected.clone()));
-    // To the other hand: the same thing, mirrored.
+    // With the other handedness: the same object, mirrored.
     let mut other = plain;
     other[8] = 1;
     let (_, mirrored) = read("other.qb", other);

@@ -1,4 +1,4 @@
-//! Scans of which public reports say that other programs cannot read them, made here; see `mod.rs`.
+//! Scans that other programs cannot read according to public reports, generated here; see `mod.rs`.
 
 use std::io::Write;
 
@@ -7,7 +7,7 @@ use flate2::write::ZlibEncoder;
 
 use super::*;
 
-/// Size and value of the voxels in the files made here: those that are read the wrong way round differ.
+/// Size and value of the voxels in the generated files: reading them in the wrong order changes the values.
 const DIMS: UVec3 = UVec3::new(6, 5, 4);
 
 fn value(v: UVec3) -> u16 {
@@ -54,7 +54,8 @@ fn nrrd_with_bytes_in_front_or_behind() {
     }
 }
 
-/// A NIfTI file whose place is told by a quaternion: b, c and d, and edges with the sign of the third axis before them.
+/// Returns a NIfTI file whose orientation is a quaternion: b, c and d, with edges preceded by the sign of the third
+/// axis.
 fn nifti(quaternion: [f32; 3], edges: [f32; 4]) -> Vec<u8> {
     let mut file = vec![0u8; 352];
     let mut put = |at: usize, bytes: &[u8]| file[at..at + bytes.len()].copy_from_slice(bytes);
@@ -90,7 +91,7 @@ fn nifti_whose_quaternion_is_rounded_beyond_1_or_whose_edges_are_negative() {
     // x to the right of the patient, y to the front, z to the head: the last voxel is at the right, front and head.
     let upright = read([0.0; 3], edges);
     assert_eq!(upright, [[0, 3, 4]]);
-    // The sign of the third axis is 1 where it is 0, too; -1 mirrors it.
+    // The sign of the third axis is 1 even if it is 0; -1 mirrors it.
     assert_eq!(read([0.0; 3], [0.0, 1.0, 2.0, 3.0]), upright);
     assert_eq!(read([0.0; 3], [-1.0, 1.0, 2.0, 3.0]), [[0, 0, 4]]);
     // Half a turn about x: y to the back, z to the feet.
@@ -101,7 +102,8 @@ fn nifti_whose_quaternion_is_rounded_beyond_1_or_whose_edges_are_negative() {
     assert_eq!(read([0.0; 3], [1.0, 1.0, -2.0, 3.0]), upright);
 }
 
-/// A page of a TIFF file in big-endian numbers, packed with Deflate: where it is to lie, and its bytes, with the next.
+/// Returns a page of a TIFF file in big-endian numbers, packed with Deflate: its offset in the file, and its bytes,
+/// with the next page's.
 fn page(
     at: u32,
     rows: &[Vec<u8>],
@@ -161,7 +163,7 @@ fn tiff_of_big_endian_numbers_that_are_told_as_differences() {
         of_row(y, z).flat_map(step).collect::<Vec<u8>>()
     };
     checked(&[("a.tif", &file(&differences, 16, 1, 2))], Vec3::ONE);
-    // Of floats, the highest bytes of a row, then the next and so on, as differences of bytes.
+    // For floats: the highest bytes of a row, then the next and so on, as differences of bytes.
     let planes = |y: u32, z: u32| {
         let floats: Vec<[u8; 4]> = of_row(y, z).map(|v| f32::from(v).to_be_bytes()).collect();
         let bytes = (0..4).flat_map(|i| floats.iter().map(move |float| float[i]));
@@ -176,7 +178,7 @@ fn tiff_of_big_endian_numbers_that_are_told_as_differences() {
     checked(&[("a.tif", &file(&planes, 32, 3, 3))], Vec3::ONE);
 }
 
-/// As base 64 (RFC 4648).
+/// Encodes bytes as base 64 (RFC 4648).
 fn base64(bytes: &[u8]) -> String {
     let letters = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let group = |bytes: &[u8]| {
@@ -251,7 +253,7 @@ fn dicom_slices_are_in_order_without_their_numbers() {
     let whole = read(&|_, _| ());
     assert_eq!(whole.dims, UVec3::new(24, 20, 6));
     let is_same = |change: &dyn Fn(&mut [u8], usize)| assert!(read(change).data == whole.data);
-    // All slices have one number; none has any, under a tag that nobody knows; numbers run backwards.
+    // All slices have the same number; none has any, under an unknown tag; numbers run backwards.
     is_same(&|element, _| element[8] = b'7');
     is_same(&|element, _| element[2] = 0x15);
     is_same(&|element, i| element[8] = b'9' - i as u8);

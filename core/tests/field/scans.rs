@@ -1,4 +1,4 @@
-//! Scans as people have them; see `mod.rs`.
+//! Scans from practice; see `mod.rs`.
 
 use super::*;
 
@@ -58,7 +58,7 @@ fn labels_with_their_own_colours_or_a_word_about_them() {
 fn segments_in_several_layers_lie_over_one_another() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("two.seg.nrrd");
-    // Two layers of four voxels, one of which both have.
+    // Two layers of four voxels, one of which belongs to both.
     let header = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 4 1 1\nkinds: list domain domain domain\n\
                   space: left-posterior-superior\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n\
                   Segment0_ID:=a\nSegment0_Color:=1 0 0\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n\
@@ -101,7 +101,7 @@ fn dicom_of_two_phases_is_one_of_them() {
         assert!(lefts == 0 || lefts == 720, "{}: {lefts}", path.display());
         lefts == 0
     };
-    // The file that is opened decides.
+    // The opened file decides.
     let files = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
     let halves: Vec<bool> = files.map(|path| half(&path)).collect();
     assert_eq!(halves.iter().filter(|is_right| **is_right).count(), 10);

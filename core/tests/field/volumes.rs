@@ -1,5 +1,5 @@
-//! Which of several channels, times, phases or volumes of a scan is read, from files whose voxels hold the number of their
-//! volume; see `mod.rs`.
+//! Tests the selection among several channels, times, phases or volumes of a scan, with files whose voxels hold the
+//! number of their volume; see `mod.rs`.
 
 use std::io::Write;
 
@@ -8,7 +8,7 @@ use sculpture_core::format::{Info, Taken, info_with, load_volume};
 
 use super::*;
 
-/// Options that ask for a channel and a time; 0 leaves one open.
+/// Returns options that request a channel and a time; 0 leaves one open.
 fn asked(channel: u32, time: u32) -> ImportOptions {
     let (channel, time) = (Ordinal::new(channel), Ordinal::new(time));
     ImportOptions { channel, time, ..ImportOptions::default() }
@@ -18,7 +18,7 @@ fn told(path: &Path, options: &ImportOptions) -> Result<Info, String> {
     info_with(path, options, &Limits::default(), &()).map_err(|error| error.to_string())
 }
 
-/// The first voxels of all layers.
+/// Returns the first voxels of all layers.
 fn layers(path: &Path, options: &ImportOptions) -> Result<Vec<f32>, String> {
     let volume = load_volume(path, options, &Limits::default(), &());
     let volume = volume.map_err(|error| error.to_string())?;
@@ -62,12 +62,12 @@ fn times_without_layers_are_layers_unless_one_is_asked_for() {
     assert_eq!(layers(&path, &asked(2, 0)).unwrap(), [1.0, 3.0, 5.0]);
     assert_eq!(layers(&path, &asked(2, 3)).unwrap(), [5.0]);
     assert!(layers(&path, &asked(2, 4)).unwrap_err().contains("has 3"));
-    // A note that is not true of the file.
+    // A note that does not match the file.
     let path = numbered_pages(folder.path(), 3, "ImageJ=1.54f\nimages=8\nchannels=2\nslices=4\n");
     assert_eq!(layers(&path, &asked(0, 0)).unwrap(), [0.0, 1.0, 2.0]);
     let error = layers(&path, &asked(2, 0)).unwrap_err();
     assert!(error.contains("speaks of 8 pages, but has 3"), "{error}");
-    // Pages that nothing is said of.
+    // Pages without a note.
     let path = numbered_pages(folder.path(), 3, "");
     assert_eq!(layers(&path, &asked(1, 1)).unwrap(), [0.0, 1.0, 2.0]);
     let error = layers(&path, &asked(0, 2)).unwrap_err();
@@ -144,12 +144,12 @@ fn times_of_a_dicom_series_are_chosen() {
     assert!(open.to_string().contains("\ntimes: 2, read: 1\n"), "{open}");
 }
 
-/// Six volumes of two layers of four voxels that hold the number of their volume, one after another.
+/// Returns six volumes of two layers of four voxels that hold the number of their volume, one after another.
 fn six() -> Vec<u8> {
     (0..6).flat_map(|volume| [volume; 8]).collect()
 }
 
-/// Asks for each of six volumes, and one more.
+/// Requests each of six volumes, and one more.
 fn check_six(path: &Path) {
     let name = path.display();
     for time in 1..=6 {
@@ -209,11 +209,11 @@ fn volumes_of_nrrd_are_chosen() {
     check_six(&path);
     write("2 2 2 2 3", "domain domain domain list time", &six());
     check_six(&path);
-    // The volumes of each voxel side by side.
+    // The volumes of each voxel interleaved.
     let side_by_side: Vec<u8> = (0..8).flat_map(|_| 0..6).collect();
     write("6 2 2 2", "list domain domain domain", &side_by_side);
     check_six(&path);
-    // Three before the voxels, two behind them; the former counts fastest.
+    // Three before the voxels, two behind them; the former varies fastest.
     let around: Vec<u8> = (0..2).flat_map(|b| (0..8).flat_map(move |_| 3 * b..3 * b + 3)).collect();
     write("3 2 2 2 2", "list domain domain domain time", &around);
     check_six(&path);

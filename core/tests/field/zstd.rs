@@ -9,10 +9,10 @@ use super::*;
 struct Page {
     is_big: bool,
     size: [u32; 2],
-    /// Width and height of tiles; none where there are strips of so many rows.
+    /// Width and height of tiles; `None` for strips of `rows` rows.
     tiles: Option<[u32; 2]>,
     rows: u32,
-    /// 2: the numbers of a row are differences.
+    /// 2: each number of a row is a difference from the previous one.
     predictor: u32,
 }
 
@@ -27,12 +27,12 @@ impl Page {
         if self.is_big { number.to_be_bytes() } else { number.to_le_bytes() }
     }
 
-    /// The number at a place.
+    /// Returns the number at a place.
     fn level(x: u32, y: u32) -> u16 {
         (1000 + 300 * x + 7 * y) as u16
     }
 
-    /// The bytes of each strip or tile, not packed.
+    /// Returns the bytes of each strip or tile, unpacked.
     fn chunks(&self) -> Vec<Vec<u8>> {
         let [width, height] = self.size;
         let [wide, high] = self.tiles.unwrap_or([width, self.rows]);
@@ -57,7 +57,7 @@ impl Page {
         chunks
     }
 
-    /// A file of this page with these strips or tiles.
+    /// Returns a file of this page with these strips or tiles.
     fn file(&self, chunks: &[Vec<u8>]) -> Vec<u8> {
         let begin = 8u32;
         let begins = chunks.iter().scan(begin, |at, chunk| {
@@ -169,7 +169,7 @@ fn damaged_pages_packed_with_zstd_are_errors() {
             let _ = densities(&path);
         }
     }
-    // A frame of fewer bytes than the strip has, one that is cut off, something else, and a window of 2 TiB.
+    // A frame of fewer bytes than the strip has, a truncated one, other data, and a window of 2 TiB.
     let short = compress_to_vec(&[1u8; 39][..], CompressionLevel::Fastest);
     let mut cut = STRIPS.packed().concat();
     cut.pop();
@@ -182,7 +182,7 @@ fn damaged_pages_packed_with_zstd_are_errors() {
         let error = densities(&path).unwrap_err();
         assert!(error.contains(told), "{error}");
     }
-    // Data that goes on behind the strip is not unpacked.
+    // Data beyond the strip is not unpacked.
     let endless = compress_to_vec(&vec![0u8; 1 << 24][..], CompressionLevel::Fastest);
     std::fs::write(&path, STRIPS.file(&[endless])).unwrap();
     assert_eq!(densities(&path), Ok(vec![0.0; 20]));

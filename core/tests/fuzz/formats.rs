@@ -9,7 +9,7 @@ use sculpture_core::format::{self, READ_ENDINGS};
 use super::{fuzz, small};
 use crate::conversions;
 
-/// Makes the checksums of a sculpture's header and chunks fit, as far as they can be found.
+/// Corrects the checksums of a sculpture's header and chunks, as far as they can be found.
 fn seal_sculpture(bytes: &mut [u8]) {
     const HEADER: usize = 56;
     let number = |bytes: &[u8], at: usize| {
@@ -40,7 +40,7 @@ fn seal_sculpture(bytes: &mut [u8]) {
     bytes[HEADER - 4..HEADER].copy_from_slice(&crc.finalize().to_le_bytes());
 }
 
-/// Makes the checksums of the chunks of the first PNG image fit, which may lie within another file.
+/// Corrects the checksums of the chunks of the first PNG image, which may lie within another file.
 fn seal_png(bytes: &mut [u8]) {
     let Some(start) = bytes.windows(4).position(|four| four == b"\x89PNG") else { return };
     let mut at = start + 8;
@@ -79,7 +79,7 @@ fn damaged_files_of_every_format_do_no_harm() {
         fuzz(ending, runs, &seeds, seal, |_, bytes| {
             std::fs::write(path, bytes).unwrap();
             let loaded = format::load(path, &options, &small(), &());
-            // What a dialog shows before.
+            // The study that a dialog shows first.
             let studied = format::study(path, &options, &small(), &());
             for error in [loaded.as_ref().err(), studied.as_ref().err()].into_iter().flatten() {
                 let text = error.to_string();

@@ -1,4 +1,4 @@
-//! Journals: bytes of the file, and payloads of records whose checksums fit.
+//! Journals: bytes of the file, and payloads of records with correct checksums.
 
 use sculpture_core::document::Limits;
 use sculpture_core::persist::frame::{self, RecordBuffer};
@@ -12,7 +12,7 @@ use crate::journal::{options, session};
 const HEAD_BYTES: usize = 16;
 const FRAME_BYTES: usize = 21;
 
-/// A journal with commands, strokes, an image, a file that was opened and one that was saved.
+/// Returns a journal with commands, strokes, an image, a file that was opened and one that was saved.
 fn seed() -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let [picture, saved] = ["a.png", "a.vsc"].map(|name| folder.path().join(name));
@@ -43,7 +43,7 @@ fn seed() -> Vec<u8> {
     memory.bytes("1.journal").unwrap()
 }
 
-/// Makes number and checksum of every record fit, and the head.
+/// Corrects the number and checksum of every record, and the head.
 pub fn seal(bytes: &mut Vec<u8>) {
     let mut sealed = frame::head().to_vec();
     let mut at = HEAD_BYTES;

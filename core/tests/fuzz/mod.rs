@@ -1,8 +1,8 @@
 //! Damaged bytes for every reader: files that the program writes itself and small ones of other programs, mutated in
-//! thousands of ways, the same in every run. Nothing may panic, and memory stays bounded.
+//! thousands of ways, the same in every run. No reader may panic, and memory stays bounded.
 //!
-//! Each target has a number of runs for each of its seeds; `VS_FUZZ_RUNS=N` makes it N, for long runs by hand. What
-//! makes a reader panic, or takes it longer than a minute, is left in target/test-output/fuzz.
+//! Each target has a number of runs for each of its seeds; `VS_FUZZ_RUNS=N` makes it N, for long manual runs. Inputs
+//! that make a reader panic, or run for longer than a minute, are stored in target/test-output/fuzz.
 
 mod formats;
 mod journal;
@@ -17,15 +17,15 @@ use sculpture_core::sculpture::Limits;
 
 use self::watchdog::Watchdog;
 
-/// Most memory that the process may take while a target is tried, in MiB.
+/// The most memory that the process may take while a target is tested, in MiB.
 const MOST_MIB: u64 = 300;
 
-/// Limits that refuse large claims rather than try them.
+/// Returns limits that refuse large claims rather than try them.
 pub fn small() -> Limits {
     Limits { grid_bytes: 1 << 20, colour_bytes: 8 << 20, ..Limits::default() }
 }
 
-/// A small random generator with a seed, so that failures are reproducible.
+/// A small seeded random generator, so that failures are reproducible.
 pub struct Dice(u64);
 
 impl Dice {
@@ -42,7 +42,7 @@ impl Dice {
     }
 }
 
-/// Numbers that readers forget about.
+/// Numbers that readers often mishandle.
 const EXTREMES: [u64; 14] = [
     0,
     1,
@@ -60,7 +60,7 @@ const EXTREMES: [u64; 14] = [
     u64::MAX,
 ];
 
-/// What is put into texts.
+/// Words that are inserted into texts.
 const WORDS: [&str; 16] = [
     "0",
     "-1",
@@ -80,7 +80,7 @@ const WORDS: [&str; 16] = [
     "é",
 ];
 
-/// Damages `bytes` in one to five ways; `other`: what chunks may come from.
+/// Damages `bytes` in one to five ways; `other`: a source of chunks.
 pub fn mutate(bytes: &mut Vec<u8>, other: &[u8], dice: &mut Dice) {
     for _ in 0..1 + dice.below(5) {
         // Headers are short, and the most sensitive part.
@@ -91,7 +91,7 @@ pub fn mutate(bytes: &mut Vec<u8>, other: &[u8], dice: &mut Dice) {
             0 if rest > 0 => bytes[at] ^= 1 << dice.below(8),
             1 if rest > 0 => bytes[at] = dice.below(256) as u8,
             2 => bytes.truncate(at),
-            // An integer or a float of any size, in either order of bytes.
+            // An integer or a float of any size, in either byte order.
             3..=5 => {
                 let width = [1, 2, 4, 8][dice.below(4)];
                 let at = if dice.below(4) == 0 { at } else { at & !(width - 1) };
@@ -119,7 +119,7 @@ pub fn mutate(bytes: &mut Vec<u8>, other: &[u8], dice: &mut Dice) {
             9 if rest > 0 => {
                 bytes.drain(at..at + 1 + dice.below(rest.min(64)));
             }
-            // A chunk of another file, or of this one, inserted or in place of what is there.
+            // A chunk of another file, or of this one, inserted or replacing existing bytes.
             _ if !other.is_empty() => {
                 let from = dice.below(other.len());
                 let chunk = &other[from..from + 1 + dice.below((other.len() - from).min(96))];
@@ -131,8 +131,8 @@ pub fn mutate(bytes: &mut Vec<u8>, other: &[u8], dice: &mut Dice) {
     }
 }
 
-/// Tries `read` with damaged forms of all seeds; it returns whether they were accepted. `seal` makes checksums fit
-/// again, where there are any: half of the time, so that what lies behind them is reached.
+/// Tries `read` with damaged forms of all seeds; `read` returns whether they were accepted. `seal` corrects checksums,
+/// if there are any: half of the time, so that the code behind them is reached.
 pub fn fuzz(
     target: &str,
     runs: u64,
@@ -177,7 +177,7 @@ pub fn fuzz(
     assert!(refused > 0, "{target}: {accepted} accepted, {refused} refused");
 }
 
-/// Writes what does harm to a file of this name, and returns its path.
+/// Writes a harmful input to a file of this name, and returns its path.
 fn keep(name: &str, bytes: &[u8]) -> String {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).with_file_name("test-output/fuzz");
     std::fs::create_dir_all(&folder).unwrap();
@@ -186,7 +186,7 @@ fn keep(name: &str, bytes: &[u8]) -> String {
     path.display().to_string()
 }
 
-/// Peak memory of this process, where the system reports it.
+/// Returns the peak memory of this process, if the system reports it.
 fn peak_mib() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;

@@ -1,5 +1,5 @@
-//! Histories of saved files: bytes of the file, and payloads of records whose checksums fit. What is accepted is
-//! undone and redone. And packed steps alone, as they are on the disk: what is accepted is swapped with a sculpture.
+//! Histories of saved files: bytes of the file, and payloads of records with correct checksums. Accepted histories are
+//! undone and redone. Also packed steps alone, as stored on disk: accepted ones are swapped with a sculpture.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use super::{fuzz, small};
 use crate::journal::memory::Memory;
 use crate::saved_history::{begin, execute, in_memory};
 
-/// A file with a history: its path, that of the history, and the bytes of that.
+/// Returns a file with a history: its path, that of the history, and the bytes of the history.
 fn seed(folder: &std::path::Path) -> (PathBuf, PathBuf, Vec<u8>) {
     let path = folder.join("a.vsc");
     let memory = Memory::default();
@@ -76,7 +76,7 @@ fn damaged_steps_do_no_harm() {
         execute(&mut session, line);
         let step = session.document().history().undo_steps().next().unwrap();
         seeds.push(write_step(step).unwrap());
-        // It leads back from these.
+        // The step leads back from these.
         all.push(session.document().contents().clone());
     }
     fuzz(

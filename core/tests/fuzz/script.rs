@@ -91,7 +91,7 @@ fn damaged_scripts_do_no_harm() {
             let mut executed = 0;
             for line in String::from_utf8_lossy(bytes).lines() {
                 let Ok(command) = line.parse::<Command>() else { continue };
-                // What was understood is written so that it is understood again.
+                // A command that was understood is written in a form that is understood again.
                 assert_eq!(command.to_string().parse::<Command>().as_ref(), Ok(&command), "{line}");
                 if !matches!(command, Command::Save { .. }) {
                     executed += usize::from(session.execute(&command, &()).is_ok());

@@ -1,26 +1,26 @@
-//! Ends the tests if one damaged input is worked on for too long: a hang would otherwise stop the whole suite, and say
-//! nothing of what it hangs on.
+//! Ends the tests if one damaged input takes too long: a hang would otherwise stop the whole suite without naming its
+//! input.
 
 use std::process::abort;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
-/// Longest time for one input: all of a target take seconds.
+/// The longest time for one input: all inputs of a target take seconds.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Watches one target, until it is dropped.
+/// Watches one target until it is dropped.
 pub struct Watchdog {
     inputs: Sender<Input>,
 }
 
-/// What is worked on from now on.
+/// The input that is processed from now on.
 struct Input {
     name: String,
     bytes: Vec<u8>,
 }
 
 impl Watchdog {
-    /// `keep` stores an input and returns where.
+    /// Starts a watchdog. `keep` stores an input and returns its path.
     pub fn new(keep: impl Fn(&str, &[u8]) -> String + Send + 'static) -> Watchdog {
         let (inputs, next) = channel::<Input>();
         std::thread::spawn(move || {
@@ -41,7 +41,7 @@ impl Watchdog {
         Watchdog { inputs }
     }
 
-    /// Work on another input begins.
+    /// Begins work on another input.
     pub fn begin(&self, name: String, bytes: &[u8]) {
         let input = Input { name, bytes: bytes.to_vec() };
         self.inputs.send(input).expect("the watchdog lives as long as this");

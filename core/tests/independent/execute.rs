@@ -6,7 +6,7 @@ use super::model::{Box3, Model, Sculpture};
 use super::statement::{Area, Axes, Op, Ray, Statement};
 
 impl Model {
-    /// Executes a statement; false if it must be refused.
+    /// Executes a statement. Returns false if it must be refused.
     pub fn execute(&mut self, statement: &Statement) -> bool {
         let colours = self.now.bits != 0;
         match statement {
@@ -142,12 +142,12 @@ impl Model {
         true
     }
 
-    /// What each image of a ray meets. Scripts have no others.
+    /// Returns the voxel that each image of a ray meets. Scripts have only rays for which this is certain.
     fn sure(&self, ray: &Ray) -> Vec<[i64; 3]> {
         self.met(ray).expect("a ray of which it is sure what it meets")
     }
 
-    /// For each voxel whether it is within `reach` voxels of one that an image of the ray meets.
+    /// Returns for each voxel whether it is within `reach` voxels of one that an image of the ray meets.
     fn near(&self, ray: &Ray, reach: f64) -> Vec<bool> {
         let met = self.sure(ray);
         let distance = |a: [i64; 3], b: [i64; 3]| {
@@ -156,7 +156,7 @@ impl Model {
         self.now.all().map(|v| met.iter().any(|m| distance(*m, v) <= reach)).collect()
     }
 
-    /// Turns what is marked about its middle, and moves it; the marker goes along.
+    /// Rotates the marked voxels about their centre, and moves them; the marker follows.
     fn carry(&mut self, by: [i64; 3], axes: &Axes) -> bool {
         let Some((copied, from)) = self.copy(true) else { return false };
         let mut turned = [0; 3];
@@ -194,7 +194,7 @@ impl Model {
 }
 
 impl Statement {
-    /// The same use of a tool, further by `by` voxels.
+    /// Returns the same use of a tool, moved by `by` voxels.
     fn shifted(&self, by: [i64; 3]) -> Statement {
         let mut statement = self.clone();
         match &mut statement {

@@ -1,4 +1,4 @@
-//! Generates random statements, most of which make sense for the sculpture as it is.
+//! Generates random statements, most of which make sense for the present sculpture.
 
 use super::model::Model;
 use super::random::Random;
@@ -13,7 +13,7 @@ pub const VERBS: [&str; 24] = [
     "orient", "undo", "redo",
 ];
 
-/// What must occur in them, too.
+/// The forms that must occur in them, too.
 pub const FORMS: [&str; 14] = [
     " to=",
     " plane=",
@@ -95,7 +95,7 @@ impl Generator<'_> {
     }
 
     fn area(&mut self) -> Area {
-        // Rarely all of the grid, so that something is left to work on.
+        // Rarely the whole grid, so that something is left to work on.
         self.random.of(&[Area::Marker, Area::Selection, Area::Marker, Area::Selection, Area::Grid])
     }
 
@@ -139,7 +139,7 @@ impl Generator<'_> {
         Statement::Symmetry(Symmetry { mirrors, plane, radial })
     }
 
-    /// A place and a direction: often along the grid, through the middle of a voxel or its border.
+    /// Returns a point and a direction: often along the grid, through the middle of a voxel or its border.
     fn line(&mut self) -> ([f64; 3], [f64; 3]) {
         let dims = self.model.now().dims;
         if self.random.one_in(3) {
@@ -158,7 +158,7 @@ impl Generator<'_> {
         to.map(|axis| (axis, self.random.one_in(2)))
     }
 
-    /// A ray of which it is sure what its images meet; nothing but a line if there is hardly one.
+    /// Returns the use of a ray for which it is certain what its images meet; `copy` if eight attempts find none.
     fn spray(&mut self) -> Statement {
         for _ in 0..8 {
             let ray = Ray {
@@ -188,14 +188,14 @@ impl Generator<'_> {
             2 => MaskChange::Grow(by(self.random)),
             3 => MaskChange::Shrink(by(self.random)),
             4..7 => {
-                // All of the grid rather comes free than under protection.
+                // The whole grid is more often freed than protected.
                 let area = self.area();
                 MaskChange::Put { adds: adds && area != Area::Grid, what: MaskWhat::Area(area) }
             }
             7..10 => MaskChange::Put { adds, what: MaskWhat::Solid(self.placed()) },
             _ => {
                 let tolerance = if self.random.one_in(2) { 0.0 } else { 0.25 };
-                // Often one that is there.
+                // Often an existing voxel.
                 let voxels = &self.model.now().voxels;
                 let place = self.random.below(voxels.len() as u64) as usize;
                 let colour = voxels[place].unwrap_or_else(|| self.colour());
@@ -233,9 +233,9 @@ impl Generator<'_> {
         Statement::Solid { op, placed }
     }
 
-    /// A solid, or its way: one on whose surface no voxel's centre lies, since rounding decides there.
+    /// Returns a solid, possibly moving, on whose surface no voxel's centre lies, since rounding decides there.
     fn placed(&mut self) -> Placed {
-        // Each voxel takes many looks at a way.
+        // A moving solid needs many evaluations for each voxel.
         let few = self.model.now().voxels.len() * self.model.images().len() <= 4000;
         let moves = few && self.random.one_in(5);
         loop {
@@ -244,7 +244,7 @@ impl Generator<'_> {
                 true => c.whole(from.ceil() as i64, to as i64) as f64,
                 false => c.sixteenths(from, to),
             };
-            // What moves is small beside its way.
+            // A moving solid is small compared with its displacement.
             let most = if moves { 4.0 } else { 9.0 };
             let half = self.random.three(|c| length(c, 0.5, most));
             let dims = self.model.now().dims;
@@ -273,7 +273,7 @@ impl Generator<'_> {
         })
     }
 
-    /// An array whose copies are as sure as what they copy; else nothing but a line that is.
+    /// Returns an array whose copies are as certain as the original; otherwise `copy`.
     fn array(&mut self) -> Statement {
         let (count, step) = (self.random.below(4) as usize, self.random.three(|c| c.whole(-5, 5)));
         let array = Statement::Array { count, step };

@@ -3,12 +3,13 @@
 use super::model::Model;
 use super::statement::{Area, MaskChange, MaskWhat};
 
-/// How many of the 26 voxels around it must be protected for a voxel to be protected, too, when the mask grows: in turns.
+/// How many of the 26 neighbours of a voxel must be protected for it to become protected when the mask grows:
+/// alternately.
 const NEEDED: [usize; 2] = [1, 4];
 
-/// Protected voxels in a box that reaches beyond the grid.
+/// Protected voxels in a box that extends beyond the grid.
 struct Wide {
-    /// By how much it reaches beyond.
+    /// The distance by which it extends beyond the grid.
     beyond: i64,
     size: [i64; 3],
     bits: Vec<bool>,
@@ -21,7 +22,7 @@ impl Wide {
         inside && self.bits[(v[0] + self.size[0] * (v[1] + self.size[1] * v[2])) as usize]
     }
 
-    /// How many of the 26 voxels around `v` are `protected`.
+    /// Returns how many of the 26 voxels around `v` are `protected`.
     fn around(&self, v: [i64; 3], protected: bool) -> usize {
         let offsets = (0..27).filter(|i| *i != 13).map(|i| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]);
         let others = offsets.map(|o| std::array::from_fn(|i| v[i] + o[i]));
@@ -54,7 +55,7 @@ impl Model {
                 });
                 self.mask_by(|v, _| grown.get(v));
             }
-            // What is free grows; the last round first. The border of the grid is no outline.
+            // The free region grows; the last round first. The border of the grid is no outline.
             MaskChange::Shrink(by) => {
                 let dims = self.now.dims;
                 let within = move |v: [i64; 3]| (0..3).all(|i| 0 <= v[i] && v[i] < dims[i] as i64);
@@ -95,14 +96,14 @@ impl Model {
         true
     }
 
-    /// Adds voxels to the mask, or takes them out of it: those for which `covered` holds, in the order of voxels.
+    /// Adds voxels to the mask, or removes them: those for which `covered` holds, in the order of voxels.
     pub fn cover_with_mask(&mut self, adds: bool, covered: Vec<bool>) {
         let sculpture = self.now.clone();
         let covers = |v| sculpture.place(v).is_some_and(|place| covered[place]);
         self.mask_by(|v, is| if covers(v) { adds } else { is });
     }
 
-    /// Protects each voxel for which `protects` holds, by whether it is protected; where the limit lets it.
+    /// Protects each voxel for which `protects` holds, given whether it is protected; only within the limit.
     fn mask_by(&mut self, protects: impl Fn([i64; 3], bool) -> bool) {
         let before = self.now.clone();
         let mut after = (*before).clone();
@@ -114,7 +115,7 @@ impl Model {
         self.put(after);
     }
 
-    /// The mask in a box that reaches beyond the grid, where `outside` holds.
+    /// Returns the mask in a box that extends beyond the grid, with `outside` there.
     fn wide(&self, beyond: i64, outside: bool) -> Wide {
         let size = self.now.dims.map(|d| d as i64 + 2 * beyond);
         let wide = Wide { beyond, size, bits: vec![] };

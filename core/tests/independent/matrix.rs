@@ -1,4 +1,4 @@
-//! Vectors and matrices, as much as turning and mirroring need.
+//! Vectors and matrices, as far as rotating and mirroring need them.
 
 pub type Vector = [f64; 3];
 
@@ -13,7 +13,7 @@ pub fn minus(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-/// Of length 1.
+/// Returns the vector scaled to length 1.
 pub fn unit(v: Vector) -> Vector {
     v.map(|c| c / dot(v, v).sqrt())
 }

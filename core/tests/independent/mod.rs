@@ -1,9 +1,8 @@
-//! Random scripts, executed by the library and by a model that was written independently of it: from
-//! the manual only, with an array of voxels, `f64`, and none of the library's code. After each
-//! command every voxel, its colour and whether it is protected are compared, and whether the command was refused.
+//! Random scripts, executed by the library and by a model that was written independently of it: from the manual only,
+//! with an array of voxels, `f64`, and none of the library's code. After each command, every voxel, its colour and its
+//! protection are compared, and whether the command was refused.
 //!
-//! `SCULPTURE_SCRIPTS` sets the number of scripts (default 200), `SCULPTURE_SCRIPTS_FROM` the first
-//! seed.
+//! `SCULPTURE_SCRIPTS` sets the number of scripts (default 200), `SCULPTURE_SCRIPTS_FROM` the first seed.
 
 mod execute;
 mod generator;
@@ -35,7 +34,7 @@ fn number(name: &str, default: u64) -> u64 {
     }
 }
 
-/// The first voxel in which the two differ, in words.
+/// Returns a description of the first voxel in which the two differ.
 fn difference(document: &Document, model: &Model) -> Option<String> {
     let sculpture = model.now();
     let [x, y, z] = sculpture.dims;

@@ -17,7 +17,7 @@ pub struct Sculpture {
     pub base: Colour,
     /// The colour of each voxel that exists, x fastest, then y, then z.
     pub voxels: Vec<Option<Colour>>,
-    /// Which voxels are protected.
+    /// The protected voxels.
     pub masked: Vec<bool>,
 }
 
@@ -37,11 +37,11 @@ impl Box3 {
 /// A sculpture that undo or redo leads to.
 pub struct Past {
     pub sculpture: Rc<Sculpture>,
-    /// How the present one is oriented to get there, if it is.
+    /// The orientation that leads from the present sculpture to it, if there is one.
     pub axes: Option<Axes>,
 }
 
-/// What was copied: its size, and the colours of the voxels in it.
+/// A copy: its size, and the colours of the voxels in it.
 pub struct Copied {
     pub size: [i64; 3],
     pub voxels: Vec<([i64; 3], Colour)>,
@@ -51,7 +51,7 @@ pub struct Model {
     pub now: Rc<Sculpture>,
     pub undo: Vec<Past>,
     pub redo: Vec<Past>,
-    /// What was there before the open stroke, and whether it has changed anything.
+    /// The sculpture before the open stroke, and whether the stroke has changed anything.
     pub stroke: Option<(Rc<Sculpture>, bool)>,
     pub marker: Box3,
     pub boxes: Vec<(Box3, bool)>,
@@ -62,14 +62,14 @@ pub struct Model {
     pub last_uses: Vec<Statement>,
 }
 
-/// A level of `bits` bits nearest to a channel of 8, and that channel again.
+/// Returns the level of `bits` bits nearest to a channel of 8, expanded to 8 bits again.
 fn rounded(channel: u8, bits: u32) -> u8 {
     let most = f64::from((1u32 << bits) - 1);
     ((f64::from(channel) / 255.0 * most).round() / most * 255.0).round() as u8
 }
 
 impl Sculpture {
-    /// A colour as it is stored.
+    /// Returns a colour as it is stored.
     pub fn kept(&self, [r, g, b]: Colour) -> Colour {
         let bits = match self.bits {
             0 => return self.base,
@@ -97,7 +97,7 @@ impl Sculpture {
 }
 
 impl Model {
-    /// A single voxel of the stone, without colours.
+    /// Returns a model with a single voxel of stone colour, without colour depth.
     pub fn new() -> Model {
         let base = [0xc8, 0xbe, 0xaa];
         let voxel = Sculpture {
@@ -123,7 +123,7 @@ impl Model {
         }
     }
 
-    /// What an array repeats.
+    /// Returns the statements that an array repeats.
     pub fn last_uses(&self) -> &[Statement] {
         &self.last_uses
     }
@@ -136,12 +136,12 @@ impl Model {
         self.stroke.is_some()
     }
 
-    /// A tool and its images.
+    /// Returns the images of a tool, itself included.
     pub fn images(&self) -> Vec<Image> {
         self.symmetry.images(self.now.dims, self.now.size)
     }
 
-    /// For each voxel whether a solid or an image of it holds its centre.
+    /// Returns for each voxel whether a solid or an image of it holds its centre.
     pub fn covered(&self, placed: &Placed) -> Vec<bool> {
         let (solid, images) = (placed.ready(self.now.size), self.images());
         let centres = self.now.all().map(|v| v.map(|v| v as f64 + 0.5));
@@ -183,8 +183,7 @@ impl Model {
         self.last_uses.clear();
     }
 
-    /// Gives each voxel what `change` makes of it, where tools may change something. A step of
-    /// its own unless a stroke is open.
+    /// Applies `change` to each voxel that tools may change. A step of its own unless a stroke is open.
     fn change(&mut self, change: impl Fn([i64; 3], Option<Colour>) -> Option<Colour>) {
         let before = self.now.clone();
         let mut after = (*before).clone();
@@ -219,7 +218,7 @@ impl Model {
         });
     }
 
-    /// What is marked; without what is protected where it `leaves` its place.
+    /// Returns the marked voxels; without protected ones if the copy removes them (`leaves`).
     pub fn copy(&self, leaves: bool) -> Option<(Copied, [i64; 3])> {
         let from = self.marker.min.map(|v| v.max(0));
         let end: [i64; 3] =
@@ -235,7 +234,7 @@ impl Model {
         (!voxels.is_empty()).then_some((Copied { size, voxels }, from))
     }
 
-    /// The sculpture with a copy put down.
+    /// Returns the sculpture with a copy pasted.
     pub fn with(&self, copied: &Copied, at: [i64; 3], axes: &Axes) -> Sculpture {
         let mut after = (*self.now).clone();
         for (v, colour) in &copied.voxels {

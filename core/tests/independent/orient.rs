@@ -1,4 +1,4 @@
-//! Orienting the model: each axis goes where its name says, from the other end if it is reversed.
+//! Orients the model: each axis goes where its name says, from the other end if it is reversed.
 
 use std::rc::Rc;
 
@@ -14,7 +14,7 @@ pub fn inverse(axes: &Axes) -> Axes {
 }
 
 impl Box3 {
-    /// The same box in a grid of `dims` voxels that was oriented.
+    /// Returns the same box in a grid of `dims` voxels that was oriented.
     fn oriented(&self, dims: [usize; 3], axes: &Axes) -> Box3 {
         let mut oriented = Box3::default();
         for (i, &(axis, reversed)) in axes.iter().enumerate() {
@@ -45,7 +45,7 @@ impl Sculpture {
 }
 
 impl Model {
-    /// Orients the whole sculpture, as a step of its own unless it stays as it is.
+    /// Orients the whole sculpture, as a step of its own unless nothing changes.
     pub fn orient(&mut self, axes: &Axes) {
         if *axes == [(0, false), (1, false), (2, false)] {
             return;

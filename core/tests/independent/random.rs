@@ -15,17 +15,17 @@ impl Random {
         z ^ z >> 31
     }
 
-    /// 0 to `end` - 1.
+    /// Returns a number from 0 to `end` - 1.
     pub fn below(&mut self, end: u64) -> u64 {
         self.next() % end
     }
 
-    /// `from` to `to`, both included.
+    /// Returns a number from `from` to `to`, inclusive.
     pub fn whole(&mut self, from: i64, to: i64) -> i64 {
         from + self.below((to - from + 1) as u64) as i64
     }
 
-    /// A multiple of 1/16 from `from` to `to`: text and `f32` have it exactly.
+    /// Returns a multiple of 1/16 from `from` to `to`, which text and `f32` represent exactly.
     pub fn sixteenths(&mut self, from: f64, to: f64) -> f64 {
         self.whole((from * 16.0) as i64, (to * 16.0) as i64) as f64 / 16.0
     }

@@ -1,15 +1,15 @@
-//! What rays meet.
+//! The voxels that rays meet.
 
 use super::matrix::{Vector, minus};
 use super::model::Model;
 use super::statement::Ray;
 use super::symmetry::is_along_axis;
 
-/// In voxels: what a ray passes nearer to a border than this, rounding decides about.
+/// Distance in voxels from a border below which rounding decides what a ray passes.
 const NEAR: f64 = 1e-3;
 
 impl Ray {
-    /// The eye is 100 voxels before the grid.
+    /// Returns the eye, 100 voxels in front of the grid.
     pub fn eye(&self) -> Vector {
         let mut eye = self.through.map(|v| v as f64 + 0.5);
         eye[self.axis] = if self.rising { -100.0 } else { 160.0 };
@@ -22,20 +22,21 @@ impl Ray {
         aim
     }
 
-    /// The same further by `by` voxels.
+    /// Returns the same ray, moved by `by` voxels.
     pub fn shifted(&self, by: [i64; 3]) -> Ray {
         Ray { through: std::array::from_fn(|i| self.through[i] + by[i]), ..*self }
     }
 }
 
-/// From where to where a ray is within a slab: never, or for a length of 0 by and by.
+/// Returns the interval in which a ray is within a slab. A parallel ray is never or always inside; if it runs along the
+/// border, the end is NaN.
 fn within(eye: f64, aim: f64, slab: i64) -> (f64, f64) {
     let (low, high) = (slab as f64 - eye, (slab + 1) as f64 - eye);
     match aim.abs() < 1e-9 {
-        // Beside the slab by as much as it is missing.
+        // The depth inside the slab.
         true => match (-low).min(high) {
             inside if inside >= NEAR => (f64::NEG_INFINITY, f64::INFINITY),
-            // Nearly: for no time that counts.
+            // Along the border: for no relevant interval.
             inside if inside > -NEAR => (f64::NEG_INFINITY, f64::NAN),
             _ => (f64::INFINITY, f64::NEG_INFINITY),
         },
@@ -47,7 +48,7 @@ fn within(eye: f64, aim: f64, slab: i64) -> (f64, f64) {
 }
 
 impl Model {
-    /// The images of a ray: their eyes and directions in voxels.
+    /// Returns the images of a ray: their eyes and directions in voxels.
     fn image_rays(&self, ray: &Ray) -> Vec<(Vector, Vector)> {
         let (eye, aim) = (ray.eye(), ray.aim());
         let ahead = std::array::from_fn(|i| eye[i] + aim[i]);
@@ -58,11 +59,11 @@ impl Model {
         self.images().iter().map(of_image).collect()
     }
 
-    /// The first voxel that each image of the ray meets; none if rounding decides which.
+    /// Returns the first voxel that each image of the ray meets; `None` if rounding decides which.
     pub fn met(&self, ray: &Ray) -> Option<Vec<[i64; 3]>> {
         let mut all = Vec::new();
         for (eye, aim) in self.image_rays(ray) {
-            // Of what it passes through, and of what it may touch.
+            // The first voxel that it passes through, and the first that it may touch.
             let (mut first, mut touched) = ((f64::INFINITY, None), f64::INFINITY);
             for v in self.now.all().filter(|v| self.now.get(*v).is_some()) {
                 let slabs = [0, 1, 2].map(|i| within(eye[i], aim[i], v[i]));
@@ -86,7 +87,7 @@ impl Model {
         Some(all)
     }
 
-    /// Whether it is sure what all images of the ray meet, whatever there is.
+    /// Returns whether it is certain what all images of the ray meet, whatever the sculpture.
     pub fn is_clear(&self, ray: &Ray) -> bool {
         let dims = self.now.dims.map(|d| d as f64);
         let clear = |eye: f64| (eye - eye.round()).abs() >= 2.0 * NEAR;

@@ -1,4 +1,4 @@
-//! The solids by their definitions: tool space, where each fills [-1, 1], and a turn.
+//! The solids by their definitions: tool space, where each fills [-1, 1], and a rotation.
 
 use std::fmt;
 
@@ -31,7 +31,7 @@ impl Shape {
     ];
 }
 
-/// As a script gives it.
+/// A rotation as given in a script.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Turn {
     /// Degrees about x, then y, then z.
@@ -41,7 +41,7 @@ pub enum Turn {
 }
 
 impl Turn {
-    /// Takes directions of the tool to directions of the grid.
+    /// Maps directions of the tool to directions of the grid.
     fn matrix(&self) -> Matrix {
         match *self {
             Turn::Angles(degrees) => {
@@ -64,16 +64,16 @@ impl Turn {
     }
 }
 
-/// A solid somewhere.
+/// A solid with its pose.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Placed {
     pub shape: Shape,
-    /// In voxels.
+    /// Centre in voxels.
     pub at: [f64; 3],
-    /// In edges of the smallest voxel edge.
+    /// Half extents in units of the smallest voxel edge.
     pub half: [f64; 3],
     pub turn: Turn,
-    /// Where its centre goes, straight and without turning; none if it stays.
+    /// The destination of its centre, straight and without rotation; `None` if it stays.
     pub to: Option<[f64; 3]>,
 }
 
@@ -82,7 +82,7 @@ pub struct Ready<'a> {
     placed: &'a Placed,
     turn: Matrix,
     edges: [f64; 3],
-    /// How far it goes, in tool space.
+    /// Its displacement, in tool space.
     way: Option<Vector>,
 }
 
@@ -95,7 +95,7 @@ impl Placed {
         ready
     }
 
-    /// The same further by `by` voxels.
+    /// Returns the same solid, moved by `by` voxels.
     pub fn shifted(&self, by: [i64; 3]) -> Placed {
         let shift = |p: [f64; 3]| std::array::from_fn(|i| p[i] + by[i] as f64);
         Placed { at: shift(self.at), to: self.to.map(shift), ..*self }
@@ -103,19 +103,19 @@ impl Placed {
 }
 
 impl Ready<'_> {
-    /// A difference of points (voxels) in tool space: back by the transposed matrix, then by the half extents.
+    /// Maps a difference of points (voxels) to tool space: back by the transposed matrix, then by the half extents.
     fn in_tool(&self, offset: Vector) -> Vector {
         let offset = std::array::from_fn(|i| offset[i] * self.edges[i]);
         let turned = apply(&transposed(&self.turn), offset);
         std::array::from_fn(|i| turned[i] / self.placed.half[i])
     }
 
-    /// How far outside the solid, or of what it sweeps, a point (voxels) is, less than 0 inside and 0 on its surface; in
-    /// units of tool space, and no true distance.
+    /// Returns how far outside the solid, or its sweep, a point (voxels) is: less than 0 inside and 0 on its surface.
+    /// The unit is that of tool space, and the value is not a true distance.
     pub fn beyond(&self, point: [f64; 3]) -> f64 {
         let p = self.in_tool(minus(point, self.placed.at));
         let Some(way) = self.way else { return self.beyond_at(p) };
-        // Beside the box around all of the way.
+        // Outside the box around the whole sweep.
         let beside = |i: usize| {
             let (a, b) = (p[i], p[i] - way[i]);
             a.min(b) > 1.2 || a.max(b) < -1.2
@@ -130,7 +130,7 @@ impl Ready<'_> {
         }
     }
 
-    /// How far outside the solid a point of tool space is.
+    /// Returns how far outside the solid a point of tool space is.
     fn beyond_at(&self, [x, y, z]: Vector) -> f64 {
         let Placed { shape, half, .. } = self.placed;
         match shape {
@@ -158,12 +158,12 @@ impl Ready<'_> {
         }
     }
 
-    /// Whether a point is nearer to the surface than rounding can tell.
+    /// Returns whether a point is nearer to the surface than rounding can resolve.
     pub fn doubtful(&self, point: [f64; 3]) -> bool {
         let Placed { shape, half, .. } = self.placed;
         let smallest = half.iter().copied().fold(f64::INFINITY, f64::min);
         let coarse = match (shape, self.way) {
-            // The way of a torus is followed in steps: of a thousandth of the tube's radius, no more than 2^14.
+            // The sweep of a torus is sampled in steps of a thousandth of the tube's radius, at most 2^14.
             (Shape::Torus, Some([x, y, z])) => {
                 let width = half[0].min(half[2]);
                 let tube = half[1].min(width / 3.0);

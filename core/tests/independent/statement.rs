@@ -7,7 +7,7 @@ use super::symmetry::{Plane, Radial, Symmetry};
 
 pub type Colour = [u8; 3];
 
-/// Where the x, y and z axes of a copy go, and which are reversed.
+/// The destinations of the x, y and z axes of a copy, and whether they are reversed.
 pub type Axes = [(usize, bool); 3];
 
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -46,7 +46,7 @@ pub struct Ray {
     pub axis: usize,
     /// Towards higher voxels.
     pub rising: bool,
-    /// The voxels that it passes through; the component of `axis` does not matter.
+    /// The voxels that it passes through; the component of `axis` is ignored.
     pub through: [i64; 3],
 }
 
@@ -74,7 +74,7 @@ pub enum Statement {
         ray: Ray,
         reach: f64,
     },
-    /// Adds to the mask, or takes out of it, what is near what the ray meets.
+    /// Adds the voxels near those that the ray meets to the mask, or removes them.
     Protect {
         adds: bool,
         ray: Ray,
@@ -146,7 +146,7 @@ fn area(area: Area) -> &'static str {
     }
 }
 
-/// The spacing of rays does not matter to a single ray.
+/// Returns the text of a ray. The spacing of rays does not matter to a single ray.
 fn ray(ray: &Ray) -> String {
     let (mut across, mut down) = ([0.0; 3], [0.0; 3]);
     across[(ray.axis + 1) % 3] = 0.001;

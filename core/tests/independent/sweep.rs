@@ -1,19 +1,19 @@
-//! The least value of a function of time from 0 to 1: what a solid sweeps is where the least of how far outside of it a
-//! point is, on the way, is at most 0.
+//! The least value of a function of time from 0 to 1. A solid sweeps the points whose least distance outside of it,
+//! along the displacement, is at most 0.
 
-/// A point that is as deep inside needs no closer look.
+/// A point this deep inside needs no closer examination.
 const DEEP: f64 = -0.05;
-/// Each narrows the times to 0.62 of what they were.
+/// Each round narrows the interval to 0.62 of its length.
 const ROUNDS: usize = 40;
-/// Pieces of a way in each of which a torus comes nearest at most once.
+/// Pieces of a displacement, in each of which a torus comes nearest at most once.
 const PIECES: usize = 200;
 
-/// Of a convex function.
+/// Returns the least value of a convex function.
 pub fn least_of_convex(f: &impl Fn(f64) -> f64) -> f64 {
     least_between(f, 0.0, 1.0)
 }
 
-/// Of any function that is convex between neighbouring ones of many times wherever it is least.
+/// Returns the least value of any function that is convex, around its minimum, between neighbouring sample times.
 pub fn least(f: &impl Fn(f64) -> f64) -> f64 {
     let time = |i: usize| i as f64 / PIECES as f64;
     let values: Vec<f64> = (0..=PIECES).map(|i| f(time(i))).collect();
@@ -30,7 +30,7 @@ pub fn least(f: &impl Fn(f64) -> f64) -> f64 {
     dips.map(of_dip).fold(least, f64::min)
 }
 
-/// By golden sections.
+/// Returns the least value of a convex function between two times, by golden-section search.
 fn least_between(f: &impl Fn(f64) -> f64, mut from: f64, mut to: f64) -> f64 {
     let share = (5f64.sqrt() - 1.0) / 2.0;
     let inner = |from: f64, to: f64| [to - share * (to - from), from + share * (to - from)];

@@ -33,7 +33,7 @@ pub struct Symmetry {
     pub radial: Option<Radial>,
 }
 
-/// A map of the world that keeps lengths, between points in voxels of certain edges.
+/// An isometry of the world, between points in voxels of certain edges.
 #[derive(Clone, Copy, Debug)]
 pub struct Image {
     linear: Matrix,
@@ -44,7 +44,7 @@ pub struct Image {
 const AS_IT_IS: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl Image {
-    /// What leaves a point (voxels) where it is.
+    /// Returns the linear map about a fixed point (voxels).
     fn about(at: Vector, linear: Matrix, edges: Vector) -> Image {
         let at = std::array::from_fn(|i| at[i] * edges[i]);
         Image { linear, offset: minus(at, apply(&linear, at)), edges }
@@ -57,7 +57,7 @@ impl Image {
         Image::about(plane.at, linear, edges)
     }
 
-    /// The `k`th turn, by Rodrigues' formula.
+    /// Returns the `k`th turn, by Rodrigues' formula.
     fn turn(radial: &Radial, k: u32, edges: Vector) -> Image {
         let [x, y, z] = unit(radial.axis);
         let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(radial.count)).sin_cos();
@@ -80,13 +80,13 @@ impl Image {
         }
     }
 
-    /// The image of a point (voxels).
+    /// Returns the image of a point (voxels).
     pub fn point(&self, p: Vector) -> Vector {
         let p = apply(&self.linear, std::array::from_fn(|i| p[i] * self.edges[i]));
         std::array::from_fn(|i| (p[i] + self.offset[i]) / self.edges[i])
     }
 
-    /// The point (voxels) whose image is `p`.
+    /// Returns the point (voxels) whose image is `p`.
     pub fn origin(&self, p: Vector) -> Vector {
         let p = std::array::from_fn(|i| p[i] * self.edges[i] - self.offset[i]);
         let p = apply(&transposed(&self.linear), p);
@@ -103,7 +103,7 @@ impl Symmetry {
         (1 << planes) * self.radial.map_or(1, |radial| radial.count as usize)
     }
 
-    /// A tool and its images: mirrored at each plane, then all of that about the axis.
+    /// Returns the images of a tool, itself included: mirrored at each plane, then all of them about the axis.
     pub fn images(&self, dims: [usize; 3], edges: Vector) -> Vec<Image> {
         let mut images = vec![Image { linear: AS_IT_IS, offset: [0.0; 3], edges }];
         let mirrors = self.mirrors.into_iter().enumerate().filter_map(|(axis, mirror)| {
@@ -125,7 +125,7 @@ impl Symmetry {
         turns.flat_map(|turn| images.iter().map(move |image| image.then(&turn))).collect()
     }
 
-    /// The same about the same voxels after a grid of `dims` voxels was oriented.
+    /// Returns the same symmetry about the same voxels after a grid of `dims` voxels was oriented.
     pub fn oriented(&self, dims: [usize; 3], axes: &Axes) -> Symmetry {
         let mut oriented = *self;
         let point = |p: Vector| {
@@ -157,7 +157,7 @@ impl Symmetry {
     }
 }
 
-/// Whether a direction is along an axis, nearly.
+/// Returns whether a direction is nearly along an axis.
 pub fn is_along_axis(v: Vector) -> bool {
     v.iter().filter(|c| c.abs() > 1e-9 * dot(v, v).sqrt()).count() == 1
 }

@@ -1,5 +1,5 @@
-//! Every operation on files fails once, in every way; disks fill up, folders vanish, the power is cut. Whatever
-//! happens, work goes on, and what is left is a state that the session had.
+//! Every operation on files fails once, in every way; disks fill up, folders vanish, the power is cut. In each case
+//! work continues, and the remaining files hold a state that the session had.
 
 use std::time::Duration;
 
@@ -48,7 +48,7 @@ fn attend(session: &mut Session, memory: &Memory, state: Digest) {
     }
 }
 
-/// What a disk gives back; none if there is no journal.
+/// Returns the state that a disk restores; `None` if there is no journal.
 fn left(memory: &Memory) -> Option<Digest> {
     let again = recovered(memory)?;
     assert_eq!(again.report.difference, None);

@@ -1,5 +1,5 @@
-//! Files in memory for journals, which can fail at any operation, write only a part, fill up, lose their folder
-//! or lose what was not synced.
+//! In-memory files for journals, which can fail at any operation, write only a part, fill up, lose their folder or lose
+//! unsynced data.
 
 use std::collections::BTreeMap;
 use std::io::{Cursor, Error, ErrorKind, Result};
@@ -8,12 +8,12 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use sculpture_core::persist::files::{Appender, Files, Source, Syncer};
 
-/// How an operation fails.
+/// The way in which an operation fails.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Fault {
     /// Nothing is done.
     Refused,
-    /// Half of the bytes are written; what writes none does nothing.
+    /// Half of the bytes are written; an operation that writes no bytes does nothing.
     Short,
     /// It is done, but an error is returned.
     DoneAndRefused,
@@ -22,7 +22,7 @@ pub enum Fault {
 #[derive(Clone, Debug, Default)]
 struct File {
     bytes: Vec<u8>,
-    /// How many of them a power cut leaves.
+    /// The number of bytes that a power cut leaves.
     synced: usize,
     locked: bool,
     /// Whether it has a name.
@@ -37,12 +37,12 @@ struct Disk {
     synced_names: BTreeMap<PathBuf, usize>,
     calls: u64,
     fault: Option<(u64, Fault)>,
-    /// Most bytes that all files together may have.
+    /// The most bytes that all files together may have.
     room: Option<usize>,
     folder_gone: bool,
 }
 
-/// Shared by all who use these files.
+/// Shared by all users of these files.
 #[derive(Clone, Debug, Default)]
 pub struct Memory(Arc<Mutex<Disk>>);
 
@@ -61,12 +61,12 @@ impl Memory {
         self.0.lock().unwrap()
     }
 
-    /// How many operations there were.
+    /// Returns the number of operations so far.
     pub fn calls(&self) -> u64 {
         self.disk().calls
     }
 
-    /// Lets the operation fail that comes after `calls` others.
+    /// Makes the operation fail that comes after `calls` others.
     pub fn fail_after(&self, calls: u64, fault: Fault) {
         self.disk().fault = Some((calls, fault));
     }
@@ -75,7 +75,7 @@ impl Memory {
         self.disk().room = bytes;
     }
 
-    /// Removes the folder with all that is in it, for good or until it is made again.
+    /// Removes the folder with all its contents, for good or until it is created again.
     pub fn remove_folder(&self) {
         let mut disk = self.disk();
         disk.folder_gone = true;
@@ -88,14 +88,14 @@ impl Memory {
         self.disk().names.len()
     }
 
-    /// The bytes of the file whose name ends so.
+    /// Returns the bytes of the file whose name ends with `name`.
     pub fn bytes(&self, name: &str) -> Option<Vec<u8>> {
         let disk = self.disk();
         let found = disk.names.iter().find(|(path, _)| path.ends_with(name));
         found.map(|(_, at)| disk.files[*at].bytes.clone())
     }
 
-    /// What is left if the process ends now; with a power cut only what was synced.
+    /// Returns the files that remain if the process ends now; after a power cut, only synced ones.
     pub fn left(&self, power_cut: bool) -> Memory {
         let disk = self.disk();
         let names = if power_cut { &disk.synced_names } else { &disk.names };
@@ -109,12 +109,12 @@ impl Memory {
         Memory(Arc::new(Mutex::new(left)))
     }
 
-    /// A disk with one journal.
+    /// Returns a disk with one journal.
     pub fn with_journal(bytes: &[u8]) -> Memory {
         Memory::with_file("/state/journals/1.journal".as_ref(), bytes)
     }
 
-    /// The only file that there is.
+    /// Returns the only existing file.
     pub fn only_file(&self) -> (PathBuf, Vec<u8>) {
         let disk = self.disk();
         assert_eq!(disk.names.len(), 1);
@@ -122,14 +122,14 @@ impl Memory {
         (path.clone(), disk.files[*at].bytes.clone())
     }
 
-    /// A disk with one file.
+    /// Returns a disk with one file.
     pub fn with_file(path: &Path, bytes: &[u8]) -> Memory {
         let file = File { bytes: bytes.to_vec(), linked: true, ..File::default() };
         let names = BTreeMap::from([(path.to_path_buf(), 0)]);
         Memory(Arc::new(Mutex::new(Disk { files: vec![file], names, ..Disk::default() })))
     }
 
-    /// Counts an operation. Some if it is to fail.
+    /// Counts an operation. Returns the fault if it is to fail.
     fn called(&self) -> Option<Fault> {
         let mut disk = self.disk();
         disk.calls += 1;
@@ -137,7 +137,7 @@ impl Memory {
         (disk.calls == calls + 1).then_some(fault)
     }
 
-    /// Does an operation that writes no bytes, or fails.
+    /// Performs an operation that writes no bytes, or fails.
     fn operate<T>(&self, operation: impl FnOnce(&mut Disk) -> Result<T>) -> Result<T> {
         match self.called() {
             None => operation(&mut self.disk()),

@@ -1,5 +1,5 @@
-//! Journals through the public interface: what is replayed, at every prefix, with every operation on files
-//! failing once, and after power cuts.
+//! Journals through the public interface: replay of the whole, of every prefix, with every operation on files failing
+//! once, and after power cuts.
 
 mod faults;
 pub mod memory;
@@ -20,14 +20,14 @@ pub fn options(memory: &Memory) -> JournalOptions {
     JournalOptions { retry: Duration::from_millis(1), ..JournalOptions::new(journal_dir) }
 }
 
-/// A session with a new sculpture of 24x20x12 voxels and 24 bits of colour.
+/// Returns a session with a new sculpture of 24x20x12 voxels and 24 bits of colour.
 pub fn session(limits: Limits) -> Session {
     let new = "new dims=24,20,12 colour=24".parse().unwrap();
     let sculpture_core::command::Command::New(new) = new else { panic!() };
     Session::new(&new, limits).unwrap()
 }
 
-/// What is left at the only number of the shelf.
+/// Returns the session recovered from the only journal.
 pub fn recovered(memory: &Memory) -> Option<Recovered> {
     let journal_dir = options(memory).journal_dir;
     let number = *journal_dir.numbers().unwrap().first()?;
@@ -37,12 +37,12 @@ pub fn recovered(memory: &Memory) -> Option<Recovered> {
     Some(recover(source, &Limits::default(), None, &()).unwrap())
 }
 
-/// Everything that belongs to a session between two strokes.
+/// Returns everything that belongs to a session between two strokes.
 pub fn all_of(session: &Session) -> DocumentSnapshot {
     session.document().snapshot().unwrap()
 }
 
-/// Whether two sessions are alike to the byte, in contents, history, clipboard, settings and identifiers.
+/// Asserts that two sessions are equal to the byte, in contents, history, clipboard, settings and identifiers.
 pub fn assert_same(a: &DocumentSnapshot, b: &DocumentSnapshot) {
     assert!(a.contents == b.contents, "contents");
     assert_eq!(a.history, b.history);

@@ -1,5 +1,5 @@
-//! A recording always replays: whatever was done or refused, whichever files are gone by then, and also where the
-//! session went on after a crash. It writes no file.
+//! A recording always replays: whatever was done or refused, whichever files are missing by then, and even if the
+//! session continued after a crash. Replaying writes no file.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::memory::Memory;
 use super::{all_of, options};
 use crate::commands::strategies::{area_work, new_sculpture, primitive, work};
 
-/// What happens to a session that records.
+/// An event in a session that records.
 #[derive(Clone, Debug)]
 enum Event {
     Execute(Command),
@@ -22,9 +22,9 @@ enum Event {
     Open(bool),
     /// Saved as one of these two files, which changes what the next opening finds.
     Save(bool),
-    /// The image becomes another one.
+    /// The image is replaced by another one.
     Repaint([u8; 3]),
-    /// The session is killed, recovered, and the recording goes on.
+    /// The session is killed, recovered, and the recording continues.
     Killed,
 }
 
@@ -56,7 +56,7 @@ fn file(folder: &Path, first: bool) -> PathBuf {
     folder.join(if first { "first.vsc" } else { "second.vsc" })
 }
 
-/// The session as it is when it is killed and recovered.
+/// Returns the session after it was killed and recovered.
 fn killed(session: &mut Session, memory: &Memory) -> (Session, Memory) {
     session.wait_for_journal();
     let left = memory.left(false);
@@ -126,7 +126,7 @@ proptest! {
                 Event::Killed => (session, memory) = killed(&mut session, &memory),
             }
         }
-        // Without an end, a stroke in hand is in the script as far as it went.
+        // Without an end, an open stroke is in the script as far as it went.
         let _ = session.execute(&Command::End, &());
         prop_assert!(session.take_journal_error().is_none());
         let script = fs::read_to_string(&script).unwrap();
@@ -140,7 +140,7 @@ proptest! {
     }
 }
 
-/// The journal was begun anew after a stroke in which the image was not used: it has to hold the image all the same.
+/// The journal was begun anew after a stroke that did not use the image: it must hold the image nevertheless.
 #[test]
 fn an_image_from_before_a_checkpoint_is_kept_again() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! A replay gives back what the session was: at the end, at every prefix, with every byte damaged.
+//! A replay restores the session: at the end, at every prefix, with every byte damaged.
 
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ fn execute(session: &mut Session, line: &str) {
     session.execute(&line.parse().unwrap(), &()).unwrap_or_else(|error| panic!("{line}: {error}"));
 }
 
-/// The journal as it is when all so far is written.
+/// Returns the journal once everything so far is written.
 fn written(session: &Session, memory: &Memory) -> Vec<u8> {
     session.wait_for_journal();
     memory.bytes("1.journal").unwrap()
@@ -28,7 +28,7 @@ fn written(session: &Session, memory: &Memory) -> Vec<u8> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 
-    /// Whatever is executed or refused, with a small history, with checkpoints in between or without.
+    /// With any commands executed or refused, a small history, and checkpoints in between or not.
     #[test]
     fn a_replay_is_the_session(
         new in new_sculpture(20),
@@ -92,7 +92,7 @@ fn steps_on_disk_are_in_the_journal() {
     let hash = |session: &Session| Digest::of(session.document().contents());
     let mut hashes = vec![hash(&session)];
     for shade in 1..9 {
-        // Steps larger than the memory for all, each after a checkpoint of those before.
+        // Steps larger than the memory for all, each after a checkpoint of the previous ones.
         let line = format!("recolour cuboid at=12,10,6 half=20 colour=#{shade}02010");
         execute(&mut session, &line);
         session.sync_journal();
@@ -153,7 +153,7 @@ fn files_and_pictures_are_kept_by_content() {
     assert!(!session.modified());
     execute(&mut session, "paste at=1,1,1");
     session.wait_for_journal();
-    // None of them is there any more.
+    // None of the files exists any more.
     drop(folder);
     let source = |memory: &Memory| match options(memory).journal_dir.open(1) {
         AbandonedJournal::Journal(source) => source,
@@ -170,7 +170,7 @@ fn files_and_pictures_are_kept_by_content() {
     assert_eq!(known.steps, session.document().history().undo_count() as u64);
     assert_eq!(known.voxels, session.document().grid().opaque_count());
 
-    // What is brought back goes on as the other, and its journal begins with all of it.
+    // The recovered session continues like the other, and its journal begins with its whole state.
     let mut again = again.session;
     let second = Memory::default();
     again.keep_journal(options(&second)).unwrap();
@@ -235,7 +235,7 @@ fn a_replay_that_goes_another_way_is_reported() {
     session.keep_journal(options(&memory)).unwrap();
     execute(&mut session, "subtract cuboid at=4,4,4 half=2");
     let bytes = written(&session, &memory);
-    // The same command with another size, and a checksum that fits.
+    // The same command with another size, and a matching checksum.
     let at = bytes.windows(6).rposition(|window| window == b"half=2").unwrap();
     let frame = bytes.windows(8).rposition(|window| window == b"subtract").unwrap() - 44 - 21;
     let mut other = bytes.clone();

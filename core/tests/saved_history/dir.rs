@@ -1,4 +1,4 @@
-//! What is refused, what is bounded, and what is removed.
+//! Tests which histories are refused, how they are bounded, and which are removed.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use crate::journal::memory::Memory;
 
 const NEW: &str = "new dims=24,20,12 colour=24";
 
-/// A saved file with a history of three steps, one of them undone. Returns the session.
+/// Saves a file with a history of three steps, one of them undone. Returns the session.
 fn saved(path: &Path, options: SavedHistoryOptions) -> Session {
     let mut session = begin(NEW, options);
     for x in [4, 9, 14] {
@@ -64,7 +64,7 @@ fn a_foreign_or_damaged_history_is_left_out_with_a_notice() {
     let [path, other] = ["a.vsc", "b.vsc"].map(|name| folder.path().join(name));
     drop(saved(&path, on_disk(folder.path())));
     let kept = histories(folder.path()).pop().unwrap();
-    // That of one file under the name of another.
+    // The history of one file under the name of another.
     let mut session = begin(NEW, on_disk(folder.path()));
     execute(&mut session, &format!("save {other:?}"));
     drop(session);

@@ -1,5 +1,5 @@
-//! Every operation on files fails once, in every way, and after power cuts: what comes back is all or nothing, and a
-//! save never fails for it.
+//! Every operation on files fails once, in every way, and after power cuts: either all or nothing is restored, and a
+//! save never fails because of it.
 
 use sculpture_core::persist::saved_history::SavedHistoryOptions;
 
@@ -39,7 +39,7 @@ fn with_any_operation_failing_all_comes_back_or_nothing() {
                     assert_eq!(hash(&again), *expected, "{fault:?} {calls}");
                 }
             }
-            // What was left unfinished goes with the next one that is written.
+            // Unfinished files are removed with the next one that is written.
             execute(&mut session, "undo 1");
             execute(&mut session, &format!("save {path:?}"));
             session.wait_for_saved_history();

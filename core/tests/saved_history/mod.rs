@@ -1,4 +1,4 @@
-//! The undo history of saved files: what comes back after closing and opening, what is refused, what is removed.
+//! The undo history of saved files: what is restored after closing and opening, what is refused, what is removed.
 
 mod dir;
 mod faults;
@@ -15,12 +15,12 @@ use sculpture_core::session::Session;
 use crate::commands::strategies::{new_sculpture, work};
 use crate::journal::memory::Memory;
 
-/// Histories on the disk.
+/// Returns options for histories on disk.
 fn on_disk(folder: &Path) -> SavedHistoryOptions {
     SavedHistoryOptions::new(&folder.join("histories"), 64 << 20)
 }
 
-/// Histories in memory.
+/// Returns options for histories in memory.
 pub fn in_memory(memory: &Memory) -> SavedHistoryOptions {
     SavedHistoryOptions {
         files: memory.files(),
@@ -32,7 +32,7 @@ pub fn execute(session: &mut Session, line: &str) {
     session.execute(&line.parse().unwrap(), &()).unwrap_or_else(|error| panic!("{line}: {error}"));
 }
 
-/// A session that keeps histories.
+/// Returns a session that keeps histories.
 pub fn begin(new: &str, options: SavedHistoryOptions) -> Session {
     let Command::New(new) = new.parse().unwrap() else { panic!("{new}") };
     let mut session = Session::new(&new, Limits::default()).unwrap();
@@ -40,7 +40,7 @@ pub fn begin(new: &str, options: SavedHistoryOptions) -> Session {
     session
 }
 
-/// A new session that begins with a file.
+/// Returns a new session that begins with a file.
 pub fn reopen(path: &Path, options: SavedHistoryOptions) -> Session {
     let mut session = Session::open(path, &Default::default(), Limits::default(), &()).unwrap();
     session.keep_saved_histories(options);
@@ -62,8 +62,8 @@ fn labels(session: &Session) -> [Vec<String>; 2] {
     [owned(&mut history.undo_labels()), owned(&mut history.redo_labels())]
 }
 
-/// Undoes all and redoes all, step by step, in two sessions that must be alike all the way; with `marks` also in
-/// what is said to be saved.
+/// Undoes all and redoes all, step by step, in two sessions that must be equal throughout; with `marks`, their saved
+/// state must be equal, too.
 fn assert_same_travel(a: &mut Session, b: &mut Session, marks: bool) {
     for line in ["undo 1", "redo 1"] {
         loop {
@@ -80,20 +80,20 @@ fn assert_same_travel(a: &mut Session, b: &mut Session, marks: bool) {
     }
 }
 
-/// Saves, opens the file in a new session and goes all the way back and forth.
+/// Saves, opens the file in a new session, and undoes and redoes everything.
 fn assert_comes_back(session: &mut Session, path: &Path, options: SavedHistoryOptions) {
     execute(session, &format!("save {path:?}"));
     session.wait_for_saved_history();
     let mut again = reopen(path, options);
     assert_eq!((session.take_history_message(), again.take_history_message()), (None, None));
     assert!(!again.modified());
-    // Of where other sculptures are stored nothing comes back, so that they count as changed there.
+    // Storage locations of other sculptures are not restored, so that they count as changed there.
     let own = session.document().state().sculpture;
     let is_one = session.document().history().states().all(|state| state.sculpture == own);
     assert_same_travel(session, &mut again, is_one);
 }
 
-/// A file of another sculpture and a volume, to be opened.
+/// Returns a file of another sculpture and a volume, to be opened.
 fn files(folder: &Path) -> [PathBuf; 2] {
     let [other, volume] = ["other.vsc", "volume.raw"].map(|name| folder.join(name));
     let new = "new dims=13,7,11 colour=8".parse().unwrap();
@@ -105,7 +105,7 @@ fn files(folder: &Path) -> [PathBuf; 2] {
     [other, volume]
 }
 
-/// Carries the commands out, after some of which (0, 1) a file is opened, takes some back, saves, closes and opens.
+/// Executes the commands, after some of which (0, 1) a file is opened, undoes some, saves, closes and opens.
 fn goes_on_after_closing(new: &NewSculpture, commands: &[(Command, u8)], undone: u32) {
     let folder = tempfile::tempdir().unwrap();
     let [other, volume] = files(folder.path());
@@ -128,7 +128,7 @@ fn goes_on_after_closing(new: &NewSculpture, commands: &[(Command, u8)], undone:
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Whatever is done, with a new sculpture, others that are opened, volumes and orientations in it.
+    /// With any commands, a new sculpture, and other sculptures, volumes and orientations in between.
     #[test]
     fn undo_and_redo_go_on_after_closing_and_opening(
         new in new_sculpture(20),
@@ -177,7 +177,7 @@ fn a_script_that_saves_closes_and_opens_can_undo() {
     assert!(!session.modified(), "this is what the file holds");
 }
 
-/// However soon another file is saved: writing the first one's history goes on.
+/// However soon another file is saved, the first one's history is still written completely.
 #[test]
 fn files_saved_one_after_another_have_a_history_each() {
     const STEPS: usize = 300;
