@@ -240,8 +240,8 @@ fn strokes(c: &mut Criterion) {
                         to_vx: swept.then(|| at(i + 1)),
                     })
                     .collect();
-                let way = if swept { "sweeps" } else { "stamps" };
-                let id = format!("{}_{half}_{}_{way}", solid.name(), uses.len());
+                let kind = if swept { "sweeps" } else { "stamps" };
+                let id = format!("{}_{half}_{}_{kind}", solid.name(), uses.len());
                 group.bench_function(id, |b| {
                     b.iter_custom(|runs| time_of(&mut document, runs, Some("stroke"), &uses));
                 });

@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn voxels_that_touch_in_a_corner_or_an_edge_alone_are_parted() {
+    fn voxels_that_touch_in_a_corner_or_an_edge_alone_are_separated() {
         assert_eq!(CORNERS[0b0000_0001].count, 1);
         assert_eq!(CORNERS[0b1000_0001].count, 2, "opposite corners");
         assert_eq!(CORNERS[0b0000_1001].count, 2, "across an edge");

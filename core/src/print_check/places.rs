@@ -63,7 +63,7 @@ pub fn gathered(
     }
     let mask_of = |b: UVec3| b.x + dims.x.div_ceil(8) * (b.y + dims.y.div_ceil(8) * b.z);
     cells.fill_bricks(|b| masks[mask_of(b) as usize]);
-    let found = pieces(&cells, Part::Solid, budget_bytes, progress).map_err(mend_error)?;
+    let found = pieces(&cells, Part::Solid, budget_bytes, progress).map_err(check_error)?;
     let none = VoxelBox { min: IVec3::MAX, max: IVec3::MIN };
     let mut places = vec![Place { voxels: 0, bounds: none }; found.list().len()];
     let place_of = |v: UVec3| found.at((v / 2 - corner).as_ivec3()).map(|piece| piece as usize);
@@ -96,7 +96,7 @@ pub fn gathered(
     Ok(finding(kind, places, repairs, kept))
 }
 
-fn mend_error(error: crate::tools::pieces::PiecesError) -> CheckError {
+fn check_error(error: crate::tools::pieces::PiecesError) -> CheckError {
     CheckError::from(crate::tools::repair::RepairError::from(error))
 }
 

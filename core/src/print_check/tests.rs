@@ -72,7 +72,7 @@ fn a_print_fits_upright_or_turned_by_a_quarter() {
 }
 
 #[test]
-fn each_fault_is_found_with_the_command_that_mends_it() {
+fn each_fault_is_found_with_the_command_that_repairs_it() {
     let faulty = grid(|p| {
         let body = p.abs().max_element() < 12.0 && p.length() > 5.0;
         let island = (p - Vec3::new(18.0, 10.0, 18.0)).abs().max_element() < 2.0;

@@ -399,10 +399,10 @@ mod tests {
             cube.add_cubes(&seeds, radius as u32);
             for z in min.z..max.z { for y in min.y..max.y { for x in min.x..max.x {
                 let at = IVec3::new(x, y, z);
-                let ways = || middles.iter().map(|v| at - v);
+                let offsets = || middles.iter().map(|v| at - v);
                 let near = |d: IVec3| d.length_squared() as f32 <= radius * radius;
-                prop_assert_eq!(ball.get(at), ways().any(near));
-                prop_assert_eq!(cube.get(at), ways().any(|d| d.abs().max_element() as f32 <= radius));
+                prop_assert_eq!(ball.get(at), offsets().any(near));
+                prop_assert_eq!(cube.get(at), offsets().any(|d| d.abs().max_element() as f32 <= radius));
             } } }
         }
     }

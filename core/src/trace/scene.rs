@@ -277,12 +277,12 @@ impl<'a> Scene<'a> {
         if clearance <= LEAST_CLEARANCE_VX {
             return near;
         }
-        let free = self.free_way(near, normal, clearance);
+        let free = self.free_distance(near, normal, clearance);
         near + normal * if free < clearance { 0.5 * free } else { clearance }
     }
 
     /// Returns the distance from `origin` that is free of voxels, up to `reach`. Visits few voxels, so it skips none.
-    fn free_way(&self, origin: Vec3, direction: Vec3, reach: f32) -> f32 {
+    fn free_distance(&self, origin: Vec3, direction: Vec3, reach: f32) -> f32 {
         let mut cell = origin.floor();
         let step = Vec3::select(direction.cmplt(Vec3::ZERO), Vec3::NEG_ONE, Vec3::ONE);
         let per_t = 1.0 / direction;

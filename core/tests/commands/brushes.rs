@@ -25,7 +25,7 @@ pub struct Parts {
     /// Their radii.
     pub radius: BoxedStrategy<f32>,
     /// Normals and displacements.
-    pub way: BoxedStrategy<Vec3>,
+    pub vector: BoxedStrategy<Vec3>,
     /// Values of parameters.
     pub value: fn(&Param) -> BoxedStrategy<Value>,
 }
@@ -80,9 +80,9 @@ pub fn stencil(parts: &Parts) -> impl Strategy<Value = BrushUse> + use<> {
 fn contact(kind: ContactKind, parts: &Parts) -> BoxedStrategy<Contact> {
     let ball = (parts.centre.clone(), parts.radius.clone());
     let framed = |frame: fn(Vec3) -> Frame| {
-        (ball.clone(), parts.way.clone())
-            .prop_map(move |((centre_vx, radius), way)| {
-                Contact::Ball(Ball { centre_vx, radius, frame: frame(way) })
+        (ball.clone(), parts.vector.clone())
+            .prop_map(move |((centre_vx, radius), vector)| {
+                Contact::Ball(Ball { centre_vx, radius, frame: frame(vector) })
             })
             .boxed()
     };

@@ -309,7 +309,7 @@ fn masks_and_their_steps_are_kept_in_files_to_the_byte() {
 }
 
 #[test]
-fn a_mask_is_laid_another_way_with_the_sculpture() {
+fn a_mask_is_reoriented_with_the_sculpture() {
     for orientation in Orientation::all() {
         let mut document = document();
         run(&mut document, "mask add ellipsoid at=14,18,10 half=7,8,7").unwrap();

@@ -113,7 +113,7 @@ fn brush() -> impl Strategy<Value = Command> {
         rays: number().prop_map(|r| if r > 12.0 && r <= 256.0 { 12.0 } else { r }).boxed(),
         centre: vector().boxed(),
         radius: number().boxed(),
-        way: vector().boxed(),
+        vector: vector().boxed(),
         value: brushes::hostile,
     };
     brush_use(&parts).prop_map(Command::Brush)

@@ -162,7 +162,7 @@ pub fn brush_command() -> impl Strategy<Value = Command> {
         rays: (0f32..6.0).boxed(),
         centre: vector(-4.0..28.0).boxed(),
         radius: (0.5f32..12.0).boxed(),
-        way: vector(-9.0..9.0).boxed(),
+        vector: vector(-9.0..9.0).boxed(),
         value: brushes::valid,
     };
     (brush_use(&parts), vector(0.0..24.0), vector(-1.0..1.0)).prop_map(
@@ -275,8 +275,8 @@ fn any_vec3() -> impl Strategy<Value = Vec3> {
 pub fn any_command() -> impl Strategy<Value = Command> {
     let steps = || prop::option::of(any::<u32>());
     let solid = prop::sample::select(&Solid::ALL[..]);
-    let way = prop::option::of(any_vec3());
-    let construct = (op(), solid, any_vec3(), any_vec3(), rotation(), way).prop_map(
+    let to = prop::option::of(any_vec3());
+    let construct = (op(), solid, any_vec3(), any_vec3(), rotation(), to).prop_map(
         |(op, solid, centre_vx, half, rotation, to_vx)| Command::Construct {
             op,
             primitive: Primitive { solid, centre_vx, half, rotation },
@@ -354,7 +354,7 @@ fn anywhere() -> Parts {
         rays: any_number().boxed(),
         centre: any_vec3().boxed(),
         radius: any_number().boxed(),
-        way: any_vec3().boxed(),
+        vector: any_vec3().boxed(),
         value: brushes::valid,
     }
 }
@@ -362,8 +362,8 @@ fn anywhere() -> Parts {
 /// Returns commands of normal work on a small sculpture, in and out of strokes.
 pub fn work() -> impl Strategy<Value = Command> {
     let steps = || prop_oneof![4 => (1u32..4).prop_map(Some), 1 => Just(None)];
-    let way = prop::option::of(prop::array::uniform3(-4f32..28.0).prop_map(Vec3::from));
-    let edit = (op(), primitive(-4.0..28.0, 0.3..14.0), way)
+    let to = prop::option::of(prop::array::uniform3(-4f32..28.0).prop_map(Vec3::from));
+    let edit = (op(), primitive(-4.0..28.0, 0.3..14.0), to)
         .prop_map(|(op, primitive, to_vx)| Command::Construct { op, primitive, to_vx });
     prop_oneof![
         20 => edit,

@@ -49,7 +49,7 @@ fn a_kind_of_surface_is_undone_and_redone_and_changes_no_voxel() {
 fn it_stays_with_the_sculpture() {
     let mut document = document();
     run(&mut document, "surface cubes\norient upright=z").unwrap();
-    assert_eq!(document.contents().surface, SurfaceKind::Cubes, "laid another way");
+    assert_eq!(document.contents().surface, SurfaceKind::Cubes, "reoriented");
     let file = write_sculpture(document.contents(), &Texts::default()).unwrap();
     let (read, _) = read_sculpture(&file, &Limits::default()).unwrap();
     assert!(&read == document.contents());

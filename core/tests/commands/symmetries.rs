@@ -199,7 +199,7 @@ fn what_is_not_valid_is_refused_and_leaves_the_symmetry_alone() {
 }
 
 #[test]
-fn plane_and_axis_are_laid_another_way_with_the_sculpture() {
+fn plane_and_axis_are_reoriented_with_the_sculpture() {
     for orientation in Orientation::all() {
         let mut document = ball(Vec3::new(1.0, 1.5, 2.0));
         let line =

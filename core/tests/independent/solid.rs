@@ -83,15 +83,15 @@ pub struct Ready<'a> {
     turn: Matrix,
     edges: [f64; 3],
     /// Its displacement, in tool space.
-    way: Option<Vector>,
+    displacement: Option<Vector>,
 }
 
 impl Placed {
     pub fn ready(&self, edges: [f64; 3]) -> Ready<'_> {
         let smallest = edges.iter().copied().fold(f64::INFINITY, f64::min);
         let edges = edges.map(|e| e / smallest);
-        let mut ready = Ready { placed: self, turn: self.turn.matrix(), edges, way: None };
-        ready.way = self.to.map(|to| ready.in_tool(minus(to, self.at)));
+        let mut ready = Ready { placed: self, turn: self.turn.matrix(), edges, displacement: None };
+        ready.displacement = self.to.map(|to| ready.in_tool(minus(to, self.at)));
         ready
     }
 
@@ -114,16 +114,16 @@ impl Ready<'_> {
     /// The unit is that of tool space, and the value is not a true distance.
     pub fn beyond(&self, point: [f64; 3]) -> f64 {
         let p = self.in_tool(minus(point, self.placed.at));
-        let Some(way) = self.way else { return self.beyond_at(p) };
+        let Some(displacement) = self.displacement else { return self.beyond_at(p) };
         // Outside the box around the whole sweep.
         let beside = |i: usize| {
-            let (a, b) = (p[i], p[i] - way[i]);
+            let (a, b) = (p[i], p[i] - displacement[i]);
             a.min(b) > 1.2 || a.max(b) < -1.2
         };
         if (0..3).any(beside) {
             return 0.1;
         }
-        let then = |t: f64| self.beyond_at(std::array::from_fn(|i| p[i] - t * way[i]));
+        let then = |t: f64| self.beyond_at(std::array::from_fn(|i| p[i] - t * displacement[i]));
         match self.placed.shape {
             Shape::Torus => least(&then),
             _ => least_of_convex(&then),
@@ -162,7 +162,7 @@ impl Ready<'_> {
     pub fn doubtful(&self, point: [f64; 3]) -> bool {
         let Placed { shape, half, .. } = self.placed;
         let smallest = half.iter().copied().fold(f64::INFINITY, f64::min);
-        let coarse = match (shape, self.way) {
+        let coarse = match (shape, self.displacement) {
             // The sweep of a torus is sampled in steps of a thousandth of the tube's radius, at most 2^14.
             (Shape::Torus, Some([x, y, z])) => {
                 let width = half[0].min(half[2]);

@@ -19,7 +19,7 @@ use crate::surface::raycast;
 const MOST_CELLS: u32 = 1024;
 /// The least length of a ray in an empty cell, in voxels, from which the ray caster searches for the next existing
 /// cell.
-const LEAST_WAY: f32 = 0.02;
+const LEAST_SEGMENT_VX: f32 = 0.02;
 /// Steps of the search for a root: far below a hundredth of a voxel.
 const ROOT_STEPS: u32 = 6;
 /// Added to the weight of each corner, so that a point in a corner of the cell has a normal, too.
@@ -117,7 +117,7 @@ impl Scene<'_> {
         let dims = cells.dims().as_ivec3();
         let inverse = direction.recip();
         let step = IVec3::select(direction.cmplt(Vec3::ZERO), IVec3::NEG_ONE, IVec3::ONE);
-        let long_enough = LEAST_WAY / direction.length();
+        let long_enough = LEAST_SEGMENT_VX / direction.length();
         let mut cell = first.as_ivec3();
         for _ in 0..MOST_CELLS {
             let low = cell.as_vec3();
