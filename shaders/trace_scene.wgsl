@@ -96,15 +96,15 @@ fn on_ground(p: vec3<f32>, t: f32) -> Met {
     return Met(GROUND, t, start, scene.up, scene.ground_albedo);
 }
 
-// How far the way from `origin` is free of voxels, up to `reach`.
-fn free_way(origin: vec3<f32>, direction: vec3<f32>, reach: f32) -> f32 {
+// Returns the distance from `origin` that is free of voxels, up to `reach`.
+fn free_distance(origin: vec3<f32>, direction: vec3<f32>, reach: f32) -> f32 {
     var cell = floor(origin);
     let ahead = select(vec3<f32>(1.0), vec3<f32>(0.0), direction < vec3<f32>(0.0));
     let step = ahead * 2.0 - 1.0;
     let still = direction == vec3<f32>(0.0);
     let per_t = select(1.0 / direction, vec3<f32>(3e38), still);
     var next = select((cell + ahead - origin) * per_t, vec3<f32>(3e38), still);
-    // A way of 1.5 crosses fewer planes.
+    // A path of 1.5 voxels crosses fewer planes.
     for (var i = 0; i < 16; i++) {
         let x = next.x <= next.y && next.x <= next.z;
         let y = !x && next.y <= next.z;
@@ -130,7 +130,7 @@ fn clear_of_steps(p: vec3<f32>, face: vec3<f32>, normal: vec3<f32>) -> vec3<f32>
     if clearance <= LEAST_CLEARANCE_VX {
         return near;
     }
-    let free = free_way(near, normal, clearance);
+    let free = free_distance(near, normal, clearance);
     return near + normal * select(clearance, 0.5 * free, free < clearance);
 }
 
