@@ -1,7 +1,7 @@
 //! The numbers of a final picture for a device that traces it: the inputs of the CPU tracer, as plain values.
 //!
-//! Takes the inputs of [`super::trace`]. A device adds samples to [`PixelSum`](super::PixelSum)s as this room does, pass by pass, and
-//! gets its film from [`Film::of_sums`](super::Film::of_sums). Knows no device.
+//! Takes the inputs of [`super::trace`]. A device adds samples to [`PixelSum`](super::PixelSum)s as this room does,
+//! pass by pass, and gets its film from [`Film::of_sums`](super::Film::of_sums). Knows no device.
 
 use glam::{Affine3A, Mat3, Vec3};
 

@@ -1,9 +1,10 @@
 //! Reduces triangles: collapses edges, the least error first, until the requested number is left.
 //!
-//! The error is that of [`Quadric`](quadric::Quadric)s, and larger where colours differ. An edge is only collapsed if the surface remains
-//! a manifold (the link condition: Dey, Edelsbrunner, Guha and Nekhayev, "Topology preserving edge contraction", 1999)
-//! and no triangle is flipped. So the result is as closed as the mesh was and has its topology; if no further edge may
-//! be collapsed, more triangles are left than requested. Uses one thread; the result is deterministic.
+//! The error is that of [`Quadric`](quadric::Quadric)s, and larger where colours differ. An edge is only collapsed if
+//! the surface remains a manifold (the link condition: Dey, Edelsbrunner, Guha and Nekhayev, "Topology preserving edge
+//! contraction", 1999) and no triangle is flipped. So the result is as closed as the mesh was and has its topology; if
+//! no further edge may be collapsed, more triangles are left than requested. Uses one thread; the result is
+//! deterministic.
 
 mod quadric;
 mod surface;
