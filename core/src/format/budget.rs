@@ -12,7 +12,7 @@ pub(super) fn budget_bytes(limits: &Limits) -> u64 {
     limits.grid_bytes.saturating_add(limits.colour_bytes)
 }
 
-/// An error if more memory would be needed than allowed.
+/// Returns an error if more memory would be needed than allowed.
 pub(super) fn check_budget(needed: u64, budget: u64) -> Result<(), FormatError> {
     let what = "reading this file needs";
     Ok(OverBudget::check(what, needed, MemoryBudget::GridsAndColours, budget)?)

@@ -13,27 +13,27 @@ pub struct Bytes<'a> {
 }
 
 impl<'a> Bytes<'a> {
-    /// A whole file.
+    /// Returns a whole file.
     pub fn new(file: &'a [u8]) -> Bytes<'a> {
         Bytes { rest: file, at: 0 }
     }
 
-    /// Whether nothing is left.
+    /// Returns whether nothing is left.
     pub fn is_empty(&self) -> bool {
         self.rest.is_empty()
     }
 
-    /// The bytes that are left.
+    /// Returns the bytes that are left.
     pub fn rest(&self) -> &'a [u8] {
         self.rest
     }
 
-    /// An error at this place.
+    /// Returns an error at this place.
     pub fn fault(&self, what: impl Into<String>) -> FormatError {
         FormatError::Malformed { place: format!("byte {}", self.at), what: what.into() }
     }
 
-    /// The next `count` bytes.
+    /// Returns the next `count` bytes.
     pub fn take(&mut self, count: usize) -> Result<&'a [u8], FormatError> {
         let Some((taken, rest)) = self.rest.split_at_checked(count) else {
             let left = self.rest.len();
@@ -44,7 +44,7 @@ impl<'a> Bytes<'a> {
         Ok(taken)
     }
 
-    /// The next `count` bytes, to be read on their own.
+    /// Returns the next `count` bytes, to be read on their own.
     pub fn part(&mut self, count: usize) -> Result<Bytes<'a>, FormatError> {
         let at = self.at;
         Ok(Bytes { rest: self.take(count)?, at })
@@ -56,22 +56,22 @@ impl<'a> Bytes<'a> {
         Ok(bytes)
     }
 
-    /// A byte.
+    /// Returns a byte.
     pub fn u8(&mut self) -> Result<u8, FormatError> {
         Ok(self.array::<1>()?[0])
     }
 
-    /// A number of 32 bits.
+    /// Returns a number of 32 bits.
     pub fn u32(&mut self) -> Result<u32, FormatError> {
         Ok(u32::from_le_bytes(self.array()?))
     }
 
-    /// A signed number of 32 bits.
+    /// Returns a signed number of 32 bits.
     pub fn i32(&mut self) -> Result<i32, FormatError> {
         Ok(i32::from_le_bytes(self.array()?))
     }
 
-    /// A signed number of 32 bits that counts something.
+    /// Returns a signed number of 32 bits that counts something.
     pub fn count(&mut self, what: &str) -> Result<usize, FormatError> {
         let before = *self;
         let count = self.i32()?;

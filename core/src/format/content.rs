@@ -53,8 +53,8 @@ enum Content {
     Unknown,
 }
 
-/// The format of a file that is to be read, or of a folder with the slices of a scan; and what to say where name and
-/// content disagree.
+/// Returns the format of a file that is to be read, or of a folder with the slices of a scan; and what to say where
+/// name and content disagree.
 ///
 /// With a layout for raw voxels (`is_described`) a file of an unknown name holds such.
 pub fn format_of(path: &Path, is_described: bool) -> Result<(Format, Option<String>), FormatError> {
@@ -97,8 +97,8 @@ pub fn format_of(path: &Path, is_described: bool) -> Result<(Format, Option<Stri
     }
 }
 
-/// Whether a file must be described before it can be read, since it may hold voxels alone: its name is that of raw voxels,
-/// or it is unknown by name and content, and no text.
+/// Returns whether a file must be described before it can be read, since it may hold voxels alone: its name is that of
+/// raw voxels, or it is unknown by name and content, and no text.
 pub fn needs_layout(path: &Path) -> bool {
     match format_of(path, false) {
         Ok((format, _)) => format == list::raw(),
@@ -112,7 +112,7 @@ pub fn needs_layout(path: &Path) -> bool {
     }
 }
 
-/// The content of a file that begins with `start` and has `length` bytes.
+/// Returns the content of a file that begins with `start` and has `length` bytes.
 fn content_of(start: &[u8], length: u64) -> Content {
     if let Some(format) = list::identified(start, length) {
         return Content::Known(format);

@@ -342,7 +342,7 @@ pub enum FormatError {
     NoColours,
 }
 
-/// How many of something a file has, and what to ask for.
+/// Returns how many of something a file has, and what to ask for.
 fn number_of(count: u64) -> String {
     match count {
         1 => "only one; leave the option out".to_string(),
@@ -391,17 +391,17 @@ impl From<VoxeliseError> for FormatError {
     }
 }
 
-/// An error if the work has been cancelled.
+/// Returns an error if the work has been cancelled.
 pub(super) fn go_on(progress: &dyn Progress) -> Result<(), FormatError> {
     if progress.is_cancelled() { Err(FormatError::Cancelled) } else { Ok(()) }
 }
 
-/// A message of a library, without control characters of the file that it may quote.
+/// Returns a message of a library, without control characters of the file that it may quote.
 pub(super) fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect()
 }
 
-/// The first bytes of unexpected data, with everything but plain text escaped.
+/// Returns the first bytes of unexpected data, with everything but plain text escaped.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     const MOST: usize = 24;
     match bytes.get(..MOST) {

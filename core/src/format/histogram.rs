@@ -27,7 +27,7 @@ fn sum_of_chunks(
     )
 }
 
-/// The least and the greatest of the values that `of_chunk` returns for each chunk.
+/// Returns the least and the greatest of the values that `of_chunk` returns for each chunk.
 fn range_of_chunks(
     len: usize,
     of_chunk: &(dyn Fn(Range<usize>) -> (f32, f32) + Sync),
@@ -153,7 +153,7 @@ impl Histogram {
         starts.zip(&self.bins).take_while(|(start, _)| *start < density).map(|(_, n)| n).sum()
     }
 
-    /// The density below which the share `quantile` of all voxels lies, to a bin.
+    /// Returns the density below which the share `quantile` of all voxels lies, to a bin.
     pub fn quantile(&self, quantile: f64) -> f64 {
         let wanted = quantile * self.bins.iter().sum::<u64>() as f64;
         let mut below = 0;

@@ -91,14 +91,14 @@ pub fn to_contents(
     }
 }
 
-/// The histogram of a volume of densities.
+/// Returns the histogram of a volume of densities.
 pub fn histogram(volume: &Volume) -> Option<Histogram> {
     with_density!(volume.samples, |value, values| {
         Histogram::of(volume.data.as_chunks().0, value, values)
     })
 }
 
-/// The signature that this program stored with the volume, if it wrote it.
+/// Returns the signature that this program stored with the volume, if it wrote it.
 pub fn trusted_signature(volume: &Volume) -> Option<Signature> {
     match Signature::find(&volume.texts, volume.samples)? {
         Ok(signature) => Some(signature),
@@ -322,7 +322,7 @@ impl Job<'_> {
     }
 }
 
-/// Whether a density lies within bounds, which belong to them; false for NaN.
+/// Returns whether a density lies within bounds, which belong to them; false for NaN.
 fn within<const B: usize>(
     (least, most): (f64, f64),
     value: impl Fn(&[u8; B]) -> f32 + Sync,
@@ -337,7 +337,7 @@ fn within<const B: usize>(
     }
 }
 
-/// One bit for each of up to eight voxels, the lowest for the first.
+/// Returns one bit for each of up to eight voxels, the lowest for the first.
 #[inline(always)]
 fn row_bits<const B: usize>(row: &[[u8; B]], exists: &impl Fn(&[u8; B]) -> bool) -> u64 {
     let mut bytes = [0u8; 8];
@@ -349,7 +349,7 @@ fn row_bits<const B: usize>(row: &[[u8; B]], exists: &impl Fn(&[u8; B]) -> bool)
     u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 
-/// A page filled with the base colour.
+/// Returns a page filled with the base colour.
 fn blank_page(material: &Material) -> Page {
     let mut page = vec![0; material.page_bytes()].into_boxed_slice();
     for colour in page.chunks_exact_mut(material.depth().bytes()) {

@@ -10,7 +10,7 @@ const HUE_STEP: f32 = 0.618_034;
 /// Saturation and brightness, in turn, so that hues that are close after all differ otherwise.
 const SHADES: [(f32, f32); 4] = [(0.62, 0.95), (0.85, 0.72), (0.40, 0.88), (0.72, 0.55)];
 
-/// The colours of the labels 0 to 255; they repeat from there on.
+/// Returns the colours of the labels 0 to 255; they repeat from there on.
 pub fn colours() -> [Rgb; 256] {
     std::array::from_fn(|label| {
         let (saturation, brightness) = SHADES[label % SHADES.len()];
@@ -24,7 +24,7 @@ pub fn colours() -> [Rgb; 256] {
     })
 }
 
-/// The colour of a label. Fractions are cut off.
+/// Returns the colour of a label. Fractions are cut off.
 #[inline]
 pub fn colour(colours: &[Rgb; 256], label: f32) -> Rgb {
     colours[(label as i64 & 255) as usize]
@@ -34,7 +34,7 @@ pub fn colour(colours: &[Rgb; 256], label: f32) -> Rgb {
 const LABELS: std::ops::RangeInclusive<usize> = 3..=64;
 const VOXELS_PER_LABEL: usize = 100;
 
-/// Whether a volume holds nothing but few whole numbers, 0 among them, as labels do.
+/// Returns whether a volume holds nothing but few whole numbers, 0 among them, as labels do.
 pub fn look_like_labels(volume: &Volume) -> bool {
     let bytes = volume.samples.bytes() as usize;
     if !volume.samples.is_density() {

@@ -91,12 +91,12 @@ const fn written_endings() -> [&'static str; WRITE_COUNT] {
     endings
 }
 
-/// All formats.
+/// Returns all formats.
 pub fn formats() -> impl DoubleEndedIterator<Item = Format> {
     FORMATS.iter().copied()
 }
 
-/// The format of a file by its name.
+/// Returns the format of a file by its name.
 pub fn named(path: &Path) -> Result<Format, FormatError> {
     let ending = path.extension().ok_or_else(|| FormatError::NoEnding(commas(&READ_ENDINGS)))?;
     formats().find(|format| format.is_named(path)).ok_or_else(|| FormatError::UnknownEnding {
@@ -105,7 +105,7 @@ pub fn named(path: &Path) -> Result<Format, FormatError> {
     })
 }
 
-/// The format that a file's first bytes identify.
+/// Returns the format that a file's first bytes identify.
 pub fn identified(start: &[u8], length: u64) -> Option<Format> {
     let signs = formats().flat_map(|format| format.signs.iter().map(move |sign| (format, sign)));
     let found = signs.filter(|(_, sign)| sign.is_in(start, length));
@@ -113,34 +113,34 @@ pub fn identified(start: &[u8], length: u64) -> Option<Format> {
     found.min_by_key(|(_, sign)| sign.rank()).map(|(format, _)| format)
 }
 
-/// The format of the files in a folder that are opened together.
+/// Returns the format of the files in a folder that are opened together.
 pub fn of_folder(folder: &Path) -> Option<Format> {
     formats().find(|format| format.folder.is_some_and(|holds| holds(folder)))
 }
 
-/// The format in which a file of that name is written.
+/// Returns the format in which a file of that name is written.
 pub fn written(path: &Path) -> Option<Format> {
     let extension = path.extension()?;
     let is_own = |format: &Format| extension.eq_ignore_ascii_case(format.extension());
     formats().find(|format| format.write.is_some() && is_own(format))
 }
 
-/// Whether a file of that name is written as a mesh.
+/// Returns whether a file of that name is written as a mesh.
 pub fn is_mesh(path: &Path) -> bool {
     mesh_traits(path).is_some()
 }
 
-/// Whether a file of that name is written as a volume, whose form can be chosen.
+/// Returns whether a file of that name is written as a volume, whose form can be chosen.
 pub fn is_volume(path: &Path) -> bool {
     written(path).is_some_and(|format| matches!(format.write, Some(Export::Volume(_))))
 }
 
-/// The format of voxels alone.
+/// Returns the format of voxels alone.
 pub fn raw() -> Format {
     &raw::SPEC
 }
 
-/// Whether the name is that of voxels alone, which a layout has to describe.
+/// Returns whether the name is that of voxels alone, which a layout has to describe.
 pub fn is_raw(path: &Path) -> bool {
     raw::SPEC.is_named(path)
 }
@@ -150,7 +150,7 @@ pub fn mesh_traits(path: &Path) -> Option<&'static MeshTraits> {
     mesh_export(path).map(|(_, mesh)| &mesh.traits)
 }
 
-/// The format of meshes that are written under that name, and its writer.
+/// Returns the format of meshes that are written under that name, and its writer.
 pub fn mesh_export(path: &Path) -> Option<(Format, &'static MeshWriter)> {
     let format = written(path)?;
     match &format.write {
@@ -159,7 +159,7 @@ pub fn mesh_export(path: &Path) -> Option<(Format, &'static MeshWriter)> {
     }
 }
 
-/// The formats to export to, by their names and extensions: meshes, then models, then volumes.
+/// Returns the formats to export to, by their names and extensions: meshes, then models, then volumes.
 pub fn exports() -> Vec<(&'static str, &'static str)> {
     let order = |format: &Format| match format.write {
         Some(Export::Mesh(_)) => 0,
@@ -205,7 +205,7 @@ pub fn models_of_cubes_text() -> String {
     commas(&read_with(is_of_cubes))
 }
 
-/// The error of a name under which nothing is written.
+/// Returns the error of a name under which nothing is written.
 pub fn not_written(path: &Path) -> FormatError {
     let why = match named(path) {
         Ok(_) => return FormatError::ReadOnly(commas(&WRITE_ENDINGS)),
@@ -217,17 +217,17 @@ pub fn not_written(path: &Path) -> FormatError {
     FormatError::NotWritten { why, written: commas(&WRITE_ENDINGS) }
 }
 
-/// The error of a mesh that is asked for under the name of something else.
+/// Returns the error of a mesh that is asked for under the name of something else.
 pub fn not_a_mesh() -> FormatError {
     FormatError::NotAMeshFile(joined(&meshes_with(|_| true), "or"))
 }
 
-/// The error of points that are asked for in a mesh that cannot hold them.
+/// Returns the error of points that are asked for in a mesh that cannot hold them.
 pub fn no_points() -> FormatError {
     FormatError::NoPoints(joined(&meshes_with(|traits| traits.holds_points), "or"))
 }
 
-/// The error of a form that is asked for of a file that is no volume.
+/// Returns the error of a form that is asked for of a file that is no volume.
 pub fn no_forms(export: &Export, form: ExportForm) -> FormatError {
     let is_volume = |format: &Format| matches!(format.write, Some(Export::Volume(_)));
     let volumes: Vec<_> = formats().filter(is_volume).map(|format| format.extension()).collect();
@@ -248,7 +248,7 @@ fn meshes_with(is_so: impl Fn(&MeshTraits) -> bool) -> Vec<&'static str> {
     formats().filter(is_so).map(|format| format.extension()).collect()
 }
 
-/// The first extensions of formats of whose readers `is_so` holds.
+/// Returns the first extensions of formats of whose readers `is_so` holds.
 fn read_with(is_so: impl Fn(&Import) -> bool) -> Vec<&'static str> {
     formats().filter(|format| is_so(&format.read)).map(|format| format.extension()).collect()
 }

@@ -78,20 +78,20 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::orient::Reorientation;
 use crate::sculpture::orientation::{Orientation, Up};
 
-/// Whether a file of that name may be one that can be read: it has one of [`READ_ENDINGS`], or none, or a number, as many
-/// DICOM files have. Looks at the name alone.
+/// Returns whether a file of that name may be one that can be read: it has one of [`READ_ENDINGS`], or none, or a
+/// number, as many DICOM files have. Looks at the name alone.
 pub fn may_be_read(path: &Path) -> bool {
     let is_number = |ending: &OsStr| ending.as_encoded_bytes().iter().all(u8::is_ascii_digit);
     list::named(path).is_ok() || path.extension().is_none_or(is_number)
 }
 
-/// Whether a file or folder can be read, by its name and, where that says nothing, by its content; or may be once it is
-/// described ([`needs_layout`]).
+/// Returns whether a file or folder can be read, by its name and, where that says nothing, by its content; or may be
+/// once it is described ([`needs_layout`]).
 pub fn can_be_read(path: &Path) -> bool {
     content::format_of(path, false).is_ok() || needs_layout(path)
 }
 
-/// Whether a file of that name stores a sculpture without loss, unlike a volume for other programs.
+/// Returns whether a file of that name stores a sculpture without loss, unlike a volume for other programs.
 pub fn is_sculpture(path: &Path) -> bool {
     list::named(path).is_ok_and(|format| matches!(format.read, Import::Sculpture))
 }
@@ -112,7 +112,7 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// A sculpture from a file that holds no volume and says which way is up.
+    /// Returns a sculpture from a file that holds no volume and says which way is up.
     fn model(contents: Contents, texts: Texts, notes: Vec<String>) -> Loaded {
         Loaded { contents, samples: None, texts, assumed_up: None, notes }
     }
@@ -182,7 +182,7 @@ fn load_as(
     Ok(Loaded { contents, samples: Some(samples), texts, assumed_up, notes })
 }
 
-/// The bytes of a .vsc file with a sculpture and its texts.
+/// Returns the bytes of a .vsc file with a sculpture and its texts.
 pub fn write_sculpture(contents: &Contents, texts: &Texts) -> Result<Vec<u8>, FormatError> {
     vsc::write(contents, texts, &())
 }
@@ -305,7 +305,7 @@ struct Source {
 }
 
 impl Source {
-    /// The options, with what the file says where they leave it open.
+    /// Returns the options, with what the file says where they leave it open.
     fn adapted(&self, options: &ImportOptions, samples: Samples) -> ImportOptions {
         let colouring = match options.colouring {
             // Segments have colours of their own.
@@ -319,7 +319,7 @@ impl Source {
     }
 }
 
-/// The voxels of a file, in the region and of the size that are asked for.
+/// Returns the voxels of a file, in the region and of the size that are asked for.
 fn open_volume(
     format: Format,
     path: &Path,

@@ -109,7 +109,7 @@ impl Place {
 }
 
 impl Job<'_> {
-    /// The places of an axis. The middles of both volumes agree; beyond the outermost voxels these go on.
+    /// Returns the places of an axis. The middles of both volumes agree; beyond the outermost voxels these go on.
     fn places(&self, axis: usize) -> Vec<Place> {
         let (old, new) = (self.volume.dims[axis], self.dims[axis]);
         let step = f64::from(self.edge) / f64::from(self.volume.voxel_size[axis]);

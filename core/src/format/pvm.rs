@@ -152,7 +152,7 @@ impl<'a> Lines<'a> {
         Ok(&rest[..len])
     }
 
-    /// The next line as `N` numbers whose text and value pass.
+    /// Returns the next line as `N` numbers whose text and value pass.
     fn numbers<T: std::str::FromStr, const N: usize>(
         &mut self,
         what: &'static str,
@@ -281,7 +281,7 @@ fn write(volume: Volume, progress: &dyn Progress) -> Result<Vec<u8>, FormatError
     Ok(packed)
 }
 
-/// The plain bytes of a volume.
+/// Returns the plain bytes of a volume.
 pub fn to_plain(volume: Volume) -> Result<Vec<u8>, FormatError> {
     let Volume { dims, voxel_size, samples, data, texts } = volume;
     if Samples::of_components(samples.bytes()) != samples {
@@ -315,15 +315,15 @@ pub fn to_plain(volume: Volume) -> Result<Vec<u8>, FormatError> {
     Ok(plain)
 }
 
-/// An error if a volume is too large for PVM.
+/// Returns an error if a volume is too large for PVM.
 pub fn check_size(dims: UVec3, samples: Samples) -> Result<(), FormatError> {
     let [x, y, z] = dims.to_array().map(u64::from);
     let bytes = x.saturating_mul(y).saturating_mul(z).saturating_mul(u64::from(samples.bytes()));
     if bytes >= VOLUME_END { Err(FormatError::TooLargeForPvm(bytes)) } else { Ok(()) }
 }
 
-/// The shortest text that reads back to the same number. (The original writes 6 significant
-/// digits, which would lose some; it reads any number of them.)
+/// Returns the shortest text that reads back to the same number. (The original writes 6 significant digits, which would
+/// lose some; it reads any number of them.)
 fn shortest(value: f32) -> String {
     if (1e-4..1e9).contains(&value) { format!("{value}") } else { format!("{value:e}") }
 }

@@ -49,7 +49,7 @@ impl Ramp {
         Ramp { from: from as f32, colours_per_unit: colours_per_unit as f32, colours }
     }
 
-    /// The colour of a density; beyond the range that of its ends.
+    /// Returns the colour of a density; beyond the range that of its ends.
     #[inline]
     pub fn colour(&self, density: f32) -> Rgb {
         // The cast takes all below 0 to 0.

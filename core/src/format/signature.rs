@@ -38,8 +38,8 @@ impl Signature {
         texts.parameter = lines.join(&b'\n');
     }
 
-    /// The signature in the texts of a volume of `samples`, if there is one; an error that says
-    /// why it is not trusted.
+    /// Returns the signature in the texts of a volume of `samples`, if there is one; an error that says why it is not
+    /// trusted.
     pub fn find(texts: &Texts, samples: Samples) -> Option<Result<Signature, &'static str>> {
         let line = texts.parameter.split(|&b| b == b'\n').find(|l| is_signature(l))?;
         Some(std::str::from_utf8(line).map_err(|_| "it is not text").and_then(|line| {

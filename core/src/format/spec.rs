@@ -42,7 +42,7 @@ pub struct FormatSpec {
 }
 
 impl FormatSpec {
-    /// A format that is only read, and that nothing but its extensions identifies.
+    /// Returns a format that is only read, and that nothing but its extensions identifies.
     pub const fn new(
         name: &'static str,
         extensions: &'static [&'static str],
@@ -67,12 +67,12 @@ impl FormatSpec {
         format!("{} (.{})", self.name, self.extension())
     }
 
-    /// The extension under which it is written.
+    /// Returns the extension under which it is written.
     pub const fn extension(&self) -> &'static str {
         self.extensions[0]
     }
 
-    /// Whether a file may have such a name.
+    /// Returns whether a file may have such a name.
     pub fn is_named(&self, path: &Path) -> bool {
         self.extensions.iter().chain(self.parts).any(|ending| has_ending(path, ending))
     }
@@ -104,7 +104,7 @@ pub enum Sign {
 }
 
 impl Sign {
-    /// Whether a file that begins with `start` and has `length` bytes has the sign.
+    /// Returns whether a file that begins with `start` and has `length` bytes has the sign.
     pub fn is_in(&self, start: &[u8], length: u64) -> bool {
         match self {
             Sign::Exact(fits) => fits(start, length),
@@ -174,7 +174,7 @@ pub enum Export {
     Mesh(MeshWriter),
 }
 
-/// Whether the name of a file ends in a dot and `ending`, in capitals or not.
+/// Returns whether the name of a file ends in a dot and `ending`, in capitals or not.
 fn has_ending(path: &Path, ending: &str) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     name.strip_suffix(ending).is_some_and(|rest| rest.ends_with('.') && rest.len() > 1)

@@ -158,7 +158,7 @@ impl Seek for AtomicFile {
     }
 }
 
-/// The error of a disk, with a remedy.
+/// Returns the error of a disk, with a remedy.
 pub(crate) fn explained(error: Error) -> Error {
     let message = match error.kind() {
         ErrorKind::StorageFull => {
@@ -174,7 +174,7 @@ pub(crate) fn explained(error: Error) -> Error {
     Error::new(error.kind(), message)
 }
 
-/// The file that `path` resolves to, which need not exist.
+/// Returns the file that `path` resolves to, which need not exist.
 fn followed(path: &Path) -> Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {
@@ -258,8 +258,8 @@ fn rename(mut temporary: NamedTempFile, target: &Path) -> Result<()> {
     Err(Error::new(ErrorKind::ResourceBusy, message))
 }
 
-/// Whether an error of Windows means that another program has the file open: access denied, sharing or
-/// lock violation.
+/// Returns whether an error of Windows means that another program has the file open: access denied, sharing or lock
+/// violation.
 fn is_held(error: &Error) -> bool {
     cfg!(windows) && matches!(error.raw_os_error(), Some(5 | 32 | 33))
 }

@@ -18,8 +18,8 @@ const PROMINENCE: f64 = 1.5;
 /// Gaps between values that occur count as empty if fewer than this many fit the whole range.
 const GAPS: f64 = 16.0;
 
-/// The density from which on voxels exist. If all are equal, this density if it is above 0; else a
-/// density above it.
+/// Returns the density from which on voxels exist. If all are equal, this density if it is above 0; else a density
+/// above it.
 pub fn automatic(histogram: &Histogram) -> f64 {
     let Histogram { min, max, .. } = *histogram;
     if min == max {
@@ -63,7 +63,7 @@ fn otsu(histogram: &Histogram) -> Otsu {
     Otsu { threshold: histogram.start_of((first + last) / 2 + 1), means: best.1.map(value) }
 }
 
-/// The lowest place between two densities, if it lies clearly below both its sides.
+/// Returns the lowest place between two densities, if it lies clearly below both its sides.
 fn valley(histogram: &Histogram, [from, to]: [f64; 2]) -> Option<f64> {
     let min = f64::from(histogram.min);
     // A few very dense voxels must not squeeze all others into one bin.

@@ -44,7 +44,7 @@ impl Samples {
         (Samples::Rgba8, "rgba8"),
     ];
 
-    /// The usual sample type of a PVM volume with that many components (bytes per voxel).
+    /// Returns the usual sample type of a PVM volume with that many components (bytes per voxel).
     pub fn of_components(components: u32) -> Samples {
         match components {
             1 => Samples::U8,
@@ -66,7 +66,7 @@ impl Samples {
         }
     }
 
-    /// Whether a voxel holds one number.
+    /// Returns whether a voxel holds one number.
     pub fn is_density(self) -> bool {
         !matches!(self, Samples::Rgb8 | Samples::Rgba8 | Samples::Bytes(_))
     }
@@ -108,7 +108,7 @@ pub struct Texts {
 }
 
 impl Texts {
-    /// The texts with their names, in the order of the file.
+    /// Returns the texts with their names, in the order of the file.
     pub fn named(&self) -> [(&'static str, &[u8]); 4] {
         [
             ("description", &self.description),
@@ -118,13 +118,13 @@ impl Texts {
         ]
     }
 
-    /// Whether no text was stored.
+    /// Returns whether no text was stored.
     pub fn is_empty(&self) -> bool {
         self.named().iter().all(|(_, text)| text.is_empty())
     }
 
-    /// A text for display: decoded as UTF-8, else as Latin-1, with control characters other than line
-    /// ends replaced, since a file must not control a terminal.
+    /// Returns a text for display: decoded as UTF-8, else as Latin-1, with control characters other than line ends
+    /// replaced, since a file must not control a terminal.
     pub fn legible(text: &[u8]) -> String {
         let clean = |c: char| match c {
             '\n' => c,
@@ -180,7 +180,7 @@ impl Volume {
         Some((size, densities))
     }
 
-    /// The density of a voxel inside the volume; none in a volume of colours.
+    /// Returns the density of a voxel inside the volume; none in a volume of colours.
     pub fn density(&self, UVec3 { x, y, z }: UVec3) -> Option<f32> {
         let bytes = self.data.get(self.offset(x, y, z)..)?;
         match self.samples {

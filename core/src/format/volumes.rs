@@ -21,7 +21,7 @@ impl Default for Taken {
 }
 
 impl Taken {
-    /// The one that was asked for, or the one of the number `usual`.
+    /// Returns the one that was asked for, or the one of the number `usual`.
     fn new(
         what: &'static str,
         asked: Option<Ordinal>,
@@ -73,7 +73,7 @@ impl Volumes {
         })
     }
 
-    /// The kinds of which there are several, by their names, with those that are read.
+    /// Returns the kinds of which there are several, by their names, with those that are read.
     pub fn several(&self) -> impl Iterator<Item = (&'static str, Taken)> {
         [("channel", self.channel), ("time", self.time)]
             .into_iter()

@@ -38,19 +38,19 @@ impl FileDir {
         self.files.make_folder(&self.folder)
     }
 
-    /// The path of a file of the folder.
+    /// Returns the path of a file of the folder.
     pub fn path(&self, stem: impl Display, ending: &str) -> PathBuf {
         path_in(&self.folder, stem, ending)
     }
 
-    /// The files with an ending.
+    /// Returns the files with an ending.
     pub fn paths(&self, ending: &str) -> Result<Vec<PathBuf>> {
         let mut paths = self.files.list(&self.folder)?;
         paths.retain(|path| has_ending(path, ending));
         Ok(paths)
     }
 
-    /// The numbers of the files with an ending that have one for a name, rising.
+    /// Returns the numbers of the files with an ending that have one for a name, rising.
     pub fn numbers(&self, ending: &str) -> Result<Vec<u64>> {
         let number = |path: &PathBuf| path.file_stem()?.to_str()?.parse().ok();
         let mut numbers: Vec<u64> = self.paths(ending)?.iter().filter_map(number).collect();
@@ -86,7 +86,7 @@ impl FileDir {
         self.files.create(&self.unfinished(number))
     }
 
-    /// The unfinished file of a number.
+    /// Returns the unfinished file of a number.
     pub fn unfinished(&self, number: u64) -> PathBuf {
         self.path(number, UNFINISHED)
     }
@@ -96,7 +96,7 @@ impl FileDir {
         self.files.rename(&self.unfinished(number), path)
     }
 
-    /// Whether a number has an unfinished file, as far as can be seen.
+    /// Returns whether a number has an unfinished file, as far as can be seen.
     pub fn is_unfinished(&self, number: u64) -> bool {
         self.numbers(UNFINISHED).is_ok_and(|numbers| numbers.contains(&number))
     }
@@ -106,8 +106,8 @@ impl FileDir {
         self.files.remove(&self.unfinished(number))
     }
 
-    /// Whether a session that was killed has left an unfinished file. Those of living ones are locked before the first
-    /// byte is in them.
+    /// Returns whether a session that was killed has left an unfinished file. Those of living ones are locked before
+    /// the first byte is in them.
     pub fn is_left(&self, unfinished: &Path) -> bool {
         self.files.open(unfinished).is_ok_and(|source| source.bytes > 0)
     }
@@ -132,12 +132,12 @@ impl FileDir {
     }
 }
 
-/// The path of a file in a folder.
+/// Returns the path of a file in a folder.
 pub(super) fn path_in(folder: &Path, stem: impl Display, ending: &str) -> PathBuf {
     folder.join(format!("{stem}.{ending}"))
 }
 
-/// Whether a file has an ending.
+/// Returns whether a file has an ending.
 pub(super) fn has_ending(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|own| own == ending)
 }

@@ -21,7 +21,7 @@ pub trait Files: Debug + Send + Sync {
     fn rename(&self, from: &Path, to: &Path) -> Result<()>;
     /// Removes a file.
     fn remove(&self, path: &Path) -> Result<()>;
-    /// The files of a folder; none if it is not there.
+    /// Returns the files of a folder; none if it is not there.
     fn list(&self, folder: &Path) -> Result<Vec<PathBuf>>;
     /// Opens a file for reading, and locks it; [`ErrorKind::WouldBlock`] if it is locked.
     fn open(&self, path: &Path) -> Result<Source>;
@@ -41,9 +41,9 @@ pub trait Appender: Debug + Send {
     /// Waits until what was appended is on the disk. An error of kind [`ErrorKind::NotFound`] if the file
     /// has been removed meanwhile.
     fn sync(&mut self) -> Result<()>;
-    /// The same, to be called on another thread while more is appended; none where that cannot be.
+    /// Returns the same, to be called on another thread while more is appended; none where that cannot be.
     fn syncer(&self) -> Option<Syncer>;
-    /// Whether the file still has a name.
+    /// Returns whether the file still has a name.
     fn is_there(&self) -> bool;
 }
 
@@ -120,7 +120,7 @@ pub(super) fn make_private_folder(folder: &Path) -> Result<()> {
     builder.create(folder)
 }
 
-/// How to open a file that must not be there yet: nobody else may read or write what a user works on.
+/// Returns how to open a file that must not be there yet: nobody else may read or write what a user works on.
 pub(super) fn private_new_file() -> OpenOptions {
     let mut options = OpenOptions::new();
     options.create_new(true);
@@ -142,7 +142,7 @@ pub(super) fn lock(file: &File) -> Result<()> {
     })
 }
 
-/// Whether an open file still has a name.
+/// Returns whether an open file still has a name.
 pub(super) fn has_name(file: &File) -> bool {
     #[cfg(unix)]
     let has_name = |found: fs::Metadata| std::os::unix::fs::MetadataExt::nlink(&found) > 0;

@@ -23,7 +23,7 @@ const FRAME_BYTES: usize = 21;
 /// Where the checksum stands in the frame.
 const CHECKSUM_AT: usize = 17;
 
-/// The first bytes of a file.
+/// Returns the first bytes of a file.
 pub fn head() -> [u8; HEAD_BYTES] {
     let mut head = [0; HEAD_BYTES];
     head[..8].copy_from_slice(&MAGIC);
@@ -41,26 +41,26 @@ pub struct RecordBuffer {
 }
 
 impl RecordBuffer {
-    /// A record without payload yet.
+    /// Returns a record without payload yet.
     pub fn new(kind: u8) -> RecordBuffer {
         let mut bytes = vec![0; FRAME_BYTES];
         bytes[16] = kind;
         RecordBuffer { bytes }
     }
 
-    /// A record with this payload.
+    /// Returns a record with this payload.
     pub fn with_payload(kind: u8, payload: &[u8]) -> RecordBuffer {
         let mut record = RecordBuffer::new(kind);
         record.payload().extend_from_slice(payload);
         record
     }
 
-    /// The payload, to append to.
+    /// Returns the payload, to append to.
     pub fn payload(&mut self) -> &mut Vec<u8> {
         &mut self.bytes
     }
 
-    /// The whole record as number `sequence` of its file.
+    /// Returns the whole record as number `sequence` of its file.
     pub fn sealed(mut self, sequence: u64) -> Vec<u8> {
         let length = (self.bytes.len() - FRAME_BYTES) as u64;
         self.bytes[..8].copy_from_slice(&length.to_le_bytes());
@@ -72,7 +72,7 @@ impl RecordBuffer {
     }
 }
 
-/// The CRC-32 of bytes that follow each other.
+/// Returns the CRC-32 of bytes that follow each other.
 pub(super) fn checksum(parts: &[&[u8]]) -> u32 {
     let mut crc = crc32fast::Hasher::new();
     parts.iter().for_each(|part| crc.update(part));
@@ -111,12 +111,12 @@ impl RecordAppender {
         self.file.sync()
     }
 
-    /// The same, to be called on another thread: [`Appender::syncer`].
+    /// Returns the same, to be called on another thread: [`Appender::syncer`].
     pub fn syncer(&self) -> Option<Syncer> {
         self.file.syncer()
     }
 
-    /// Whether the file still has a name.
+    /// Returns whether the file still has a name.
     pub fn is_there(&self) -> bool {
         self.file.is_there()
     }
@@ -178,7 +178,7 @@ impl Records {
         self.left
     }
 
-    /// Why there was no further record; none while there may be one.
+    /// Returns why there was no further record; none while there may be one.
     pub fn ending(&self) -> Option<Ending> {
         self.ending
     }

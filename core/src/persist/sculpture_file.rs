@@ -27,7 +27,7 @@ pub struct SculptureFile {
 }
 
 impl SculptureFile {
-    /// A record of some kind that holds it.
+    /// Returns a record of some kind that holds it.
     pub(super) fn to_record_of(&self, kind: u8) -> RecordBuffer {
         let mut record = RecordBuffer::new(kind);
         let out = record.payload();

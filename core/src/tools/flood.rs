@@ -30,13 +30,13 @@ struct Reached {
     pending: Slices,
 }
 
-/// Whether a voxel exists and is of the surface.
+/// Returns whether a voxel exists and is of the surface.
 pub fn is_on_surface(grid: &Grid, v: IVec3) -> bool {
     grid.get(v) && (0..27).any(|i| !grid.get(v + IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)))
 }
 
-/// The voxels of the surface that are joined by faces to one of `starts` by such whose colours differ from its colour by at
-/// most `tolerance` of the range of each channel. Starts that are not of the surface have none.
+/// Returns the voxels of the surface that are joined by faces to one of `starts` by such whose colours differ from its
+/// colour by at most `tolerance` of the range of each channel. Starts that are not of the surface have none.
 pub fn patch(contents: &Contents, starts: &[UVec3], tolerance: f32) -> ListedBricks {
     let from_each = starts.iter().map(|start| {
         let colour = contents.rgb(*start);
@@ -50,7 +50,7 @@ fn is_alike(Rgb(a): Rgb, Rgb(b): Rgb, tolerance: f32) -> bool {
     a.into_iter().zip(b).all(|(a, b)| f32::from(a.abs_diff(b)) <= tolerance * 255.0)
 }
 
-/// All existing voxels of a colour, to within `tolerance` of the range of each channel.
+/// Returns all existing voxels of a colour, to within `tolerance` of the range of each channel.
 pub fn of_colour(contents: &Contents, colour: Rgb, tolerance: f32) -> ListedBricks {
     let Contents { grid, material, .. } = contents;
     let base = is_alike(colour, material.base(), tolerance);
@@ -71,7 +71,7 @@ pub fn of_colour(contents: &Contents, colour: Rgb, tolerance: f32) -> ListedBric
     ListedBricks::new(bricks.into_par_iter().filter_map(of_brick).collect())
 }
 
-/// The voxels that are joined by faces to `start` within those that `may` gives for each brick.
+/// Returns the voxels that are joined by faces to `start` within those that `may` gives for each brick.
 pub(super) fn patch_by(grid: &Grid, start: UVec3, may: &dyn Fn(UVec3) -> Slices) -> ListedBricks {
     let dims = grid.brick_dims().as_ivec3();
     let mut reached: HashMap<UVec3, Reached> = HashMap::new();
@@ -119,7 +119,7 @@ pub(super) fn patch_by(grid: &Grid, start: UVec3, may: &dyn Fn(UVec3) -> Slices)
     ListedBricks::new(bricks)
 }
 
-/// All voxels of `may` that are joined to one of `seeds` by faces within it.
+/// Returns all voxels of `may` that are joined to one of `seeds` by faces within it.
 fn spread(seeds: Slices, may: &Slices) -> Slices {
     let mut filled = seeds;
     loop {
@@ -137,7 +137,7 @@ fn spread(seeds: Slices, may: &Slices) -> Slices {
     }
 }
 
-/// The voxels of a brick that are of the surface and have such a colour.
+/// Returns the voxels of a brick that are of the surface and have such a colour.
 fn alike_on_surface(contents: &Contents, b: UVec3, is_alike: &dyn Fn(Rgb) -> bool) -> Slices {
     let Contents { grid, material, .. } = contents;
     let index = grid.brick_index(b);
@@ -155,7 +155,7 @@ fn alike_on_surface(contents: &Contents, b: UVec3, is_alike: &dyn Fn(Rgb) -> boo
     alike.to_rows()
 }
 
-/// The voxels of a brick that are of the surface.
+/// Returns the voxels of a brick that are of the surface.
 pub(super) fn surface_of(grid: &Grid, b: UVec3) -> Slices {
     // The voxels of the brick and one more on each side: bit x + 1 of the rows [z + 1][y + 1].
     let mut rows = [[0u16; 10]; 10];
@@ -211,7 +211,7 @@ mod tests {
     use crate::scenes::{Random, grid_of};
     use crate::sculpture::{ColourDepth, Material};
 
-    /// The patch voxel by voxel.
+    /// Returns the patch voxel by voxel.
     fn naive(contents: &Contents, start: UVec3, tolerance: f32) -> HashSet<UVec3> {
         let colour = contents.rgb(start);
         let belongs = |v: IVec3| {

@@ -12,7 +12,7 @@ use crate::sculpture::region::{Region, VoxelBox};
 use crate::sculpture::selection::Selection;
 use crate::sculpture::{Brick, Grid};
 
-/// The voxels of a region that lie in a grid of `dims`, brick by brick.
+/// Returns the voxels of a region that lie in a grid of `dims`, brick by brick.
 fn voxels_of(region: &impl Region, dims: UVec3) -> Vec<IVec3> {
     dispatch!(Level::new(), simd => voxels_by(simd, region, dims))
 }

@@ -24,7 +24,7 @@ const ROUNDS: [u32; 2] = [1, 4];
 /// By how much more of the cube around a voxel of a cavity is filled than around one of a plane.
 const CAVITY_SHARE: f32 = 0.06;
 
-/// The voxels that `mask` gains when it grows by `by` voxels.
+/// Returns the voxels that `mask` gains when it grows by `by` voxels.
 pub fn grown(mask: &Grid, by: u32) -> ListedBricks {
     let Some(bounds) = bounds_of(mask) else { return ListedBricks::default() };
     let reach = IVec3::splat(by as i32);
@@ -35,7 +35,7 @@ pub fn grown(mask: &Grid, by: u32) -> ListedBricks {
     ListedBricks::new(added.bricks(mask.brick_dims()))
 }
 
-/// The voxels that `mask` loses when it shrinks by `by` voxels. It stays where it reaches the grid's border.
+/// Returns the voxels that `mask` loses when it shrinks by `by` voxels. It stays where it reaches the grid's border.
 pub fn shrunk(mask: &Grid, by: u32) -> ListedBricks {
     let Some(bounds) = bounds_of(mask) else { return ListedBricks::default() };
     let (min, max) = (bounds.min - 1, bounds.max + 1);
@@ -56,8 +56,8 @@ pub fn shrunk(mask: &Grid, by: u32) -> ListedBricks {
     ListedBricks::new(start.zip(&bits, |old, left| old & !left).bricks(mask.brick_dims()))
 }
 
-/// The voxels that `mask` gains and loses when its outline is evened by the majority of the cube of `radius_vx` around
-/// each voxel. Beyond the grid the mask continues as it is at the border, so that the border is no outline.
+/// Returns the voxels that `mask` gains and loses when its outline is evened by the majority of the cube of `radius_vx`
+/// around each voxel. Beyond the grid the mask continues as it is at the border, so that the border is no outline.
 pub fn evened(mask: &Grid, radius_vx: u32) -> (ListedBricks, ListedBricks) {
     let Some(bounds) = bounds_of(mask) else { return Default::default() };
     let reach = IVec3::splat(radius_vx as i32);
@@ -71,12 +71,12 @@ pub fn evened(mask: &Grid, radius_vx: u32) -> (ListedBricks, ListedBricks) {
     (bricks(added), bricks(removed))
 }
 
-/// The voxels of a mask as a list.
+/// Returns the voxels of a mask as a list.
 pub fn listed(mask: &Grid) -> ListedBricks {
     ListedBricks::new(mask.nonempty_bricks().map(|(b, brick)| (b, *brick)).collect())
 }
 
-/// All voxels within about `by` voxels of those listed.
+/// Returns all voxels within about `by` voxels of those listed.
 pub fn thickened(voxels: &ListedBricks, brick_dims: UVec3, by: u32) -> ListedBricks {
     let bounds = voxels.bounds_vx();
     if by == 0 || bounds.is_empty() {
@@ -88,8 +88,8 @@ pub fn thickened(voxels: &ListedBricks, brick_dims: UVec3, by: u32) -> ListedBri
     ListedBricks::new(spread(bits, by).bricks(brick_dims))
 }
 
-/// The voxels of the surface around which more is filled than around a plane: furrows, corners and holes, looked for
-/// within `reach_vx` voxels.
+/// Returns the voxels of the surface around which more is filled than around a plane: furrows, corners and holes,
+/// looked for within `reach_vx` voxels.
 pub fn cavities(grid: &Grid, reach_vx: u32) -> ListedBricks {
     let edge = (2 * reach_vx + 1) as f32;
     let plane = (reach_vx as f32 + 1.0) / edge;
@@ -104,8 +104,8 @@ pub fn cavities(grid: &Grid, reach_vx: u32) -> ListedBricks {
     ListedBricks::new(bricks.into_par_iter().filter_map(of_brick).collect())
 }
 
-/// The voxels of the surface that are joined by faces to `start` by such whose normals turn by at most `angle_deg` from
-/// its own. Nothing if `start` is not of the surface.
+/// Returns the voxels of the surface that are joined by faces to `start` by such whose normals turn by at most
+/// `angle_deg` from its own. Nothing if `start` is not of the surface.
 pub fn flat_patch(grid: &Grid, start: UVec3, angle_deg: f32) -> ListedBricks {
     let size = grid.voxel_size();
     let normal = |window: &Window, local: UVec3| {
@@ -127,7 +127,7 @@ pub fn flat_patch(grid: &Grid, start: UVec3, angle_deg: f32) -> ListedBricks {
     flood::patch_by(grid, start, &may)
 }
 
-/// A box around the voxels of a grid, by bricks; none if there are none.
+/// Returns a box around the voxels of a grid, by bricks; none if there are none.
 fn bounds_of(grid: &Grid) -> Option<VoxelBox> {
     let edge = BRICK_EDGE_VX;
     let around = |a: (UVec3, UVec3), b: (UVec3, UVec3)| (a.0.min(b.0), a.1.max(b.1));
@@ -135,14 +135,14 @@ fn bounds_of(grid: &Grid) -> Option<VoxelBox> {
     Some(VoxelBox { min: (low * edge).as_ivec3(), max: (high * edge).as_ivec3() })
 }
 
-/// A block of the same place with all voxels.
+/// Returns a block of the same place with all voxels.
 fn filled(block: &BitBlock) -> BitBlock {
     let mut all = block.zip(block, |_, _| u64::MAX);
     all.keep_box(block.origin(), block.origin() + block.size().as_ivec3());
     all
 }
 
-/// A block grown by `by` voxels within its size.
+/// Returns a block grown by `by` voxels within its size.
 fn spread(mut bits: BitBlock, by: u32) -> BitBlock {
     let may = filled(&bits);
     for round in 0..by {
@@ -152,7 +152,7 @@ fn spread(mut bits: BitBlock, by: u32) -> BitBlock {
     bits
 }
 
-/// The voxels of a brick for which `is` holds.
+/// Returns the voxels of a brick for which `is` holds.
 fn chosen(voxels: &Slices, is: impl Fn(UVec3) -> bool) -> Brick {
     let mut chosen = Brick::EMPTY;
     Brick::from_rows(voxels).for_each(|local| {
@@ -183,8 +183,8 @@ impl Window {
         Window { rows: std::array::from_fn(|z| std::array::from_fn(|y| row(y, z))) }
     }
 
-    /// How many voxels exist in the cube that reaches `reach` voxels around one of the brick, and the sum of the ways to
-    /// them.
+    /// Returns how many voxels exist in the cube that reaches `reach` voxels around one of the brick, and the sum of
+    /// the ways to them.
     fn moment(&self, local: UVec3, reach: u32) -> (u32, IVec3) {
         let [x, y, z] = (local + MAX_REACH_VX).to_array();
         let (mut count, mut sum) = (0, IVec3::ZERO);
@@ -211,7 +211,8 @@ impl Window {
     }
 }
 
-/// The direction out of the clay at a voxel of the surface, in the world, of length 1; 0 where all sides are alike.
+/// Returns the direction out of the clay at a voxel of the surface, in the world, of length 1; 0 where all sides are
+/// alike.
 pub fn normal_at(grid: &Grid, v: UVec3) -> Vec3 {
     let (_, moment) =
         Window::around(grid, v / BRICK_EDGE_VX).moment(v % BRICK_EDGE_VX, MAX_REACH_VX);

@@ -54,7 +54,7 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The smallest box around it, in voxels: its lowest voxel and one past its highest.
+    /// Returns the smallest box around it, in voxels: its lowest voxel and one past its highest.
     pub fn bounds(&self) -> (UVec3, UVec3) {
         (self.low.map(u32::from).into(), self.high.map(u32::from).into())
     }
@@ -72,7 +72,7 @@ pub struct Pieces<'a> {
     pieces: Vec<Piece>,
 }
 
-/// The pieces of a part of a grid, found within `budget_bytes` beside it.
+/// Returns the pieces of a part of a grid, found within `budget_bytes` beside it.
 pub fn pieces<'a>(
     grid: &'a Grid,
     part: Part,
@@ -122,24 +122,24 @@ impl<'a> Pieces<'a> {
         Ok(pieces)
     }
 
-    /// All pieces, numbered from 0 on in the order of their first bricks.
+    /// Returns all pieces, numbered from 0 on in the order of their first bricks.
     pub fn list(&self) -> &[Piece] {
         &self.pieces
     }
 
-    /// The number of the piece with most voxels; the first of equals.
+    /// Returns the number of the piece with most voxels; the first of equals.
     pub fn largest(&self) -> Option<u32> {
         let most = self.pieces.iter().map(|piece| piece.voxels).max()?;
         self.pieces.iter().position(|piece| piece.voxels == most).map(|place| place as u32)
     }
 
-    /// Whether a piece touches the border of the grid. An empty one that does not is a cavity.
+    /// Returns whether a piece touches the border of the grid. An empty one that does not is a cavity.
     pub fn reaches_border(&self, piece: u32) -> bool {
         let (low, high) = self.pieces[piece as usize].bounds();
         low.min_element() == 0 || high.cmpeq(self.grid.dims()).any()
     }
 
-    /// The number of the piece at a voxel; none outside of the grid or in the other part.
+    /// Returns the number of the piece at a voxel; none outside of the grid or in the other part.
     pub fn at(&self, voxel: IVec3) -> Option<u32> {
         let inside = self.grid.contains(voxel);
         let v = inside.then(|| voxel.as_uvec3())?;
@@ -155,7 +155,7 @@ impl<'a> Pieces<'a> {
         found
     }
 
-    /// The voxels of a brick (by linear index) whose pieces are chosen.
+    /// Returns the voxels of a brick (by linear index) whose pieces are chosen.
     pub fn chosen(&self, brick: usize, is_chosen: &impl Fn(u32) -> bool) -> Brick {
         let mut chosen = self.bits(brick);
         for (word, bits) in chosen.words.iter_mut().enumerate() {
@@ -267,7 +267,7 @@ fn bits_of(grid: &Grid, part: Part, brick: usize) -> Brick {
     }
 }
 
-/// The first node of each word, and how many nodes there are.
+/// Returns the first node of each word, and how many nodes there are.
 fn number_nodes(grid: &Grid, part: Part) -> (Vec<[u32; BRICK_WORDS]>, u32) {
     let mut first = vec![[0; BRICK_WORDS]; grid.brick_count()];
     first.par_iter_mut().enumerate().with_min_len(1 << 10).for_each(|(brick, counts)| {
@@ -307,7 +307,7 @@ fn for_each_node(first: u32, word: u64, mut f: impl FnMut(u32, u64)) {
     }
 }
 
-/// The voxels of a word that can be reached from `seed` through those of `within`.
+/// Returns the voxels of a word that can be reached from `seed` through those of `within`.
 #[inline(always)]
 fn flood(mut seed: u64, within: u64) -> u64 {
     loop {
@@ -353,7 +353,7 @@ impl Forest {
         });
     }
 
-    /// The root of a node; halves the path to it.
+    /// Returns the root of a node; halves the path to it.
     #[inline(always)]
     fn root(&self, mut node: u32) -> u32 {
         loop {
@@ -384,7 +384,7 @@ impl Forest {
         }
     }
 
-    /// The number of each node's set, in the order of the roots, and how many sets there are.
+    /// Returns the number of each node's set, in the order of the roots, and how many sets there are.
     fn into_numbers(self) -> (Vec<u32>, u32) {
         let mut numbers: Vec<u32> = self.parents.into_iter().map(AtomicU32::into_inner).collect();
         let mut count = 0;
@@ -429,7 +429,7 @@ pub fn fill_holes(
     Ok(())
 }
 
-/// The bricks that `of` returns, where they differ from those of the grid.
+/// Returns the bricks that `of` returns, where they differ from those of the grid.
 fn changed(pieces: &Pieces<'_>, of: &(dyn Fn(usize) -> Brick + Sync)) -> Vec<(usize, Brick)> {
     let grid = pieces.grid;
     let bricks = (0..grid.brick_count()).into_par_iter().with_min_len(1 << 10);

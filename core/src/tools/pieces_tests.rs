@@ -21,7 +21,7 @@ fn voxels(grid: &Grid) -> Vec<IVec3> {
     (0..count).map(|index| grid.voxel_coords(index).as_ivec3()).collect()
 }
 
-/// The voxels of each piece in order, found one by one.
+/// Returns the voxels of each piece in order, found one by one.
 fn by_search(grid: &Grid, part: Part) -> Vec<Vec<IVec3>> {
     let is_meant = |v: IVec3| grid.contains(v) && grid.get(v) == (part == Part::Solid);
     let mut seen = std::collections::HashSet::new();
@@ -129,7 +129,7 @@ fn many_layers_are_joined_by_all_threads() {
     check(&grid, Part::Solid);
 }
 
-/// A hollow ball with a small ball inside, a speck outside, and a hole that is open to the border.
+/// Returns a hollow ball with a small ball inside, a speck outside, and a hole that is open to the border.
 fn hollow() -> Grid {
     grid_of([40, 40, 40], |v| {
         let r2 = (v - IVec3::splat(19)).length_squared();

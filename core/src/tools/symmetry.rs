@@ -22,7 +22,7 @@ impl Parity {
     /// Both parities.
     pub const ALL: [Parity; 2] = [Parity::Even, Parity::Odd];
 
-    /// Its name in the text form and the interface.
+    /// Returns the name in the text form and the interface.
     pub const fn name(self) -> &'static str {
         match self {
             Parity::Even => "even",
@@ -73,7 +73,7 @@ impl Symmetry {
         Symmetry { axes, plane: None, radial: None }
     }
 
-    /// An error that names the first invalid value, if there is one.
+    /// Returns an error that says which value is invalid, if one is.
     pub fn check(&self) -> Result<(), InvalidValue> {
         let place = |field, at: Vec3| {
             let is_near = at.is_finite() && at.abs().max_element() <= FURTHEST_VX;
@@ -104,7 +104,7 @@ impl Symmetry {
         (1 << planes) * self.radial.map_or(1, |radial| radial.count as usize)
     }
 
-    /// The same about the same voxels after a grid of `dims` voxels was laid another way.
+    /// Returns the same about the same voxels after a grid of `dims` voxels was laid another way.
     pub fn oriented(&self, orientation: Orientation, dims: UVec3) -> Symmetry {
         let place = |v: IVec3| orientation.destination(v, dims).as_vec3();
         let first = place(IVec3::ZERO);
@@ -139,8 +139,8 @@ impl Symmetry {
         })
     }
 
-    /// All images in a grid of `dims` voxels with edges of `voxel_size`, starting with the identity. The symmetry must be
-    /// valid.
+    /// Returns all images in a grid of `dims` voxels with edges of `voxel_size`, starting with the identity. The
+    /// symmetry must be valid.
     pub fn images(&self, dims: UVec3, voxel_size: Vec3) -> Vec<SymmetryTransform> {
         let mut images = vec![SymmetryTransform { planes: [None; 3], moved: None }];
         let mut planes: Vec<(usize, f32)> = Vec::new();
@@ -198,13 +198,13 @@ impl Radial {
     }
 }
 
-/// The point in voxel coordinates that all mirror planes along the grid go through.
+/// Returns the point in voxel coordinates that all mirror planes along the grid go through.
 pub(super) fn origin_of(images: &[SymmetryTransform]) -> DVec3 {
     let plane = |axis: usize| images.iter().find_map(|image| image.planes[axis]);
     DVec3::from([0, 1, 2].map(|axis| plane(axis).map_or(0.0, f64::from)))
 }
 
-/// The axis of the grid along which a direction lies.
+/// Returns the axis of the grid along which a direction lies.
 fn grid_axis(direction: Vec3) -> Option<usize> {
     let mut others = (0..3).filter(|axis| direction[*axis] != 0.0);
     others.next().filter(|_| others.next().is_none())
@@ -227,14 +227,14 @@ impl Move {
         Move::about(plane.at_vx, DMat3::IDENTITY - outer * 2.0, stretch)
     }
 
-    /// The `k`th of the turns.
+    /// Returns the `k`th of the turns.
     fn turn(radial: &Radial, k: u32, stretch: DVec3) -> Move {
         let angle = std::f64::consts::TAU * f64::from(k) / f64::from(radial.count);
         let turn = DMat3::from_axis_angle(radial.axis.as_dvec3().normalize(), angle);
         Move::about(radial.at_vx, turn, stretch)
     }
 
-    /// The move by `linear` that leaves a point (voxel coordinates) where it is.
+    /// Returns the move by `linear` that leaves a point (voxel coordinates) where it is.
     fn about(at_vx: Vec3, linear: DMat3, stretch: DVec3) -> Move {
         // Quarter turns are exact.
         let snapped = |v: f64| if (v - v.round()).abs() < 1e-12 { v.round() } else { v };
@@ -270,7 +270,7 @@ impl SymmetryTransform {
         SymmetryTransform { moved: Some(moved), ..*self }
     }
 
-    /// Whether it is made by planes along the grid alone, and so differs in signs only.
+    /// Returns whether it is made by planes along the grid alone, and so differs in signs only.
     pub(super) fn is_along_grid(&self) -> bool {
         self.moved.is_none()
     }
@@ -289,7 +289,7 @@ impl SymmetryTransform {
         DVec3::from(self.planes.map(|plane| if plane.is_some() { -1.0 } else { 1.0 }))
     }
 
-    /// The image of a point in grid coordinates: exact for centres of voxels where planes lie along the grid.
+    /// Returns the image of a point in grid coordinates: exact for centres of voxels where planes lie along the grid.
     pub fn point_exactly(&self, p: DVec3) -> DVec3 {
         let p = self.mirrored(p);
         match &self.moved {
@@ -298,8 +298,8 @@ impl SymmetryTransform {
         }
     }
 
-    /// The image of a point relative to `origin` ([`origin_of`] all images): of those along the grid, images differ in
-    /// signs only and are rounded alike.
+    /// Returns the image of a point relative to `origin` ([`origin_of`] all images): of those along the grid, images
+    /// differ in signs only and are rounded alike.
     pub(super) fn relative(&self, p: DVec3, origin: DVec3) -> DVec3 {
         match self.moved {
             Some(_) => self.point_exactly(p) - origin,
@@ -307,7 +307,7 @@ impl SymmetryTransform {
         }
     }
 
-    /// The point in grid coordinates whose image is `p`.
+    /// Returns the point in grid coordinates whose image is `p`.
     pub fn origin_of(&self, p: DVec3) -> DVec3 {
         self.mirrored(match &self.moved {
             Some(Move { linear, offset, stretch }) => {
@@ -317,7 +317,7 @@ impl SymmetryTransform {
         })
     }
 
-    /// The image of a point in grid coordinates.
+    /// Returns the image of a point in grid coordinates.
     pub fn point(&self, p: Vec3) -> Vec3 {
         match self.moved {
             Some(_) => self.point_exactly(p.as_dvec3()).as_vec3(),
@@ -333,12 +333,12 @@ impl SymmetryTransform {
         }
     }
 
-    /// The image of a direction in grid coordinates.
+    /// Returns the image of a direction in grid coordinates.
     pub fn vector(&self, v: Vec3) -> Vec3 {
         self.vector_exactly(v.as_dvec3()).as_vec3()
     }
 
-    /// The image of a direction in grid coordinates.
+    /// Returns the image of a direction in grid coordinates.
     pub(super) fn vector_exactly(&self, v: DVec3) -> DVec3 {
         let v = v * self.signs();
         match &self.moved {
@@ -347,24 +347,24 @@ impl SymmetryTransform {
         }
     }
 
-    /// The image of a direction in the world, along axes of the grid.
+    /// Returns the image of a direction in the world, along axes of the grid.
     pub(super) fn normal(&self, normal: DVec3) -> DVec3 {
         self.linear() * normal
     }
 
-    /// The orthogonal map of directions in the world.
+    /// Returns the orthogonal map of directions in the world.
     pub(super) fn linear(&self) -> DMat3 {
         let mirror = DMat3::from_diagonal(self.signs());
         self.moved.map_or(mirror, |moved| moved.linear * mirror)
     }
 
-    /// Whether it is a reflection, which reverses the sense of rotations.
+    /// Returns whether it is a reflection, which reverses the sense of rotations.
     pub(super) fn is_reflection(&self) -> bool {
         self.linear().determinant() < 0.0
     }
 
-    /// The rotation of the mirrored image of a shape. A reflection is no rotation; but a shape that is symmetric about
-    /// its own x plane, as every solid is, may be reflected there as well, which makes it one.
+    /// Returns the rotation of the mirrored image of a shape. A reflection is no rotation; but a shape that is
+    /// symmetric about its own x plane, as every solid is, may be reflected there as well, which makes it one.
     pub fn rotation(&self, of: Quat) -> Quat {
         if self.moved.is_some() {
             let own = if self.is_reflection() { DVec3::new(-1.0, 1.0, 1.0) } else { DVec3::ONE };

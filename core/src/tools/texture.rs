@@ -31,7 +31,7 @@ impl Texture {
         [self.width, (self.pixels.len() / self.width as usize) as u32]
     }
 
-    /// The colour at `at`: (0, 0) is the lower left corner, (1, 1) the upper right one. Interpolated
+    /// Returns the colour at `at`: (0, 0) is the lower left corner, (1, 1) the upper right one. Interpolated
     /// bilinearly, and clamped at the edges.
     pub fn sample(&self, at: Vec2) -> Rgb {
         let [width, height] = self.size();
@@ -51,19 +51,20 @@ impl Texture {
     }
 }
 
-/// The position on an image that is wrapped once around a ball, by longitude and latitude, of a point of tool space.
+/// Returns the position on an image that is wrapped once around a ball, by longitude and latitude, of a point of tool
+/// space.
 pub fn around_ball(p: Vec3) -> Vec2 {
     let length = p.length().max(f32::MIN_POSITIVE);
     let longitude = p.x.atan2(p.z);
     vec2(0.5 + longitude / TAU, 0.5 + (p.y / length).clamp(-1.0, 1.0).asin() / PI)
 }
 
-/// The position on an image that is wrapped once around the side; the caps show its upper or lower edge.
+/// Returns the position on an image that is wrapped once around the side; the caps show its upper or lower edge.
 pub fn around_side(p: Vec3) -> Vec2 {
     vec2(0.5 + p.x.atan2(p.z) / TAU, 0.5 * p.y + 0.5)
 }
 
-/// The position on an image on each face of a cuboid.
+/// Returns the position on an image on each face of a cuboid.
 pub fn on_faces(p: Vec3) -> Vec2 {
     let a = p.abs();
     let on_face = match a.y > a.x.max(a.z) {
@@ -73,7 +74,8 @@ pub fn on_faces(p: Vec3) -> Vec2 {
     on_face * 0.5 + 0.5
 }
 
-/// How far to the right a point is on the nearest of four sides, each seen from outside, so that writing is not mirrored.
+/// Returns how far to the right a point is on the nearest of four sides, each seen from outside, so that writing is not
+/// mirrored.
 pub fn on_side(p: Vec3) -> f32 {
     match p.x.abs() > p.z.abs() {
         true => -p.z * p.x.signum(),

@@ -55,7 +55,7 @@ pub enum Tint {
 }
 
 impl Tint {
-    /// The verb of the text form.
+    /// Returns the verb of the text form.
     pub const fn verb(&self) -> &'static str {
         match self {
             Tint::Adjust { .. } => "adjust",
@@ -64,7 +64,7 @@ impl Tint {
         }
     }
 
-    /// An error that names the first number out of range, if there is one.
+    /// Returns an error that says which number is out of range, if one is.
     pub fn check(&self) -> Result<(), InvalidValue> {
         match *self {
             Tint::Adjust { hue_deg, saturation, value } => {
@@ -156,7 +156,7 @@ impl Tinter {
         })
     }
 
-    /// Whether voxels of the base colour surely keep it.
+    /// Returns whether voxels of the base colour surely keep it.
     pub fn keeps_base(&self) -> bool {
         match &self.0 {
             Prepared::Adjust { base: [base, adjusted], .. } => base == adjusted,
@@ -166,7 +166,7 @@ impl Tinter {
         }
     }
 
-    /// The new colour of the voxel `v`.
+    /// Returns the new colour of the voxel `v`.
     pub fn colour(&self, v: UVec3, now: Rgb) -> Rgb {
         let centre = v.as_vec3() + 0.5;
         match &self.0 {
@@ -186,7 +186,7 @@ impl Tinter {
     }
 }
 
-/// A colour with `share` of another, in the values that are stored, as brushes blend.
+/// Returns a colour with `share` of another, in the values that are stored, as brushes blend.
 fn blended(now: Rgb, other: Rgb, share: f32) -> Rgb {
     let channel = |i: usize| {
         let (a, b) = (f32::from(now.0[i]), f32::from(other.0[i]));
@@ -196,7 +196,7 @@ fn blended(now: Rgb, other: Rgb, share: f32) -> Rgb {
     Rgb([channel(0), channel(1), channel(2)])
 }
 
-/// A colour with another hue, saturation and value. (HSV: Smith, "Color gamut transform pairs", 1978.)
+/// Returns a colour with another hue, saturation and value. (HSV: Smith, "Color gamut transform pairs", 1978.)
 fn adjusted(Rgb(rgb): Rgb, [hue_deg, saturation_factor, value_factor]: [f32; 3]) -> Rgb {
     let [r, g, b] = rgb.map(|channel| f32::from(channel) / 255.0);
     let value = r.max(g).max(b);
@@ -241,7 +241,7 @@ fn oklab_of(Rgb(rgb): Rgb) -> Vec3 {
     )
 }
 
-/// The inverse of [`oklab_of`], cut to the colours that there are.
+/// Returns the inverse of [`oklab_of`], cut to the colours that there are.
 fn oklab_to_rgb(lab: Vec3) -> Rgb {
     let cones = [
         Vec3::new(1.0, 0.396_337_78, 0.215_803_76),
@@ -317,7 +317,7 @@ fn gradient_noise(p: Vec3, seed: u32) -> f32 {
     lerp(along_y(0), along_y(1), fade.z)
 }
 
-/// A number that looks random. (The finaliser of MurmurHash3, Appleby 2011.)
+/// Returns a number that looks random. (The finaliser of MurmurHash3, Appleby 2011.)
 #[inline(always)]
 fn hash(mixed: u32) -> u32 {
     let mixed = (mixed ^ mixed >> 16).wrapping_mul(0x85EB_CA6B);

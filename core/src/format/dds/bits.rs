@@ -14,8 +14,8 @@ impl<'a> BitSource<'a> {
         BitSource { bytes }
     }
 
-    /// The bits from `position` on, first one highest. At least the first 57 are those of
-    /// the source, the rest may be zero instead.
+    /// Returns the bits from `position` on, first one highest. At least the first 57 are those of the source, the rest
+    /// may be zero instead.
     #[inline(always)]
     pub fn peek57(&self, position: u64) -> u64 {
         let at = (position >> 3) as usize;
@@ -26,7 +26,7 @@ impl<'a> BitSource<'a> {
         word << (position & 7)
     }
 
-    /// The next `bits` (1 to 57) bits from `position` on, as a number.
+    /// Returns the next `bits` (1 to 57) bits from `position` on, as a number.
     #[inline(always)]
     pub fn field(&self, position: u64, bits: u32) -> u64 {
         self.peek57(position) >> (64 - bits)
@@ -116,7 +116,7 @@ impl BitSink {
         }
     }
 
-    /// All bits as bytes, the last one filled up with zeros.
+    /// Returns all bits as bytes, the last one filled up with zeros.
     pub fn into_bytes(mut self) -> Vec<u8> {
         if self.end.pending_bits > 0 {
             self.reserve(1);

@@ -122,13 +122,12 @@ impl<'a> Stream<'a> {
         self.total
     }
 
-    /// Whether [`Stream::prefix`] has to go through much of the stream, and decoding takes twice the
-    /// memory.
+    /// Returns whether [`Stream::prefix`] has to go through much of the stream, and decoding takes twice the memory.
     pub fn header_is_scattered(&self) -> bool {
         self.layout.skip > 1
     }
 
-    /// The first `count` decoded bytes, or all if there are fewer, in little memory.
+    /// Returns the first `count` decoded bytes, or all if there are fewer, in little memory.
     pub fn prefix(&self, count: usize) -> Vec<u8> {
         let count = self.total.min(count as u64);
         // The prefix may not reach into the second block, which is far beyond any header.
@@ -216,7 +215,7 @@ impl<'a> Stream<'a> {
         unpredictor
     }
 
-    /// The segments with the samples that they hold.
+    /// Returns the segments with the samples that they hold.
     fn segment_ranges(&self) -> impl Iterator<Item = (Segment, Range<u64>)> {
         let ends = self.segments.iter().skip(1).map(|s| s.sample).chain([self.total]);
         self.segments.iter().zip(ends).map(|(segment, end)| (*segment, segment.sample..end))

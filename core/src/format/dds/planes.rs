@@ -25,8 +25,8 @@ impl Layout {
         self.block_bytes.unwrap_or(total).max(1)
     }
 
-    /// Where in the stream the first `count` bytes of the first block lie, plane by plane, when
-    /// the whole has `total` bytes.
+    /// Returns where in the stream the first `count` bytes of the first block lie, plane by plane, when the whole has
+    /// `total` bytes.
     pub fn prefix_ranges(&self, total: u64, count: u64) -> Vec<Range<u64>> {
         let block = self.block_bytes.map_or(total, |b| total.min(b as u64));
         let planes = 0..self.skip as u64;

@@ -111,8 +111,8 @@ impl Carry {
         Carry { columns: vec![0; if strip == 1 { 0 } else { strip }], last: 0 }
     }
 
-    /// The shift for the stretch that starts at sample `index`; `undone` is its unpredictor after
-    /// its `count` samples, `sum` its last sample. The carry then stands behind the stretch.
+    /// Returns the shift for the stretch that starts at sample `index`; `undone` is its unpredictor after its `count`
+    /// samples, `sum` its last sample. The carry then stands behind the stretch.
     pub fn pass(&mut self, undone: &Unpredictor, index: u64, count: usize, sum: u8) -> Shift {
         let base = self.last;
         if self.columns.is_empty() {
@@ -178,7 +178,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The formula of the description, sample by sample.
+    /// Returns the formula of the description, sample by sample.
     fn naive_undo(residuals: &[u8], strip: usize) -> Vec<u8> {
         let mut x: Vec<u8> = Vec::new();
         for (i, &r) in residuals.iter().enumerate() {

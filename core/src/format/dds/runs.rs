@@ -113,7 +113,7 @@ fn residuals<const W: u32>(fields: u64) -> u64 {
     }
 }
 
-/// The inverse of [`residuals`]; residuals that do not fit lose their upper bits.
+/// Returns the inverse of [`residuals`]; residuals that do not fit lose their upper bits.
 #[inline(always)]
 fn fields<const W: u32>(residuals: u64) -> u64 {
     let bias = EACH_BYTE << (W - 1);
@@ -128,7 +128,7 @@ fn fields<const W: u32>(residuals: u64) -> u64 {
 
 const EACH_BYTE: u64 = 0x0101_0101_0101_0101;
 
-/// The lowest `bits` bits of every lane of `lane` bits.
+/// Returns the lowest `bits` bits of every lane of `lane` bits.
 const fn lanes(lane: u32, bits: u32) -> u64 {
     let mut mask = 0;
     let mut at = 0;

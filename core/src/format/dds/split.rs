@@ -145,7 +145,7 @@ fn lanes(f: impl Fn(usize) -> u8) -> Lanes {
     out
 }
 
-/// All bits or none, without a branch.
+/// Returns all bits or none, without a branch.
 #[inline(always)]
 fn all_if(condition: bool) -> u8 {
     0u8.wrapping_sub(u8::from(condition))

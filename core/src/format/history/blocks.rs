@@ -76,7 +76,7 @@ impl<'a> BlockReader<'a> {
         BlockReader { source, packed: Vec::new(), block: Vec::new(), at: 0 }
     }
 
-    /// Whether nothing is left.
+    /// Returns whether nothing is left.
     pub fn is_empty(&mut self) -> Result<bool> {
         Ok(self.at == self.block.len() && self.source.fill_buf()?.is_empty())
     }
@@ -131,7 +131,7 @@ impl<'a> BlockReader<'a> {
     }
 }
 
-/// The error of a reader that ends too early is that of damage.
+/// Returns the error of a reader that ends too early is that of damage.
 pub(super) fn cut(error: Error) -> FormatError {
     match error.kind() {
         ErrorKind::UnexpectedEof => CUT,

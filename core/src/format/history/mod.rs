@@ -34,7 +34,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The shape of `contents`.
+    /// Returns the shape of `contents`.
     pub fn of(contents: &Contents) -> Shape {
         Shape { dims: contents.grid.dims(), depth: contents.material.depth() }
     }

@@ -21,7 +21,7 @@ fn document(dims: UVec3, depth: ColourDepth) -> Document {
     Document::new(&new, Limits::default()).unwrap()
 }
 
-/// A line for each kind of step, at a place.
+/// Returns a line for each kind of step, at a place.
 fn line(kind: u8, at: [i32; 3]) -> String {
     let [x, y, z] = at;
     match kind {

@@ -107,7 +107,7 @@ fn read(
     Ok(reader.out)
 }
 
-/// The entries of a list, if it is one.
+/// Returns the entries of a list, if it is one.
 fn list<'a>(object: &'a Value, key: &str) -> &'a [Value] {
     object.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
@@ -118,14 +118,14 @@ fn numbers<const N: usize>(object: &Value, key: &str) -> Option<[f32; N]> {
     values.try_into().ok()
 }
 
-/// A level of linear light as one of sRGB.
+/// Returns a level of linear light as one of sRGB.
 fn srgb(linear: f32) -> u8 {
     let v = linear.clamp(0.0, 1.0);
     let v = if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
     (v * 255.0).round() as u8
 }
 
-/// An extension of a part of the file.
+/// Returns an extension of a part of the file.
 fn extension<'a>(object: &'a Value, name: &str) -> Option<&'a Value> {
     object.get("extensions")?.get(name)
 }
@@ -156,7 +156,7 @@ impl Laying {
 }
 
 impl Reader<'_> {
-    /// The nodes of the scene; all nodes that are no children where there is none.
+    /// Returns the nodes of the scene; all nodes that are no children where there is none.
     fn roots(&self) -> Result<Vec<usize>, FormatError> {
         let scene = whole(&self.glb.json, "scene").unwrap_or(0);
         let is_index = |node: &Value| usize::try_from(node.as_u64()?).ok();
@@ -244,7 +244,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Where the copies of a mesh stand that a node has by its extension.
+    /// Returns where the copies of a mesh stand that a node has by its extension.
     fn copies(&mut self, instancing: &Value) -> Result<Vec<Mat4>, FormatError> {
         let attributes = instancing.get("attributes").unwrap_or(&Value::Null);
         let numbers = |name: &str, width: usize| match whole(attributes, name) {
@@ -366,7 +366,7 @@ impl Reader<'_> {
     }
 }
 
-/// The triangles of a list (4), a strip (5) or a fan (6) of corners.
+/// Returns the triangles of a list (4), a strip (5) or a fan (6) of corners.
 fn triangles(mode: usize, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         4 => indices.as_chunks().0.to_vec(),

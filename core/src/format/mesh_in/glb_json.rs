@@ -22,12 +22,12 @@ pub struct Glb<'a> {
     buffers: Vec<Option<Cow<'a, [u8]>>>,
 }
 
-/// An error in the description.
+/// Returns an error in the description.
 pub fn fault(place: impl Into<String>, what: impl Into<String>) -> FormatError {
     FormatError::Malformed { place: place.into(), what: what.into() }
 }
 
-/// A whole number of an object.
+/// Returns a whole number of an object.
 pub fn whole(object: &Value, key: &str) -> Option<usize> {
     usize::try_from(object.get(key)?.as_u64()?).ok()
 }
@@ -64,13 +64,13 @@ impl<'a> Glb<'a> {
         Ok(Glb { json, is_binary, buffers })
     }
 
-    /// An entry of one of the lists of the description.
+    /// Returns an entry of one of the lists of the description.
     pub fn entry(&self, list: &str, at: usize) -> Result<&Value, FormatError> {
         let found = self.json.get(list).and_then(|list| list.get(at));
         found.ok_or_else(|| fault(format!("{list} {at}"), "it is named, but not there"))
     }
 
-    /// The bytes of a view of a buffer.
+    /// Returns the bytes of a view of a buffer.
     pub fn view(&self, at: usize) -> Result<&[u8], FormatError> {
         let view = self.entry("bufferViews", at)?;
         let place = || format!("bufferViews {at}");
@@ -82,7 +82,7 @@ impl<'a> Glb<'a> {
         bytes.ok_or_else(|| fault(place(), "it goes beyond the end of its buffer"))
     }
 
-    /// The numbers of an accessor. Whole ones that stand for 0 to 1 become that.
+    /// Returns the numbers of an accessor. Whole ones that stand for 0 to 1 become that.
     pub fn numbers(&self, at: usize) -> Result<Numbers, FormatError> {
         let accessor = self.entry("accessors", at)?;
         let stored = self.stored(accessor, &format!("accessors {at}"))?;
@@ -101,7 +101,7 @@ impl<'a> Glb<'a> {
         Ok(Numbers { width: stored.width, values: stored.numbers.iter().map(number).collect() })
     }
 
-    /// The whole numbers of an accessor of indices.
+    /// Returns the whole numbers of an accessor of indices.
     pub fn indices(&self, at: usize) -> Result<Vec<u32>, FormatError> {
         let accessor = self.entry("accessors", at)?;
         let place = format!("accessors {at}");
@@ -112,7 +112,7 @@ impl<'a> Glb<'a> {
         Ok(stored.numbers.iter().map(|number| u32::from_le_bytes(*number)).collect())
     }
 
-    /// The bytes of each number of an accessor, those of short ones with zeros behind them.
+    /// Returns the bytes of each number of an accessor, those of short ones with zeros behind them.
     fn stored(&self, accessor: &Value, place: &str) -> Result<Stored, FormatError> {
         let width = match accessor.get("type").and_then(Value::as_str) {
             Some("SCALAR") => 1,
@@ -147,7 +147,7 @@ impl<'a> Glb<'a> {
         Ok(Stored { width, component, numbers })
     }
 
-    /// The bytes of `count` times `width` numbers in the view of a buffer that `list` names.
+    /// Returns the bytes of `count` times `width` numbers in the view of a buffer that `list` names.
     fn listed(
         &self,
         list: &Value,
@@ -184,7 +184,7 @@ impl<'a> Glb<'a> {
     }
 }
 
-/// The description in a `.glb`, and the buffer behind it.
+/// Returns the description in a `.glb`, and the buffer behind it.
 fn chunks(file: &[u8]) -> Result<(Value, Option<&[u8]>), FormatError> {
     let mut bytes = Bytes::new(file);
     if !file.starts_with(MAGIC) {
@@ -215,7 +215,7 @@ fn chunks(file: &[u8]) -> Result<(Value, Option<&[u8]>), FormatError> {
     Ok((json.ok_or_else(|| bytes.fault("the file has no description"))?, binary))
 }
 
-/// The description that a `.gltf` is.
+/// Returns the description that a `.gltf` is.
 fn description(file: &[u8]) -> Result<Value, FormatError> {
     let json: Value = serde_json::from_slice(file)
         .map_err(|error| fault("the description", printable(&error.to_string())))?;

@@ -25,7 +25,7 @@ impl<'a> Beside<'a> {
         Beside { folder, left_bytes: Cell::new(budget_bytes), progress }
     }
 
-    /// The bytes that a URI names.
+    /// Returns the bytes that a URI names.
     pub fn read(&self, uri: &str) -> Result<Vec<u8>, FormatError> {
         let refused = |name: &str, why: &str| FormatError::Beside {
             name: excerpt(name.as_bytes()),
@@ -52,7 +52,7 @@ impl<'a> Beside<'a> {
     }
 }
 
-/// A URI with `%20` and the like as what they stand for. None if that is not text.
+/// Returns a URI with `%20` and the like as what they stand for. None if that is not text.
 fn unescaped(uri: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();

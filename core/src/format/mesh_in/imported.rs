@@ -37,7 +37,8 @@ pub struct MeshReader {
 }
 
 impl MeshReader {
-    /// A format that says nothing about its unit of length, mostly millimetres, or about the axis that points up.
+    /// Returns a format that says nothing about its unit of length, mostly millimetres, or about the axis that points
+    /// up.
     pub const fn new(
         usual_up: Up,
         read: fn(&MeshFile) -> Result<Imported, FormatError>,
@@ -45,7 +46,7 @@ impl MeshReader {
         MeshReader { read, usual_up, knows_up: false, mm_per_unit: 1.0 }
     }
 
-    /// The axis that is taken for the one that points up: as chosen, or as is usual.
+    /// Returns the axis that is taken for the one that points up: as chosen, or as is usual.
     pub fn up(&self, options: &ImportOptions) -> Up {
         options.upright.filter(|_| !self.knows_up).unwrap_or(self.usual_up)
     }
@@ -82,7 +83,7 @@ pub fn load(
 }
 
 impl Imported {
-    /// The grid that the mesh becomes.
+    /// Returns the grid that the mesh becomes.
     pub fn frame(&self, options: &ImportOptions) -> Result<Frame, FormatError> {
         let up = self.of.map_or(Up::default(), |reader| reader.up(options));
         let mm_per_unit = self.of.map_or(1.0, |reader| reader.mm_per_unit);
@@ -105,7 +106,7 @@ impl Imported {
     }
 }
 
-/// The note on a mesh that was voxelised, if there is anything to say.
+/// Returns the note on a mesh that was voxelised, if there is anything to say.
 fn note_of(findings: &Findings) -> Option<String> {
     let percent = 100.0 * findings.open_share;
     match (findings.open_share > 0.0, findings.is_shell) {
@@ -120,19 +121,19 @@ fn note_of(findings: &Findings) -> Option<String> {
     }
 }
 
-/// An error in a text, at a line counted from 0.
+/// Returns an error in a text, at a line counted from 0.
 pub fn at_line(line: usize, what: impl Into<String>) -> FormatError {
     FormatError::Malformed { place: format!("line {}", line + 1), what: what.into() }
 }
 
-/// A number of a text.
+/// Returns a number of a text.
 pub fn number(word: Option<&str>, line: usize) -> Result<f32, FormatError> {
     let word = word.ok_or_else(|| at_line(line, "a number is missing"))?;
     let shown = error::excerpt(word.as_bytes());
     word.parse().map_err(|_| at_line(line, format!("`{shown}` is not a number")))
 }
 
-/// The path of a file in the folder of the mesh or below. None for any other.
+/// Returns the path of a file in the folder of the mesh or below. None for any other.
 pub fn within(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = name.replace('\\', "/");
     let relative = Path::new(&name);

@@ -26,12 +26,12 @@ pub struct Materials {
 }
 
 impl Materials {
-    /// The number of a material.
+    /// Returns the number of a material.
     pub fn number(&self, name: &str) -> Option<u32> {
         self.names.iter().position(|known| known == name).map(|at| at as u32)
     }
 
-    /// Whether no file of materials was named.
+    /// Returns whether no file of materials was named.
     pub fn is_unasked(&self) -> bool {
         self.asked == 0
     }

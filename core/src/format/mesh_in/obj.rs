@@ -178,7 +178,7 @@ impl Reader {
     }
 }
 
-/// The lines of a text with their numbers from 0; one that ends with `\` goes on in the next.
+/// Returns the lines of a text with their numbers from 0; one that ends with `\` goes on in the next.
 fn whole_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = text.strip_prefix('\u{FEFF}').unwrap_or(text).lines().enumerate();
     std::iter::from_fn(move || {
@@ -198,7 +198,7 @@ fn whole_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// An index from 0 on: files count from 1, or backwards from -1.
+/// Returns an index from 0 on: files count from 1, or backwards from -1.
 fn index(text: Option<&str>, count: usize, line: usize) -> Result<u32, FormatError> {
     let text = text.unwrap_or("");
     let at = text.parse::<i64>().ok().and_then(|n| match n {

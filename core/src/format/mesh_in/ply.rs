@@ -83,7 +83,7 @@ fn places<const N: usize>(element: &Element, names: [&str; N]) -> Option<[usize;
     places.iter().all(Option::is_some).then(|| places.map(Option::unwrap_or_default))
 }
 
-/// The colour among the values of an element.
+/// Returns the colour among the values of an element.
 fn colour_of(element: &Element) -> Option<impl Fn(&[f64]) -> Rgb + use<>> {
     let places = CHANNELS.iter().find_map(|names| places(element, *names))?;
     let full = places.map(|place| element.properties[place].scalar.full());
@@ -198,7 +198,7 @@ impl<'a> Values<'a> {
         let _ = self.bytes.take(end);
     }
 
-    /// The values of the next element, with 0 for lists; those of the list `wanted` go to its vector.
+    /// Returns the values of the next element, with 0 for lists; those of the list `wanted` go to its vector.
     fn element(
         &mut self,
         element: &Element,
@@ -259,7 +259,7 @@ impl<'a> Values<'a> {
         })
     }
 
-    /// The next word of a text, as a number.
+    /// Returns the next word of a text, as a number.
     fn word(&mut self) -> Result<f64, FormatError> {
         let rest = self.bytes.rest();
         let start = rest.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(rest.len());

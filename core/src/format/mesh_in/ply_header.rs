@@ -51,7 +51,7 @@ impl Scalar {
         }
     }
 
-    /// The value of this type that means full colour.
+    /// Returns the value of this type that means full colour.
     pub fn full(self) -> f64 {
         match self {
             Scalar::I8 | Scalar::U8 => 255.0,

@@ -63,15 +63,15 @@ fn read(file: &[u8]) -> Result<Imported, FormatError> {
     }
 }
 
-/// Whether a binary file of as many triangles as it says has that length. Its header may begin with anything.
+/// Returns whether a binary file of as many triangles as it says has that length. Its header may begin with anything.
 fn has_length_of_binary(start: &[u8], length: u64) -> bool {
     let count = start.get(HEADER_BYTES - 4..).and_then(|rest| rest.first_chunk());
     let count = count.map_or(0, |count| u64::from(u32::from_le_bytes(*count)));
     count > 0 && HEADER_BYTES as u64 + count * TRIANGLE_BYTES as u64 == length
 }
 
-/// Whether a file begins as a text does: with its first word, and soon another that no header of a binary file has, or
-/// nothing but text.
+/// Returns whether a file begins as a text does: with its first word, and soon another that no header of a binary file
+/// has, or nothing but text.
 fn is_text(file: &[u8]) -> bool {
     let text = file.strip_prefix(BYTE_ORDER_MARK).unwrap_or(file).trim_ascii_start();
     let begins = text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));

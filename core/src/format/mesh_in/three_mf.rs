@@ -112,7 +112,7 @@ fn read(file: &[u8], budget_bytes: u64) -> Result<Imported, FormatError> {
     Ok(reader.out)
 }
 
-/// Whether two names in an archive are the same; one may begin with a slash.
+/// Returns whether two names in an archive are the same; one may begin with a slash.
 fn is_same_name(a: &str, b: &str) -> bool {
     a.trim_start_matches('/').eq_ignore_ascii_case(b.trim_start_matches('/'))
 }
@@ -125,7 +125,7 @@ fn parse(text: &str) -> Result<Document<'_>, FormatError> {
     Document::parse(text).map_err(|error| fault("the XML", printable(&error.to_string())))
 }
 
-/// Where the model is in the archive.
+/// Returns where the model is in the archive.
 fn model_name(
     archive: &mut ZipArchive<Cursor<&[u8]>>,
     budget_bytes: u64,
@@ -141,7 +141,7 @@ fn model_name(
     Ok(target.unwrap_or(USUAL_PLACE).trim_start_matches('/').to_string())
 }
 
-/// A text of the archive.
+/// Returns a text of the archive.
 fn entry(
     archive: &mut ZipArchive<Cursor<&[u8]>>,
     name: &str,
@@ -163,7 +163,7 @@ fn children<'a, 'b>(node: Node<'a, 'b>, name: &'static str) -> impl Iterator<Ite
     node.children().filter(move |child| child.tag_name().name() == name)
 }
 
-/// A number of a tag.
+/// Returns a number of a tag.
 fn number<T: std::str::FromStr>(node: Node, name: &str) -> Result<T, FormatError> {
     let text = node.attribute(name).unwrap_or_default();
     text.trim().parse().map_err(|_| {
@@ -172,7 +172,7 @@ fn number<T: std::str::FromStr>(node: Node, name: &str) -> Result<T, FormatError
     })
 }
 
-/// The matrix of an item or a component, whose rows are the images of the axes and of the origin.
+/// Returns the matrix of an item or a component, whose rows are the images of the axes and of the origin.
 fn transform(node: Node) -> Result<Mat4, FormatError> {
     let Some(text) = node.attribute("transform") else { return Ok(Mat4::IDENTITY) };
     let values: Option<Vec<f32>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
@@ -227,7 +227,7 @@ impl<'a, 'b> Reader<'a, 'b> {
         Ok(())
     }
 
-    /// The object that an item, or a component of the object `within`, of a model puts somewhere.
+    /// Returns the object that an item, or a component of the object `within`, of a model puts somewhere.
     fn placed(
         &mut self,
         node: Node<'a, 'b>,
@@ -321,7 +321,7 @@ impl<'a, 'b> Reader<'a, 'b> {
         Ok(())
     }
 
-    /// The colours of the corners of a triangle: its own, those of its object, or none.
+    /// Returns the colours of the corners of a triangle: its own, those of its object, or none.
     fn corners(&mut self, model: usize, object: Node, triangle: Node) -> [Rgb; 3] {
         let index = |node: Node, name: &str| node.attribute(name)?.trim().parse::<usize>().ok();
         let own = index(triangle, "p1").map(|first| {

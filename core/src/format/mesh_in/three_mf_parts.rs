@@ -49,13 +49,13 @@ impl Parts {
         }
     }
 
-    /// The part that is not printed to which a triangle of an object's mesh belongs.
+    /// Returns the part that is not printed to which a triangle of an object's mesh belongs.
     pub fn of_triangle(&self, object: u32, triangle: usize) -> Option<&'static str> {
         let ranges = self.ranges.get(&object)?;
         ranges.iter().find(|(range, _)| range.contains(&triangle)).map(|(_, kind)| *kind)
     }
 
-    /// The kind of a component that is not printed.
+    /// Returns the kind of a component that is not printed.
     pub fn of_component(&self, object: u32, component: u32) -> Option<&'static str> {
         self.components.get(&(object, component)).copied()
     }

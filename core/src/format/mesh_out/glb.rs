@@ -91,13 +91,13 @@ pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     finish(file)
 }
 
-/// Where a vertex lies in the file.
+/// Returns where a vertex lies in the file.
 #[inline(always)]
 fn place(job: &Job, position: Vec3) -> Vec3 {
     job.space.place(position) * METRES_PER_MM
 }
 
-/// The JSON part of a file, and the bytes of the buffer that it describes.
+/// Returns the JSON part of a file, and the bytes of the buffer that it describes.
 fn description(job: &Job, has_normals: bool) -> (Vec<u8>, u64) {
     let mesh = job.mesh;
     let (vertices, indices) = (mesh.vertex_count(), 3 * mesh.triangle_count());

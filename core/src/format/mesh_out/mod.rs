@@ -106,7 +106,7 @@ pub struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// An error if there is no room for so many bytes for each vertex beside the mesh.
+    /// Returns an error if there is no room for so many bytes for each vertex beside the mesh.
     fn need_bytes_a_vertex(&self, bytes: usize) -> Result<(), FormatError> {
         let needed = self.mesh.heap_bytes() + self.mesh.vertex_count() * bytes as u64;
         Ok(self.budget.check_for(needed)?)
@@ -117,13 +117,13 @@ impl Job<'_> {
         self.mesh.positions().map(|position| self.space.place(position))
     }
 
-    /// The lowest and highest coordinates.
+    /// Returns the lowest and highest coordinates.
     fn bounds(&self) -> [Vec3; 2] {
         let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
         self.positions().fold(start, |[low, high], p| [low.min(p), high.max(p)])
     }
 
-    /// The work of going through vertices and triangles so many times.
+    /// Returns the work of going through vertices and triangles so many times.
     fn steps(&self, vertex_passes: u64, triangle_passes: u64) -> Steps<'_> {
         let all =
             vertex_passes * self.mesh.vertex_count() + triangle_passes * self.mesh.triangle_count();
@@ -176,7 +176,7 @@ fn put_vector(file: &mut impl Write, v: Vec3) -> Result<(), FormatError> {
     Ok(file.write_all(&bytes)?)
 }
 
-/// The count as 32 bits; an error if it does not fit.
+/// Returns the count as 32 bits; an error if it does not fit.
 fn count_of(count: u64, most: u64) -> Result<u32, FormatError> {
     match u32::try_from(count) {
         Ok(number) if count <= most => Ok(number),
@@ -184,7 +184,7 @@ fn count_of(count: u64, most: u64) -> Result<u32, FormatError> {
     }
 }
 
-/// A channel of sRGB in linear light, 0 to 1.
+/// Returns a channel of sRGB in linear light, 0 to 1.
 fn linear(channel: u8) -> f32 {
     let value = f32::from(channel) / 255.0;
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }

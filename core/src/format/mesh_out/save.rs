@@ -38,7 +38,7 @@ impl fmt::Display for MeshSummary {
     }
 }
 
-/// The surface of a mesh that looks as the sculpture is shown.
+/// Returns the surface of a mesh that looks as the sculpture is shown.
 pub fn usual_surface(shown: SurfaceKind) -> MeshKind {
     match shown {
         SurfaceKind::Smooth => MeshKind::Smooth,

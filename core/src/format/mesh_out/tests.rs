@@ -19,7 +19,7 @@ use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 
 const RED: Rgb = Rgb::new(250, 20, 40);
 
-/// A cone with a hole, painted in part.
+/// Returns a cone with a hole, painted in part.
 fn subject() -> Contents {
     let grid = grid_of(20, |p| {
         let r = (p.x - 10.0).hypot(p.z - 8.0);
@@ -41,7 +41,7 @@ fn floats<const N: usize>(bytes: &[u8]) -> [f32; N] {
     std::array::from_fn(|i| f32::from_le_bytes(bytes[4 * i..4 * i + 4].try_into().unwrap()))
 }
 
-/// The mesh in millimetres, of a voxel size of one.
+/// Returns the mesh in millimetres, of a voxel size of one.
 fn expected(kind: MeshKind, up: MeshUp) -> (Vec<Vec3>, Vec<[u32; 3]>, Vec<Rgb>) {
     let mesh = Mesh::of(&subject(), kind, VertexColours::Voxels, &Limits::default(), &()).unwrap();
     let turned = |p: Vec3| match up {

@@ -24,7 +24,7 @@ pub enum Existence {
 }
 
 impl Existence {
-    /// The least and the greatest density that exist; none where they are to be found in the volume.
+    /// Returns the least and the greatest density that exist; none where they are to be found in the volume.
     pub fn bounds(self) -> Option<(f64, f64)> {
         match self {
             Existence::Auto => None,
@@ -77,7 +77,7 @@ impl Ordinal {
         NonZeroU32::new(number).map(Ordinal)
     }
 
-    /// The number, 1 or more.
+    /// Returns the number, 1 or more.
     pub fn get(self) -> u32 {
         self.0.get()
     }

@@ -18,9 +18,9 @@ pub enum Frame {
 }
 
 impl Frame {
-    /// The orientation nearest to the file's that lies along the axes of the sculpture, where y points to the head and z
-    /// to the viewer, whom the patient faces. A mirror image in the file's numbers is undone, so that none is
-    /// shown. Returns the upright orientation where directions are unknown or are no directions at all.
+    /// Returns the orientation nearest to the file's that lies along the axes of the sculpture, where y points to the
+    /// head and z to the viewer, whom the patient faces. A mirror image in the file's numbers is undone, so that none
+    /// is shown. Returns the upright orientation where directions are unknown or are no directions at all.
     pub fn orientation(&self) -> Orientation {
         let axes = match self {
             Frame::Unknown => return Orientation::UPRIGHT,
@@ -47,7 +47,7 @@ impl Frame {
         possible.max_by(|a, b| fit(*a).total_cmp(&fit(*b))).unwrap_or_default()
     }
 
-    /// Whether the file says which way is up.
+    /// Returns whether the file says which way is up.
     pub fn knows_up(&self) -> bool {
         matches!(self, Frame::Patient(_))
     }

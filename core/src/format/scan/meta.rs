@@ -223,7 +223,7 @@ fn number(header: &Header) -> Result<Number, FormatError> {
     })
 }
 
-/// How the axes lie: x to the left, y to the back, z to the head.
+/// Returns how the axes lie: x to the left, y to the back, z to the head.
 fn frame(header: &Header) -> Result<Frame, FormatError> {
     let matrix = header.numbers(&["TransformMatrix", "Rotation", "Orientation"])?;
     let matrix: Option<[f64; 9]> = matrix.and_then(|all| all.try_into().ok());

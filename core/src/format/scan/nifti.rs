@@ -98,8 +98,8 @@ fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatErr
     })
 }
 
-/// Whether that is the header of a file of either version and byte order. Older headers say nothing of themselves, and are
-/// known by name.
+/// Returns whether that is the header of a file of either version and byte order. Older headers say nothing of
+/// themselves, and are known by name.
 fn is_nifti(start: &[u8]) -> bool {
     let holds = |version: usize, magic: &[u8]| {
         start.get(MAGIC_AT[version]..).is_some_and(|rest| rest.starts_with(magic))
@@ -107,7 +107,7 @@ fn is_nifti(start: &[u8]) -> bool {
     holds(0, b"n+1\0") || holds(0, b"ni1\0") || holds(1, b"n+2\0") || holds(1, b"ni2\0")
 }
 
-/// The header of a pair whose voxels lie in `path`; none for a file that has both.
+/// Returns the header of a pair whose voxels lie in `path`; none for a file that has both.
 fn header_of(path: &Path) -> Result<Option<PathBuf>, FormatError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     if !name.ends_with(".img") && !name.ends_with(".img.gz") {
@@ -116,7 +116,8 @@ fn header_of(path: &Path) -> Result<Option<PathBuf>, FormatError> {
     partner(path, "img", "hdr").map(Some).ok_or(FormatError::NoScanHeader)
 }
 
-/// The other file of a pair that is there, packed or not: with `to` instead of `from` in its ending, in capitals or not.
+/// Returns the other file of a pair that is there, packed or not: with `to` instead of `from` in its ending, in
+/// capitals or not.
 fn partner(path: &Path, from: &str, to: &str) -> Option<PathBuf> {
     let name = path.file_name()?.to_str()?;
     let lower = name.to_ascii_lowercase();
@@ -212,7 +213,7 @@ impl<'a> Fields<'a> {
         Ok(Fields { bytes: start, is_big, is_second: version == 1 })
     }
 
-    /// Whether the voxels lie in a second file.
+    /// Returns whether the voxels lie in a second file.
     fn is_pair(&self) -> bool {
         let begins = |place: usize, magic: &[u8]| self.bytes[place..].starts_with(magic);
         let [first, second] = MAGIC_AT;
@@ -222,27 +223,27 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// The number of axes, or the size of one counted from 1.
+    /// Returns the number of axes, or the size of one counted from 1.
     fn dim(&self, i: usize) -> i64 {
         if self.is_second { self.i64(16 + 8 * i) } else { self.i16(40 + 2 * i) }
     }
 
-    /// The length of a voxel along an axis counted from 1, or the sense of the third axis.
+    /// Returns the length of a voxel along an axis counted from 1, or the sense of the third axis.
     fn pixdim(&self, i: usize) -> f64 {
         if self.is_second { self.f64(104 + 8 * i) } else { self.f32(76 + 4 * i) }
     }
 
-    /// A number at its place in the first and in the second version.
+    /// Returns a number at its place in the first and in the second version.
     fn real(&self, first: usize, second: usize) -> f64 {
         if self.is_second { self.f64(second) } else { self.f32(first) }
     }
 
-    /// A code at its place in the first and in the second version.
+    /// Returns a code at its place in the first and in the second version.
     fn code(&self, first: usize, second: usize) -> i64 {
         if self.is_second { self.i32(second) } else { self.i16(first) }
     }
 
-    /// The sizes of all axes.
+    /// Returns the sizes of all axes.
     fn sizes(&self) -> Result<Vec<i64>, FormatError> {
         let axes = self.dim(0);
         if !(1..=7).contains(&axes) {
@@ -258,7 +259,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Where the voxels begin.
+    /// Returns where the voxels begin.
     fn offset(&self) -> Result<u64, FormatError> {
         let offset = if self.is_second { self.i64(168) as f64 } else { self.f32(108) };
         if !(0.0..=FARTHEST_OFFSET).contains(&offset) {
@@ -279,7 +280,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// How the axes lie in the patient; and the columns of the matrix that says so, if one does.
+    /// Returns how the axes lie in the patient; and the columns of the matrix that says so, if one does.
     fn frame(&self) -> (Frame, Option<[DVec3; 3]>) {
         match (self.code(254, 348), self.code(252, 344)) {
             (sform, _) if sform > 0 => {
@@ -353,7 +354,7 @@ impl Header {
     }
 }
 
-/// The type of voxels of a data type's code.
+/// Returns the type of voxels of a data type's code.
 fn number(code: i64) -> Result<Number, FormatError> {
     Ok(match code {
         2 => Number::U8,

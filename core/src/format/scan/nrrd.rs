@@ -99,7 +99,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     })
 }
 
-/// The bytes of all voxels, `total` in number, from files that have the same share of them each.
+/// Returns the bytes of all voxels, `total` in number, from files that have the same share of them each.
 fn join(
     names: &[String],
     header: &Header,
@@ -120,7 +120,7 @@ fn join(
     Ok(data)
 }
 
-/// The bytes of voxels, `total` in number.
+/// Returns the bytes of voxels, `total` in number.
 fn unpack(
     file: &[u8],
     header: &Header,
@@ -168,12 +168,12 @@ fn unpack(
     }
 }
 
-/// Whether a byte lies between words.
+/// Returns whether a byte lies between words.
 fn is_between(byte: &u8) -> bool {
     byte.is_ascii_whitespace() || *byte == b','
 }
 
-/// The text behind its first `count` words.
+/// Returns the text behind its first `count` words.
 pub fn after_words(text: &[u8], count: u64) -> &[u8] {
     let mut rest = text;
     for _ in 0..count {
@@ -290,7 +290,7 @@ impl Layout {
         })
     }
 
-    /// Where a volume begins, in numbers of the file. The first of the other axes counts fastest.
+    /// Returns where a volume begins, in numbers of the file. The first of the other axes counts fastest.
     fn begin(&self, volume: u64) -> u64 {
         let mut rest = volume;
         let of_axis = |[size, stride]: &[u64; 2]| {
@@ -301,7 +301,7 @@ impl Layout {
         self.others.iter().map(of_axis).sum()
     }
 
-    /// The numbers of `count` volumes.
+    /// Returns the numbers of `count` volumes.
     fn layers(&self, data: &[u8], count: u64, number: Number, is_big: bool) -> Vec<Vec<f32>> {
         let bytes = number.bytes() as usize;
         let of = |volume: u64| {
@@ -312,7 +312,7 @@ impl Layout {
         (0..count).map(of).collect()
     }
 
-    /// The voxels of the volume, x fastest, of `bytes` each.
+    /// Returns the voxels of the volume, x fastest, of `bytes` each.
     fn gather(&self, data: Vec<u8>, bytes: usize) -> Vec<u8> {
         let UVec3 { x: width, y: height, z: depth } = self.dims;
         let [x, y, z] = self.strides.map(|stride| (stride / self.colours) as usize * bytes);
@@ -338,7 +338,7 @@ impl Layout {
     }
 }
 
-/// How the axes lie, as `space` names its own.
+/// Returns how the axes lie, as `space` names its own.
 fn frame(header: &Header, directions: [Option<DVec3>; 3]) -> Frame {
     let [Some(x), Some(y), third] = directions else { return Frame::Unknown };
     // A single slice has no third axis.

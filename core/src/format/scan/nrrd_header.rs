@@ -177,7 +177,7 @@ impl<'a> Fields<'a> {
         self.get(name).ok_or_else(missing)
     }
 
-    /// The axes, with their sizes alone.
+    /// Returns the axes, with their sizes alone.
     fn axes(&self) -> Result<Vec<Axis>, FormatError> {
         let count = parse::<usize>("dimension", self.required("dimension")?)?;
         let sizes: Vec<u64> = words("sizes", self.required("sizes")?)?;
@@ -230,7 +230,7 @@ impl<'a> Fields<'a> {
         Ok(unknown_units)
     }
 
-    /// Whether the high byte of a number comes first.
+    /// Returns whether the high byte of a number comes first.
     fn is_big(&self, number: Number, encoding: Encoding) -> Result<bool, FormatError> {
         match self.get("endian").map(str::to_ascii_lowercase).as_deref() {
             // Text has no order of bytes.
@@ -256,7 +256,7 @@ fn encoding(name: &str) -> Result<Encoding, FormatError> {
     }
 }
 
-/// The lengths of voxels of axes that say where their first and last one lie instead.
+/// Returns the lengths of voxels of axes that say where their first and last one lie instead.
 fn extents<'a>(
     field: impl Fn(&str) -> Option<&'a str>,
     axes: &mut [Axis],
@@ -291,8 +291,8 @@ fn mm_per_unit(unit: &str) -> Option<f64> {
     }
 }
 
-/// The files that `slice%03d.raw 1 12 1` names, a pattern with its first number, its last, and the step; or the one of
-/// that name.
+/// Returns the files that `slice%03d.raw 1 12 1` names, a pattern with its first number, its last, and the step; or the
+/// one of that name.
 fn numbered(field: &str) -> Result<Vec<String>, FormatError> {
     let words: Vec<&str> = field.split_whitespace().collect();
     let [pattern, first, last, step, ..] = words[..] else { return Ok(vec![field.to_string()]) };
@@ -356,7 +356,7 @@ fn directions(text: &str) -> Result<Vec<Option<DVec3>>, FormatError> {
     Ok(found)
 }
 
-/// The type of voxels by its names.
+/// Returns the type of voxels by its names.
 fn number(name: &str) -> Result<Number, FormatError> {
     Ok(match name.to_ascii_lowercase().as_str() {
         "signed char" | "int8" | "int8_t" => Number::I8,

@@ -65,7 +65,7 @@ impl Number {
         Ok(total / (self.bytes() + 4) * self.bytes())
     }
 
-    /// The type of samples that holds these numbers as they are.
+    /// Returns the type of samples that holds these numbers as they are.
     fn same(self, is_big: bool) -> Option<Samples> {
         Some(match (self, is_big) {
             (Number::U8, _) => Samples::U8,
@@ -81,7 +81,8 @@ impl Number {
         })
     }
 
-    /// The samples of numbers, each times `slope` plus `intercept`. Whole numbers that 16 bits can hold stay whole.
+    /// Returns the samples of numbers, each times `slope` plus `intercept`. Whole numbers that 16 bits can hold stay
+    /// whole.
     pub fn into_samples(
         self,
         data: Vec<u8>,
@@ -129,7 +130,7 @@ impl Number {
     }
 }
 
-/// The bytes of a number, the lowest first.
+/// Returns the bytes of a number, the lowest first.
 #[inline(always)]
 fn taken<const N: usize>(bytes: &[u8], is_big: bool) -> [u8; N] {
     let mut own = [0; N];
@@ -140,7 +141,7 @@ fn taken<const N: usize>(bytes: &[u8], is_big: bool) -> [u8; N] {
     own
 }
 
-/// A volume of numbers; one without a length has an edge of 1.
+/// Returns a volume of numbers; one without a length has an edge of 1.
 pub fn volume(
     dims: UVec3,
     voxel_size: glam::Vec3,

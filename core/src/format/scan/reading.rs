@@ -26,7 +26,7 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// A volume of a file that says nothing but its voxels.
+    /// Returns a volume of a file that says nothing but its voxels.
     pub fn bare(volume: Volume, kind: String, volumes: Volumes) -> Scan {
         Scan { volume, frame: Frame::Unknown, kind, is_label: false, volumes, notes: Vec::new() }
     }
@@ -45,13 +45,13 @@ pub struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// An error if no grid can hold what becomes of such a volume.
+    /// Returns an error if no grid can hold what becomes of such a volume.
     pub fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
         let (dims, voxel_size) = prepare::prepared(dims, voxel_size, self.options)?;
         Ok(Grid::check(dims, voxel_size, self.limits.grid_bytes)?)
     }
 
-    /// Which volume is read of a file that has so many times and one channel.
+    /// Returns which volume is read of a file that has so many times and one channel.
     pub fn volumes(&self, times: u64) -> Result<Volumes, FormatError> {
         Volumes::of(self.options, 1, times)
     }
@@ -67,7 +67,7 @@ impl Reading<'_> {
         budget_bytes(self.limits).saturating_sub(file_bytes)
     }
 
-    /// A whole file.
+    /// Returns a whole file.
     pub fn read(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
         store::read(path, budget_bytes(self.limits), |_| Ok(()), self.progress)
     }
@@ -94,7 +94,7 @@ impl Reading<'_> {
         })
     }
 
-    /// The path of a file that a header names: in the same folder or below, wherever else the name points.
+    /// Returns the path of a file that a header names: in the same folder or below, wherever else the name points.
     pub fn beside(&self, name: &str) -> Result<PathBuf, FormatError> {
         let is_below = |part| matches!(part, Component::Normal(_) | Component::CurDir);
         if name.is_empty() || !Path::new(name).components().all(is_below) {

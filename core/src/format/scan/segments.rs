@@ -80,7 +80,7 @@ impl Segments {
         out
     }
 
-    /// The notes for the person.
+    /// Returns the notes for the person.
     pub fn note(&self) -> String {
         let names: Vec<&str> = self.0.iter().take(SHOWN).map(|own| own.name.as_str()).collect();
         let more = if self.0.len() > SHOWN { ", ..." } else { "" };

@@ -122,8 +122,8 @@ fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
     Ok(Scan { volume, frame: Frame::Unknown, kind, is_label: false, volumes, notes })
 }
 
-/// Where the first page begins whose others follow it without directories of their own, as ImageJ writes large files.
-/// None where they do not.
+/// Returns where the first page begins whose others follow it without directories of their own, as ImageJ writes large
+/// files. None where they do not.
 fn behind_first(file: &[u8], told: &Told) -> Result<Option<usize>, FormatError> {
     let mut pages = open(file)?;
     let is_packed = !matches!(pages.get_tag_u32(Tag::Compression), Ok(1) | Err(_));
@@ -260,7 +260,7 @@ impl Stack<'_> {
     }
 }
 
-/// The numbers of a page, little-endian.
+/// Returns the numbers of a page, little-endian.
 fn bytes_of(pixels: DecodingResult, colours: ColorType) -> Result<(Number, Vec<u8>), FormatError> {
     macro_rules! bytes {
         ($number:expr, $values:expr) => {
@@ -294,7 +294,8 @@ fn bytes_of(pixels: DecodingResult, colours: ColorType) -> Result<(Number, Vec<u
     })
 }
 
-/// The files that are numbered as `path`, in order, if there are several: the same name but for its last number.
+/// Returns the files that are numbered as `path`, in order, if there are several: the same name but for its last
+/// number.
 fn series(path: &Path, notes: &mut Vec<String>) -> Vec<PathBuf> {
     let Some((prefix, ending, _)) = numbered(path) else { return Vec::new() };
     let folder = match path.parent() {
@@ -318,8 +319,8 @@ fn series(path: &Path, notes: &mut Vec<String>) -> Vec<PathBuf> {
     files.into_iter().map(|(_, path)| path).collect()
 }
 
-/// The file of a folder that stands for it: the first of the longest series of numbered TIFF files, or the first TIFF
-/// file. None if there is no TIFF file.
+/// Returns the file of a folder that stands for it: the first of the longest series of numbered TIFF files, or the
+/// first TIFF file. None if there is no TIFF file.
 fn first_of(folder: &Path) -> Option<PathBuf> {
     let entries = std::fs::read_dir(folder).ok()?.take(MOST_FILES);
     let is_tiff = |path: &PathBuf| SPEC.is_named(path) && path.is_file();
@@ -338,7 +339,7 @@ fn first_of(folder: &Path) -> Option<PathBuf> {
     longest.first().map(|(_, path)| path.clone())
 }
 
-/// A name as what stands before its last number, its ending, and that number.
+/// Returns a name as what stands before its last number, its ending, and that number.
 fn numbered(path: &Path) -> Option<(String, String, u64)> {
     let stem = path.file_stem()?.to_str()?;
     let prefix = stem.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -348,7 +349,7 @@ fn numbered(path: &Path) -> Option<(String, String, u64)> {
     Some((prefix.to_string(), ending, number))
 }
 
-/// The message of a library about a file that it does not read.
+/// Returns the message of a library about a file that it does not read.
 fn damaged(error: TiffError) -> FormatError {
     match error {
         TiffError::LimitsExceeded => malformed("the TIFF file", "more pixels than its header says"),

@@ -46,7 +46,7 @@ fn read_exactly(
     Ok(data)
 }
 
-/// The file ends before its voxels do.
+/// Returns the file ends before its voxels do.
 pub fn cut(expected: u64, found: u64) -> FormatError {
     malformed("the voxels", format!("{expected} bytes were expected, but there are {found}"))
 }

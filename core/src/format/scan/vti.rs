@@ -30,7 +30,7 @@ pub static SPEC: FormatSpec = FormatSpec {
 /// Begins the data behind the tags.
 const APPENDED: &[u8] = b"<AppendedData";
 
-/// Whether an XML file begins as one of VTK does.
+/// Returns whether an XML file begins as one of VTK does.
 fn is_vti(start: &[u8]) -> bool {
     let text = start.trim_ascii_start();
     text.starts_with(b"<") && text.windows(8).any(|part| part == b"<VTKFile")
@@ -100,7 +100,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     })
 }
 
-/// The tags of a file as XML that is complete, also where data follows that is none.
+/// Returns the tags of a file as XML that is complete, also where data follows that is none.
 fn text_of(tags: &[u8], is_cut: bool) -> Result<String, FormatError> {
     let no_text = |_| {
         FormatError::Scan(
@@ -114,7 +114,7 @@ fn text_of(tags: &[u8], is_cut: bool) -> Result<String, FormatError> {
     Ok(text)
 }
 
-/// The compressor of image data, empty if there is none. An error if the file holds something else.
+/// Returns the compressor of image data, empty if there is none. An error if the file holds something else.
 fn checked_compressor<'a>(root: Node<'a, '_>) -> Result<&'a str, FormatError> {
     if root.tag_name().name() != "VTKFile" || root.attribute("type") != Some("ImageData") {
         return Err(FormatError::Scan(
@@ -130,7 +130,8 @@ fn checked_compressor<'a>(root: Node<'a, '_>) -> Result<&'a str, FormatError> {
     }
 }
 
-/// The numbers of all pieces in the box of the file, by its lowest voxel and its size; and whether they fill it.
+/// Returns the numbers of all pieces in the box of the file, by its lowest voxel and its size; and whether they fill
+/// it.
 fn joined(
     parts: &[Part],
     (low, dims): (I64Vec3, UVec3),
@@ -159,7 +160,7 @@ fn joined(
     Ok((data, !is_held.contains(&false)))
 }
 
-/// How the axes lie, one that runs backwards turned.
+/// Returns how the axes lie, one that runs backwards turned.
 fn frame(image: Node, spacing: [f64; 3]) -> Result<Frame, FormatError> {
     let direction = match image.has_attribute("Direction") {
         true => numbers::<f64, 9>(image, "Direction")?,
@@ -176,7 +177,7 @@ fn child<'a, 'b>(node: Node<'a, 'b>, name: &str) -> Result<Node<'a, 'b>, FormatE
     found.ok_or_else(|| malformed("the XML", format!("<{name}> is missing")))
 }
 
-/// The array to take, and whether it belongs to cells.
+/// Returns the array to take, and whether it belongs to cells.
 fn array<'a, 'b>(piece: Node<'a, 'b>) -> Result<(Node<'a, 'b>, bool), FormatError> {
     for (group, is_of_cells) in [("PointData", false), ("CellData", true)] {
         let Some(group) = piece.children().find(|node| node.has_tag_name(group)) else { continue };
@@ -204,12 +205,12 @@ struct Part<'a, 'b> {
 }
 
 impl Part<'_, '_> {
-    /// One past its highest voxel.
+    /// Returns one past its highest voxel.
     fn high(&self) -> I64Vec3 {
         self.low.saturating_add(self.dims.as_i64vec3())
     }
 
-    /// Whether another piece has the same array, of the same numbers.
+    /// Returns whether another piece has the same array, of the same numbers.
     fn is_like(&self, other: &Part) -> bool {
         let is_same = |name| self.array.attribute(name) == other.array.attribute(name);
         // Text has no order of bytes.
@@ -220,7 +221,7 @@ impl Part<'_, '_> {
     }
 }
 
-/// The pieces that hold something, at least one; all have the same array.
+/// Returns the pieces that hold something, at least one; all have the same array.
 fn parts<'a, 'b>(pieces: &[Node<'a, 'b>]) -> Result<Vec<Part<'a, 'b>>, FormatError> {
     let mut parts: Vec<Part> = Vec::new();
     for piece in pieces {
@@ -252,7 +253,7 @@ fn parts<'a, 'b>(pieces: &[Node<'a, 'b>]) -> Result<Vec<Part<'a, 'b>>, FormatErr
     }
 }
 
-/// The size of a box, by its lowest voxel and one past its highest.
+/// Returns the size of a box, by its lowest voxel and one past its highest.
 fn checked_dims(low: I64Vec3, high: I64Vec3) -> Result<UVec3, FormatError> {
     let sides = [0, 1, 2].map(|i| {
         let side = high[i].checked_sub(low[i]).and_then(|side| u32::try_from(side).ok());
@@ -324,7 +325,7 @@ struct Coding<'a> {
 }
 
 impl Coding<'_> {
-    /// The bytes of an array.
+    /// Returns the bytes of an array.
     fn array(&self, array: Node, number: Number, appended: &[u8]) -> Result<Vec<u8>, FormatError> {
         let inline = || array.text().unwrap_or_default().as_bytes();
         match array.attribute("format").unwrap_or("ascii") {
@@ -382,7 +383,7 @@ impl Coding<'_> {
         self.of_bytes(&data)
     }
 
-    /// The length at a place, counted in lengths.
+    /// Returns the length at a place, counted in lengths.
     fn length(&self, data: &[u8], place: usize) -> Result<usize, FormatError> {
         let word = if self.wide { 8 } else { 4 };
         let bytes = place.checked_mul(word).and_then(|at| data.get(at..)?.get(..word));

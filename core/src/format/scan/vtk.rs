@@ -33,7 +33,7 @@ struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// The next line that says something.
+    /// Returns the next line that says something.
     fn next(&mut self) -> Option<String> {
         loop {
             let most = self.rest.len().min(MOST_LETTERS);

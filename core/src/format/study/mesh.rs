@@ -53,24 +53,24 @@ impl MeshStudy {
         Ok(study)
     }
 
-    /// Whether the file says which way is up.
+    /// Returns whether the file says which way is up.
     pub fn knows_up(&self) -> bool {
         self.format.knows_up
     }
 
-    /// The axis that points up.
+    /// Returns the axis that points up.
     pub fn up(&self, options: &ImportOptions) -> Up {
         self.format.up(options)
     }
 
-    /// The grid that the mesh would lie in.
+    /// Returns the grid that the mesh would lie in.
     pub fn frame(&self, options: &ImportOptions) -> Result<Frame, FormatError> {
         let (up, mm) = (self.up(options), self.format.mm_per_unit);
         Ok(Frame::of_bounds(self.bounds, options.mesh_size, up, mm)?)
     }
 
-    /// The sculpture that an import of the mesh would make; an error if it cannot be imported so. Triangles may need
-    /// more memory than stated.
+    /// Returns the sculpture that an import of the mesh would make; an error if it cannot be imported so. Triangles may
+    /// need more memory than stated.
     pub fn outlook(
         &self,
         options: &ImportOptions,

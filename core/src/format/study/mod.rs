@@ -37,8 +37,8 @@ impl Family {
         [(Family::Volume, "volume"), (Family::Mesh, "mesh"), (Family::Model, "model")];
 }
 
-/// The family of a file, which says what may be asked about it. None for sculptures, which leave nothing open, and for
-/// files that cannot be read.
+/// Returns the family of a file, which says what may be asked about it. None for sculptures, which leave nothing open,
+/// and for files that cannot be read.
 pub fn family(path: &Path) -> Option<Family> {
     if content::needs_layout(path) {
         return Some(Family::Volume);

@@ -121,7 +121,7 @@ impl ModelStudy {
         })
     }
 
-    /// The axis of the file that would point up.
+    /// Returns the axis of the file that would point up.
     pub fn up(&self, options: &ImportOptions) -> Up {
         options.upright.unwrap_or(self.up)
     }
@@ -131,7 +131,7 @@ impl ModelStudy {
         self.turn(options).size(self.dims)
     }
 
-    /// Where a point would come to lie, in the grid of the sculpture; both in voxels.
+    /// Returns where a point would come to lie, in the grid of the sculpture; both in voxels.
     pub fn in_grid(&self, options: &ImportOptions) -> impl Fn(Vec3) -> Vec3 {
         let (turn, dims) = (self.turn(options), self.dims.as_vec3());
         move |point| {
@@ -142,12 +142,12 @@ impl ModelStudy {
         }
     }
 
-    /// How the model is turned from how its format has it stand.
+    /// Returns how the model is turned from how its format has it stand.
     fn turn(&self, options: &ImportOptions) -> Orientation {
         self.up.turned_upright().inverse().then(self.up(options).turned_upright())
     }
 
-    /// The sculpture that an import of the model would make; an error if it cannot be imported so.
+    /// Returns the sculpture that an import of the model would make; an error if it cannot be imported so.
     pub fn outlook(
         &self,
         options: &ImportOptions,

@@ -46,7 +46,7 @@ pub struct Existing {
 }
 
 impl Existing {
-    /// Whether a value exists; not if it is no number.
+    /// Returns whether a value exists; not if it is no number.
     #[inline]
     pub fn contains(&self, value: f32) -> bool {
         let wide = f64::from(value);
@@ -66,23 +66,23 @@ impl VolumeStudy {
         Ok(VolumeStudy { volume, densities, is_label, kind, volumes, notes, frame })
     }
 
-    /// Whether the file says which way is up.
+    /// Returns whether the file says which way is up.
     pub fn knows_up(&self) -> bool {
         self.frame.knows_up()
     }
 
-    /// Where the axes point, for people.
+    /// Returns where the axes point, for people.
     pub fn orientation(&self) -> Option<String> {
         self.frame.describe()
     }
 
-    /// How the volume is turned to stand upright.
+    /// Returns how the volume is turned to stand upright.
     pub fn turn(&self, options: &ImportOptions) -> Orientation {
         let up = if self.knows_up() { None } else { options.upright };
         self.frame.orientation().then(up.unwrap_or_default().turned_upright())
     }
 
-    /// Which values would exist.
+    /// Returns which values would exist.
     pub fn existing(&self, options: &ImportOptions) -> Existing {
         let samples = self.volume.samples;
         let is_label = match options.colouring {
@@ -102,7 +102,7 @@ impl VolumeStudy {
         Existing { least, most, but_zero: is_label || is_packed }
     }
 
-    /// The colour of an existing value; none where it is the base colour, or that of the voxel itself.
+    /// Returns the colour of an existing value; none where it is the base colour, or that of the voxel itself.
     pub fn colour(&self, options: &ImportOptions) -> Option<Box<dyn Fn(f32) -> Rgb>> {
         let existing = self.existing(options);
         let from = existing.least;
@@ -126,7 +126,7 @@ impl VolumeStudy {
         }
     }
 
-    /// The value at a voxel of the file that is compared with thresholds.
+    /// Returns the value at a voxel of the file that is compared with thresholds.
     pub fn value(&self, voxel: UVec3) -> f32 {
         let at = self.volume.offset(voxel.x, voxel.y, voxel.z);
         match (self.volume.samples, self.volume.data.get(at..)) {
@@ -173,7 +173,7 @@ impl VolumeStudy {
         (size, values)
     }
 
-    /// The axes to the right and downwards of the slice across an axis, and whether they run the other way.
+    /// Returns the axes to the right and downwards of the slice across an axis, and whether they run the other way.
     pub fn picture_axes(axis: usize) -> ([usize; 2], [bool; 2]) {
         match axis {
             0 => ([2, 1], [true, true]),
@@ -182,26 +182,26 @@ impl VolumeStudy {
         }
     }
 
-    /// A box of the file as it will stand.
+    /// Returns a box of the file as it will stand.
     pub fn upright_region(&self, turn: Orientation, region: Region) -> Region {
         let at = |voxel: UVec3| turn.destination(voxel.as_ivec3(), self.volume.dims).as_uvec3();
         let (a, b) = (at(region.low), at(region.high));
         Region { low: a.min(b), high: a.max(b) }
     }
 
-    /// A box of the volume as it will stand, in the file.
+    /// Returns a box of the volume as it will stand, in the file.
     pub fn region_in_file(&self, turn: Orientation, region: Region) -> Region {
         let at = |voxel: UVec3| turn.source(voxel.as_ivec3(), self.volume.dims).as_uvec3();
         let (a, b) = (at(region.low), at(region.high));
         Region { low: a.min(b), high: a.max(b) }
     }
 
-    /// All of the file.
+    /// Returns all of the file.
     pub fn whole(&self) -> Region {
         Region { low: UVec3::ZERO, high: self.volume.dims - 1 }
     }
 
-    /// The sculpture that an import of the volume would make; an error if it cannot be imported so.
+    /// Returns the sculpture that an import of the volume would make; an error if it cannot be imported so.
     pub fn outlook(
         &self,
         options: &ImportOptions,
@@ -230,8 +230,8 @@ impl VolumeStudy {
         })
     }
 
-    /// The options that make the sculpture that was shown: an automatic threshold is that of the whole volume, also where
-    /// the part that is read, or its cubic voxels, would have another one.
+    /// Returns the options that make the sculpture that was shown: an automatic threshold is that of the whole volume,
+    /// also where the part that is read, or its cubic voxels, would have another one.
     pub fn settled(&self, options: &ImportOptions) -> ImportOptions {
         let region = options.region.filter(|region| *region != self.whole());
         let resampled = options.cubic != Cubic::No;

@@ -22,7 +22,7 @@ const PORTION: u64 = 1 << 18;
 /// Voxels that are read at most, those in the same place counted again: so that copies of copies end.
 const MOST_VOXELS: u64 = 1 << 32;
 
-/// The bits of colour of a sculpture made of a model, which has colours but no densities.
+/// Returns the bits of colour of a sculpture made of a model, which has colours but no densities.
 pub fn colour_depth(options: &ImportOptions) -> Result<ColourDepth, FormatError> {
     match options.colouring {
         Colouring::None => Ok(ColourDepth::None),
@@ -32,7 +32,7 @@ pub fn colour_depth(options: &ImportOptions) -> Result<ColourDepth, FormatError>
     }
 }
 
-/// The edges of a voxel, which models do not say: as chosen, or 1 mm.
+/// Returns the edges of a voxel, which models do not say: as chosen, or 1 mm.
 pub fn voxel_size(options: &ImportOptions) -> Vec3 {
     match options.mesh_size {
         MeshSize::VoxelMm(edge) => Vec3::splat(edge),
@@ -92,7 +92,7 @@ pub fn turned(
     }
 }
 
-/// The size of a box; beyond all limits where it cannot be counted.
+/// Returns the size of a box; beyond all limits where it cannot be counted.
 fn dims_of(low: I64Vec3, high: I64Vec3) -> UVec3 {
     (high - low).clamp(I64Vec3::ZERO, I64Vec3::splat(i64::from(u32::MAX))).as_uvec3()
 }

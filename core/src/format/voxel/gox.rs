@@ -77,7 +77,7 @@ fn read(file: &[u8]) -> Result<Gox<'_>, FormatError> {
     Ok(gox)
 }
 
-/// The voxels of a block, x fastest, then y, then z.
+/// Returns the voxels of a block, x fastest, then y, then z.
 fn decode(block: &Bytes<'_>) -> Result<Vec<[u8; 4]>, FormatError> {
     let fault = |error: String| block.fault(format!("the block's picture cannot be read: {error}"));
     let mut limits = Limits::default();

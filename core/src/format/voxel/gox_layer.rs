@@ -134,7 +134,7 @@ pub fn walk(
     }
 }
 
-/// Where the voxel number `i` of a block lies in it.
+/// Returns where the voxel number `i` of a block lies in it.
 fn place(i: i64) -> I64Vec3 {
     I64Vec3::new(i % EDGE_VX, i / EDGE_VX % EDGE_VX, i / EDGE_VX / EDGE_VX)
 }
@@ -143,7 +143,7 @@ fn put(v: I64Vec3, [r, g, b, opacity]: [u8; 4], sink: &mut Sink<'_>) -> Result<(
     if opacity >= OPAQUE { sink(upright(v), Rgb([r, g, b])) } else { Ok(()) }
 }
 
-/// The voxels of the box around what a matrix makes of another, with the matrix back.
+/// Returns the voxels of the box around what a matrix makes of another, with the matrix back.
 fn around(
     matrix: DMat4,
     low: DVec3,
@@ -197,7 +197,7 @@ fn fill(
     })
 }
 
-/// A block that a matrix moves and turns: each place that it may reach takes the voxel that comes to lie there.
+/// Returns a block that a matrix moves and turns: each place that it may reach takes the voxel that comes to lie there.
 fn turned(
     block: &[[u8; 4]],
     corner: I64Vec3,

@@ -35,17 +35,17 @@ pub trait Model {
     /// Format and parts, such as `MagicaVoxel, version 150, 3 models`.
     fn kind(&self) -> String;
 
-    /// The box that the file sets aside for its voxels: its lowest voxel and one past its highest. None if it
+    /// Returns the box that the file sets aside for its voxels: its lowest voxel and one past its highest. None if it
     /// does not say, or if the box is not worth keeping.
     fn canvas(&self) -> Option<(I64Vec3, I64Vec3)>;
 
     /// Calls `sink` for every voxel that exists; of two in one place the later one counts.
     fn walk(&self, sink: &mut Sink<'_>) -> Result<(), FormatError>;
 
-    /// The axis of the file that points up, as its format has it.
+    /// Returns the axis of the file that points up, as its format has it.
     fn up(&self) -> Up;
 
-    /// How the model is turned, so that the axis that `options` name, if they name one, points up instead.
+    /// Returns how the model is turned, so that the axis that `options` name, if they name one, points up instead.
     fn turn(&self, options: &ImportOptions) -> Orientation {
         let up = options.upright.unwrap_or(self.up());
         self.up().turned_upright().inverse().then(up.turned_upright())

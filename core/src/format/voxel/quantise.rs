@@ -24,7 +24,7 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// The place of a colour that the sculpture has.
+    /// Returns the place of a colour that the sculpture has.
     pub fn index(&self, colour: Rgb) -> u8 {
         self.index.get(&colour).copied().unwrap_or(0)
     }
@@ -35,7 +35,7 @@ impl Palette {
     }
 }
 
-/// A palette of at most `most` (1 to 255) colours for the voxels of a sculpture.
+/// Returns a palette of at most `most` (1 to 255) colours for the voxels of a sculpture.
 pub fn palette(contents: &Contents, most: usize) -> Palette {
     let mut counts: Vec<(Rgb, u64)> = histogram(contents).into_iter().collect();
     counts.sort_unstable_by_key(|(colour, _)| colour.0);
@@ -53,7 +53,7 @@ pub fn palette(contents: &Contents, most: usize) -> Palette {
     Palette { colours, index }
 }
 
-/// How many voxels have each colour.
+/// Returns how many voxels have each colour.
 fn histogram(contents: &Contents) -> HashMap<Rgb, u64> {
     let (grid, material) = (&contents.grid, &contents.material);
     let bricks: Vec<(usize, &Brick)> =
@@ -105,7 +105,7 @@ fn find(counts: &[(Rgb, u64)], most: usize) -> Vec<Rgb> {
     colours
 }
 
-/// The colours in Oklab; where there are very many, neighbouring ones as one.
+/// Returns the colours in Oklab; where there are very many, neighbouring ones as one.
 fn points(counts: &[(Rgb, u64)]) -> Vec<Point> {
     // A colour that few voxels have still deserves one like it: weights grow slower than numbers.
     let weight = |voxels: u64| (voxels as f64).sqrt();
@@ -196,7 +196,7 @@ fn oklab(colour: Rgb) -> DVec3 {
     )
 }
 
-/// The inverse of [`oklab`], rounded.
+/// Returns the inverse of [`oklab`], rounded.
 fn from_oklab(lab: DVec3) -> Rgb {
     let l = (lab.x + 0.396_337_777_4 * lab.y + 0.215_803_757_3 * lab.z).powi(3);
     let m = (lab.x - 0.105_561_345_8 * lab.y - 0.063_854_172_8 * lab.z).powi(3);

@@ -80,13 +80,13 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// A model of a file without a scene.
+    /// Returns a model of a file without a scene.
     pub fn alone(part: usize) -> Instance {
         Instance { part, turn: Turn::NONE, shift: I64Vec3::ZERO }
     }
 
-    /// Where the voxel `v` of a model of `size` stands. A model turns about its middle, rounded down to a corner of
-    /// voxels; computed with the doubled coordinates of the voxel's centre, which are whole.
+    /// Returns where the voxel `v` of a model of `size` stands. A model turns about its middle, rounded down to a
+    /// corner of voxels; computed with the doubled coordinates of the voxel's centre, which are whole.
     pub fn place(&self, v: I64Vec3, size: I64Vec3) -> I64Vec3 {
         let doubled = self.turn.apply(2 * (v - size / 2) + 1) + 2 * self.shift;
         (doubled - 1) / 2

@@ -142,7 +142,7 @@ impl<'a> Chunks<'a> {
         }
     }
 
-    /// The size of the model whose voxels follow.
+    /// Returns the size of the model whose voxels follow.
     fn take_size(&mut self, mut chunk: Bytes<'a>) -> Result<(), FormatError> {
         let start = chunk;
         let size = [chunk.u32()?, chunk.u32()?, chunk.u32()?];
@@ -169,7 +169,7 @@ impl<'a> Chunks<'a> {
         Ok(())
     }
 
-    /// A node of the scene, which `read` reads behind its number. The first one is the root.
+    /// Returns a node of the scene, which `read` reads behind its number. The first one is the root.
     fn take_node(
         &mut self,
         mut chunk: Bytes<'a>,
@@ -201,7 +201,7 @@ fn palette(chunk: Bytes<'_>) -> [Rgb; 256] {
     palette
 }
 
-/// A node that moves and turns another.
+/// Returns a node that moves and turns another.
 fn transform(mut chunk: Bytes<'_>) -> Result<Node, FormatError> {
     let is_hidden = is_hidden(&dictionary(&mut chunk)?);
     let (child, _, layer) = (chunk.i32()?, chunk.i32()?, chunk.i32()?);
@@ -223,7 +223,7 @@ fn group(mut chunk: Bytes<'_>) -> Result<Node, FormatError> {
     Ok(Node::Group { children })
 }
 
-/// A node that stands for a model.
+/// Returns a node that stands for a model.
 fn shape(mut chunk: Bytes<'_>) -> Result<Node, FormatError> {
     dictionary(&mut chunk)?;
     let count = chunk.count("models")?;
@@ -236,7 +236,7 @@ fn shape(mut chunk: Bytes<'_>) -> Result<Node, FormatError> {
     Ok(Node::Shape { part, has_frames: count > 1 })
 }
 
-/// Whether a voxel lies in its model.
+/// Returns whether a voxel lies in its model.
 fn is_inside(voxel: &[u8; 4], size: I64Vec3) -> bool {
     (0..3).all(|axis| i64::from(voxel[axis]) < size[axis])
 }

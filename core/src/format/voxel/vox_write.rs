@@ -134,7 +134,7 @@ fn write_block(
     Ok(())
 }
 
-/// The chunks that place the blocks, as models in their order: around the origin, on the ground.
+/// Returns the chunks that place the blocks, as models in their order: around the origin, on the ground.
 fn scene(blocks: &[Block], dims: UVec3) -> Vec<u8> {
     let mut scene = Vec::new();
     let mut chunk = |id: &[u8; 4], content: &[u8]| {

@@ -246,7 +246,7 @@ pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> 
     })
 }
 
-/// The rows of the table, each checked against the bricks of its chunk.
+/// Returns the rows of the table, each checked against the bricks of its chunk.
 fn entries(
     table: &[u8],
     bricks: usize,

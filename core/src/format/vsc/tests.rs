@@ -6,8 +6,8 @@ use crate::scenes::{self, Random};
 use crate::sculpture::brick::{Brick, BrickKind};
 use proptest::prelude::*;
 
-/// A sculpture of empty, full and mixed bricks, with pages of one, some and many colours, some of
-/// them under voxels that do not exist.
+/// Returns a sculpture of empty, full and mixed bricks, with pages of one, some and many colours, some of them under
+/// voxels that do not exist.
 fn sculpture(dims: [u32; 3], depth: ColourDepth, seed: u64) -> Contents {
     let mut grid = Grid::new(UVec3::from(dims), Vec3::new(1.0, 0.5, 3.25), 1 << 30).unwrap();
     let cheese = scenes::cheese(96, 12, seed).unwrap();

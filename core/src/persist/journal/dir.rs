@@ -29,32 +29,32 @@ pub enum AbandonedJournal {
 }
 
 impl JournalDir {
-    /// The journals in a folder of the disk.
+    /// Returns the journals in a folder of the disk.
     pub fn new(folder: &Path) -> JournalDir {
         JournalDir::with_files(folder, Arc::new(Disk))
     }
 
-    /// The journals in a folder of any files.
+    /// Returns the journals in a folder of any files.
     pub fn with_files(folder: &Path, files: Arc<dyn Files>) -> JournalDir {
         JournalDir { dir: FileDir::new(folder.to_path_buf(), files) }
     }
 
-    /// The folder.
+    /// Returns the folder.
     pub fn folder(&self) -> &Path {
         self.dir.folder()
     }
 
-    /// The file of a number.
+    /// Returns the file of a number.
     pub fn path(&self, number: u64) -> PathBuf {
         self.dir.path(number, JOURNAL)
     }
 
-    /// The numbers of all journals, rising.
+    /// Returns the numbers of all journals, rising.
     pub fn numbers(&self) -> Result<Vec<u64>> {
         self.dir.numbers(JOURNAL)
     }
 
-    /// How many journals were left by sessions that do not run any more, as far as can be seen.
+    /// Returns how many journals were left by sessions that do not run any more, as far as can be seen.
     pub fn count_left(&self) -> usize {
         let numbers = self.numbers().unwrap_or_default();
         numbers
@@ -109,7 +109,7 @@ impl JournalDir {
         self.dir.publish(number, &self.path(number))
     }
 
-    /// Whether a number has an unfinished file, as far as can be seen.
+    /// Returns whether a number has an unfinished file, as far as can be seen.
     pub(super) fn is_unfinished(&self, number: u64) -> bool {
         self.dir.is_unfinished(number)
     }

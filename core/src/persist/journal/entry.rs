@@ -107,8 +107,8 @@ pub enum Entry {
 }
 
 impl Entry {
-    /// Whether it must be on the disk soon: what ends a stroke, but nothing within one, and nothing that changes no
-    /// voxel, such as a marker that is dragged. `in_stroke` says whether a stroke is open, before and after.
+    /// Returns whether it must be on the disk soon: what ends a stroke, but nothing within one, and nothing that
+    /// changes no voxel, such as a marker that is dragged. `in_stroke` says whether a stroke is open, before and after.
     pub(super) fn settles(&self, in_stroke: &mut bool) -> bool {
         use Command::{Cancel, Copy, End, Limit, Mark, Place, Select, Symmetry};
         let Entry::Command { command, .. } = self else { return !*in_stroke };
@@ -121,7 +121,7 @@ impl Entry {
         !*in_stroke
     }
 
-    /// Its record.
+    /// Returns the record.
     pub(super) fn to_record(&self) -> Result<RecordBuffer, FormatError> {
         let (kind, mark) = match self {
             Entry::Command { mark, .. } => (COMMAND, Some(mark)),
@@ -159,7 +159,7 @@ impl Entry {
         Ok(record)
     }
 
-    /// The entry of a record; contents are read within `limits`.
+    /// Returns the entry of a record; contents are read within `limits`.
     pub(super) fn from_record(record: &Record, limits: &Limits) -> Result<Entry, FormatError> {
         let mut rest = &record.payload[..];
         let path = |rest: &mut &[u8]| parse_path(take_text(rest)?).map_err(|_| DAMAGED);

@@ -20,13 +20,13 @@ pub(super) struct Open {
 }
 
 impl Open {
-    /// An empty file.
+    /// Returns an empty file.
     pub fn new(file: Box<dyn Appender>) -> Open {
         let file = RecordAppender::new(file);
         Open { file, bytes: 0, compact_at: u64::MAX, syncing: None }
     }
 
-    /// Whether it still has a name.
+    /// Returns whether it still has a name.
     pub fn is_there(&self) -> bool {
         self.file.is_there()
     }
@@ -47,7 +47,7 @@ impl Open {
         self.file.sync()
     }
 
-    /// Whether a sync goes on.
+    /// Returns whether a sync goes on.
     pub fn is_syncing(&self) -> bool {
         self.syncing.is_some()
     }
@@ -83,7 +83,7 @@ pub(super) enum Trouble {
 }
 
 impl Trouble {
-    /// The remedy for a person, as a part of a sentence.
+    /// Returns the remedy for a person, as a part of a sentence.
     pub fn remedy(&self) -> &'static str {
         let kind = match self {
             Trouble::Io(error) | Trouble::Format(FormatError::Io(error)) => error.kind(),

@@ -49,7 +49,7 @@ impl JournalReader {
         self.beginning.began_unix_s
     }
 
-    /// The process that wrote it.
+    /// Returns the process that wrote it.
     pub fn process(&self) -> u32 {
         self.beginning.process
     }
@@ -59,7 +59,7 @@ impl JournalReader {
         self.records.bytes_left()
     }
 
-    /// Why there is no further entry, once that is so.
+    /// Returns why there is no further entry, once that is so.
     pub fn ending(&self) -> Option<Ending> {
         self.records.ending()
     }

@@ -160,12 +160,12 @@ impl JournalWriter {
         Ok(writer)
     }
 
-    /// How it is kept.
+    /// Returns how it is kept.
     pub fn options(&self) -> &JournalOptions {
         &self.options
     }
 
-    /// Its number in the folder, once it has one.
+    /// Returns the number in the folder, once it has one.
     pub fn number(&self) -> Option<u64> {
         Some(self.shared.number.load(Ordering::Relaxed)).filter(|number| *number > 0)
     }
@@ -179,17 +179,17 @@ impl JournalWriter {
         }
     }
 
-    /// How many entries were added since it began.
+    /// Returns how many entries were added since it began.
     pub fn entries(&self) -> u64 {
         self.entries
     }
 
-    /// Whether all that was added so far, and has been waited for, is in the journal's file.
+    /// Returns whether all that was added so far, and has been waited for, is in the journal's file.
     pub fn is_complete(&self) -> bool {
         !self.gap && self.number().is_some() && !self.shared.incomplete.load(Ordering::Relaxed)
     }
 
-    /// Whether a checkpoint is wanted.
+    /// Returns whether a checkpoint is wanted.
     pub fn wants_checkpoint(&self) -> bool {
         self.gap || self.shared.wanted.load(Ordering::Relaxed)
     }
@@ -219,7 +219,7 @@ impl JournalWriter {
         news.take().or_else(|| back.then(|| "the journal is complete again".to_string()))
     }
 
-    /// Why nothing can be written, for as long as that lasts.
+    /// Returns why nothing can be written, for as long as that lasts.
     pub fn trouble(&self) -> Option<String> {
         self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

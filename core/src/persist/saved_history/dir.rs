@@ -67,7 +67,7 @@ impl HistoryDir {
         self.dir.path(hash, HISTORY)
     }
 
-    /// The history of a file with this hash.
+    /// Returns the history of a file with this hash.
     pub fn find(&self, file_hash: Digest, contents: &Contents, limits: &Limits) -> Found {
         let path = self.path(file_hash);
         let source = match self.dir.open_shared(&path) {
@@ -118,7 +118,7 @@ impl HistoryDir {
         written
     }
 
-    /// An unfinished file, locked, with the head in it: without that it might be taken for an abandoned one.
+    /// Returns an unfinished file, locked, with the head in it: without that it might be taken for an abandoned one.
     fn create(&self) -> Result<(u64, RecordAppender)> {
         // Another's, or just taken for one that was left.
         let taken = [ErrorKind::AlreadyExists, ErrorKind::WouldBlock];

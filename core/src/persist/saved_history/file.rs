@@ -74,7 +74,7 @@ impl KeptSteps {
         KeptSteps { history: document.history, state: document.state, files }
     }
 
-    /// Whether there is anything to undo or redo.
+    /// Returns whether there is anything to undo or redo.
     pub fn is_empty(&self) -> bool {
         self.history.undo.is_empty() && self.history.redo.is_empty()
     }
@@ -141,7 +141,7 @@ pub fn write(
     Ok(true)
 }
 
-/// The bytes of a step, if there is room for them.
+/// Returns the bytes of a step, if there is room for them.
 fn pack(
     step: &Step,
     file_left: &mut u64,
@@ -158,7 +158,7 @@ fn nameless(file: &SculptureFile) -> SculptureFile {
     SculptureFile { path: None, saved: None, assumed_up: None, ..file.clone() }
 }
 
-/// The sculpture's file that a history was kept for.
+/// Returns the sculpture's file that a history was kept for.
 pub fn path_of(source: Source) -> Option<PathBuf> {
     let first = Records::new(source.reader, source.bytes).ok()?.next()?;
     let beginning = beginning(&first).ok()?;

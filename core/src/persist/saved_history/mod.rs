@@ -44,7 +44,7 @@ impl SavedHistories {
         SavedHistories { options, writing: Mutex::default(), messages: Arc::default() }
     }
 
-    /// How they are kept.
+    /// Returns how they are kept.
     pub fn options(&self) -> &SavedHistoryOptions {
         &self.options
     }
@@ -78,8 +78,8 @@ impl SavedHistories {
         }
     }
 
-    /// The history of the file with this hash, read from it as `contents`. Waits for what is being written. Steps come
-    /// back as far as [`Limits::history_bytes`] has room for them.
+    /// Returns the history of the file with this hash, read from it as `contents`. Waits for what is being written.
+    /// Steps come back as far as [`Limits::history_bytes`] has room for them.
     pub fn find(&self, file_hash: Digest, contents: &Contents, limits: &Limits) -> Found {
         self.wait();
         HistoryDir::new(&self.options).find(file_hash, contents, limits)

@@ -95,9 +95,9 @@ impl State {
 }
 
 impl Spill {
-    /// A store in a folder that takes up to `max_bytes` of the disk, and keeps up to `max_waiting_bytes` in
-    /// memory until they are written. Removes what killed sessions have left in the folder; its own file is
-    /// made with the first step.
+    /// Returns a store in a folder that takes up to `max_bytes` of the disk, and keeps up to `max_waiting_bytes` in
+    /// memory until they are written. Removes what killed sessions have left in the folder; its own file is made with
+    /// the first step.
     ///
     /// # Errors
     /// If no thread can be made.

@@ -30,7 +30,7 @@ impl Space {
         self.parts.remove(&at);
     }
 
-    /// Where the last part ends.
+    /// Returns where the last part ends.
     pub fn end(&self) -> u64 {
         self.parts.last_key_value().map_or(0, |(at, length)| at + length)
     }

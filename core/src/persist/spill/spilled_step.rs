@@ -46,7 +46,7 @@ impl SpilledStep {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The step, if it is to be written.
+    /// Returns the step, if it is to be written.
     pub fn waiting(&self) -> Option<Arc<Step>> {
         match &*self.held() {
             Held::Waiting(step) => Some(step.clone()),
@@ -54,7 +54,7 @@ impl SpilledStep {
         }
     }
 
-    /// Whether it is to be written.
+    /// Returns whether it is to be written.
     pub fn is_waiting(&self) -> bool {
         matches!(*self.held(), Held::Waiting(_))
     }

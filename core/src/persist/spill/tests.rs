@@ -105,7 +105,7 @@ fn spilled(history_bytes: usize, disk_bytes: u64, faults: &Faulty) -> (Document,
     (document, spill)
 }
 
-/// A command of a script, at a place.
+/// Returns a command of a script, at a place.
 fn command(kind: u8, at: [i32; 3]) -> Command {
     let [x, y, z] = at;
     let line = match kind {
@@ -124,7 +124,7 @@ fn script(length: usize) -> impl Strategy<Value = Vec<(u8, [i32; 3])>> {
     prop::collection::vec((0u8..15, [0i32..37, 0..24, 0..26]), 1..length)
 }
 
-/// All steps with their values in memory.
+/// Returns all steps with their values in memory.
 fn whole(document: &Document) -> HistorySnapshot {
     let mut walk = document.history().snapshot();
     let shape = crate::format::history::Shape::of(document.contents());

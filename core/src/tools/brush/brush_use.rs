@@ -84,7 +84,7 @@ pub enum Frame {
 }
 
 impl BrushUse {
-    /// A use with the values that a script need not state.
+    /// Returns a use with the values that a script need not state.
     pub fn new(brush: BrushId, contact: Contact) -> BrushUse {
         let omitted = |param: &Param| match param.omitted {
             Omitted::Required | Omitted::InsteadOf(..) => Value::Absent,
@@ -94,23 +94,23 @@ impl BrushUse {
         BrushUse { brush, contact, surface: BrushSurface::Now, picture: None, values }
     }
 
-    /// A use under an outline in a picture.
+    /// Returns a use under an outline in a picture.
     pub fn under(brush: BrushId, footprint: Footprint) -> BrushUse {
         BrushUse::new(brush, Contact::Footprint(footprint))
     }
 
-    /// A use in a ball.
+    /// Returns a use in a ball.
     pub fn in_ball(brush: BrushId, ball: Ball) -> BrushUse {
         BrushUse::new(brush, Contact::Ball(ball))
     }
 
-    /// The same use on another surface.
+    /// Returns the same use on another surface.
     pub fn on(mut self, surface: BrushSurface) -> BrushUse {
         self.surface = surface;
         self
     }
 
-    /// The same use with another value of a parameter, if the brush has it.
+    /// Returns the same use with another value of a parameter, if the brush has it.
     pub fn with<T: ParamValue>(mut self, key: Key<T>, value: T) -> BrushUse {
         self.set_value(key.param.key, value.to_value());
         self
@@ -121,7 +121,7 @@ impl BrushUse {
         self.values.set(self.brush.spec().params(), key, value);
     }
 
-    /// The same use with the values that stand in for parameters that it does not have.
+    /// Returns the same use with the values that stand in for parameters that it does not have.
     pub(crate) fn completed(mut self) -> BrushUse {
         let params = self.brush.spec().params();
         for param in params {
@@ -135,33 +135,33 @@ impl BrushUse {
         self
     }
 
-    /// The brush.
+    /// Returns the brush.
     pub fn brush(&self) -> BrushId {
         self.brush
     }
 
-    /// The value of a parameter, if it has one.
+    /// Returns the value of a parameter, if it has one.
     pub fn find<T: ParamValue>(&self, key: Key<T>) -> Option<T> {
         self.values.get(self.brush.spec().params(), key.param.key).and_then(T::from_value)
     }
 
-    /// The value of a parameter that is known by its name, if it has one.
+    /// Returns the value of a parameter that is known by its name, if it has one.
     pub(crate) fn value(&self, key: &str) -> Option<Value> {
         let value = self.values.get(self.brush.spec().params(), key);
         value.filter(|value| *value != Value::Absent)
     }
 
-    /// The value of a parameter that the check has seen.
+    /// Returns the value of a parameter that the check has seen.
     pub(super) fn get<T: ParamValue + Default>(&self, key: Key<T>) -> T {
         self.find(key).unwrap_or_default()
     }
 
-    /// All parameters with their values, in the order in which the text form has them.
+    /// Returns all parameters with their values, in the order in which the text form has them.
     pub fn iter(&self) -> impl Iterator<Item = (&'static Param, Value)> + use<> {
         self.values.iter(self.brush.spec().params())
     }
 
-    /// The footprint under which it is used.
+    /// Returns the footprint under which it is used.
     pub fn footprint(&self) -> Option<&Footprint> {
         match &self.contact {
             Contact::Footprint(footprint) => Some(footprint),
@@ -169,7 +169,7 @@ impl BrushUse {
         }
     }
 
-    /// The ball in which it is used.
+    /// Returns the ball in which it is used.
     pub fn ball(&self) -> Option<&Ball> {
         match &self.contact {
             Contact::Ball(ball) => Some(ball),
@@ -177,13 +177,13 @@ impl BrushUse {
         }
     }
 
-    /// Whether it takes the place of what the stroke has done so far.
+    /// Returns whether it takes the place of what the stroke has done so far.
     pub fn replaces_stroke(&self) -> bool {
         let replaces = self.brush.spec().script.is_some_and(|script| script.replaces_stroke);
         replaces && self.surface == BrushSurface::Stroke
     }
 
-    /// The same use, moved by a number of voxels.
+    /// Returns the same use, moved by a number of voxels.
     pub(crate) fn shifted(&self, by_vx: Vec3) -> BrushUse {
         let mut moved = self.clone();
         match &mut moved.contact {
@@ -193,7 +193,7 @@ impl BrushUse {
         moved
     }
 
-    /// An error that names the first invalid field, if there is one.
+    /// Returns an error that names the first invalid field, if there is one.
     pub fn check(&self) -> Result<(), InvalidValue> {
         self.check_fields().map_err(|error| error.of(OWNER))
     }
@@ -227,7 +227,7 @@ impl BrushUse {
 }
 
 impl Contact {
-    /// The kind, without its numbers.
+    /// Returns the kind, without its numbers.
     pub fn kind(&self) -> ContactKind {
         match self {
             Contact::Footprint(_) => ContactKind::Footprint,

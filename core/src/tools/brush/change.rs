@@ -64,14 +64,14 @@ pub enum Paint {
 }
 
 impl Site<'_> {
-    /// The bits of colour of the sculpture.
+    /// Returns the bits of colour of the sculpture.
     pub fn depth(&self) -> ColourDepth {
         self.contents.material.depth()
     }
 }
 
 impl Change {
-    /// The voxels that a use changes. The use must have been checked.
+    /// Returns the voxels that a use changes. The use must have been checked.
     pub fn of(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
         match used.brush().spec().script {
             Some(script) => (script.apply)(used, site),
@@ -79,13 +79,13 @@ impl Change {
         }
     }
 
-    /// A change that adds and removes clay; new clay has the colour of that around it.
+    /// Returns a change that adds and removes clay; new clay has the colour of that around it.
     pub(super) fn of_clay(stamp: Stamp) -> Change {
         let Stamp { add, remove, .. } = stamp;
         Change { add, remove, new_clay: NewClay::Inherited, ..Change::default() }
     }
 
-    /// A change that paints.
+    /// Returns a change that paints.
     pub(super) fn painted(voxels: ListedBricks, paint: Paint) -> Change {
         Change { paint: vec![(voxels, paint)], ..Change::default() }
     }

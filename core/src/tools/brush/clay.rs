@@ -36,7 +36,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::SURFACE
 };
 
-/// A paraboloid over the footprint, so that strokes blend into what is there.
+/// Returns a paraboloid over the footprint, so that strokes blend into what is there.
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let add = rays::around(used, site, |offset| 1.0 - offset * offset, Outline::Round);
     let new_clay = NewClay::Colour(used.get(COLOUR));

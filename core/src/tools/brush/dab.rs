@@ -75,7 +75,8 @@ pub enum DabPlace<'a> {
 }
 
 impl Dab<'_> {
-    /// A use with the values of the options that have the names of its parameters. `frame`: in which it works in a ball.
+    /// Returns a use with the values of the options that have the names of its parameters. `frame`: in which it works
+    /// in a ball.
     pub(super) fn used(&self, frame: Frame) -> BrushUse {
         let brush = self.options.brush();
         let radius = self.options.get(RADIUS);
@@ -101,7 +102,7 @@ impl Dab<'_> {
         }
     }
 
-    /// The same along the normal.
+    /// Returns the same along the normal.
     pub(super) fn along_normal(&self) -> BrushUse {
         self.used(Frame::Normal(self.normal()))
     }
@@ -114,8 +115,8 @@ impl Dab<'_> {
         }
     }
 
-    /// How far the surface is raised with the strength of the options, in units of the smallest edge; below 0 in the other
-    /// sense.
+    /// Returns how far the surface is raised with the strength of the options, in units of the smallest edge; below 0
+    /// in the other sense.
     pub(super) fn height(&self) -> f32 {
         let height = self.options.get(STRENGTH) * HEIGHT_SHARE * self.options.get(RADIUS);
         self.sense() * height.min(MAX_HEIGHT)

@@ -18,7 +18,7 @@ impl Falloff {
     /// All of them, in the order in which interfaces offer them.
     pub const ALL: [Falloff; 3] = [Falloff::Smooth, Falloff::Sharp, Falloff::Flat];
 
-    /// Its name in the text form and the interface.
+    /// Returns the name in the text form and the interface.
     pub const fn name(self) -> &'static str {
         match self {
             Falloff::Smooth => "smooth",
@@ -27,7 +27,7 @@ impl Falloff {
         }
     }
 
-    /// The share of the pull at `r`, from its square. 0 from 1 on.
+    /// Returns the share of the pull at `r`, from its square. 0 from 1 on.
     #[inline(always)]
     pub(super) fn at(self, squared: f32) -> f32 {
         match self {
@@ -46,7 +46,7 @@ impl Falloff {
         }
     }
 
-    /// The same, and its slope against the square of `r`.
+    /// Returns the same, and its slope against the square of `r`.
     #[inline(always)]
     pub(super) fn at_with_slope(self, squared: f32) -> (f32, f32) {
         // In the middle the slope of a tip has no bound; what it is multiplied with there is 0.
@@ -88,7 +88,7 @@ impl Falloff {
         }
     }
 
-    /// Its steepest slope.
+    /// Returns the steepest slope.
     pub(super) fn steepest(self) -> f64 {
         match self {
             // At r = 1 / sqrt(3).

@@ -23,7 +23,7 @@ impl Outline {
     /// Both outlines.
     pub const ALL: [Outline; 2] = [Outline::Round, Outline::Square];
 
-    /// Its name in the text form.
+    /// Returns the name in the text form.
     pub const fn name(self) -> &'static str {
         match self {
             Outline::Round => "round",
@@ -31,7 +31,7 @@ impl Outline {
         }
     }
 
-    /// How far the ray `x` to the right and `y` down is from the middle one, in the measure of this outline.
+    /// Returns how far the ray `x` to the right and `y` down is from the middle one, in the measure of this outline.
     #[inline(always)]
     pub fn distance(self, x: f32, y: f32) -> f32 {
         match self {
@@ -40,8 +40,8 @@ impl Outline {
         }
     }
 
-    /// Whether a ray is surely farther than `radius` from the middle one, told without a root. Rays within a millionth of
-    /// the rim are not.
+    /// Returns whether a ray is surely farther than `radius` from the middle one, told without a root. Rays within a
+    /// millionth of the rim are not.
     #[inline(always)]
     pub fn is_beyond(self, x: f32, y: f32, radius: f32) -> bool {
         const RIM: f32 = 1.0 + 1e-6;
@@ -67,7 +67,7 @@ impl Coverage {
     /// Both.
     pub const ALL: [Coverage; 2] = [Coverage::Rays, Coverage::Visible];
 
-    /// Its name in the text form.
+    /// Returns the name in the text form.
     pub const fn name(self) -> &'static str {
         match self {
             Coverage::Rays => "rays",
@@ -105,7 +105,7 @@ pub struct Touch {
 }
 
 impl Footprint {
-    /// The footprint around pixel (x, y) of a picture made with `rays`: all that is visible in it.
+    /// Returns the footprint around pixel (x, y) of a picture made with `rays`: all that is visible in it.
     pub fn of_pixel(
         rays: &crate::view::PixelRays,
         pixel: UVec2,
@@ -123,7 +123,7 @@ impl Footprint {
         }
     }
 
-    /// The mirrored footprint.
+    /// Returns the mirrored footprint.
     pub fn image(&self, image: &SymmetryTransform) -> Footprint {
         Footprint {
             eye_vx: image.point(self.eye_vx),

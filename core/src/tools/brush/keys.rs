@@ -223,7 +223,7 @@ impl ParamValue for Falloff {
 }
 
 impl Key<Falloff> {
-    /// The same option with another first value.
+    /// Returns the same option with another first value.
     pub(super) const fn first(mut self, falloff: Falloff) -> Key<Falloff> {
         self.param.first = Value::Choice(falloff as u8);
         self

@@ -21,7 +21,7 @@ impl Mix {
         Mix { colour, cover, pass: pass(footprint), depth }
     }
 
-    /// The new colour of a voxel from its present one.
+    /// Returns the new colour of a voxel from its present one.
     pub fn colour(&self, v: UVec3, now: Rgb) -> Rgb {
         let chance = scatter(v.as_ivec3(), self.pass);
         let mixed = std::array::from_fn(|i| {
@@ -37,14 +37,14 @@ impl Mix {
     }
 }
 
-/// A number that differs from pass to pass and is reproduced when a pass is replayed.
+/// Returns a number that differs from pass to pass and is reproduced when a pass is replayed.
 fn pass(footprint: &Footprint) -> u32 {
     let Footprint { aim, eye_vx, .. } = footprint;
     let numbers = [aim.x, aim.y, aim.z, eye_vx.x, eye_vx.y, eye_vx.z];
     numbers.iter().fold(0, |pass, number| mixed(pass ^ number.to_bits()))
 }
 
-/// A number in [0, 1) for a voxel and a pass, without a visible pattern.
+/// Returns a number in [0, 1) for a voxel and a pass, without a visible pattern.
 fn scatter(voxel: IVec3, pass: u32) -> f32 {
     let hash = voxel.to_array().iter().fold(pass, |hash, &v| mixed(hash ^ v as u32));
     (hash >> 8) as f32 / (1u32 << 24) as f32

@@ -57,7 +57,7 @@ macro_rules! brushes {
             /// All brushes, in the order in which interfaces offer them.
             pub const ALL: &[BrushId] = &[$(BrushId::$id),*];
 
-            /// Its description.
+            /// Returns the description.
             pub const fn spec(self) -> &'static BrushSpec {
                 match self {
                     $(BrushId::$id => &$file::SPEC),*

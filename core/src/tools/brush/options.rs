@@ -47,7 +47,7 @@ pub struct BrushOptions {
 }
 
 impl BrushOptions {
-    /// The options that a brush begins with.
+    /// Returns the options that a brush begins with.
     pub fn first(brush: BrushId) -> BrushOptions {
         BrushOptions { brush, values: Values::new(brush.spec().options, |param| param.first) }
     }
@@ -59,17 +59,17 @@ impl BrushOptions {
         options
     }
 
-    /// The brush.
+    /// Returns the brush.
     pub fn brush(&self) -> BrushId {
         self.brush
     }
 
-    /// Whether the brush has an option.
+    /// Returns whether the brush has an option.
     pub fn has<T>(&self, key: Key<T>) -> bool {
         place(self.params(), key.param.key).is_some()
     }
 
-    /// The value of an option. If the brush does not have it, what it usually is.
+    /// Returns the value of an option. If the brush does not have it, what it usually is.
     pub fn get<T: ParamValue + Default>(&self, key: Key<T>) -> T {
         let value = self.values.get(self.params(), key.param.key).unwrap_or(key.param.first);
         T::from_value(value).unwrap_or_default()
@@ -80,7 +80,7 @@ impl BrushOptions {
         self.set_value(key.param.key, value.to_value());
     }
 
-    /// The same options with another value of one of them.
+    /// Returns the same options with another value of one of them.
     pub fn with<T: ParamValue>(mut self, key: Key<T>, value: T) -> BrushOptions {
         self.set(key, value);
         self
@@ -91,7 +91,7 @@ impl BrushOptions {
         self.values.set(self.params(), key, value);
     }
 
-    /// All options with their values, in the order in which panels show them.
+    /// Returns all options with their values, in the order in which panels show them.
     pub fn iter(&self) -> impl Iterator<Item = (&'static Param, Value)> + use<> {
         self.values.iter(self.params())
     }

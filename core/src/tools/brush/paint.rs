@@ -43,7 +43,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::SURFACE
 };
 
-/// An image has its own outline and, unless the colour goes through it, its own colours.
+/// Returns an image has its own outline and, unless the colour goes through it, its own colours.
 fn used(dab: &Dab) -> BrushUse {
     let cover = dab.options.get(STRENGTH);
     let DabPlace::Picture { footprint, colour, image: Some(image), .. } = dab.place else {

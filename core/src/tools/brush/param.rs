@@ -92,7 +92,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// The factor by which a number is shown.
+    /// Returns the factor by which a number is shown.
     pub fn factor(self) -> f32 {
         match self {
             Unit::Share => 100.0,
@@ -100,7 +100,7 @@ impl Unit {
         }
     }
 
-    /// The sign after the number, with the space before it.
+    /// Returns the sign after the number, with the space before it.
     pub fn suffix(self) -> &'static str {
         match self {
             Unit::Plain => "",
@@ -135,7 +135,8 @@ pub struct Param {
 }
 
 impl Param {
-    /// Whether the option can have a value. A radius: see [`Domain::Radius`]; `radii` are those of the unit in use.
+    /// Returns whether the option can have a value. A radius: see [`Domain::Radius`]; `radii` are those of the unit in
+    /// use.
     pub fn allows(&self, value: Value, radii: RangeInclusive<f32>) -> bool {
         match (self.domain, value) {
             (Domain::Radius, Value::Number(number)) => radii.contains(&number),
@@ -149,7 +150,7 @@ impl Param {
         }
     }
 
-    /// The rule that values keep, after the name of the option.
+    /// Returns the rule that values keep, after the name of the option.
     pub(super) fn rule(&self) -> String {
         match self.domain {
             Domain::Number([least, most]) => format!("must be from {least} to {most}"),
@@ -222,30 +223,30 @@ pub struct Key<T> {
 }
 
 impl<T> Key<T> {
-    /// A key with a description whose values are of the type `T`.
+    /// Returns a key with a description whose values are of the type `T`.
     pub(super) const fn new(param: Param) -> Key<T> {
         Key { param, values: PhantomData }
     }
 
-    /// The same option under another label.
+    /// Returns the same option under another label.
     pub(super) const fn label(mut self, label: &'static str) -> Key<T> {
         self.param.label = label;
         self
     }
 
-    /// The same option, explained for one brush.
+    /// Returns the same option, explained for one brush.
     pub(super) const fn help(mut self, help: &'static str) -> Key<T> {
         self.param.help = help;
         self
     }
 
-    /// The same in scripts that must state it.
+    /// Returns the same in scripts that must state it.
     pub(super) const fn required(mut self) -> Key<T> {
         self.param.omitted = Omitted::Required;
         self
     }
 
-    /// The same in scripts that need not have it.
+    /// Returns the same in scripts that need not have it.
     pub(super) const fn optional(mut self) -> Key<T> {
         self.param.omitted = Omitted::Unwritten(Value::Absent);
         self
@@ -253,13 +254,13 @@ impl<T> Key<T> {
 }
 
 impl Key<f32> {
-    /// The same option with another first value.
+    /// Returns the same option with another first value.
     pub(super) const fn first(mut self, number: f32) -> Key<f32> {
         self.param.first = Value::Number(number);
         self
     }
 
-    /// The same option with another range.
+    /// Returns the same option with another range.
     pub(super) const fn range(mut self, least: f32, most: f32) -> Key<f32> {
         self.param.domain = Domain::Number([least, most]);
         self
@@ -267,7 +268,7 @@ impl Key<f32> {
 }
 
 impl Key<u32> {
-    /// The same option with another first value, in a hand and in scripts.
+    /// Returns the same option with another first value, in a hand and in scripts.
     pub(super) const fn first(mut self, count: u32) -> Key<u32> {
         self.param.first = Value::Whole(count);
         self.param.omitted = Omitted::Is(Value::Whole(count));
@@ -276,7 +277,7 @@ impl Key<u32> {
 }
 
 impl Key<bool> {
-    /// The same option, on or off at first.
+    /// Returns the same option, on or off at first.
     pub(super) const fn first(mut self, on: bool) -> Key<bool> {
         self.param.first = Value::On(on);
         self

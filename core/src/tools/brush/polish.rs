@@ -59,7 +59,7 @@ mod tests {
     const MIDDLE: i32 = 32;
     const RADIUS_VX: i32 = 20;
 
-    /// A ground that fills the lower part of 64^3 voxels.
+    /// Returns a ground that fills the lower part of 64^3 voxels.
     fn ground() -> Document {
         let new = NewSculpture {
             dims: UVec3::splat(64),
@@ -82,12 +82,12 @@ mod tests {
         run(document, &format!("deform polish {at} strength={strength} falloff=flat"));
     }
 
-    /// How many voxels the ground has at a place.
+    /// Returns how many voxels the ground has at a place.
     fn height(document: &Document, x: i32, z: i32) -> i32 {
         (0..64).filter(|&y| document.grid().get(IVec3::new(x, y, z))).count() as i32
     }
 
-    /// The columns within a distance of the middle.
+    /// Returns the columns within a distance of the middle.
     fn columns(within_vx: i32) -> impl Iterator<Item = (i32, i32)> {
         let all = (0..64).flat_map(|z| (0..64).map(move |x| (x, z)));
         all.filter(move |(x, z)| {
@@ -96,7 +96,7 @@ mod tests {
         })
     }
 
-    /// A ground with grains and pits of one voxel, every three voxels in turn.
+    /// Returns a ground with grains and pits of one voxel, every three voxels in turn.
     fn rough() -> Document {
         let mut document = ground();
         for (i, (x, z)) in columns(30).filter(|(x, z)| x % 3 == 0 && z % 3 == 0).enumerate() {

@@ -96,7 +96,7 @@ pub struct Script {
 }
 
 impl Script {
-    /// A command under an outline.
+    /// Returns a command under an outline.
     pub(super) const fn under(
         params: &'static [Param],
         apply: fn(&BrushUse, &Site) -> Result<Change, InvalidValue>,
@@ -110,7 +110,7 @@ impl Script {
         })
     }
 
-    /// A command in a ball.
+    /// Returns a command in a ball.
     pub(super) const fn in_ball(
         contact: ContactKind,
         params: &'static [Param],
@@ -119,7 +119,7 @@ impl Script {
         Some(Script { contact, params, replaces_stroke: false, needs_colours: false, apply })
     }
 
-    /// A command that moves a ball of clay, which takes the place of what the stroke has done.
+    /// Returns a command that moves a ball of clay, which takes the place of what the stroke has done.
     pub(super) const fn of_clay(
         contact: ContactKind,
         params: &'static [Param],
@@ -240,17 +240,17 @@ impl BrushSpec {
         self.help.split(':').next().unwrap_or(self.label)
     }
 
-    /// The parameters of its command.
+    /// Returns the parameters of its command.
     pub fn params(&self) -> &'static [Param] {
         self.script.map_or(&[], |script| script.params)
     }
 
-    /// Whether it works under an outline in the picture.
+    /// Returns whether it works under an outline in the picture.
     pub fn is_in_picture(&self) -> bool {
         matches!(self.stroke, BrushStroke::Picture { .. })
     }
 
-    /// Whether it takes hold of clay.
+    /// Returns whether it takes hold of clay.
     pub fn is_held(&self) -> bool {
         matches!(self.stroke, BrushStroke::Held { .. })
     }

@@ -39,7 +39,7 @@ impl Stencil {
         Stencil { texture: texture.clone(), eye_vx, rays_from_grid, half, colour, cover }
     }
 
-    /// The new colour of a voxel from its present one.
+    /// Returns the new colour of a voxel from its present one.
     pub fn colour(&self, v: UVec3, now: Rgb) -> Rgb {
         let ray = self.rays_from_grid * (v.as_vec3() + 0.5 - self.eye_vx);
         let place = ray.truncate() / ray.z / self.half;
@@ -58,7 +58,7 @@ impl Stencil {
     }
 }
 
-/// The brightness of a colour as the eye sees it (luma of BT.709), 0 to 1.
+/// Returns the brightness of a colour as the eye sees it (luma of BT.709), 0 to 1.
 fn brightness(Rgb([r, g, b]): Rgb) -> f32 {
     (0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)) / 255.0
 }

@@ -22,14 +22,14 @@ use glam::{IVec3, UVec3, Vec3};
 
 const COLOUR: Rgb = Rgb::new(200, 30, 40);
 
-/// A slab that fills y < 20 of a 64^3 grid.
+/// Returns a slab that fills y < 20 of a 64^3 grid.
 fn slab() -> Grid {
     let mut grid = Grid::new(UVec3::splat(64), Vec3::ONE, 1 << 30).unwrap();
     grid.fill_bricks(|b| Brick::below([8, (20 - (b.y * 8).min(20)).min(8), 8]));
     grid
 }
 
-/// A footprint that looks straight down on (32, 32), a ray a voxel at the slab's surface.
+/// Returns a footprint that looks straight down on (32, 32), a ray a voxel at the slab's surface.
 fn from_above(radius: f32, outline: Outline) -> Footprint {
     let height = 100.0;
     Footprint {
@@ -52,7 +52,7 @@ fn contents(grid: &Grid, depth: ColourDepth) -> Contents {
     Contents { grid: grid.clone(), material, mask: None, surface: SurfaceKind::Cubes }
 }
 
-/// The change of a use in a grid, on a surface.
+/// Returns the change of a use in a grid, on a surface.
 fn change(used: &BrushUse, grid: &Grid, surface: &Grid, depth: ColourDepth) -> Change {
     assert_eq!(used.check(), Ok(()));
     let (contents, symmetry) = (contents(grid, depth), Symmetry::default());

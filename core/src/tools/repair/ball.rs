@@ -37,11 +37,10 @@ pub struct Ball {
 }
 
 impl Ball {
-    /// The ball of `diameter` among voxels with edges `voxel` (the same unit). Along an axis it has the
-    /// fewest voxels that are together at least as long. Its middle is a voxel's where that is an odd
-    /// number, and lies between two voxels where it is even; a voxel belongs to the ball if its middle does.
-    /// None if the ball has more than [`MAX_BALL_VX`] voxels on an axis, or a number is not finite or not
-    /// positive.
+    /// Returns the ball of `diameter` among voxels with edges `voxel` (the same unit). Along an axis it has the fewest
+    /// voxels that are together at least as long. Its middle is a voxel's where that is an odd number, and lies between
+    /// two voxels where it is even; a voxel belongs to the ball if its middle does. None if the ball has more than
+    /// [`MAX_BALL_VX`] voxels on an axis, or a number is not finite or not positive.
     pub fn new(diameter: f32, voxel: Vec3) -> Option<Ball> {
         if !(diameter.is_finite()
             && diameter > 0.0
@@ -88,12 +87,12 @@ impl Ball {
         self.extent_vx
     }
 
-    /// The places of `solid` at which the ball lies within it. None if cancelled.
+    /// Returns the places of `solid` at which the ball lies within it. None if cancelled.
     pub fn erode(&self, solid: &BitBlock, progress: &dyn Progress) -> Option<BitBlock> {
         self.combine::<true>(solid, progress)
     }
 
-    /// All voxels that the ball covers at the places of `places`, within the block. None if cancelled.
+    /// Returns all voxels that the ball covers at the places of `places`, within the block. None if cancelled.
     pub fn dilate(&self, places: &BitBlock, progress: &dyn Progress) -> Option<BitBlock> {
         self.combine::<false>(places, progress)
     }

@@ -27,7 +27,7 @@ impl Toward {
     /// All, in the order in which interfaces offer them.
     pub const ALL: [Toward; 2] = [Toward::Down, Toward::Nearest];
 
-    /// Its name in the text form.
+    /// Returns the name in the text form.
     pub const fn name(self) -> &'static str {
         match self {
             Toward::Down => "down",
@@ -49,7 +49,7 @@ struct Way {
     aside: f32,
 }
 
-/// The voxels of a round hole of `diameter_vx` (edges along x) for each cavity of `empty`. None if cancelled.
+/// Returns the voxels of a round hole of `diameter_vx` (edges along x) for each cavity of `empty`. None if cancelled.
 pub fn holes(
     grid: &Grid,
     empty: &Pieces,
@@ -87,7 +87,7 @@ pub fn holes(
     Some(ListedBricks::new(listed.collect()))
 }
 
-/// The way out of a cavity in the direction `step` that passes the fewest voxels.
+/// Returns the way out of a cavity in the direction `step` that passes the fewest voxels.
 fn shortest(grid: &Grid, empty: &Pieces, cavity: u32, step: IVec3) -> Option<Way> {
     let (low, high) = empty.list()[cavity as usize].bounds();
     let (low, high) = (low.as_ivec3(), high.as_ivec3());

@@ -62,7 +62,7 @@ impl Keep {
     /// All, in the order in which interfaces offer them.
     pub const ALL: [Keep; 2] = [Keep::Standing, Keep::Largest];
 
-    /// Its name in the text form.
+    /// Returns the name in the text form.
     pub const fn name(self) -> &'static str {
         match self {
             Keep::Standing => "standing",
@@ -104,7 +104,7 @@ pub struct RepairPlan {
 }
 
 impl Repair {
-    /// The verb of its command.
+    /// Returns the verb of its command.
     pub fn verb(&self) -> &'static str {
         match self {
             Repair::RemoveIslands { .. } => "remove-islands",
@@ -126,7 +126,7 @@ impl Repair {
         }
     }
 
-    /// The voxels of `grid` that it changes, found within `budget_bytes` beside it.
+    /// Returns the voxels of `grid` that it changes, found within `budget_bytes` beside it.
     pub fn plan(
         &self,
         grid: &Grid,
@@ -170,18 +170,18 @@ impl Repair {
     }
 }
 
-/// An error if walls, which take `needed` bytes, cannot be measured within `budget_bytes`.
+/// Returns an error if walls, which take `needed` bytes, cannot be measured within `budget_bytes`.
 pub fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), OverBudget> {
     OverBudget::check("measuring the walls needs", needed, MemoryBudget::Grids, budget_bytes)
 }
 
-/// A thickness in edges of a voxel along x.
+/// Returns a thickness in edges of a voxel along x.
 pub fn thickness(to_vx: f32, voxel: Vec3) -> Result<Thickness, InvalidValue> {
     let thickness = Thickness::new(to_vx * voxel.x, voxel);
     thickness.ok_or_else(|| InvalidValue::new("thickness of a wall", LENGTH_RULE, to_vx))
 }
 
-/// Whether each piece of a solid stands on the bed, on which the lowest voxel lies.
+/// Returns whether each piece of a solid stands on the bed, on which the lowest voxel lies.
 pub fn standing(solid: &Pieces) -> Vec<bool> {
     let floor = |place: usize| solid.list()[place].bounds().0.y;
     let lowest = (0..solid.list().len()).map(floor).min();
@@ -199,7 +199,7 @@ fn stays(solid: &Pieces, keep: Keep) -> Vec<bool> {
     stays
 }
 
-/// The voxels of the pieces that are chosen.
+/// Returns the voxels of the pieces that are chosen.
 pub fn voxels_of(
     grid: &Grid,
     found: &Pieces,

@@ -45,7 +45,7 @@ fn cavities(grid: &Grid) -> usize {
     (0..found.list().len()).filter(|piece| !found.reaches_border(*piece as u32)).count()
 }
 
-/// A body of 8^3 voxels, a post of 8 and a stone of 64 beside it, dust in the air.
+/// Returns a body of 8^3 voxels, a post of 8 and a stone of 64 beside it, dust in the air.
 fn scene() -> Grid {
     grid(|v| {
         within(v, [4, 3, 4], [12, 11, 12])

@@ -52,7 +52,7 @@ impl Thickness {
         block_bytes(grid, reach) * BLOCKS_TO_THICKEN
     }
 
-    /// The voxels of `grid` whose wall is too thin. None if cancelled.
+    /// Returns the voxels of `grid` whose wall is too thin. None if cancelled.
     pub fn thin(&self, grid: &Grid, progress: &dyn Progress) -> Option<BitBlock> {
         let (min, max) = grid.opaque_bounds().unwrap_or_default();
         let solid = BitBlock::of_grid(grid, min.as_ivec3(), max.as_ivec3());
@@ -76,8 +76,8 @@ impl Thickness {
         Some(solid.zip(&reached, |solid, reached| solid & !reached))
     }
 
-    /// The voxels to add so that no wall of `grid` is too thin, as far as there is room: none lies below the lowest
-    /// voxel, which stands on the bed, or beyond the grid. None if cancelled.
+    /// Returns the voxels to add so that no wall of `grid` is too thin, as far as there is room: none lies below the
+    /// lowest voxel, which stands on the bed, or beyond the grid. None if cancelled.
     ///
     /// Balls are set on the middle of thin walls (the skeleton of C. Lantuéjoul, 1980), so that these grow to both
     /// sides and become as thick as wanted or one voxel thicker; and on all that is thin still.
@@ -117,7 +117,7 @@ impl Thickness {
         Some(solid.zip(&before, |after, before| after & !before))
     }
 
-    /// The places nearest to `places` at which the ball lies within the box from `min` (inclusive) to `max`
+    /// Returns the places nearest to `places` at which the ball lies within the box from `min` (inclusive) to `max`
     /// (exclusive). At a border, a ball that is cut off would leave the voxels thin that it was placed on.
     fn moved_inside(&self, places: &BitBlock, min: IVec3, max: IVec3) -> BitBlock {
         let edges = IVec3::from(self.ball.extent_vx().map(|edge| edge as i32));
@@ -139,7 +139,7 @@ impl Thickness {
         moved
     }
 
-    /// The middles of walls up to the ball's thickness.
+    /// Returns the middles of walls up to the ball's thickness.
     fn skeleton(&self, solid: &BitBlock) -> BitBlock {
         let mut rest = solid.clone();
         let mut middles = solid.emptied();
@@ -162,7 +162,7 @@ fn block_bytes(grid: &Grid, reach: u32) -> u64 {
     (high.saturating_sub(low) + 16).as_u64vec3().element_product() / 8
 }
 
-/// The voxels of `within` that are in `block` or one of whose 26 neighbours is.
+/// Returns the voxels of `within` that are in `block` or one of whose 26 neighbours is.
 fn widened(block: &BitBlock, within: &BitBlock) -> BitBlock {
     within.map_rows_in_parallel(|y, z, out| {
         let Some(limit) = within.row(y, z).filter(|row| row.iter().any(|word| *word != 0)) else {

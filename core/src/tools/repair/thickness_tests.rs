@@ -33,7 +33,7 @@ fn thickened(mut grid: Grid, thickness: f32) -> Grid {
     grid
 }
 
-/// A slab of `count` layers along an axis, from the layer `first` on.
+/// Returns a slab of `count` layers along an axis, from the layer `first` on.
 fn slab(axis: usize, first: f32, count: u32) -> Grid {
     grid(|p| p[axis] > first && p[axis] < first + count as f32 && p.abs().max_element() < 16.0)
 }

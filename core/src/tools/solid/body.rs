@@ -28,7 +28,7 @@ pub enum Body {
 }
 
 impl Body {
-    /// Whether lines along its surface are straight: along faces, or from rim to rim of a side.
+    /// Returns whether lines along its surface are straight: along faces, or from rim to rim of a side.
     pub fn has_straight_lines(&self) -> bool {
         match self {
             Body::Faces { .. } | Body::RoundedBox => true,
@@ -54,12 +54,12 @@ pub enum Stretch {
 }
 
 impl Stretch {
-    /// A line across the axis, which closes a side.
+    /// Returns a line across the axis, which closes a side.
     pub fn is_cap(&self) -> bool {
         matches!(self, Stretch::Line([from, to]) if from.y == to.y)
     }
 
-    /// The point at a share of its length from 0 to 1, with the normal there.
+    /// Returns the point at a share of its length from 0 to 1, with the normal there.
     pub fn at(&self, share: f32) -> (ProfilePoint, Vec2) {
         match *self {
             Stretch::Line([from, to]) => {

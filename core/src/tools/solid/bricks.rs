@@ -43,7 +43,7 @@ impl PlacedSolid {
         ]
     }
 
-    /// The test of eight points in tool space, with a margin.
+    /// Returns the test of eight points in tool space, with a margin.
     ///
     /// A function of its own, compiled once for each set of instructions: it is large.
     #[inline(always)]
@@ -60,8 +60,8 @@ impl PlacedSolid {
         )
     }
 
-    /// The bricks of a row that the solid touches and fills: eight at a time by the values at their middles. None where
-    /// those are not known.
+    /// Returns the bricks of a row that the solid touches and fills: eight at a time by the values at their middles.
+    /// None where those are not known.
     #[inline(always)]
     pub(super) fn reach_of_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32) -> Option<RowReach> {
         let edge = f64::from(BRICK_EDGE_VX);
@@ -101,7 +101,7 @@ impl PlacedSolid {
         Some(reach)
     }
 
-    /// The voxels inside of the brick at `origin_vx`.
+    /// Returns the voxels inside of the brick at `origin_vx`.
     #[inline(always)]
     pub(super) fn test_brick<S: Simd>(&self, simd: S, origin_vx: UVec3) -> Brick {
         let mut mask = Brick::EMPTY;

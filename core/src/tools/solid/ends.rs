@@ -58,10 +58,10 @@ pub trait RowSolver {
     /// turns; at a half or more all rows are doubtful.
     fn local(&self, origin: f64, y: f64, z: f64) -> Option<(Self::Local, f32)>;
 
-    /// The ends of the eight rows `step_z` voxels on along z.
+    /// Returns the ends of the eight rows `step_z` voxels on along z.
     fn ends<S: Simd>(&self, simd: S, local: &Self::Local, step_z: usize) -> Ends<S>;
 
-    /// The certain part of the row at `y`, `z`, with all rounding errors allowed for.
+    /// Returns the certain part of the row at `y`, `z`, with all rounding errors allowed for.
     fn bracket(&self, y: f64, z: f64) -> Bracket;
 }
 
@@ -131,7 +131,7 @@ impl<S: Simd> Rounding<S> {
         }
     }
 
-    /// The first voxels of eight rows, one past the last ones, and a bit for each row in doubt.
+    /// Returns the first voxels of eight rows, one past the last ones, and a bit for each row in doubt.
     #[inline(always)]
     fn rows(&self, ends: Ends<S>) -> (i32x8<S>, i32x8<S>, u64) {
         let (from, off_from) = self.round(ends.from);
@@ -173,7 +173,7 @@ fn settle_rows(
     true
 }
 
-/// The voxels of one row, by the exact test wherever the bracket leaves it open.
+/// Returns the voxels of one row, by the exact test wherever the bracket leaves it open.
 fn settle(
     solver: &impl RowSolver,
     x: &Range<i32>,

@@ -23,7 +23,7 @@ impl Parts {
         Parts { core: DVec3::ZERO, round: DVec3::ONE }
     }
 
-    /// The part of a point that is beyond the core, without sign, in units of the ellipsoid.
+    /// Returns the part of a point that is beyond the core, without sign, in units of the ellipsoid.
     #[inline(always)]
     pub fn beyond_core<N: SimdReal>(&self, p: [N; 3]) -> [N; 3] {
         let Parts { core, round } = *self;
@@ -36,8 +36,8 @@ impl Parts {
         ]
     }
 
-    /// Whether a sum whose core is a box or a segment passes over one point or eight when it moves by `displacement`; points
-    /// with a value up to `margin` instead of 0 count as inside.
+    /// Returns whether a sum whose core is a box or a segment passes over one point or eight when it moves by
+    /// `displacement`; points with a value up to `margin` instead of 0 count as inside.
     #[inline(always)]
     pub fn passes<N: SimdReal>(&self, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
         let most = 1.0 + margin;
@@ -47,8 +47,8 @@ impl Parts {
         squared.at_most(t.all(most.max(0.0) * most)) & t.all(0.0).at_most(t.all(most))
     }
 
-    /// The time from 0 to 1 when the sum of a box and an ellipsoid is nearest to a point. The square of the distance is
-    /// convex in time, and quadratic between the times when the point passes a face of the box.
+    /// Returns the time from 0 to 1 when the sum of a box and an ellipsoid is nearest to a point. The square of the
+    /// distance is convex in time, and quadratic between the times when the point passes a face of the box.
     #[inline(always)]
     fn nearest_of_sum<N: SimdReal>(&self, p: [N; 3], displacement: DVec3) -> N {
         let core = self.core;
@@ -100,12 +100,12 @@ impl Parts {
         slope
     }
 
-    /// The most by which the value of such a sum changes over `offset` (at least 0 on each axis).
+    /// Returns the most by which the value of such a sum changes over `offset` (at least 0 on each axis).
     pub fn slack(&self, offset: DVec3) -> f64 {
         (offset / self.round).length()
     }
 
-    /// The largest `direction . p` over such a sum.
+    /// Returns the largest `direction . p` over such a sum.
     pub fn support(&self, direction: DVec3) -> f64 {
         (self.core * direction).abs().element_sum() + (self.round * direction).length()
     }

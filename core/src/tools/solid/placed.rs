@@ -43,7 +43,7 @@ pub struct Primitive {
 }
 
 impl Primitive {
-    /// An error that names the first invalid field, if there is one.
+    /// Returns an error that names the first invalid field, if there is one.
     pub fn check(&self) -> Result<(), InvalidValue> {
         let Primitive { centre_vx, half, rotation, .. } = *self;
         let check = |is_valid, field, rule, value: &dyn Display| {
@@ -56,24 +56,24 @@ impl Primitive {
         check(is_rotation, "rotation", "must be a quaternion of length 1", &rotation)
     }
 
-    /// The region that this solid covers in a grid whose voxels have edges of `voxel_size`.
+    /// Returns the region that this solid covers in a grid whose voxels have edges of `voxel_size`.
     pub fn in_grid(&self, voxel_size: Vec3) -> PlacedSolid {
         self.swept_in_grid(None, voxel_size)
     }
 
-    /// The region that this solid sweeps on the straight way of its centre to `to_vx`, without turning; of the solid
-    /// alone for none.
+    /// Returns the region that this solid sweeps on the straight way of its centre to `to_vx`, without turning; of the
+    /// solid alone for none.
     pub fn swept_in_grid(&self, to_vx: Option<Vec3>, voxel_size: Vec3) -> PlacedSolid {
         PlacedSolid::new(self, to_vx, voxel_size, &SymmetryTransform::of_planes([None; 3]))
     }
 
-    /// Its shape in tool space.
+    /// Returns the shape in tool space.
     pub fn shape(&self) -> Shape {
         Shape::new(self.solid, self.half.as_dvec3())
     }
 
-    /// The image of [`Primitive::swept_in_grid`]. Mirrored at planes along the grid, it covers exactly the mirrored
-    /// voxels where they lie between voxels or through their centres.
+    /// Returns the image of [`Primitive::swept_in_grid`]. Mirrored at planes along the grid, it covers exactly the
+    /// mirrored voxels where they lie between voxels or through their centres.
     pub fn image_in_grid(
         &self,
         to_vx: Option<Vec3>,
@@ -83,14 +83,14 @@ impl Primitive {
         PlacedSolid::new(self, to_vx, voxel_size, image)
     }
 
-    /// The mirrored solid, for drawing.
+    /// Returns the mirrored solid, for drawing.
     pub fn image(&self, image: &SymmetryTransform) -> Primitive {
         let rotation = image.rotation(self.rotation);
         Primitive { centre_vx: image.point(self.centre_vx), rotation, ..*self }
     }
 }
 
-/// An error if a sweep does not end in a place.
+/// Returns an error that says so if a sweep does not end in a place.
 pub fn check_way(to_vx: Option<Vec3>) -> Result<(), InvalidValue> {
     match to_vx {
         Some(to) if !is_place(to) => {
@@ -247,7 +247,8 @@ impl PlacedSolid {
         }
     }
 
-    /// Whether the centre of a voxel lies inside, or the solid passes over it: the definition that every row equals.
+    /// Returns whether the centre of a voxel lies inside, or the solid passes over it: the definition that every row
+    /// equals.
     #[inline(always)]
     pub fn contains_voxel(&self, v: IVec3) -> bool {
         let p = self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx);
@@ -257,13 +258,13 @@ impl PlacedSolid {
         }
     }
 
-    /// A point in voxel coordinates, mapped to tool space, where the solid at its first place fills [-1, 1].
+    /// Returns a point in voxel coordinates, mapped to tool space, where the solid at its first place fills [-1, 1].
     pub fn tool_point(&self, p: Vec3) -> Vec3 {
         (self.tool_from_vx * (p.as_dvec3() - self.centre_vx)).as_vec3()
     }
 }
 
-/// The first of `range` where `p` holds, or its end. `p` must hold from there on.
+/// Returns the first of `range` where `p` holds, or its end. `p` must hold from there on.
 fn first_where(range: Range<i32>, p: impl Fn(i32) -> bool) -> i32 {
     let Range { mut start, mut end } = range;
     while start < end {
@@ -295,7 +296,7 @@ pub struct SolidRow {
 }
 
 impl SolidRow {
-    /// Whether the voxels of some row are tested one by one.
+    /// Returns whether the voxels of some row are tested one by one.
     #[cfg(test)]
     pub fn is_torn(&self) -> bool {
         self.torn.is_some()

@@ -42,9 +42,9 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// The half spaces of the volume that a solid sweeps when it moves by `way`. A point is in it if at some time t
-    /// from 0 to 1 it is in all half spaces of the solid moved by `t way`; t is eliminated by the method of Fourier and
-    /// Motzkin: each bound of t from below is at most each from above.
+    /// Returns the half spaces of the volume that a solid sweeps when it moves by `way`. A point is in it if at some
+    /// time t from 0 to 1 it is in all half spaces of the solid moved by `t way`; t is eliminated by the method of
+    /// Fourier and Motzkin: each bound of t from below is at most each from above.
     pub fn swept(solid: &[HalfSpace], way: DVec3) -> Faces {
         let mut swept = Faces { faces: [HalfSpace::default(); MOST_FACES], len: 0 };
         for face in solid {
@@ -208,7 +208,7 @@ impl Planes {
         &self.faces[self.range(kind)]
     }
 
-    /// The numbers of a face at eight rows.
+    /// Returns the numbers of a face at eight rows.
     #[inline(always)]
     fn number<S: Simd>(&self, simd: S, local: &LocalPlanes, step_z: usize, i: usize) -> f32x8<S> {
         f32x8::load_array_ref(simd, &local.of_step[i]) + local.at[step_z][i]

@@ -20,12 +20,12 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The shape of `solid` with half extents `half`, in any unit.
+    /// Returns the shape of `solid` with half extents `half`, in any unit.
     pub fn new(solid: Solid, half: DVec3) -> Shape {
         Shape { solid, parts: (solid.spec().parts)(half) }
     }
 
-    /// Its kind.
+    /// Returns the kind.
     pub fn solid(&self) -> Solid {
         self.solid
     }
@@ -35,30 +35,31 @@ impl Shape {
         self.parts.round
     }
 
-    /// The inside test in tool space.
+    /// Returns the inside test in tool space.
     #[inline(always)]
     pub fn contains(&self, p: DVec3) -> bool {
         self.holds(p.to_array())
     }
 
-    /// The inside test of one point or eight, as coordinates in tool space.
+    /// Returns the inside test of one point or eight, as coordinates in tool space.
     #[inline(always)]
     pub(super) fn holds<N: SimdReal>(&self, p: [N; 3]) -> N::Mask {
         self.solid.holds(&self.parts, p)
     }
 
-    /// The largest `direction . p` over the solid.
+    /// Returns the largest `direction . p` over the solid.
     pub fn support(&self, direction: DVec3) -> f64 {
         self.solid.support(&self.parts, direction)
     }
 
-    /// The most by which the value changes over `offset` (at least 0 on each axis), in any direction with such parts.
+    /// Returns the most by which the value changes over `offset` (at least 0 on each axis), in any direction with such
+    /// parts.
     pub(super) fn slack(&self, offset: DVec3) -> f64 {
         self.solid.slack(&self.parts, offset)
     }
 
-    /// Whether the solid, moved straight from its place by `displacement`, passes over `p`. Points with a value up to
-    /// `margin` instead of 0 count as inside, which makes the solid larger or smaller.
+    /// Returns whether the solid, moved straight from its place by `displacement`, passes over `p`. Points with a value
+    /// up to `margin` instead of 0 count as inside, which makes the solid larger or smaller.
     pub(super) fn passes(&self, p: DVec3, displacement: DVec3, margin: f64) -> bool {
         // NaN or infinite coordinates lie in no solid.
         p.is_finite()
@@ -66,7 +67,7 @@ impl Shape {
             && self.passes_over(p.to_array(), displacement, margin)
     }
 
-    /// The same for one point or eight, none of them NaN, as coordinates in tool space.
+    /// Returns the same for one point or eight, none of them NaN, as coordinates in tool space.
     #[inline(always)]
     pub(super) fn passes_over<N: SimdReal>(
         &self,
@@ -144,7 +145,8 @@ mod tests {
         (axis(), axis(), axis()).prop_map(DVec3::from)
     }
 
-    /// The margin by which the sweep of a torus may miss points, because its steps are finite; 0 for other solids.
+    /// Returns the margin by which the sweep of a torus may miss points, because its steps are finite; 0 for other
+    /// solids.
     fn finest(shape: &Shape, way: DVec3) -> f64 {
         match shape.solid() {
             Solid::Torus => FINEST.max(shape.slack(way.abs()) / MOST_STEPS),

@@ -24,15 +24,15 @@ pub trait SimdReal:
     fn all(self, value: f64) -> Self;
     fn abs(self) -> Self;
     fn sqrt(self) -> Self;
-    /// The larger and the smaller; neither may be NaN.
+    /// Returns the larger and the smaller; neither may be NaN.
     fn max(self, other: Self) -> Self;
     fn min(self, other: Self) -> Self;
-    /// Whether it is at most, and less than, the other.
+    /// Returns whether it is at most, and less than, the other.
     fn at_most(self, other: Self) -> Self::Mask;
     fn below(self, other: Self) -> Self::Mask;
     /// This where the mask is true, the other elsewhere.
     fn where_true(self, mask: Self::Mask, other: Self) -> Self;
-    /// Whether the mask is true in all lanes, and in none.
+    /// Returns whether the mask is true in all lanes, and in none.
     fn is_all(mask: Self::Mask) -> bool;
     fn is_none(mask: Self::Mask) -> bool;
 }

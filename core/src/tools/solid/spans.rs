@@ -43,7 +43,7 @@ impl RowSpans {
         (self.from[pair][row], self.to[pair][row]) = (span.start as i16, span.end as i16);
     }
 
-    /// The bricks along x that the spans touch and fill.
+    /// Returns the bricks along x that the spans touch and fill.
     #[inline(always)]
     pub fn reach<S: Simd>(&self, simd: S) -> RowReach {
         let (zero, most) = (i16x16::splat(simd, 0), i16x16::splat(simd, i16::MAX));
@@ -71,7 +71,7 @@ impl RowSpans {
         }
     }
 
-    /// The voxels of the brick at `brick_x` that lie in the spans.
+    /// Returns the voxels of the brick at `brick_x` that lie in the spans.
     #[inline(always)]
     pub fn mask<S: Simd>(&self, simd: S, brick_x: u32) -> Brick {
         let origin = u16x16::splat(simd, (brick_x * BRICK_EDGE_VX) as u16);
@@ -118,8 +118,8 @@ const NIBBLES_TO_WORDS: [u8; 32] = {
     places
 };
 
-/// The ends of the lower or upper 32 rows along z relative to `origin`, cut to 0..=8: the rows of
-/// the lower 4 along y first, then the others.
+/// Returns the ends of the lower or upper 32 rows along z relative to `origin`, cut to 0..=8: the rows of the lower 4
+/// along y first, then the others.
 #[inline(always)]
 fn local<S: Simd>(simd: S, ends: &[EndsOfPair; 4], upper: usize, origin: u16x16<S>) -> u8x32<S> {
     let bytes = simd.saturating_narrow_i16x16(
@@ -129,14 +129,14 @@ fn local<S: Simd>(simd: S, ends: &[EndsOfPair; 4], upper: usize, origin: u16x16<
     middle_swapped(bytes.bitcast()).bitcast::<u8x32<S>>().min(BRICK_EDGE_VX as u8)
 }
 
-/// The ends less `origin`, and 0 if below it.
+/// Returns the ends less `origin`, and 0 if below it.
 #[inline(always)]
 fn beyond<S: Simd>(simd: S, ends: &EndsOfPair, origin: u16x16<S>) -> i16x16<S> {
     let ends = i16x16::load_array_ref(simd, ends).bitcast::<u16x16<S>>();
     ends.saturating_sub(origin).bitcast()
 }
 
-/// The ends of eight rows along y for each of two steps along z, in the order that is kept.
+/// Returns the ends of eight rows along y for each of two steps along z, in the order that is kept.
 #[inline(always)]
 fn ordered<S: Simd>(simd: S, [first, second]: [i32x8<S>; 2]) -> i16x16<S> {
     middle_swapped(simd.relaxed_narrow_i32x8(first, second).bitcast()).bitcast()

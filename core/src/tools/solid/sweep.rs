@@ -16,7 +16,7 @@ pub fn widest_base(margin: f64) -> f64 {
     1.0 + 1.5 * margin
 }
 
-/// Where a point is, seen from a solid that has moved along `displacement` for a time.
+/// Returns where a point is, seen from a solid that has moved along `displacement` for a time.
 #[inline(always)]
 pub fn behind<N: SimdReal>([x, y, z]: [N; 3], displacement: DVec3, t: N) -> [N; 3] {
     [x - t * displacement.x, y - t * displacement.y, z - t * displacement.z]
@@ -56,7 +56,7 @@ impl<N: SimdReal> Across<N> {
         x * x + z * z
     }
 
-    /// The time when the point is furthest inside a circle around the axis that grows by `grows`: the least of
+    /// Returns the time when the point is furthest inside a circle around the axis that grows by `grows`: the least of
     /// hypot(aside, length u) - grows u, which is convex, with u from the foot.
     #[inline(always)]
     pub fn deepest_in_cone(&self, grows: f64) -> N {
@@ -77,7 +77,7 @@ pub struct Times<N> {
 }
 
 impl<N: SimdReal> Times<N> {
-    /// All, of as many points as `like` has.
+    /// Returns all, of as many points as `like` has.
     #[inline(always)]
     pub fn all(like: N) -> Times<N> {
         Times { from: like.all(0.0), to: like.all(1.0) }
@@ -111,7 +111,7 @@ impl<N: SimdReal> Times<N> {
         self.from.at_most(self.to)
     }
 
-    /// The one nearest to `t`.
+    /// Returns the one nearest to `t`.
     #[inline(always)]
     pub fn clamp(self, t: N) -> N {
         t.max(self.from).min(self.to)

@@ -50,8 +50,8 @@ fn check_with(simd: impl Simd, placed: &PlacedSolid, dims: UVec3) -> Result<(), 
     Ok(())
 }
 
-/// A sweep covers the voxels that the solid covers at places along its displacement, and none that a slightly larger
-/// solid does not cover there. The sweep from the other end covers the same.
+/// Returns a sweep covers the voxels that the solid covers at places along its displacement, and none that a slightly
+/// larger solid does not cover there. The sweep from the other end covers the same.
 fn check_places_of_way(primitive: &Primitive, way: Vec3, size: Vec3) -> Result<(), TestCaseError> {
     let solid = primitive.solid;
     // In edges of the smallest voxel edge, as are half extents.
@@ -94,8 +94,7 @@ fn solid() -> impl Strategy<Value = Solid> {
     prop::sample::select(&Solid::ALL[..])
 }
 
-/// The 24 turns that lay axes along axes, as exactly as `f32` has them: half turns have no rounding
-/// at all.
+/// Returns the 24 turns that lay axes along axes, as exactly as `f32` has them: half turns have no rounding at all.
 pub fn axis_turns() -> Vec<Quat> {
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let mut turns = Vec::new();

@@ -29,13 +29,13 @@ const MOST_DEPTH: usize = 32;
 /// A length that is not known beforehand.
 const UNDEFINED: u32 = u32::MAX;
 
-/// Whether the first bytes of a file are those of a DICOM file, with its mark or without.
+/// Returns whether the first bytes of a file are those of a DICOM file, with its mark or without.
 pub fn is_dicom(start: &[u8]) -> bool {
     begin_of(start).is_some()
 }
 
-/// Where the elements of a file begin. Some files lack the mark, or what stands before it: those whose first elements are
-/// such as a DICOM file begins with.
+/// Returns where the elements of a file begin. Some files lack the mark, or what stands before it: those whose first
+/// elements are such as a DICOM file begins with.
 fn begin_of(file: &[u8]) -> Option<usize> {
     if file.get(MAGIC_AT..).is_some_and(|rest| rest.starts_with(MAGIC)) {
         return Some(MAGIC_AT + MAGIC.len());
@@ -46,7 +46,7 @@ fn begin_of(file: &[u8]) -> Option<usize> {
     places.into_iter().find(|at| file.get(*at..).is_some_and(begins_with_elements))
 }
 
-/// Whether bytes begin with little-endian elements of the groups that come first in a DICOM file, in order.
+/// Returns whether bytes begin with little-endian elements of the groups that come first in a DICOM file, in order.
 fn begins_with_elements(bytes: &[u8]) -> bool {
     let mut at = 0;
     let mut last = 0;
@@ -110,7 +110,7 @@ pub struct DataSet<'a> {
     is_big: bool,
 }
 
-/// The syntax of a file, and the bytes of its data set, unpacked if need be to at most `budget_bytes`.
+/// Returns the syntax of a file, and the bytes of its data set, unpacked if need be to at most `budget_bytes`.
 pub fn open(
     file: &[u8],
     part: Part,
@@ -157,7 +157,8 @@ pub fn open(
     }
 }
 
-/// Whether the elements of a data set say the types of their values, by the first of them. None where it cannot be told.
+/// Returns whether the elements of a data set say the types of their values, by the first of them. None where it cannot
+/// be told.
 fn is_explicit(bytes: &[u8], is_big: bool) -> Option<bool> {
     let head = bytes.first_chunk::<8>()?;
     if head[4..6].iter().all(u8::is_ascii_uppercase) {
@@ -172,7 +173,7 @@ fn is_explicit(bytes: &[u8], is_big: bool) -> Option<bool> {
 }
 
 impl<'a> DataSet<'a> {
-    /// The elements of `bytes`, as [`open`] gives them.
+    /// Returns the elements of `bytes`, as [`open`] gives them.
     pub fn parse(bytes: &'a [u8], syntax: Syntax, part: Part) -> Result<DataSet<'a>, FormatError> {
         let is_big = syntax.is_big();
         // The elements themselves count, not the header's name for them.
@@ -193,31 +194,31 @@ impl<'a> DataSet<'a> {
         }
     }
 
-    /// A text without its padding; none where it is missing or empty.
+    /// Returns a text without its padding; none where it is missing or empty.
     pub fn text(&self, tag: Tag) -> Option<String> {
         let text = String::from_utf8_lossy(self.bytes(tag)?);
         let text = text.trim_matches(|c: char| c.is_whitespace() || c == '\0');
         (!text.is_empty()).then(|| text.to_string())
     }
 
-    /// The finite numbers of a text; none where one cannot be read.
+    /// Returns the finite numbers of a text; none where one cannot be read.
     pub fn decimals<const N: usize>(&self, tag: Tag) -> Option<[f64; N]> {
         self.all_decimals(tag)?.get(..N)?.try_into().ok()
     }
 
-    /// All of a text's numbers.
+    /// Returns all of a text's numbers.
     pub fn all_decimals(&self, tag: Tag) -> Option<Vec<f64>> {
         let number = |text: &str| text.trim().parse().ok().filter(|n: &f64| n.is_finite());
         self.text(tag)?.split('\\').map(number).collect()
     }
 
-    /// The first of 16-bit numbers.
+    /// Returns the first of 16-bit numbers.
     pub fn u16(&self, tag: Tag) -> Option<u16> {
         let bytes = *self.bytes(tag)?.first_chunk()?;
         Some(if self.is_big { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) })
     }
 
-    /// The items of a sequence; none where it is missing.
+    /// Returns the items of a sequence; none where it is missing.
     pub fn items(&self, tag: Tag) -> &[DataSet<'a>] {
         match self.value(tag) {
             Some(Value::Items(items)) => items,
@@ -225,7 +226,7 @@ impl<'a> DataSet<'a> {
         }
     }
 
-    /// The pixels with the tag of their kind of numbers.
+    /// Returns the pixels with the tag of their kind of numbers.
     pub fn pixels(&self) -> Option<(Tag, Stored<'_>)> {
         tags::PIXELS.into_iter().find_map(|tag| match self.value(tag)? {
             Value::Bytes(bytes) => Some((tag, Stored::Native { bytes, swapped: false })),
@@ -250,7 +251,8 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    /// The elements up to `end` or the end of an item without a length; of the file's meta group alone if `is_meta`.
+    /// Returns the elements up to `end` or the end of an item without a length; of the file's meta group alone if
+    /// `is_meta`.
     fn elements(
         &mut self,
         end: usize,
@@ -316,7 +318,7 @@ impl<'a> Parser<'a> {
         Ok((tag, if vr == Some(*b"OW") { Value::Words(value) } else { Value::Bytes(value) }))
     }
 
-    /// The items of a sequence whose length, which may be undefined, has been read.
+    /// Returns the items of a sequence whose length, which may be undefined, has been read.
     fn items(
         &mut self,
         length: u32,
@@ -363,7 +365,7 @@ impl<'a> Parser<'a> {
         Ok(fragments)
     }
 
-    /// Where something of a length ends that begins here.
+    /// Returns where something of a length ends that begins here.
     fn end_of(&self, length: u32, end: usize) -> Result<usize, FormatError> {
         match length {
             UNDEFINED => Ok(end),
@@ -394,7 +396,7 @@ impl<'a> Parser<'a> {
         Ok(self.number::<2>(end)? << 16 | self.number::<2>(end)?)
     }
 
-    /// The type of an element's value, where it is stored, and its length.
+    /// Returns the type of an element's value, where it is stored, and its length.
     fn length(&mut self, tag: Tag, end: usize) -> Result<(Option<[u8; 2]>, u32), FormatError> {
         if !self.is_explicit || tag >> 16 == tags::ITEM >> 16 {
             return Ok((None, self.number::<4>(end)?));

@@ -46,7 +46,7 @@ struct Start {
     plane: Plane,
 }
 
-/// The first bytes of a file, at most `most`.
+/// Returns the first bytes of a file, at most `most`.
 fn start_of(path: &Path, most: u64) -> Option<Vec<u8>> {
     let file = store::open(path).ok()?;
     let mut start = Vec::new();
@@ -54,7 +54,7 @@ fn start_of(path: &Path, most: u64) -> Option<Vec<u8>> {
     Some(start)
 }
 
-/// Whether `path` is a DICOM file, or a folder with one in it.
+/// Returns whether `path` is a DICOM file, or a folder with one in it.
 pub fn has_dicom(path: &Path) -> bool {
     let is_file = |path: &Path| {
         start_of(path, MAGIC_BYTES as u64).is_some_and(|start| data_set::is_dicom(&start))
@@ -65,7 +65,7 @@ pub fn has_dicom(path: &Path) -> bool {
     }
 }
 
-/// The files of a folder, sorted by name.
+/// Returns the files of a folder, sorted by name.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, FormatError> {
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder)?
         .take(MOST_FILES)
@@ -99,13 +99,13 @@ impl Start {
         })
     }
 
-    /// Whether both can be slices of one volume.
+    /// Returns whether both can be slices of one volume.
     fn is_like(&self, other: &Start) -> bool {
         self.layout.fits(&other.layout) && self.plane.is_parallel(&other.plane)
     }
 }
 
-/// The series of the file `path`, or the only one of the folder `path`.
+/// Returns the series of the file `path`, or the only one of the folder `path`.
 pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
     let alone = || Found {
         files: vec![path.to_path_buf()],
@@ -185,7 +185,8 @@ fn starts(folder: &Path, reading: &Reading) -> Result<Vec<Start>, FormatError> {
     Ok(starts)
 }
 
-/// The file of the only series that decides which others belong to it: one of the largest number of files alike.
+/// Returns the file of the only series that decides which others belong to it: one of the largest number of files
+/// alike.
 fn only(starts: &[Start]) -> Result<Start, FormatError> {
     let mut series: Vec<(&str, Vec<&Start>)> = Vec::new();
     for start in starts {

@@ -15,7 +15,7 @@ const SIGN_BYTES: usize = 42;
 /// Most bits of a sample: what a DICOM sample of 16 bits holds, and single precision holds exactly.
 const MOST_BITS: u8 = 16;
 
-/// The samples of `columns` times `rows` pixels of `channels` each.
+/// Returns the samples of `columns` times `rows` pixels of `channels` each.
 pub(super) fn samples(
     packed: &[u8],
     [columns, rows]: [u32; 2],

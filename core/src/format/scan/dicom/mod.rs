@@ -120,7 +120,7 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
     Ok((Scan { volume, frame, kind, is_label: false, volumes, notes }, file_bytes))
 }
 
-/// The planes of the frames of a file that are parallel to the first.
+/// Returns the planes of the frames of a file that are parallel to the first.
 fn parallel_planes(data: &DataSet, frames: usize, notes: &mut Vec<String>) -> Vec<Plane> {
     let planes: Vec<Plane> = (0..frames).map(|frame| Plane::of(data, 0, frame)).collect();
     let first = planes[0].clone();
@@ -133,7 +133,7 @@ fn parallel_planes(data: &DataSet, frames: usize, notes: &mut Vec<String>) -> Ve
     parallel
 }
 
-/// The number of frames of a file.
+/// Returns the number of frames of a file.
 fn frames(data: &DataSet) -> Result<usize, FormatError> {
     match data.decimals::<1>(tags::FRAMES) {
         None => Ok(1),

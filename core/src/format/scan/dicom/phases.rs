@@ -14,7 +14,8 @@ use crate::format::{FormatError, Volumes};
 /// A plane with its place along the normal.
 type Placed = (f64, Plane);
 
-/// The planes of one phase, that which was asked for, that of the file `named` or the first, and which of how many it is.
+/// Returns the planes of one phase, that which was asked for, that of the file `named` or the first, and which of how
+/// many it is.
 pub fn one_of(
     placed: Vec<Placed>,
     named: Option<usize>,
@@ -49,8 +50,8 @@ pub fn one_of(
     Ok((volumes, kept.collect()))
 }
 
-/// The planes of each phase by one or two of the values in their files: such that no phase has two planes at a place, and
-/// one of them has all places.
+/// Returns the planes of each phase by one or two of the values in their files: such that no phase has two planes at a
+/// place, and one of them has all places.
 fn told_apart(placed: &[Placed], places: &[usize], count: usize) -> Option<Vec<Vec<usize>>> {
     let keys = placed.first().map_or(0, |(_, plane)| plane.phases.len());
     let pairs = (0..keys).flat_map(|a| (a + 1..keys).map(move |b| (a, b)));
@@ -73,7 +74,7 @@ fn told_apart(placed: &[Placed], places: &[usize], count: usize) -> Option<Vec<V
     None
 }
 
-/// The first planes of all places by their numbers, the second ones, and so on.
+/// Returns the first planes of all places by their numbers, the second ones, and so on.
 fn in_turn(placed: &[Placed], places: &[usize]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut rank = 0;
@@ -120,7 +121,7 @@ mod tests {
         Plane { file, frame: 0, number: 0.0, position: None, axes: None, phases }
     }
 
-    /// The files that are taken of planes with these places and phases, and which phase of how many it is.
+    /// Returns the files that are taken of planes with these places and phases, and which phase of how many it is.
     fn of_time(
         all: &[(f64, &str)],
         named: Option<usize>,

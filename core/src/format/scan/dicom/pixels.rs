@@ -115,12 +115,12 @@ impl Layout {
         })
     }
 
-    /// Whether light and dark are swapped as the pixels are read.
+    /// Returns whether light and dark are swapped as the pixels are read.
     pub fn is_negative(&self) -> bool {
         self.colours == Colours::Negative
     }
 
-    /// Whether frames of both can lie in one volume.
+    /// Returns whether frames of both can lie in one volume.
     pub fn fits(&self, other: &Layout) -> bool {
         let of = |layout: &Layout| (layout.columns, layout.rows, layout.number);
         of(self) == of(other)
@@ -139,7 +139,7 @@ impl Layout {
         if self.number == Number::Rgb { 1 } else { self.number.bytes() as usize }
     }
 
-    /// One of the `frames` frames of a file.
+    /// Returns one of the `frames` frames of a file.
     pub fn frame(
         &self,
         data: &DataSet,
@@ -324,7 +324,7 @@ impl Layout {
     }
 }
 
-/// The fragments of a frame, joined.
+/// Returns the fragments of a frame, joined.
 fn fragments_of(
     offsets: &[u8],
     fragments: &[&[u8]],
@@ -361,7 +361,7 @@ fn fragments_of(
     Ok(joined)
 }
 
-/// Why JPEG pixels are not read.
+/// Returns why JPEG pixels are not read.
 fn no_jpeg(error: jpeg_decoder::Error) -> FormatError {
     match error {
         jpeg_decoder::Error::Unsupported(what) => FormatError::Scan(format!(
@@ -372,7 +372,7 @@ fn no_jpeg(error: jpeg_decoder::Error) -> FormatError {
     }
 }
 
-/// All reds, then all greens and blues, to triples.
+/// Returns all reds, then all greens and blues, to triples.
 fn interleaved(planes: &[u8]) -> Vec<u8> {
     let count = planes.len() / 3;
     (0..count).flat_map(|i| [planes[i], planes[i + count], planes[i + 2 * count]]).collect()
@@ -386,7 +386,7 @@ fn to_rgb(pixel: &mut [u8; 3]) {
         .map(|value| value.round() as u8);
 }
 
-/// Why a file has no pixels.
+/// Returns why a file has no pixels.
 fn no_image(data: &DataSet) -> FormatError {
     FormatError::Scan(match data.items(tags::DIRECTORY_RECORDS).is_empty() {
         false => "this is only the table of contents of a medium (DICOMDIR); open one of the files with pictures, or \

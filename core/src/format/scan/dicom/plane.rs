@@ -74,7 +74,7 @@ impl Plane {
         Plane { file, frame, number, position, axes, phases }
     }
 
-    /// Whether both can lie in one volume.
+    /// Returns whether both can lie in one volume.
     pub fn is_parallel(&self, other: &Plane) -> bool {
         let close = |(a, b): (&DVec3, &DVec3)| (a - b).abs().max_element() < SAME_DIRECTION;
         match (&self.axes, &other.axes) {

@@ -115,7 +115,7 @@ fn gaps(placed: &[(f64, Plane)]) -> impl Iterator<Item = f64> {
     placed.windows(2).map(|pair| pair[1].0 - pair[0].0)
 }
 
-/// The distance of layers, and what to say about it.
+/// Returns the distance of layers, and what to say about it.
 fn step(placed: &[(f64, Plane)]) -> Result<(f64, Option<String>), FormatError> {
     let mut sorted: Vec<f64> = gaps(placed).collect();
     sorted.sort_by(f64::total_cmp);

@@ -20,7 +20,7 @@ struct File {
 }
 
 impl File {
-    /// A slice of 3 x 2 pixels of 16 bits in explicit little-endian numbers, at a place along z.
+    /// Returns a slice of 3 x 2 pixels of 16 bits in explicit little-endian numbers, at a place along z.
     fn slice(z: f64, pixels: [u16; 6]) -> File {
         let file =
             File { syntax: "1.2.840.10008.1.2.1", elements: Vec::new(), fragments: Vec::new() };
@@ -125,7 +125,7 @@ fn load(path: &Path) -> Result<Volume, FormatError> {
     format::load_volume(path, &ImportOptions::default(), &Limits::default(), &())
 }
 
-/// The volume of one file alone, with what is said of it.
+/// Returns the volume of one file alone, with what is said of it.
 fn alone(file: &File) -> (Vec<f32>, Volume, Info) {
     let folder = tempfile::tempdir().unwrap();
     let path = write(&folder, "one.dcm", file);
@@ -340,7 +340,7 @@ fn packed_pixels_are_unpacked() {
 
 const JPEG_2000: &str = "1.2.840.10008.1.2.4.90";
 
-/// A codestream of 24x20 pixels, written by OpenJPEG.
+/// Returns a codestream of 24x20 pixels, written by OpenJPEG.
 fn codestream(name: &str) -> Vec<u8> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/jpeg2000");
     std::fs::read(folder.join(name)).unwrap()

@@ -51,7 +51,7 @@ pub fn taken(file: &mut [u8]) -> Option<[[u8; 3]; 256]> {
     found.filter(|all| !is_grey(all))
 }
 
-/// All reds, then all greens and blues, of 16 bits.
+/// Returns all reds, then all greens and blues, of 16 bits.
 fn palette(file: &[u8], entry: usize, is_big: bool) -> Option<[[u8; 3]; 256]> {
     if u32_at(file, entry + 4, is_big)? != 3 * 256 {
         return None;

@@ -10,7 +10,7 @@ use crate::format::options::ImportOptions;
 use crate::format::{Samples, Volume, info, load_volume};
 use crate::sculpture::Limits as Memory;
 
-/// A file of pages of 3 x 2 pixels, with a description.
+/// Returns a file of pages of 3 x 2 pixels, with a description.
 fn file<C: Coding>(pages: &[Vec<C::Inner>], description: &str) -> Vec<u8>
 where
     [C::Inner]: TiffValue,

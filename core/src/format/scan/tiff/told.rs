@@ -29,7 +29,7 @@ struct Counts {
 }
 
 impl Counts {
-    /// The number of pages, unless there are too many.
+    /// Returns the number of pages, unless there are too many.
     fn pages(self) -> Option<usize> {
         let pages = self.channels.checked_mul(self.layers)?.checked_mul(self.times)?;
         (pages <= MOST_PAGES).then_some(pages)
@@ -146,7 +146,7 @@ impl Told {
         }
     }
 
-    /// The numbers of the first channel and time that have a page in the file itself.
+    /// Returns the numbers of the first channel and time that have a page in the file itself.
     fn first_there(&self, is_of_times: bool) -> [u64; 2] {
         let Order::Ome(pages) = &self.order else { return [1, 1] };
         let first =
@@ -219,7 +219,7 @@ impl Told {
     }
 }
 
-/// The page of each channel, layer and time.
+/// Returns the page of each channel, layer and time.
 fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<Place, usize> {
     let order = pixels.attribute("DimensionOrder").unwrap_or("XYCZT");
     // The rest, from `from` planes behind the first of all.
@@ -278,12 +278,12 @@ fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<Place, usize
     pages
 }
 
-/// The identifier of the file itself, as its description has it.
+/// Returns the identifier of the file itself, as its description has it.
 fn own_file<'a>(pixels: Node<'a, 'a>) -> Option<&'a str> {
     pixels.document().root_element().attribute("UUID")
 }
 
-/// A length in millimetres, if it is one.
+/// Returns a length in millimetres, if it is one.
 fn length(edge: Option<f64>, unit_mm: f64) -> Option<f32> {
     edge.map(|edge| (edge * unit_mm) as f32).filter(|edge| edge.is_finite() && *edge > 0.0)
 }

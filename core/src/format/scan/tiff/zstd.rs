@@ -39,7 +39,8 @@ const MOST_WINDOW_BYTES: u64 = 1 << 27;
 /// The largest page: places in a file that is not a BigTIFF have 32 bits.
 const MOST_PLAIN_BYTES: u64 = 1 << 31;
 
-/// The page that is open in a file of its own, not packed; none if it is not packed with ZSTD. It takes at most `most_bytes`.
+/// Returns the page that is open in a file of its own, not packed; none if it is not packed with ZSTD. It takes at most
+/// `most_bytes`.
 pub fn unpacked(
     file: &[u8],
     pages: &mut Pages,
@@ -123,7 +124,7 @@ fn unpack(packed: &[u8], bytes: u64, plain: &mut Vec<u8>) -> Result<(), FormatEr
     Ok(())
 }
 
-/// A TIFF file of one page.
+/// Returns a TIFF file of one page.
 fn written(is_big: bool, pixels: &[u8], mut entries: Vec<(Tag, Vec<u32>)>) -> Vec<u8> {
     let two = |number: u16| if is_big { number.to_be_bytes() } else { number.to_le_bytes() };
     let four = |number: u32| if is_big { number.to_be_bytes() } else { number.to_le_bytes() };

@@ -26,14 +26,14 @@ impl Ball {
         ((v.as_dvec3() + 0.5 - self.origin - self.centre) * self.edges).as_vec3()
     }
 
-    /// The brush's share of the displacement at a place relative to the middle.
+    /// Returns the brush's share of the displacement at a place relative to the middle.
     #[inline(always)]
     pub fn share(&self, p: Vec3) -> f32 {
         let p = p / self.radius;
         self.falloff.at(p.x * p.x + p.y * p.y + p.z * p.z)
     }
 
-    /// A box of the voxels of `grid` in it.
+    /// Returns a box of the voxels of `grid` in it.
     pub fn bounds(&self, grid: &Grid) -> VoxelBox {
         let half = DVec3::splat(f64::from(self.radius)) / self.edges;
         let middle = self.centre + self.origin;

@@ -15,8 +15,8 @@ use crate::sculpture::region::{ListedBricks, VoxelBox};
 /// The share of a brush's effect from which on it filters.
 const LEAST_SHARE: f32 = 0.5;
 
-/// The changes of `first`, which lie in the balls, and then those of a filter there. `margin_vx`: how far around a voxel the
-/// filter reads.
+/// Returns the changes of `first`, which lie in the balls, and then those of a filter there. `margin_vx`: how far
+/// around a voxel the filter reads.
 pub(super) fn after(
     first: &Stamp,
     balls: &[Ball],
@@ -56,7 +56,7 @@ pub(super) fn after(
     }))
 }
 
-/// The voxels of a list that are in a block of the place and size of `block`.
+/// Returns the voxels of a list that are in a block of the place and size of `block`.
 fn part(list: &ListedBricks, block: &BitBlock) -> BitBlock {
     let mut part = block.emptied();
     let first = block.origin() / BRICK_EDGE_VX as i32;

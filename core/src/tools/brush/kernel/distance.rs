@@ -27,8 +27,8 @@ const LANES: usize = 16;
 pub const FAR: f32 = 1e12;
 
 impl Distances {
-    /// The distances to the nearest voxel of `block` that exists (`set`) or does not, along each axis at most `reach`
-    /// away. A voxel is `edges` long. Nothing exists outside the block.
+    /// Returns the distances to the nearest voxel of `block` that exists (`set`) or does not, along each axis at most
+    /// `reach` away. A voxel is `edges` long. Nothing exists outside the block.
     pub fn new(
         block: &BitBlock,
         set: bool,
@@ -71,7 +71,7 @@ impl Distances {
         Distances { bounds, reach, row, squared }
     }
 
-    /// The squared distances of a row, which must lie in the box.
+    /// Returns the squared distances of a row, which must lie in the box.
     pub fn row(&self, y: i32, z: i32) -> &[f32] {
         let size = self.bounds.size();
         let (y, z) = ((y - self.bounds.min.y) as usize, (z - self.bounds.min.z) as usize);
@@ -79,7 +79,7 @@ impl Distances {
         &self.squared[start..start + size.x as usize]
     }
 
-    /// The same from a voxel on.
+    /// Returns the same from a voxel on.
     pub fn row_from(&self, v: IVec3) -> &[f32] {
         &self.row(v.y, v.z)[(v.x - self.bounds.min.x) as usize..]
     }
@@ -90,7 +90,7 @@ impl Distances {
         self.row(v.y, v.z)[(v.x - self.bounds.min.x) as usize]
     }
 
-    /// The distance less half of an edge, where the surface is, at `offset` (in voxels) from the middle of `v`,
+    /// Returns the distance less half of an edge, where the surface is, at `offset` (in voxels) from the middle of `v`,
     /// interpolated; distances beyond the reach count as the reach. Positions that mirror each other about `v` give the
     /// same to the bit.
     pub fn at(&self, v: IVec3, offset: Vec3) -> f32 {
@@ -147,7 +147,8 @@ fn nearest_in_row(block: &BitBlock, set: bool, at: IVec3, steps: i32, edge: f32,
     }
 }
 
-/// The first voxel of a row from `x` on that exists (`set`) or does not, or `end`. Only `width` voxels of it can exist.
+/// Returns the first voxel of a row from `x` on that exists (`set`) or does not, or `end`. Only `width` voxels of it
+/// can exist.
 fn next(row: &[u64], width: i32, mut x: i32, end: i32, set: bool) -> i32 {
     while x < end {
         if x < 0 || x >= width {

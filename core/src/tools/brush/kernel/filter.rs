@@ -48,7 +48,7 @@ impl<const PLANES: usize> Count<PLANES> {
         }
     }
 
-    /// The voxels whose count is at least `least`, which the planes must be able to hold.
+    /// Returns the voxels whose count is at least `least`, which the planes must be able to hold.
     #[inline(always)]
     fn at_least(&self, least: u32) -> u64 {
         // Compare from the highest plane down: greater, or equal so far.
@@ -168,9 +168,9 @@ pub fn growth(solid: &BitBlock, may: &BitBlock, threshold: u32, rounds: u32) -> 
     grown.zip(solid, |g, s| g & !s)
 }
 
-/// The changes of a majority filter: `(added, removed)`. With the full `strength` (1) a voxel takes the value that most
-/// voxels of the cube reaching `radius_vx` (1 to 8) around it have, itself included; so planes stay as they are. With less,
-/// that share of half of the cube is enough for a voxel to stay as it is.
+/// Returns the changes of a majority filter: `(added, removed)`. With the full `strength` (1) a voxel takes the value
+/// that most voxels of the cube reaching `radius_vx` (1 to 8) around it have, itself included; so planes stay as they
+/// are. With less, that share of half of the cube is enough for a voxel to stay as it is.
 pub fn majority(
     solid: &BitBlock,
     may: &BitBlock,
@@ -236,7 +236,7 @@ mod tests {
         block
     }
 
-    /// The voxels at least `margin` from the block's border, which may change without seeing it.
+    /// Returns the voxels at least `margin` from the block's border, which may change without seeing it.
     fn inner(margin: i32) -> BitBlock {
         let mut block = BitBlock::empty(MIN, MAX);
         for z in MIN.z + margin..MAX.z - margin {
@@ -312,7 +312,7 @@ mod tests {
             (v.x + size.x * (v.y + size.y * v.z)) as usize
         }
 
-        /// The voxels below `v` on all axes.
+        /// Returns the voxels below `v` on all axes.
         fn before(&self, v: IVec3) -> i32 {
             self.0[Sums::index(v.clamp(MIN, MAX))]
         }

@@ -50,7 +50,8 @@ const STEP_SLOPE: f64 = 0.4;
 /// Most steps of a pull: more than the longest pull at the smallest ball of cubic voxels takes.
 const MOST_STEPS: usize = 8192;
 
-/// The change of a use that moves a ball of clay. `motion`: of the clay, from the direction in which the brush works.
+/// Returns the change of a use that moves a ball of clay. `motion`: of the clay, from the direction in which the brush
+/// works.
 pub fn change(
     used: &BrushUse,
     site: &Site,
@@ -72,8 +73,8 @@ pub fn change(
 }
 
 impl Grab {
-    /// An error if the motion would take too many steps in voxels of this size: if it leads far along the longest edge of
-    /// thin voxels.
+    /// Returns an error if the motion would take too many steps in voxels of this size: if it leads far along the
+    /// longest edge of thin voxels.
     fn check_steps(&self, voxel_size: Vec3, way: Vec3) -> Result<(), InvalidValue> {
         let rule =
             "is too long for so small a ball of such long voxels; enlarge it or pull in parts";
@@ -94,7 +95,7 @@ impl Grab {
         (slope / STEP_SLOPE).ceil().max(1.0) as usize
     }
 
-    /// All that this and its mirror images change in `contents`.
+    /// Returns all that this and its mirror images change in `contents`.
     pub fn pulled(&self, contents: &Contents, symmetry: &Symmetry) -> Pulled {
         let (dims, size) = (contents.grid.dims(), contents.grid.voxel_size().as_dvec3());
         let stretch = size / size.min_element();

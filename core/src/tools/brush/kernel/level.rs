@@ -65,13 +65,13 @@ impl Level {
     /// The usual rounding: to the nearest voxel.
     pub const NEAREST: f32 = 0.5;
 
-    /// An error that names the first invalid field, if there is one.
+    /// Returns an error that names the first invalid field, if there is one.
     pub fn check(&self) -> Result<(), InvalidValue> {
         InvalidValue::check_share("strength", self.strength)?;
         InvalidValue::check_share("rounding", self.rounding)
     }
 
-    /// The voxels that it changes in `grid` under a footprint.
+    /// Returns the voxels that it changes in `grid` under a footprint.
     pub fn stamp(&self, footprint: &Footprint, grid: &Grid) -> Stamp {
         let Some(work) = Work::new(*self, footprint, grid) else { return Stamp::default() };
         let found: Vec<_> =
@@ -186,7 +186,7 @@ impl<'a> Work<'a> {
         Some(Work { grid, level, footprint, edges, radius, hidden, bounds, tiles, to_add, to_stay })
     }
 
-    /// The bricks added to and removed from a tile.
+    /// Returns the bricks added to and removed from a tile.
     fn tile(&self, tile: IVec3) -> Changes {
         let first = tile * TILE_VX;
         let bounds = VoxelBox { min: first, max: first + TILE_VX }.intersect(self.bounds);
@@ -201,7 +201,7 @@ impl<'a> Work<'a> {
         (bricks(self.reached(&to_add, true)), bricks(self.reached(&to_remove, false)))
     }
 
-    /// The voxels on the other side of the smoothed surface.
+    /// Returns the voxels on the other side of the smoothed surface.
     #[inline(always)]
     fn candidates(&self, bounds: VoxelBox) -> Candidates {
         let size = bounds.size();
@@ -275,7 +275,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// A voxel that the smoothed surface is so far beyond. None if it stays wherever the surface is.
+    /// Returns a voxel that the smoothed surface is so far beyond. None if it stays wherever the surface is.
     #[inline(always)]
     fn candidate(&self, voxel: IVec3, beyond: f32) -> Option<Candidate> {
         let [i, j, s] = self.hidden.project(voxel.as_vec3() + 0.5);
@@ -293,7 +293,7 @@ impl<'a> Work<'a> {
         may.then_some(Candidate { voxel, beyond, strength, limit })
     }
 
-    /// Whether a voxel changes that is so far from the surface.
+    /// Returns whether a voxel changes that is so far from the surface.
     fn changes(&self, candidate: &Candidate, away: f32) -> bool {
         let Candidate { beyond, strength, limit, .. } = *candidate;
         // The voxel changes once the surface has come over its middle, or has been rounded there.
@@ -325,7 +325,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// The box of the voxels up to `reach` from some, and the tiles that they are in.
+/// Returns the box of the voxels up to `reach` from some, and the tiles that they are in.
 fn around(
     voxels: impl Iterator<Item = IVec3>,
     reach: IVec3,

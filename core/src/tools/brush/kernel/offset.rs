@@ -91,8 +91,8 @@ pub struct Offset {
 }
 
 impl Ball {
-    /// Whether the brush draws the first place on its way from which `distances` are counted to `v` or beyond. That
-    /// place is `away` or farther from `v`.
+    /// Returns whether the brush draws the first place on its way from which `distances` are counted to `v` or beyond.
+    /// That place is `away` or farther from `v`.
     fn is_drawn_from(&self, distances: &Distances, v: IVec3, away: f32, pull: Pull) -> bool {
         let Pull { way, height, profile } = pull;
         let p = self.relative(v);
@@ -120,20 +120,20 @@ impl Ball {
     }
 }
 
-/// The change of a use in a ball. `target`: where the surface goes, from the direction out of the clay.
+/// Returns the change of a use in a ball. `target`: where the surface goes, from the direction out of the clay.
 pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> Change {
     let Some(offset) = Offset::of(used, target) else { return Change::default() };
     Change::of_clay(offset.stamp(site.surface, site.symmetry))
 }
 
-/// The change of a use that moves the surface to the plane through the middle of the ball, by its strength.
+/// Returns the change of a use that moves the surface to the plane through the middle of the ball, by its strength.
 pub fn to_plane(used: &BrushUse, site: &Site, lowers: bool, raises: bool) -> Change {
     let strength = used.get(STRENGTH);
     change(used, site, |normal| Target::Plane { normal, strength, lowers, raises })
 }
 
-/// The same from both sides, and then a filter on the voxels where the brush does at least half of what it does in its
-/// middle. `margin_vx`: how far around a voxel the filter reads.
+/// Returns the same from both sides, and then a filter on the voxels where the brush does at least half of what it does
+/// in its middle. `margin_vx`: how far around a voxel the filter reads.
 pub fn to_plane_then(
     used: &BrushUse,
     site: &Site,
@@ -148,14 +148,14 @@ pub fn to_plane_then(
     Change::of_clay(ball_filter::after(&levelled, &balls, site.surface, margin_vx, filter))
 }
 
-/// The change of a use that moves the surface along the normal, by its height.
+/// Returns the change of a use that moves the surface along the normal, by its height.
 pub fn along_normal(used: &BrushUse, site: &Site, profile: Profile) -> Change {
     let height = used.get(HEIGHT);
     change(used, site, |normal| Target::Drawn { normal, height, profile })
 }
 
 impl Offset {
-    /// The brush of a use in a ball. `target`: where the surface goes, from the direction out of the clay.
+    /// Returns the brush of a use in a ball. `target`: where the surface goes, from the direction out of the clay.
     fn of(used: &BrushUse, target: impl Fn(Vec3) -> Target) -> Option<Offset> {
         let ball = used.ball()?;
         let target = match ball.frame {
@@ -166,12 +166,12 @@ impl Offset {
         Some(Offset { centre_vx: ball.centre_vx, radius: ball.radius, falloff, target })
     }
 
-    /// The changes that this and its mirror images make in `grid`.
+    /// Returns the changes that this and its mirror images make in `grid`.
     pub fn stamp(&self, grid: &Grid, symmetry: &Symmetry) -> Stamp {
         Stamp::union(self.balls(grid, symmetry).iter().map(|ball| self.one(grid, ball)))
     }
 
-    /// Its ball and the mirror images of that.
+    /// Returns the ball and the mirror images of that.
     fn balls(&self, grid: &Grid, symmetry: &Symmetry) -> Vec<Ball> {
         let dims = grid.dims();
         let size = grid.voxel_size().as_dvec3();
@@ -226,7 +226,7 @@ impl Offset {
         stamp
     }
 
-    /// The voxels that may change: those of the ball near a surface. None if there are none.
+    /// Returns the voxels that may change: those of the ball near a surface. None if there are none.
     fn bounds(&self, grid: &Grid, ball: &Ball, around: IVec3) -> Option<VoxelBox> {
         let reached = ball.bounds(grid);
         if reached.is_empty() {
@@ -263,7 +263,7 @@ impl Offset {
         (!bounds.is_empty()).then_some(bounds)
     }
 
-    /// Whether a voxel without clay gets some; `away`: from the nearest clay.
+    /// Returns whether a voxel without clay gets some; `away`: from the nearest clay.
     #[inline(always)]
     fn adds(&self, ball: &Ball, to_clay: &Distances, v: IVec3, away: f32) -> bool {
         let p = ball.relative(v);
@@ -283,7 +283,7 @@ impl Offset {
         }
     }
 
-    /// Whether a voxel of clay is removed; `away`: from the nearest emptiness.
+    /// Returns whether a voxel of clay is removed; `away`: from the nearest emptiness.
     #[inline(always)]
     fn removes(&self, ball: &Ball, to_room: &Distances, v: IVec3, away: f32) -> bool {
         let p = ball.relative(v);
@@ -302,7 +302,7 @@ impl Offset {
     }
 }
 
-/// Whether the nearest clay lies on the near side. False where it lies on the far side, as behind a wall.
+/// Returns whether the nearest clay lies on the near side. False where it lies on the far side, as behind a wall.
 fn faces(to_clay: &Distances, v: IVec3, normal: Vec3) -> bool {
     let away = |v: IVec3| to_clay.near(v).sqrt();
     let mut outwards = 0.0;
@@ -312,8 +312,8 @@ fn faces(to_clay: &Distances, v: IVec3, normal: Vec3) -> bool {
     outwards >= -0.5
 }
 
-/// The voxels of a box for which `is` holds, given each and how far the surface is from it. Voxels at the distance 0
-/// are on the other side.
+/// Returns the voxels of a box for which `is` holds, given each and how far the surface is from it. Voxels at the
+/// distance 0 are on the other side.
 fn changed(
     bounds: VoxelBox,
     distances: &Distances,

@@ -21,7 +21,7 @@ pub struct Pulled {
 }
 
 impl Pulled {
-    /// The colour of a voxel of `stamp.paint`.
+    /// Returns the colour of a voxel of `stamp.paint`.
     pub fn colour(&self, v: UVec3) -> Option<Rgb> {
         let brick = v / BRICK_EDGE_VX;
         let key = |b: UVec3| (b.z, b.y, b.x);

@@ -37,13 +37,13 @@ pub struct Filtered {
     pub remove: Option<BitBlock>,
 }
 
-/// The change under the footprint of a use and its mirror images.
+/// Returns the change under the footprint of a use and its mirror images.
 pub fn under(used: &BrushUse, site: &Site, one: impl Fn(&Footprint) -> Stamp) -> Stamp {
     let Some(footprint) = used.footprint() else { return Stamp::default() };
     Stamp::union(site.images.iter().map(|image| one(&footprint.image(image))))
 }
 
-/// The voxels of the surface under one footprint.
+/// Returns the voxels of the surface under one footprint.
 pub fn seen(footprint: &Footprint, site: &Site) -> ListedBricks {
     let Some(touched) = Touched::under(footprint, site.surface, 0) else {
         return ListedBricks::default();
@@ -53,8 +53,8 @@ pub fn seen(footprint: &Footprint, site: &Site) -> ListedBricks {
     ListedBricks::new(seen.bricks(site.contents.grid.brick_dims()))
 }
 
-/// The voxels around those of the surface under a use and its mirror images. `share`: of the reach, from the distance from
-/// the centre of the footprint (0) to its rim (1).
+/// Returns the voxels around those of the surface under a use and its mirror images. `share`: of the reach, from the
+/// distance from the centre of the footprint (0) to its rim (1).
 pub fn around(
     used: &BrushUse,
     site: &Site,
@@ -75,7 +75,8 @@ pub fn around(
     stamp.add
 }
 
-/// A filter on the voxels near the surface under one footprint. `margin`: how far around voxels that may change it reads.
+/// Returns a filter on the voxels near the surface under one footprint. `margin`: how far around voxels that may change
+/// it reads.
 pub fn filtered(
     footprint: &Footprint,
     site: &Site,
@@ -97,7 +98,7 @@ pub fn filtered(
     Stamp { add: listed(add), remove: listed(remove), ..Stamp::default() }
 }
 
-/// A filter that counts neighbours against the threshold of a use, under it and its mirror images.
+/// Returns a filter that counts neighbours against the threshold of a use, under it and its mirror images.
 pub fn by_threshold(
     used: &BrushUse,
     site: &Site,

@@ -14,7 +14,7 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// All that any of the stamps changes.
+    /// Returns all that any of the stamps changes.
     pub fn union(stamps: impl IntoIterator<Item = Stamp>) -> Stamp {
         let mut stamps: Vec<Stamp> = stamps.into_iter().collect();
         if stamps.len() == 1 {

@@ -12,7 +12,7 @@ use crate::surface::raycast;
 use crate::tools::brush::footprint::{Coverage, Footprint, Touch};
 
 impl Footprint {
-    /// The voxels of `surface` that this footprint takes, each once.
+    /// Returns the voxels of `surface` that this footprint takes, each once.
     pub fn touched(&self, surface: &Grid) -> Vec<Touch> {
         match self.coverage {
             Coverage::Rays => self.met_by_rays(surface),
@@ -20,7 +20,7 @@ impl Footprint {
         }
     }
 
-    /// The voxels that the rays meet, each with its smallest offset.
+    /// Returns the voxels that the rays meet, each with its smallest offset.
     fn met_by_rays(&self, surface: &Grid) -> Vec<Touch> {
         let reach = self.radius as i32;
         let mut seen = HashSet::new();

@@ -60,7 +60,7 @@ const LEAST_VOLUME: f64 = 1e-9;
 /// Bricks along an edge of a block of occupancy.
 const BLOCK_BRICKS: u32 = 4;
 
-/// The voxels of `grid` under `footprint`.
+/// Returns the voxels of `grid` under `footprint`.
 pub fn under(footprint: &Footprint, grid: &Grid) -> Vec<Touch> {
     let middle =
         raycast::cast(grid, footprint.eye_vx, footprint.aim).map(|hit| hit.voxel.as_ivec3());
@@ -115,15 +115,15 @@ impl Cone {
         })
     }
 
-    /// A point relative to the eye as rays to the right and down, and lengths of the aim.
+    /// Returns a point relative to the eye as rays to the right and down, and lengths of the aim.
     #[inline(always)]
     pub fn project(&self, from_eye: Vec3) -> [f32; 3] {
         let [i, j, s] = self.rows.map(|row| row.dot(from_eye));
         [i / s, j / s, s]
     }
 
-    /// The rays that a ball may cover, `min` and `max`, and its nearest depth. None where it is beside the outline or
-    /// behind the eye. A ball around the eye covers all rays.
+    /// Returns the rays that a ball may cover, `min` and `max`, and its nearest depth. None where it is beside the
+    /// outline or behind the eye. A ball around the eye covers all rays.
     #[inline(always)]
     fn ball(&self, centre: Vec3, radius_vx: f32) -> Option<([f32; 2], [f32; 2], f32)> {
         let from_eye = centre - self.eye;
@@ -152,8 +152,8 @@ impl Cone {
     }
 }
 
-/// The first voxels on the rays of a square around the middle ray of a footprint. `step`: between two rays, in rays of the
-/// footprint; `reach`: how many on each side of the middle one.
+/// Returns the first voxels on the rays of a square around the middle ray of a footprint. `step`: between two rays, in
+/// rays of the footprint; `reach`: how many on each side of the middle one.
 pub(super) fn map_around(footprint: &Footprint, grid: &Grid, step: f32, reach: u32) -> IndexMap {
     let Footprint { eye_vx, aim, across, down, .. } = *footprint;
     let first = -(reach as f32 * step);
@@ -169,7 +169,7 @@ pub(super) fn map_around(footprint: &Footprint, grid: &Grid, step: f32, reach: u
     map
 }
 
-/// The direction of a ray, as the caster takes it: no 0 is divided by 0.
+/// Returns the direction of a ray, as the caster takes it: no 0 is divided by 0.
 #[inline(always)]
 pub(super) fn direction(view: &PixelRays, x: u32, y: u32) -> Vec3 {
     let way = view.direction(x, y);
@@ -257,19 +257,19 @@ impl Depths {
         Depths { first, step, side, depths, met, tiles, farthest }
     }
 
-    /// The place of a ray of the footprint in the map, in its rays.
+    /// Returns the place of a ray of the footprint in the map, in its rays.
     #[inline(always)]
     fn place(&self, ray: f32) -> f32 {
         ((ray - self.first) / self.step).clamp(0.0, (self.side - 1) as f32)
     }
 
-    /// The voxels of a brick that rays meet, by its linear index.
+    /// Returns the voxels of a brick that rays meet, by its linear index.
     fn met(&self, brick: usize) -> Brick {
         let found = self.met.binary_search_by_key(&(brick as u32), |(brick, _)| *brick);
         found.map_or(Brick::EMPTY, |at| self.met[at].1)
     }
 
-    /// The nearest and the farthest depth of the four rays around one of the footprint.
+    /// Returns the nearest and the farthest depth of the four rays around one of the footprint.
     #[inline(always)]
     fn around(&self, i: f32, j: f32) -> (f32, f32) {
         let (x, y) = (self.place(i) as usize, self.place(j) as usize);
@@ -280,7 +280,7 @@ impl Depths {
         (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)))
     }
 
-    /// The farthest depth of a rectangle of rays of the footprint, or of more.
+    /// Returns the farthest depth of a rectangle of rays of the footprint, or of more.
     #[inline(always)]
     fn farthest(&self, min: [f32; 2], max: [f32; 2]) -> f32 {
         let low = min.map(|ray| self.place(ray) as usize / TILE);
@@ -331,7 +331,8 @@ impl Search<'_> {
         }
     }
 
-    /// Whether voxels of a cube of bricks may be in the outline, and none of them is behind all that is seen around.
+    /// Returns whether voxels of a cube of bricks may be in the outline, and none of them is behind all that is seen
+    /// around.
     #[inline(always)]
     fn may_be_seen(&self, first: UVec3, bricks: u32) -> bool {
         let edge = (bricks * BRICK_EDGE_VX) as f32;
@@ -368,8 +369,8 @@ impl Search<'_> {
         });
     }
 
-    /// Whether a voxel is seen by one of its open faces, of which there is one for each of [`SIDES`]. `middle`: of the
-    /// voxel, from the eye.
+    /// Returns whether a voxel is seen by one of its open faces, of which there is one for each of [`SIDES`]. `middle`:
+    /// of the voxel, from the eye.
     #[inline(always)]
     fn is_seen(&self, voxel: IVec3, middle: Vec3, open: [bool; 6]) -> bool {
         let least = LEAST_TURN * middle.length();
@@ -407,7 +408,7 @@ impl Search<'_> {
             && (0..6).any(|side| stepped[side] && sees(side, LIFT_VX))
     }
 
-    /// Whether a point, given from the eye, is seen, as far as the depth map tells.
+    /// Returns whether a point, given from the eye, is seen, as far as the depth map tells.
     #[inline(always)]
     fn by_depth(&self, point: Vec3) -> Option<bool> {
         let [i, j, s] = self.cone.project(point);
@@ -419,7 +420,7 @@ impl Search<'_> {
         (s > farthest + margin).then_some(false)
     }
 
-    /// Whether nothing stands before a point, given from the eye.
+    /// Returns whether nothing stands before a point, given from the eye.
     fn sees(&self, point: Vec3) -> bool {
         // Up to a hair before it, since a face stands at itself.
         let hit = raycast::cast(self.grid, self.cone.eye, point);
@@ -427,8 +428,8 @@ impl Search<'_> {
     }
 }
 
-/// Whether the surface around a voxel, whose middle is given from the eye, is turned to the eye: the mean of the ways to
-/// the empty voxels within [`SURFACE_VX`].
+/// Returns whether the surface around a voxel, whose middle is given from the eye, is turned to the eye: the mean of
+/// the ways to the empty voxels within [`SURFACE_VX`].
 pub(super) fn is_turned(grid: &Grid, voxel: IVec3, middle: Vec3) -> bool {
     let reach = -SURFACE_VX..=SURFACE_VX;
     let mut normal = IVec3::ZERO;
@@ -446,7 +447,7 @@ pub(super) fn is_turned(grid: &Grid, voxel: IVec3, middle: Vec3) -> bool {
     -normal.dot(middle) > STEPPED_TURN * normal.length() * middle.length()
 }
 
-/// The voxels of the brick `b` whose neighbour on a side exists.
+/// Returns the voxels of the brick `b` whose neighbour on a side exists.
 fn neighbours(grid: &Grid, b: UVec3, side: IVec3) -> Brick {
     let at = b.as_ivec3() + side;
     let inside = at.cmpge(IVec3::ZERO).all() && at.cmplt(grid.brick_dims().as_ivec3()).all();

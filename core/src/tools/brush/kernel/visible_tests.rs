@@ -26,7 +26,7 @@ fn voxels(dims: UVec3) -> impl Iterator<Item = IVec3> {
     })
 }
 
-/// The sculpture: flat faces, stairs, a ball, thin bars, walls one behind the other, dust.
+/// Returns the sculpture: flat faces, stairs, a ball, thin bars, walls one behind the other, dust.
 fn scene(kind: usize, dims: UVec3) -> Grid {
     let size = dims.as_vec3();
     grid(dims, |v| {
@@ -42,7 +42,8 @@ fn scene(kind: usize, dims: UVec3) -> Grid {
     })
 }
 
-/// A footprint of `radius` rays, `spacing_vx` voxels apart at the target, from `away` voxels in the direction `from`.
+/// Returns a footprint of `radius` rays, `spacing_vx` voxels apart at the target, from `away` voxels in the direction
+/// `from`.
 fn looking(target: Vec3, from: Vec3, away: f32, spacing_vx: f32, radius: f32) -> Footprint {
     let from = from.normalize();
     let across = from.any_orthonormal_vector();
@@ -60,7 +61,7 @@ fn looking(target: Vec3, from: Vec3, away: f32, spacing_vx: f32, radius: f32) ->
 /// Keeps rays from going exactly along the edges of voxels, where roundings decide.
 const OFFSET: Vec3 = Vec3::new(0.37, 0.21, 0.43);
 
-/// How far the middle of a voxel is from the middle ray, in rays; infinite behind the eye.
+/// Returns how far the middle of a voxel is from the middle ray, in rays; infinite behind the eye.
 fn distance(footprint: &Footprint, v: IVec3) -> f64 {
     let [across, down, aim] = [footprint.across, footprint.down, footprint.aim].map(Vec3::as_dvec3);
     let from_eye = v.as_dvec3() + 0.5 - footprint.eye_vx.as_dvec3();
@@ -68,8 +69,8 @@ fn distance(footprint: &Footprint, v: IVec3) -> f64 {
     if z <= 0.0 { f64::INFINITY } else { (x / z).hypot(y / z) }
 }
 
-/// The middles of the open faces of a voxel that are turned to the eye, relative to the eye, with their normals; where its
-/// surface is, of all that are open.
+/// Returns the middles of the open faces of a voxel that are turned to the eye, relative to the eye, with their
+/// normals; where its surface is, of all that are open.
 fn turned_faces(grid: &Grid, eye: Vec3, v: IVec3) -> impl Iterator<Item = (Vec3, Vec3)> {
     let middle = v.as_vec3() + 0.5 - eye;
     let normals = [IVec3::X, IVec3::Y, IVec3::Z].into_iter().flat_map(|n| [n, -n]);
@@ -85,8 +86,8 @@ fn is_free(grid: &Grid, eye: Vec3, to: Vec3) -> bool {
     raycast::cast(grid, eye, to).is_none_or(|hit| hit.t >= 1.0 - 1e-3 / to.length().max(1.0))
 }
 
-/// Whether the slit through which the eye sees a point is half a voxel wide or more: through narrower ones, as between
-/// dust and a face that is seen edge on, a voxel may be found or not.
+/// Returns whether the slit through which the eye sees a point is half a voxel wide or more: through narrower ones, as
+/// between dust and a face that is seen edge on, a voxel may be found or not.
 fn is_half_a_voxel_wide(grid: &Grid, eye: Vec3, to: Vec3) -> bool {
     let right = 0.26 * to.normalize().any_orthonormal_vector();
     let up = 0.26 * to.normalize().cross(right).normalize();
@@ -97,15 +98,15 @@ fn is_half_a_voxel_wide(grid: &Grid, eye: Vec3, to: Vec3) -> bool {
         .all(|aside| is_free(grid, eye, before + aside))
 }
 
-/// Whether the eye sees a point within a voxel and a half of the middle of a voxel, on each axis.
+/// Returns whether the eye sees a point within a voxel and a half of the middle of a voxel, on each axis.
 fn is_near_what_is_seen(grid: &Grid, eye: Vec3, v: IVec3) -> bool {
     let middle = v.as_vec3() + 0.5 - eye;
     let steps = (0..729).map(|i| IVec3::new(i % 9, i / 9 % 9, i / 81) - 4);
     steps.into_iter().any(|step| is_free(grid, eye, middle + 0.351 * step.as_vec3()))
 }
 
-/// The definition of the module, voxel by voxel, of those that are not within a hundredth of a ray of the outline: what
-/// is seen with a whole face is taken, what is taken is seen somewhere over a face of it.
+/// Returns the definition of the module, voxel by voxel, of those that are not within a hundredth of a ray of the
+/// outline: what is seen with a whole face is taken, what is taken is seen somewhere over a face of it.
 fn check(grid: &Grid, footprint: &Footprint, has_surface: bool) -> Result<usize, TestCaseError> {
     let eye = footprint.eye_vx;
     let touched = footprint.touched(grid);
@@ -158,7 +159,7 @@ proptest! {
     }
 }
 
-/// The directions in which people look at a face that points up: from straight above to five degrees above it.
+/// Returns the directions in which people look at a face that points up: from straight above to five degrees above it.
 fn slants() -> impl Iterator<Item = Vec3> {
     [0f32, 45.0, 80.0, 85.0].into_iter().flat_map(|degrees| {
         let slant = degrees.to_radians();

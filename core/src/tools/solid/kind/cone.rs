@@ -55,7 +55,7 @@ pub fn slack(_: &Parts, offset: DVec3) -> f64 {
     offset.y.max(offset.x.hypot(offset.z) + 0.5 * offset.y)
 }
 
-/// A point of the rim, or the apex.
+/// Returns a point of the rim, or the apex.
 pub fn support(_: &Parts, direction: DVec3) -> f64 {
     let d = direction;
     (d.x.hypot(d.z) - d.y).max(d.y)

@@ -37,14 +37,14 @@ macro_rules! solids {
             /// All solids, in the order in which interfaces offer them.
             pub const ALL: [Solid; [$(Solid::$id),*].len()] = [$(Solid::$id),*];
 
-            /// Its description.
+            /// Returns the description.
             pub const fn spec(self) -> &'static SolidSpec {
                 match self {
                     $(Solid::$id => &$file::SPEC),*
                 }
             }
 
-            /// The inside test of one point or eight.
+            /// Returns the inside test of one point or eight.
             #[inline(always)]
             pub(super) fn holds<N: SimdReal>(self, parts: &Parts, p: [N; 3]) -> N::Mask {
                 match self {
@@ -52,8 +52,8 @@ macro_rules! solids {
                 }
             }
 
-            /// Whether the solid passes over one point or eight when it moves by `displacement`; points with a value up to
-            /// `margin` instead of 0 count as inside.
+            /// Returns whether the solid passes over one point or eight when it moves by `displacement`; points with a
+            /// value up to `margin` instead of 0 count as inside.
             #[inline(always)]
             pub(super) fn passes<N: SimdReal>(
                 self,
@@ -67,7 +67,8 @@ macro_rules! solids {
                 }
             }
 
-            /// The most by which the value changes over `offset` (at least 0 on each axis), in any direction with such parts.
+            /// Returns the most by which the value changes over `offset` (at least 0 on each axis), in any direction
+            /// with such parts.
             #[inline(always)]
             pub(super) fn slack(self, parts: &Parts, offset: DVec3) -> f64 {
                 match self {
@@ -75,7 +76,7 @@ macro_rules! solids {
                 }
             }
 
-            /// The largest `direction . p` over the solid.
+            /// Returns the largest `direction . p` over the solid.
             #[inline(always)]
             pub(super) fn support(self, parts: &Parts, direction: DVec3) -> f64 {
                 match self {
@@ -98,17 +99,17 @@ solids! {
 }
 
 impl Solid {
-    /// Its name in the text form.
+    /// Returns the name in the text form.
     pub const fn name(self) -> &'static str {
         self.spec().name
     }
 
-    /// The solid of a name.
+    /// Returns the solid of a name.
     pub fn named(name: &str) -> Option<Solid> {
         Solid::ALL.into_iter().find(|solid| solid.name() == name)
     }
 
-    /// All names, for messages: separated by commas, `or` before the last.
+    /// Returns all names, for messages: separated by commas, `or` before the last.
     pub fn names() -> &'static str {
         static NAMES: LazyLock<String> = LazyLock::new(|| {
             let names: Vec<&str> = Solid::ALL.iter().map(|solid| solid.name()).collect();

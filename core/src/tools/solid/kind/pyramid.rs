@@ -65,7 +65,7 @@ pub fn slack(_: &Parts, offset: DVec3) -> f64 {
     offset.y.max(offset.x.max(offset.z) + 0.5 * offset.y)
 }
 
-/// A corner of the base, or the apex.
+/// Returns a corner of the base, or the apex.
 pub fn support(_: &Parts, direction: DVec3) -> f64 {
     let d = direction;
     (d.x.abs() + d.z.abs() - d.y).max(d.y)

@@ -89,8 +89,8 @@ impl Field {
         Field { min: bounds.min, size, values }
     }
 
-    /// Whether something exists at `offset`, in units of 1 / [`FINE`] voxel, from the middle of `v`; and the voxel
-    /// nearest to there that does, of equally near ones that on the side of `v`.
+    /// Returns whether something exists at `offset`, in units of 1 / [`FINE`] voxel, from the middle of `v`; and the
+    /// voxel nearest to there that does, of equally near ones that on the side of `v`.
     pub fn sample(&self, v: UVec3, offset: IVec3) -> (bool, UVec3) {
         let whole = offset.div_euclid(IVec3::splat(FINE));
         let share = offset - whole * FINE;

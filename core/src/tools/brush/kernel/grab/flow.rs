@@ -41,7 +41,7 @@ pub struct Flow<'a> {
 }
 
 impl Flow<'_> {
-    /// Whether anything within `beyond` of `p`, in units of the smallest edge, is ever reached by a ball.
+    /// Returns whether anything within `beyond` of `p`, in units of the smallest edge, is ever reached by a ball.
     fn reaches(&self, p: DVec3, beyond: f64) -> bool {
         self.pulls.iter().any(|pull| {
             let from = (p - pull.centre) * self.stretch;
@@ -52,7 +52,7 @@ impl Flow<'_> {
         })
     }
 
-    /// The bricks in which something may change, and the box of voxels that sources of these lie in.
+    /// Returns the bricks in which something may change, and the box of voxels that sources of these lie in.
     fn affected(&self, contents: &Contents, arrives: VoxelBox) -> (Vec<UVec3>, VoxelBox) {
         let edge = BRICK_EDGE_VX as i32;
         let (low, high) = (arrives.min / edge, (arrives.max + edge - 1) / edge);
@@ -76,7 +76,7 @@ impl Flow<'_> {
         (bricks, bounds)
     }
 
-    /// The box of voxels that the clay or emptiness arriving in a brick comes from, or a larger one.
+    /// Returns the box of voxels that the clay or emptiness arriving in a brick comes from, or a larger one.
     fn sources(&self, b: IVec3) -> VoxelBox {
         let edge = BRICK_EDGE_VX as i32;
         let (mut down, mut up) = (DVec3::ZERO, DVec3::ZERO);
@@ -183,8 +183,8 @@ impl Flow<'_> {
         some.then_some(moved)
     }
 
-    /// How far away the sources are of the clay or emptiness that arrives at the middles of eight voxels, in units of 1
-    /// / [`FINE`] voxel.
+    /// Returns how far away the sources are of the clay or emptiness that arrives at the middles of eight voxels, in
+    /// units of 1 / [`FINE`] voxel.
     #[inline(always)]
     fn row_of_offsets<const PULLS: usize>(&self, start: UVec3) -> [[i32; EDGE]; 3] {
         let first = start.as_dvec3() + 0.5 - self.origin;
@@ -268,7 +268,7 @@ impl Flow<'_> {
     }
 }
 
-/// Whether a place in `sources` is like any other: wherever clay comes from in it, nothing changes.
+/// Returns whether a place in `sources` is like any other: wherever clay comes from in it, nothing changes.
 fn stays(contents: &Contents, sources: VoxelBox) -> bool {
     let (grid, material) = (&contents.grid, &contents.material);
     let edge = IVec3::splat(BRICK_EDGE_VX as i32);

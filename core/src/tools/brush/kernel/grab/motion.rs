@@ -58,7 +58,7 @@ pub struct Pull {
 }
 
 impl Motion {
-    /// An image of this in `steps` steps.
+    /// Returns an image of this in `steps` steps.
     pub fn step(&self, steps: usize, image: &SymmetryTransform) -> Step {
         let share = 1.0 / steps as f64;
         let unit = |normal: Vec3| image.normal(normal.as_dvec3().normalize_or(DVec3::Y));
@@ -75,7 +75,8 @@ impl Motion {
         }
     }
 
-    /// Its steepest slope, of which each step may have a part. `stretch`: edges of a voxel in units of the smallest.
+    /// Returns the steepest slope, of which each step may have a part. `stretch`: edges of a voxel in units of the
+    /// smallest.
     pub fn slope(&self, stretch: DVec3, radius: f64, falloff: Falloff) -> f64 {
         match *self {
             Motion::Pull { by_vx } => {
@@ -88,7 +89,7 @@ impl Motion {
         }
     }
 
-    /// Whether clay goes nowhere.
+    /// Returns whether clay goes nowhere.
     pub fn is_still(&self) -> bool {
         match *self {
             Motion::Pull { by_vx } => by_vx == Vec3::ZERO,
@@ -99,7 +100,7 @@ impl Motion {
 }
 
 impl Pull {
-    /// How far the ball itself goes in a step, in voxels.
+    /// Returns how far the ball itself goes in a step, in voxels.
     pub fn way(&self) -> DVec3 {
         match self.step {
             Step::Shift(by) => by,
@@ -107,7 +108,7 @@ impl Pull {
         }
     }
 
-    /// The furthest ways that clay goes in a step against the axes and along them, in voxels.
+    /// Returns the furthest ways that clay goes in a step against the axes and along them, in voxels.
     pub fn furthest(&self, radius: f64, stretch: DVec3, falloff: Falloff) -> [DVec3; 2] {
         let round = |way: f64| [DVec3::splat(way * radius) / stretch; 2];
         match self.step {

@@ -14,7 +14,7 @@ fn moved(before: &Contents, radius: f32, motion: Motion, falloff: Falloff) -> Co
     pulled(before, &grab, Symmetry::default())
 }
 
-/// A bar across, a slope below and a ball aside: all that a motion might swell or eat up.
+/// Returns a bar across, a slope below and a ball aside: all that a motion might swell or eat up.
 fn shapes() -> Contents {
     contents(UVec3::splat(80), |v| {
         let p = v.as_vec3() + 0.5 - 40.0;

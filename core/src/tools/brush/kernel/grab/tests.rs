@@ -37,7 +37,7 @@ fn paint(contents: &mut Contents, v: UVec3, colour: Rgb) {
     contents.material.paint(brick, &mask, colour);
 }
 
-/// The contents after a pull, changed without a document.
+/// Returns the contents after a pull, changed without a document.
 pub fn pulled(before: &Contents, grab: &Grab, symmetry: Symmetry) -> Contents {
     let pulled = grab.pulled(before, &symmetry);
     let mut after = before.clone();
@@ -75,7 +75,7 @@ pub fn differing(a: &Contents, b: &Contents) -> u64 {
     pairs.map(|(a, b)| u64::from(a.and_not(b).count()) + u64::from(b.and_not(a).count())).sum()
 }
 
-/// The middle of all voxels.
+/// Returns the middle of all voxels.
 fn middle(contents: &Contents) -> Vec3 {
     let mut sum = glam::DVec3::ZERO;
     for i in 0..contents.grid.dims().element_product() {
@@ -87,7 +87,7 @@ fn middle(contents: &Contents) -> Vec3 {
     (sum / contents.grid.opaque_count() as f64).as_vec3()
 }
 
-/// A pull in which the whole ball of the clay moves as one.
+/// Returns a pull in which the whole ball of the clay moves as one.
 fn carry(centre_vx: Vec3, by_vx: Vec3) -> Grab {
     Grab { centre_vx, radius: 60.0, motion: Motion::Pull { by_vx }, falloff: Falloff::Flat }
 }

@@ -67,7 +67,7 @@ impl Axis {
         Axis { first, parts: bricks.map(parts).collect() }
     }
 
-    /// The bricks along the axis that have a part in some cells, and those parts.
+    /// Returns the bricks along the axis that have a part in some cells, and those parts.
     fn within(&self, cells: Range<usize>) -> impl Iterator<Item = (i32, &[Part])> {
         self.all().filter_map(move |(b, parts)| {
             let from = parts.partition_point(|part| part.cell < cells.start);
@@ -86,7 +86,7 @@ impl Axis {
     }
 }
 
-/// How many voxels of each cell exist, and how many exist or are hidden.
+/// Returns how many voxels of each cell exist, and how many exist or are hidden.
 pub fn counts(grid: &Grid, cells: &Cells, hidden: &Hidden) -> (Vec<f64>, Vec<f64>) {
     let UVec3 { x: width, y: height, z: depth } = cells.counted;
     let layer = (width * height) as usize;
@@ -103,7 +103,7 @@ pub fn counts(grid: &Grid, cells: &Cells, hidden: &Hidden) -> (Vec<f64>, Vec<f64
     both.iter().map(|[clay, all]| (f64::from(*clay), f64::from(*all))).unzip()
 }
 
-/// The edge of the cubes of voxels that are hidden or not together: a small part of a cell.
+/// Returns the edge of the cubes of voxels that are hidden or not together: a small part of a cell.
 fn group(cells: &Cells) -> u32 {
     match cells.edge.min_element() {
         ..5 => 1,
@@ -224,7 +224,7 @@ struct Row {
 }
 
 impl Row {
-    /// The voxels of a brick in the cell of `x`.
+    /// Returns the voxels of a brick in the cell of `x`.
     #[inline(always)]
     fn count(&self, x: &Part, brick: &Brick) -> u32 {
         (brick.words[self.word + x.word] & self.mask & x.mask).count_ones()

@@ -40,8 +40,8 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// The cells for the voxels of `bounds`, one of them with `middle` in its middle. `radius`: in units in which a
-    /// voxel is `edges` long.
+    /// Returns the cells for the voxels of `bounds`, one of them with `middle` in its middle. `radius`: in units in
+    /// which a voxel is `edges` long.
     pub fn new(bounds: VoxelBox, middle: IVec3, radius: f32, edges: Vec3) -> Cells {
         let of_axis = |axis: usize| {
             let radius_vx = radius / edges[axis];
@@ -63,19 +63,19 @@ impl Cells {
         Cells { edge, first: corner + low * edge, counted, reach }
     }
 
-    /// The voxels that are counted.
+    /// Returns the voxels that are counted.
     pub fn voxels(&self) -> VoxelBox {
         let size = self.counted.as_ivec3() * self.edge;
         VoxelBox { min: self.first, max: self.first + size }
     }
 
-    /// The cells in the boxes of B.
+    /// Returns the cells in the boxes of B.
     fn taps(&self) -> f64 {
         (2 * self.reach + 1).as_dvec3().element_product().powi(2)
     }
 }
 
-/// The nearest odd number, at least 1.
+/// Returns the nearest odd number, at least 1.
 fn odd(v: f32) -> i32 {
     2 * ((v - 1.0) * 0.5).round().max(0.0) as i32 + 1
 }
@@ -99,7 +99,7 @@ impl<'a> Smoothed<'a> {
         Smoothed { cells, sums, size, share, radius }
     }
 
-    /// The shares by 2 B - B B, at the cells that have two boxes around them.
+    /// Returns the shares by 2 B - B B, at the cells that have two boxes around them.
     pub fn level(&self) -> Field {
         let Smoothed { cells, share, radius, .. } = *self;
         let (twice, size) = twice_boxed(self.sums.clone(), self.size, cells.reach.as_uvec3());
@@ -116,8 +116,8 @@ impl<'a> Smoothed<'a> {
         Field { edge: cells.edge, first, size, shares, radius }
     }
 
-    /// The shares of `level` in relation to the largest within 1.7 radii, if that is less than 1. At the end of a wall or a
-    /// post, however thin, the share is half of that within it.
+    /// Returns the shares of `level` in relation to the largest within 1.7 radii, if that is less than 1. At the end of
+    /// a wall or a post, however thin, the share is half of that within it.
     pub fn ends(&self, level: &Field) -> Field {
         let of_all = (self.share as f32) / WHOLE;
         let mut largest: Vec<f32> = self.sums.iter().map(|sum| *sum as f32 * of_all).collect();
@@ -139,7 +139,7 @@ impl<'a> Smoothed<'a> {
         Field { shares: shares.collect(), ..*level }
     }
 
-    /// Where the rows of a field of `size` begin among the sums.
+    /// Returns where the rows of a field of `size` begin among the sums.
     fn starts(&self, size: UVec3) -> impl Iterator<Item = usize> {
         let margin = 2 * self.cells.reach.as_uvec3();
         let all = self.size;
@@ -173,7 +173,7 @@ impl Field {
         shares.for_each(|(share, other)| *share = share.min(*other));
     }
 
-    /// The places of voxels along an axis, of `len` from `v` on. All of them must lie between middles of cells.
+    /// Returns the places of voxels along an axis, of `len` from `v` on. All of them must lie between middles of cells.
     pub fn places(&self, axis: usize, v: i32, len: u32) -> Places {
         let places: Vec<_> = (v..).take(len as usize).map(|v| self.place(v, axis)).collect();
         let first = places.first().map_or(0, |(cell, _)| *cell as usize);
@@ -181,8 +181,8 @@ impl Field {
         Places { first, cells, places }
     }
 
-    /// The extreme share (`f32::max` or `f32::min`) at the eight middles of cells around each cube of voxels between them,
-    /// along x, for the cells `y` and `z` of the spans of their axes.
+    /// Returns the extreme share (`f32::max` or `f32::min`) at the eight middles of cells around each cube of voxels
+    /// between them, along x, for the cells `y` and `z` of the spans of their axes.
     pub fn extremes(
         &self,
         [along_x, along_y, along_z]: &[Places; 3],
@@ -215,20 +215,21 @@ impl Field {
         }));
     }
 
-    /// The shares at the middles of a row of cells.
+    /// Returns the shares at the middles of a row of cells.
     #[inline(always)]
     fn row(&self, along_x: &Places, y: usize, z: usize) -> &[f32] {
         let [width, height] = [self.size.x, self.size.y].map(|size| size as usize);
         &self.shares[(y + height * z) * width + along_x.first..][..along_x.cells]
     }
 
-    /// How far the smoothed surface is from where the share is this, about: above 0 where less than half exists.
+    /// Returns how far the smoothed surface is from where the share is this, about: above 0 where less than half
+    /// exists.
     #[inline(always)]
     pub fn outside(&self, share: f32) -> f32 {
         (0.5 - share) * self.radius / DENSITY
     }
 
-    /// The cell before the middle of a voxel on an axis, and how far the voxel is from there to the next.
+    /// Returns the cell before the middle of a voxel on an axis, and how far the voxel is from there to the next.
     #[inline(always)]
     fn place(&self, v: i32, axis: usize) -> (u32, f32) {
         let edge = self.edge[axis];
@@ -248,7 +249,8 @@ pub struct Places {
 }
 
 impl Places {
-    /// The cell before each, counted from the first that is needed, and the voxels between its middle and the next.
+    /// Returns the cell before each, counted from the first that is needed, and the voxels between its middle and the
+    /// next.
     pub fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
         let mut end = 0;
         self.places.chunk_by(|(a, _), (b, _)| a == b).map(move |span| {
@@ -258,7 +260,7 @@ impl Places {
         })
     }
 
-    /// The share at a voxel of the row, from those at the cells around it.
+    /// Returns the share at a voxel of the row, from those at the cells around it.
     #[inline(always)]
     pub fn share(&self, cells: &[f32], x: usize) -> f32 {
         let (cell, share) = self.places[x];
@@ -272,7 +274,7 @@ fn between(a: f32, b: f32, share: f32) -> f32 {
     a + (b - a) * share
 }
 
-/// The sums over boxes that reach `reach` cells to each side, twice on each axis, where they are complete.
+/// Returns the sums over boxes that reach `reach` cells to each side, twice on each axis, where they are complete.
 fn twice_boxed(counts: Vec<f64>, size: UVec3, reach: UVec3) -> (Vec<f64>, UVec3) {
     let (mut sums, mut size) = (counts, size);
     for axis in 0..3 {
@@ -321,7 +323,7 @@ fn boxed(sums: &[f64], inner: usize, len: usize, n: usize) -> Vec<f64> {
     out
 }
 
-/// The largest of each `n` successive blocks of `inner` numbers, in lines of `len` such blocks.
+/// Returns the largest of each `n` successive blocks of `inner` numbers, in lines of `len` such blocks.
 fn largest_of(values: &[f32], inner: usize, len: usize, n: usize) -> Vec<f32> {
     let left = (len + 1 - n) * inner;
     let lines = values.len() / (inner * len).max(1);

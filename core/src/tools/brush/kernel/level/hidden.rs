@@ -95,48 +95,48 @@ impl Hidden {
         }
     }
 
-    /// A place of the grid as rays to the right and down, and lengths of the aim.
+    /// Returns a place of the grid as rays to the right and down, and lengths of the aim.
     #[inline(always)]
     pub fn project(&self, at: Vec3) -> [f32; 3] {
         self.cone.project(at - self.eye_vx)
     }
 
-    /// The ray of the map before one of the footprint; the first where that is not a number.
+    /// Returns the ray of the map before one of the footprint; the first where that is not a number.
     #[inline(always)]
     fn place(&self, ray: f32) -> u32 {
         ((ray - self.first) * self.per_step).max(0.0).min(self.last) as u32
     }
 
-    /// The rays of the map around some of the footprint.
+    /// Returns the rays of the map around some of the footprint.
     #[inline(always)]
     fn places(&self, low: f32, high: f32) -> (usize, usize) {
         (self.place(low) as usize, (self.place(high) as usize + 1).min(self.side - 1))
     }
 
-    /// Whether room is hidden close behind the surface. `nearer`: how much of what is behind it does not count, in lengths of
-    /// the aim.
+    /// Returns whether room is hidden close behind the surface. `nearer`: how much of what is behind it does not count,
+    /// in lengths of the aim.
     #[cfg(test)]
     pub fn is(&self, at: Vec3, nearer: f32) -> bool {
         let [i, j, s] = self.project(at);
         self.is_behind(self.ray(i, j), s, nearer)
     }
 
-    /// A ray of the map, by its place among those of the footprint.
+    /// Returns a ray of the map, by its place among those of the footprint.
     #[inline(always)]
     fn ray(&self, i: f32, j: f32) -> u32 {
         self.place(j) * self.side as u32 + self.place(i)
     }
 
-    /// Whether a place on a ray of the map, so deep, is hidden close behind the surface.
+    /// Returns whether a place on a ray of the map, so deep, is hidden close behind the surface.
     #[inline(always)]
     fn is_behind(&self, ray: u32, depth: f32, nearer: f32) -> bool {
         let deepest = self.deepest[ray as usize];
         (depth > deepest + self.from + nearer) & (depth < deepest + self.to)
     }
 
-    /// Which cubes of voxels of a word, `edge` voxels wide, are such room by their middles: a bit for the first voxel of each.
-    /// `first`: the corner of the word. `nearer`: how much of what is behind the surface does not count, in lengths of the aim.
-    /// `LAYER`: the cubes in one layer, which are computed together.
+    /// Returns which cubes of voxels of a word, `edge` voxels wide, are such room by their middles: a bit for the first
+    /// voxel of each. `first`: the corner of the word. `nearer`: how much of what is behind the surface does not count,
+    /// in lengths of the aim. `LAYER`: the cubes in one layer, which are computed together.
     #[inline(always)]
     fn of_word<const LAYER: usize>(&self, first: Vec3, edge: u32, nearer: f32) -> u64 {
         let across = WORD_EDGE_VX / edge;
@@ -156,7 +156,7 @@ impl Hidden {
         bits
     }
 
-    /// How much of a cube of voxels may be such room.
+    /// Returns how much of a cube of voxels may be such room.
     #[inline(always)]
     fn share(&self, first: IVec3, edge: i32) -> HiddenShare {
         let radius = edge as f32 * RADIUS_OF_CUBE;
@@ -189,8 +189,8 @@ impl Hidden {
         }
     }
 
-    /// The hidden room of a brick, among its voxels that do not exist. `group`: the edge of the cubes of voxels that are
-    /// looked at together, 1, 2 or 4.
+    /// Returns the hidden room of a brick, among its voxels that do not exist. `group`: the edge of the cubes of voxels
+    /// that are looked at together, 1, 2 or 4.
     #[inline(always)]
     pub fn brick(&self, b: IVec3, exist: &Brick, group: u32) -> Brick {
         let (edge, word_edge) = (BRICK_EDGE_VX as i32, WORD_EDGE_VX as i32);
@@ -225,7 +225,7 @@ impl Hidden {
         hidden.and_not(exist)
     }
 
-    /// The shares of all bricks from `first` to `end` (exclusive).
+    /// Returns the shares of all bricks from `first` to `end` (exclusive).
     pub fn shares(&self, first: IVec3, end: IVec3) -> Shares<'_> {
         let block = IVec3::splat(BLOCK);
         let first = first.div_euclid(block);
@@ -301,7 +301,7 @@ pub enum HiddenShare {
     All,
 }
 
-/// The least and the largest value of `n` rows and columns, from each on, of a square of values.
+/// Returns the least and the largest value of `n` rows and columns, from each on, of a square of values.
 fn windows(values: &[f32], side: usize, n: usize) -> Vec<[f32; 2]> {
     let mut bounds: Vec<_> = values.iter().map(|v| [*v; 2]).collect();
     for stride in [1, side] {
@@ -317,13 +317,13 @@ fn windows(values: &[f32], side: usize, n: usize) -> Vec<[f32; 2]> {
     bounds
 }
 
-/// The place of a word in its brick, in words.
+/// Returns the place of a word in its brick, in words.
 #[inline(always)]
 fn corner_of(word: u32) -> IVec3 {
     UVec3::new(word & 1, word >> 1 & 1, word >> 2).as_ivec3()
 }
 
-/// A brick at coordinates that may be outside the grid, and its kind. None if nothing exists in it.
+/// Returns a brick at coordinates that may be outside the grid, and its kind. None if nothing exists in it.
 #[inline(always)]
 pub fn brick_of(grid: &Grid, b: IVec3) -> Option<(BrickKind, &Brick)> {
     let outside = b.cmplt(IVec3::ZERO).any() || b.cmpge(grid.brick_dims().as_ivec3()).any();

@@ -20,7 +20,7 @@ fn grid(dims: UVec3, is: impl Fn(Vec3) -> bool) -> Grid {
     grid
 }
 
-/// A brush with a radius in voxels at `target`, seen from far away.
+/// Returns a brush with a radius in voxels at `target`, seen from far away.
 fn seen(target: Vec3, from: Vec3, radius: f32) -> Footprint {
     let away = from.normalize();
     let across = away.any_orthonormal_vector();
@@ -45,7 +45,7 @@ fn voxels(bricks: &ListedBricks) -> Vec<IVec3> {
     voxels
 }
 
-/// How many voxels appear and vanish.
+/// Returns how many voxels appear and vanish.
 fn changes(stamp: &Stamp) -> [usize; 2] {
     [&stamp.add, &stamp.remove].map(|bricks| voxels(bricks).len())
 }
@@ -138,7 +138,7 @@ fn a_nub_as_large_as_the_brush_is_levelled_by_eight_scrubs() {
     }
 }
 
-/// The height of the highest voxel.
+/// Returns the height of the highest voxel.
 fn highest(grid: &Grid) -> i32 {
     let dims = grid.dims().as_ivec3();
     let layer = |y: i32| (0..dims.x * dims.z).map(move |i| IVec3::new(i % dims.x, y, i / dims.x));
@@ -225,7 +225,7 @@ fn thin_walls_are_not_pierced() {
     }
 }
 
-/// A brush that sees `target` from an eye, with a radius in voxels there.
+/// Returns a brush that sees `target` from an eye, with a radius in voxels there.
 fn seen_from(eye: Vec3, target: Vec3, radius: f32) -> Footprint {
     let away = eye - target;
     Footprint { eye_vx: eye, aim: -away, ..seen(target, away, radius) }
