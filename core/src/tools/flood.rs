@@ -1,8 +1,8 @@
-//! The patch of one colour on the surface around a voxel, which a flood fill recolours.
+//! Finds the connected patch of one colour on the surface around a voxel, which a flood fill recolours.
 //!
-//! Of the surface are existing voxels with an empty one among their 26 neighbours; such a skin hangs together by faces
-//! wherever the surface does. Takes the contents and the voxels to begin with; gives the voxels of their patches. Looks
-//! at no brick that the patches do not reach. Changes nothing.
+//! A surface voxel is an existing voxel with an empty one among its 26 neighbours. Such a skin is face-connected
+//! wherever the surface is. Takes the contents and the seed voxels; gives the voxels of their patches. Visits no brick
+//! that the patches do not reach. Changes nothing.
 
 use std::collections::HashMap;
 
@@ -21,22 +21,22 @@ pub(super) type Slices = [u64; BRICK_EDGE_VX as usize];
 const LOWEST_X: u64 = 0x0101_0101_0101_0101;
 const HIGHEST_X: u64 = LOWEST_X << 7;
 
-/// The known state of a brick that a patch has reached.
+/// The search state of a brick that a patch has reached.
 struct Reached {
-    /// The voxels that may belong to it.
+    /// The voxels that may belong to the patch.
     may: Slices,
     filled: Slices,
-    /// Voxels beside those of other bricks, to begin with.
+    /// Seeds found from neighbouring bricks that have not been spread yet.
     pending: Slices,
 }
 
-/// Returns whether a voxel exists and is of the surface.
+/// Returns whether a voxel exists and lies on the surface.
 pub fn is_on_surface(grid: &Grid, v: IVec3) -> bool {
     grid.get(v) && (0..27).any(|i| !grid.get(v + IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)))
 }
 
-/// Returns the voxels of the surface that are joined by faces to one of `starts` by such whose colours differ from its
-/// colour by at most `tolerance` of the range of each channel. Starts that are not of the surface have none.
+/// Returns the surface voxels that are face-connected to one of `starts` through voxels whose colours differ from the
+/// colour of that start by at most `tolerance` of the range of each channel. Starts off the surface yield nothing.
 pub fn patch(contents: &Contents, starts: &[UVec3], tolerance: f32) -> ListedBricks {
     let from_each = starts.iter().map(|start| {
         let colour = contents.rgb(*start);
@@ -71,7 +71,7 @@ pub fn of_colour(contents: &Contents, colour: Rgb, tolerance: f32) -> ListedBric
     ListedBricks::new(bricks.into_par_iter().filter_map(of_brick).collect())
 }
 
-/// Returns the voxels that are joined by faces to `start` within those that `may` gives for each brick.
+/// Returns the voxels that are face-connected to `start` within the voxels that `may` returns for each brick.
 pub(super) fn patch_by(grid: &Grid, start: UVec3, may: &dyn Fn(UVec3) -> Slices) -> ListedBricks {
     let dims = grid.brick_dims().as_ivec3();
     let mut reached: HashMap<UVec3, Reached> = HashMap::new();
@@ -119,7 +119,7 @@ pub(super) fn patch_by(grid: &Grid, start: UVec3, may: &dyn Fn(UVec3) -> Slices)
     ListedBricks::new(bricks)
 }
 
-/// Returns all voxels of `may` that are joined to one of `seeds` by faces within it.
+/// Returns all voxels of `may` that are face-connected to one of `seeds` within `may`.
 fn spread(seeds: Slices, may: &Slices) -> Slices {
     let mut filled = seeds;
     loop {
@@ -137,7 +137,7 @@ fn spread(seeds: Slices, may: &Slices) -> Slices {
     }
 }
 
-/// Returns the voxels of a brick that are of the surface and have such a colour.
+/// Returns the surface voxels of a brick whose colour passes `is_alike`.
 fn alike_on_surface(contents: &Contents, b: UVec3, is_alike: &dyn Fn(Rgb) -> bool) -> Slices {
     let Contents { grid, material, .. } = contents;
     let index = grid.brick_index(b);
@@ -155,7 +155,7 @@ fn alike_on_surface(contents: &Contents, b: UVec3, is_alike: &dyn Fn(Rgb) -> boo
     alike.to_rows()
 }
 
-/// Returns the voxels of a brick that are of the surface.
+/// Returns the surface voxels of a brick.
 pub(super) fn surface_of(grid: &Grid, b: UVec3) -> Slices {
     // The voxels of the brick and one more on each side: bit x + 1 of the rows [z + 1][y + 1].
     let mut rows = [[0u16; 10]; 10];
@@ -171,7 +171,7 @@ pub(super) fn surface_of(grid: &Grid, b: UVec3) -> Slices {
             BrickKind::Full => [u64::MAX; 8],
             BrickKind::Mixed => grid.brick(other).to_rows(),
         };
-        // The voxels of the other brick that are wanted, and the row that the first of them goes to.
+        // The needed voxels of the neighbouring brick, and the row that the first of them goes to.
         let wanted = |step: i32| match step {
             -1 => (7..8, 0),
             0 => (0..8, 1),
@@ -211,7 +211,7 @@ mod tests {
     use crate::scenes::{Random, grid_of};
     use crate::sculpture::{ColourDepth, Material};
 
-    /// Returns the patch voxel by voxel.
+    /// Returns the patch, found voxel by voxel.
     fn naive(contents: &Contents, start: UVec3, tolerance: f32) -> HashSet<UVec3> {
         let colour = contents.rgb(start);
         let belongs = |v: IVec3| {
@@ -269,7 +269,7 @@ mod tests {
 
     #[test]
     fn a_patch_does_not_leak_through_the_inside() {
-        // A block with a ring of another colour around its waist, a voxel deep.
+        // A block with a ring of another colour around its waist, one voxel deep.
         let grid = grid_of(24, |_| true);
         let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
         let mut contents = Contents::new(grid, material);

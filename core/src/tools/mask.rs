@@ -1,5 +1,4 @@
-//! The voxels that a mask gains or loses when it grows, shrinks or is evened, and the parts of the surface that are
-//! chosen by their shape.
+//! Grows, shrinks and smooths masks, and selects parts of the surface by their shape.
 //!
 //! From grids to lists of voxels. Changes nothing; knows no document.
 
@@ -13,15 +12,15 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use crate::sculpture::region::{ListedBricks, Region, VoxelBox};
 use crate::tools::brush::kernel::filter;
 
-/// Furthest that a mask grows or shrinks in one go, in voxels.
+/// Greatest distance by which a mask grows or shrinks in one step, in voxels.
 pub const MAX_GROWTH_VX: u32 = 64;
-/// Furthest that cavities are looked for around a voxel, and that a patch is thickened, in voxels.
+/// Greatest radius in which cavities are detected around a voxel, and by which a patch is thickened, in voxels.
 pub const MAX_REACH_VX: u32 = 4;
 
-/// How many of 26 neighbours a voxel needs to be added, in alternate rounds: cubes and octahedra, so that growing masks
-/// stay round.
+/// Number of the 26 neighbours that a voxel needs to be added, in alternate rounds: the cubes and octahedra that result
+/// keep growing masks round.
 const ROUNDS: [u32; 2] = [1, 4];
-/// By how much more of the cube around a voxel of a cavity is filled than around one of a plane.
+/// By how much the filled share of the cube around a cavity voxel exceeds that around a voxel of a plane.
 const CAVITY_SHARE: f32 = 0.06;
 
 /// Returns the voxels that `mask` gains when it grows by `by` voxels.
@@ -35,7 +34,7 @@ pub fn grown(mask: &Grid, by: u32) -> ListedBricks {
     ListedBricks::new(added.bricks(mask.brick_dims()))
 }
 
-/// Returns the voxels that `mask` loses when it shrinks by `by` voxels. It stays where it reaches the grid's border.
+/// Returns the voxels that `mask` loses when it shrinks by `by` voxels. It does not shrink at the grid's border.
 pub fn shrunk(mask: &Grid, by: u32) -> ListedBricks {
     let Some(bounds) = bounds_of(mask) else { return ListedBricks::default() };
     let (min, max) = (bounds.min - 1, bounds.max + 1);
@@ -48,7 +47,7 @@ pub fn shrunk(mask: &Grid, by: u32) -> ListedBricks {
     };
     bits = bits.zip(&beyond, |bits, beyond| bits | beyond);
     let start = bits.clone();
-    // As it would have grown, backwards.
+    // In the reverse order of growing.
     for round in (0..by).rev() {
         let removed = filter::erosion(&bits, &may, 27 - ROUNDS[round as usize % 2]);
         bits = bits.zip(&removed, |bits, removed| bits & !removed);
@@ -56,8 +55,9 @@ pub fn shrunk(mask: &Grid, by: u32) -> ListedBricks {
     ListedBricks::new(start.zip(&bits, |old, left| old & !left).bricks(mask.brick_dims()))
 }
 
-/// Returns the voxels that `mask` gains and loses when its outline is evened by the majority of the cube of `radius_vx`
-/// around each voxel. Beyond the grid the mask continues as it is at the border, so that the border is no outline.
+/// Returns the voxels that `mask` gains and loses when its outline is smoothed by a majority filter over the cube of
+/// `radius_vx` around each voxel. Beyond the grid the mask is continued from the border, so that the border is no
+/// outline.
 pub fn evened(mask: &Grid, radius_vx: u32) -> (ListedBricks, ListedBricks) {
     let Some(bounds) = bounds_of(mask) else { return Default::default() };
     let reach = IVec3::splat(radius_vx as i32);
@@ -88,8 +88,8 @@ pub fn thickened(voxels: &ListedBricks, brick_dims: UVec3, by: u32) -> ListedBri
     ListedBricks::new(spread(bits, by).bricks(brick_dims))
 }
 
-/// Returns the voxels of the surface around which more is filled than around a plane: furrows, corners and holes,
-/// looked for within `reach_vx` voxels.
+/// Returns the surface voxels with more filled voxels around them than on a plane, within `reach_vx` voxels: furrows,
+/// corners and holes.
 pub fn cavities(grid: &Grid, reach_vx: u32) -> ListedBricks {
     let edge = (2 * reach_vx + 1) as f32;
     let plane = (reach_vx as f32 + 1.0) / edge;
@@ -104,12 +104,12 @@ pub fn cavities(grid: &Grid, reach_vx: u32) -> ListedBricks {
     ListedBricks::new(bricks.into_par_iter().filter_map(of_brick).collect())
 }
 
-/// Returns the voxels of the surface that are joined by faces to `start` by such whose normals turn by at most
-/// `angle_deg` from its own. Nothing if `start` is not of the surface.
+/// Returns the surface voxels that are face-connected to `start` through voxels whose normals deviate by at most
+/// `angle_deg` from its normal. Returns nothing if `start` is not on the surface.
 pub fn flat_patch(grid: &Grid, start: UVec3, angle_deg: f32) -> ListedBricks {
     let size = grid.voxel_size();
     let normal = |window: &Window, local: UVec3| {
-        // Away from where the voxels are; a covector, so that long voxels do not turn it.
+        // Points away from the solid; a covector, so that elongated voxels do not turn it.
         let (_, moment) = window.moment(local, MAX_REACH_VX);
         (-moment.as_vec3() / size).normalize_or_zero()
     };
@@ -127,7 +127,7 @@ pub fn flat_patch(grid: &Grid, start: UVec3, angle_deg: f32) -> ListedBricks {
     flood::patch_by(grid, start, &may)
 }
 
-/// Returns a box around the voxels of a grid, by bricks; none if there are none.
+/// Returns a box around the voxels of a grid, in whole bricks; `None` if there are none.
 fn bounds_of(grid: &Grid) -> Option<VoxelBox> {
     let edge = BRICK_EDGE_VX;
     let around = |a: (UVec3, UVec3), b: (UVec3, UVec3)| (a.0.min(b.0), a.1.max(b.1));
@@ -135,14 +135,14 @@ fn bounds_of(grid: &Grid) -> Option<VoxelBox> {
     Some(VoxelBox { min: (low * edge).as_ivec3(), max: (high * edge).as_ivec3() })
 }
 
-/// Returns a block of the same place with all voxels.
+/// Returns a block of the same position and size with all voxels set.
 fn filled(block: &BitBlock) -> BitBlock {
     let mut all = block.zip(block, |_, _| u64::MAX);
     all.keep_box(block.origin(), block.origin() + block.size().as_ivec3());
     all
 }
 
-/// Returns a block grown by `by` voxels within its size.
+/// Returns a block grown by `by` voxels within its bounds.
 fn spread(mut bits: BitBlock, by: u32) -> BitBlock {
     let may = filled(&bits);
     for round in 0..by {
@@ -183,8 +183,8 @@ impl Window {
         Window { rows: std::array::from_fn(|z| std::array::from_fn(|y| row(y, z))) }
     }
 
-    /// Returns how many voxels exist in the cube that reaches `reach` voxels around one of the brick, and the sum of
-    /// the ways to them.
+    /// Returns the number of voxels in the cube that reaches `reach` voxels around a voxel of the brick, and the sum of
+    /// their offsets from it.
     fn moment(&self, local: UVec3, reach: u32) -> (u32, IVec3) {
         let [x, y, z] = (local + MAX_REACH_VX).to_array();
         let (mut count, mut sum) = (0, IVec3::ZERO);
@@ -211,8 +211,7 @@ impl Window {
     }
 }
 
-/// Returns the direction out of the clay at a voxel of the surface, in the world, of length 1; 0 where all sides are
-/// alike.
+/// Returns the outward unit normal in world space at a surface voxel; 0 where all sides are alike.
 pub fn normal_at(grid: &Grid, v: UVec3) -> Vec3 {
     let (_, moment) =
         Window::around(grid, v / BRICK_EDGE_VX).moment(v % BRICK_EDGE_VX, MAX_REACH_VX);

@@ -46,7 +46,7 @@ fn what_grows_and_shrinks_again_is_what_it_was() {
         let removed = shrunk(&all, by);
         let back = with(|v| all.get(v) && !has(&removed, v));
         for v in every().filter(|v| back.get(*v) != mask.get(*v)) {
-            // Tips of a voxel may go, and furrows of one stay filled.
+            // Tips one voxel wide may go, and furrows one voxel wide stay filled.
             assert!(from(v).abs() <= 1.0, "{v} after {by}");
         }
     }
@@ -72,7 +72,7 @@ fn a_mask_is_evened_as_if_it_went_on_beyond_the_border() {
     for radius in [1, 3, 8] {
         let all = with(|_| true);
         assert_eq!(evened(&all, radius), Default::default(), "{radius}");
-        // Planes that end at the border stay on all of it.
+        // Planes that end at the border keep their full extent there.
         let slab = with(|v| v.x < 10);
         assert_eq!(evened(&slab, radius), Default::default(), "{radius}");
         let high = with(|v| v.z >= 30 && v.y >= 21);
@@ -83,7 +83,7 @@ fn a_mask_is_evened_as_if_it_went_on_beyond_the_border() {
             assert!((0..DIMS.x as i32).all(|x| end(x, v) == end(20, v)), "{v} of {radius}");
         }
     }
-    // Voxel by voxel, in a grid that ends within a brick and at its end.
+    // Voxel by voxel, in a grid that ends inside a brick and at a brick border.
     let dims = DIMS.as_ivec3();
     let noise = |v: IVec3| (v.x * 7 + v.y * 13 + v.z * 29 + v.x * v.y * 3 + v.y * v.z) % 5 < 3;
     let mask = with(noise);
@@ -153,12 +153,12 @@ fn a_flat_patch_is_the_face_of_a_solid() {
             assert!(has(&patch, v), "{v} of the face is missing");
         }
     }
-    // All around, with any direction.
+    // All around, whatever the direction.
     let all = flat_patch(&clay, UVec3::new(20, 25, 18), 180.0);
     let surface = every().filter(|v| flood::is_on_surface(&clay, *v)).count();
     let count: u32 = all.bricks().iter().map(|(_, bits)| u32::from(bits.count())).sum();
     assert_eq!(count as usize, surface);
-    // From a voxel inside there is none.
+    // A voxel inside yields none.
     assert!(flat_patch(&clay, UVec3::new(20, 18, 18), 180.0).bricks().is_empty());
 }
 

@@ -1,5 +1,5 @@
-//! Tools: the voxels that a solid or a spray covers, as [`crate::sculpture::region::Region`]s, mirror planes,
-//! and the pieces of a grid. They compute masks and change nothing of a document.
+//! Tools: the voxels that a solid or a spray covers, as [`crate::sculpture::region::Region`]s, mirror planes, and the
+//! pieces of a grid. They compute masks and do not change a document.
 
 pub mod brush;
 pub mod drawn;

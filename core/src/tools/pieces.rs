@@ -1,9 +1,9 @@
-//! Pieces of a grid: the sets of voxels that hang together by faces, and likewise of the empty places
-//! between them, of which those that do not reach the grid's border are its cavities.
+//! Labels the pieces of a grid: the face-connected components of its voxels, or of its empty places. Empty pieces that
+//! do not reach the grid's border are its cavities.
 //!
-//! Takes a [`Grid`], gives each voxel the number of its piece, and each piece its size and box. Every word of
-//! 4^3 voxels is split into its own pieces by shifts of its bits; those of neighbouring words are joined in a
-//! forest of sets (union-find; Galler and Fischer 1964) by all threads at once. Changes nothing and knows no document.
+//! Takes a [`Grid`]; gives each voxel the number of its piece, and each piece its size and bounding box. Every word of
+//! 4^3 voxels is split into its own components by bit shifts; those of neighbouring words are joined in a disjoint-set
+//! forest (union-find; Galler and Fischer 1964) by all threads at once. Changes nothing and knows no document.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -20,20 +20,20 @@ use crate::sculpture::{Brick, Grid};
 const BATCH_LAYERS: usize = 8;
 /// The voxels of a word with the lowest x, y and z.
 const LOWEST: [u64; 3] = [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0x0000_0000_0000_FFFF];
-/// From a voxel of a word to the next along each axis, in bits; from a word of a brick, in words.
+/// Distance from a voxel of a word to the next along each axis, in bits; likewise from a word of a brick, in words.
 const BIT_STEPS: [u32; 3] = [1, 4, 16];
 const WORD_STEPS: [usize; 3] = [1, 2, 4];
 
-/// Which voxels are meant.
+/// The voxels to label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Part {
-    /// Those that exist.
+    /// The voxels that exist.
     Solid,
-    /// Those inside the grid's box that do not.
+    /// The empty places inside the grid's box.
     Empty,
 }
 
-/// Why the pieces are not known.
+/// The reason why the pieces could not be found.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum PiecesError {
     /// [`Progress::is_cancelled`] returned true.
@@ -44,7 +44,7 @@ pub enum PiecesError {
     OverBudget(#[from] OverBudget),
 }
 
-/// One piece.
+/// A connected component.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Piece {
     /// Number of voxels, at least 1.
@@ -54,7 +54,7 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Returns the smallest box around it, in voxels: its lowest voxel and one past its highest.
+    /// Returns the bounding box in voxels: its lowest voxel and one past its highest.
     pub fn bounds(&self) -> (UVec3, UVec3) {
         (self.low.map(u32::from).into(), self.high.map(u32::from).into())
     }
@@ -65,14 +65,14 @@ impl Piece {
 pub struct Pieces<'a> {
     grid: &'a Grid,
     part: Part,
-    /// For each word of each brick the number of its first node; the eight words of a full brick share one.
+    /// The number of the first node of each word of each brick; the eight words of a full brick share one.
     first: Vec<[u32; BRICK_WORDS]>,
     /// The piece of each node.
     piece_of: Vec<u32>,
     pieces: Vec<Piece>,
 }
 
-/// Returns the pieces of a part of a grid, found within `budget_bytes` beside it.
+/// Finds the pieces of a part of a grid, within `budget_bytes` beyond the grid itself.
 pub fn pieces<'a>(
     grid: &'a Grid,
     part: Part,
@@ -122,12 +122,12 @@ impl<'a> Pieces<'a> {
         Ok(pieces)
     }
 
-    /// Returns all pieces, numbered from 0 on in the order of their first bricks.
+    /// Returns all pieces, numbered from 0 in the order of their first bricks.
     pub fn list(&self) -> &[Piece] {
         &self.pieces
     }
 
-    /// Returns the number of the piece with most voxels; the first of equals.
+    /// Returns the number of the piece with the most voxels; the first of equals.
     pub fn largest(&self) -> Option<u32> {
         let most = self.pieces.iter().map(|piece| piece.voxels).max()?;
         self.pieces.iter().position(|piece| piece.voxels == most).map(|place| place as u32)
@@ -139,7 +139,7 @@ impl<'a> Pieces<'a> {
         low.min_element() == 0 || high.cmpeq(self.grid.dims()).any()
     }
 
-    /// Returns the number of the piece at a voxel; none outside of the grid or in the other part.
+    /// Returns the number of the piece at a voxel; `None` outside the grid or in the other part.
     pub fn at(&self, voxel: IVec3) -> Option<u32> {
         let inside = self.grid.contains(voxel);
         let v = inside.then(|| voxel.as_uvec3())?;
@@ -155,7 +155,7 @@ impl<'a> Pieces<'a> {
         found
     }
 
-    /// Returns the voxels of a brick (by linear index) whose pieces are chosen.
+    /// Returns the voxels of a brick (by linear index) whose pieces pass `is_chosen`.
     pub fn chosen(&self, brick: usize, is_chosen: &impl Fn(u32) -> bool) -> Brick {
         let mut chosen = self.bits(brick);
         for (word, bits) in chosen.words.iter_mut().enumerate() {
@@ -181,7 +181,7 @@ impl<'a> Pieces<'a> {
         bits_of(self.grid, self.part, brick)
     }
 
-    /// Joins the nodes of each word of a layer of bricks with those of the words below it on each axis.
+    /// Joins the nodes of each word of a layer of bricks with those of the preceding words on each axis.
     fn join_layer(&self, z: u32, forest: &Forest) {
         let UVec3 { x: width, y: height, .. } = self.grid.brick_dims();
         let strides = [1, width as usize, (width * height) as usize];
@@ -220,7 +220,7 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// Sizes and boxes.
+    /// Computes the sizes and bounding boxes.
     fn measure(&mut self, count: u32) {
         let none = Piece { voxels: 0, low: [u16::MAX; 3], high: [0; 3] };
         let mut pieces = vec![none; count as usize];
@@ -267,7 +267,7 @@ fn bits_of(grid: &Grid, part: Part, brick: usize) -> Brick {
     }
 }
 
-/// Returns the first node of each word, and how many nodes there are.
+/// Returns the first node of each word and the number of nodes.
 fn number_nodes(grid: &Grid, part: Part) -> (Vec<[u32; BRICK_WORDS]>, u32) {
     let mut first = vec![[0; BRICK_WORDS]; grid.brick_count()];
     first.par_iter_mut().enumerate().with_min_len(1 << 10).for_each(|(brick, counts)| {
@@ -292,7 +292,7 @@ fn number_nodes(grid: &Grid, part: Part) -> (Vec<[u32; BRICK_WORDS]>, u32) {
     (first, nodes)
 }
 
-/// Calls `f` with each piece of a word and its node, counted from `first` on.
+/// Calls `f` with each piece of a word and its node, counted from `first`.
 #[inline(always)]
 fn for_each_node(first: u32, word: u64, mut f: impl FnMut(u32, u64)) {
     let (mut node, mut rest) = (first, word);
@@ -314,7 +314,7 @@ fn flood(mut seed: u64, within: u64) -> u64 {
         let before = seed;
         for axis in 0..3 {
             let step = BIT_STEPS[axis];
-            // Bits that leave the word at one side must not come back at the other.
+            // Bits that leave the word on one side must not re-enter on the other.
             let highest = LOWEST[axis] << (3 * step);
             seed |= ((seed & !highest) << step | (seed & !LOWEST[axis]) >> step) & within;
         }
@@ -324,7 +324,7 @@ fn flood(mut seed: u64, within: u64) -> u64 {
     }
 }
 
-/// Sets of nodes: each node has a parent of a lower number, or is a root.
+/// A disjoint-set forest: each node has a parent of a lower number, or is a root.
 struct Forest {
     parents: Vec<AtomicU32>,
 }
@@ -334,7 +334,7 @@ impl Forest {
         Forest { parents: (0..nodes).into_par_iter().map(AtomicU32::new).collect() }
     }
 
-    /// Joins the nodes of two words that touch: the upper x, y or z of one, the lower of the other.
+    /// Joins the nodes of two touching words: those at the upper x, y or z side of one and the lower side of the other.
     #[inline(always)]
     fn join_words(&self, axis: usize, below: (u32, u64), above: (u32, u64)) {
         let shift = 3 * BIT_STEPS[axis];
@@ -353,7 +353,7 @@ impl Forest {
         });
     }
 
-    /// Returns the root of a node; halves the path to it.
+    /// Returns the root of a node. Halves the path to it.
     #[inline(always)]
     fn root(&self, mut node: u32) -> u32 {
         loop {
@@ -362,7 +362,7 @@ impl Forest {
                 return node;
             }
             let above = self.parents[parent as usize].load(Relaxed);
-            // Another thread may have put a still lower one; both are ancestors.
+            // Another thread may have stored a lower one; both are ancestors.
             if above != parent {
                 self.parents[node as usize].fetch_min(above, Relaxed);
             }
@@ -379,12 +379,12 @@ impl Forest {
             if parent.compare_exchange(high, low, Relaxed, Relaxed).is_ok() {
                 return;
             }
-            // Meanwhile another thread has joined it elsewhere.
+            // Another thread has joined it elsewhere in the meantime.
             (a, b) = (low, self.root(high));
         }
     }
 
-    /// Returns the number of each node's set, in the order of the roots, and how many sets there are.
+    /// Returns the number of each node's set, in the order of the roots, and the number of sets.
     fn into_numbers(self) -> (Vec<u32>, u32) {
         let mut numbers: Vec<u32> = self.parents.into_iter().map(AtomicU32::into_inner).collect();
         let mut count = 0;
@@ -394,7 +394,7 @@ impl Forest {
                 numbers[node] = count;
                 count += 1;
             } else {
-                // Lower nodes have their numbers already.
+                // Lower nodes already have their numbers.
                 numbers[node] = numbers[parent];
             }
         }
@@ -429,7 +429,7 @@ pub fn fill_holes(
     Ok(())
 }
 
-/// Returns the bricks that `of` returns, where they differ from those of the grid.
+/// Returns the bricks that `of` gives where they differ from those of the grid.
 fn changed(pieces: &Pieces<'_>, of: &(dyn Fn(usize) -> Brick + Sync)) -> Vec<(usize, Brick)> {
     let grid = pieces.grid;
     let bricks = (0..grid.brick_count()).into_par_iter().with_min_len(1 << 10);

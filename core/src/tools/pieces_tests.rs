@@ -1,4 +1,4 @@
-//! Tests of the pieces of a grid, against a search voxel by voxel.
+//! Tests the pieces of a grid against a voxel-by-voxel search.
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
@@ -21,7 +21,7 @@ fn voxels(grid: &Grid) -> Vec<IVec3> {
     (0..count).map(|index| grid.voxel_coords(index).as_ivec3()).collect()
 }
 
-/// Returns the voxels of each piece in order, found one by one.
+/// Returns the voxels of each piece in order, found by a plain search.
 fn by_search(grid: &Grid, part: Part) -> Vec<Vec<IVec3>> {
     let is_meant = |v: IVec3| grid.contains(v) && grid.get(v) == (part == Part::Solid);
     let mut seen = std::collections::HashSet::new();
@@ -73,7 +73,7 @@ fn check(grid: &Grid, part: Part) {
     assert_eq!(members, expected);
 }
 
-/// Noise that depends on the place alone.
+/// Returns noise that depends on the position alone.
 fn noise(v: IVec3, seed: u32) -> u32 {
     let [x, y, z] = v.as_uvec3().to_array();
     let n = x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ z.wrapping_mul(0xC2B2_AE3D);
@@ -152,7 +152,7 @@ fn the_largest_piece_stays_and_cavities_are_filled() {
     let expected =
         grid_of([40, 40, 40], |v| (v - IVec3::splat(19)).length_squared() <= 225 || grid.get(v));
     assert_eq!(filled, expected);
-    // A cavity that is open at one voxel of the border is none.
+    // An empty piece that is open at one voxel of the border is no cavity.
     let cup = grid_of([10, 10, 10], |v| {
         let wall = v.min_element() == 0 || v.max_element() == 9;
         wall && v != IVec3::new(5, 5, 9)

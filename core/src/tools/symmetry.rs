@@ -1,8 +1,8 @@
-//! Symmetry: the images of a tool that are used together with it.
+//! Symmetry: computes the images of a tool that are applied together with it.
 //!
-//! Mirror planes are perpendicular to the axes of the grid at its centre, between two voxels (even) or through the middle
-//! of one (odd); one more may lie anywhere; and tools may be repeated around an axis. Images keep lengths and angles in the
-//! world, also where voxels are not cubes. Computes images of points, directions and rotations; knows no tool.
+//! Mirror planes are perpendicular to the grid axes at its centre, between two voxels (even) or through the middle of
+//! one (odd); one more may lie anywhere; and tools may be repeated around an axis. Images preserve lengths and angles
+//! in the world, also where voxels are not cubes. Computes images of points, directions and rotations; knows no tool.
 
 use glam::{DMat3, DQuat, DVec3, IVec3, Mat3, Quat, UVec3, Vec3};
 
@@ -31,35 +31,35 @@ impl Parity {
     }
 }
 
-/// Most images of a tool.
+/// Greatest number of images of a tool.
 pub const MAX_IMAGES: usize = 64;
-/// Furthest place from the origin, in voxels.
+/// Greatest distance from the origin, in voxels.
 const FURTHEST_VX: f32 = 1e6;
 
-/// A mirror plane anywhere.
+/// A mirror plane in any position.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MirrorPlane {
-    /// A point of it, in voxel coordinates.
+    /// A point of the plane, in voxel coordinates.
     pub at_vx: Vec3,
-    /// Perpendicular to it in the world, along axes of the grid; of any length.
+    /// Normal in the world, along axes of the grid; of any length.
     pub normal: Vec3,
 }
 
 /// An axis around which tools are repeated.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Radial {
-    /// A point of it, in voxel coordinates.
+    /// A point of the axis, in voxel coordinates.
     pub at_vx: Vec3,
-    /// Its direction in the world, along axes of the grid; of any length.
+    /// Direction in the world, along axes of the grid; of any length.
     pub axis: Vec3,
-    /// How often a tool is there, all around: at least 2.
+    /// Number of copies around the axis, at least 2.
     pub count: u32,
 }
 
-/// The symmetry in use: mirror planes by the axis that they are perpendicular to, one anywhere, and an axis of rotation.
+/// The symmetry in use: mirror planes perpendicular to the grid axes, one in any position, and an axis of rotation.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Symmetry {
-    /// For each axis the parity of its mirror plane, if it has one.
+    /// The parity of the mirror plane of each axis, if it has one.
     pub axes: [Option<Parity>; 3],
     /// A further mirror plane.
     pub plane: Option<MirrorPlane>,
@@ -68,12 +68,12 @@ pub struct Symmetry {
 }
 
 impl Symmetry {
-    /// Mirror planes through the grid's centre alone.
+    /// Creates a symmetry of mirror planes through the grid's centre alone.
     pub const fn of_axes(axes: [Option<Parity>; 3]) -> Symmetry {
         Symmetry { axes, plane: None, radial: None }
     }
 
-    /// Returns an error that says which value is invalid, if one is.
+    /// Returns an error that names the invalid value, if there is one.
     pub fn check(&self) -> Result<(), InvalidValue> {
         let place = |field, at: Vec3| {
             let is_near = at.is_finite() && at.abs().max_element() <= FURTHEST_VX;
@@ -104,7 +104,7 @@ impl Symmetry {
         (1 << planes) * self.radial.map_or(1, |radial| radial.count as usize)
     }
 
-    /// Returns the same about the same voxels after a grid of `dims` voxels was laid another way.
+    /// Returns the symmetry about the same voxels after a grid of `dims` voxels was reoriented.
     pub fn oriented(&self, orientation: Orientation, dims: UVec3) -> Symmetry {
         let place = |v: IVec3| orientation.destination(v, dims).as_vec3();
         let first = place(IVec3::ZERO);
@@ -128,7 +128,7 @@ impl Symmetry {
         }
     }
 
-    /// Positions of the planes of the axes in a grid of `dims` voxels, in voxel coordinates.
+    /// Returns the positions of the axis-aligned planes in a grid of `dims` voxels, in voxel coordinates.
     pub fn planes(&self, dims: UVec3) -> [Option<f32>; 3] {
         std::array::from_fn(|axis| {
             let middle = (dims[axis] / 2) as f32;
@@ -146,7 +146,7 @@ impl Symmetry {
         let mut planes: Vec<(usize, f32)> = Vec::new();
         let of_axes = self.planes(dims).into_iter().enumerate();
         planes.extend(of_axes.filter_map(|(axis, plane)| Some((axis, plane?))));
-        // One along the grid is as exact as those of the axes.
+        // An axis-aligned plane is as exact as those of the axes.
         let along = self.plane.and_then(|plane| {
             let axis = grid_axis(plane.normal)?;
             self.axes[axis].is_none().then_some((axis, plane.at_vx[axis]))
@@ -184,8 +184,8 @@ impl Symmetry {
 }
 
 impl Radial {
-    /// Half a turn about an axis of the grid equals two mirror planes, and is as exact. Returns the planes of `image`
-    /// with those two, if it is such a turn.
+    /// Returns the planes of `image` with two more if the `k`th turn is half a turn about a grid axis. Such a turn
+    /// equals two mirror planes, and is as exact.
     fn half_turn(&self, k: u32, image: &SymmetryTransform) -> Option<[Option<f32>; 3]> {
         let axis = grid_axis(self.axis).filter(|_| 2 * k == self.count && image.moved.is_none())?;
         let mut planes = image.planes;
@@ -198,25 +198,25 @@ impl Radial {
     }
 }
 
-/// Returns the point in voxel coordinates that all mirror planes along the grid go through.
+/// Returns the point in voxel coordinates that all axis-aligned mirror planes pass through.
 pub(super) fn origin_of(images: &[SymmetryTransform]) -> DVec3 {
     let plane = |axis: usize| images.iter().find_map(|image| image.planes[axis]);
     DVec3::from([0, 1, 2].map(|axis| plane(axis).map_or(0.0, f64::from)))
 }
 
-/// Returns the axis of the grid along which a direction lies.
+/// Returns the grid axis along which a direction lies.
 fn grid_axis(direction: Vec3) -> Option<usize> {
     let mut others = (0..3).filter(|axis| direction[*axis] != 0.0);
     others.next().filter(|_| others.next().is_none())
 }
 
-/// A mirroring or a turn, in units of the smallest edge of a voxel.
+/// A reflection or a rotation, in units of the smallest voxel edge.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Move {
     /// Orthogonal.
     linear: DMat3,
     offset: DVec3,
-    /// Edges of a voxel in units of the smallest.
+    /// Voxel edges in units of the smallest.
     stretch: DVec3,
 }
 
@@ -227,14 +227,14 @@ impl Move {
         Move::about(plane.at_vx, DMat3::IDENTITY - outer * 2.0, stretch)
     }
 
-    /// Returns the `k`th of the turns.
+    /// Returns the `k`th rotation around the axis.
     fn turn(radial: &Radial, k: u32, stretch: DVec3) -> Move {
         let angle = std::f64::consts::TAU * f64::from(k) / f64::from(radial.count);
         let turn = DMat3::from_axis_angle(radial.axis.as_dvec3().normalize(), angle);
         Move::about(radial.at_vx, turn, stretch)
     }
 
-    /// Returns the move by `linear` that leaves a point (voxel coordinates) where it is.
+    /// Returns the motion by `linear` that keeps a point (voxel coordinates) fixed.
     fn about(at_vx: Vec3, linear: DMat3, stretch: DVec3) -> Move {
         // Quarter turns are exact.
         let snapped = |v: f64| if (v - v.round()).abs() < 1e-12 { v.round() } else { v };
@@ -252,7 +252,7 @@ impl Move {
     }
 }
 
-/// One image: reflected at the plane of each axis that has one, then moved.
+/// An image: reflected at the plane of each axis that has one, then moved.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SymmetryTransform {
     planes: [Option<f32>; 3],
@@ -260,7 +260,7 @@ pub struct SymmetryTransform {
 }
 
 impl SymmetryTransform {
-    /// Reflected at the planes (voxel coordinates) of the axes that have one.
+    /// Creates a reflection at the planes (voxel coordinates) of the axes that have one.
     pub const fn of_planes(planes: [Option<f32>; 3]) -> SymmetryTransform {
         SymmetryTransform { planes, moved: None }
     }
@@ -270,7 +270,7 @@ impl SymmetryTransform {
         SymmetryTransform { moved: Some(moved), ..*self }
     }
 
-    /// Returns whether it is made by planes along the grid alone, and so differs in signs only.
+    /// Returns whether it consists of axis-aligned planes alone, and so differs in signs only.
     pub(super) fn is_along_grid(&self) -> bool {
         self.moved.is_none()
     }
@@ -284,12 +284,12 @@ impl SymmetryTransform {
         p
     }
 
-    /// -1 along each axis that is reflected, before it is moved.
+    /// Returns -1 for each axis that is reflected before the motion, 1 for the others.
     pub(super) fn signs(&self) -> DVec3 {
         DVec3::from(self.planes.map(|plane| if plane.is_some() { -1.0 } else { 1.0 }))
     }
 
-    /// Returns the image of a point in grid coordinates: exact for centres of voxels where planes lie along the grid.
+    /// Returns the image of a point in grid coordinates: exact for voxel centres where planes are axis-aligned.
     pub fn point_exactly(&self, p: DVec3) -> DVec3 {
         let p = self.mirrored(p);
         match &self.moved {
@@ -298,8 +298,8 @@ impl SymmetryTransform {
         }
     }
 
-    /// Returns the image of a point relative to `origin` ([`origin_of`] all images): of those along the grid, images
-    /// differ in signs only and are rounded alike.
+    /// Returns the image of a point relative to `origin` ([`origin_of`] all images). Axis-aligned images differ in
+    /// signs only and are rounded alike.
     pub(super) fn relative(&self, p: DVec3, origin: DVec3) -> DVec3 {
         match self.moved {
             Some(_) => self.point_exactly(p) - origin,
@@ -393,8 +393,7 @@ impl SymmetryTransform {
     }
 }
 
-/// S R S for the mirroring S of an axis: the part about that axis stays, the others turn the
-/// other way.
+/// Returns S R S for the reflection S along an axis: the component about that axis stays, the others are reversed.
 fn conjugated(rotation: Quat, axis: usize) -> Quat {
     let mut v = -rotation.xyz();
     v[axis] = -v[axis];

@@ -1,4 +1,4 @@
-//! Images of solids by planes along the grid, against the mirrored voxels.
+//! Tests images of solids by axis-aligned planes against the mirrored voxels.
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
@@ -8,8 +8,8 @@ use super::symmetry::*;
 use crate::tools::solid::tests::rotation;
 
 proptest! {
-    /// Each image covers the mirrored voxels, also where a face passes through their centres;
-    /// the mirrored solid as a primitive does so but for those.
+    /// Each image covers the mirrored voxels, also where a face passes through their centres. The mirrored solid as a
+    /// primitive does so except for those.
     #[test]
     fn images_of_solids_cover_mirrored_voxels(
         dims in prop::array::uniform3(8u32..20),

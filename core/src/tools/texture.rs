@@ -1,7 +1,8 @@
-//! Images on solids: the ways to wrap an image around one, and its colour at a voxel.
+//! Images on solids: maps an image onto a solid and samples its colour at a voxel.
 //!
-//! Takes decoded pixels and points of tool space, where a solid fills [-1, 1] and the image is upright along the y axis;
-//! a position on the image is (0, 0) in its lower left corner, (1, 1) in the upper right one. Knows no files and no solids.
+//! Takes decoded pixels and points of tool space, where a solid fills [-1, 1] and the image is upright along the y
+//! axis. Image coordinates are (0, 0) in the lower left corner and (1, 1) in the upper right one. Knows no files and no
+//! solids.
 
 use std::f32::consts::{PI, TAU};
 
@@ -12,7 +13,7 @@ use crate::sculpture::Rgb;
 /// Longest side of an image, in pixels.
 pub const MAX_SIDE: u32 = 8192;
 
-/// An image, upper row first.
+/// An image, top row first.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Texture {
     width: u32,
@@ -20,19 +21,19 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// From rows of `width` pixels. None if there is no pixel or the last row is incomplete.
+    /// Creates an image from rows of `width` pixels. Returns `None` if there is no pixel or the last row is incomplete.
     pub fn new(width: u32, pixels: Vec<Rgb>) -> Option<Texture> {
         let whole = width > 0 && !pixels.is_empty() && pixels.len().is_multiple_of(width as usize);
         whole.then_some(Texture { width, pixels })
     }
 
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.width, (self.pixels.len() / self.width as usize) as u32]
     }
 
-    /// Returns the colour at `at`: (0, 0) is the lower left corner, (1, 1) the upper right one. Interpolated
-    /// bilinearly, and clamped at the edges.
+    /// Returns the colour at `at`: (0, 0) is the lower left corner, (1, 1) the upper right one. Interpolates
+    /// bilinearly, and clamps at the edges.
     pub fn sample(&self, at: Vec2) -> Rgb {
         let [width, height] = self.size();
         let x = at.x * width as f32 - 0.5;
@@ -51,20 +52,19 @@ impl Texture {
     }
 }
 
-/// Returns the position on an image that is wrapped once around a ball, by longitude and latitude, of a point of tool
-/// space.
+/// Maps a point of tool space to an image wrapped once around a ball, by longitude and latitude.
 pub fn around_ball(p: Vec3) -> Vec2 {
     let length = p.length().max(f32::MIN_POSITIVE);
     let longitude = p.x.atan2(p.z);
     vec2(0.5 + longitude / TAU, 0.5 + (p.y / length).clamp(-1.0, 1.0).asin() / PI)
 }
 
-/// Returns the position on an image that is wrapped once around the side; the caps show its upper or lower edge.
+/// Maps a point of tool space to an image wrapped once around the side; the caps show its upper or lower edge.
 pub fn around_side(p: Vec3) -> Vec2 {
     vec2(0.5 + p.x.atan2(p.z) / TAU, 0.5 * p.y + 0.5)
 }
 
-/// Returns the position on an image on each face of a cuboid.
+/// Maps a point of tool space to an image on each face of a cuboid.
 pub fn on_faces(p: Vec3) -> Vec2 {
     let a = p.abs();
     let on_face = match a.y > a.x.max(a.z) {
@@ -74,8 +74,8 @@ pub fn on_faces(p: Vec3) -> Vec2 {
     on_face * 0.5 + 0.5
 }
 
-/// Returns how far to the right a point is on the nearest of four sides, each seen from outside, so that writing is not
-/// mirrored.
+/// Returns how far to the right a point is on the nearest of four sides. Each is seen from outside, so that writing is
+/// not mirrored.
 pub fn on_side(p: Vec3) -> f32 {
     match p.x.abs() > p.z.abs() {
         true => -p.z * p.x.signum(),

@@ -1,4 +1,4 @@
-//! Colours for all voxels of an area, from where each is and what colour it has: adjusted colours, a gradient, noise.
+//! Recolours all voxels of an area by position and present colour: adjusted colours, a gradient, noise.
 //!
 //! Takes voxels and their present colours; gives their new ones. Knows no document and changes nothing.
 
@@ -7,13 +7,13 @@ use glam::{UVec3, Vec3};
 use crate::refusal::InvalidValue;
 use crate::sculpture::Rgb;
 
-/// Largest coordinate of a gradient's ends, in voxels.
+/// Greatest coordinate of a gradient's ends, in voxels.
 const FARTHEST_VX: f32 = 1.0e6;
 /// Largest factor on saturation and value.
 pub const MAX_FACTOR: f32 = 8.0;
-/// Sizes of patches of noise, in units of the smallest edge of a voxel.
+/// Range of the patch size of noise, in units of the smallest voxel edge.
 pub const SIZE_RANGE: std::ops::RangeInclusive<f32> = 1.0..=1024.0;
-/// Colours of a gradient that are computed beforehand: more than 8 bits can show.
+/// Number of precomputed gradient colours: more than 8 bits can show.
 const STEPS: usize = 1024;
 /// Octaves of noise; each has half the size and half the weight of the one before.
 const OCTAVES: u32 = 3;
@@ -34,22 +34,22 @@ pub enum Tint {
     Gradient {
         /// A point of the plane where the first colour ends, in voxel coordinates.
         from_vx: Vec3,
-        /// A point of the plane where the second begins; both are perpendicular to the way between them.
+        /// A point of the plane where the second begins; both planes are perpendicular to the line between the points.
         to_vx: Vec3,
         /// The colours.
         colours: [Rgb; 2],
-        /// Share of the gradient in the colours, 0 to 1.
+        /// Opacity of the gradient, 0 to 1.
         strength: f32,
     },
-    /// Blends a colour in by patches.
+    /// Blends a colour in patches.
     Noise {
         /// The colour.
         colour: Rgb,
-        /// Size of the largest patches, in units of the smallest edge of a voxel.
+        /// Size of the largest patches, in units of the smallest voxel edge.
         size: f32,
-        /// Largest share of the colour, 0 to 1.
+        /// Greatest opacity of the colour, 0 to 1.
         amount: f32,
-        /// Another number, another pattern.
+        /// Seed of the pattern.
         seed: u32,
     },
 }
@@ -64,7 +64,7 @@ impl Tint {
         }
     }
 
-    /// Returns an error that says which number is out of range, if one is.
+    /// Returns an error that names the number out of range, if there is one.
     pub fn check(&self) -> Result<(), InvalidValue> {
         match *self {
             Tint::Adjust { hue_deg, saturation, value } => {
@@ -112,19 +112,19 @@ enum Prepared {
     Adjust {
         /// As in [`Tint::Adjust`].
         change: [f32; 3],
-        /// The colour that most voxels have, and its changed value.
+        /// The colour of most voxels, and its adjusted value.
         base: [Rgb; 2],
     },
     Gradient {
         start: Vec3,
-        /// Share of the way for a step along each axis.
-        way: Vec3,
+        /// Share of the gradient for a step along each axis.
+        per_voxel: Vec3,
         table: Vec<Rgb>,
         strength: f32,
     },
     Noise {
         colour: Rgb,
-        /// Patches for a voxel along each axis.
+        /// Number of patches in a voxel along each axis.
         scale: Vec3,
         amount: f32,
         seed: u32,
@@ -132,7 +132,7 @@ enum Prepared {
 }
 
 impl Tinter {
-    /// `tint`, for a sculpture of voxels of this size, most of them of the colour `base`.
+    /// Prepares `tint` for a sculpture of voxels of this size, most of them of the colour `base`.
     pub fn new(tint: &Tint, voxel_size: Vec3, base: Rgb) -> Tinter {
         let edges = voxel_size / voxel_size.min_element();
         Tinter(match *tint {
@@ -141,14 +141,14 @@ impl Tinter {
                 Prepared::Adjust { change, base: [base, adjusted(base, change)] }
             }
             Tint::Gradient { from_vx, to_vx, colours, strength } => {
-                let way = (to_vx - from_vx) * edges;
-                let way = way * edges / way.length_squared();
+                let span = (to_vx - from_vx) * edges;
+                let per_voxel = span * edges / span.length_squared();
                 let [first, last] = colours.map(oklab_of);
                 let at = |i| oklab_to_rgb(first.lerp(last, i as f32 / (STEPS - 1) as f32));
                 let mut table: Vec<Rgb> = (0..STEPS).map(at).collect();
-                // The ends are the requested colours, to the bit.
+                // The ends are exactly the requested colours.
                 (table[0], table[STEPS - 1]) = (colours[0], colours[1]);
-                Prepared::Gradient { start: from_vx, way, table, strength }
+                Prepared::Gradient { start: from_vx, per_voxel, table, strength }
             }
             Tint::Noise { colour, size, amount, seed } => {
                 Prepared::Noise { colour, scale: edges / size, amount, seed }
@@ -156,7 +156,7 @@ impl Tinter {
         })
     }
 
-    /// Returns whether voxels of the base colour surely keep it.
+    /// Returns whether voxels of the base colour are certain to keep it.
     pub fn keeps_base(&self) -> bool {
         match &self.0 {
             Prepared::Adjust { base: [base, adjusted], .. } => base == adjusted,
@@ -174,8 +174,8 @@ impl Tinter {
                 true => *adjusted_base,
                 false => adjusted(now, *change),
             },
-            Prepared::Gradient { start, way, table, strength } => {
-                let share = (centre - start).dot(*way).clamp(0.0, 1.0);
+            Prepared::Gradient { start, per_voxel, table, strength } => {
+                let share = (centre - start).dot(*per_voxel).clamp(0.0, 1.0);
                 let colour = table[(share * (STEPS - 1) as f32 + 0.5) as usize];
                 blended(now, colour, *strength)
             }
@@ -186,17 +186,17 @@ impl Tinter {
     }
 }
 
-/// Returns a colour with `share` of another, in the values that are stored, as brushes blend.
+/// Returns `now` blended with `share` of another colour, in stored values, as brushes blend.
 fn blended(now: Rgb, other: Rgb, share: f32) -> Rgb {
     let channel = |i: usize| {
         let (a, b) = (f32::from(now.0[i]), f32::from(other.0[i]));
-        // Rounded; a call of `round` would take longer than the rest.
+        // Rounds by hand; a call of `round` would take longer than the rest.
         (a + (b - a) * share + 0.5) as u8
     };
     Rgb([channel(0), channel(1), channel(2)])
 }
 
-/// Returns a colour with another hue, saturation and value. (HSV: Smith, "Color gamut transform pairs", 1978.)
+/// Returns a colour with adjusted hue, saturation and value. (HSV: Smith, "Color gamut transform pairs", 1978.)
 fn adjusted(Rgb(rgb): Rgb, [hue_deg, saturation_factor, value_factor]: [f32; 3]) -> Rgb {
     let [r, g, b] = rgb.map(|channel| f32::from(channel) / 255.0);
     let value = r.max(g).max(b);
@@ -220,8 +220,8 @@ fn adjusted(Rgb(rgb): Rgb, [hue_deg, saturation_factor, value_factor]: [f32; 3])
     Rgb([channel(5.0), channel(3.0), channel(1.0)])
 }
 
-/// Lightness and two opponent colours, alike to the eye at equal distances. (Oklab: Ottosson, "A perceptual color space
-/// for image processing", 2020.)
+/// Returns lightness and two opponent colour axes, in which equal distances look equal. (Oklab: Ottosson, "A perceptual
+/// color space for image processing", 2020.)
 fn oklab_of(Rgb(rgb): Rgb) -> Vec3 {
     let linear = |channel: u8| {
         let s = f32::from(channel) / 255.0;
@@ -241,7 +241,7 @@ fn oklab_of(Rgb(rgb): Rgb) -> Vec3 {
     )
 }
 
-/// Returns the inverse of [`oklab_of`], cut to the colours that there are.
+/// Inverts [`oklab_of`], clamped to displayable colours.
 fn oklab_to_rgb(lab: Vec3) -> Rgb {
     let cones = [
         Vec3::new(1.0, 0.396_337_78, 0.215_803_76),
@@ -264,7 +264,7 @@ fn oklab_to_rgb(lab: Vec3) -> Rgb {
     }))
 }
 
-/// Smooth noise from 0 to 1 with patches of size 1 and smaller ones.
+/// Returns smooth noise from 0 to 1 with patches of size 1 and smaller ones.
 fn noise(p: Vec3, seed: u32) -> f32 {
     let (mut sum, mut weight, mut all, mut p) = (0.0, 1.0, 0.0, p);
     for octave in 0..OCTAVES {
@@ -272,11 +272,11 @@ fn noise(p: Vec3, seed: u32) -> f32 {
         all += weight;
         (weight, p) = (weight * 0.5, p * 2.0);
     }
-    // Gradient noise seldom goes beyond 0.7.
+    // Gradient noise seldom exceeds 0.7.
     (0.5 + 0.7 * sum / all).clamp(0.0, 1.0)
 }
 
-/// The gradients at corners of cells: towards the middles of a cube's edges, four of them twice.
+/// The gradients at cell corners: towards the midpoints of a cube's edges, four of them twice.
 const GRADIENTS: [Vec3; 16] = [
     Vec3::new(1.0, 1.0, 0.0),
     Vec3::new(-1.0, 1.0, 0.0),
@@ -296,7 +296,8 @@ const GRADIENTS: [Vec3; 16] = [
     Vec3::new(0.0, -1.0, -1.0),
 ];
 
-/// Gradient noise at a place that is not negative, about -1 to 1. (Perlin, "Improving noise", 2002, with hashes for its table.)
+/// Returns gradient noise at a non-negative position, about -1 to 1. (Perlin, "Improving noise", 2002, with hashes for
+/// its table.)
 fn gradient_noise(p: Vec3, seed: u32) -> f32 {
     let cell = p.as_uvec3();
     let within = p - cell.as_vec3();
@@ -317,7 +318,7 @@ fn gradient_noise(p: Vec3, seed: u32) -> f32 {
     lerp(along_y(0), along_y(1), fade.z)
 }
 
-/// Returns a number that looks random. (The finaliser of MurmurHash3, Appleby 2011.)
+/// Returns a pseudo-random number. (The finaliser of MurmurHash3, Appleby 2011.)
 #[inline(always)]
 fn hash(mixed: u32) -> u32 {
     let mixed = (mixed ^ mixed >> 16).wrapping_mul(0x85EB_CA6B);

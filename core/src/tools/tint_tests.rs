@@ -51,7 +51,7 @@ fn hue_saturation_and_value_do_what_they_say() {
 }
 
 #[test]
-fn a_gradient_goes_from_one_colour_to_the_other_along_its_way() {
+fn a_gradient_goes_from_one_colour_to_the_other_along_its_axis() {
     let gradient = |from: Vec3, to: Vec3, strength| Tint::Gradient {
         from_vx: from,
         to_vx: to,
@@ -71,7 +71,7 @@ fn a_gradient_goes_from_one_colour_to_the_other_along_its_way() {
     }
     let half = gradient(Vec3::ZERO, Vec3::Y, 0.5);
     assert_eq!(tinted(half, UVec3::new(0, 5, 0), Rgb::new(100, 100, 100)), Rgb::new(50, 50, 178));
-    // Planes of one colour are perpendicular to the way in space, also where voxels are long.
+    // Planes of one colour are perpendicular to the gradient in space, also where voxels are elongated.
     let long = Vec3::new(1.0, 2.0, 1.0);
     let slanted = gradient(Vec3::ZERO, Vec3::new(8.0, 4.0, 0.0), 1.0);
     let tinter = Tinter::new(&slanted, long, Rgb::STONE);

@@ -1,10 +1,10 @@
-//! Erosion and dilation of blocks of bits by a ball of any diameter: the part of a solid that a ball can reach, which
-//! tells the thickness of its walls.
+//! Erodes and dilates blocks of bits by a ball of any diameter. The opening, the part of a solid that a ball can reach,
+//! measures the thickness of its walls.
 //!
-//! From a block to a block of the same place and size; beyond its border nothing exists. The ball is a
-//! list of runs along x. For each length of a run the block is first reduced along x by doubling, then rows
-//! are combined, 64 voxels at a time (van Herk's and Gil's idea of separating a structuring element, with
-//! rows of bits), in slabs of layers on all cores. Knows no document.
+//! From a block to a block of the same position and size; beyond its border nothing exists. The ball is a list of runs
+//! along x. For each run length the block is first reduced along x by doubling; then rows are combined, 64 voxels at a
+//! time, in slabs of layers on all cores. (The separation of a structuring element is the idea of van Herk and of Gil,
+//! applied to rows of bits.) Knows no document.
 
 use std::ops::Range;
 
@@ -16,10 +16,10 @@ use crate::sculpture::bit_block::BitBlock;
 
 /// Largest extent of a ball on an axis, in voxels: a shift by half of it stays within a word.
 pub const MAX_BALL_VX: u32 = 64;
-/// Layers that are computed together; the runs of the layers around them are computed twice.
+/// Number of layers computed together; the runs of the layers around them are computed twice.
 const SLAB: usize = 24;
 
-/// A run of the ball along x, as offsets from the voxel that stands for the ball's place.
+/// A run of the ball along x, as offsets from the ball's origin voxel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Run {
     y: i32,
@@ -37,10 +37,10 @@ pub struct Ball {
 }
 
 impl Ball {
-    /// Returns the ball of `diameter` among voxels with edges `voxel` (the same unit). Along an axis it has the fewest
-    /// voxels that are together at least as long. Its middle is a voxel's where that is an odd number, and lies between
-    /// two voxels where it is even; a voxel belongs to the ball if its middle does. None if the ball has more than
-    /// [`MAX_BALL_VX`] voxels on an axis, or a number is not finite or not positive.
+    /// Creates the ball of `diameter` among voxels with edges `voxel` (in the same unit). On each axis it spans the
+    /// fewest voxels that are together at least as long. Its centre is a voxel centre where that number is odd, and
+    /// lies between two voxels where it is even. A voxel belongs to the ball if its centre does. Returns `None` if the
+    /// ball spans more than [`MAX_BALL_VX`] voxels on an axis, or a number is not finite or not positive.
     pub fn new(diameter: f32, voxel: Vec3) -> Option<Ball> {
         if !(diameter.is_finite()
             && diameter > 0.0
@@ -55,14 +55,14 @@ impl Ball {
             return None;
         }
         let extent_vx = edges.to_array().map(|edge| edge as u32);
-        // Of the middle from that of the voxel that stands for the place.
+        // Offset of the centre from that of the origin voxel.
         let middle = Vec3::from(extent_vx.map(|edge| if edge % 2 == 0 { 0.5 } else { 0.0 }));
         let first = extent_vx.map(|edge| -((edge as i32 - 1) / 2));
         let last = extent_vx.map(|edge| edge as i32 / 2);
         let square = |x: i32, y: i32, z: i32| {
             ((Vec3::new(x as f32, y as f32, z as f32) - middle) * voxel).length_squared()
         };
-        // So wide that the voxels at the ends of its axes belong to it.
+        // Wide enough to include the voxels at the ends of its axes.
         let near = middle.to_array().map(|m| m as i32);
         let ends = [
             square(last[0], near[1], near[2]),
@@ -82,22 +82,22 @@ impl Ball {
         Some(Ball { runs, extent_vx })
     }
 
-    /// Voxels along each axis.
+    /// Returns the number of voxels along each axis.
     pub fn extent_vx(&self) -> [u32; 3] {
         self.extent_vx
     }
 
-    /// Returns the places of `solid` at which the ball lies within it. None if cancelled.
+    /// Returns the positions in `solid` at which the ball fits inside it. `None` if cancelled.
     pub fn erode(&self, solid: &BitBlock, progress: &dyn Progress) -> Option<BitBlock> {
         self.combine::<true>(solid, progress)
     }
 
-    /// Returns all voxels that the ball covers at the places of `places`, within the block. None if cancelled.
+    /// Returns all voxels that the ball covers at `places`, within the block. `None` if cancelled.
     pub fn dilate(&self, places: &BitBlock, progress: &dyn Progress) -> Option<BitBlock> {
         self.combine::<false>(places, progress)
     }
 
-    /// Erosion (`ALL`: the rows of all runs must have a voxel), or dilation (any of them, the ball reversed).
+    /// Erodes (`ALL`: the rows of all runs must have a voxel) or dilates (any of them, with the ball reflected).
     fn combine<const ALL: bool>(
         &self,
         block: &BitBlock,
@@ -134,28 +134,28 @@ impl Ball {
     }
 }
 
-/// The erosion (`ALL`) or dilation of a block by a ball.
+/// An erosion (`ALL`) or dilation of a block by a ball.
 struct Combination<'a, const ALL: bool> {
     block: &'a BitBlock,
-    /// Words in a row, rows in a layer.
+    /// Words in a row; rows in a layer.
     width: usize,
     rows: usize,
     layers: i32,
-    /// Those of the ball, reversed for a dilation.
+    /// The runs of the ball, reflected for a dilation.
     runs: Vec<Run>,
-    /// The different first and last offsets of the runs, rising.
+    /// The distinct first and last offsets of the runs, ascending.
     lengths: Vec<(i32, i32)>,
-    /// Layers that the ball reaches beyond its place.
+    /// Number of layers that the ball reaches beyond its origin voxel.
     reach: i32,
 }
 
-/// The rows of some layers, reduced along x by each length of a run.
+/// The rows of some layers, reduced along x by each run length.
 struct ReducedRows {
     /// The layers.
     layers: Range<i32>,
-    /// Whether anything exists in a row; the others are not reduced.
+    /// Whether a row holds any voxels; empty rows are not reduced.
     occupied: Vec<bool>,
-    /// For each length.
+    /// The reduced rows for each run length.
     along_x: Vec<Vec<u64>>,
 }
 
@@ -204,11 +204,11 @@ impl<'a, const ALL: bool> Combination<'a, ALL> {
         ReducedRows { layers, occupied, along_x }
     }
 
-    /// Computes the layers from `first` on that `words` has room for.
+    /// Computes the layers from `first` on that fit into `words`.
     fn compute_slab(&self, first: i32, words: &mut [u64]) {
         let (width, rows) = (self.width, self.rows);
         let end = first + (words.len() / (width * rows)) as i32;
-        // Of this slab and of the layers that the ball reaches around it.
+        // The rows of this slab and of the layers that the ball reaches around it.
         let reduced = self.reduce((first - self.reach).max(0)..(end + self.reach).min(self.layers));
         let runs: Vec<(Run, &[u64])> = self
             .runs
@@ -221,7 +221,7 @@ impl<'a, const ALL: bool> Combination<'a, ALL> {
         for (row, target) in words.chunks_exact_mut(width).enumerate() {
             let (y, z) = ((row % rows) as i32, first + (row / rows) as i32);
             if ALL {
-                // A ball contains the voxel that stands for its place.
+                // A ball contains its origin voxel.
                 target.copy_from_slice(self.row(y, z));
             }
             for (run, along_x) in &runs {
@@ -258,8 +258,8 @@ fn merge<const ALL: bool>(target: &mut [u64], other: &[u64]) -> u64 {
     any
 }
 
-/// Replaces each voxel of a row by whether all, or any, of those `low` (at most 0) to `high` (at least 0)
-/// voxels further exist. Beyond the row there are none.
+/// Replaces each voxel of a row by whether all, or any, of the voxels at offsets `low` (at most 0) to `high` (at least
+/// 0) exist. Beyond the row there are none.
 fn reduce_along_x<const ALL: bool>(row: &mut [u64], scratch: &mut [u64], low: i32, high: i32) {
     scratch.copy_from_slice(row);
     // The length doubles with each step. The words that are read have not been written yet.
@@ -334,7 +334,7 @@ mod tests {
                 assert!((offsets.len() as f32 / volume - 1.0).abs() < 0.07, "{diameter}");
             }
         }
-        // Flat voxels: more of them along that axis.
+        // Voxels that are flat along an axis: the ball spans more of them there.
         let ball = Ball::new(2.0, Vec3::new(1.0, 0.25, 0.5)).unwrap();
         assert_eq!(ball.extent_vx(), [2, 8, 4]);
     }

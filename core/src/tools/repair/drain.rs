@@ -1,4 +1,4 @@
-//! Drain holes: for each cavity the straight way to the outside, along an axis, that passes the fewest voxels.
+//! Finds drain holes: for each cavity the straight, axis-aligned path to the outside that crosses the fewest voxels.
 //!
 //! From the empty pieces of a grid to the voxels to remove; changes nothing.
 
@@ -13,18 +13,18 @@ use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{Brick, Grid};
 use crate::tools::pieces::Pieces;
 
-/// Where holes lead to.
+/// The direction of drain holes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Toward {
     /// Down, out of the print's underside or its lowest opening.
     #[default]
     Down,
-    /// Along the axis on which they are shortest.
+    /// Along the axis on which the hole is shortest.
     Nearest,
 }
 
 impl Toward {
-    /// All, in the order in which interfaces offer them.
+    /// All directions, in the order in which interfaces offer them.
     pub const ALL: [Toward; 2] = [Toward::Down, Toward::Nearest];
 
     /// Returns the name in the text form.
@@ -36,20 +36,21 @@ impl Toward {
     }
 }
 
-/// A way along an axis, from a voxel of a cavity to the first one outside.
+/// An axis-aligned path from a voxel of a cavity to the first voxel outside.
 #[derive(Clone, Copy, PartialEq, Debug)]
-struct Way {
+struct DrainPath {
     from: IVec3,
     /// Unit vector.
     step: IVec3,
     length_vx: i32,
-    /// Voxels to be removed on it.
+    /// Number of voxels to be removed along it.
     through: i32,
-    /// Squared distance from the middle of the cavity, so that of equal ways the middle one is taken.
+    /// Squared distance from the centre of the cavity, so that of equal paths the middle one is taken.
     aside: f32,
 }
 
-/// Returns the voxels of a round hole of `diameter_vx` (edges along x) for each cavity of `empty`. None if cancelled.
+/// Returns the voxels of a round hole of `diameter_vx` (in voxel edges along x) for each cavity of `empty`. `None` if
+/// cancelled.
 pub fn holes(
     grid: &Grid,
     empty: &Pieces,
@@ -61,18 +62,18 @@ pub fn holes(
     let cavities: Vec<u32> = cavities.filter(|piece| !empty.reaches_border(*piece)).collect();
     let steps: &[IVec3] = match toward {
         Toward::Down => &[IVec3::NEG_Y],
-        // Down first: of equal ways the first is taken.
+        // Down first: of equal paths the first is taken.
         Toward::Nearest => {
             &[IVec3::NEG_Y, IVec3::NEG_X, IVec3::X, IVec3::NEG_Z, IVec3::Z, IVec3::Y]
         }
     };
     progress.begin("drilling holes");
-    let ways: Vec<Option<Way>> = cavities
+    let paths: Vec<Option<DrainPath>> = cavities
         .par_iter()
         .map(|&cavity| {
             let all = steps.iter().filter(|_| !progress.is_cancelled());
-            let ways = all.filter_map(|&step| shortest(grid, empty, cavity, step));
-            ways.reduce(|a, b| if b.through < a.through { b } else { a })
+            let paths = all.filter_map(|&step| shortest(grid, empty, cavity, step));
+            paths.reduce(|a, b| if b.through < a.through { b } else { a })
         })
         .collect();
     progress.end();
@@ -80,15 +81,15 @@ pub fn holes(
         return None;
     }
     let mut bricks = BTreeMap::new();
-    for way in ways.into_iter().flatten() {
-        drill(grid, way, diameter_vx, &mut bricks);
+    for path in paths.into_iter().flatten() {
+        drill(grid, path, diameter_vx, &mut bricks);
     }
     let listed = bricks.into_iter().map(|([z, y, x], mask)| (UVec3::new(x, y, z), mask));
     Some(ListedBricks::new(listed.collect()))
 }
 
-/// Returns the way out of a cavity in the direction `step` that passes the fewest voxels.
-fn shortest(grid: &Grid, empty: &Pieces, cavity: u32, step: IVec3) -> Option<Way> {
+/// Returns the path out of a cavity in the direction `step` that crosses the fewest voxels.
+fn shortest(grid: &Grid, empty: &Pieces, cavity: u32, step: IVec3) -> Option<DrainPath> {
     let (low, high) = empty.list()[cavity as usize].bounds();
     let (low, high) = (low.as_ivec3(), high.as_ivec3());
     let middle = (low + high).as_vec3() * 0.5;
@@ -96,7 +97,7 @@ fn shortest(grid: &Grid, empty: &Pieces, cavity: u32, step: IVec3) -> Option<Way
     // A column begins where the cavity ends in this direction.
     let last = if step.element_sum() > 0 { high - 1 } else { low };
     let (first, end) = (low * (1 - along) + last * along, high * (1 - along) + (last + 1) * along);
-    let mut best: Option<Way> = None;
+    let mut best: Option<DrainPath> = None;
     for (z, y) in (first.z..end.z).flat_map(|z| (first.y..end.y).map(move |y| (z, y))) {
         for x in first.x..end.x {
             let outer = IVec3::new(x, y, z);
@@ -116,9 +117,9 @@ fn shortest(grid: &Grid, empty: &Pieces, cavity: u32, step: IVec3) -> Option<Way
                         break;
                     }
                 } else if empty.at(at).is_none_or(|piece| empty.reaches_border(piece)) {
-                    let better = |best: Way| (through, aside) < (best.through, best.aside);
+                    let better = |best: DrainPath| (through, aside) < (best.through, best.aside);
                     if best.is_none_or(better) {
-                        best = Some(Way { from, step, length_vx, through, aside });
+                        best = Some(DrainPath { from, step, length_vx, through, aside });
                     }
                     break;
                 }
@@ -128,13 +129,13 @@ fn shortest(grid: &Grid, empty: &Pieces, cavity: u32, step: IVec3) -> Option<Way
     best
 }
 
-/// Adds the voxels of the hole along a way.
-fn drill(grid: &Grid, way: Way, diameter_vx: f32, bricks: &mut BTreeMap<[u32; 3], Brick>) {
-    let Way { from, step, length_vx, .. } = way;
+/// Adds the voxels of the hole along a path.
+fn drill(grid: &Grid, path: DrainPath, diameter_vx: f32, bricks: &mut BTreeMap<[u32; 3], Brick>) {
+    let DrainPath { from, step, length_vx, .. } = path;
     let stretch = grid.voxel_size() / grid.voxel_size().x;
     let across = 1 - step.abs();
     let limit = 0.25 * diameter_vx * diameter_vx;
-    // Nothing of a hole is further away than the grid is long.
+    // No voxel of a hole is further away than the grid is long.
     let longest = grid.dims().as_ivec3();
     let reach = (Vec3::splat(0.5 * diameter_vx) / stretch).as_ivec3().min(longest) * across;
     for (z, y) in (-reach.z..=reach.z).flat_map(|z| (-reach.y..=reach.y).map(move |y| (z, y))) {

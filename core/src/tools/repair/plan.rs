@@ -1,8 +1,8 @@
-//! Repairs that make a sculpture fit for a 3D printer: islands are removed, cavities filled or drained, thin walls
-//! thickened.
+//! Plans the repairs that make a sculpture fit for a 3D printer: removes islands, fills or drains cavities, and
+//! thickens thin walls.
 //!
-//! From a [`Repair`] and a grid to the voxels to remove and to add; changes nothing. Knows no document. Up is y, and the
-//! bed lies below the lowest voxel. Lengths are in edges of a voxel along x.
+//! From a [`Repair`] and a grid to the voxels to remove and to add; changes nothing. Knows no document. Up is y, and
+//! the print bed lies below the lowest voxel. Lengths are in voxel edges along x.
 
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
@@ -19,47 +19,47 @@ use crate::tools::pieces::{Part, Pieces, PiecesError, pieces};
 /// The rule of lengths.
 const LENGTH_RULE: &str = "must be above 0 and at most 64 voxels on every axis";
 
-/// The pieces that are no islands.
+/// The pieces that do not count as islands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Keep {
     /// The largest, and those that stand on the bed.
     #[default]
     Standing,
-    /// The largest alone.
+    /// The largest piece alone.
     Largest,
 }
 
 /// A change that makes a sculpture fit for printing.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Repair {
-    /// Remove the pieces that hang together with nothing.
+    /// Removes the pieces that are not connected to a kept one.
     RemoveIslands {
-        /// Which pieces stay.
+        /// The pieces to keep.
         keep: Keep,
-        /// Only islands of fewer voxels; none for all.
+        /// Removes only islands of fewer voxels; `None` for all.
         smaller_vx: Option<u32>,
     },
-    /// Fill empty places that do not reach the outside.
+    /// Fills empty places that do not reach the outside.
     FillCavities {
-        /// Only those of fewer voxels; none for all.
+        /// Fills only cavities of fewer voxels; `None` for all.
         smaller_vx: Option<u32>,
     },
-    /// Add voxels around walls that are thinner.
+    /// Adds voxels around walls that are thinner.
     Thicken {
-        /// The thickness that all walls are to have.
+        /// The minimum thickness of walls.
         to_vx: f32,
     },
-    /// Drill a hole from each cavity to the outside.
+    /// Drills a hole from each cavity to the outside.
     Drain {
-        /// Its diameter.
+        /// The diameter of the hole.
         diameter_vx: f32,
-        /// Its direction.
+        /// The direction of the hole.
         toward: Toward,
     },
 }
 
 impl Keep {
-    /// All, in the order in which interfaces offer them.
+    /// All values, in the order in which interfaces offer them.
     pub const ALL: [Keep; 2] = [Keep::Standing, Keep::Largest];
 
     /// Returns the name in the text form.
@@ -71,7 +71,7 @@ impl Keep {
     }
 }
 
-/// Why nothing can be mended.
+/// The reason why a repair failed.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum RepairError {
     /// The work was cancelled.
@@ -94,12 +94,12 @@ impl From<PiecesError> for RepairError {
     }
 }
 
-/// The voxels of a mend.
+/// The voxels that a repair changes.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct RepairPlan {
-    /// Those that go.
+    /// The voxels to remove.
     pub remove: ListedBricks,
-    /// Those that come.
+    /// The voxels to add.
     pub add: ListedBricks,
 }
 
@@ -114,7 +114,7 @@ impl Repair {
         }
     }
 
-    /// Checks the numbers.
+    /// Checks the numbers of the repair.
     pub fn check(&self, voxel: Vec3) -> Result<(), InvalidValue> {
         match *self {
             Repair::Thicken { to_vx } => thickness(to_vx, voxel).map(drop),
@@ -126,7 +126,7 @@ impl Repair {
         }
     }
 
-    /// Returns the voxels of `grid` that it changes, found within `budget_bytes` beside it.
+    /// Returns the voxels of `grid` that the repair changes, found within `budget_bytes` beyond the grid itself.
     pub fn plan(
         &self,
         grid: &Grid,
@@ -170,18 +170,18 @@ impl Repair {
     }
 }
 
-/// Returns an error if walls, which take `needed` bytes, cannot be measured within `budget_bytes`.
+/// Returns an error if walls cannot be measured within `budget_bytes`; measuring takes `needed` bytes.
 pub fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), OverBudget> {
     OverBudget::check("measuring the walls needs", needed, MemoryBudget::Grids, budget_bytes)
 }
 
-/// Returns a thickness in edges of a voxel along x.
+/// Returns the thickness for walls of `to_vx` voxel edges along x.
 pub fn thickness(to_vx: f32, voxel: Vec3) -> Result<Thickness, InvalidValue> {
     let thickness = Thickness::new(to_vx * voxel.x, voxel);
     thickness.ok_or_else(|| InvalidValue::new("thickness of a wall", LENGTH_RULE, to_vx))
 }
 
-/// Returns whether each piece of a solid stands on the bed, on which the lowest voxel lies.
+/// Returns for each piece of a solid whether it stands on the bed, on which the lowest voxel lies.
 pub fn standing(solid: &Pieces) -> Vec<bool> {
     let floor = |place: usize| solid.list()[place].bounds().0.y;
     let lowest = (0..solid.list().len()).map(floor).min();
@@ -199,7 +199,7 @@ fn stays(solid: &Pieces, keep: Keep) -> Vec<bool> {
     stays
 }
 
-/// Returns the voxels of the pieces that are chosen.
+/// Returns the voxels of the chosen pieces.
 pub fn voxels_of(
     grid: &Grid,
     found: &Pieces,

@@ -1,4 +1,4 @@
-//! Repaired sculptures: which voxels are gone, which are added, and that nothing is left to mend.
+//! Tests repaired sculptures: which voxels are removed, which are added, and that nothing is left to repair.
 
 use glam::{IVec3, Vec3};
 use proptest::prelude::*;
@@ -68,7 +68,7 @@ fn islands_go_and_the_largest_piece_stays() {
     assert_eq!(removed(Keep::Largest, None), 64 + 1 + 8);
     assert_eq!(removed(Keep::Largest, Some(9)), 1 + 8);
     assert_eq!(removed(Keep::Largest, Some(0)), 0);
-    // The largest stays even where only dust lies on the bed.
+    // The largest piece stays even where only dust lies on the bed.
     let hanging = grid(|v| within(v, [4, 8, 4], [12, 16, 12]) || v == IVec3::ZERO);
     let keep = |keep| repaired(&hanging, Repair::RemoveIslands { keep, smaller_vx: None });
     assert_eq!(keep(Keep::Standing), hanging);
@@ -103,7 +103,7 @@ fn a_hole_is_round_and_takes_the_way_that_is_asked_for() {
     };
     assert_eq!(drilled(1.0, Toward::Down).0, 5);
     assert_eq!(drilled(1.0, Toward::Nearest).0, 3);
-    // Thirteen voxels are within two of the middle.
+    // Thirteen voxels lie within two of the centre.
     let (gone, after) = drilled(4.0, Toward::Nearest);
     assert_eq!(gone, 13 * 3);
     assert!(!after.get(IVec3::new(3, 10, 14)) && !after.get(IVec3::new(3, 10, 16)));

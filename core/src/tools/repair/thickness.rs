@@ -1,11 +1,11 @@
-//! Walls that are too thin: those places that no ball of the wanted diameter within the solid comes near.
+//! Finds and thickens thin walls: those places that no ball of the wanted diameter within the solid comes near.
 //!
-//! The rule: a solid is opened by a ball ([`Ball`]), which leaves the part that such a ball can reach within it
-//! (morphological opening: J. Serra, Image Analysis and Mathematical Morphology, 1982). The remainder is thin unless it
-//! lies within a tolerance of that part, counted in steps to any of the 26 neighbours inside the solid. The steps are
-//! enough that the edges and corners of a cuboid, which a ball does not fill, and the steps of curved and sloping
-//! surfaces are never thin. So a wall along an axis is thin if it has fewer voxels than the ball, exactly; a sloping
-//! one may be off by up to two voxels. Edges sharper than a right angle are thin along the edge.
+//! A solid is opened by a ball ([`Ball`]), which leaves the part that such a ball can reach within it (morphological
+//! opening: J. Serra, Image Analysis and Mathematical Morphology, 1982). The remainder is thin unless it lies within a
+//! tolerance of that part, counted in steps to any of the 26 neighbours inside the solid. The tolerance is large enough
+//! that the edges and corners of a cuboid, which a ball does not fill, and the stair steps of curved and sloping
+//! surfaces are never thin. So an axis-aligned wall is thin exactly if it has fewer voxels than the ball; a sloping one
+//! may be off by up to two voxels. Edges sharper than a right angle are thin along the edge.
 //!
 //! From a grid to blocks of bits; changes nothing. Knows no document.
 
@@ -16,43 +16,44 @@ use crate::progress::Progress;
 use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
 
-/// Rounds in which walls are thickened: walls at a border of the grid grow to one side only, and by less.
+/// Rounds of thickening: walls at a border of the grid grow to one side only, and by less.
 const ROUNDS: u32 = 8;
-/// Blocks of the size of the sculpture's box that are in memory at the same time: to measure, and to thicken.
+/// Number of blocks as large as the sculpture's box that are in memory at the same time, for measuring and for
+/// thickening.
 const BLOCKS_TO_MEASURE: u64 = 4;
 const BLOCKS_TO_THICKEN: u64 = 8;
 
-/// How thick walls must be.
+/// The minimum thickness of walls.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Thickness {
     ball: Ball,
-    /// Steps around the part that the ball reaches within which nothing is thin.
+    /// Number of steps around the part that the ball reaches within which nothing is thin.
     tolerance: u32,
 }
 
 impl Thickness {
-    /// `thickness` and the edges of voxels in the same unit. None where [`Ball::new`] makes no ball.
+    /// Creates it from `thickness` and the edges of voxels in the same unit. Returns `None` where [`Ball::new`] does.
     pub fn new(thickness: f32, voxel: Vec3) -> Option<Thickness> {
         let ball = Ball::new(thickness, voxel)?;
         let edge = ball.extent_vx().into_iter().max().unwrap_or(1);
-        // A corner of a cube is (1 - 1/sqrt(3)) radii from the ball on each axis, an edge less; a voxel more for the
-        // ball's own steps and its place, which is a whole number.
+        // A corner of a cube is (1 - 1/sqrt(3)) radii from the ball on each axis, an edge less. One more voxel allows
+        // for the ball's own steps and its position, which is a whole number.
         let tolerance = (0.5 * (1.0 - 3f32.sqrt().recip()) * edge as f32).ceil() as u32 + 1;
         Some(Thickness { ball, tolerance })
     }
 
-    /// Bytes that [`Thickness::thin`] takes.
+    /// Returns the bytes that [`Thickness::thin`] takes.
     pub fn bytes_to_measure(grid: &Grid) -> u64 {
         block_bytes(grid, 0) * BLOCKS_TO_MEASURE
     }
 
-    /// Bytes that [`Thickness::thicken`] takes.
+    /// Returns the bytes that [`Thickness::thicken`] takes.
     pub fn bytes_to_thicken(&self, grid: &Grid) -> u64 {
         let reach = self.ball.extent_vx().into_iter().max().unwrap_or(1);
         block_bytes(grid, reach) * BLOCKS_TO_THICKEN
     }
 
-    /// Returns the voxels of `grid` whose wall is too thin. None if cancelled.
+    /// Returns the voxels of `grid` whose wall is too thin. `None` if cancelled.
     pub fn thin(&self, grid: &Grid, progress: &dyn Progress) -> Option<BitBlock> {
         let (min, max) = grid.opaque_bounds().unwrap_or_default();
         let solid = BitBlock::of_grid(grid, min.as_ivec3(), max.as_ivec3());
@@ -76,11 +77,12 @@ impl Thickness {
         Some(solid.zip(&reached, |solid, reached| solid & !reached))
     }
 
-    /// Returns the voxels to add so that no wall of `grid` is too thin, as far as there is room: none lies below the
-    /// lowest voxel, which stands on the bed, or beyond the grid. None if cancelled.
+    /// Returns the voxels to add so that no wall of `grid` is too thin, as far as there is room. None is added below
+    /// the lowest voxel, which stands on the bed, or beyond the grid. `None` if cancelled.
     ///
-    /// Balls are set on the middle of thin walls (the skeleton of C. Lantuéjoul, 1980), so that these grow to both
-    /// sides and become as thick as wanted or one voxel thicker; and on all that is thin still.
+    /// Balls are placed on the medial surface of thin walls (the skeleton of C. Lantuéjoul, 1980), so that these grow
+    /// to both sides and become as thick as wanted or one voxel thicker. Further balls are placed on all that is still
+    /// thin.
     pub fn thicken(&self, grid: &Grid, progress: &dyn Progress) -> Option<BitBlock> {
         let (min, max) = grid.opaque_bounds().unwrap_or_default();
         let reach = IVec3::from(self.ball.extent_vx().map(|edge| edge as i32));
@@ -117,8 +119,8 @@ impl Thickness {
         Some(solid.zip(&before, |after, before| after & !before))
     }
 
-    /// Returns the places nearest to `places` at which the ball lies within the box from `min` (inclusive) to `max`
-    /// (exclusive). At a border, a ball that is cut off would leave the voxels thin that it was placed on.
+    /// Returns the positions nearest to `places` at which the ball lies within the box from `min` (inclusive) to `max`
+    /// (exclusive). A ball cut off at a border would leave the voxels on which it was placed thin.
     fn moved_inside(&self, places: &BitBlock, min: IVec3, max: IVec3) -> BitBlock {
         let edges = IVec3::from(self.ball.extent_vx().map(|edge| edge as i32));
         let first = min + (edges - 1) / 2;
@@ -139,7 +141,7 @@ impl Thickness {
         moved
     }
 
-    /// Returns the middles of walls up to the ball's thickness.
+    /// Returns the medial surface of walls up to the ball's thickness.
     fn skeleton(&self, solid: &BitBlock) -> BitBlock {
         let mut rest = solid.clone();
         let mut middles = solid.emptied();
@@ -155,14 +157,14 @@ impl Thickness {
     }
 }
 
-/// Bytes of a block of the sculpture's box and what lies within `reach` voxels, rounded to bricks.
+/// Returns the bytes of a block of the sculpture's box extended by `reach` voxels, rounded to bricks.
 fn block_bytes(grid: &Grid, reach: u32) -> u64 {
     let (min, max) = grid.opaque_bounds().unwrap_or_default();
     let (low, high) = (min.saturating_sub(UVec3::splat(reach)), (max + reach).min(grid.dims()));
     (high.saturating_sub(low) + 16).as_u64vec3().element_product() / 8
 }
 
-/// Returns the voxels of `within` that are in `block` or one of whose 26 neighbours is.
+/// Returns the voxels of `within` that are in `block` or have one of their 26 neighbours in it.
 fn widened(block: &BitBlock, within: &BitBlock) -> BitBlock {
     within.map_rows_in_parallel(|y, z, out| {
         let Some(limit) = within.row(y, z).filter(|row| row.iter().any(|word| *word != 0)) else {
@@ -180,7 +182,7 @@ fn widened(block: &BitBlock, within: &BitBlock) -> BitBlock {
     })
 }
 
-/// Erosion (`ALL`) or dilation by a voxel and its six neighbours.
+/// Erodes (`ALL`) or dilates by a voxel and its six neighbours.
 fn crossed<const ALL: bool>(block: &BitBlock) -> BitBlock {
     block.map_rows_in_parallel(|y, z, out| {
         let Some(row) = block.row(y, z) else { return };

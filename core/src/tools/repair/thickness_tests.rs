@@ -1,4 +1,4 @@
-//! Solids of known thickness.
+//! Tests solids of known thickness.
 
 use glam::{Mat3, Quat};
 use proptest::prelude::*;
@@ -80,8 +80,8 @@ fn wires_and_fins_are_thin_and_what_carries_them_is_not() {
     });
     let thickness = Thickness::new(4.0, Vec3::ONE).unwrap();
     let thin = thickness.thin(&on_a_cube, &()).unwrap();
-    // All of the fin but for its foot: the cap of a ball in the cube is two voxels wide, too, and the tolerance
-    // counts from there.
+    // All of the fin except its foot: the cap of a ball in the cube is two voxels wide, too, and the tolerance counts
+    // from there.
     assert_eq!(thin.count(), 2 * 16 * (10 - 1 - u64::from(thickness.tolerance)));
     assert!(!thin.get(IVec3::new(20, 10, 20)) && thin.get(IVec3::new(20, 33, 20)));
 }
@@ -133,7 +133,7 @@ fn walls_at_the_border_grow_inwards_and_nothing_grows_below_the_bed() {
     assert_eq!(thin_count(&plate, 5.0), 0);
 }
 
-/// Found by [`whatever_was_thickened_is_thick`]: balls that the bed cuts off left three voxels thin.
+/// A case found by [`whatever_was_thickened_is_thick`]: balls cut off by the bed left three voxels thin.
 #[test]
 fn bits_on_the_bed_become_thick() {
     let bits = [
@@ -155,8 +155,8 @@ fn bits_on_the_bed_become_thick() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// Turned to any angle, two voxels more or less than wanted decide: across some slopes a digital ball is up to 1.6
-    /// voxels thinner than it should be, where its outermost voxels just miss it.
+    /// At any rotation, two voxels more or less than wanted decide: across some slopes a digital ball is up to 1.6
+    /// voxels thinner than it should be, where its outermost voxels just miss the surface.
     #[test]
     fn sloping_walls_are_measured_to_two_voxels(
         turn in prop::array::uniform3(-3.2f32..3.2), wanted in 3f32..7.0, at in -1f32..1.0,
@@ -182,7 +182,7 @@ proptest! {
         prop_assert_eq!(inner(&thin), there.opaque_count());
     }
 
-    /// Boxes turned to any angle: neither edges nor corners nor the steps of their faces are thin.
+    /// Boxes at any rotation: neither edges nor corners nor the steps of their faces are thin.
     #[test]
     fn turned_boxes_have_no_thin_walls(turn in prop::array::uniform3(-3.2f32..3.2), wanted in 2f32..6.0) {
         let turn = Quat::from_euler(glam::EulerRot::XYZ, turn[0], turn[1], turn[2]);

@@ -1,4 +1,5 @@
-//! The surfaces of the solids in tool space, as interfaces draw them: faces, or a profile that is turned about the y axis.
+//! Describes the surfaces of the solids in tool space, as interfaces draw them: faces, or a profile revolved about the
+//! y axis.
 //!
 //! Pure data for outlines and meshes; takes no part in the inside test.
 
@@ -16,19 +17,19 @@ pub enum Body {
         /// The indices of the corners of each face, counter-clockwise seen from outside.
         faces: &'static [&'static [usize]],
     },
-    /// A profile from the top down along the outside, turned about the y axis, and the circles that an outline shows.
+    /// A profile from the top down along the outside, revolved about the y axis, and the circles that an outline shows.
     Revolved {
-        /// The parts of the profile, one after the other.
+        /// The segments of the profile, in order.
         profile: &'static [Stretch],
         /// A point of each circle.
         rims: &'static [ProfilePoint],
     },
-    /// A box whose faces are bent over its edges by the ellipsoid that rounds it.
+    /// A box whose faces are bent over its edges by the rounding ellipsoid.
     RoundedBox,
 }
 
 impl Body {
-    /// Returns whether lines along its surface are straight: along faces, or from rim to rim of a side.
+    /// Returns whether the surface contains straight lines: along faces, or from rim to rim of a side.
     pub fn has_straight_lines(&self) -> bool {
         match self {
             Body::Faces { .. } | Body::RoundedBox => true,
@@ -39,14 +40,14 @@ impl Body {
     }
 }
 
-/// A part of a profile: x away from the axis, y along it.
+/// A segment of a profile: x away from the axis, y along it.
 #[derive(Clone, Copy, Debug)]
 pub enum Stretch {
     /// A straight line of a solid without a core.
     Line([Vec2; 2]),
-    /// A circle of radius 1 about a point of the core, by angles in turns from the upper end of the axis.
+    /// A circular arc of radius 1 about a point of the core, by angles in turns from the upper end of the axis.
     Arc {
-        /// The middle.
+        /// The centre.
         core: Vec2,
         /// The angles at which it begins and ends.
         turns: [f32; 2],
@@ -54,12 +55,12 @@ pub enum Stretch {
 }
 
 impl Stretch {
-    /// Returns a line across the axis, which closes a side.
+    /// Returns whether it is a line perpendicular to the axis, which closes a side.
     pub fn is_cap(&self) -> bool {
         matches!(self, Stretch::Line([from, to]) if from.y == to.y)
     }
 
-    /// Returns the point at a share of its length from 0 to 1, with the normal there.
+    /// Returns the point at a fraction of its length from 0 to 1, with the normal there.
     pub fn at(&self, share: f32) -> (ProfilePoint, Vec2) {
         match *self {
             Stretch::Line([from, to]) => {
@@ -76,8 +77,8 @@ impl Stretch {
     }
 }
 
-/// A point of a profile: x away from the axis, y along it. With half extents `round` of the rounding ellipsoid it lies at
-/// `core * (1 - round) + offset * round`.
+/// A point of a profile: x away from the axis, y along it. With half extents `round` of the rounding ellipsoid, its
+/// position is `core * (1 - round) + offset * round`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ProfilePoint {
     /// The point of the core; 0 where there is none.

@@ -1,5 +1,5 @@
-//! The voxels of solids that are not computed by rows: each brick near the surface is looked at by itself, and in it each
-//! word, by the value at its middle ([`super::sweep`]); voxels that this leaves open are tested, eight at a time.
+//! Computes the voxels of solids that have no row solver. Each brick near the surface is tested by itself, and in it
+//! each word, by the value at its centre ([`super::sweep`]); voxels that this leaves open are tested eight at a time.
 //!
 //! From a placed solid to the bricks that it touches in a row, and the voxels in one.
 
@@ -14,9 +14,9 @@ use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::region::{RowReach, VoxelBox};
 
 impl PlacedSolid {
-    /// By how much the value at the middle of a cube may differ from that of its voxels' centres, with all rounding,
-    /// where no middle is further from the centre than `furthest` along each axis. None where positions may be NaN, or
-    /// where extreme proportions leave no thickness in floating point.
+    /// Returns the greatest difference between the value at the centre of a cube and those of its voxel centres, with
+    /// all rounding, where no cube centre is further from the solid's centre than `furthest` along each axis. `None`
+    /// where positions may be NaN, or where extreme proportions leave no thickness in floating point.
     fn slack_of_cube(&self, edge_vx: u32, furthest: DVec3) -> Option<f64> {
         // Bound on the relative error of a voxel's offset from the centre and of its product with the matrix.
         let rounding = f64::EPSILON * 4.0;
@@ -27,12 +27,13 @@ impl PlacedSolid {
         let abs = DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
         let extent = abs * reach;
         // The test rounds positions by less than this, too.
-        let largest = 1.0 + self.way.unwrap_or_default().abs() + extent + abs * furthest * 2.0;
+        let largest =
+            1.0 + self.displacement.unwrap_or_default().abs() + extent + abs * furthest * 2.0;
         let slack = self.shape.slack(extent + 16.0 * rounding * largest);
         slack.is_finite().then_some(slack * (1.0 + 1e-9) + 1e-12)
     }
 
-    /// Positions in tool space of eight points, given relative to the centre: by the operations of the definition.
+    /// Maps eight points, given relative to the centre, to tool space, by the operations of the definition.
     #[inline(always)]
     fn in_tool_space<S: Simd>(&self, [x, y, z]: [f64x8<S>; 3]) -> [f64x8<S>; 3] {
         let DMat3 { x_axis, y_axis, z_axis } = self.tool_from_vx;
@@ -43,25 +44,27 @@ impl PlacedSolid {
         ]
     }
 
-    /// Returns the test of eight points in tool space, with a margin.
+    /// Tests eight points in tool space, with a margin.
     ///
-    /// A function of its own, compiled once for each set of instructions: it is large.
+    /// Kept as a function of its own, compiled once for each set of instructions, because it is large.
     #[inline(always)]
     fn holds<S: Simd>(&self, simd: S, p: [f64x8<S>; 3], margin: f64) -> u64 {
         simd.vectorize(
             #[inline(always)]
             || {
-                let inside = match self.way {
+                let inside = match self.displacement {
                     None if margin == 0.0 => self.shape.holds(p),
-                    way => self.shape.passes_over(p, way.unwrap_or_default(), margin),
+                    displacement => {
+                        self.shape.passes_over(p, displacement.unwrap_or_default(), margin)
+                    }
                 };
                 inside.to_bitmask()
             },
         )
     }
 
-    /// Returns the bricks of a row that the solid touches and fills: eight at a time by the values at their middles.
-    /// None where those are not known.
+    /// Returns the bricks of a row that the solid touches and fills, computed eight at a time from the values at their
+    /// centres. `None` where those are not known.
     #[inline(always)]
     pub(super) fn reach_of_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32) -> Option<RowReach> {
         let edge = f64::from(BRICK_EDGE_VX);
@@ -101,7 +104,7 @@ impl PlacedSolid {
         Some(reach)
     }
 
-    /// Returns the voxels inside of the brick at `origin_vx`.
+    /// Returns the voxels inside the solid of the brick at `origin_vx`.
     #[inline(always)]
     pub(super) fn test_brick<S: Simd>(&self, simd: S, origin_vx: UVec3) -> Brick {
         let mut mask = Brick::EMPTY;
@@ -114,7 +117,7 @@ impl PlacedSolid {
             }
             return mask;
         };
-        // The middles of the words.
+        // The centres of the words.
         let p = self.in_tool_space([
             f64x8::load_array(simd, [2.0, 6.0, 2.0, 6.0, 2.0, 6.0, 2.0, 6.0]) + origin.x,
             f64x8::load_array(simd, [2.0, 2.0, 6.0, 6.0, 2.0, 2.0, 6.0, 6.0]) + origin.y,
@@ -132,8 +135,8 @@ impl PlacedSolid {
         mask
     }
 
-    /// [`PlacedSolid::contains_voxel`] of the voxels of a word, by the same operations: eight at a time, four along x for
-    /// each of two along y.
+    /// Tests the voxels of a word as [`PlacedSolid::contains_voxel`] does, by the same operations: eight at a time,
+    /// four along x for each of two along y.
     #[inline(always)]
     fn test_word<S: Simd>(&self, simd: S, corner_vx: UVec3) -> u64 {
         const X: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0];

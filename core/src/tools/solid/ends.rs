@@ -1,10 +1,9 @@
-//! From a convex solid's formula to the voxels of a row of bricks: real-valued ends for eight rows of
-//! voxels at a time, rounded to voxels where errors cannot matter, and decided voxel by voxel with the
-//! exact test where they can.
+//! Converts a convex solid's formula to the voxels of a row of bricks. Real-valued ends of eight rows at a time are
+//! rounded to voxels where errors cannot matter, and decided voxel by voxel with the exact test where they can.
 //!
-//! Ends are computed in `f32`, eight at a time in a vector; about one row in a hundred is too close to
-//! call and is computed again in `f64`, and of those about one in a million is decided by the exact
-//! test itself. From a [`RowSolver`] and the exact test to spans that equal the test on every voxel.
+//! Ends are computed in `f32`, eight at a time in a vector. About one row in a hundred is too close to call and is
+//! computed again in `f64`; of those about one in a million is decided by the exact test itself. From a [`RowSolver`]
+//! and the exact test to spans that equal the test on every voxel.
 
 use std::ops::Range;
 
@@ -17,15 +16,15 @@ use super::spans::RowSpans;
 pub const ROUNDING: f64 = f64::EPSILON / 2.0;
 /// Relative error of one operation in `f32`.
 pub const ROUNDING_32: f64 = f32::EPSILON as f64 / 2.0;
-/// 0, 1, .. 7: the steps from one row to the next.
+/// 0, 1, .. 7: the offsets of eight adjacent rows.
 pub const STEPS: [f32; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// Ends along x, as voxel indices less an origin, of eight rows next to each other along y. A
-/// row is empty where `from >= to`.
+/// Ends along x, as voxel indices relative to an origin, of eight rows adjacent along y. A row is empty where `from >=
+/// to`.
 pub struct Ends<S: Simd> {
     pub from: f32x8<S>,
     pub to: f32x8<S>,
-    /// The rows whose ends the margin does not cover.
+    /// The rows whose ends are not within the margin.
     pub doubtful: mask32x8<S>,
 }
 
@@ -34,7 +33,7 @@ pub struct Ends<S: Simd> {
 pub struct Bracket {
     /// Lowest and highest voxel index, as real numbers.
     pub outer: [f64; 2],
-    /// No voxel if `inner[0] > inner[1]`.
+    /// Contains no voxel if `inner[0] > inner[1]`.
     pub inner: [f64; 2],
 }
 
@@ -48,17 +47,17 @@ impl Bracket {
         Bracket { outer: [f64::NEG_INFINITY, f64::INFINITY], inner: Self::NONE };
 }
 
-/// A convex solid intersected with rows along x. Rows are given by their voxel coordinates.
+/// A convex solid that can be intersected with rows along x. Rows are given by their voxel coordinates.
 pub trait RowSolver {
     /// Values for one row of bricks.
     type Local;
 
-    /// Prepares for the 8x8 rows from `y`, `z` on; none if they are all empty. Ends will be relative to `origin`. The
-    /// second value is how far, in voxels, the ends of a row that is not doubtful may be from where the exact test
-    /// turns; at a half or more all rows are doubtful.
+    /// Prepares the 8x8 rows from `y`, `z` on; `None` if they are all empty. Ends will be relative to `origin`. The
+    /// second value is the margin in voxels: the greatest distance between the ends of a row that is not doubtful and
+    /// the position where the exact test turns. From a half on, all rows are doubtful.
     fn local(&self, origin: f64, y: f64, z: f64) -> Option<(Self::Local, f32)>;
 
-    /// Returns the ends of the eight rows `step_z` voxels on along z.
+    /// Returns the ends of the eight rows at `step_z` voxels along z.
     fn ends<S: Simd>(&self, simd: S, local: &Self::Local, step_z: usize) -> Ends<S>;
 
     /// Returns the certain part of the row at `y`, `z`, with all rounding errors allowed for.
@@ -76,9 +75,8 @@ pub struct RowBlock {
     pub z: u32,
 }
 
-/// Fills `spans` with the voxels of `rows` that are in the solid.
-/// False if those of some row are not contiguous, which can happen by rounding errors of the exact
-/// test where a surface runs along the row.
+/// Fills `spans` with the voxels of `rows` that are in the solid. Returns false if those of some row are not
+/// contiguous, which can happen by rounding errors of the exact test where a surface runs along the row.
 #[inline(always)]
 pub fn solve<S: Simd>(
     simd: S,
@@ -89,9 +87,9 @@ pub fn solve<S: Simd>(
 ) -> bool {
     let &RowBlock { ref x, y, z } = rows;
     let origin = (x.start + x.end) / 2;
-    // A voxel whose index is r is in if r is at or beyond the lower end, so the first one is
-    // that end rounded up: half added, then rounded to the nearest. One past the last voxel is
-    // the upper end rounded down plus one: the same. Near a tie the rounding is in doubt.
+    // A voxel of index r is inside if r is at or beyond the lower end, so the first one is that end rounded up: half
+    // added, then rounded to the nearest. One past the last voxel is the upper end rounded down plus one, which is the
+    // same. Near a tie the rounding is in doubt.
     let at = (f64::from(origin) - 0.5, f64::from(y), f64::from(z));
     let Some((local, margin)) = solver.local(at.0, at.1, at.2) else {
         spans.clear();
@@ -110,13 +108,13 @@ pub fn solve<S: Simd>(
     doubtful == 0 || settle_rows(solver, rows, doubtful, &exact, spans)
 }
 
-/// The step from ends to voxels.
+/// The conversion of ends to voxels.
 struct Rounding<S: Simd> {
     low: f32x8<S>,
     high: f32x8<S>,
-    /// [`INTEGER_IN_LOW_BITS`] and the origin of the ends.
+    /// [`INTEGER_IN_LOW_BITS`] plus the origin of the ends.
     magic: f32x8<S>,
-    /// Ends that are rounded by less are certain.
+    /// Ends rounded by less than this are certain.
     sure: f32x8<S>,
 }
 
@@ -131,17 +129,17 @@ impl<S: Simd> Rounding<S> {
         }
     }
 
-    /// Returns the first voxels of eight rows, one past the last ones, and a bit for each row in doubt.
+    /// Returns the first voxels of eight rows, one past the last ones, and a bit for each doubtful row.
     #[inline(always)]
     fn rows(&self, ends: Ends<S>) -> (i32x8<S>, i32x8<S>, u64) {
         let (from, off_from) = self.round(ends.from);
         let (to, off_to) = self.round(ends.to);
-        // A row whose ends are NaN is in doubt.
+        // A row whose ends are NaN is doubtful.
         let doubtful = !off_from.max(off_to).simd_lt(self.sure) | ends.doubtful;
         (from, to, doubtful.to_bitmask())
     }
 
-    /// Ends within the voxels asked for, rounded, and by how much.
+    /// Returns the ends clamped to the requested voxels and rounded, and the amounts of rounding.
     #[inline(always)]
     fn round(&self, end: f32x8<S>) -> (i32x8<S>, f32x8<S>) {
         let moved = end.max(self.low).min(self.high);
@@ -151,7 +149,7 @@ impl<S: Simd> Rounding<S> {
     }
 }
 
-/// Decides those rows of a block that are bits of `doubtful`, y fastest. False if one is not contiguous.
+/// Decides the rows of a block that are set in `doubtful`, y fastest. Returns false if one is not contiguous.
 #[cold]
 #[inline(never)]
 fn settle_rows(
@@ -173,7 +171,7 @@ fn settle_rows(
     true
 }
 
-/// Returns the voxels of one row, by the exact test wherever the bracket leaves it open.
+/// Returns the voxels of one row, using the exact test wherever the bracket leaves it open.
 fn settle(
     solver: &impl RowSolver,
     x: &Range<i32>,
@@ -183,7 +181,7 @@ fn settle(
 ) -> Option<Range<i32>> {
     let bracket = solver.bracket(f64::from(y), f64::from(z));
     let (low, high) = (f64::from(x.start), f64::from(x.end));
-    // Clamped to indices that are not negative, so that a cast rounds down.
+    // Clamped to non-negative indices, so that a cast rounds down.
     let first = |v: f64| {
         let v = v.clamp(low, high);
         v as i32 + i32::from(v > f64::from(v as i32))
@@ -217,30 +215,28 @@ fn settle(
     connected.then(|| span.unwrap_or(0..0))
 }
 
-/// Bounds on the numbers that the exact test meets within the voxels that are asked for: the
-/// source of every margin.
+/// Bounds on the numbers that the exact test meets within the requested voxels: the source of every margin.
 #[derive(Clone, Copy, Debug)]
 pub struct Magnitudes {
-    /// Largest distance of a voxel centre from the solid's centre along each axis, in voxels,
-    /// and at least 1.
+    /// Largest distance of a voxel centre from the solid's centre along each axis, in voxels, and at least 1.
     pub distance_vx: DVec3,
-    /// Largest coordinate that those distances are taken of.
+    /// Largest coordinate from which those distances are computed.
     pub coordinate_vx: f64,
     /// Number of voxels along x that can be inside.
     pub width_vx: f64,
-    /// No component of a tool-space position, nor a partial sum of one, is larger.
+    /// Bound on the components of a tool-space position, and on their partial sums.
     pub position: f64,
 }
 
 impl Magnitudes {
-    /// Bound on the error of a tool-space position, of a sum of three of its components, and of the sum of their
-    /// squares. A position takes six operations, each off by [`ROUNDING`] of at most `position`; the sum of squares
-    /// five more on at most `position` squared. 128 is several times their total.
+    /// Returns a bound on the error of a tool-space position, of a sum of three of its components, and of the sum of
+    /// their squares. A position takes six operations, each with an error of [`ROUNDING`] times at most `position`; the
+    /// sum of squares takes five more on at most `position` squared. 128 is several times their total.
     pub fn error(&self) -> f64 {
         self.linear_error() * (1.0 + self.position)
     }
 
-    /// [`Magnitudes::error`] without the squares.
+    /// Returns [`Magnitudes::error`] without the squares.
     pub fn linear_error(&self) -> f64 {
         128.0 * ROUNDING * (1.0 + self.position)
     }

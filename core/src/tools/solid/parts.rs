@@ -7,8 +7,8 @@ use glam::DVec3;
 use super::simd_real::SimdReal;
 use super::sweep::behind;
 
-/// A solid as a Minkowski sum: a core (a circle, a segment, a box that reaches 1), shrunk by 1 - `round`, and an ellipsoid
-/// of half extents `round`, which is a ball outside of tool space where the solid is as wide as deep.
+/// A solid as a Minkowski sum: a core (a circle, a segment, a box that reaches 1), shrunk by 1 - `round`, and an
+/// ellipsoid of half extents `round`. Outside tool space the ellipsoid is a ball where the solid is as wide as deep.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Parts {
     /// Extent of the core along each axis.
@@ -18,12 +18,12 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Those of a solid that is no sum, at all half extents: no core, and an ellipsoid that fills the box.
+    /// Returns the parts of a solid that is no sum, for all half extents: no core, and an ellipsoid that fills the box.
     pub(super) fn without_core(_: DVec3) -> Parts {
         Parts { core: DVec3::ZERO, round: DVec3::ONE }
     }
 
-    /// Returns the part of a point that is beyond the core, without sign, in units of the ellipsoid.
+    /// Returns the offset of a point beyond the core, without sign, in units of the ellipsoid.
     #[inline(always)]
     pub fn beyond_core<N: SimdReal>(&self, p: [N; 3]) -> [N; 3] {
         let Parts { core, round } = *self;
@@ -37,7 +37,7 @@ impl Parts {
     }
 
     /// Returns whether a sum whose core is a box or a segment passes over one point or eight when it moves by
-    /// `displacement`; points with a value up to `margin` instead of 0 count as inside.
+    /// `displacement`. Points with a value up to `margin` instead of 0 count as inside.
     #[inline(always)]
     pub fn passes<N: SimdReal>(&self, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
         let most = 1.0 + margin;
@@ -47,8 +47,8 @@ impl Parts {
         squared.at_most(t.all(most.max(0.0) * most)) & t.all(0.0).at_most(t.all(most))
     }
 
-    /// Returns the time from 0 to 1 when the sum of a box and an ellipsoid is nearest to a point. The square of the
-    /// distance is convex in time, and quadratic between the times when the point passes a face of the box.
+    /// Returns the time from 0 to 1 when the sum of a box and an ellipsoid is nearest to a point. The squared distance
+    /// is convex in time, and quadratic between the times when the point passes a face of the box.
     #[inline(always)]
     fn nearest_of_sum<N: SimdReal>(&self, p: [N; 3], displacement: DVec3) -> N {
         let core = self.core;
@@ -58,7 +58,7 @@ impl Parts {
             (self.slope_of_sum(p, displacement, from), self.slope_of_sum(p, displacement, to));
         let (first, last) = (zero.at_most(slope_from), slope_to.at_most(zero));
         for axis in 0..3 {
-            // Without a core the two halves are one parabola.
+            // Without a core, the two halves are one parabola.
             let inverse = displacement[axis].recip();
             if core[axis] == 0.0 || !inverse.is_finite() {
                 continue;
@@ -81,18 +81,18 @@ impl Parts {
         // At one of the ends, or where the slope is 0.
         let level = change.at_most(zero) & zero.at_most(change);
         let t = from + (to - from) * (slope_from / p[0].all(1.0).where_true(level, change));
-        // Gives a time even where slopes are NaN.
+        // Yields a time even where slopes are NaN.
         zero.where_true(first, p[0].all(1.0).where_true(last, t.max(zero)))
     }
 
-    /// Half the slope of the square of the distance at a time.
+    /// Returns half the derivative of the squared distance at a time.
     #[inline(always)]
     fn slope_of_sum<N: SimdReal>(&self, p: [N; 3], displacement: DVec3, t: N) -> N {
         let (core, round) = (self.core, self.round);
         let at = behind(p, displacement, t);
         let mut slope = t.all(0.0);
         for axis in 0..3 {
-            // The part outside the core, with its sign.
+            // The component outside the core, with its sign.
             let nearest = at[axis].max(t.all(-core[axis])).min(t.all(core[axis]));
             slope =
                 slope - (at[axis] - nearest) * (displacement[axis] / (round[axis] * round[axis]));
@@ -100,12 +100,12 @@ impl Parts {
         slope
     }
 
-    /// Returns the most by which the value of such a sum changes over `offset` (at least 0 on each axis).
+    /// Returns the greatest change of the value of such a sum over `offset` (at least 0 on each axis).
     pub fn slack(&self, offset: DVec3) -> f64 {
         (offset / self.round).length()
     }
 
-    /// Returns the largest `direction . p` over such a sum.
+    /// Returns the maximum of `direction . p` over such a sum.
     pub fn support(&self, direction: DVec3) -> f64 {
         (self.core * direction).abs().element_sum() + (self.round * direction).length()
     }

@@ -1,8 +1,8 @@
 //! The construction solids at any pose, and the volumes that they sweep in straight motion.
 //!
 //! From a pose in voxel coordinates to a [`Region`] of the voxels whose centres lie inside, or that the solid passes
-//! over. [`PlacedSolid::contains_voxel`] is the definition; the rows of the region equal it on every voxel.
-//! Knows no document.
+//! over. [`PlacedSolid::contains_voxel`] is the definition; the rows of the region equal it on every voxel. Knows no
+//! document.
 
 use std::fmt::Display;
 use std::ops::Range;
@@ -28,8 +28,8 @@ use crate::tools::symmetry::SymmetryTransform;
 
 /// A solid at a pose.
 ///
-/// Lengths are in units of the smallest edge of a voxel, so that a ball is a ball in the world even
-/// where voxels are not cubes; with cubic voxels the unit is a voxel.
+/// Lengths are in units of the smallest voxel edge, so that a ball is a ball in the world even where voxels are not
+/// cubes; with cubic voxels the unit is a voxel.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Primitive {
     /// Its kind.
@@ -38,7 +38,7 @@ pub struct Primitive {
     pub centre_vx: Vec3,
     /// Half the extent along each axis of the tool, before rotation.
     pub half: Vec3,
-    /// Rotation of the tool's axes against the grid's.
+    /// Rotation from the tool's axes to the grid's.
     pub rotation: Quat,
 }
 
@@ -61,8 +61,8 @@ impl Primitive {
         self.swept_in_grid(None, voxel_size)
     }
 
-    /// Returns the region that this solid sweeps on the straight way of its centre to `to_vx`, without turning; of the
-    /// solid alone for none.
+    /// Returns the region that this solid sweeps as its centre moves straight to `to_vx`, without rotation; without
+    /// `to_vx`, that of the solid alone.
     pub fn swept_in_grid(&self, to_vx: Option<Vec3>, voxel_size: Vec3) -> PlacedSolid {
         PlacedSolid::new(self, to_vx, voxel_size, &SymmetryTransform::of_planes([None; 3]))
     }
@@ -72,8 +72,8 @@ impl Primitive {
         Shape::new(self.solid, self.half.as_dvec3())
     }
 
-    /// Returns the image of [`Primitive::swept_in_grid`]. Mirrored at planes along the grid, it covers exactly the
-    /// mirrored voxels where they lie between voxels or through their centres.
+    /// Returns the image of [`Primitive::swept_in_grid`]. Mirrored at axis-aligned planes that lie between voxels or
+    /// pass through their centres, it covers exactly the mirrored voxels.
     pub fn image_in_grid(
         &self,
         to_vx: Option<Vec3>,
@@ -90,7 +90,7 @@ impl Primitive {
     }
 }
 
-/// Returns an error that says so if a sweep does not end in a place.
+/// Returns an error if the end of a sweep is not a valid position.
 pub fn check_way(to_vx: Option<Vec3>) -> Result<(), InvalidValue> {
     match to_vx {
         Some(to) if !is_place(to) => {
@@ -105,28 +105,28 @@ pub fn check_way(to_vx: Option<Vec3>) -> Result<(), InvalidValue> {
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedSolid {
     pub(super) shape: Shape,
-    /// Where it is at first.
+    /// Centre at the start.
     pub(super) centre_vx: DVec3,
     /// Linear part of the map from voxel coordinates (less the centre) to tool space.
     pub(super) tool_from_vx: DMat3,
-    /// How far the solid goes, in tool space; none if it stays.
-    pub(super) way: Option<DVec3>,
+    /// The displacement of a sweep, in tool space; `None` for a solid at rest.
+    pub(super) displacement: Option<DVec3>,
     bounds: VoxelBox,
-    /// The part of the bounds that a grid can have.
+    /// The part of the bounds that a grid can contain.
     pub(super) reachable: VoxelBox,
     cut: Cut,
 }
 
-/// How rows are computed.
+/// The method that computes rows.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one for each use of a solid, never many at once")]
 enum Cut {
     Quadric(Quadric),
     SweptQuadric(SweptQuadric),
     Planes(Planes),
-    /// A cuboid along the grid's axes: all of a box of voxels.
+    /// An axis-aligned cuboid: a box of voxels.
     Box(VoxelBox),
-    /// No rows: each brick is looked at by itself.
+    /// No rows: each brick is tested by itself.
     Bricks,
 }
 
@@ -139,20 +139,21 @@ impl PlacedSolid {
     ) -> PlacedSolid {
         let Primitive { centre_vx, half, rotation, .. } = *primitive;
         let shape = primitive.shape();
-        let way_vx = to_vx.map(|to| to.as_dvec3() - centre_vx.as_dvec3());
-        let way_vx = way_vx.filter(|way| *way != DVec3::ZERO);
+        let displacement_vx = to_vx.map(|to| to.as_dvec3() - centre_vx.as_dvec3());
+        let displacement_vx = displacement_vx.filter(|displacement| *displacement != DVec3::ZERO);
         let (centre_vx, half) = (image.point_exactly(centre_vx.as_dvec3()), half.as_dvec3());
         let stretch = voxel_size.as_dvec3() / voxel_size.as_dvec3().min_element();
         let rotation = DMat3::from_quat(rotation.as_dquat().normalize());
-        // Signs are changed after all rounding, so that an image is rounded as the solid is.
+        // Signs are changed after all rounding, so that an image is rounded like the solid.
         let (tool_from_world, world_from_tool) = (
             DMat3::from_diagonal(half.recip()) * rotation.transpose(),
             rotation * DMat3::from_diagonal(half),
         );
         let (stretched, shrunk) =
             (DMat3::from_diagonal(stretch), DMat3::from_diagonal(stretch.recip()));
-        // An image of the solid moves along the image of the way, which in tool space is the same.
-        let way = way_vx.map(|way| tool_from_world * stretched * way);
+        // An image of the solid moves along the image of the displacement, which in tool space is the same.
+        let displacement =
+            displacement_vx.map(|displacement| tool_from_world * stretched * displacement);
         let linear = image.linear();
         let (tool_from_vx, vx_from_tool) = match image.is_along_grid() {
             true => (tool_from_world * stretched * linear, linear * shrunk * world_from_tool),
@@ -166,11 +167,12 @@ impl PlacedSolid {
         let support = |sign: f64| {
             let along = |axis: DVec3| {
                 let reach = shape.support(axis * sign) * (1.0 + 1e-9) + 1.0;
-                let Some(way) = way else { return reach };
-                // Far from its start a sweep is rounded like the large coordinates there.
+                let Some(displacement) = displacement else { return reach };
+                // Far from its start, a sweep is rounded like the large coordinates there.
                 let rounding = 1e-12
-                    * (centre_vx.abs().max_element() + (axis.abs() * way.abs()).element_sum());
-                reach + (axis.dot(way) * sign).max(0.0) + rounding
+                    * (centre_vx.abs().max_element()
+                        + (axis.abs() * displacement.abs()).element_sum());
+                reach + (axis.dot(displacement) * sign).max(0.0) + rounding
             };
             DVec3::new(along(axes.x_axis), along(axes.y_axis), along(axes.z_axis))
         };
@@ -186,7 +188,7 @@ impl PlacedSolid {
             shape,
             centre_vx,
             tool_from_vx,
-            way,
+            displacement,
             bounds,
             reachable,
             cut: Cut::Box(VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO }),
@@ -203,13 +205,13 @@ impl PlacedSolid {
         let VoxelBox { min, max } = self.reachable;
         let off_axis = m - DMat3::from_diagonal(DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z));
         let along_grid = off_axis == DMat3::ZERO;
-        if spec.fills_its_box && along_grid && self.way.is_none() {
+        if spec.fills_its_box && along_grid && self.displacement.is_none() {
             let axis = |axis: usize| {
-                // A cuboid is its own mirror image, so a reversed axis (from a mirror plane, or a
-                // half turn) is one that is not.
+                // A cuboid is its own mirror image, so an axis reversed by a mirror plane or a half turn makes no
+                // difference.
                 let scale = m.col(axis)[axis].abs();
                 let place = |v: i32| scale * (f64::from(v) + 0.5 - self.centre_vx[axis]);
-                // Position along the axis rises with the voxel, rounded or not.
+                // The position along the axis increases with the voxel, rounded or not.
                 let first = first_where(min[axis]..max[axis], |v| place(v) >= -1.0);
                 first..first_where(first..max[axis], |v| place(v) > 1.0)
             };
@@ -219,7 +221,7 @@ impl PlacedSolid {
                 max: IVec3::new(x.end, y.end, z.end),
             });
         }
-        // Queries are by whole bricks, so up to 7 voxels beyond the box.
+        // Queries are by whole bricks, so they reach up to 7 voxels beyond the box.
         let edge = f64::from(BRICK_EDGE_VX);
         let distance_vx = (min.as_dvec3() - edge - self.centre_vx)
             .abs()
@@ -235,12 +237,14 @@ impl PlacedSolid {
                 + largest(m.z_axis, distance_vx.z),
         };
         match spec.rows {
-            Rows::Quadric => match self.way {
+            Rows::Quadric => match self.displacement {
                 None => Cut::Quadric(Quadric::new(&m, self.centre_vx, &sizes)),
-                Some(way) => Cut::SweptQuadric(SweptQuadric::new(&m, self.centre_vx, way, &sizes)),
+                Some(displacement) => {
+                    Cut::SweptQuadric(SweptQuadric::new(&m, self.centre_vx, displacement, &sizes))
+                }
             },
             Rows::Planes(half_spaces) => {
-                let faces = Faces::swept(half_spaces, self.way.unwrap_or_default());
+                let faces = Faces::swept(half_spaces, self.displacement.unwrap_or_default());
                 Cut::Planes(Planes::new(&faces, &m, self.centre_vx, &sizes))
             }
             Rows::Bricks => Cut::Bricks,
@@ -252,13 +256,13 @@ impl PlacedSolid {
     #[inline(always)]
     pub fn contains_voxel(&self, v: IVec3) -> bool {
         let p = self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx);
-        match self.way {
+        match self.displacement {
             None => self.shape.contains(p),
-            Some(way) => self.shape.passes(p, way, 0.0),
+            Some(displacement) => self.shape.passes(p, displacement, 0.0),
         }
     }
 
-    /// Returns a point in voxel coordinates, mapped to tool space, where the solid at its first place fills [-1, 1].
+    /// Maps a point in voxel coordinates to tool space, where the solid at its start fills [-1, 1].
     pub fn tool_point(&self, p: Vec3) -> Vec3 {
         (self.tool_from_vx * (p.as_dvec3() - self.centre_vx)).as_vec3()
     }
@@ -274,7 +278,7 @@ fn first_where(range: Range<i32>, p: impl Fn(i32) -> bool) -> i32 {
     start
 }
 
-/// The coverage of a row of bricks by a box of voxels.
+/// Sets `spans` to the part of a box of voxels in a row of bricks.
 fn cut_box(inside: &VoxelBox, y_vx: u32, z_vx: u32, spans: &mut RowSpans) {
     let VoxelBox { min, max } = inside;
     for z in 0..8 {
@@ -290,8 +294,8 @@ fn cut_box(inside: &VoxelBox, y_vx: u32, z_vx: u32, spans: &mut RowSpans) {
 #[derive(Clone, Debug, Default)]
 pub struct SolidRow {
     spans: RowSpans,
-    /// Set where the voxels of some row are not contiguous or need not be, and so do not fit into a span: bricks of
-    /// the row at this y, z are looked at one by one.
+    /// Set where the voxels of some row are not contiguous or may not be, and so do not fit into a span. Bricks of the
+    /// row at this y, z are then tested one by one.
     torn: Option<[u32; 2]>,
 }
 

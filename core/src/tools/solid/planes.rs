@@ -1,6 +1,6 @@
-//! Intersects rows with a solid of flat faces at any pose, or with the volume that it sweeps in straight motion: each
-//! face that a row can cross determines one end, linear in the row's coordinates; a face along the row leaves it whole
-//! or empty.
+//! Intersects rows with a flat-faced solid at any pose, or with the volume that it sweeps in straight motion. Each face
+//! that a row can cross determines one end, linear in the row's coordinates; a face along the row leaves it whole or
+//! empty.
 
 use std::ops::Range;
 
@@ -9,15 +9,15 @@ use glam::{DMat3, DVec3};
 
 use super::ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, STEPS};
 
-/// A face along which a row moves by less than this, of the half extent, is along the row. A smaller limit would make
-/// ends that move too fast from row to row for `f32`.
+/// A face counts as parallel to a row if its distance changes along the whole row by less than this, in half extents. A
+/// smaller limit would make ends that move too fast from row to row for `f32`.
 const FLAT: f64 = 1e-4;
 
-/// No voxel index is as large.
+/// Larger than any voxel index.
 const FAR: f64 = 1e30;
 
-/// Most faces of a solid with flat faces and of its swept volume: a cuboid has six, and goes with up to six of its
-/// edges ahead.
+/// Greatest number of faces of a flat-faced solid and of its swept volume: a cuboid has six, and up to six of its edges
+/// are silhouette edges that sweep a face each.
 const MOST_FACES: usize = 12;
 
 /// A half space of tool space: `normal . p <= distance`.
@@ -28,13 +28,13 @@ pub struct HalfSpace {
 }
 
 impl HalfSpace {
-    /// That of `x`, `y`, `z` as the normal.
+    /// Creates a half space with the normal `x`, `y`, `z`.
     pub const fn new(x: f64, y: f64, z: f64, distance: f64) -> HalfSpace {
         HalfSpace { normal: DVec3::new(x, y, z), distance }
     }
 }
 
-/// The half spaces that meet in a solid, or in its swept volume.
+/// The half spaces whose intersection is a solid, or its swept volume.
 #[derive(Clone, Copy, Debug)]
 pub struct Faces {
     faces: [HalfSpace; MOST_FACES],
@@ -42,26 +42,27 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// Returns the half spaces of the volume that a solid sweeps when it moves by `way`. A point is in it if at some
-    /// time t from 0 to 1 it is in all half spaces of the solid moved by `t way`; t is eliminated by the method of
-    /// Fourier and Motzkin: each bound of t from below is at most each from above.
-    pub fn swept(solid: &[HalfSpace], way: DVec3) -> Faces {
+    /// Returns the half spaces of the volume that a solid sweeps when it moves by `displacement`. A point is in it if
+    /// at some time t from 0 to 1 it is in all half spaces of the solid moved by `t displacement`. Fourier-Motzkin
+    /// elimination removes t: each lower bound of t is at most each upper bound.
+    pub fn swept(solid: &[HalfSpace], displacement: DVec3) -> Faces {
         let mut swept = Faces { faces: [HalfSpace::default(); MOST_FACES], len: 0 };
         for face in solid {
-            let distance = face.distance + face.normal.dot(way).max(0.0);
+            let distance = face.distance + face.normal.dot(displacement).max(0.0);
             swept.push(HalfSpace { distance, ..*face });
         }
         for ahead in solid {
             for behind in solid {
-                let (rise, fall) = (ahead.normal.dot(way), -behind.normal.dot(way));
+                let (rise, fall) =
+                    (ahead.normal.dot(displacement), -behind.normal.dot(displacement));
                 if rise <= 0.0 || fall <= 0.0 {
                     continue;
                 }
-                // The face through their common edge along the way.
+                // The face through their common edge along the displacement.
                 let share = fall / (rise + fall);
                 let normal = ahead.normal * share + behind.normal * (1.0 - share);
                 let distance = ahead.distance * share + behind.distance * (1.0 - share);
-                // Opposite faces have no common edge and bound nothing.
+                // Opposite faces have no common edge and add no bound.
                 if ahead.normal != -behind.normal {
                     swept.push(HalfSpace { normal, distance });
                 }
@@ -76,7 +77,7 @@ impl Faces {
     }
 }
 
-/// A number that is linear in the distances of a row from the centre, with its error.
+/// A number that is linear in the offset of a row from the centre, with its error.
 #[derive(Clone, Copy, Debug, Default)]
 struct Linear {
     constant: f64,
@@ -95,11 +96,11 @@ impl Linear {
 /// The effect of a face on the rows that it meets.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// Ends them from below: the number is the voxel index from which on they are inside.
+    /// Bounds them from below: the number is the voxel index from which on they are inside.
     From,
-    /// Ends them from above: the number is the voxel index up to which they are inside.
+    /// Bounds them from above: the number is the voxel index up to which they are inside.
     To,
-    /// Lies along them: they are inside where the number is at or below 0.
+    /// Is parallel to them: they are inside where the number is at most 0.
     Along,
 }
 
@@ -107,22 +108,21 @@ enum Kind {
 #[derive(Clone, Copy, Debug)]
 pub struct Planes {
     centre: DVec3,
-    /// Those of [`Kind::From`], then of [`Kind::To`], then of [`Kind::Along`].
+    /// The faces of [`Kind::From`], then of [`Kind::To`], then of [`Kind::Along`].
     faces: [Linear; MOST_FACES],
     first_to: usize,
     first_along: usize,
     len: usize,
-    /// Margins of the ends in voxels, and of the numbers of the faces along rows.
+    /// Margins of the ends in voxels, and of the numbers of the parallel faces.
     margin: f32,
     margin_along: f32,
 }
 
-/// Planes in one row of bricks: for each step along z the numbers of the faces at the first of
-/// eight rows.
+/// Planes in one row of bricks: the numbers of the faces at the first of eight rows, for each step along z.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalPlanes {
     at: [[f32; MOST_FACES]; 8],
-    /// How they change with the steps of eight rows along y.
+    /// The change of the numbers over the steps of eight rows along y.
     of_step: [[f32; 8]; MOST_FACES],
 }
 
@@ -149,7 +149,7 @@ impl Planes {
                 Kind::Along => planes.first_along = planes.len,
             }
             for HalfSpace { normal, distance } in &solid.faces[..solid.len] {
-                // How far a row's points are beyond the face: slope . (dx, dy, dz) - distance
+                // The signed distance of a row's points from the face: slope . (dx, dy, dz) - distance.
                 let slope = tool_from_vx.transpose() * *normal;
                 let kind_of_face = match slope.x {
                     x if x.abs() * sizes.distance_vx.x <= FLAT => Kind::Along,
@@ -173,8 +173,7 @@ impl Planes {
                 z: slope.z,
                 error: error + slope.x.abs() * sizes.distance_vx.x,
             };
-            // Where the number of one row is near 0, those of its neighbours are no larger than
-            // the steps to them.
+            // Where the number of one row is near 0, those of its neighbours are no larger than the steps to them.
             let in_f32 = 4.0 * ROUNDING_32 * (1.0 + 8.0 * face.y.abs());
             self.margin_along = self.margin_along.max((face.error + in_f32) as f32);
             face
@@ -185,8 +184,8 @@ impl Planes {
                 z: -slope.z / slope.x,
                 error: 2.0 * error / slope.x.abs() + 32.0 * ROUNDING * sizes.coordinate_vx,
             };
-            // Only ends among the voxels asked for matter, and the first of eight rows is no
-            // further from those than seven steps.
+            // Only ends among the requested voxels matter, and the first of eight rows is no further from those than
+            // seven steps.
             let in_f32 = 4.0 * ROUNDING_32 * (sizes.width_vx + 16.0 * face.y.abs());
             self.margin = self.margin.max((face.error + in_f32) as f32);
             face

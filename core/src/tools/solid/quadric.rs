@@ -1,18 +1,17 @@
 //! Intersects rows with an ellipsoid at any pose.
 //!
-//! With `m0`, `m1`, `m2` the columns of the map to tool space, a row's points are
-//! `q + m0 * dx` with `q = m1 * dy + m2 * dz`. The square of the part of `q` across `m0` is a
-//! quadratic form in (dy, dz); what it leaves of 1, here the rest, is the square of half the
-//! row's length over that of the row through the centre. Keeping the parts of `q` along and
-//! across `m0` separate loses no digits, as the usual `b^2 - 4ac` would.
+//! With `m0`, `m1`, `m2` the columns of the map to tool space, a row's points are `q + m0 * dx` with `q = m1 * dy + m2
+//! * dz`. The squared component of `q` across `m0` is a quadratic form in (dy, dz). One minus it, here called the
+//! remainder, is the square of half the row's length relative to that of the row through the centre. Keeping the
+//! components of `q` along and across `m0` separate loses no digits, as the usual `b^2 - 4ac` would.
 
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::{DMat3, DVec3};
 
 use super::ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, STEPS};
 
-/// Rows with a smaller rest are decided one by one: there the ends move fast. About as many rows are
-/// in doubt for this reason as for ends near a voxel's border.
+/// Rows with a smaller remainder are decided one by one, since their ends move fast. About as many rows are doubtful
+/// for this reason as for ends near a voxel's border.
 const SHORT_ROW: f64 = 1e-3;
 
 /// An ellipsoid prepared for its rows.
@@ -29,7 +28,7 @@ pub struct Quadric {
     middle_z: f64,
     /// Half length of the row through the centre, in voxels.
     half_length: f64,
-    /// Bound on the error of the rest, against the exact test too.
+    /// Bound on the error of the remainder, relative to the exact test too.
     error: f64,
     /// Bound on the error of the middle and of the sums with it, in voxels.
     middle_error: f64,
@@ -43,11 +42,11 @@ pub struct Quadric {
 /// A quadric in one row of bricks.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalQuadric {
-    /// Of the first row of each eight along z, and how it changes with each step along y.
+    /// The remainder of the first of every eight rows, for each step along z, and its change with each step along y.
     rest: [f32; 8],
     rest_y: [f32; 8],
     middle: [f32; 8],
-    /// Rests below this are short.
+    /// Remainders below this are short.
     short: f32,
 }
 
@@ -97,20 +96,20 @@ impl RowSolver for Quadric {
         let rest = self.rest(dy, dz);
         let rest_y = -(2.0 * self.yy * dy + self.yz * dz);
         let rest_z = -(2.0 * self.zz * dz + self.yz * dy);
-        // A rest is nowhere above its tangent plane, so that this is more than any of the 64.
+        // A remainder lies nowhere above its tangent plane, so this exceeds any of the 64 values.
         let most = rest + 8.0 * (rest_y.max(0.0) + rest_z.max(0.0));
         if most < -SHORT_ROW && self.tame {
             return None;
         }
-        // No partial sum of a rest is larger, over the steps of up to 7.
+        // A bound on all partial sums of a remainder, over steps of up to 7.
         let largest = rest.abs()
             + 8.0 * (rest_y.abs() + rest_z.abs())
             + 64.0 * (self.yy.abs() + self.yz.abs() + self.zz.abs());
         let error = 6.0 * ROUNDING_32 * largest + self.error;
         let short = SHORT_ROW.max(4.0 * error);
         let middle = self.middle(dy, dz) - origin;
-        // The root of a rest r off by e is off by less than e / sqrt(r) for r above 4 e. The
-        // sums that follow meet no number larger than this one.
+        // The root of a remainder r with error e is off by less than e / sqrt(r) for r above 4 e. The sums that follow
+        // meet no number larger than this one.
         let largest_x =
             middle.abs() + 8.0 * (self.middle_y.abs() + self.middle_z.abs()) + self.half_length;
         let margin = error / short.sqrt() * self.half_length
@@ -128,7 +127,7 @@ impl RowSolver for Quadric {
             local.rest_y[step] = (rest_y - self.yz * step_z) as f32;
             local.middle[step] = (middle + self.middle_z * step_z) as f32;
         }
-        // Where a number is too large for f32, nothing is known.
+        // Where a number is too large for f32, nothing is certain.
         let tame = self.tame && largest < 1e30 && largest_x < 1e30;
         Some((local, if tame { margin as f32 } else { f32::INFINITY }))
     }
@@ -140,7 +139,7 @@ impl RowSolver for Quadric {
         let steps = f32x8::load_array(simd, STEPS);
         let rest = steps * local.rest_y[step_z] + rest_of_step + local.rest[step_z];
         let middle = middle_of_step + local.middle[step_z];
-        // A row outside has both ends in the middle, and so ends before it begins.
+        // Both ends of a row outside are in the middle, and so it ends before it begins.
         let half = rest.max(0.0).sqrt() * self.half_length as f32;
         Ends { from: middle - half, to: middle + half, doubtful: rest.abs().simd_lt(local.short) }
     }

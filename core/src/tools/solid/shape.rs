@@ -1,10 +1,11 @@
-//! A solid of some proportions in tool space: its inside test, that of the volume that it sweeps, and its reach.
+//! A solid of given proportions in tool space: its inside test, that of the volume that it sweeps, and its support.
 //!
-//! Between two points the value of the tests ([`super::sweep`]) changes by at most [`Shape::slack`] of their distance, so
-//! that the value at the middle of a box can decide the whole box. All are exact up to rounding, but for the sweep of a torus
-//! ([`super::kind::torus::FINEST`]).
+//! Between two points the value of the tests ([`super::sweep`]) changes by at most the [`Shape::slack`] of their
+//! offset, so that the value at the centre of a box can decide the whole box. All tests are exact up to rounding,
+//! except for the sweep of a torus ([`super::kind::torus::FINEST`]).
 //!
-//! From a kind and half extents to a [`Shape`]; each kind computes its own ([`super::kind`]). Knows no voxels and no pose.
+//! From a kind and half extents to a [`Shape`]; each kind computes its own ([`super::kind`]). Knows no voxels and no
+//! pose.
 
 use glam::DVec3;
 
@@ -12,7 +13,7 @@ use super::kind::Solid;
 use super::parts::Parts;
 use super::simd_real::SimdReal;
 
-/// A solid with the proportions that it has at some half extents.
+/// A solid with the proportions that it has at given half extents.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Shape {
     solid: Solid,
@@ -20,7 +21,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Returns the shape of `solid` with half extents `half`, in any unit.
+    /// Creates the shape of `solid` with half extents `half`, in any unit.
     pub fn new(solid: Solid, half: DVec3) -> Shape {
         Shape { solid, parts: (solid.spec().parts)(half) }
     }
@@ -30,36 +31,36 @@ impl Shape {
         self.solid
     }
 
-    /// Half extents of the ellipsoid that rounds it; 1 where there is no core.
+    /// Returns the half extents of the rounding ellipsoid; 1 where there is no core.
     pub fn round(&self) -> DVec3 {
         self.parts.round
     }
 
-    /// Returns the inside test in tool space.
+    /// Returns whether a point of tool space lies inside.
     #[inline(always)]
     pub fn contains(&self, p: DVec3) -> bool {
         self.holds(p.to_array())
     }
 
-    /// Returns the inside test of one point or eight, as coordinates in tool space.
+    /// Returns whether one point or eight lie inside, given as coordinates in tool space.
     #[inline(always)]
     pub(super) fn holds<N: SimdReal>(&self, p: [N; 3]) -> N::Mask {
         self.solid.holds(&self.parts, p)
     }
 
-    /// Returns the largest `direction . p` over the solid.
+    /// Returns the maximum of `direction . p` over the solid.
     pub fn support(&self, direction: DVec3) -> f64 {
         self.solid.support(&self.parts, direction)
     }
 
-    /// Returns the most by which the value changes over `offset` (at least 0 on each axis), in any direction with such
-    /// parts.
+    /// Returns the greatest change of the value over `offset` (at least 0 on each axis), for any signs of its
+    /// components.
     pub(super) fn slack(&self, offset: DVec3) -> f64 {
         self.solid.slack(&self.parts, offset)
     }
 
-    /// Returns whether the solid, moved straight from its place by `displacement`, passes over `p`. Points with a value
-    /// up to `margin` instead of 0 count as inside, which makes the solid larger or smaller.
+    /// Returns whether the solid, moved straight by `displacement`, passes over `p`. Points with a value up to `margin`
+    /// instead of 0 count as inside, which makes the solid larger or smaller.
     pub(super) fn passes(&self, p: DVec3, displacement: DVec3, margin: f64) -> bool {
         // NaN or infinite coordinates lie in no solid.
         p.is_finite()
@@ -67,7 +68,7 @@ impl Shape {
             && self.passes_over(p.to_array(), displacement, margin)
     }
 
-    /// Returns the same for one point or eight, none of them NaN, as coordinates in tool space.
+    /// Tests one point or eight in the same way, none of them NaN, given as coordinates in tool space.
     #[inline(always)]
     pub(super) fn passes_over<N: SimdReal>(
         &self,
@@ -102,26 +103,26 @@ mod tests {
             let shape = Shape::new(solid, half);
             let direction = DVec3::from(direction);
             let most = shape.support(direction);
-            // Points of a fine grid on a ball around the middle, drawn to the surface by halving.
+            // Points of a fine grid on a ball around the centre, moved to the surface by bisection.
             let mut furthest = f64::NEG_INFINITY;
             for i in 0..60 {
                 for j in 0..120 {
                     let (up, turn) = ((f64::from(i) + 0.5) * 0.0523599, f64::from(j) * 0.0523599);
-                    let way = DVec3::new(up.sin() * turn.cos(), up.cos(), up.sin() * turn.sin());
-                    // Of a torus: around the middle of the tube, however thin it is.
-                    let (middle, way) = match solid {
+                    let outward = DVec3::new(up.sin() * turn.cos(), up.cos(), up.sin() * turn.sin());
+                    // For a torus: around the centre line of the tube, however thin it is.
+                    let (middle, outward) = match solid {
                         Solid::Torus => {
                             let ring = 1.0 - shape.round().x;
-                            (DVec3::new(turn.cos(), 0.0, turn.sin()) * ring, way * shape.round())
+                            (DVec3::new(turn.cos(), 0.0, turn.sin()) * ring, outward * shape.round())
                         }
-                        _ => (DVec3::ZERO, way),
+                        _ => (DVec3::ZERO, outward),
                     };
                     let (mut low, mut high) = (0.0, 2.0);
                     for _ in 0..24 {
                         let at = 0.5 * (low + high);
-                        if shape.contains(middle + way * at) { low = at } else { high = at }
+                        if shape.contains(middle + outward * at) { low = at } else { high = at }
                     }
-                    furthest = furthest.max(direction.dot(middle + way * low));
+                    furthest = furthest.max(direction.dot(middle + outward * low));
                 }
             }
             prop_assert!(furthest <= most + 1e-9, "{} beyond {}", furthest, most);
@@ -140,16 +141,16 @@ mod tests {
         (axis(), axis(), axis()).prop_map(DVec3::from)
     }
 
-    fn way() -> impl Strategy<Value = DVec3> {
+    fn displacement() -> impl Strategy<Value = DVec3> {
         let axis = || prop_oneof![3 => -4.0f64..4.0, 1 => Just(0.0), 1 => -1e-6f64..1e-6];
         (axis(), axis(), axis()).prop_map(DVec3::from)
     }
 
-    /// Returns the margin by which the sweep of a torus may miss points, because its steps are finite; 0 for other
+    /// Returns the margin by which the sweep of a torus may miss points because its steps are finite; 0 for other
     /// solids.
-    fn finest(shape: &Shape, way: DVec3) -> f64 {
+    fn finest(shape: &Shape, displacement: DVec3) -> f64 {
         match shape.solid() {
-            Solid::Torus => FINEST.max(shape.slack(way.abs()) / MOST_STEPS),
+            Solid::Torus => FINEST.max(shape.slack(displacement.abs()) / MOST_STEPS),
             _ => 0.0,
         }
     }
@@ -168,31 +169,31 @@ mod tests {
             solid in solid(),
             half in half_of_sweep(),
             p in point(),
-            way in way(),
+            displacement in displacement(),
         ) {
             let shape = Shape::new(solid, half);
-            let passes = shape.passes(p, way, 0.0);
-            let fine = 1e-9 + finest(&shape, way);
-            let between = shape.slack(way.abs()) / 4000.0;
+            let passes = shape.passes(p, displacement, 0.0);
+            let fine = 1e-9 + finest(&shape, displacement);
+            let between = shape.slack(displacement.abs()) / 4000.0;
             let mut nearly = false;
             for i in 0..=2000 {
-                let at = p - way * (f64::from(i) / 2000.0);
+                let at = p - displacement * (f64::from(i) / 2000.0);
                 if shape.contains(at) {
-                    prop_assert!(passes || shape.passes(p, way, fine), "contained at {}", i);
+                    prop_assert!(passes || shape.passes(p, displacement, fine), "contained at {}", i);
                 }
                 nearly |= shape.passes(at, DVec3::ZERO, between + 1e-9);
             }
             prop_assert!(nearly || !passes);
         }
 
-        /// Without a displacement the sweep is the inside test. A margin covers as much as the slack says.
+        /// Without a displacement the sweep equals the inside test. A margin covers as much as the slack says.
         #[test]
         fn a_margin_covers_the_slack(
             solid in solid(),
             half in half_of_sweep(),
             p in point(),
             offset in prop::array::uniform3(-0.3f64..0.3),
-            way in way(),
+            displacement in displacement(),
         ) {
             let shape = Shape::new(solid, half);
             let offset = DVec3::from(offset);
@@ -200,12 +201,12 @@ mod tests {
                 prop_assert_eq!(shape.passes(p, DVec3::ZERO, 0.0), shape.contains(p));
             }
             let slack = shape.slack(offset.abs()) * (1.0 + 1e-9) + 1e-9;
-            let fine = finest(&shape, way);
-            if shape.passes(p, way, 0.0) {
-                prop_assert!(shape.passes(p + offset, way, slack + fine));
+            let fine = finest(&shape, displacement);
+            if shape.passes(p, displacement, 0.0) {
+                prop_assert!(shape.passes(p + offset, displacement, slack + fine));
             }
-            if shape.passes(p, way, -slack - fine) {
-                prop_assert!(shape.passes(p + offset, way, 0.0));
+            if shape.passes(p, displacement, -slack - fine) {
+                prop_assert!(shape.passes(p + offset, displacement, 0.0));
             }
         }
     }

@@ -1,5 +1,5 @@
-//! Numbers one at a time or eight at a time. The inside tests of solids are written for both, so that the test of a
-//! voxel and that of a row of voxels are the same operations in the same order, and agree to the bit. Knows no solid.
+//! Real numbers one at a time or eight at a time. The inside tests of solids are generic over both, so that the test of
+//! a voxel and that of a row of voxels are the same operations in the same order, and agree to the bit. Knows no solid.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
@@ -20,17 +20,17 @@ pub trait SimdReal:
     /// A truth value for each number.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
 
-    /// `value` in all lanes.
+    /// Returns `value` in all lanes.
     fn all(self, value: f64) -> Self;
     fn abs(self) -> Self;
     fn sqrt(self) -> Self;
-    /// Returns the larger and the smaller; neither may be NaN.
+    /// Returns the larger number, and the smaller; neither may be NaN.
     fn max(self, other: Self) -> Self;
     fn min(self, other: Self) -> Self;
-    /// Returns whether it is at most, and less than, the other.
+    /// Compares by at most, and by less than.
     fn at_most(self, other: Self) -> Self::Mask;
     fn below(self, other: Self) -> Self::Mask;
-    /// This where the mask is true, the other elsewhere.
+    /// Selects `self` where the mask is true, `other` elsewhere.
     fn where_true(self, mask: Self::Mask, other: Self) -> Self;
     /// Returns whether the mask is true in all lanes, and in none.
     fn is_all(mask: Self::Mask) -> bool;

@@ -1,8 +1,8 @@
-//! The 64 rows of voxels in a row of bricks as spans along x, and their conversion to brick masks.
+//! Stores the 64 rows of voxels in a row of bricks as spans along x, and converts them to brick masks.
 //!
-//! A convex solid meets a row in one span, so spans are all that a solid has to compute. A mask is made
-//! without looking at single voxels: a table has the eight bits of a row for each start, and 32 rows at
-//! a time are looked up and permuted to the order of the brick's words.
+//! A convex solid meets a row in one span, so spans are all that a solid has to compute. A mask is built without
+//! visiting single voxels: a table gives the eight bits of a row for each start, and 32 rows at a time are looked up
+//! and permuted to the order of the brick's words.
 
 use std::ops::Range;
 
@@ -29,8 +29,8 @@ impl RowSpans {
         *self = RowSpans::default();
     }
 
-    /// Sets the eight rows along y of each of two steps along z, `2 * pair` and the next. All
-    /// ends lie in 0..=4096; a row where `to` is not above `from` is empty.
+    /// Sets the eight rows along y for each of two steps along z, `2 * pair` and the next. All ends lie in 0..=4096; a
+    /// row where `to` is not above `from` is empty.
     #[inline(always)]
     pub fn set<S: Simd>(&mut self, simd: S, pair: usize, from: [i32x8<S>; 2], to: [i32x8<S>; 2]) {
         ordered(simd, from).store_array(&mut self.from[pair]);
@@ -43,7 +43,7 @@ impl RowSpans {
         (self.from[pair][row], self.to[pair][row]) = (span.start as i16, span.end as i16);
     }
 
-    /// Returns the bricks along x that the spans touch and fill.
+    /// Returns the bricks along x that the spans touch, and those that they fill.
     #[inline(always)]
     pub fn reach<S: Simd>(&self, simd: S) -> RowReach {
         let (zero, most) = (i16x16::splat(simd, 0), i16x16::splat(simd, i16::MAX));
@@ -81,8 +81,7 @@ impl RowSpans {
         for upper in 0..2 {
             let begun = from_on.swizzle_dyn_within_blocks(local(simd, &self.from, upper, origin));
             let ended = from_on.swizzle_dyn_within_blocks(local(simd, &self.to, upper, origin));
-            // Two rows of eight bits are to become two times four bits of one word and two times
-            // four bits of the next.
+            // Two rows of eight bits become two times four bits of one word and two times four bits of the next.
             let rows = (begun & !ended).bitcast::<u16x16<S>>();
             let swapped = (rows ^ (rows >> 4)) & 0x00F0;
             let nibbles = rows ^ swapped ^ (swapped << 4);
@@ -93,8 +92,7 @@ impl RowSpans {
     }
 }
 
-/// For each place 0..=8 at which a row may begin its bits from there on; twice, for both halves of
-/// a vector.
+/// For each start 0..=8 the bits of a row from there on; twice, for both halves of a vector.
 const FROM_ON: [u8; 32] = {
     let mut table = [0; 32];
     let mut place = 0;
@@ -106,7 +104,7 @@ const FROM_ON: [u8; 32] = {
     table
 };
 
-/// Where each byte of two words comes from: those at even places are the first word's.
+/// Source of each byte of two words: those at even positions belong to the first word.
 const NIBBLES_TO_WORDS: [u8; 32] = {
     let mut places = [0; 32];
     let mut place = 0;
@@ -118,7 +116,7 @@ const NIBBLES_TO_WORDS: [u8; 32] = {
     places
 };
 
-/// Returns the ends of the lower or upper 32 rows along z relative to `origin`, cut to 0..=8: the rows of the lower 4
+/// Returns the ends of the lower or upper 32 rows along z relative to `origin`, clamped to 0..=8: the lower 4 rows
 /// along y first, then the others.
 #[inline(always)]
 fn local<S: Simd>(simd: S, ends: &[EndsOfPair; 4], upper: usize, origin: u16x16<S>) -> u8x32<S> {
@@ -129,21 +127,21 @@ fn local<S: Simd>(simd: S, ends: &[EndsOfPair; 4], upper: usize, origin: u16x16<
     middle_swapped(bytes.bitcast()).bitcast::<u8x32<S>>().min(BRICK_EDGE_VX as u8)
 }
 
-/// Returns the ends less `origin`, and 0 if below it.
+/// Returns the ends minus `origin`, clamped to at least 0.
 #[inline(always)]
 fn beyond<S: Simd>(simd: S, ends: &EndsOfPair, origin: u16x16<S>) -> i16x16<S> {
     let ends = i16x16::load_array_ref(simd, ends).bitcast::<u16x16<S>>();
     ends.saturating_sub(origin).bitcast()
 }
 
-/// Returns the ends of eight rows along y for each of two steps along z, in the order that is kept.
+/// Returns the ends of eight rows along y for each of two steps along z, in storage order.
 #[inline(always)]
 fn ordered<S: Simd>(simd: S, [first, second]: [i32x8<S>; 2]) -> i16x16<S> {
     middle_swapped(simd.relaxed_narrow_i32x8(first, second).bitcast()).bitcast()
 }
 
-/// Swaps the second quarter with the third. Instructions that narrow two vectors leave the quarters so, and reordering
-/// them beforehand is not needed then.
+/// Swaps the second quarter with the third. Instructions that narrow two vectors leave the quarters in this order, so
+/// that no reordering is needed beforehand.
 #[inline(always)]
 fn middle_swapped<S: Simd>(quarters: u64x4<S>) -> u64x4<S> {
     let (even, _) = quarters.unzip_low(quarters).split();

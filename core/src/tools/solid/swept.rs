@@ -1,22 +1,23 @@
 //! Intersects rows with the volume that an ellipsoid sweeps in straight motion: the convex hull of its first and last
-//! place.
+//! position.
 //!
-//! With the names of [`super::quadric`]: at time t the rest of a row is a parabola in t, `most - (tau - tau0)^2`
-//! with tau = t times the speed across rows. `most` is a quadratic form in (dy, dz), tau0 is linear. The lower end of the
-//! row at that time, `middle + drift tau - half_length sqrt(rest)`, is convex in tau, so that the lowest one is where its
-//! slope is 0, at tau0 - lead sqrt(most), or at the end of the way that is nearest to there; and the highest accordingly.
+//! With the names of [`super::quadric`]: at time t the remainder of a row is a parabola in t, `most - (tau - tau0)^2`
+//! with tau = t times the speed across rows. `most` is a quadratic form in (dy, dz); tau0 is linear. The lower end of
+//! the row at that time, `middle + drift tau - half_length sqrt(rest)`, is convex in tau. Its minimum is therefore
+//! where the slope is 0, at tau0 - lead sqrt(most), or at the end of the displacement nearest to there. The same holds
+//! for the upper end.
 
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::{DMat3, DVec3};
 
 use super::ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, STEPS};
 
-/// Rows with a smaller rest are decided one by one, as of an ellipsoid that stays.
+/// Rows with a smaller remainder are decided one by one, as for an ellipsoid at rest.
 const SHORT_ROW: f64 = 2e-3;
-/// A displacement that leads less than this across rows, in tool space, counts as leading along them.
+/// A displacement whose component across rows is smaller than this, in tool space, counts as parallel to them.
 const ALONG: f64 = 1e-7;
 
-/// A number that is linear in the row's distances from the centre.
+/// A number that is linear in the row's offset from the centre.
 #[derive(Clone, Copy, Debug)]
 struct Linear {
     constant: f64,
@@ -30,7 +31,7 @@ impl Linear {
         self.constant + self.y * dy + self.z * dz
     }
 
-    /// No number in its sum is larger, in a row of bricks that begins at `dy`, `dz`.
+    /// Returns a bound on the terms of the sum, in a row of bricks that begins at `dy`, `dz`.
     fn largest(&self, dy: f64, dz: f64) -> f64 {
         self.constant.abs() + self.y.abs() * (dy.abs() + 8.0) + self.z.abs() * (dz.abs() + 8.0)
     }
@@ -48,15 +49,15 @@ pub struct SweptQuadric {
     tau0: Linear,
     /// Tau at the end of the displacement.
     end: f64,
-    /// How far along x the row's middle goes, in voxels, while tau grows by 1.
+    /// Motion of the row's middle along x, in voxels, for each unit of tau.
     drift: f64,
     lead: f64,
-    /// Added to the lower and the upper end: the displacement, where it leads along rows.
+    /// Offset of the lower and the upper end: the displacement, where it is parallel to rows.
     along: [f64; 2],
-    /// Middle of a row at the first place.
+    /// Middle of a row at the first position.
     middle: Linear,
     half_length: f64,
-    /// Bound on the error of the rest and of tau, against the exact test too.
+    /// Bound on the error of the remainder and of tau, relative to the exact test too.
     error: f64,
     /// Bound on the error of the middle and of the sums with it, in voxels.
     middle_error: f64,
@@ -64,38 +65,38 @@ pub struct SweptQuadric {
     tame: bool,
 }
 
-/// Values for one row of bricks: those of the first row of each eight along z, and how they change with each step along
-/// y.
+/// Values for one row of bricks: those of the first of every eight rows, for each step along z, and their change with
+/// each step along y.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalSwept {
     most: [f32; 8],
     most_y: [f32; 8],
     tau0: [f32; 8],
     middle: [f32; 8],
-    /// Rests below this are short.
+    /// Remainders below this are short.
     short: f32,
 }
 
 impl SweptQuadric {
-    /// `way`: in tool space, not 0.
+    /// Prepares an ellipsoid for its rows. `displacement`: in tool space, not 0.
     pub fn new(
         tool_from_vx: &DMat3,
         centre_vx: DVec3,
-        way: DVec3,
+        displacement: DVec3,
         sizes: &Magnitudes,
     ) -> SweptQuadric {
         let DMat3 { x_axis: m0, y_axis: m1, z_axis: m2 } = *tool_from_vx;
         let length_sq = m0.length_squared();
         let half_length = 1.0 / length_sq.sqrt();
-        // The parts across the rows: of the steps from row to row, and of the displacement.
+        // The components across the rows of the steps from row to row, and of the displacement.
         let across = |v: DVec3| v - m0 * (v.dot(m0) / length_sq);
-        let (y, z, side) = (across(m1), across(m2), across(way));
+        let (y, z, side) = (across(m1), across(m2), across(displacement));
         let middle = Linear {
             constant: centre_vx.x - 0.5,
             y: -m0.dot(m1) / length_sq,
             z: -m0.dot(m2) / length_sq,
         };
-        let goes = way.dot(m0) / length_sq;
+        let goes = displacement.dot(m0) / length_sq;
         let speed = side.length();
         let is_along = speed <= ALONG;
         let error = sizes.error() + if is_along { 4.0 * ALONG } else { 0.0 };
@@ -119,7 +120,7 @@ impl SweptQuadric {
         };
         if !is_along {
             let side = side / speed;
-            // The parts across the displacement, too.
+            // The components across the displacement, too.
             let (y_aside, z_aside) = (y - side * y.dot(side), z - side * z.dot(side));
             swept.yy = y_aside.length_squared();
             swept.yz = 2.0 * y_aside.dot(z_aside);
@@ -148,18 +149,18 @@ impl RowSolver for SweptQuadric {
         let most = self.most(dy, dz);
         let most_y = -(2.0 * self.yy * dy + self.yz * dz);
         let most_z = -(2.0 * self.zz * dz + self.yz * dy);
-        // Nowhere above its tangent plane, so that this is more than any of the 64.
+        // The function lies nowhere above its tangent plane, so this exceeds any of the 64 values.
         if most + 8.0 * (most_y.max(0.0) + most_z.max(0.0)) < -SHORT_ROW && self.tame {
             return None;
         }
-        // No partial sum is larger, over the steps of up to 7.
+        // A bound on all partial sums, over steps of up to 7.
         let largest = most.abs()
             + 8.0 * (most_y.abs() + most_z.abs())
             + 64.0 * (self.yy.abs() + self.yz.abs() + self.zz.abs());
         let tau0 = self.tau0.at(dy, dz);
         let largest_tau = tau0.abs() + 8.0 * (self.tau0.y.abs() + self.tau0.z.abs()) + self.end;
         let tau_error = 4.0 * ROUNDING_32 * largest_tau + self.error;
-        // Tau at an end of a row that is not empty is within 1 of tau0, so that twice its error is the square's.
+        // Tau at an end of a non-empty row is within 1 of tau0, so the error of its square is twice its own.
         let error = 6.0 * ROUNDING_32 * (largest + 1.0) + self.error + 2.5 * tau_error;
         let short = SHORT_ROW.max(4.0 * error);
         let middle = self.middle.at(dy, dz) - origin;
@@ -169,8 +170,8 @@ impl RowSolver for SweptQuadric {
             + self.drift.abs() * self.end
             + self.along[1]
             - self.along[0];
-        // Where the slope is 0 an error of tau counts by its square and the curvature, which is below
-        // 1 / (short / 2)^(3/2) half lengths.
+        // Where the slope is 0, an error of tau counts by its square times the curvature, which is below 1 / (short /
+        // 2)^(3/2) half lengths.
         let bend = tau_error * tau_error / (0.5 * short * (0.5 * short).sqrt());
         let margin = (error / short.sqrt() + bend) * self.half_length
             + 8.0 * ROUNDING_32 * largest_x
@@ -189,7 +190,7 @@ impl RowSolver for SweptQuadric {
             local.tau0[step] = (tau0 + self.tau0.z * step_z) as f32;
             local.middle[step] = (middle + self.middle.z * step_z) as f32;
         }
-        // Where a number is too large for f32, nothing is known.
+        // Where a number is too large for f32, nothing is certain.
         let largest = largest.max(largest_tau).max(self.drift.abs()).max(largest_x);
         let tame = self.tame && error < 0.1 && largest < 1e30;
         Some((local, if tame { margin as f32 } else { f32::INFINITY }))

@@ -1,5 +1,4 @@
-//! Solids against their definition: every voxel of every row of bricks, at poses made to be
-//! awkward.
+//! Tests solids against their definition: every voxel of every row of bricks, at awkward poses.
 
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
@@ -35,7 +34,7 @@ fn check_with(simd: impl Simd, placed: &PlacedSolid, dims: UVec3) -> Result<(), 
                 let bounded = v.cmpge(bounds.min).all() && v.cmplt(bounds.max).all();
                 prop_assert!(bounded || !inside, "{v} is inside but not within {bounds:?}");
             }
-            // Masks as an edit asks for them: none beyond the touched range, but also beyond the bounds.
+            // Masks as an edit requests them: none beyond the touched range, but also beyond the bounds.
             let mask = match (reach.touched.contains(&bx), reach.whole.contains(&bx)) {
                 (false, whole) => {
                     prop_assert!(!whole);
@@ -50,13 +49,14 @@ fn check_with(simd: impl Simd, placed: &PlacedSolid, dims: UVec3) -> Result<(), 
     Ok(())
 }
 
-/// Returns a sweep covers the voxels that the solid covers at places along its displacement, and none that a slightly
-/// larger solid does not cover there. The sweep from the other end covers the same.
-fn check_places_of_way(primitive: &Primitive, way: Vec3, size: Vec3) -> Result<(), TestCaseError> {
+/// Checks that a sweep covers the voxels that the solid covers at positions along its displacement, and none that a
+/// slightly larger solid does not cover there. The sweep from the other end must cover the same.
+fn check_sweep(primitive: &Primitive, displacement: Vec3, size: Vec3) -> Result<(), TestCaseError> {
     let solid = primitive.solid;
-    // In edges of the smallest voxel edge, as are half extents.
-    let way = way.clamp(Vec3::splat(-30.0), Vec3::splat(30.0)) / (size / size.min_element());
-    let to = primitive.centre_vx + way;
+    // In units of the smallest voxel edge, as are half extents.
+    let displacement =
+        displacement.clamp(Vec3::splat(-30.0), Vec3::splat(30.0)) / (size / size.min_element());
+    let to = primitive.centre_vx + displacement;
     let swept = primitive.swept_in_grid(Some(to), size);
     let back =
         Primitive { centre_vx: to, ..*primitive }.swept_in_grid(Some(primitive.centre_vx), size);
@@ -78,7 +78,7 @@ fn check_places_of_way(primitive: &Primitive, way: Vec3, size: Vec3) -> Result<(
         let v = IVec3::new(i % 14, i / 14 % 14, i / 196) * 2 + 1;
         let covered = swept.contains_voxel(v);
         prop_assert!(covered || !clearly_in(v), "{} is left out", v);
-        // A larger torus is not larger everywhere.
+        // A larger torus does not contain the smaller one.
         let bounded = solid == Solid::Torus || larger.iter().any(|stamp| stamp.contains_voxel(v));
         prop_assert!(!covered || bounded, "{} is covered", v);
         if covered != back.contains_voxel(v) {
@@ -94,7 +94,8 @@ fn solid() -> impl Strategy<Value = Solid> {
     prop::sample::select(&Solid::ALL[..])
 }
 
-/// Returns the 24 turns that lay axes along axes, as exactly as `f32` has them: half turns have no rounding at all.
+/// Returns the 24 rotations that map axes to axes, as exactly as `f32` represents them: half turns have no rounding at
+/// all.
 pub fn axis_turns() -> Vec<Quat> {
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let mut turns = Vec::new();
@@ -107,7 +108,7 @@ pub fn axis_turns() -> Vec<Quat> {
             4 => 0.5,
             _ => continue,
         };
-        // Of q and -q, which are the same turn, the one whose first part is positive.
+        // Of q and -q, which are the same rotation, the one whose first non-zero component is positive.
         if signs.iter().find(|s| **s != 0.0) == Some(&1.0) {
             turns.push(Quat::from_array(signs.map(|s| s * length)));
         }
@@ -115,8 +116,8 @@ pub fn axis_turns() -> Vec<Quat> {
     turns
 }
 
-/// Any rotation, quarter turns (whose matrices are nearly, but not quite, a permutation), turns
-/// from axes to axes, tiny turns and none.
+/// Generates any rotation, quarter turns (whose matrices are nearly, but not quite, a permutation), axis-to-axis
+/// rotations, tiny rotations and none.
 pub fn rotation() -> impl Strategy<Value = Quat> {
     let any = prop::array::uniform4(-1.0f32..1.0)
         .prop_filter("a direction", |q| q.iter().map(|v| v * v).sum::<f32>() > 0.01)
@@ -134,7 +135,7 @@ pub fn rotation() -> impl Strategy<Value = Quat> {
     ]
 }
 
-/// Half extents from a hundredth of a voxel to a thousand times the grid.
+/// Generates half extents from a hundredth of a voxel to a thousand times the grid.
 fn half() -> impl Strategy<Value = f32> {
     prop_oneof![
         4 => 0.3f32..40.0,
@@ -144,7 +145,7 @@ fn half() -> impl Strategy<Value = f32> {
     ]
 }
 
-/// In the grid, on voxel centres and corners, and far outside.
+/// Generates coordinates in the grid, on voxel centres and corners, and far outside.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![
         4 => -10.0f32..60.0,
@@ -154,8 +155,8 @@ fn coordinate() -> impl Strategy<Value = f32> {
     ]
 }
 
-/// Short and long, along axes, nearly along axes, and not at all.
-fn way() -> impl Strategy<Value = Vec3> {
+/// Generates short and long displacements, along axes, nearly along axes, and zero.
+fn displacement() -> impl Strategy<Value = Vec3> {
     let any = || {
         prop_oneof![
             3 => -40.0f32..40.0,
@@ -207,7 +208,7 @@ proptest! {
         dims in dims(),
         planes in prop::array::uniform3(prop::option::of((0u8..50).prop_map(|p| f32::from(p) / 2.0))),
     ) {
-        // Images by symmetry may be further away than their originals.
+        // Images by symmetry may lie further away than their originals.
         prop_assert_eq!(primitive.check().is_ok(), is_place(primitive.centre_vx));
         check(&primitive.in_grid(size), dims)?;
         check(&primitive.image_in_grid(None, size, &SymmetryTransform::of_planes(planes)), dims)?;
@@ -216,27 +217,27 @@ proptest! {
     #[test]
     fn rows_of_sweeps_equal_the_definition(
         primitive in primitive(),
-        way in way(),
+        displacement in displacement(),
         size in voxel_size(),
         dims in dims(),
         planes in prop::array::uniform3(prop::option::of((0u8..50).prop_map(|p| f32::from(p) / 2.0))),
     ) {
-        let to = Some(primitive.centre_vx + way);
+        let to = Some(primitive.centre_vx + displacement);
         check(&primitive.swept_in_grid(to, size), dims)?;
         check(&primitive.image_in_grid(to, size, &SymmetryTransform::of_planes(planes)), dims)?;
     }
 
     #[test]
-    fn a_sweep_is_the_solid_at_all_places_of_its_way(
+    fn a_sweep_is_the_solid_at_all_places_of_its_path(
         solid in solid(),
         half in prop::array::uniform3(1.0f32..9.0),
         from in prop::array::uniform3(0.0f32..30.0),
-        way in way(),
+        displacement in displacement(),
         rotation in rotation(),
         size in voxel_size(),
     ) {
         let primitive = Primitive { solid, centre_vx: from.into(), half: half.into(), rotation };
-        check_places_of_way(&primitive, way, size)?;
+        check_sweep(&primitive, displacement, size)?;
     }
 
     /// Solids so large, and so placed, that a face runs through the grid: here the rounding
@@ -249,7 +250,7 @@ proptest! {
         in_grid in prop::array::uniform3(0.0f64..30.0),
         rotation in rotation(),
         flat in prop::array::uniform3(any::<bool>()),
-        way in way(),
+        displacement in displacement(),
     ) {
         let half = 10f64.powf(exponent);
         let halves = flat.map(|flat| if flat { half as f32 } else { 20.0 });
@@ -258,7 +259,7 @@ proptest! {
         let primitive = Primitive { solid, centre_vx: centre, half: halves.into(), rotation };
         prop_assume!(primitive.centre_vx.is_finite() && primitive.half.is_finite());
         check(&primitive.in_grid(Vec3::ONE), UVec3::new(40, 20, 20))?;
-        let to = Some(primitive.centre_vx + way);
+        let to = Some(primitive.centre_vx + displacement);
         check(&primitive.swept_in_grid(to, Vec3::ONE), UVec3::new(40, 20, 20))?;
     }
 }
@@ -266,19 +267,19 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
 
-    /// Rows as long as a grid can have, where `f32` has its fewest digits left.
+    /// Rows as long as a grid allows, where `f32` has the fewest digits left.
     #[test]
     fn the_longest_rows_equal_the_definition(
         primitive in primitive(),
         centre_x in -100.0f32..4200.0,
         half_x in prop_oneof![0.5f32..30.0, 100.0f32..5000.0],
-        way in way(),
+        displacement in displacement(),
     ) {
         let mut primitive = primitive;
         primitive.centre_vx.x = centre_x;
         primitive.half.x = half_x;
         check(&primitive.in_grid(Vec3::ONE), UVec3::new(4096, 9, 3))?;
-        let to = Some(primitive.centre_vx + way);
+        let to = Some(primitive.centre_vx + displacement);
         check(&primitive.swept_in_grid(to, Vec3::ONE), UVec3::new(4096, 9, 3))?;
     }
 }
@@ -337,8 +338,8 @@ fn extremes_of_f32_are_refused_or_equal_the_definition() {
     }
 }
 
-/// Where a surface runs along a row within the rounding errors of the definition, its voxels
-/// need not be next to each other. Such rows exist; they are found out and still exact.
+/// Where a surface runs along a row within the rounding errors of the definition, its voxels need not be contiguous.
+/// Such rows exist; they are detected and still exact.
 #[test]
 fn rows_torn_by_rounding_are_tested_voxel_by_voxel() {
     let mut torn = 0;
@@ -371,16 +372,16 @@ fn sweeps_that_once_were_wrong_are_right() {
         half: Vec3::new(6.767_872, 1.0, 6.350_303_6),
         rotation: Quat::from_xyzw(0.0, 0.667_564_33, 0.744_552_14, 0.0),
     };
-    check_places_of_way(&torus, Vec3::ZERO, Vec3::ONE).unwrap();
+    check_sweep(&torus, Vec3::ZERO, Vec3::ONE).unwrap();
     let pyramid = Primitive {
         solid: Solid::Pyramid,
         centre_vx: Vec3::new(0.0, 29.328_65, 5.124_209),
         half: Vec3::new(1.0, 2.102_545_5, 1.0),
         rotation: Quat::from_xyzw(0.5, 0.5, -0.5, -0.5),
     };
-    let way = Vec3::new(11.694_734, -34.801_655, 0.0);
-    check_places_of_way(&pyramid, way, Vec3::new(0.648_593_3, 1.971_095_6, 0.2)).unwrap();
-    // From so far away that the way ends where it began, as `f32` has it.
+    let displacement = Vec3::new(11.694_734, -34.801_655, 0.0);
+    check_sweep(&pyramid, displacement, Vec3::new(0.648_593_3, 1.971_095_6, 0.2)).unwrap();
+    // So far away that the sweep ends where it begins, in `f32`.
     let far = Primitive {
         solid: Solid::Ellipsoid,
         centre_vx: Vec3::new(-1e30, 0.0, 0.0),

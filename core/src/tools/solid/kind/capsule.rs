@@ -1,4 +1,4 @@
-//! Capsule: a cylinder about the y axis with caps that are halves of balls, as far as the height has room for them.
+//! Capsule: a cylinder about the y axis with hemispherical caps, as far as the height has room for them.
 
 use glam::{DVec3, Vec2};
 

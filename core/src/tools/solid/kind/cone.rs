@@ -42,7 +42,7 @@ pub fn passes<N: SimdReal>(
 ) -> N::Mask {
     let mut times = Times::all(x);
     times.keep_within(y, displacement.y, 1.0 + margin);
-    // The radius at the height of the point: at the start, and how it grows with time.
+    // The radius at the height of the point: at the start, and its growth with time.
     let (radius, grows) = (y * -0.5 + (0.5 + margin), 0.5 * displacement.y);
     let across = Across::new(x, z, displacement);
     let deepest = times.clamp(across.deepest_in_cone(grows));
@@ -55,7 +55,7 @@ pub fn slack(_: &Parts, offset: DVec3) -> f64 {
     offset.y.max(offset.x.hypot(offset.z) + 0.5 * offset.y)
 }
 
-/// Returns a point of the rim, or the apex.
+/// Returns the support of the rim, or of the apex.
 pub fn support(_: &Parts, direction: DVec3) -> f64 {
     let d = direction;
     (d.x.hypot(d.z) - d.y).max(d.y)

@@ -1,7 +1,7 @@
-//! The solids, each in a file that describes it, and their list.
+//! The list of solids, each described in a file of its own.
 //!
-//! From a kind and half extents to the inside test, the test of the swept volume and the reach, in tool space. Knows no
-//! voxels and no pose.
+//! From a kind and half extents to the inside test, the test of the swept volume and the support, in tool space. Knows
+//! no voxels and no pose.
 
 mod capsule;
 mod cone;
@@ -20,8 +20,8 @@ use super::parts::Parts;
 use super::simd_real::SimdReal;
 use super::spec::SolidSpec;
 
-/// Makes the enum and its list, and hands each computation to the file of the solid, so that it is compiled into the
-/// loops that call it.
+/// Generates the enum and its list, and forwards each computation to the file of the solid, so that it is compiled into
+/// the loops that call it.
 macro_rules! solids {
     ($($id:ident = $file:ident),* $(,)?) => {
         /// The kind of a solid. In tool space it lies in [-1, 1] on every axis.
@@ -44,7 +44,7 @@ macro_rules! solids {
                 }
             }
 
-            /// Returns the inside test of one point or eight.
+            /// Tests whether one point or eight lie inside.
             #[inline(always)]
             pub(super) fn holds<N: SimdReal>(self, parts: &Parts, p: [N; 3]) -> N::Mask {
                 match self {
@@ -52,7 +52,7 @@ macro_rules! solids {
                 }
             }
 
-            /// Returns whether the solid passes over one point or eight when it moves by `displacement`; points with a
+            /// Returns whether the solid passes over one point or eight when it moves by `displacement`. Points with a
             /// value up to `margin` instead of 0 count as inside.
             #[inline(always)]
             pub(super) fn passes<N: SimdReal>(
@@ -67,8 +67,8 @@ macro_rules! solids {
                 }
             }
 
-            /// Returns the most by which the value changes over `offset` (at least 0 on each axis), in any direction
-            /// with such parts.
+            /// Returns the greatest change of the value over `offset` (at least 0 on each axis), for any signs of its
+            /// components.
             #[inline(always)]
             pub(super) fn slack(self, parts: &Parts, offset: DVec3) -> f64 {
                 match self {
@@ -76,7 +76,7 @@ macro_rules! solids {
                 }
             }
 
-            /// Returns the largest `direction . p` over the solid.
+            /// Returns the maximum of `direction . p` over the solid.
             #[inline(always)]
             pub(super) fn support(self, parts: &Parts, direction: DVec3) -> f64 {
                 match self {
@@ -104,7 +104,7 @@ impl Solid {
         self.spec().name
     }
 
-    /// Returns the solid of a name.
+    /// Returns the solid with a name.
     pub fn named(name: &str) -> Option<Solid> {
         Solid::ALL.into_iter().find(|solid| solid.name() == name)
     }

@@ -65,13 +65,13 @@ pub fn slack(_: &Parts, offset: DVec3) -> f64 {
     offset.y.max(offset.x.max(offset.z) + 0.5 * offset.y)
 }
 
-/// Returns a corner of the base, or the apex.
+/// Returns the support of a corner of the base, or of the apex.
 pub fn support(_: &Parts, direction: DVec3) -> f64 {
     let d = direction;
     (d.x.abs() + d.z.abs() - d.y).max(d.y)
 }
 
-/// Layer by layer the sides grow narrower, and the image with them.
+/// Maps a point to the image, which narrows with the sides from layer to layer.
 fn image_point(p: Vec3) -> Vec2 {
     let half_width = (0.5 * (1.0 - p.y)).max(f32::MIN_POSITIVE);
     vec2((texture::on_side(p) / half_width).clamp(-1.0, 1.0), p.y) * 0.5 + 0.5

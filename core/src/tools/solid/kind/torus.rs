@@ -1,5 +1,5 @@
-//! Torus about the y axis: a circle, and an ellipsoid along it. Its tube is round and as thick as the solid is high, but at
-//! most a third of the outer radius to a side.
+//! Torus about the y axis: the Minkowski sum of a circle and an ellipsoid. Its tube is round and as thick as the solid
+//! is high, but at most a third of the outer radius.
 
 use glam::{DVec3, Vec2};
 
@@ -32,9 +32,9 @@ pub static SPEC: SolidSpec = SolidSpec {
 
 /// Largest radius of the tube, as a fraction of the outer radius.
 const THICKEST_TUBE: f64 = 1.0 / 3.0;
-/// The displacement is sampled in steps in which the value changes by at least this: a thousandth of the tube's radius.
+/// Smallest change of the value between two samples along the displacement: a thousandth of the tube's radius.
 pub const FINEST: f64 = 1e-3;
-/// Most steps along the displacement while it is in the box around the torus.
+/// Greatest number of samples along the displacement while it is in the box around the torus.
 pub const MOST_STEPS: f64 = 16384.0;
 /// Times from 0 to 1 that differ by less than this may be equal.
 const NO_TIME: f64 = 1e-15;
@@ -43,7 +43,7 @@ fn parts(half: DVec3) -> Parts {
     let width = half.x.min(half.z);
     let tube = half.y.min(width * THICKEST_TUBE);
     let core = 1.0 - tube / width;
-    // So that the outermost points are at 1, rounded or not.
+    // Places the outermost points exactly at 1, rounded or not.
     let round = DVec3::new(1.0 - core, tube / half.y, 1.0 - core);
     Parts { core: DVec3::new(core, 0.0, core), round }
 }
@@ -55,8 +55,8 @@ pub fn holds<N: SimdReal>(parts: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
     (out * out + up * up).at_most(x.all(1.0))
 }
 
-/// Marches along the displacement while it is in the box around the solid, each step as long as the value lets the point
-/// be outside.
+/// Marches along the displacement while it is in the box around the solid. Each step is as long as the value guarantees
+/// that the point stays outside.
 #[inline(always)]
 pub fn passes<N: SimdReal>(parts: &Parts, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
     let zero = p[0].all(0.0);
