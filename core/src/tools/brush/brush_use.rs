@@ -1,4 +1,5 @@
-//! A brush used once: which one, where, with which values. Commands hold such uses; the brush's file says what they change.
+//! A single use of a brush: the brush, the place and the values. Commands hold such uses; the brush's file computes
+//! what they change.
 
 use std::path::PathBuf;
 
@@ -15,11 +16,11 @@ use crate::refusal::InvalidValue;
 /// The name by which errors call any brush.
 pub(in crate::tools::brush) const OWNER: &str = "brush";
 
-/// A brush used once.
+/// A single use of a brush.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BrushUse {
     brush: BrushId,
-    /// Where it is used.
+    /// The place where it is used.
     pub contact: Contact,
     /// The surface on which it works.
     pub surface: BrushSurface,
@@ -28,14 +29,14 @@ pub struct BrushUse {
     values: Values,
 }
 
-/// The surface that the rays of a brush are cast on, or the clay that it moves.
+/// The surface on which the rays of a brush are cast, or the clay that it moves.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum BrushSurface {
-    /// The current one, so that strokes go deeper where they overlap, and pulls go on from there.
+    /// The current surface, so that strokes go deeper where they overlap, and pulls continue from there.
     #[default]
     Now,
-    /// The surface before the first use with this setting in the stroke, so that no use takes back the effect of others. A
-    /// pull takes the place of all that the stroke has done so far.
+    /// The surface before the first use with this setting in the stroke, so that no use reverts the effect of others. A
+    /// pull replaces all that the stroke has done so far.
     Stroke,
 }
 
@@ -55,18 +56,18 @@ pub enum ContactKind {
     Footprint,
     /// In a ball, along the normals of the surface.
     Ball,
-    /// In a ball with a direction out of the clay.
+    /// In a ball with an outward direction.
     BallWithNormal,
-    /// In a ball that goes somewhere.
+    /// In a ball that is displaced.
     BallWithDisplacement,
 }
 
 /// A ball in which a brush works.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Ball {
-    /// Its middle, in voxel coordinates.
+    /// The centre, in voxel coordinates.
     pub centre_vx: Vec3,
-    /// Its radius in units of the smallest edge of a voxel, from [`MIN_RADIUS`] to [`MAX_RADIUS`].
+    /// The radius in units of the smallest voxel edge, from [`MIN_RADIUS`] to [`MAX_RADIUS`].
     pub radius: f32,
     /// The direction in which the brush works.
     pub frame: Frame,
@@ -77,14 +78,14 @@ pub struct Ball {
 pub enum Frame {
     /// None: along the normals of the surface.
     None,
-    /// Out of the clay, or an axis, of any length.
+    /// The outward direction, or an axis, of any length.
     Normal(Vec3),
-    /// How far the middle of the ball goes, in voxels; at most [`MAX_PULL_VX`] along each axis.
+    /// The displacement of the centre of the ball, in voxels; at most [`MAX_PULL_VX`] along each axis.
     Displacement(Vec3),
 }
 
 impl BrushUse {
-    /// Returns a use with the values that a script need not state.
+    /// Creates a use with the values that a script need not state.
     pub fn new(brush: BrushId, contact: Contact) -> BrushUse {
         let omitted = |param: &Param| match param.omitted {
             Omitted::Required | Omitted::InsteadOf(..) => Value::Absent,
@@ -94,12 +95,12 @@ impl BrushUse {
         BrushUse { brush, contact, surface: BrushSurface::Now, picture: None, values }
     }
 
-    /// Returns a use under an outline in a picture.
+    /// Creates a use under an outline in a picture.
     pub fn under(brush: BrushId, footprint: Footprint) -> BrushUse {
         BrushUse::new(brush, Contact::Footprint(footprint))
     }
 
-    /// Returns a use in a ball.
+    /// Creates a use in a ball.
     pub fn in_ball(brush: BrushId, ball: Ball) -> BrushUse {
         BrushUse::new(brush, Contact::Ball(ball))
     }
@@ -116,12 +117,12 @@ impl BrushUse {
         self
     }
 
-    /// Sets the value of a parameter that is known by its name.
+    /// Sets the value of a parameter given by its name.
     pub fn set_value(&mut self, key: &str, value: Value) {
         self.values.set(self.brush.spec().params(), key, value);
     }
 
-    /// Returns the same use with the values that stand in for parameters that it does not have.
+    /// Returns the same use with the values that replace omitted parameters.
     pub(crate) fn completed(mut self) -> BrushUse {
         let params = self.brush.spec().params();
         for param in params {
@@ -145,23 +146,23 @@ impl BrushUse {
         self.values.get(self.brush.spec().params(), key.param.key).and_then(T::from_value)
     }
 
-    /// Returns the value of a parameter that is known by its name, if it has one.
+    /// Returns the value of a parameter given by its name, if it has one.
     pub(crate) fn value(&self, key: &str) -> Option<Value> {
         let value = self.values.get(self.brush.spec().params(), key);
         value.filter(|value| *value != Value::Absent)
     }
 
-    /// Returns the value of a parameter that the check has seen.
+    /// Returns the value of a parameter that has passed the check.
     pub(super) fn get<T: ParamValue + Default>(&self, key: Key<T>) -> T {
         self.find(key).unwrap_or_default()
     }
 
-    /// Returns all parameters with their values, in the order in which the text form has them.
+    /// Returns all parameters with their values, in the order of the text form.
     pub fn iter(&self) -> impl Iterator<Item = (&'static Param, Value)> + use<> {
         self.values.iter(self.brush.spec().params())
     }
 
-    /// Returns the footprint under which it is used.
+    /// Returns the footprint under which the brush is used.
     pub fn footprint(&self) -> Option<&Footprint> {
         match &self.contact {
             Contact::Footprint(footprint) => Some(footprint),
@@ -169,7 +170,7 @@ impl BrushUse {
         }
     }
 
-    /// Returns the ball in which it is used.
+    /// Returns the ball in which the brush is used.
     pub fn ball(&self) -> Option<&Ball> {
         match &self.contact {
             Contact::Ball(ball) => Some(ball),
@@ -177,13 +178,13 @@ impl BrushUse {
         }
     }
 
-    /// Returns whether it takes the place of what the stroke has done so far.
+    /// Returns whether it replaces what the stroke has done so far.
     pub fn replaces_stroke(&self) -> bool {
         let replaces = self.brush.spec().script.is_some_and(|script| script.replaces_stroke);
         replaces && self.surface == BrushSurface::Stroke
     }
 
-    /// Returns the same use, moved by a number of voxels.
+    /// Returns the same use, translated by a number of voxels.
     pub(crate) fn shifted(&self, by_vx: Vec3) -> BrushUse {
         let mut moved = self.clone();
         match &mut moved.contact {
@@ -227,7 +228,7 @@ impl BrushUse {
 }
 
 impl Contact {
-    /// Returns the kind, without its numbers.
+    /// Returns the kind of contact.
     pub fn kind(&self) -> ContactKind {
         match self {
             Contact::Footprint(_) => ContactKind::Footprint,

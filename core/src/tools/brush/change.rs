@@ -1,4 +1,4 @@
-//! The change that a use of a brush makes: voxels to remove, to add and to paint. Documents carry it out.
+//! The change that a use of a brush makes: voxels to remove, to add and to paint. Documents apply it.
 
 use std::sync::Arc;
 
@@ -16,13 +16,13 @@ use crate::tools::texture::Texture;
 
 /// The sculpture on which a brush is used.
 pub struct Site<'a> {
-    /// The sculpture as it is.
+    /// The sculpture in its present state.
     pub contents: &'a Contents,
-    /// The surface on which the brush works: the same grid, or that when the stroke began.
+    /// The surface on which the brush works: the same grid, or that at the start of the stroke.
     pub surface: &'a Grid,
     /// The symmetry of tools.
     pub symmetry: &'a Symmetry,
-    /// Its images, the use itself among them.
+    /// The images by symmetry, including the use itself.
     pub images: &'a [SymmetryTransform],
     /// The image with which the brush paints.
     pub picture: Option<&'a Arc<Texture>>,
@@ -31,7 +31,7 @@ pub struct Site<'a> {
 /// The change that a use of a brush makes.
 #[derive(Default)]
 pub struct Change {
-    /// Voxels to remove; of the mask if the brush changes that.
+    /// Voxels to remove; from the mask if the brush changes the mask.
     pub remove: ListedBricks,
     /// Voxels to add, likewise.
     pub add: ListedBricks,
@@ -47,24 +47,24 @@ pub enum NewClay {
     /// The base colour.
     #[default]
     Base,
-    /// This one.
+    /// A given colour.
     Colour(Rgb),
-    /// That of the voxels around them.
+    /// The colour of the voxels around them.
     Inherited,
 }
 
 /// The new colours of voxels.
 pub enum Paint {
-    /// A mixture with the present ones.
+    /// Mixed with the present ones.
     Mix(Mix),
-    /// Those of an image.
+    /// Taken from an image.
     Stencil(Stencil),
-    /// Those of clay that has come there.
+    /// Carried along with moved clay.
     Carried(Pulled),
 }
 
 impl Site<'_> {
-    /// Returns the bits of colour of the sculpture.
+    /// Returns the number of colour bits of the sculpture.
     pub fn depth(&self) -> ColourDepth {
         self.contents.material.depth()
     }
@@ -79,7 +79,7 @@ impl Change {
         }
     }
 
-    /// Returns a change that adds and removes clay; new clay has the colour of that around it.
+    /// Returns a change that adds and removes clay; added clay inherits the colour around it.
     pub(super) fn of_clay(stamp: Stamp) -> Change {
         let Stamp { add, remove, .. } = stamp;
         Change { add, remove, new_clay: NewClay::Inherited, ..Change::default() }

@@ -14,7 +14,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "clay",
     label: "Clay",
     help: "Clay: builds up a soft mound on the surface",
-    effect: "Builds up a mound, highest under its middle.",
+    effect: "Builds up a mound, highest under its centre.",
     keeps: Keeps::of("grows", "new clay: the colour in hand", "not kept"),
     synonyms: "build add draw",
     options: &[
@@ -23,7 +23,7 @@ pub const SPEC: BrushSpec = BrushSpec {
         REACH
             .first(4.0)
             .label("Height")
-            .help("Height of the mound under the middle of the brush")
+            .help("Height of the mound under the centre of the brush")
             .param,
         ONCE_PER_STROKE.first(true).param,
     ],
@@ -36,7 +36,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::SURFACE
 };
 
-/// Returns a paraboloid over the footprint, so that strokes blend into what is there.
+/// Adds a paraboloid over the footprint, so that strokes blend into the surface.
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let add = rays::around(used, site, |offset| 1.0 - offset * offset, Outline::Round);
     let new_clay = NewClay::Colour(used.get(COLOUR));

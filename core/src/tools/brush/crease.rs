@@ -15,16 +15,16 @@ pub const SPEC: BrushSpec = BrushSpec {
     label: "Crease",
     help: "Crease: cuts a sharp furrow; inverted, it raises a ridge",
     effect: "Cuts a narrow furrow, half as deep as the radius at full strength. Inverted, it raises a ridge.",
-    keeps: Keeps::of("changes by the height", Keeps::AROUND, "not kept"),
+    keeps: Keeps::of("changes with the height", Keeps::AROUND, "not kept"),
     synonyms: "line groove ridge fold wrinkle deform",
     options: &[
         RADIUS.first(30.0).param,
-        STRENGTH.help("How deep the furrow is: at 100 % half the radius").param,
+        STRENGTH.help("Depth of the furrow: half the radius at 100 %").param,
         STEADY.param,
         FALLOFF.first(Falloff::Sharp).param,
     ],
     stroke: BrushStroke::Surface { normal: SurfaceNormal::OfEachUse },
-    // Its narrow bottom would show each use.
+    // At a wider spacing, its narrow bottom would show each use.
     spacing: 0.08,
     inverse: Inverse::Sense,
     dab: |dab| Some(dab.along_normal().with(HEIGHT, -dab.height())),

@@ -1,4 +1,5 @@
-//! A use of a brush by a hand, from its options and the place on the surface. The brush's file makes a [`BrushUse`] of it.
+//! An interactive use of a brush, from its options and the place on the surface. The brush's file turns it into a
+//! [`BrushUse`].
 
 use std::path::Path;
 
@@ -11,63 +12,63 @@ use super::options::BrushOptions;
 use super::{Ball, BrushSurface, BrushUse, Contact, Frame};
 use crate::sculpture::Rgb;
 
-/// Height to which the surface is raised with full strength, as a share of the radius.
+/// Height by which the surface is raised at full strength, as a share of the radius.
 const HEIGHT_SHARE: f32 = 0.5;
 
-/// A use of a brush by a hand.
+/// An interactive use of a brush.
 #[derive(Clone, Copy, Debug)]
 pub struct Dab<'a> {
-    /// The options; of a brush in a ball with the radius in units of the smallest edge of a voxel.
+    /// The options; for a brush in a ball with the radius in units of the smallest voxel edge.
     pub options: &'a BrushOptions,
     /// Where it is used.
     pub place: DabPlace<'a>,
 }
 
-/// An image in place of the colour of a brush.
+/// An image that replaces the colour of a brush.
 #[derive(Clone, Copy, Debug)]
 pub struct BrushImage<'a> {
     /// Its file.
     pub path: &'a Path,
-    /// The colour goes through it where it is bright.
+    /// Whether the colour shows where the image is bright.
     pub lets_colour_through: bool,
 }
 
-/// The place where a hand uses a brush.
+/// The place of an interactive use.
 #[derive(Clone, Copy, Debug)]
 pub enum DabPlace<'a> {
     /// Under an outline in a picture.
     Picture {
         /// The outline.
         footprint: Footprint,
-        /// The colour in hand.
+        /// The current colour.
         colour: Rgb,
-        /// The image in hand, for brushes that take one.
+        /// The current image, for brushes that take one.
         image: Option<BrushImage<'a>>,
-        /// Uses of the stroke before it.
+        /// Number of previous uses in the stroke.
         uses: u32,
     },
     /// On the surface.
     Surface {
-        /// The middle of the ball, in voxels.
+        /// The centre of the ball, in voxels.
         at_vx: Vec3,
-        /// That of the use before, in voxels.
+        /// The centre of the previous use, in voxels.
         from_vx: Vec3,
-        /// Out of the clay, of length 1.
+        /// The outward unit normal.
         normal: Vec3,
         /// Voxel edges in units of the smallest.
         edges: Vec3,
-        /// 1, or -1 if the brush works in the other sense.
+        /// 1, or -1 if the brush is inverted.
         sense: f32,
     },
-    /// In a ball of clay that is held.
+    /// In a grabbed ball of clay.
     Held {
-        /// Where it was taken hold of, in voxels.
+        /// The point where it was grabbed, in voxels.
         start_vx: Vec3,
-        /// How far it has been led from there, in voxels.
+        /// The displacement from there, in voxels.
         by_vx: Vec3,
-        /// Out of the clay, of length 1.
+        /// The outward unit normal.
         normal: Vec3,
-        /// To the right, as it is seen, of length 1 in units of the smallest edge.
+        /// The direction to the right in the view, of length 1 in units of the smallest edge.
         right: Vec3,
         /// Voxel edges in units of the smallest.
         edges: Vec3,
@@ -75,8 +76,8 @@ pub enum DabPlace<'a> {
 }
 
 impl Dab<'_> {
-    /// Returns a use with the values of the options that have the names of its parameters. `frame`: in which it works
-    /// in a ball.
+    /// Returns a use with the values of the options that have the names of its parameters. `frame`: the direction in
+    /// which it works in a ball.
     pub(super) fn used(&self, frame: Frame) -> BrushUse {
         let brush = self.options.brush();
         let radius = self.options.get(RADIUS);
@@ -102,12 +103,12 @@ impl Dab<'_> {
         }
     }
 
-    /// Returns the same along the normal.
+    /// Returns a use in a ball along the normal.
     pub(super) fn along_normal(&self) -> BrushUse {
         self.used(Frame::Normal(self.normal()))
     }
 
-    /// Out of the clay, of length 1.
+    /// Returns the outward unit normal.
     pub(super) fn normal(&self) -> Vec3 {
         match self.place {
             DabPlace::Surface { normal, .. } | DabPlace::Held { normal, .. } => normal,
@@ -115,14 +116,14 @@ impl Dab<'_> {
         }
     }
 
-    /// Returns how far the surface is raised with the strength of the options, in units of the smallest edge; below 0
-    /// in the other sense.
+    /// Returns how far the surface is raised with the strength of the options, in units of the smallest edge; negative
+    /// if the brush is inverted.
     pub(super) fn height(&self) -> f32 {
         let height = self.options.get(STRENGTH) * HEIGHT_SHARE * self.options.get(RADIUS);
         self.sense() * height.min(MAX_HEIGHT)
     }
 
-    /// 1, or -1 in the other sense.
+    /// Returns 1, or -1 if the brush is inverted.
     pub(super) fn sense(&self) -> f32 {
         match self.place {
             DabPlace::Surface { sense, .. } => sense,

@@ -19,7 +19,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     options: &[
         RADIUS.param,
         OUTLINE.param,
-        REACH.label("Depth").help("How deep it cuts into the surface under the brush").param,
+        REACH.label("Depth").help("Depth of the cut into the surface under the brush").param,
         BITE.param,
         ONCE_PER_STROKE.first(true).param,
     ],

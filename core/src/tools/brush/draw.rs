@@ -15,17 +15,14 @@ pub const SPEC: BrushSpec = BrushSpec {
     help: "Draw: raises the surface along its normal; inverted, it lowers it",
     effect: "Raises the surface in a ball along its mean normal there, by half the radius at full strength, so that its shape is kept. Inverted, it lowers the surface.",
     keeps: Keeps::of(
-        "changes by the height",
+        "changes with the height",
         Keeps::AROUND,
-        "stay flat in the middle with the falloff flat",
+        "stay flat in the centre with the falloff flat",
     ),
     synonyms: "raise build layer standard pull normal deform",
     options: &[
         RADIUS.first(40.0).param,
-        STRENGTH
-            .first(0.5)
-            .help("How far the surface is raised: at 100 % by half the radius")
-            .param,
+        STRENGTH.first(0.5).help("How far the surface is raised: half the radius at 100 %").param,
         STEADY.param,
         FALLOFF.param,
     ],

@@ -26,7 +26,7 @@ pub const SPEC: BrushSpec = BrushSpec {
         OUTLINE.param,
         REACH.param,
         THRESHOLD
-            .help("Voxels with fewer of their 26 neighbours are removed; up to 17 keeps flat faces")
+            .help("Removes voxels with fewer of their 26 neighbours; up to 17 keeps flat faces")
             .param,
         ONCE_PER_STROKE.param,
     ],

@@ -1,21 +1,21 @@
-//! How the effect of a brush falls off from the middle of its ball to the rim, and how steeply.
+//! Falloffs: how the effect of a brush decreases from the centre of its ball to the rim, and how steeply.
 //!
 //! Takes distances in radii; gives shares. Knows no brush and no grid.
 
-/// How the pull falls off from the middle of the ball (0) to its rim (1).
+/// The falloff of the effect from the centre of the ball (0) to its rim (1).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Falloff {
     /// (1 - r^2)^2
     #[default]
     Smooth,
-    /// (1 - r)^2: a tip
+    /// (1 - r)^2, which makes a tip
     Sharp,
-    /// 1 up to half the radius, then smoothly to 0: as if by a hand
+    /// 1 up to half the radius, then smoothly to 0, as if moved by hand
     Flat,
 }
 
 impl Falloff {
-    /// All of them, in the order in which interfaces offer them.
+    /// All falloffs, in the order in which interfaces offer them.
     pub const ALL: [Falloff; 3] = [Falloff::Smooth, Falloff::Sharp, Falloff::Flat];
 
     /// Returns the name in the text form and the interface.
@@ -27,7 +27,7 @@ impl Falloff {
         }
     }
 
-    /// Returns the share of the pull at `r`, from its square. 0 from 1 on.
+    /// Returns the share of the effect at `r`, given its square. 0 from 1 on.
     #[inline(always)]
     pub(super) fn at(self, squared: f32) -> f32 {
         match self {
@@ -46,10 +46,10 @@ impl Falloff {
         }
     }
 
-    /// Returns the same, and its slope against the square of `r`.
+    /// Returns the share and its derivative with respect to the square of `r`.
     #[inline(always)]
     pub(super) fn at_with_slope(self, squared: f32) -> (f32, f32) {
-        // In the middle the slope of a tip has no bound; what it is multiplied with there is 0.
+        // At the centre the slope of a tip is unbounded; its factor there is 0.
         let r = squared.sqrt().max(1e-6);
         let slope = match self {
             Falloff::Smooth => -2.0 * (1.0 - squared).max(0.0),
@@ -62,7 +62,7 @@ impl Falloff {
         (self.at(squared), slope)
     }
 
-    /// Greatest product of the share and the distance from the middle.
+    /// Returns the maximum product of the share and the distance from the centre.
     pub(super) fn widest_twist(self) -> f64 {
         match self {
             Falloff::Smooth => 0.287,
@@ -71,7 +71,7 @@ impl Falloff {
         }
     }
 
-    /// Steepest slope of a twist by 1.
+    /// Returns the steepest slope of a twist by 1.
     pub(super) fn steepest_twist(self) -> f64 {
         match self {
             Falloff::Smooth | Falloff::Sharp => 1.0,
@@ -79,7 +79,7 @@ impl Falloff {
         }
     }
 
-    /// Steepest slope of a pinch of strength 1.
+    /// Returns the steepest slope of a pinch of strength 1.
     pub(super) fn steepest_pinch(self) -> f64 {
         match self {
             Falloff::Smooth => 4.0,

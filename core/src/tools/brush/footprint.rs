@@ -1,6 +1,7 @@
-//! Footprints: where a brush is in the picture, as rays around an aim, and the rule by which it takes voxels of the surface.
+//! Footprints: the area of a brush in the picture, as rays around an aim, and the rule by which it selects surface
+//! voxels.
 //!
-//! Knows no brush and no grid; `kernel::touched` takes the voxels.
+//! Knows no brush and no grid; `kernel::touched` selects the voxels.
 
 use glam::{IVec3, UVec2, Vec3};
 
@@ -31,7 +32,7 @@ impl Outline {
         }
     }
 
-    /// Returns how far the ray `x` to the right and `y` down is from the middle one, in the measure of this outline.
+    /// Returns the distance of the ray `x` to the right and `y` down from the central one, in the norm of this outline.
     #[inline(always)]
     pub fn distance(self, x: f32, y: f32) -> f32 {
         match self {
@@ -40,8 +41,8 @@ impl Outline {
         }
     }
 
-    /// Returns whether a ray is surely farther than `radius` from the middle one, told without a root. Rays within a
-    /// millionth of the rim are not.
+    /// Returns whether a ray is certain to be farther than `radius` from the central one, without computing a root.
+    /// Rays within a millionth of the rim are not.
     #[inline(always)]
     pub fn is_beyond(self, x: f32, y: f32, radius: f32) -> bool {
         const RIM: f32 = 1.0 + 1e-6;
@@ -52,19 +53,19 @@ impl Outline {
     }
 }
 
-/// Which voxels of the surface a footprint takes.
+/// The rule by which a footprint selects surface voxels.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Coverage {
-    /// Those that its rays meet: some or all of those under it, as the ratio of voxel to ray has it. Commands
-    /// without a word about it mean this.
+    /// Those that its rays meet: some or all of those under it, depending on the ratio of voxel to ray. The default of
+    /// commands that do not state a coverage.
     #[default]
     Rays,
-    /// All visible ones whose middle is projected into its outline ([`super::kernel::visible`]).
+    /// All visible ones whose centre is projected into its outline ([`super::kernel::visible`]).
     Visible,
 }
 
 impl Coverage {
-    /// Both.
+    /// Both rules.
     pub const ALL: [Coverage; 2] = [Coverage::Rays, Coverage::Visible];
 
     /// Returns the name in the text form.
@@ -81,31 +82,31 @@ impl Coverage {
 pub struct Footprint {
     /// The eye, in grid coordinates.
     pub eye_vx: Vec3,
-    /// Direction of the middle ray.
+    /// Direction of the central ray.
     pub aim: Vec3,
     /// Change of direction from a ray to its right neighbour.
     pub across: Vec3,
     /// Change of direction from a ray to the one below.
     pub down: Vec3,
-    /// In rays, 0 to [`MAX_FOOTPRINT`].
+    /// Radius in rays, 0 to [`MAX_FOOTPRINT`].
     pub radius: f32,
     /// Shape of the footprint in the picture.
     pub outline: Outline,
-    /// The voxels that it takes.
+    /// The rule by which it selects voxels.
     pub coverage: Coverage,
 }
 
-/// A voxel of the surface under a footprint, and its distance from the footprint's centre (0) to its rim (1).
+/// A surface voxel under a footprint, and its distance from the footprint's centre (0) to its rim (1).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Touch {
     /// The voxel.
     pub voxel: IVec3,
-    /// Of the middle of the voxel, or of the first ray that met it.
+    /// The distance of the voxel's centre, or of the first ray that met it.
     pub offset: f32,
 }
 
 impl Footprint {
-    /// Returns the footprint around pixel (x, y) of a picture made with `rays`: all that is visible in it.
+    /// Returns the footprint around pixel (x, y) of a picture made with `rays`, with all that is visible in it.
     pub fn of_pixel(
         rays: &crate::view::PixelRays,
         pixel: UVec2,

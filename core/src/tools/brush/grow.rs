@@ -34,7 +34,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::SURFACE
 };
 
-/// Most rounds in which voxels are added.
+/// Greatest number of rounds in which voxels are added.
 const ROUNDS: u32 = 64;
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {

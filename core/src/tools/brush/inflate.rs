@@ -15,14 +15,14 @@ pub const SPEC: BrushSpec = BrushSpec {
     help: "Inflate: swells the surface under it; inverted, it shrinks it",
     effect: "Swells the surface in a ball along its normals, by half the radius at full strength. Inverted, it shrinks the surface.",
     keeps: Keeps::of(
-        "changes by the height",
+        "changes with the height",
         Keeps::AROUND,
-        "stay flat in the middle with the falloff flat",
+        "stay flat in the centre with the falloff flat",
     ),
     synonyms: "swell blow expand deform puff shrink deflate",
     options: &[
         RADIUS.first(40.0).param,
-        STRENGTH.first(0.5).help("How far the surface swells: at 100 % by half the radius").param,
+        STRENGTH.first(0.5).help("How far the surface swells: half the radius at 100 %").param,
         STEADY.param,
         FALLOFF.param,
     ],

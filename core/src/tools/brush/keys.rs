@@ -1,5 +1,5 @@
-//! The options that several brushes share. A brush lists those that it has, each with the label, the help and the first
-//! value that it needs. Knows no brush.
+//! Options shared by several brushes. A brush lists those that it has, each with the label, the help and the default
+//! that it needs. Knows no brush.
 
 use super::falloff::Falloff;
 use super::footprint::Outline;
@@ -7,7 +7,7 @@ use super::limits::{MAX_HEIGHT, MAX_REACH_VX, MAX_TWIST_DEG};
 use super::param::{Choice, Domain, Key, Omitted, Param, ParamValue, Unit, Value};
 use crate::sculpture::Rgb;
 
-/// Longest rope, in pixels.
+/// Greatest length of the rope, in pixels.
 const MAX_STEADY_PX: f32 = 200.0;
 
 const BASE: Param = Param {
@@ -37,7 +37,7 @@ pub const RADIUS: Key<f32> = Key::new(Param {
 pub const OUTLINE: Key<Outline> = Key::new(Param {
     key: "outline",
     label: "Brush shape",
-    help: "The outline of the brush in the picture",
+    help: "Outline of the brush in the picture",
     domain: Domain::Choice(&[
         Choice { name: Outline::Round.name(), help: "Circular brush" },
         Choice { name: Outline::Square.name(), help: "Square brush" },
@@ -46,11 +46,11 @@ pub const OUTLINE: Key<Outline> = Key::new(Param {
     ..BASE
 });
 
-/// How far around a point under the brush voxels may change.
+/// Greatest distance of changed voxels from a point under the brush.
 pub const REACH: Key<f32> = Key::new(Param {
     key: "reach",
     label: "Reach",
-    help: "How far from the surface voxels may change",
+    help: "Greatest distance of changed voxels from the surface",
     domain: Domain::Number([0.0, MAX_REACH_VX]),
     unit: Unit::Voxels,
     first: Value::Number(3.0),
@@ -59,17 +59,17 @@ pub const REACH: Key<f32> = Key::new(Param {
     ..BASE
 });
 
-/// How far from the surface voxels are masked.
+/// Greatest distance of masked voxels from the surface.
 pub const MASK_DEPTH: Key<f32> = REACH
     .first(4.0)
     .label("Depth")
-    .help("How far from the surface voxels are protected, outwards, too");
+    .help("Greatest distance of protected voxels from the surface, outwards too");
 
 /// The shape that is cut around a point under the brush.
 pub const BITE: Key<Outline> = Key::new(Param {
     key: "bite",
     label: "Cut shape",
-    help: "The shape that is cut around each point under the brush",
+    help: "Shape cut around each point under the brush",
     domain: Domain::Choice(&[
         Choice { name: Outline::Round.name(), help: "Cut balls" },
         Choice { name: Outline::Square.name(), help: "Cut cubes" },
@@ -83,18 +83,18 @@ pub const BITE: Key<Outline> = Key::new(Param {
 pub const THRESHOLD: Key<u32> = Key::new(Param {
     key: "threshold",
     label: "Threshold",
-    help: "Gaps with at least this many of their 26 neighbours are filled; 10 or more keeps flat faces",
+    help: "Fills gaps with at least this many of their 26 neighbours; 10 or more keeps flat faces",
     domain: Domain::Whole([1, 26]),
     first: Value::Whole(14),
     omitted: Omitted::Is(Value::Whole(14)),
     ..BASE
 });
 
-/// How much one use of the brush does.
+/// Strength of one use of the brush.
 pub const STRENGTH: Key<f32> = Key::new(Param {
     key: "strength",
     label: "Strength",
-    help: "How much each use does",
+    help: "Strength of each use",
     domain: Domain::Number([0.0, 1.0]),
     unit: Unit::Share,
     first: Value::Number(1.0),
@@ -102,21 +102,21 @@ pub const STRENGTH: Key<f32> = Key::new(Param {
     ..BASE
 });
 
-/// Overlapping uses in one stroke do not add up.
+/// Whether overlapping uses in one stroke do not add up.
 pub const ONCE_PER_STROKE: Key<bool> = Key::new(Param {
     key: "once_per_stroke",
     label: "Once per stroke",
-    help: "Uses the surface as it was when the stroke began, so that overlapping parts of the stroke are not cut or raised \
+    help: "Works on the surface from before the stroke, so that overlapping parts of the stroke are not cut or raised \
            twice",
     ..BASE
 });
 
-/// Length of the rope on which the pointer leads the brush; 0 without one.
+/// Length of the rope by which the pointer pulls the brush; 0 without one.
 pub const STEADY: Key<f32> = Key::new(Param {
     key: "steady",
     label: "Steady",
-    help: "The pointer leads the brush on a rope of this length, so that a hand that trembles draws an even line; 0 without \
-           one",
+    help: "The pointer pulls the brush on a rope of this length, so that a trembling hand draws an even line; 0 for no \
+           rope",
     domain: Domain::Number([0.0, MAX_STEADY_PX]),
     unit: Unit::Pixels,
     first: Value::Number(0.0),
@@ -124,17 +124,23 @@ pub const STEADY: Key<f32> = Key::new(Param {
     ..BASE
 });
 
-/// How the effect falls off from the middle of the ball to its rim.
+/// Falloff of the effect from the centre of the ball to its rim.
 pub const FALLOFF: Key<Falloff> = Key::new(Param {
     key: "falloff",
     label: "Falloff",
-    help: "How the effect falls off from the middle of the brush to its rim",
+    help: "Falloff of the effect from the centre of the brush to its rim",
     domain: Domain::Choice(&[
-        Choice { name: Falloff::Smooth.name(), help: "Evenly less from the middle to the rim" },
-        Choice { name: Falloff::Sharp.name(), help: "Quickly less from the middle: a tip" },
+        Choice {
+            name: Falloff::Smooth.name(),
+            help: "Decreases evenly from the centre to the rim",
+        },
+        Choice {
+            name: Falloff::Sharp.name(),
+            help: "Decreases quickly from the centre, which makes a tip",
+        },
         Choice {
             name: Falloff::Flat.name(),
-            help: "The same around the middle, then less: as if by a hand",
+            help: "Constant around the centre, then decreasing, as if moved by hand",
         },
     ]),
     first: Value::Choice(0),
@@ -146,7 +152,7 @@ pub const FALLOFF: Key<Falloff> = Key::new(Param {
 pub const COLOUR: Key<Rgb> = Key::new(Param {
     key: "colour",
     label: "Colour",
-    help: "The colour that the brush gives",
+    help: "Colour that the brush applies",
     domain: Domain::Colour,
     ..BASE
 });
@@ -155,49 +161,49 @@ pub const COLOUR: Key<Rgb> = Key::new(Param {
 pub const COVER: Key<f32> = Key::new(Param {
     key: "cover",
     label: "Cover",
-    help: "Share of the colour that a pass mixes in",
+    help: "Opacity of the colour in each pass",
     domain: Domain::Number([0.0, 1.0]),
     unit: Unit::Share,
     omitted: Omitted::Is(Value::Number(1.0)),
     ..BASE
 });
 
-/// Reach of the neighbourhood whose majority smooths, on each axis. Recordings of the first versions smooth so.
+/// Reach of the neighbourhood of the majority filter, on each axis. Recordings of the first versions smooth with it.
 pub const AROUND: Key<u32> = Key::new(Param {
     key: "around",
     label: "Around",
-    help: "Reach of the neighbourhood whose majority smooths, in voxels",
+    help: "Reach of the neighbourhood of the majority filter, in voxels",
     domain: Domain::Whole([1, 8]),
     unit: Unit::Voxels,
     omitted: Omitted::InsteadOf(STRENGTH.param.key, Value::Whole(2)),
     ..BASE
 });
 
-/// How far the surface must have come towards the next voxel for it to change.
+/// Distance that the surface must have moved towards the next voxel for it to change.
 pub const ROUNDING: Key<f32> = Key::new(Param {
     key: "rounding",
     label: "Rounding",
-    help: "How far the surface must have come towards the next voxel for it to change",
+    help: "Distance that the surface must have moved towards the next voxel for it to change",
     domain: Domain::Number([0.0, 1.0]),
     omitted: Omitted::Unwritten(Value::Number(super::kernel::level::Level::NEAREST)),
     ..BASE
 });
 
-/// How far the surface goes in the middle of the ball, in units of the smallest edge of a voxel.
+/// Displacement of the surface at the centre of the ball, in units of the smallest voxel edge.
 pub const HEIGHT: Key<f32> = Key::new(Param {
     key: "height",
     label: "Height",
-    help: "How far the surface goes in the middle of the ball",
+    help: "Displacement of the surface at the centre of the ball",
     domain: Domain::Number([-MAX_HEIGHT, MAX_HEIGHT]),
     unit: Unit::Voxels,
     ..BASE
 });
 
-/// By how much the middle of the ball turns, in degrees, counter-clockwise seen from where the normal points.
+/// Rotation of the centre of the ball, in degrees, counter-clockwise seen from where the normal points.
 pub const ANGLE: Key<f32> = Key::new(Param {
     key: "angle",
     label: "Angle",
-    help: "By how many degrees the middle of the ball turns",
+    help: "Rotation of the centre of the ball, in degrees",
     domain: Domain::Number([-MAX_TWIST_DEG, MAX_TWIST_DEG]),
     ..BASE
 });
@@ -223,7 +229,7 @@ impl ParamValue for Falloff {
 }
 
 impl Key<Falloff> {
-    /// Returns the same option with another first value.
+    /// Returns the same option with another default.
     pub(super) const fn first(mut self, falloff: Falloff) -> Key<Falloff> {
         self.param.first = Value::Choice(falloff as u8);
         self

@@ -13,7 +13,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     name: "mask",
     action: "mask",
     label: "Mask",
-    help: "Mask: protects the surface under it, so that nothing changes it",
+    help: "Mask: protects the surface under it from all changes",
     effect: "Protects the surface from all tools, commands and pastes. The mask is shown darker and hatched.",
     keeps: Keeps::of("kept", "kept", "kept"),
     synonyms: "protect freeze lock",

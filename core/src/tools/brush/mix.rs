@@ -1,5 +1,5 @@
-//! Mixtures of a colour with those that voxels have. With few bits of colour a mixture lies between two storable colours: it
-//! is dithered so that the mean over an area is right.
+//! Mixes a colour with those of the voxels. With few colour bits a mixture lies between two storable colours; it is
+//! dithered so that the mean over an area is right.
 
 use glam::{IVec3, UVec3};
 
@@ -16,7 +16,8 @@ pub struct Mix {
 }
 
 impl Mix {
-    /// `cover`: share of the colour, 0 to 1; `footprint`: that of the pass, which is dithered the same if it is replayed.
+    /// `cover`: opacity of the colour, 0 to 1; `footprint`: that of the pass, which gives the same dither if it is
+    /// replayed.
     pub fn new(colour: Rgb, cover: f32, footprint: &Footprint, depth: ColourDepth) -> Mix {
         Mix { colour, cover, pass: pass(footprint), depth }
     }

@@ -1,5 +1,5 @@
-//! Brushes: a footprint in the picture or a ball on the surface, and the voxels that change under it. Each has a file that
-//! describes it, and a row in the list below.
+//! Brushes: a footprint in the picture or a ball on the surface, and the voxels that change under it. Each brush has a
+//! file that describes it, and an entry in the list below.
 //!
 //! From a grid and one use of a brush to the voxels to remove, to add and to paint. Changes nothing; knows no document.
 

@@ -1,9 +1,9 @@
-//! The values of a brush: a value for each parameter that its description lists, in a hand or in a command.
+//! The values of a brush: one for each parameter that its description lists, in interactive use or in a command.
 
 use super::BrushId;
 use super::param::{Key, Param, ParamValue, Value};
 
-/// Most parameters of a list.
+/// Greatest number of parameters in a list.
 const MOST: usize = 8;
 
 /// A value for each parameter of a list, which the owner knows. Unused ones are absent.
@@ -39,7 +39,7 @@ fn place(params: &[Param], key: &str) -> Option<usize> {
     params.iter().position(|param| param.key == key)
 }
 
-/// The options with which a hand uses a brush.
+/// The options with which a brush is used interactively.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BrushOptions {
     brush: BrushId,
@@ -47,12 +47,12 @@ pub struct BrushOptions {
 }
 
 impl BrushOptions {
-    /// Returns the options that a brush begins with.
+    /// Returns the default options of a brush.
     pub fn first(brush: BrushId) -> BrushOptions {
         BrushOptions { brush, values: Values::new(brush.spec().options, |param| param.first) }
     }
 
-    /// These options for another brush, as far as it has them.
+    /// Returns these options for another brush, as far as it has them.
     pub fn of(&self, brush: BrushId) -> BrushOptions {
         let mut options = BrushOptions::first(brush);
         self.iter().for_each(|(param, value)| options.set_value(param.key, value));
@@ -69,7 +69,7 @@ impl BrushOptions {
         place(self.params(), key.param.key).is_some()
     }
 
-    /// Returns the value of an option. If the brush does not have it, what it usually is.
+    /// Returns the value of an option, or its usual value if the brush does not have it.
     pub fn get<T: ParamValue + Default>(&self, key: Key<T>) -> T {
         let value = self.values.get(self.params(), key.param.key).unwrap_or(key.param.first);
         T::from_value(value).unwrap_or_default()
@@ -86,7 +86,7 @@ impl BrushOptions {
         self
     }
 
-    /// The same for an option that is known by its name.
+    /// Sets an option given by its name.
     pub fn set_value(&mut self, key: &str, value: Value) {
         self.values.set(self.params(), key, value);
     }

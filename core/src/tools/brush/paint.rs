@@ -18,19 +18,19 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "paintbrush",
     label: "Brush",
     help: "Brush: paints the visible surface under it",
-    effect: "Paints the visible surface. With a PNG or JPEG image it is a stencil, whose longer side is as long as the brush is wide: it prints the image, or the colour in hand through the bright parts of it. Inverted, or with the eraser of a pen, it brings the bare colour back.",
+    effect: "Paints the visible surface. With a PNG or JPEG image it is a stencil, whose longer side is as long as the brush is wide: it prints the image, or the current colour through the bright parts of the image. Inverted, or with the eraser of a pen, it restores the bare colour.",
     keeps: Keeps::of("kept", "changed", "kept"),
     synonyms: "paint airbrush colour",
     options: &[
         RADIUS.param,
         OUTLINE.param,
-        STRENGTH.range(0.01, 1.0).help("How much of the colour each pass mixes in").param,
+        STRENGTH.range(0.01, 1.0).help("Opacity of the colour in each pass").param,
     ],
     inverse: Inverse::Sense,
     pressure: Some(STRENGTH),
     gives_colour: true,
     idle: "Nothing was painted: it has this colour already",
-    // Beside each other, since one over another would blur the image.
+    // Side by side, since overlapping prints would blur the image.
     image_spacing: Some(2.0),
     dab: |dab| Some(used(dab)),
     script: Some(Script {
@@ -43,7 +43,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::SURFACE
 };
 
-/// Returns an image has its own outline and, unless the colour goes through it, its own colours.
+/// Makes a use of the brush. An image has its own outline and, unless the colour shows through it, its own colours.
 fn used(dab: &Dab) -> BrushUse {
     let cover = dab.options.get(STRENGTH);
     let DabPlace::Picture { footprint, colour, image: Some(image), .. } = dab.place else {
@@ -55,7 +55,7 @@ fn used(dab: &Dab) -> BrushUse {
     if image.lets_colour_through { used.with(COLOUR, colour) } else { used }
 }
 
-/// With an image each mirror image of the brush has its own; a colour is dithered as under the brush itself.
+/// Paints. Each mirror image of the brush has its own copy of an image; a colour is dithered as under the brush itself.
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let Some(footprint) = used.footprint() else { return Ok(Change::default()) };
     let cover = used.get(COVER);

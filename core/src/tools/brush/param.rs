@@ -1,5 +1,5 @@
-//! Describes a number, a choice or a colour of a brush: its name, its values, its texts. From these descriptions panels,
-//! memory, pens and the text form of commands are made.
+//! Describes a number, a choice or a colour of a brush: its name, its values, its texts. Panels, stored settings, pens
+//! and the text form of commands are derived from these descriptions.
 //!
 //! A value is read by its [`Key`], which knows the type of its values. Knows no brush and no interface.
 
@@ -12,7 +12,7 @@ use crate::sculpture::Rgb;
 /// A value of an option.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Value {
-    /// There is none.
+    /// No value.
     Absent,
     /// A number, in the unit of the option; shares from 0 to 1.
     Number(f32),
@@ -20,7 +20,7 @@ pub enum Value {
     Whole(u32),
     /// A switch.
     On(bool),
-    /// A place in the list of choices.
+    /// An index into the list of choices.
     Choice(u8),
     /// A colour.
     Colour(Rgb),
@@ -42,37 +42,37 @@ impl fmt::Display for Value {
 /// The values that an option can have.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Domain {
-    /// The radius of the brush, in the unit that the person has chosen for the sizes of all brushes.
+    /// The radius of the brush, in the unit that the user has chosen for the sizes of all brushes.
     Radius,
-    /// Numbers from a least to a largest one.
+    /// Numbers in a range.
     Number([f32; 2]),
-    /// Counts from a least to a largest one.
+    /// Counts in a range.
     Whole([u32; 2]),
     /// On or off.
     Switch,
-    /// One of these.
+    /// One of a list of choices.
     Choice(&'static [Choice]),
     /// Any colour.
     Colour,
 }
 
-/// The meaning of a script that says nothing about a value.
+/// The meaning of an omitted value in a script.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Omitted {
     /// It cannot be left out.
     Required,
-    /// It is this one, which the text form states nevertheless.
+    /// This value, which the text form writes nevertheless.
     Is(Value),
-    /// It is this one, about which the text form says nothing either.
+    /// This value, which the text form omits, too.
     Unwritten(Value),
-    /// It is this one if the script does not state another parameter, which it names, instead.
+    /// This value, unless the script states the named parameter instead.
     InsteadOf(&'static str, Value),
 }
 
 /// One of several values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Choice {
-    /// In scripts, in what is remembered, and, with a capital, in panels.
+    /// Used in scripts, in stored settings, and, capitalised, in panels.
     pub name: &'static str,
     /// Explains it in one sentence.
     pub help: &'static str,
@@ -92,7 +92,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Returns the factor by which a number is shown.
+    /// Returns the factor by which a number is multiplied for display.
     pub fn factor(self) -> f32 {
         match self {
             Unit::Share => 100.0,
@@ -100,7 +100,7 @@ impl Unit {
         }
     }
 
-    /// Returns the sign after the number, with the space before it.
+    /// Returns the unit sign after the number, with the space before it.
     pub fn suffix(self) -> &'static str {
         match self {
             Unit::Plain => "",
@@ -114,29 +114,29 @@ impl Unit {
 /// The description of an option.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Param {
-    /// In scripts and in what is remembered.
+    /// Used in scripts and in stored settings.
     pub key: &'static str,
-    /// In panels.
+    /// Shown in panels.
     pub label: &'static str,
     /// Explains it in one sentence.
     pub help: &'static str,
-    /// Its values.
+    /// Its domain.
     pub domain: Domain,
     /// The unit in which it is shown.
     pub unit: Unit,
-    /// Its first value in a hand; of a radius in pixels.
+    /// Its default in interactive use; for a radius in pixels.
     pub first: Value,
-    /// Its value in a script that says nothing about it.
+    /// Its value in a script that omits it.
     pub omitted: Omitted,
-    /// Sliders give small values more room.
+    /// Whether sliders give small values more room.
     pub logarithmic: bool,
-    /// It makes no sense without a pointer on a screen.
+    /// Whether it requires a pointer on a screen.
     pub needs_pointer: bool,
 }
 
 impl Param {
-    /// Returns whether the option can have a value. A radius: see [`Domain::Radius`]; `radii` are those of the unit in
-    /// use.
+    /// Returns whether the option can have a value. For a radius see [`Domain::Radius`]; `radii` is the range in the
+    /// current unit.
     pub fn allows(&self, value: Value, radii: RangeInclusive<f32>) -> bool {
         match (self.domain, value) {
             (Domain::Radius, Value::Number(number)) => radii.contains(&number),
@@ -150,7 +150,7 @@ impl Param {
         }
     }
 
-    /// Returns the rule that values keep, after the name of the option.
+    /// Returns the rule for its values, to follow the name of the option.
     pub(super) fn rule(&self) -> String {
         match self.domain {
             Domain::Number([least, most]) => format!("must be from {least} to {most}"),
@@ -168,9 +168,9 @@ impl Param {
 
 /// A type of values of options.
 pub trait ParamValue: Sized {
-    /// From a value; none if it is of another type.
+    /// Converts a value; `None` if it is of another type.
     fn from_value(value: Value) -> Option<Self>;
-    /// As a value.
+    /// Converts to a value.
     fn to_value(self) -> Value;
 }
 
@@ -214,7 +214,7 @@ impl ParamValue for Rgb {
     }
 }
 
-/// The key of an option whose values are of the type `T`, with the description that a brush adapts to itself.
+/// The key of an option whose values are of the type `T`, with the description that a brush adapts.
 #[derive(Clone, Copy, Debug)]
 pub struct Key<T> {
     /// The description.
@@ -223,7 +223,7 @@ pub struct Key<T> {
 }
 
 impl<T> Key<T> {
-    /// Returns a key with a description whose values are of the type `T`.
+    /// Creates a key from a description whose values are of the type `T`.
     pub(super) const fn new(param: Param) -> Key<T> {
         Key { param, values: PhantomData }
     }
@@ -240,13 +240,13 @@ impl<T> Key<T> {
         self
     }
 
-    /// Returns the same in scripts that must state it.
+    /// Returns the same option, required in scripts.
     pub(super) const fn required(mut self) -> Key<T> {
         self.param.omitted = Omitted::Required;
         self
     }
 
-    /// Returns the same in scripts that need not have it.
+    /// Returns the same option, optional in scripts.
     pub(super) const fn optional(mut self) -> Key<T> {
         self.param.omitted = Omitted::Unwritten(Value::Absent);
         self
@@ -254,7 +254,7 @@ impl<T> Key<T> {
 }
 
 impl Key<f32> {
-    /// Returns the same option with another first value.
+    /// Returns the same option with another default.
     pub(super) const fn first(mut self, number: f32) -> Key<f32> {
         self.param.first = Value::Number(number);
         self
@@ -268,7 +268,7 @@ impl Key<f32> {
 }
 
 impl Key<u32> {
-    /// Returns the same option with another first value, in a hand and in scripts.
+    /// Returns the same option with another default, in interactive use and in scripts.
     pub(super) const fn first(mut self, count: u32) -> Key<u32> {
         self.param.first = Value::Whole(count);
         self.param.omitted = Omitted::Is(Value::Whole(count));
@@ -277,7 +277,7 @@ impl Key<u32> {
 }
 
 impl Key<bool> {
-    /// Returns the same option, on or off at first.
+    /// Returns the same option, on or off by default.
     pub(super) const fn first(mut self, on: bool) -> Key<bool> {
         self.param.first = Value::On(on);
         self

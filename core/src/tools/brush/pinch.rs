@@ -13,13 +13,13 @@ pub const SPEC: BrushSpec = BrushSpec {
     name: "pinch",
     action: "pinch",
     label: "Pinch",
-    help: "Pinch: brings the clay together under it; inverted, it spreads it",
-    effect: "Brings the clay in a ball together at the normal of the surface and lets it rise along it, so that ridges become narrower and higher. Inverted, it spreads the clay. Uses add up.",
+    help: "Pinch: gathers the clay under it; inverted, it spreads the clay",
+    effect: "Gathers the clay in a ball towards the normal of the surface and lets it rise along the normal, so that ridges become narrower and higher. Inverted, it spreads the clay. Uses add up.",
     keeps: Keeps::of("kept within 1 %", "goes along", "not kept"),
     synonyms: "gather narrow sharpen tighten deform",
     options: &[
         RADIUS.first(40.0).param,
-        STRENGTH.first(0.5).help("How far the clay comes together").param,
+        STRENGTH.first(0.5).help("How far the clay is gathered").param,
         STEADY.param,
         FALLOFF.param,
     ],
@@ -34,7 +34,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::DEFORM
 };
 
-/// How far one use brings the clay together with full strength; some ten of them overlap.
+/// How far one use gathers the clay at full strength; some ten of them overlap.
 const SHARE: f32 = 0.1;
 
 fn dab(dab: &Dab) -> Option<BrushUse> {

@@ -14,15 +14,15 @@ pub const SPEC: BrushSpec = BrushSpec {
     name: "polish",
     action: "polish",
     label: "Polish",
-    help: "Polish: flattens and smooths the surface in one",
-    effect: "Moves the surface in a ball to the plane that it has around the press, and then smooths it: at half strength, grains and pits of a voxel go at once.",
-    keeps: Keeps::of("bumps go, pits fill, whatever their volumes", Keeps::AROUND, "made"),
+    help: "Polish: flattens and smooths the surface in one pass",
+    effect: "Moves the surface in a ball to the mean plane around the press, and then smooths it: at half strength, one use removes grains and pits of one voxel.",
+    keeps: Keeps::of("bumps go and pits fill, regardless of their volumes", Keeps::AROUND, "made"),
     synonyms: "buff sand burnish deform",
     options: &[
         RADIUS.first(40.0).param,
         STRENGTH
             .first(0.5)
-            .help("How far the surface goes to the plane, and how much is smoothed")
+            .help("How far the surface moves to the plane, and how much it is smoothed")
             .param,
         STEADY.param,
         FALLOFF.first(Falloff::Flat).param,
@@ -32,9 +32,10 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::DEFORM
 };
 
-/// How far around a voxel the majority is looked for.
+/// Reach of the majority filter, in voxels.
 const AROUND_VX: u32 = 2;
-/// The power of the strength that the filter takes. At half strength, a grain or pit of one voxel in a plane goes in one use.
+/// Exponent applied to the strength for the filter. At half strength, one use removes a grain or pit of one voxel in a
+/// plane.
 const EVENNESS: f32 = 0.25;
 
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
@@ -53,9 +54,9 @@ mod tests {
     use crate::document::{Document, Limits};
     use crate::sculpture::{ColourDepth, Rgb};
 
-    /// The grounds end below this height.
+    /// Greatest height of the ground in voxels.
     const GROUND_VX: i32 = 24;
-    /// The middle of the brush, in the face of a ground.
+    /// The centre of the brush, on the surface of a ground.
     const MIDDLE: i32 = 32;
     const RADIUS_VX: i32 = 20;
 
@@ -82,12 +83,12 @@ mod tests {
         run(document, &format!("deform polish {at} strength={strength} falloff=flat"));
     }
 
-    /// Returns how many voxels the ground has at a place.
+    /// Returns the height of the ground in voxels at a position.
     fn height(document: &Document, x: i32, z: i32) -> i32 {
         (0..64).filter(|&y| document.grid().get(IVec3::new(x, y, z))).count() as i32
     }
 
-    /// Returns the columns within a distance of the middle.
+    /// Returns the columns within a distance of the centre.
     fn columns(within_vx: i32) -> impl Iterator<Item = (i32, i32)> {
         let all = (0..64).flat_map(|z| (0..64).map(move |x| (x, z)));
         all.filter(move |(x, z)| {
@@ -96,7 +97,7 @@ mod tests {
         })
     }
 
-    /// Returns a ground with grains and pits of one voxel, every three voxels in turn.
+    /// Returns a ground with alternating grains and pits of one voxel, every three voxels.
     fn rough() -> Document {
         let mut document = ground();
         for (i, (x, z)) in columns(30).filter(|(x, z)| x % 3 == 0 && z % 3 == 0).enumerate() {

@@ -12,17 +12,17 @@ pub const SPEC: BrushSpec = BrushSpec {
     name: "smear",
     action: "smear",
     label: "Smear",
-    help: "Smear: takes clay along with the brush",
-    effect: "Takes the clay in a ball along with the brush. Uses add up.",
+    help: "Smear: drags clay along with the brush",
+    effect: "Drags the clay in a ball along with the brush. Uses add up.",
     keeps: Keeps::of(
-        "kept where it is led along a face",
+        "kept where it drags along a face",
         "goes along",
-        "kept where it is led along them",
+        "kept where it drags along them",
     ),
     synonyms: "nudge smudge drag rub thumb deform",
     options: &[
         RADIUS.first(40.0).param,
-        STRENGTH.help("How far the clay goes along with the brush").param,
+        STRENGTH.help("How far the clay follows the brush").param,
         STEADY.param,
         FALLOFF.param,
     ],
@@ -31,15 +31,15 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::DEFORM
 };
 
-/// Longest way of one use, as a share of the radius: beyond that the brush has leapt.
+/// Longest displacement of one use, as a share of the radius: beyond that the brush has jumped.
 const LONGEST: f32 = 0.5;
 
-/// Pulls the clay from where the brush was to where it is. Small brushes are used once a voxel.
+/// Pulls the clay from the previous position of the brush to the present one. Small brushes are used once per voxel.
 fn dab(dab: &Dab) -> Option<BrushUse> {
     let DabPlace::Surface { at_vx, from_vx, edges, .. } = dab.place else { return None };
-    let (way, radius) = (at_vx - from_vx, dab.options.get(RADIUS));
-    let by_vx = way * dab.options.get(STRENGTH);
-    if (way * edges).length() > (LONGEST * radius).max(2.0) || by_vx == Vec3::ZERO {
+    let (delta_vx, radius) = (at_vx - from_vx, dab.options.get(RADIUS));
+    let by_vx = delta_vx * dab.options.get(STRENGTH);
+    if (delta_vx * edges).length() > (LONGEST * radius).max(2.0) || by_vx == Vec3::ZERO {
         return None;
     }
     let ball = Ball { centre_vx: from_vx, radius, frame: Frame::Displacement(by_vx) };

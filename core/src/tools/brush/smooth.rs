@@ -16,13 +16,13 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "smooth",
     label: "Smooth",
     help: "Smooth: evens out bumps and pits",
-    effect: "Takes away bumps and pits that are smaller than the brush, by the share that the strength says, and goes on while the button is held. Large forms, flat faces and thin walls stay.",
-    keeps: Keeps::of("of forms five times as large as the brush kept within 1 %; smaller ones go", Keeps::AROUND, "kept, but for their edges"),
+    effect: "Reduces bumps and pits that are smaller than the brush, in proportion to the strength, and repeats while the button is held. Large forms, flat faces and thin walls stay.",
+    keeps: Keeps::of("kept within 1 % for forms five times as large as the brush; smaller ones go", Keeps::AROUND, "kept, but for their edges"),
     synonyms: "soften relax blur polish",
     options: &[
         RADIUS.param,
         OUTLINE.param,
-        STRENGTH.range(0.01, 1.0).first(0.5).help("How much of what is smaller than the brush each use takes away; it goes on while the button is held").param,
+        STRENGTH.range(0.01, 1.0).first(0.5).help("How much each use reduces details smaller than the brush; it repeats while the button is held").param,
     ],
     stroke: BrushStroke::Picture { repeats: true },
     pressure: Some(STRENGTH),
@@ -36,21 +36,21 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::SURFACE
 };
 
-/// Multiples of the golden section lie evenly between whole numbers.
+/// Multiples of the golden ratio are spread evenly modulo 1.
 const GOLDEN: f32 = 0.618_034;
 
-/// As far from the surface as it smooths, each use of a stroke with another rounding.
+/// Makes a use with reach 0 and a different rounding for each use of a stroke.
 fn dab(dab: &Dab) -> Option<BrushUse> {
     let DabPlace::Picture { uses, .. } = dab.place else { return None };
     let rounding = (Level::NEAREST + uses as f32 * GOLDEN).fract();
     Some(dab.used(Frame::None).with(REACH, 0.0).with(ROUNDING, rounding))
 }
 
-/// With a strength it smooths by a level as large as the footprint, and the reach has no say; without one by the majority, as
-/// the first versions did.
+/// With a strength, smooths by a level set at the scale of the footprint, and ignores the reach. Without one, smooths
+/// by the majority, as the first versions did.
 fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
     let stamp = rays::under(used, site, |footprint| match used.find(STRENGTH) {
-        // All of it works on one surface: overlapping uses on that of a stroke's beginning do not add up.
+        // All uses work on one surface: overlapping uses on that of a stroke's start do not add up.
         Some(strength) => {
             let level = Level { strength, rounding: used.get(ROUNDING) };
             level.stamp(footprint, site.surface)

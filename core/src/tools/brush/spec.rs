@@ -1,5 +1,5 @@
-//! Describes a brush: its texts, its options, the manner in which a hand uses it and what a command of it does, each written
-//! once in the file of the brush.
+//! Describes a brush: its texts, its options, its interactive use and the effect of its command. Each description is
+//! written once, in the file of the brush.
 
 pub use super::brush_use::ContactKind;
 use super::change::{Change, Site};
@@ -11,47 +11,47 @@ use crate::refusal::InvalidValue;
 /// The description of a brush.
 #[derive(Clone, Copy, Debug)]
 pub struct BrushSpec {
-    /// In scripts, in labels of undo steps, and in what is remembered.
+    /// Used in scripts, in labels of undo steps, and in stored settings.
     pub name: &'static str,
-    /// In tables of keys.
+    /// Used in tables of keys.
     pub action: &'static str,
-    /// In the interface.
+    /// Shown in the interface.
     pub label: &'static str,
     /// Explains the brush in one sentence, after its title and a colon.
     pub help: &'static str,
-    /// Explains in the manual what it does to the clay, in sentences without markup.
+    /// Explains in the manual its effect on the clay, in sentences without markup.
     pub effect: &'static str,
     /// Its effect on volume, colours and flat faces, for the manual.
     pub keeps: Keeps,
-    /// Words of other programs that find it, besides those of `help`, separated by spaces.
+    /// Search terms from other programs, besides the words of `help`, separated by spaces.
     pub synonyms: &'static str,
-    /// The family with which interfaces show it.
+    /// The group with which interfaces show it.
     pub group: BrushGroup,
     /// Its options, in the order in which panels show them.
     pub options: &'static [Param],
     /// The manner in which a stroke uses it.
     pub stroke: BrushStroke,
-    /// Distance of two uses, as a share of the radius.
+    /// Spacing of uses along a stroke, as a share of the radius.
     pub spacing: f32,
-    /// The same with an image in place of the colour; none for a brush that takes no image.
+    /// The spacing with an image in place of the colour; `None` for a brush that takes no image.
     pub image_spacing: Option<f32>,
     /// The modifier that inverts the tool.
     pub inverse: Inverse,
-    /// Options that it has in common with another brush are those of that one, but for radius and outline.
+    /// A brush with which it shares its options, except for radius and outline.
     pub options_of: Option<BrushId>,
-    /// The option that the pressure of a pen leads.
+    /// The option that pen pressure controls.
     pub pressure: Option<Key<f32>>,
     /// The colour of its outline.
     pub tint: Tint,
-    /// It gives the colour in hand.
+    /// Whether it applies the current colour.
     pub gives_colour: bool,
-    /// It can add voxels, and so meet the walls of the grid.
+    /// Whether it can add voxels, and so reach the border of the grid.
     pub adds: bool,
-    /// Explains a use that has met the surface and changed nothing.
+    /// The message after a use that has met the surface and changed nothing.
     pub idle: &'static str,
-    /// The use that a hand makes; none where it would change nothing.
+    /// Makes the use of an interactive dab; `None` where it would change nothing.
     pub dab: fn(&Dab) -> Option<BrushUse>,
-    /// Its command; none if the commands of a hand are those of another brush.
+    /// Its command; `None` if its interactive commands are those of another brush.
     pub script: Option<Script>,
 }
 
@@ -67,7 +67,7 @@ pub struct Keeps {
 }
 
 impl Keeps {
-    /// New clay has the colours around it; the inside of the clay shows where some is removed.
+    /// For brushes that add clay in the surrounding colours and expose the inside where they cut.
     pub(super) const AROUND: &'static str =
         "new clay: the colours around it; cuts show the colour inside";
 
@@ -83,15 +83,15 @@ impl Keeps {
 /// The command of a brush.
 #[derive(Clone, Copy, Debug)]
 pub struct Script {
-    /// Where it is used.
+    /// The place where it is used.
     pub contact: ContactKind,
-    /// Its parameters, in the order in which the text form has them.
+    /// Its parameters, in the order of the text form.
     pub params: &'static [Param],
-    /// On the surface as it was when the stroke began it takes the place of what the stroke has done.
+    /// Whether it replaces what the stroke has done, on the surface as it was at the start of the stroke.
     pub replaces_stroke: bool,
-    /// A sculpture without colours refuses it.
+    /// Whether a sculpture without colours refuses it.
     pub needs_colours: bool,
-    /// The change that a use makes, which has been checked.
+    /// Computes the change of a use, which must have been checked.
     pub apply: fn(&BrushUse, &Site) -> Result<Change, InvalidValue>,
 }
 
@@ -119,7 +119,7 @@ impl Script {
         Some(Script { contact, params, replaces_stroke: false, needs_colours: false, apply })
     }
 
-    /// Returns a command that moves a ball of clay, which takes the place of what the stroke has done.
+    /// Returns a command that moves a ball of clay and replaces what the stroke has done.
     pub(super) const fn of_clay(
         contact: ContactKind,
         params: &'static [Param],
@@ -129,14 +129,14 @@ impl Script {
     }
 }
 
-/// The families of brushes.
+/// The groups of brushes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum BrushGroup {
     /// Brushes that change voxels under an outline in the picture.
     Surface,
     /// Brushes that deform clay.
     Deform,
-    /// Brushes that protect the surface. The one that takes protection away is offered as the inverse of the other.
+    /// Brushes that protect the surface. The one that removes protection is offered as the inverse of the other.
     Mask,
 }
 
@@ -145,17 +145,17 @@ pub enum BrushGroup {
 pub enum BrushStroke {
     /// Under an outline that lies in the picture, at a spacing along the path of the pointer.
     Picture {
-        /// It is used again while it is held in one place.
+        /// Whether it is applied repeatedly while it is held in one place.
         repeats: bool,
     },
-    /// In a ball that goes over the surface.
+    /// In a ball that moves over the surface.
     Surface {
         /// The normal of the surface.
         normal: SurfaceNormal,
     },
-    /// In a ball of clay that is held and follows the drag.
+    /// In a grabbed ball of clay that follows the drag.
     Held {
-        /// It turns instead of going along.
+        /// Whether it turns instead of moving along.
         turns: bool,
     },
 }
@@ -163,12 +163,12 @@ pub enum BrushStroke {
 /// The place whose normal a brush uses.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum SurfaceNormal {
-    /// That of the surface around the press, for the whole stroke. `on_plane`: all uses lie in the plane there.
+    /// The normal of the surface around the press, for the whole stroke. `on_plane`: all uses lie in the plane there.
     OfPress {
-        /// The middles of all uses lie in one plane.
+        /// Whether the centres of all uses lie in one plane.
         on_plane: bool,
     },
-    /// That of the surface around each use, as it was when the stroke began.
+    /// The normal of the surface around each use, as it was at the start of the stroke.
     OfEachUse,
 }
 
@@ -177,7 +177,7 @@ pub enum SurfaceNormal {
 pub enum Inverse {
     /// None.
     Same,
-    /// The brush works in the other sense.
+    /// The brush works in the opposite sense.
     Sense,
     /// Another brush is used.
     Brush(BrushId),
@@ -186,18 +186,18 @@ pub enum Inverse {
 /// The colour of a brush's outline.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Tint {
-    /// That of tools that cut.
+    /// The colour of tools that cut.
     Cut,
-    /// That of tools that neither cut nor add.
+    /// The colour of tools that neither cut nor add.
     Neutral,
-    /// That of the mask.
+    /// The colour of the mask.
     Mask,
-    /// The colour in hand.
+    /// The current colour.
     Colour,
 }
 
 impl BrushSpec {
-    /// A brush under an outline in the picture.
+    /// Defaults of a brush under an outline in the picture.
     pub(super) const SURFACE: BrushSpec = BrushSpec {
         name: "",
         action: "",
@@ -222,7 +222,7 @@ impl BrushSpec {
         script: None,
     };
 
-    /// A brush that deforms clay.
+    /// Defaults of a brush that deforms clay.
     pub(super) const DEFORM: BrushSpec = BrushSpec {
         group: BrushGroup::Deform,
         stroke: BrushStroke::Surface { normal: SurfaceNormal::OfPress { on_plane: false } },
@@ -235,7 +235,7 @@ impl BrushSpec {
         ..BrushSpec::SURFACE
     };
 
-    /// Over its options: the first words of the help.
+    /// Returns the title over its options: the first words of the help.
     pub fn title(&self) -> &'static str {
         self.help.split(':').next().unwrap_or(self.label)
     }
@@ -250,7 +250,7 @@ impl BrushSpec {
         matches!(self.stroke, BrushStroke::Picture { .. })
     }
 
-    /// Returns whether it takes hold of clay.
+    /// Returns whether it grabs clay.
     pub fn is_held(&self) -> bool {
         matches!(self.stroke, BrushStroke::Held { .. })
     }

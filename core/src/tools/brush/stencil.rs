@@ -1,7 +1,7 @@
-//! Stencils: an image in place of a brush's colour, or that lets a colour through where it is bright.
+//! Stencils: an image that replaces a brush's colour, or lets a colour through where it is bright.
 //!
-//! From voxels under the brush to their colours. The image stands upright over the brush as it is seen, its longer side as
-//! long as the brush is wide. Changes nothing; knows no files.
+//! From voxels under the brush to their colours. The image stands upright over the brush in the view, its longer side
+//! as long as the brush is wide. Changes nothing; knows no files.
 
 use std::sync::Arc;
 
@@ -15,7 +15,8 @@ use crate::tools::texture::Texture;
 pub struct Stencil {
     texture: Arc<Texture>,
     eye_vx: Vec3,
-    /// From the way to a point to its ray: how many to the right and down, times the third.
+    /// Maps the offset of a point from the eye to its ray: the number of rays to the right and down, times
+    /// the third component.
     rays_from_grid: Mat3,
     /// Half the width and height of the image, in rays.
     half: Vec2,
@@ -24,7 +25,7 @@ pub struct Stencil {
 }
 
 impl Stencil {
-    /// `colour` goes through the bright parts of the image; none for the image's own. `cover`: its share in the mixture.
+    /// `colour` shows through the bright parts of the image; `None` for the image's own colours. `cover`: its opacity.
     pub fn new(
         texture: &Arc<Texture>,
         footprint: &Footprint,
@@ -33,7 +34,7 @@ impl Stencil {
     ) -> Stencil {
         let Footprint { eye_vx, aim, across, down, radius, .. } = *footprint;
         let size = Vec2::from(texture.size().map(|side| side as f32));
-        // Half a ray more on each side, which belongs to the outermost ones.
+        // Half a ray more on each side, the share of the outermost rays.
         let half = size / size.max_element() * (radius + 0.5);
         let rays_from_grid = Mat3::from_cols(across, down, aim).inverse();
         Stencil { texture: texture.clone(), eye_vx, rays_from_grid, half, colour, cover }
@@ -58,7 +59,7 @@ impl Stencil {
     }
 }
 
-/// Returns the brightness of a colour as the eye sees it (luma of BT.709), 0 to 1.
+/// Returns the perceived brightness of a colour (luma of BT.709), 0 to 1.
 fn brightness(Rgb([r, g, b]): Rgb) -> f32 {
     (0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)) / 255.0
 }
@@ -68,7 +69,7 @@ mod tests {
     use super::*;
     use crate::tools::brush::footprint::{Coverage, Outline};
 
-    /// Rays straight down the z axis, a voxel apart at z = 0.
+    /// Returns a footprint that looks straight down the z axis, with rays a voxel apart at z = 0.
     fn looking_down(radius: f32) -> Footprint {
         Footprint {
             eye_vx: Vec3::new(10.0, 10.0, 100.0),
@@ -102,7 +103,7 @@ mod tests {
         let at = |y| stencil.colour(UVec3::new(10, y, 0), Rgb::new(100, 100, 100));
         assert_eq!(at(17), Rgb::new(50, 50, 150));
         assert_eq!(at(2), Rgb::new(100, 100, 100));
-        // Rays that meet in no point, as a script may give them, paint nothing.
+        // Rays that do not span a picture, as a script may give them, paint nothing.
         let flat = Footprint { down: Vec3::X, ..looking_down(8.0) };
         let white = Texture::new(1, vec![Rgb::new(255, 255, 255)]).unwrap();
         let stencil = Stencil::new(&Arc::new(white), &flat, None, 1.0);

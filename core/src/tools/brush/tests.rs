@@ -1,4 +1,4 @@
-//! Tests of the descriptions of brushes, and of the voxels that those under an outline add, remove and paint.
+//! Tests the descriptions of brushes, and the voxels that those under an outline add, remove and paint.
 
 use std::collections::HashSet;
 
@@ -29,7 +29,7 @@ fn slab() -> Grid {
     grid
 }
 
-/// Returns a footprint that looks straight down on (32, 32), a ray a voxel at the slab's surface.
+/// Returns a footprint that looks straight down on (32, 32), with one ray per voxel at the slab's surface.
 fn from_above(radius: f32, outline: Outline) -> Footprint {
     let height = 100.0;
     Footprint {
@@ -89,7 +89,7 @@ fn every_brush_has_words_of_its_own() {
     }
 }
 
-/// A hand can use every brush with its first options, and each of those uses is a valid command.
+/// Every brush can be used interactively with its default options, and each of those uses is a valid command.
 #[test]
 fn a_hand_can_use_every_brush_with_its_first_options() {
     let (at_vx, from_vx) = (Vec3::new(9.0, 8.0, 7.0), Vec3::new(8.0, 8.0, 7.0));

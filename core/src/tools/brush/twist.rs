@@ -15,7 +15,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     action: "twist",
     label: "Twist",
     help: "Twist: turns the clay like a knob; drag to the right or left",
-    effect: "Turns the clay in a ball about the normal of the surface, like a knob: drag to the right for clockwise, by the radius for 57°. As with grab, the clay is always taken from where it was at the press.",
+    effect: "Turns the clay in a ball about the normal of the surface, like a knob. Dragging to the right turns it clockwise, by 57° for the length of the radius. As with grab, the clay always starts from its state at the press.",
     keeps: Keeps::of("kept within 1 %", "goes along", "not kept"),
     synonyms: "rotate turn swirl screw deform",
     options: &[
@@ -29,7 +29,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::DEFORM
 };
 
-/// Clockwise when it is led to the right, by the radius for a radian.
+/// Turns clockwise when dragged to the right, by one radian per radius.
 fn dab(dab: &Dab) -> Option<BrushUse> {
     let DabPlace::Held { by_vx, right, edges, .. } = dab.place else { return None };
     let led = (by_vx * dab.options.get(STRENGTH) * edges).dot(right);
