@@ -1,6 +1,7 @@
 //! The ball in which a brush works, placed in a grid.
 //!
-//! Gives the place of a voxel in it, the brush's share there, and a box of the voxels. Knows neither brushes nor clay.
+//! Gives the position of a voxel in it, the brush's share there, and a box of the voxels. Knows neither brushes nor
+//! clay.
 
 use glam::{DVec3, IVec3, Vec3};
 
@@ -8,7 +9,8 @@ use crate::sculpture::Grid;
 use crate::sculpture::region::VoxelBox;
 use crate::tools::brush::falloff::Falloff;
 
-/// The ball of a brush or a mirror image of it, relative to the mirror planes: mirrored positions differ in signs only and are rounded alike.
+/// The ball of a brush or a mirror image of it, relative to the mirror planes: mirrored positions differ in signs only
+/// and are rounded alike.
 pub(super) struct Ball {
     pub origin: DVec3,
     pub centre: DVec3,
@@ -20,13 +22,13 @@ pub(super) struct Ball {
 }
 
 impl Ball {
-    /// From the ball's middle to that of a voxel, in units of the smallest edge.
+    /// Returns the offset of a voxel's centre from the ball's centre, in units of the smallest edge.
     #[inline(always)]
     pub fn relative(&self, v: IVec3) -> Vec3 {
         ((v.as_dvec3() + 0.5 - self.origin - self.centre) * self.edges).as_vec3()
     }
 
-    /// Returns the brush's share of the displacement at a place relative to the middle.
+    /// Returns the brush's share of the displacement at a point relative to the centre.
     #[inline(always)]
     pub fn share(&self, p: Vec3) -> f32 {
         let p = p / self.radius;
@@ -44,7 +46,7 @@ impl Ball {
         reached.intersect(VoxelBox::of_grid(grid))
     }
 
-    /// Height of a place over the plane through the middle.
+    /// Returns the height of a point over the plane through the centre.
     #[inline(always)]
     pub fn height(&self, p: Vec3) -> f32 {
         p.x * self.normal.x + p.y * self.normal.y + p.z * self.normal.z

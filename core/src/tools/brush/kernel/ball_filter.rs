@@ -1,6 +1,6 @@
-//! Filters in balls, on the voxels as another change leaves them.
+//! Applies filters in balls, to the voxels as another change leaves them.
 //!
-//! From a grid, the change that comes first, and the balls of a brush to the change of both. Changes nothing itself.
+//! From a grid, the preceding change, and the balls of a brush to the combined change. Changes nothing itself.
 
 use glam::IVec3;
 
@@ -12,10 +12,10 @@ use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 
-/// The share of a brush's effect from which on it filters.
+/// The least share of a brush's effect at which it filters.
 const LEAST_SHARE: f32 = 0.5;
 
-/// Returns the changes of `first`, which lie in the balls, and then those of a filter there. `margin_vx`: how far
+/// Returns the changes of `first`, which lie in the balls, followed by those of a filter there. `margin_vx`: how far
 /// around a voxel the filter reads.
 pub(super) fn after(
     first: &Stamp,
@@ -35,7 +35,7 @@ pub(super) fn after(
         let solid = before
             .zip(&part(&first.add, &before), |clay, added| clay | added)
             .zip(&part(&first.remove, &before), |clay, removed| clay & !removed);
-        // Those of the other images, too: where they overlap, all must come to the same result.
+        // Includes the changes of the other images: where they overlap, all must give the same result.
         let mut may = before.emptied();
         balls.iter().for_each(|ball| put(ball, bounds, &mut may));
         let near = Near { solid, may };
@@ -56,7 +56,7 @@ pub(super) fn after(
     }))
 }
 
-/// Returns the voxels of a list that are in a block of the place and size of `block`.
+/// Returns the voxels of a list that lie in a block of the position and size of `block`.
 fn part(list: &ListedBricks, block: &BitBlock) -> BitBlock {
     let mut part = block.emptied();
     let first = block.origin() / BRICK_EDGE_VX as i32;
@@ -70,7 +70,7 @@ fn part(list: &ListedBricks, block: &BitBlock) -> BitBlock {
     part
 }
 
-/// Adds the voxels of `bounds` where a brush does enough.
+/// Sets the voxels of `bounds` where the brush's share is large enough.
 fn put(ball: &Ball, bounds: VoxelBox, may: &mut BitBlock) {
     let VoxelBox { min, max } = bounds;
     for z in min.z..max.z {
@@ -105,7 +105,7 @@ mod tests {
 
     const EDGE: i32 = 40;
 
-    /// Hills of random heights about the middle of a grid, and grains above them.
+    /// Returns hills of random heights about the middle of a grid, with grains above them.
     fn hills(seed: u64, voxel_size: Vec3) -> Grid {
         let mut grid = Grid::new(UVec3::splat(EDGE as u32), voxel_size, 1 << 30).unwrap();
         let mut random = seed | 1;
@@ -171,7 +171,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
 
-        /// One after the other: the surface is levelled everywhere, then all that the balls reach is filtered.
+        /// In sequence: the surface is levelled everywhere, then all that the balls reach is filtered.
         #[test]
         fn the_filter_follows_on_what_the_first_change_leaves(
             seed: u64, symmetry in symmetries(), flat_voxels: bool, strength in prop::sample::select(vec![0.0f32, 0.5, 1.0]),

@@ -1,8 +1,8 @@
-//! How far voxels are from the nearest voxel of a block of bits, up to a reach.
+//! Distance transform: the distance of voxels from the nearest voxel of a block of bits, up to a reach.
 //!
-//! From bits to squared distances between middles of voxels, exactly: the minimum of parabolas one axis after the other
-//! (P. Felzenszwalb, D. Huttenlocher, Distance Transforms of Sampled Functions, 2012), of which a short reach needs no
-//! more than the few around each voxel. Knows no grid and no tool.
+//! From bits to exact squared distances between voxel centres: the lower envelope of parabolas, one axis after the
+//! other (P. Felzenszwalb, D. Huttenlocher, Distance Transforms of Sampled Functions, 2012). A short reach needs only
+//! the few parabolas around each voxel. Knows no grid and no tool.
 
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{IVec3, Vec3};
@@ -11,24 +11,24 @@ use rayon::prelude::*;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::region::VoxelBox;
 
-/// Squared distances from the middles of the voxels of a box, x fastest, then z, then y.
+/// Squared distances from the centres of the voxels of a box, x fastest, then z, then y.
 pub struct Distances {
     bounds: VoxelBox,
     reach: f32,
-    /// Numbers in a row, of which those beyond the box mean nothing.
+    /// Length of a row; numbers beyond the box are meaningless.
     row: usize,
     squared: Vec<f32>,
 }
 
-/// Rows are a multiple of this long, so that no voxel is computed alone.
+/// Row lengths are multiples of this, so that no voxel is computed alone.
 const LANES: usize = 16;
 
-/// The squared distance that stands for all distances beyond the reach.
+/// The squared distance that represents all distances beyond the reach.
 pub const FAR: f32 = 1e12;
 
 impl Distances {
-    /// Returns the distances to the nearest voxel of `block` that exists (`set`) or does not, along each axis at most
-    /// `reach` away. A voxel is `edges` long. Nothing exists outside the block.
+    /// Returns the distances to the nearest voxel of `block` that exists (`set`) or does not, at most `reach` away
+    /// along each axis. A voxel is `edges` long. Nothing exists outside the block.
     pub fn new(
         block: &BitBlock,
         set: bool,
@@ -47,7 +47,7 @@ impl Distances {
         let (rises_y, rises_z): (Vec<f32>, Vec<f32>) =
             (rises(steps.y, edges.y), rises(steps.z, edges.z));
         let layer = row * size.y.max(0) as usize;
-        // Along x and across y, in all layers that are within reach; then across z, for all layers of one y.
+        // Along x and across y, in all layers within reach; then across z, for all layers of one y.
         let mut layers = vec![0.0; layer * wide.z.max(0) as usize];
         let of_z = layers.par_chunks_mut(layer.max(1)).enumerate();
         of_z.for_each_init(Vec::new, |along, (z, out)| {
@@ -79,20 +79,20 @@ impl Distances {
         &self.squared[start..start + size.x as usize]
     }
 
-    /// Returns the same from a voxel on.
+    /// Returns the squared distances of a row from a voxel on.
     pub fn row_from(&self, v: IVec3) -> &[f32] {
         &self.row(v.y, v.z)[(v.x - self.bounds.min.x) as usize..]
     }
 
-    /// Of a voxel, or the nearest one in the box.
+    /// Returns the squared distance of a voxel, or of the nearest one in the box.
     pub fn near(&self, v: IVec3) -> f32 {
         let v = v.clamp(self.bounds.min, self.bounds.max - 1);
         self.row(v.y, v.z)[(v.x - self.bounds.min.x) as usize]
     }
 
-    /// Returns the distance less half of an edge, where the surface is, at `offset` (in voxels) from the middle of `v`,
-    /// interpolated; distances beyond the reach count as the reach. Positions that mirror each other about `v` give the
-    /// same to the bit.
+    /// Returns the distance less half an edge, where the surface is, at `offset` (in voxels) from the centre of `v`,
+    /// interpolated. Distances beyond the reach count as the reach. Positions that mirror each other about `v` give
+    /// bitwise equal results.
     pub fn at(&self, v: IVec3, offset: Vec3) -> f32 {
         let whole = offset.trunc();
         let share = (offset - whole).abs().to_array();
@@ -114,12 +114,12 @@ impl Distances {
     }
 }
 
-/// Squared distances within a row, from the voxel `at` on. A voxel between two runs of sought voxels takes the distance
-/// to the nearer run.
+/// Computes squared distances within a row, from the voxel `at` on. A voxel between two runs of target voxels takes the
+/// distance to the nearer run.
 fn nearest_in_row(block: &BitBlock, set: bool, at: IVec3, steps: i32, edge: f32, out: &mut [f32]) {
     let local = at - block.origin();
     let row = block.row(local.y, local.z).unwrap_or(&[]);
-    // Counted from the block's origin; nothing exists outside.
+    // Relative to the block's origin; nothing exists outside.
     let width = if row.is_empty() { 0 } else { block.size().x as i32 };
     let (first, len) = (local.x, out.len() as i32);
     let (start, end) = (first - steps, first + len + steps);
@@ -161,7 +161,7 @@ fn next(row: &[u64], width: i32, mut x: i32, end: i32, set: bool) -> i32 {
         let word = row[x as usize / 64];
         let left = if set { word } else { !word } >> (x % 64);
         if left != 0 {
-            // Bits behind the width do not exist.
+            // Bits beyond the width do not exist.
             return (x + left.trailing_zeros() as i32).min(end);
         }
         x = (x / 64 + 1) * 64;
@@ -173,9 +173,9 @@ fn square(v: f32) -> f32 {
     v * v
 }
 
-/// The lowest of the parabolas that stand on rows of `row` numbers (a multiple of [`LANES`]), at each row of `out`. As many
-/// rows of `from` come before the first of those, and behind the last, as there are `rises` after the first: how much
-/// a parabola has risen so many rows away.
+/// Computes the lower envelope of the parabolas on rows of `row` numbers (a multiple of [`LANES`]), at each row of
+/// `out`. `rises`: the rise of a parabola at each distance in rows. `from` has as many rows before the first of `out`,
+/// and after the last, as there are `rises` after the first.
 #[inline(always)]
 fn lowest<S: Simd>(_simd: S, from: &[f32], row: usize, rises: &[f32], out: &mut [f32]) {
     let (from, _) = from.as_chunks::<LANES>();
@@ -186,7 +186,7 @@ fn lowest<S: Simd>(_simd: S, from: &[f32], row: usize, rises: &[f32], out: &mut 
         let mut least = from[at];
         let mut away = 0;
         for rises in rises[1..].chunks(4) {
-            // From here on none is low enough.
+            // From here on no parabola is low enough.
             if !least.iter().fold(false, |lower, v| lower | (*v > rises[0])) {
                 break;
             }
@@ -202,7 +202,7 @@ fn lowest<S: Simd>(_simd: S, from: &[f32], row: usize, rises: &[f32], out: &mut 
     }
 }
 
-/// As `f32::min` of numbers, in one instruction.
+/// Returns the lesser number, as `f32::min` does, in one instruction.
 #[inline(always)]
 fn lesser(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }

@@ -1,17 +1,16 @@
-//! Neighbourhood filters on blocks of bits: counts of the 26 neighbours, erosion, dilation, growth into
-//! concave corners, and smoothing by majority.
+//! Neighbourhood filters on blocks of bits: counts of the 26 neighbours, erosion, dilation, growth into concave
+//! corners, and smoothing by a majority filter.
 //!
-//! From the block of existing voxels and the block of voxels that may change (same place and size) to
-//! the voxels to add or remove. Voxels near the block's border lack neighbours, so the block must
-//! reach further than the voxels that may change (by one voxel, or by the radius of the majority).
-//! Knows no tool and no document.
+//! From the block of existing voxels and the block of voxels that may change (same position and size) to the voxels to
+//! add or remove. Voxels near the block's border lack neighbours, so the block must extend beyond the voxels that may
+//! change, by one voxel or by the radius of the majority filter. Knows no tool and no document.
 //!
-//! Counts are computed for 64 voxels at once in bit planes: 26 shifted rows are summed by ripple
-//! carry adders of single-bit planes (Knuth, The Art of Computer Programming 4A, 7.1.3).
+//! Counts are computed for 64 voxels at once in bit planes: 26 shifted rows are summed by ripple-carry adders of
+//! single-bit planes (Knuth, The Art of Computer Programming 4A, 7.1.3).
 
 use crate::sculpture::bit_block::BitBlock;
 
-/// Planes of the largest count: the 17^3 voxels of the widest majority.
+/// Number of planes of the largest count: the 17^3 voxels of the widest majority filter.
 const MOST_PLANES: usize = 13;
 
 /// Bit planes of a count for 64 voxels.
@@ -27,7 +26,7 @@ impl<const PLANES: usize> Default for Count<PLANES> {
 }
 
 impl<const PLANES: usize> Count<PLANES> {
-    /// Counts the voxels that are set.
+    /// Increments the count of the voxels that are set.
     #[inline(always)]
     fn add(&mut self, mut carry: u64) {
         for plane in &mut self.planes {
@@ -37,7 +36,7 @@ impl<const PLANES: usize> Count<PLANES> {
         }
     }
 
-    /// Adds counts; only the lowest `planes` of the sum are kept.
+    /// Adds counts. Only the lowest `planes` of the sum are kept.
     #[inline(always)]
     fn add_counts<const N: usize>(&mut self, other: &Count<N>, planes: usize) {
         let mut carry = 0;
@@ -48,10 +47,10 @@ impl<const PLANES: usize> Count<PLANES> {
         }
     }
 
-    /// Returns the voxels whose count is at least `least`, which the planes must be able to hold.
+    /// Returns the voxels whose count is at least `least`. The planes must be able to hold `least`.
     #[inline(always)]
     fn at_least(&self, least: u32) -> u64 {
-        // Compare from the highest plane down: greater, or equal so far.
+        // Compares from the highest plane down: greater, or equal so far.
         let (mut greater, mut equal) = (0u64, u64::MAX);
         for bit in (0..PLANES).rev() {
             let plane = self.planes[bit];
@@ -66,7 +65,7 @@ impl<const PLANES: usize> Count<PLANES> {
     }
 }
 
-/// 64 voxels of a row, `by` voxels (less than 64) further along x; 0 beyond its ends.
+/// Returns 64 voxels of a row, read `by` voxels (less than 64) further along x; 0 beyond its ends.
 #[inline(always)]
 pub(super) fn shifted(row: &[u64], word: usize, by: i32) -> u64 {
     let here = row[word];
@@ -77,7 +76,7 @@ pub(super) fn shifted(row: &[u64], word: usize, by: i32) -> u64 {
     }
 }
 
-/// Those of 64 voxels (existing or not) that have at least `least` of their 26 neighbours.
+/// Returns those of 64 voxels (existing or not) that have at least `least` of their 26 neighbours.
 #[inline(always)]
 fn word_with_neighbours(block: &BitBlock, y: i32, z: i32, word: usize, least: u32) -> u64 {
     let mut count = Count::<5>::default();
@@ -94,8 +93,7 @@ fn word_with_neighbours(block: &BitBlock, y: i32, z: i32, word: usize, least: u3
     count.at_least(least)
 }
 
-/// Calls `f` for each row of a block like `may`, with the range of words that have voxels in `may`, so
-/// that nothing is computed for the others.
+/// Calls `f` for each word that has voxels in `may`, in a block like `may`. Nothing is computed for the others.
 fn map_words(may: &BitBlock, mut f: impl FnMut(i32, i32, usize, u64) -> u64) -> BitBlock {
     may.map_rows(|y, z, out| {
         let Some(row) = may.row(y, z) else { return };
@@ -107,39 +105,37 @@ fn map_words(may: &BitBlock, mut f: impl FnMut(i32, i32, usize, u64) -> u64) -> 
     })
 }
 
-/// Words of `block` at a place.
+/// Returns a word of `block`.
 #[inline(always)]
 fn word_of(block: &BitBlock, y: i32, z: i32, word: usize) -> u64 {
     block.row(y, z).map_or(0, |row| row[word])
 }
 
-/// Existing voxels of `may` with fewer than `threshold` of their 26 neighbours: to be removed.
+/// Returns the voxels to remove: existing voxels of `may` with fewer than `threshold` of their 26 neighbours.
 ///
-/// A voxel of a plane has 17, of a straight edge 11, of a corner 7: thresholds from 12 to 17 leave planes alone and
-/// take edges; thresholds up to 7 take only protruding voxels.
+/// A voxel of a plane has 17 neighbours, of a straight edge 11, of a corner 7. Thresholds from 12 to 17 preserve planes
+/// and remove edges; thresholds up to 7 remove only protruding voxels.
 pub fn erosion(solid: &BitBlock, may: &BitBlock, threshold: u32) -> BitBlock {
     map_words(may, |y, z, word, _| {
         word_of(solid, y, z, word) & !word_with_neighbours(solid, y, z, word, threshold)
     })
 }
 
-/// Empty voxels of `may` with at least `threshold` of their 26 neighbours: to be added.
+/// Returns the voxels to add: empty voxels of `may` with at least `threshold` of their 26 neighbours.
 ///
-/// A voxel on a plane has 9, in a straight concave edge 15: thresholds of 10 and more leave
-/// planes alone.
+/// A voxel on a plane has 9 neighbours, in a straight concave edge 15. Thresholds of 10 and more preserve planes.
 pub fn dilation(solid: &BitBlock, may: &BitBlock, threshold: u32) -> BitBlock {
     map_words(may, |y, z, word, _| {
         word_with_neighbours(solid, y, z, word, threshold) & !word_of(solid, y, z, word)
     })
 }
 
-/// Repeats dilation, at most `rounds` times, until it adds nothing: fills concave corners up to a closed
-/// surface.
+/// Repeats dilation, at most `rounds` times, until it adds nothing. Fills concave corners up to a closed surface.
 pub fn growth(solid: &BitBlock, may: &BitBlock, threshold: u32, rounds: u32) -> BitBlock {
     let rows_y = solid.size().y as usize;
     let row_count = rows_y * solid.size().z as usize;
     let mut grown = solid.clone();
-    // Rows that the last round has added to: only around them can there be more to add.
+    // Rows that the last round has added to. Only around them can more be added.
     let mut changed = vec![true; row_count];
     for _ in 0..rounds {
         let near = |y: i32, z: i32| {
@@ -168,9 +164,9 @@ pub fn growth(solid: &BitBlock, may: &BitBlock, threshold: u32, rounds: u32) -> 
     grown.zip(solid, |g, s| g & !s)
 }
 
-/// Returns the changes of a majority filter: `(added, removed)`. With the full `strength` (1) a voxel takes the value
-/// that most voxels of the cube reaching `radius_vx` (1 to 8) around it have, itself included; so planes stay as they
-/// are. With less, that share of half of the cube is enough for a voxel to stay as it is.
+/// Returns the changes of a majority filter: `(added, removed)`. At full `strength` (1) a voxel takes the value of most
+/// voxels in the cube that reaches `radius_vx` (1 to 8) around it, itself included; planes therefore stay unchanged. At
+/// less strength, that share of half of the cube is enough for a voxel to stay.
 pub fn majority(
     solid: &BitBlock,
     may: &BitBlock,
@@ -236,7 +232,7 @@ mod tests {
         block
     }
 
-    /// Returns the voxels at least `margin` from the block's border, which may change without seeing it.
+    /// Returns the voxels at least `margin` from the block's border, whose changes do not depend on it.
     fn inner(margin: i32) -> BitBlock {
         let mut block = BitBlock::empty(MIN, MAX);
         for z in MIN.z + margin..MAX.z - margin {
@@ -286,7 +282,7 @@ mod tests {
         count
     }
 
-    /// Existing voxels of a block in each box that begins at its corner: a summed volume table.
+    /// A summed volume table of the existing voxels of a block.
     struct Sums(Vec<i32>);
 
     impl Sums {
@@ -299,7 +295,7 @@ mod tests {
                 for corner in 0..7 {
                     let back = IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
                     let part = sums.before(v + back);
-                    // Inclusion and exclusion by the number of axes on which the part is shorter.
+                    // Inclusion and exclusion, by the number of axes on which the part is shorter.
                     sum += if back.element_sum() % 2 == 0 { part } else { -part };
                 }
                 sums.0[Sums::index(v + 1)] = sum;
@@ -312,12 +308,12 @@ mod tests {
             (v.x + size.x * (v.y + size.y * v.z)) as usize
         }
 
-        /// Returns the voxels below `v` on all axes.
+        /// Returns the number of voxels below `v` on all axes.
         fn before(&self, v: IVec3) -> i32 {
             self.0[Sums::index(v.clamp(MIN, MAX))]
         }
 
-        /// Those within `reach` of `v` on all axes.
+        /// Returns the number of voxels within `reach` of `v` on all axes.
         fn around(&self, v: IVec3, reach: i32) -> u32 {
             let (min, max) = (v - reach, v + reach + 1);
             let mut count = 0;

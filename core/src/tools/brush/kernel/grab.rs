@@ -1,9 +1,9 @@
-//! Grab, twist and pinch: take hold of a ball of clay and move it, the more the nearer to the middle.
+//! Grab, twist and pinch: move the clay in a ball, the more the nearer to the centre.
 //!
 //! From the contents and a [`Grab`] with its mirror images to the voxels that appear, vanish or change colour. Each
-//! voxel looks up, once, where it comes from: the motion is followed backwards in steps that are short against the ball,
-//! so that the map neither folds nor tears, whatever the length. There the smoothed existence bits are interpolated, so
-//! that surfaces move by fractions of a voxel. Changes nothing itself.
+//! voxel is mapped once to its source (semi-Lagrangian): the motion is traced backwards in steps that are short
+//! relative to the ball, so that the map neither folds nor tears, whatever its length. The smoothed existence bits are
+//! interpolated at the source, so that surfaces move by fractions of a voxel. Changes nothing itself.
 
 mod field;
 mod flow;
@@ -34,24 +34,24 @@ use crate::tools::symmetry::{Symmetry, origin_of};
 /// A ball of clay that is moved.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Grab {
-    /// Middle of the ball, in voxel coordinates.
+    /// Centre of the ball, in voxel coordinates.
     pub centre_vx: Vec3,
-    /// Its radius in units of the smallest edge of a voxel, from [`MIN_RADIUS`] to [`MAX_RADIUS`].
+    /// Its radius in units of the smallest voxel edge, from [`MIN_RADIUS`] to [`MAX_RADIUS`].
     pub radius: f32,
-    /// Where the clay in it goes.
+    /// The motion of the clay.
     pub motion: Motion,
-    /// How the motion falls off.
+    /// The falloff of the motion.
     pub falloff: Falloff,
 }
 
-/// Slope of the motion within one step: below 1 the step can be undone, far below it is followed exactly enough.
+/// Slope of the motion within one step. Below 1 the step is invertible; far below, the trace is exact enough.
 const STEP_SLOPE: f64 = 0.4;
 
-/// Most steps of a pull: more than the longest pull at the smallest ball of cubic voxels takes.
+/// Greatest number of steps of a pull: more than the longest pull with the smallest ball of cubic voxels takes.
 const MOST_STEPS: usize = 8192;
 
-/// Returns the change of a use that moves a ball of clay. `motion`: of the clay, from the direction in which the brush
-/// works.
+/// Returns the change of a use that moves a ball of clay. `motion`: maps the direction of the brush to the motion of
+/// the clay.
 pub fn change(
     used: &BrushUse,
     site: &Site,
@@ -73,7 +73,7 @@ pub fn change(
 }
 
 impl Grab {
-    /// Returns an error if the motion would take too many steps in voxels of this size: if it leads far along the
+    /// Returns an error if the motion would take too many steps in voxels of this size, as it does far along the
     /// longest edge of thin voxels.
     fn check_steps(&self, voxel_size: Vec3, way: Vec3) -> Result<(), InvalidValue> {
         let rule =
@@ -84,7 +84,7 @@ impl Grab {
         }
     }
 
-    /// In how many steps the motion is followed.
+    /// Returns the number of steps in which the motion is traced.
     fn steps(&self, voxel_size: Vec3) -> usize {
         let size = voxel_size.as_dvec3();
         if self.motion.is_still() {
@@ -95,7 +95,7 @@ impl Grab {
         (slope / STEP_SLOPE).ceil().max(1.0) as usize
     }
 
-    /// Returns all that this and its mirror images change in `contents`.
+    /// Returns all changes that this and its mirror images make in `contents`.
     pub fn pulled(&self, contents: &Contents, symmetry: &Symmetry) -> Pulled {
         let (dims, size) = (contents.grid.dims(), contents.grid.voxel_size().as_dvec3());
         let stretch = size / size.min_element();
@@ -113,10 +113,10 @@ impl Grab {
                 step: self.motion.step(steps, image),
             })
             .collect();
-        // Moved clay stays within the reach of a pull, and so does the place from which it comes.
+        // Moved clay stays within the reach of a pull, and so does its source.
         let reach = |pull: &Pull| {
             let (start, half) = (pull.centre + origin, radius / stretch);
-            let end = start + pull.way() * steps as f64;
+            let end = start + pull.displacement() * steps as f64;
             VoxelBox {
                 min: (start.min(end) - half).floor().as_ivec3(),
                 max: (start.max(end) + half).ceil().as_ivec3(),
@@ -134,7 +134,7 @@ impl Grab {
         }
         let falloff = self.falloff;
         let flow = |pulls| Flow { pulls, origin, steps, stretch, radius, falloff };
-        // Pulls that do not meet move clay one by one.
+        // Pulls that do not meet are computed separately.
         let parts = boxes.into_iter().enumerate().filter_map(|(i, reach)| {
             let pulls = if apart { &pulls[i..=i] } else { &pulls[..] };
             flow(pulls).carry_out(contents, reach)

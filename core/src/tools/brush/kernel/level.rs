@@ -1,11 +1,10 @@
-//! Smoothing by a level as large as the brush: forms smaller than the brush go, larger ones stay.
+//! Smooths by a level set at the scale of the brush: forms smaller than the brush go, larger ones stay.
 //!
-//! From a grid, a footprint and a strength to the voxels that appear and vanish. The smoothed surface is where half of the
-//! neighbourhood exists (`field`). The surface goes the share of the way to it that the strength says, less
-//! towards the rim of the footprint, and at most half a radius. Room hidden close behind the surface counts as existing,
-//! so that walls keep their thickness; clay that is added must have real clay around it, too. At the ends of walls and posts
-//! half of what exists farther in is enough, so that they are rounded and stay.
-//! Changes nothing itself.
+//! From a grid, a footprint and a strength to the voxels that appear and vanish. The smoothed surface is where half of
+//! the neighbourhood is filled (`field`). The surface moves towards it in proportion to the strength, less towards the
+//! rim of the footprint, and by at most half a radius. Space hidden close behind the surface counts as filled, so that
+//! walls keep their thickness; added clay must be surrounded by real clay, too. At the ends of walls and posts, half of
+//! the filled share farther in is enough, so that they are rounded and stay. Changes nothing itself.
 
 mod counts;
 mod field;
@@ -33,31 +32,32 @@ use crate::sculpture::{Brick, Grid};
 use crate::tools::brush::footprint::Footprint;
 use crate::tools::brush::kernel::stamp::Stamp;
 
-/// Radii by which a brush smooths, in units of the smallest edge of a voxel; larger brushes smooth by the largest.
+/// Range of smoothing radii, in units of the smallest voxel edge; larger brushes smooth with the largest.
 pub const RADII: std::ops::RangeInclusive<f32> = 2.0..=64.0;
-/// Furthest that the surface goes in one use, in radii.
+/// Greatest distance that the surface moves in one use, in radii.
 const FURTHEST: f32 = 0.5;
-/// Where the smoothed surface is no farther away than this, the surface stays, in units of the smallest edge: flat faces
-/// are what they were.
+/// The surface stays where the smoothed surface is no farther away than this, in units of the smallest edge, so that
+/// flat faces are preserved.
 const STAYS: f32 = 0.25;
-/// More than what sums are rounded by, in these units.
+/// More than the rounding error of sums, in the same units.
 const ROUNDED: f32 = 1e-3;
-/// How far behind the surface hidden room counts as clay, in radii: as half a neighbourhood needs that is seen aslant.
+/// Depth behind the surface to which hidden space counts as clay, in radii: enough for half a neighbourhood of an
+/// oblique surface.
 const BEHIND: f32 = 2.0;
-/// From which share of the radius on the strength falls to the rim.
+/// Share of the radius from which the strength decreases to the rim.
 const PLATEAU: f32 = 0.75;
-/// How much deeper or nearer than the middle of the brush it works, in its radii.
+/// Greatest depth at which it works relative to the centre of the brush, in its radii.
 const DEPTH: f32 = 2.0;
 /// Edge of the cubes that are computed together, in voxels.
 const TILE_VX: i32 = 64;
 
-/// How a brush smooths.
+/// Parameters of smoothing.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Level {
     /// Share of the distance to the smoothed surface, 0 to 1.
     pub strength: f32,
-    /// How far the surface must have come towards the next voxel for it to change, 0 to 1. Where it differs from use to
-    /// use, steps shorter than a voxel add up.
+    /// Distance that the surface must have moved towards the next voxel for it to change, 0 to 1. Where it differs from
+    /// use to use, steps shorter than a voxel add up.
     pub rounding: f32,
 }
 
@@ -71,7 +71,7 @@ impl Level {
         InvalidValue::check_share("rounding", self.rounding)
     }
 
-    /// Returns the voxels that it changes in `grid` under a footprint.
+    /// Returns the voxels that smoothing changes in `grid` under a footprint.
     pub fn stamp(&self, footprint: &Footprint, grid: &Grid) -> Stamp {
         let Some(work) = Work::new(*self, footprint, grid) else { return Stamp::default() };
         let found: Vec<_> =
@@ -92,7 +92,7 @@ impl Level {
 
 /// Voxels of a brick.
 type Listed = (UVec3, Brick);
-/// The voxels that are added, and those that are removed.
+/// The voxels to add, and those to remove.
 type Changes = (Vec<Listed>, Vec<Listed>);
 
 /// One use of the brush.
@@ -102,13 +102,13 @@ struct Work<'a> {
     footprint: &'a Footprint,
     /// Voxel edges in units of the smallest.
     edges: Vec3,
-    /// In these units.
+    /// The smoothing radius in these units.
     radius: f32,
     hidden: Hidden,
     /// Where voxels may change.
     bounds: VoxelBox,
     tiles: Vec<IVec3>,
-    /// The shares of the neighbourhood by which voxels are added, and by which they stay.
+    /// The share of the neighbourhood by which voxels are added, and that by which they stay.
     to_add: Field,
     to_stay: Field,
 }
@@ -116,9 +116,9 @@ struct Work<'a> {
 /// A voxel that may change.
 struct Candidate {
     voxel: IVec3,
-    /// How far beyond it the smoothed surface is.
+    /// Distance of the smoothed surface beyond it.
     beyond: f32,
-    /// With which strength it is smoothed.
+    /// The strength with which it is smoothed.
     strength: f32,
     /// It stays if it is farther from the surface than this.
     limit: f32,
@@ -148,7 +148,7 @@ struct RowOfVoxels<'a> {
 }
 
 impl<'a> Work<'a> {
-    /// None where the footprint meets nothing.
+    /// Returns `None` where the footprint meets nothing.
     fn new(level: Level, footprint: &'a Footprint, grid: &'a Grid) -> Option<Work<'a>> {
         let cone = Cone::new(footprint)?;
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
@@ -250,7 +250,7 @@ impl<'a> Work<'a> {
         self.to_add.cells(along_x, first.y, first.z, adding);
         self.to_stay.cells(along_x, first.y, first.z, staying);
         for (cell, span) in spans {
-            // Between cells there are no larger shares than at them, and no smaller ones.
+            // Between cell centres, shares do not exceed the range at the centres.
             let most = adding[*cell].max(adding[cell + 1]);
             let least = staying[*cell].min(staying[cell + 1]);
             let start = local.x as usize + span.start;
@@ -275,7 +275,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Returns a voxel that the smoothed surface is so far beyond. None if it stays wherever the surface is.
+    /// Returns a voxel with the smoothed surface at a distance beyond it. `None` if it stays wherever the surface is.
     #[inline(always)]
     fn candidate(&self, voxel: IVec3, beyond: f32) -> Option<Candidate> {
         let [i, j, s] = self.hidden.project(voxel.as_vec3() + 0.5);
@@ -293,16 +293,16 @@ impl<'a> Work<'a> {
         may.then_some(Candidate { voxel, beyond, strength, limit })
     }
 
-    /// Returns whether a voxel changes that is so far from the surface.
+    /// Returns whether a voxel at a distance from the surface changes.
     fn changes(&self, candidate: &Candidate, away: f32) -> bool {
         let Candidate { beyond, strength, limit, .. } = *candidate;
-        // The voxel changes once the surface has come over its middle, or has been rounded there.
+        // The voxel changes once the surface has passed its centre, or has been rounded there.
         let rounding = Level::NEAREST + (self.level.rounding - Level::NEAREST) * (1.0 - strength);
         let needed = away - 0.5 + rounding;
         away <= limit && strength * (away + beyond) >= needed
     }
 
-    /// Those that are near enough to clay (`to_clay`) or to visible room. None if there are none.
+    /// Returns the candidates near enough to clay (`to_clay`) or to visible space. `None` if there are none.
     fn reached(&self, candidates: &[Candidate], to_clay: bool) -> Option<BitBlock> {
         let min = candidates.iter().map(|c| c.voxel).reduce(IVec3::min)?;
         let max = candidates.iter().map(|c| c.voxel).reduce(IVec3::max)? + 1;
@@ -325,7 +325,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// Returns the box of the voxels up to `reach` from some, and the tiles that they are in.
+/// Returns the box of the voxels up to `reach` from the given ones, and the tiles that contain them.
 fn around(
     voxels: impl Iterator<Item = IVec3>,
     reach: IVec3,

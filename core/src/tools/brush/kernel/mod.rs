@@ -1,4 +1,4 @@
-//! Computations that several brushes share: the voxels seen under an outline, filters on blocks of bits, distances, and
+//! Computations shared by several brushes: the voxels seen under an outline, filters on blocks of bits, distances, and
 //! the motion of surfaces and clay. Changes nothing; knows no brush's options.
 
 mod ball;

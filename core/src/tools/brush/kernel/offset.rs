@@ -1,9 +1,9 @@
 //! Brushes that move the surface: inflate, flatten, scrape, fill, draw and crease.
 //!
-//! From a grid and a brush to the voxels that appear and vanish. Clay is added where the nearest clay is less far away
-//! than the brush raises the surface there, and removed where the nearest emptiness is less far than it is lowered.
-//! Draw and crease move the surface along one direction, in which it is looked for. Distances are those between voxels
-//! less half of one, where the surface is. Changes nothing itself.
+//! From a grid and a brush to the voxels that appear and vanish. Clay is added where the nearest clay is nearer than
+//! the height by which the brush raises the surface there, and removed where the nearest empty space is nearer than the
+//! depth by which it is lowered. Draw and crease search for the surface along the one direction in which they move it.
+//! Distances are those between voxels less half of one, where the surface is. Changes nothing itself.
 
 use glam::{IVec3, Vec3};
 
@@ -23,117 +23,123 @@ use crate::tools::brush::kernel::stamp::Stamp;
 use crate::tools::brush::keys::{FALLOFF, HEIGHT, STRENGTH};
 use crate::tools::symmetry::{Symmetry, SymmetryTransform, origin_of};
 
-/// How far from the surface clay is added or removed to reach a plane, in the same units.
+/// Greatest distance from the surface at which clay is added or removed to reach a plane, in the same units.
 const PLANE_REACH: f32 = 12.0;
 
-/// Where the surface goes.
+/// The target of the surface's motion.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Target {
-    /// Along its own normals, by this much: outwards above 0.
+    /// Along its own normals, by this distance; positive outwards.
     Along(f32),
     /// Towards a plane, from one side or both.
     Plane {
-        /// Out of the clay.
+        /// The outward normal.
         normal: Vec3,
         /// Share of the distance to the plane, 0 to 1.
         strength: f32,
-        /// Clay before the plane is removed.
+        /// Whether clay in front of the plane is removed.
         lowers: bool,
-        /// Room behind the plane is filled.
+        /// Whether space behind the plane is filled.
         raises: bool,
     },
     /// Along one direction, by a height.
     Drawn {
-        /// Out of the clay.
+        /// The outward normal.
         normal: Vec3,
-        /// Along the normal above 0.
+        /// The height along the normal.
         height: f32,
-        /// The share of the height by which a place moves.
+        /// The profile of the height over the ball.
         profile: Profile,
     },
 }
 
-/// The share of the displacement by which a place moves.
+/// The profile of a displacement over the ball.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Profile {
-    /// That of the falloff.
+    /// The falloff.
     Falloff,
-    /// Its square.
+    /// The square of the falloff.
     Squared,
 }
 
 /// A movement of the surface along one direction.
 #[derive(Clone, Copy)]
 struct Pull {
-    /// From a voxel that may change to the surface that comes to it; of length 1.
-    way: Vec3,
-    /// By which the middle moves.
+    /// The unit vector from a voxel that may change to the surface that moves onto it.
+    direction: Vec3,
+    /// The displacement of the centre.
     height: f32,
     profile: Profile,
 }
 
-/// Shortest step in which the surface is looked for along a direction, in units of the smallest edge.
+/// Shortest step of the search for the surface along a direction, in units of the smallest edge.
 const LOOK: f32 = 0.25;
 /// Largest rounding error of a distance.
 const ROUNDING: f32 = 1e-3;
 
-/// A brush, placed.
+/// A brush placed in a grid.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Offset {
-    /// Middle of the ball, in voxel coordinates.
+    /// Centre of the ball, in voxel coordinates.
     pub centre_vx: Vec3,
-    /// In units of the smallest edge.
+    /// Radius in units of the smallest edge.
     pub radius: f32,
-    /// How the effect falls off from the middle to the rim.
+    /// The falloff of the effect from the centre to the rim.
     pub falloff: Falloff,
-    /// Where the surface goes.
+    /// The target of the surface's motion.
     pub target: Target,
 }
 
 impl Ball {
-    /// Returns whether the brush draws the first place on its way from which `distances` are counted to `v` or beyond.
-    /// That place is `away` or farther from `v`.
-    fn is_drawn_from(&self, distances: &Distances, v: IVec3, away: f32, pull: Pull) -> bool {
-        let Pull { way, height, profile } = pull;
+    /// Returns whether the pull draws a surface point to `v` or beyond: the first one along `pull.direction`, at least
+    /// `min_distance` away, from which `distances` are counted.
+    fn is_drawn_from(
+        &self,
+        distances: &Distances,
+        v: IVec3,
+        min_distance: f32,
+        pull: Pull,
+    ) -> bool {
+        let Pull { direction, height, profile } = pull;
         let p = self.relative(v);
         let share = |p: Vec3| match profile {
             Profile::Falloff => self.share(p),
             Profile::Squared => self.share(p) * self.share(p),
         };
-        // On the line through `v`, the place nearest to the middle moves farthest.
-        let along = p.x * way.x + p.y * way.y + p.z * way.z;
-        let furthest = height * share(p - way * along) + ROUNDING;
-        if away > furthest || p.length_squared() > self.radius * self.radius {
+        // On the line through `v`, the point nearest to the centre moves farthest.
+        let along = p.x * direction.x + p.y * direction.y + p.z * direction.z;
+        let furthest = height * share(p - direction * along) + ROUNDING;
+        if min_distance > furthest || p.length_squared() > self.radius * self.radius {
             return false;
         }
-        let mut gone = away;
+        let mut distance = min_distance;
         loop {
-            let left = distances.at(v, way * gone / self.edges.as_vec3());
+            let left = distances.at(v, direction * distance / self.edges.as_vec3());
             if left <= ROUNDING {
-                return gone <= height * share(p + way * gone) + ROUNDING;
+                return distance <= height * share(p + direction * distance) + ROUNDING;
             }
-            if gone >= furthest {
+            if distance >= furthest {
                 return false;
             }
-            gone = (gone + left.max(LOOK)).min(furthest);
+            distance = (distance + left.max(LOOK)).min(furthest);
         }
     }
 }
 
-/// Returns the change of a use in a ball. `target`: where the surface goes, from the direction out of the clay.
+/// Returns the change of a use in a ball. `target`: maps the outward normal to the target of the surface.
 pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> Change {
     let Some(offset) = Offset::of(used, target) else { return Change::default() };
     Change::of_clay(offset.stamp(site.surface, site.symmetry))
 }
 
-/// Returns the change of a use that moves the surface to the plane through the middle of the ball, by its strength.
+/// Returns the change of a use that moves the surface to the plane through the centre of the ball, by its strength.
 pub fn to_plane(used: &BrushUse, site: &Site, lowers: bool, raises: bool) -> Change {
     let strength = used.get(STRENGTH);
     change(used, site, |normal| Target::Plane { normal, strength, lowers, raises })
 }
 
-/// Returns the same from both sides, and then a filter on the voxels where the brush does at least half of what it does
-/// in its middle. `margin_vx`: how far around a voxel the filter reads.
+/// Moves the surface to the plane from both sides, and then applies a filter to the voxels where the brush has at least
+/// half of its effect at the centre. `margin_vx`: how far around a voxel the filter reads.
 pub fn to_plane_then(
     used: &BrushUse,
     site: &Site,
@@ -155,7 +161,7 @@ pub fn along_normal(used: &BrushUse, site: &Site, profile: Profile) -> Change {
 }
 
 impl Offset {
-    /// Returns the brush of a use in a ball. `target`: where the surface goes, from the direction out of the clay.
+    /// Returns the brush of a use in a ball. `target`: maps the outward normal to the target of the surface.
     fn of(used: &BrushUse, target: impl Fn(Vec3) -> Target) -> Option<Offset> {
         let ball = used.ball()?;
         let target = match ball.frame {
@@ -171,7 +177,7 @@ impl Offset {
         Stamp::union(self.balls(grid, symmetry).iter().map(|ball| self.one(grid, ball)))
     }
 
-    /// Returns the ball and the mirror images of that.
+    /// Returns the ball and its mirror images.
     fn balls(&self, grid: &Grid, symmetry: &Symmetry) -> Vec<Ball> {
         let dims = grid.dims();
         let size = grid.voxel_size().as_dvec3();
@@ -208,7 +214,7 @@ impl Offset {
                 (raises && strength > 0.0, lowers && strength > 0.0)
             }
         };
-        // Beyond the grid's border there is room, which is looked for.
+        // Beyond the grid's border there is empty space, which counts.
         let wide = VoxelBox { min: bounds.min - 1, max: bounds.max + 1 };
         let bricks = |block: BitBlock| ListedBricks::new(block.bricks(grid.brick_dims()));
         let mut stamp = Stamp::default();
@@ -226,7 +232,7 @@ impl Offset {
         stamp
     }
 
-    /// Returns the voxels that may change: those of the ball near a surface. None if there are none.
+    /// Returns the box of the voxels that may change: those of the ball near a surface. `None` if there are none.
     fn bounds(&self, grid: &Grid, ball: &Ball, around: IVec3) -> Option<VoxelBox> {
         let reached = ball.bounds(grid);
         if reached.is_empty() {
@@ -263,7 +269,7 @@ impl Offset {
         (!bounds.is_empty()).then_some(bounds)
     }
 
-    /// Returns whether a voxel without clay gets some; `away`: from the nearest clay.
+    /// Returns whether clay is added at an empty voxel; `away`: its distance from the nearest clay.
     #[inline(always)]
     fn adds(&self, ball: &Ball, to_clay: &Distances, v: IVec3, away: f32) -> bool {
         let p = ball.relative(v);
@@ -277,13 +283,13 @@ impl Offset {
                     && faces(to_clay, v, ball.normal)
             }
             Target::Drawn { height, profile, .. } => {
-                let pull = Pull { way: -ball.normal, height, profile };
+                let pull = Pull { direction: -ball.normal, height, profile };
                 ball.is_drawn_from(to_clay, v, away, pull)
             }
         }
     }
 
-    /// Returns whether a voxel of clay is removed; `away`: from the nearest emptiness.
+    /// Returns whether a voxel of clay is removed; `away`: its distance from the nearest empty space.
     #[inline(always)]
     fn removes(&self, ball: &Ball, to_room: &Distances, v: IVec3, away: f32) -> bool {
         let p = ball.relative(v);
@@ -295,7 +301,7 @@ impl Offset {
                 (1.0 - share) * away.min(PLANE_REACH) - share * ball.height(p) <= 0.0
             }
             Target::Drawn { height, profile, .. } => {
-                let pull = Pull { way: ball.normal, height: -height, profile };
+                let pull = Pull { direction: ball.normal, height: -height, profile };
                 ball.is_drawn_from(to_room, v, away, pull)
             }
         }
@@ -312,7 +318,7 @@ fn faces(to_clay: &Distances, v: IVec3, normal: Vec3) -> bool {
     outwards >= -0.5
 }
 
-/// Returns the voxels of a box for which `is` holds, given each and how far the surface is from it. Voxels at the
+/// Returns the voxels of a box for which `is` holds, given each voxel and its distance from the surface. Voxels at the
 /// distance 0 are on the other side.
 fn changed(
     bounds: VoxelBox,

@@ -1,4 +1,4 @@
-//! Brushes that move the surface: how far, on which side, and what stays.
+//! Tests brushes that move the surface: how far, on which side, and which parts stay.
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
@@ -45,7 +45,7 @@ fn brush(target: Target, centre_vx: [f32; 3], radius: f32) -> Offset {
     Offset { target, centre_vx: centre_vx.into(), radius, falloff: Falloff::Flat }
 }
 
-/// A plane by its normal, and the share of the way to it.
+/// A plane by its normal, and the share of the distance to it.
 type Plane = (Vec3, f32);
 
 fn plane(normal: [f32; 3], strength: f32) -> Plane {
@@ -72,7 +72,7 @@ fn drawn(normal: Vec3, height: f32, profile: Profile) -> Target {
     Target::Drawn { normal: normal.normalize_or(Vec3::Y), height, profile }
 }
 
-/// Height of the column of clay at x, z, if it has no gaps.
+/// Returns the height of the column of clay at x, z, if it has no gaps.
 fn height(grid: &Grid, x: i32, z: i32) -> i32 {
     let dims = grid.dims().as_ivec3();
     let top = (0..dims.y).rev().find(|y| grid.get(IVec3::new(x, *y, z))).map_or(0, |y| y + 1);
@@ -88,7 +88,7 @@ fn a_flat_face_rises_by_the_height_and_sinks_by_it() {
         let after = used(&before, &deform, Symmetry::default());
         assert_eq!(height(&after, 24, 24), 24 + by);
         assert_eq!(height(&after, 24, 5), 24);
-        // It falls off without a step back.
+        // It decreases monotonically.
         let heights: Vec<i32> =
             (24..42).map(|x| (height(&after, x, 24) - 24) * by.signum()).collect();
         assert!(heights.windows(2).all(|pair| pair[1] <= pair[0]), "{heights:?}");
@@ -106,10 +106,10 @@ fn a_ball_grows_and_shrinks_as_a_ball() {
     let ball = |radius: f32| cube(80, |v| (v.as_vec3() + 0.5).distance(centre) <= radius);
     let before = ball(18.0);
     for by in [4.0, -4.0, 2.5] {
-        // Wide and flat, so that all of the ball goes as far.
+        // Wide and flat, so that all of the ball moves equally far.
         let deform = brush(Target::Along(by), centre.to_array(), 60.0);
         let after = used(&before, &deform, Symmetry::default());
-        // The steps of a round surface count for up to half a voxel.
+        // The steps of a round surface account for up to half a voxel.
         let volume = after.opaque_count() as f64;
         let radius = (volume * 0.75 / std::f64::consts::PI).cbrt();
         let meant = f64::from(18.0 + by);
@@ -117,7 +117,7 @@ fn a_ball_grows_and_shrinks_as_a_ball() {
     }
 }
 
-/// Ground with a bump of four voxels and a pit of four.
+/// Returns ground with a bump of four voxels and a pit of four.
 fn uneven() -> Grid {
     cube(64, |v| {
         let beside = |x: i32| (v.x - x).abs().max((v.z - 32).abs());
@@ -153,7 +153,7 @@ fn nothing_is_filled_behind_a_wall() {
     }
 }
 
-/// Ground and a wall on it, whose side is steep to the direction.
+/// Ground with a wall on it whose side is parallel to the direction.
 #[test]
 fn draw_moves_all_of_the_surface_in_one_direction() {
     let before = cube(64, |v| v.y < 24 || v.y < 32 && v.x > 40);
@@ -164,12 +164,12 @@ fn draw_moves_all_of_the_surface_in_one_direction() {
         for (x, z) in [(32, 32), (24, 32), (32, 40)] {
             assert_eq!(height(&after, x, z), 24 + by, "{x} {z}");
         }
-        // The wall stays where it is and as high over the ground.
+        // The wall stays in place and keeps its height over the ground.
         assert_eq!(height(&after, 41, 32), 32 + by);
         assert_eq!(height(&after, 40, 32), 24 + by);
         assert_eq!(height(&after, 3, 32), 24);
     }
-    // Nothing comes through a thin wall from the ground behind it, and the wall is no sheet that floats.
+    // The ground does not show through a thin wall above it, and the wall is not raised as a floating sheet.
     let thin = cube(48, |v| v.y == 24 || v.y < 12);
     let up = drawn(Vec3::Y, 5.0, Profile::Falloff);
     let after = used(&thin, &brush(up, [24.0, 25.0, 24.0], 12.0), Symmetry::default());
@@ -200,7 +200,7 @@ fn draw_lowers_a_full_grid_from_its_border() {
     }
 }
 
-/// A slope is raised by as much as is asked for, as smoothly as it was.
+/// A slope is raised by the requested height and stays as smooth as it was.
 #[test]
 fn draw_raises_a_slope_along_its_normal() {
     let normal = Vec3::new(1.0, 2.0, -0.5).normalize();
@@ -260,8 +260,8 @@ fn any_deform() -> impl Strategy<Value = Offset> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
 
-    /// Nothing changes beyond the ball; what may only add or only remove does; strength 0 does nothing; empty stays
-    /// empty, and full is lowered from the border at most.
+    /// Nothing changes beyond the ball. Brushes that may only add or only remove do so; strength 0 does nothing; an
+    /// empty grid stays empty, and a full one is lowered from the border at most.
     #[test]
     fn only_the_meant_side_of_what_is_in_the_ball_changes(
         deform in any_deform(), seed in 0u32..1000, kind in 0u8..4, flat in 1.0f32..2.0,

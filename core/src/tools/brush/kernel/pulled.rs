@@ -1,4 +1,5 @@
-//! The change that a motion of clay makes: the voxels that appear, vanish or change colour, with the colours that have come.
+//! The change that a motion of clay makes: the voxels that appear, vanish or change colour, with the transported
+//! colours.
 //!
 //! Changes nothing itself; knows no motion and no brush.
 
@@ -8,7 +9,7 @@ use super::stamp::Stamp;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_index};
 use crate::sculpture::{Brick, Rgb};
 
-/// The colours that voxels of a brick come with, where its mask in the list has them.
+/// The transported colours of the voxels of a brick, valid where its mask in the list is set.
 pub(super) type Colours = (UVec3, Box<[Rgb; BRICK_VOXELS as usize]>);
 
 /// The change that a pull makes.
@@ -16,7 +17,7 @@ pub(super) type Colours = (UVec3, Box<[Rgb; BRICK_VOXELS as usize]>);
 pub struct Pulled {
     /// Voxels to remove, to add and to recolour, among them those added.
     pub stamp: Stamp,
-    /// In the order of the bricks of `stamp.paint`.
+    /// The colours, in the order of the bricks of `stamp.paint`.
     pub(super) colours: Vec<Colours>,
 }
 
@@ -30,7 +31,7 @@ impl Pulled {
         Some(self.colours[place].1[local_index(x, y, z) as usize])
     }
 
-    /// Voxels in several parts come from the same place in each.
+    /// Unites the parts. Voxels in several parts have the same source in each.
     pub(super) fn union(parts: Vec<Pulled>) -> Pulled {
         let (stamps, colours): (Vec<_>, Vec<_>) =
             parts.into_iter().map(|part| (part.stamp, part.colours)).unzip();

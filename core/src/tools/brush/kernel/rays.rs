@@ -1,7 +1,7 @@
-//! Brushes under an outline in the picture: the voxels around those of the surface that a footprint takes.
+//! Brushes under an outline in the picture: the voxels around the surface voxels that a footprint selects.
 //!
-//! The footprint lies in the picture, so that the brush works on exactly what is on the screen
-//! (J. Mueller 2005: "congruent with the picture"). Changes nothing itself.
+//! The footprint lies in the picture, so that the brush works on exactly what is on the screen (J. Mueller 2005:
+//! "congruent with the picture"). Changes nothing itself.
 
 use glam::IVec3;
 
@@ -14,7 +14,7 @@ use crate::tools::brush::change::Site;
 use crate::tools::brush::footprint::{Footprint, Outline, Touch};
 use crate::tools::brush::keys::{REACH, THRESHOLD};
 
-/// The voxels of the surface under a footprint, and a box of all that may change around them.
+/// The surface voxels under a footprint, and a box of all that may change around them.
 struct Touched {
     touches: Vec<Touch>,
     min: IVec3,
@@ -31,9 +31,9 @@ pub struct Near {
 
 /// The voxels that a filter adds, and those that it removes.
 pub struct Filtered {
-    /// To add.
+    /// The voxels to add.
     pub add: Option<BitBlock>,
-    /// To remove.
+    /// The voxels to remove.
     pub remove: Option<BitBlock>,
 }
 
@@ -43,7 +43,7 @@ pub fn under(used: &BrushUse, site: &Site, one: impl Fn(&Footprint) -> Stamp) ->
     Stamp::union(site.images.iter().map(|image| one(&footprint.image(image))))
 }
 
-/// Returns the voxels of the surface under one footprint.
+/// Returns the surface voxels under one footprint.
 pub fn seen(footprint: &Footprint, site: &Site) -> ListedBricks {
     let Some(touched) = Touched::under(footprint, site.surface, 0) else {
         return ListedBricks::default();
@@ -53,8 +53,8 @@ pub fn seen(footprint: &Footprint, site: &Site) -> ListedBricks {
     ListedBricks::new(seen.bricks(site.contents.grid.brick_dims()))
 }
 
-/// Returns the voxels around those of the surface under a use and its mirror images. `share`: of the reach, from the
-/// distance from the centre of the footprint (0) to its rim (1).
+/// Returns the voxels around the surface voxels under a use and its mirror images. `share`: maps the distance from the
+/// centre of the footprint (0) to its rim (1) to a share of the reach.
 pub fn around(
     used: &BrushUse,
     site: &Site,
@@ -75,8 +75,8 @@ pub fn around(
     stamp.add
 }
 
-/// Returns a filter on the voxels near the surface under one footprint. `margin`: how far around voxels that may change
-/// it reads.
+/// Applies a filter to the voxels near the surface under one footprint. `margin`: how far around voxels that may change
+/// the filter reads.
 pub fn filtered(
     footprint: &Footprint,
     site: &Site,
@@ -98,7 +98,7 @@ pub fn filtered(
     Stamp { add: listed(add), remove: listed(remove), ..Stamp::default() }
 }
 
-/// Returns a filter that counts neighbours against the threshold of a use, under it and its mirror images.
+/// Applies a filter that compares neighbour counts with the threshold of a use, under it and its mirror images.
 pub fn by_threshold(
     used: &BrushUse,
     site: &Site,
@@ -115,7 +115,7 @@ pub fn by_threshold(
 }
 
 impl Touched {
-    /// None if there is no surface under the footprint.
+    /// Returns `None` if there is no surface under the footprint.
     fn under(footprint: &Footprint, surface: &Grid, margin: i32) -> Option<Touched> {
         let touches = footprint.touched(surface);
         let min = touches.iter().map(|touch| touch.voxel).reduce(IVec3::min)?;
@@ -124,7 +124,7 @@ impl Touched {
     }
 
     fn around(&self, reach_vx: impl Fn(f32) -> f32, outline: Outline) -> BitBlock {
-        // Distances between voxels are roots of whole numbers: reaches between two of them are the same.
+        // Distances between voxels are roots of integers, so all reaches between two of them are equivalent.
         let steps = |offset: f32| match outline {
             Outline::Round => reach_vx(offset).max(0.0).powi(2) as u32,
             Outline::Square => reach_vx(offset).max(0.0) as u32,

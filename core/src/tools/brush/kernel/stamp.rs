@@ -1,8 +1,8 @@
-//! Voxels to remove, to add and to recolour, as kernels give them.
+//! Voxels to remove, to add and to recolour, as kernels return them.
 
 use crate::sculpture::region::ListedBricks;
 
-/// The voxels that a brush changes; of a mask those that are added to it or removed from it.
+/// The voxels that a brush changes; for a mask those added to it or removed from it.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Stamp {
     /// Voxels to remove.

@@ -1,8 +1,8 @@
-//! The voxels of the surface that a footprint takes.
+//! Finds the surface voxels that a footprint selects.
 //!
-//! From a footprint and a grid to [`Touch`]es. A footprint either takes the visible voxels whose
-//! projection lies inside its outline ([`visible`]) or, as commands recorded before did, the voxels
-//! that its rays meet. Changes nothing; knows no brush.
+//! From a footprint and a grid to [`Touch`]es. A footprint selects either the visible voxels whose projection lies
+//! inside its outline ([`visible`]) or, for commands recorded by earlier versions, the voxels that its rays meet.
+//! Changes nothing; knows no brush.
 
 use std::collections::HashSet;
 
@@ -12,7 +12,7 @@ use crate::surface::raycast;
 use crate::tools::brush::footprint::{Coverage, Footprint, Touch};
 
 impl Footprint {
-    /// Returns the voxels of `surface` that this footprint takes, each once.
+    /// Returns the voxels of `surface` that this footprint selects, each once.
     pub fn touched(&self, surface: &Grid) -> Vec<Touch> {
         match self.coverage {
             Coverage::Rays => self.met_by_rays(surface),

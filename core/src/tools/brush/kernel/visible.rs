@@ -1,20 +1,20 @@
-//! The visible voxels under a footprint, whatever the ratio of voxel to pixel.
+//! Finds the visible voxels under a footprint, whatever the ratio of voxel to pixel.
 //!
 //! From a footprint and a grid to the voxels that
 //!
-//! 1. exist and have an open face that is turned to the eye, by more than a degree ([`LEAST_TURN`]), or any open face
-//!    where the surface around them is turned to the eye: a step of a slope that is seen edge on;
-//! 2. have their middle projected into the outline;
-//! 3. are seen: a ray of the picture meets such a face, or nothing stands between the eye and the middle of it or of a
-//!    quarter, or between the eye and the point [`LIFT_VX`] above its middle. So a voxel that is hidden by less than a voxel of its own surface
-//!    counts, as the steps of a slope do that is seen aslant; what lies behind another part does not. Where slits or edges
-//!    are narrower than half a voxel, either may be found;
+//! 1. exist and have an open face that is turned to the eye by more than a degree ([`LEAST_TURN`]), or any open face
+//!    where the surface around them is turned to the eye, as a step of a slope seen edge-on is;
+//! 2. have their centre projected into the outline;
+//! 3. are seen: a ray of the picture meets such a face, or nothing stands between the eye and the centre of the face or
+//!    of a quarter of it, or between the eye and the point [`LIFT_VX`] above its centre. So a voxel hidden by less than a
+//!    voxel of its own surface counts, as the steps of an oblique slope do; one behind another part does not. Where slits
+//!    or edges are narrower than half a voxel, either may be found;
 //!
-//! and the voxel in the very middle, so that a brush smaller than a voxel takes the one under it.
+//! and the voxel on the central ray, so that a brush smaller than a voxel selects the one under it.
 //!
-//! Most voxels are decided by a depth map of the footprint: the rays of its pixels, and more between them where those are
-//! farther apart than half a voxel. Voxels near its leaps get rays of their own. Bricks are found by walking the blocks of the grid that are in the cone
-//! and not hidden. Changes nothing; knows no brush.
+//! Most voxels are decided by a depth map of the footprint: the rays of its pixels, and more between them where those
+//! are farther apart than half a voxel. Voxels near depth discontinuities get rays of their own. Bricks are found by
+//! traversing the blocks of the grid that lie in the cone and are not hidden. Changes nothing; knows no brush.
 
 use glam::{DMat3, DVec3, IVec3, UVec2, UVec3, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
@@ -26,36 +26,36 @@ use crate::surface::raycast::{self, sample};
 use crate::tools::brush::footprint::{Footprint, Touch};
 use crate::view::PixelRays;
 
-/// How far above a face the point lies that may be seen instead of its middle, in voxels: still within the empty voxel
+/// Height above a face of the point that may be seen instead of its centre, in voxels: still within the empty voxel
 /// beside it.
 pub const LIFT_VX: f32 = 0.9;
 /// The sine of the least angle between a face and the ray to it.
 pub const LEAST_TURN: f32 = 0.0175;
 
-/// The same for the surface around a voxel, whose normal is less exact.
+/// The least sine for the surface around a voxel, whose normal is less exact.
 const STEPPED_TURN: f32 = 0.05;
-/// How far around a voxel its surface is looked at, in voxels.
+/// Radius around a voxel in which its surface normal is estimated, in voxels.
 const SURFACE_VX: i32 = 4;
 /// The outward normals of the faces of a voxel.
 const SIDES: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
 
-/// How far beside the middle of a face its parts are, on both axes, in voxels.
+/// Offset of the sample points of a face from its centre, on both axes, in voxels.
 const PART_VX: f32 = 0.33;
 
 /// Least component of a direction.
-const LEAST_WAY: Vec3 = Vec3::splat(1e-20);
+const LEAST_COMPONENT: Vec3 = Vec3::splat(1e-20);
 
-/// Distance of the rays of the depth map where the surface is farthest, in voxels.
+/// Spacing of the rays of the depth map where the surface is farthest, in voxels.
 const RAY_SPACING_VX: f32 = 0.5;
-/// Most rays of the depth map along a side: 4 million, 16 MiB.
+/// Greatest number of rays of the depth map along a side: 4 million, 16 MiB.
 const MOST_RAYS: u32 = 2048;
-/// Rays along a side of the first map, which tells how far the surface is.
+/// Rays along a side of the first, coarse map, which estimates the distance of the surface.
 const FIRST_RAYS: u32 = 48;
 /// Rays along a side of a tile whose farthest depth is kept.
 const TILE: usize = 16;
-/// Farther behind the surface around, a voxel is hidden without a ray of its own, in voxels.
+/// Depth behind the surrounding surface at which a voxel is hidden without a ray of its own, in voxels.
 const SURELY_HIDDEN_VX: f32 = 4.0;
-/// Volume of the cell of three directions of length 1 below which rays span no picture.
+/// Least volume spanned by the three unit directions; below it rays span no picture.
 const LEAST_VOLUME: f64 = 1e-9;
 /// Bricks along an edge of a block of occupancy.
 const BLOCK_BRICKS: u32 = 4;
@@ -83,22 +83,22 @@ pub fn under(footprint: &Footprint, grid: &Grid) -> Vec<Touch> {
 /// A footprint that projects points of the grid to its rays.
 pub(super) struct Cone {
     eye: Vec3,
-    /// Take a point relative to the eye to `i s`, `j s` and `s`: i rays to the right, j down, in s lengths of the aim.
+    /// Maps a point relative to the eye to `i s`, `j s` and `s`: i rays to the right, j down, in s lengths of the aim.
     rows: [Vec3; 3],
     lengths: [f32; 3],
-    /// Lengths of the aim in a voxel.
+    /// The length of a voxel in lengths of the aim.
     pub per_voxel: f32,
     footprint: Footprint,
 }
 
 impl Cone {
-    /// None if the rays do not span a picture.
+    /// Returns `None` if the rays do not span a picture.
     pub fn new(footprint: &Footprint) -> Option<Cone> {
         let Footprint { eye_vx, aim, across, down, .. } = *footprint;
         let [across, down, aim] = [across, down, aim].map(Vec3::as_dvec3);
         let matrix = DMat3::from_cols(across, down, aim);
         let volume = matrix.determinant().abs();
-        // NaN gives None, too.
+        // NaN yields `None`, too.
         let spans = volume > LEAST_VOLUME * across.length() * down.length() * aim.length();
         if !spans {
             return None;
@@ -115,14 +115,14 @@ impl Cone {
         })
     }
 
-    /// Returns a point relative to the eye as rays to the right and down, and lengths of the aim.
+    /// Projects a point relative to the eye to rays to the right and down, and lengths of the aim.
     #[inline(always)]
     pub fn project(&self, from_eye: Vec3) -> [f32; 3] {
         let [i, j, s] = self.rows.map(|row| row.dot(from_eye));
         [i / s, j / s, s]
     }
 
-    /// Returns the rays that a ball may cover, `min` and `max`, and its nearest depth. None where it is beside the
+    /// Returns the rays that a ball may cover, `min` and `max`, and its nearest depth. `None` where it is beside the
     /// outline or behind the eye. A ball around the eye covers all rays.
     #[inline(always)]
     fn ball(&self, centre: Vec3, radius_vx: f32) -> Option<([f32; 2], [f32; 2], f32)> {
@@ -152,8 +152,8 @@ impl Cone {
     }
 }
 
-/// Returns the first voxels on the rays of a square around the middle ray of a footprint. `step`: between two rays, in
-/// rays of the footprint; `reach`: how many on each side of the middle one.
+/// Casts the rays of a square around the central ray of a footprint and returns their first voxels. `step`: spacing in
+/// rays of the footprint; `reach`: number of rays on each side of the central one.
 pub(super) fn map_around(footprint: &Footprint, grid: &Grid, step: f32, reach: u32) -> IndexMap {
     let Footprint { eye_vx, aim, across, down, .. } = *footprint;
     let first = -(reach as f32 * step);
@@ -169,25 +169,25 @@ pub(super) fn map_around(footprint: &Footprint, grid: &Grid, step: f32, reach: u
     map
 }
 
-/// Returns the direction of a ray, as the caster takes it: no 0 is divided by 0.
+/// Returns the direction of a ray for the caster: no component is 0, so that no 0 is divided by 0.
 #[inline(always)]
 pub(super) fn direction(view: &PixelRays, x: u32, y: u32) -> Vec3 {
-    let way = view.direction(x, y);
-    Vec3::select(way.abs().cmplt(LEAST_WAY), LEAST_WAY, way)
+    let ray = view.direction(x, y);
+    Vec3::select(ray.abs().cmplt(LEAST_COMPONENT), LEAST_COMPONENT, ray)
 }
 
-/// How far away the first voxel of each ray is, over the square around a footprint.
+/// The distance of the first voxel on each ray, over the square around a footprint.
 struct Depths {
-    /// Of the first ray, and between two, in rays of the footprint.
+    /// Position of the first ray, and the spacing, in rays of the footprint.
     first: f32,
     step: f32,
     side: usize,
-    /// In lengths of the aim, row by row; infinite where nothing is.
+    /// Depths in lengths of the aim, row by row; infinite where nothing is hit.
     depths: Vec<f32>,
-    /// The voxels that rays meet by faces turned to them: bricks by rising index.
+    /// The voxels whose faces turned to the rays are met: bricks by ascending index.
     met: Vec<(u32, Brick)>,
     tiles: usize,
-    /// The farthest depth of each tile and the rays around it.
+    /// The greatest depth of each tile and the rays around it.
     farthest: Vec<f32>,
 }
 
@@ -199,12 +199,12 @@ impl Depths {
         let far = far.depths.iter().copied().filter(|depth| depth.is_finite()).fold(0.0, f32::max);
         let width_vx = footprint.across.length().max(footprint.down.length()) * far;
         let most = (MOST_RAYS as f32 / (2.0 * radius + 1.0)).max(1.0);
-        // Whole, so that the rays of the pixels are among them.
+        // A whole number, so that the rays of the pixels are among them.
         let rays_a_pixel = (width_vx / RAY_SPACING_VX).clamp(1.0, most).ceil();
         Depths::map(footprint, grid, rays_a_pixel.recip(), (radius * rays_a_pixel).ceil() as u32)
     }
 
-    /// `step`: between two rays, in rays of the footprint; `reach`: how many on each side of the middle one.
+    /// `step`: spacing in rays of the footprint; `reach`: number of rays on each side of the central one.
     fn map(footprint: &Footprint, grid: &Grid, step: f32, reach: u32) -> Depths {
         let eye_vx = footprint.eye_vx;
         let first = -(reach as f32 * step);
@@ -219,12 +219,12 @@ impl Depths {
             for ((depth, &voxel), x) in pixels.filter(|((_, voxel), _)| **voxel != NO_VOXEL) {
                 let voxel = grid.voxel_coords(voxel);
                 let low = voxel.as_vec3() - eye_vx;
-                let way = direction(&view, x, y as u32);
-                let (a, b) = (low / way, (low + 1.0) / way);
+                let ray = direction(&view, x, y as u32);
+                let (a, b) = (low / ray, (low + 1.0) / ray);
                 let entries = a.min(b);
                 *depth = entries.max_element().max(0.0);
                 let axis = entries.max_position();
-                if way[axis].abs() <= LEAST_TURN * way.length() {
+                if ray[axis].abs() <= LEAST_TURN * ray.length() {
                     continue;
                 }
                 let brick = grid.brick_index(voxel / BRICK_EDGE_VX) as u32;
@@ -257,7 +257,7 @@ impl Depths {
         Depths { first, step, side, depths, met, tiles, farthest }
     }
 
-    /// Returns the place of a ray of the footprint in the map, in its rays.
+    /// Returns the position of a ray of the footprint in the map, in its rays.
     #[inline(always)]
     fn place(&self, ray: f32) -> f32 {
         ((ray - self.first) / self.step).clamp(0.0, (self.side - 1) as f32)
@@ -280,7 +280,7 @@ impl Depths {
         (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)))
     }
 
-    /// Returns the farthest depth of a rectangle of rays of the footprint, or of more.
+    /// Returns an upper bound on the depth of a rectangle of rays of the footprint.
     #[inline(always)]
     fn farthest(&self, min: [f32; 2], max: [f32; 2]) -> f32 {
         let low = min.map(|ray| self.place(ray) as usize / TILE);
@@ -294,7 +294,7 @@ impl Depths {
     }
 }
 
-/// The walk over the bricks in the cone.
+/// The traversal of the bricks in the cone.
 struct Search<'a> {
     grid: &'a Grid,
     cone: &'a Cone,
@@ -331,13 +331,12 @@ impl Search<'_> {
         }
     }
 
-    /// Returns whether voxels of a cube of bricks may be in the outline, and none of them is behind all that is seen
-    /// around.
+    /// Returns whether voxels of a cube of bricks may be in the outline and not behind the whole surface around.
     #[inline(always)]
     fn may_be_seen(&self, first: UVec3, bricks: u32) -> bool {
         let edge = (bricks * BRICK_EDGE_VX) as f32;
         let centre = (first * BRICK_EDGE_VX).as_vec3() + 0.5 * edge;
-        // Half the diagonal, and the distance that a point may be lifted above a face.
+        // Half the diagonal, plus the distance that a point may be lifted above a face.
         let radius_vx = edge * 0.87 + 1.0;
         let Some((min, max, near)) = self.cone.ball(centre, radius_vx) else { return false };
         let hidden = self.depths.farthest(min, max) + SURELY_HIDDEN_VX * self.cone.per_voxel;
@@ -369,8 +368,8 @@ impl Search<'_> {
         });
     }
 
-    /// Returns whether a voxel is seen by one of its open faces, of which there is one for each of [`SIDES`]. `middle`:
-    /// of the voxel, from the eye.
+    /// Returns whether a voxel is seen by one of its open faces; `open` has one flag for each of [`SIDES`]. `middle`:
+    /// the centre of the voxel, relative to the eye.
     #[inline(always)]
     fn is_seen(&self, voxel: IVec3, middle: Vec3, open: [bool; 6]) -> bool {
         let least = LEAST_TURN * middle.length();
@@ -398,7 +397,7 @@ impl Search<'_> {
         if (0..6).any(|side| doubtful[side] && sees_any(side)) {
             return true;
         }
-        // Steps whose faces are seen edge on, or from behind, of a surface that is turned to the eye.
+        // Steps, whose faces are seen edge-on or from behind, of a surface that is turned to the eye.
         let mut stepped = [false; 6];
         for side in (0..6).filter(|side| open[*side] && !turned[*side]) {
             stepped[side] = self.by_depth(middle + (0.5 + LIFT_VX) * normals[side]) != Some(false);
@@ -408,7 +407,7 @@ impl Search<'_> {
             && (0..6).any(|side| stepped[side] && sees(side, LIFT_VX))
     }
 
-    /// Returns whether a point, given from the eye, is seen, as far as the depth map tells.
+    /// Returns whether a point, given relative to the eye, is seen, as far as the depth map tells.
     #[inline(always)]
     fn by_depth(&self, point: Vec3) -> Option<bool> {
         let [i, j, s] = self.cone.project(point);
@@ -420,25 +419,25 @@ impl Search<'_> {
         (s > farthest + margin).then_some(false)
     }
 
-    /// Returns whether nothing stands before a point, given from the eye.
+    /// Returns whether nothing stands before a point, given relative to the eye.
     fn sees(&self, point: Vec3) -> bool {
-        // Up to a hair before it, since a face stands at itself.
+        // Up to slightly before the point, since a face would occlude itself.
         let hit = raycast::cast(self.grid, self.cone.eye, point);
         hit.is_none_or(|hit| hit.t >= 1.0 - 1e-3 / point.length().max(1.0))
     }
 }
 
-/// Returns whether the surface around a voxel, whose middle is given from the eye, is turned to the eye: the mean of
-/// the ways to the empty voxels within [`SURFACE_VX`].
+/// Returns whether the surface around a voxel, whose centre is given relative to the eye, is turned to the eye. The
+/// normal is the mean offset of the empty voxels within [`SURFACE_VX`].
 pub(super) fn is_turned(grid: &Grid, voxel: IVec3, middle: Vec3) -> bool {
     let reach = -SURFACE_VX..=SURFACE_VX;
     let mut normal = IVec3::ZERO;
     for z in reach.clone() {
         for y in reach.clone() {
             for x in reach.clone() {
-                let way = IVec3::new(x, y, z);
-                if way.length_squared() <= SURFACE_VX * SURFACE_VX && !grid.get(voxel + way) {
-                    normal += way;
+                let offset = IVec3::new(x, y, z);
+                if offset.length_squared() <= SURFACE_VX * SURFACE_VX && !grid.get(voxel + offset) {
+                    normal += offset;
                 }
             }
         }

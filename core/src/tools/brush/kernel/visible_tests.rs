@@ -1,5 +1,6 @@
-//! Tests the voxels that a footprint takes, against a plain definition, and against the picture that a person sees: no visible voxel under the
-//! outline is left, and none behind the visible surface is taken, at every ratio of voxel to ray and from every side.
+//! Tests the voxels that a footprint selects, against a plain definition, and against the picture that a user sees: no
+//! visible voxel under the outline is left out, and none behind the visible surface is selected, at every ratio of
+//! voxel to ray and from every side.
 
 use std::collections::{HashMap, HashSet};
 
@@ -58,10 +59,10 @@ fn looking(target: Vec3, from: Vec3, away: f32, spacing_vx: f32, radius: f32) ->
     }
 }
 
-/// Keeps rays from going exactly along the edges of voxels, where roundings decide.
+/// Keeps rays from running exactly along the edges of voxels, where rounding decides.
 const OFFSET: Vec3 = Vec3::new(0.37, 0.21, 0.43);
 
-/// Returns how far the middle of a voxel is from the middle ray, in rays; infinite behind the eye.
+/// Returns the distance of a voxel's centre from the central ray, in rays; infinite behind the eye.
 fn distance(footprint: &Footprint, v: IVec3) -> f64 {
     let [across, down, aim] = [footprint.across, footprint.down, footprint.aim].map(Vec3::as_dvec3);
     let from_eye = v.as_dvec3() + 0.5 - footprint.eye_vx.as_dvec3();
@@ -69,8 +70,8 @@ fn distance(footprint: &Footprint, v: IVec3) -> f64 {
     if z <= 0.0 { f64::INFINITY } else { (x / z).hypot(y / z) }
 }
 
-/// Returns the middles of the open faces of a voxel that are turned to the eye, relative to the eye, with their
-/// normals; where its surface is, of all that are open.
+/// Returns the centres of the open faces of a voxel that face the eye, relative to the eye, with their normals; of all
+/// open faces where its surface faces the eye.
 fn turned_faces(grid: &Grid, eye: Vec3, v: IVec3) -> impl Iterator<Item = (Vec3, Vec3)> {
     let middle = v.as_vec3() + 0.5 - eye;
     let normals = [IVec3::X, IVec3::Y, IVec3::Z].into_iter().flat_map(|n| [n, -n]);
@@ -86,8 +87,8 @@ fn is_free(grid: &Grid, eye: Vec3, to: Vec3) -> bool {
     raycast::cast(grid, eye, to).is_none_or(|hit| hit.t >= 1.0 - 1e-3 / to.length().max(1.0))
 }
 
-/// Returns whether the slit through which the eye sees a point is half a voxel wide or more: through narrower ones, as
-/// between dust and a face that is seen edge on, a voxel may be found or not.
+/// Returns whether the slit through which the eye sees a point is at least half a voxel wide. Through narrower ones, as
+/// between dust and a face seen edge-on, a voxel may be found or not.
 fn is_half_a_voxel_wide(grid: &Grid, eye: Vec3, to: Vec3) -> bool {
     let right = 0.26 * to.normalize().any_orthonormal_vector();
     let up = 0.26 * to.normalize().cross(right).normalize();
@@ -98,15 +99,15 @@ fn is_half_a_voxel_wide(grid: &Grid, eye: Vec3, to: Vec3) -> bool {
         .all(|aside| is_free(grid, eye, before + aside))
 }
 
-/// Returns whether the eye sees a point within a voxel and a half of the middle of a voxel, on each axis.
+/// Returns whether the eye sees a point within a voxel and a half of the centre of a voxel, on each axis.
 fn is_near_what_is_seen(grid: &Grid, eye: Vec3, v: IVec3) -> bool {
     let middle = v.as_vec3() + 0.5 - eye;
     let steps = (0..729).map(|i| IVec3::new(i % 9, i / 9 % 9, i / 81) - 4);
     steps.into_iter().any(|step| is_free(grid, eye, middle + 0.351 * step.as_vec3()))
 }
 
-/// Returns the definition of the module, voxel by voxel, of those that are not within a hundredth of a ray of the
-/// outline: what is seen with a whole face is taken, what is taken is seen somewhere over a face of it.
+/// Checks the definition of the module, voxel by voxel, except for those within a hundredth of a ray of the outline. A
+/// voxel seen with a whole face is selected; a selected voxel is seen somewhere over one of its faces.
 fn check(grid: &Grid, footprint: &Footprint, has_surface: bool) -> Result<usize, TestCaseError> {
     let eye = footprint.eye_vx;
     let touched = footprint.touched(grid);
@@ -131,7 +132,7 @@ fn check(grid: &Grid, footprint: &Footprint, has_surface: bool) -> Result<usize,
                     && (has_surface || is_half_a_voxel_wide(grid, eye, face))
             });
         prop_assert!(taken.contains(&v) || !seen, "{} at {} rays is left", v, away);
-        // Through bars and dust a ray may meet what is seen by a strip alone.
+        // Through bars and dust, a ray may meet a surface of which only a strip is visible.
         let near = inside && (!has_surface || is_near_what_is_seen(grid, eye, v));
         prop_assert!(near || !taken.contains(&v), "{} at {} rays is hidden", v, away);
     }
@@ -151,7 +152,7 @@ proptest! {
         radius in 0f32..24.0,
     ) {
         let from = Vec3::from(from);
-        // Not wider than a wide lens.
+        // No wider than a wide-angle lens.
         prop_assume!(from.length() > 0.1 && radius * spacing < 1.5 * away);
         let grid = scene(kind, UVec3::new(44, 41, 38));
         let footprint = looking(target.into(), from, away, spacing, radius);
@@ -159,7 +160,7 @@ proptest! {
     }
 }
 
-/// Returns the directions in which people look at a face that points up: from straight above to five degrees above it.
+/// Returns the directions from which users view a face that points up: from straight above to five degrees above it.
 fn slants() -> impl Iterator<Item = Vec3> {
     [0f32, 45.0, 80.0, 85.0].into_iter().flat_map(|degrees| {
         let slant = degrees.to_radians();
@@ -170,11 +171,11 @@ fn slants() -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Along rays far closer than those of the footprint, every voxel that is met and whose middle is inside is taken.
+/// Along rays far denser than those of the footprint, every voxel that is met and whose centre is inside is selected.
 fn leaves_nothing(grid: &Grid, footprint: &Footprint, fineness: i32, is_flat: bool) {
     let taken: HashSet<IVec3> = footprint.touched(grid).iter().map(|t| t.voxel).collect();
     let reach = footprint.radius as i32 * fineness;
-    // A voxel of which the eye sees as much as half a face that is turned to it; on a flat face, anything.
+    // A voxel of which the eye sees at least half a face turned to it; on a flat face, any voxel.
     let spacing_vx =
         footprint.across.length() * (footprint.eye_vx - Vec3::new(48.0, 32.0, 48.0)).length();
     let half = 0.5 * (fineness as f32 / spacing_vx).powi(2);
@@ -184,10 +185,10 @@ fn leaves_nothing(grid: &Grid, footprint: &Footprint, fineness: i32, is_flat: bo
         for i in -reach..=reach {
             let shown = i % fineness == 0 && j % fineness == 0;
             let (i, j) = (i as f32 / fineness as f32, j as f32 / fineness as f32);
-            let way = footprint.aim + footprint.across * i + footprint.down * j;
-            let Some(hit) = raycast::cast(grid, footprint.eye_vx, way) else { continue };
+            let ray = footprint.aim + footprint.across * i + footprint.down * j;
+            let Some(hit) = raycast::cast(grid, footprint.eye_vx, ray) else { continue };
             let v = hit.voxel.as_ivec3();
-            let turned = way.normalize().dot(hit.face.as_vec3()).abs() > LEAST_TURN;
+            let turned = ray.normalize().dot(hit.face.as_vec3()).abs() > LEAST_TURN;
             if turned
                 && distance(footprint, v) < f64::from(footprint.radius - 1.0)
                 && !taken.contains(&v)
@@ -222,7 +223,7 @@ fn nothing_visible_is_left_from_any_side_at_any_distance() {
 
 #[test]
 fn a_large_plate_is_covered_wholly_where_a_voxel_is_smaller_than_a_ray() {
-    // Thin, so that it needs little memory.
+    // Flat, so that it needs little memory.
     let dims = UVec3::new(1600, 8, 1600);
     let mut plate = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
     plate.fill_bricks(|_| crate::sculpture::Brick::FULL);
@@ -242,7 +243,8 @@ fn a_large_plate_is_covered_wholly_where_a_voxel_is_smaller_than_a_ray() {
     }
 }
 
-/// Nothing behind the visible surface: from a point within a voxel and a half of each voxel taken the eye is seen.
+/// Nothing behind the visible surface is selected: the eye is visible from a point within a voxel and a half of each
+/// selected voxel.
 #[test]
 fn nothing_behind_the_visible_surface_is_taken() {
     let dims = UVec3::new(64, 64, 64);
@@ -260,7 +262,7 @@ fn nothing_behind_the_visible_surface_is_taken() {
             }
         }
     }
-    // Two walls, the nearer with a slit: of the farther one only what is seen through the slit.
+    // Two walls, the nearer with a slit: of the farther one only the part seen through the slit.
     let walls = grid(UVec3::new(64, 64, 40), |v| v.z < 4 || v.z > 30 && v.x.abs_diff(32) > 2);
     let touched = looking(Vec3::new(32.0, 32.0, 40.0), Vec3::Z, 500.0, 1.0, 20.0).touched(&walls);
     assert!(touched.iter().any(|t| t.voxel.z == 3));
@@ -270,16 +272,16 @@ fn nothing_behind_the_visible_surface_is_taken() {
 #[test]
 fn a_brush_smaller_than_a_voxel_takes_the_one_under_it() {
     let grid = scene(0, UVec3::new(44, 41, 38));
-    // A corner of a voxel, whose middle is far outside.
+    // A corner of a voxel, whose centre is far outside.
     let target = Vec3::new(20.1, 25.0, 20.1);
     let touched = looking(target, Vec3::Y, 10.0, 0.02, 3.0).touched(&grid);
     assert_eq!(touched.iter().map(|t| t.voxel).collect::<Vec<_>>(), [IVec3::new(20, 24, 20)]);
-    // No radius, and rays that span no picture.
+    // A radius of 0, and rays that span no picture.
     let point = looking(target, Vec3::Y, 10.0, 2.0, 0.0);
     assert_eq!(point.touched(&grid).len(), 1);
     let flat = Footprint { down: point.across, radius: 8.0, ..point };
     assert_eq!(flat.touched(&grid).len(), 1);
-    // From within the stone.
+    // From inside the stone.
     let inside = looking(Vec3::splat(10.0), Vec3::Y, 4.0, 0.5, 8.0);
     assert_eq!(inside.touched(&grid).len(), 1);
     // Beside everything.

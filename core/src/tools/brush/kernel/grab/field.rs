@@ -1,6 +1,6 @@
-//! The smoothed existence bits that pulls at clay look up.
+//! The smoothed existence bits that pulls at clay sample.
 //!
-//! From the bits of a box of a grid to values between voxels, and the voxel that a place belongs to. Knows no tool.
+//! From the bits of a box of a grid to values between voxels, and the voxel nearest to a point. Knows no tool.
 
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{IVec3, UVec3};
@@ -11,27 +11,28 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 use crate::sculpture::region::VoxelBox;
 
 /// Existence bits smoothed by (9 B - 5 B^2) / 4, where B is the binomial filter 1-4-6-4-1 along each axis. Its second
-/// moment makes up for that of the interpolation, so that curved surfaces stay where they are. 0 to 4096 and a little
-/// beyond, above [`HALF`] exactly where a voxel exists, so that places that do not move do not change.
+/// moment cancels that of the interpolation, so that curved surfaces keep their position. Values range from 0 to 4096
+/// and a little beyond, above [`HALF`] exactly where a voxel exists, so that points that do not move do not change.
 pub struct Field {
     min: IVec3,
     size: UVec3,
     values: Vec<i16>,
 }
 
-/// Places to a voxel that sources are told apart by.
+/// Subdivisions of a voxel by which sources are told apart.
 pub const FINE: i32 = 1 << 10;
-/// The reach of the filter, and a voxel for the interpolation.
+/// The reach of the filter, plus a voxel for the interpolation.
 pub const MARGIN_VX: i32 = 5;
 /// Half of the filter's sum.
 const HALF: i16 = 2048;
-/// Least difference of a voxel's value from [`HALF`].
+/// Minimum difference of a voxel's value from [`HALF`].
 const CLEAR: i16 = 128;
-/// The same for walls and gaps of a single voxel, which else would close or open where they move by a part of one.
+/// The minimum difference for walls and gaps of a single voxel, which would otherwise close or open when they move by a
+/// fraction of one.
 const THIN: i16 = 1024;
 
 impl Field {
-    /// Of a box that may reach beyond the grid, where nothing exists.
+    /// Smooths the bits of a box that may extend beyond the grid, where nothing exists.
     pub fn new(grid: &Grid, bounds: VoxelBox) -> Field {
         let size = bounds.size();
         let (row, layer) = (size.x as usize, (size.x * size.y) as usize);
@@ -89,8 +90,8 @@ impl Field {
         Field { min: bounds.min, size, values }
     }
 
-    /// Returns whether something exists at `offset`, in units of 1 / [`FINE`] voxel, from the middle of `v`; and the
-    /// voxel nearest to there that does, of equally near ones that on the side of `v`.
+    /// Returns whether clay exists at `offset`, in units of 1 / [`FINE`] voxel, from the centre of `v`, and the nearest
+    /// existing voxel to that point; of equally near ones the one on the side of `v`.
     pub fn sample(&self, v: UVec3, offset: IVec3) -> (bool, UVec3) {
         let whole = offset.div_euclid(IVec3::splat(FINE));
         let share = offset - whole * FINE;
@@ -139,8 +140,8 @@ impl Field {
     }
 }
 
-/// Moves the values of the row of voxels from `at` on away from [`HALF`], to the side of their bits. `thin` is memory for a
-/// row.
+/// Moves the values of the row of voxels from `at` on away from [`HALF`], to the side of their bits. `thin` is scratch
+/// memory for a row.
 #[inline(always)]
 fn clear<S: Simd>(
     _simd: S,
@@ -171,7 +172,7 @@ fn clear<S: Simd>(
     }
 }
 
-/// Replaces `values` by their means with weights 1-4-6-4-1 along each axis; nothing lies beyond the ends.
+/// Replaces `values` by their means with weights 1-4-6-4-1 along each axis; values beyond the ends are 0.
 fn smooth(values: &mut Vec<i16>, spare: &mut Vec<i16>, size: UVec3) {
     let (row, layer) = (size.x as usize, (size.x * size.y) as usize);
     let level = Level::new();
@@ -193,7 +194,7 @@ fn smooth(values: &mut Vec<i16>, spare: &mut Vec<i16>, size: UVec3) {
     }
 }
 
-/// Means of a row with weights 1-2-1 along it.
+/// Computes the means of a row with weights 1-2-1 along it.
 #[inline(always)]
 fn smooth_along<S: Simd>(_simd: S, here: &[i16], out: &mut [i16]) {
     let last = here.len() - 1;
@@ -207,7 +208,7 @@ fn smooth_along<S: Simd>(_simd: S, here: &[i16], out: &mut [i16]) {
     }
 }
 
-/// The same across rows: of that from `start` on and those `stride` before and after it, but for `ends`.
+/// Computes the means across rows: of the row from `start` on and those `stride` before and after it, except at `ends`.
 #[inline(always)]
 fn smooth_across<S: Simd>(
     _simd: S,

@@ -1,9 +1,8 @@
-//! The motion of clay ([`crate::tools::brush::kernel::grab`]): the source of the clay or emptiness that arrives at each
-//! voxel, and the changes that follow.
+//! Computes the motion of clay ([`crate::tools::brush::kernel::grab`]): the source of the clay or empty space that
+//! arrives at each voxel, and the resulting changes.
 //!
-//! From the contents and the pulls to [`Pulled`]. Bricks to which only clay comes that is like their own are left out;
-//! the others are computed in rows of eight voxels, in loops that the compiler makes vector code of. Changes nothing
-//! itself.
+//! From the contents and the pulls to [`Pulled`]. Bricks that receive only clay like their own are skipped. The others
+//! are computed in rows of eight voxels, in loops that the compiler vectorises. Changes nothing itself.
 
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{DVec3, IVec3, UVec3};
@@ -20,19 +19,20 @@ use crate::tools::brush::kernel::pulled::Pulled;
 use crate::tools::brush::kernel::stamp::Stamp;
 use crate::tools::symmetry::MAX_IMAGES;
 
-/// Approximations of where a step comes from; each is [`super::STEP_SLOPE`] times as far off as the one before.
+/// Number of fixed-point iterations for the source of a step; each reduces the error by the factor
+/// [`super::STEP_SLOPE`].
 const ROUNDS: usize = 3;
 
-/// As many images as planes along the grid make; more take more memory for each row.
+/// Number of images that axis-aligned planes make. More images take more memory for each row.
 const FEW_PULLS: usize = 8;
 
-/// The motion of all pulls together.
+/// The combined motion of all pulls.
 ///
 /// Positions are relative to the mirror planes: mirrored ones differ in signs only and are rounded alike, so that the
 /// result is symmetric to the voxel.
 pub struct Flow<'a> {
     pub pulls: &'a [Pull],
-    /// In voxel coordinates.
+    /// The origin in voxel coordinates.
     pub origin: DVec3,
     pub steps: usize,
     pub stretch: DVec3,
@@ -41,18 +41,18 @@ pub struct Flow<'a> {
 }
 
 impl Flow<'_> {
-    /// Returns whether anything within `beyond` of `p`, in units of the smallest edge, is ever reached by a ball.
+    /// Returns whether a ball ever comes within `beyond` of `p`, in units of the smallest edge.
     fn reaches(&self, p: DVec3, beyond: f64) -> bool {
         self.pulls.iter().any(|pull| {
             let from = (p - pull.centre) * self.stretch;
-            let along = pull.way() * self.stretch * self.steps as f64;
+            let along = pull.displacement() * self.stretch * self.steps as f64;
             let length = along.length_squared().max(f64::MIN_POSITIVE);
             let share = (from.dot(along) / length).clamp(0.0, 1.0);
             (from - along * share).length() < self.radius + beyond
         })
     }
 
-    /// Returns the bricks in which something may change, and the box of voxels that sources of these lie in.
+    /// Returns the bricks in which something may change, and the box of voxels that contains their sources.
     fn affected(&self, contents: &Contents, arrives: VoxelBox) -> (Vec<UVec3>, VoxelBox) {
         let edge = BRICK_EDGE_VX as i32;
         let (low, high) = (arrives.min / edge, (arrives.max + edge - 1) / edge);
@@ -76,7 +76,7 @@ impl Flow<'_> {
         (bricks, bounds)
     }
 
-    /// Returns the box of voxels that the clay or emptiness arriving in a brick comes from, or a larger one.
+    /// Returns a box that contains the voxels from which the clay or empty space arriving in a brick comes.
     fn sources(&self, b: IVec3) -> VoxelBox {
         let edge = BRICK_EDGE_VX as i32;
         let (mut down, mut up) = (DVec3::ZERO, DVec3::ZERO);
@@ -92,7 +92,7 @@ impl Flow<'_> {
         }
     }
 
-    /// Nothing for a box of which all lies outside the grid.
+    /// Computes the changes. Returns `None` for a box that lies outside the grid.
     pub fn carry_out(&self, contents: &Contents, reach: VoxelBox) -> Option<Pulled> {
         let grid = VoxelBox::of_grid(&contents.grid);
         let arrives = reach.intersect(grid);
@@ -136,7 +136,7 @@ impl Flow<'_> {
         Some(Pulled { stamp, colours })
     }
 
-    /// None if nothing changes in the brick.
+    /// Computes the changes in a brick. Returns `None` if there are none.
     #[inline(always)]
     fn move_brick<S: Simd, const PULLS: usize>(
         &self,
@@ -156,7 +156,7 @@ impl Flow<'_> {
             for x in 0..BRICK_EDGE_VX {
                 let v = start + UVec3::X * x;
                 let offset = IVec3::from(offsets.map(|axis| axis[x as usize]));
-                // The field is known for these only.
+                // The field is known for these voxels only.
                 if offset == IVec3::ZERO || !arrives.contains(v.as_ivec3()) {
                     continue;
                 }
@@ -183,7 +183,7 @@ impl Flow<'_> {
         some.then_some(moved)
     }
 
-    /// Returns how far away the sources are of the clay or emptiness that arrives at the middles of eight voxels, in
+    /// Returns the offsets to the sources of the clay or empty space that arrives at the centres of eight voxels, in
     /// units of 1 / [`FINE`] voxel.
     #[inline(always)]
     fn row_of_offsets<const PULLS: usize>(&self, start: UVec3) -> [[i32; EDGE]; 3] {
@@ -207,7 +207,7 @@ impl Flow<'_> {
         let mut offsets = [[0; EDGE]; 3];
         for (offsets, arrived) in offsets.iter_mut().zip(&arrived) {
             for x in 0..EDGE {
-                // Half way is rounded away from 0, on either side of a mirror.
+                // Halves are rounded away from 0, on either side of a mirror.
                 let fine = arrived[x] * FINE as f32;
                 offsets[x] = (fine + 0.5f32.copysign(fine)) as i32;
             }
@@ -215,7 +215,7 @@ impl Flow<'_> {
         offsets
     }
 
-    /// `arrived` less the displacement of the clay at `at` in a step. All are relative to the voxels.
+    /// Returns `arrived` less the displacement of the clay at `at` in a step. All are relative to the voxels.
     #[inline(always)]
     fn before<const PULLS: usize>(
         &self,
@@ -227,7 +227,7 @@ impl Flow<'_> {
         let mut shifts = [[[0.0; EDGE]; 3]; PULLS];
         let scale = self.stretch.as_vec3().to_array();
         for ((pull, from_centre), shift) in self.pulls.iter().zip(from_centres).zip(&mut shifts) {
-            let centre = (pull.way() * step as f64).as_vec3().to_array();
+            let centre = (pull.displacement() * step as f64).as_vec3().to_array();
             let mut from: Row = [[0.0; EDGE]; 3];
             for axis in 0..3 {
                 for x in 0..EDGE {
@@ -237,12 +237,12 @@ impl Flow<'_> {
             }
             pull.shift(&from, self.stretch, self.radius, self.falloff, shift);
         }
-        // Images are added as a mirror plane pairs them.
+        // Images are added in the pairs that a mirror plane makes.
         let (mut count, mut last) = (self.pulls.len(), [[0.0; EDGE]; 3]);
         while count > 1 {
             let pairs = count / 2;
             if count % 2 == 1 {
-                // Nothing is added to the last one yet; it waits behind the sums.
+                // Nothing is added to the last one yet; it is kept behind the sums.
                 last = shifts[count - 1];
             }
             for i in 0..pairs {
@@ -268,7 +268,7 @@ impl Flow<'_> {
     }
 }
 
-/// Returns whether a place in `sources` is like any other: wherever clay comes from in it, nothing changes.
+/// Returns whether all points in `sources` are alike, so that nothing changes wherever the clay comes from.
 fn stays(contents: &Contents, sources: VoxelBox) -> bool {
     let (grid, material) = (&contents.grid, &contents.material);
     let edge = IVec3::splat(BRICK_EDGE_VX as i32);

@@ -1,8 +1,9 @@
-//! How clay in a ball moves ([`crate::tools::brush::kernel::grab`]): pulled along a displacement, twisted about an axis
-//! or pinched towards it.
+//! The motion of clay in a ball ([`crate::tools::brush::kernel::grab`]): pulled along a displacement, twisted about an
+//! axis or pinched towards it.
 //!
-//! From a motion to the shift of eight voxels of a row in one small step. Twist turns each sphere about the middle as a
-//! whole; pinch is the curl of a stream function about its axis. So neither changes a volume, but for what a step rounds.
+//! From a motion to the shift of eight voxels of a row in one small step. Twist rotates each sphere about the centre as
+//! a whole; pinch is the curl of a stream function about its axis. So both preserve volume, up to the rounding of a
+//! step.
 
 use glam::{DVec3, Vec3};
 
@@ -10,32 +11,33 @@ use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::tools::brush::falloff::Falloff;
 use crate::tools::symmetry::SymmetryTransform;
 
-/// Eight voxels of a row of a brick: something along each axis.
+/// One number along each axis for eight voxels of a row of a brick.
 pub type Row = [[f32; EDGE]; 3];
 pub const EDGE: usize = BRICK_EDGE_VX as usize;
 
-/// How the clay in a ball moves.
+/// The motion of the clay in a ball.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Motion {
-    /// Goes along.
+    /// Translates.
     Pull {
-        /// How far the middle goes, in voxels; at most [`crate::tools::brush::limits::MAX_PULL_VX`] along each axis.
+        /// The displacement of the centre, in voxels; at most [`crate::tools::brush::limits::MAX_PULL_VX`] along each
+        /// axis.
         by_vx: Vec3,
     },
-    /// Turns about an axis through the middle.
+    /// Rotates about an axis through the centre.
     Twist {
-        /// The axis, of any length; lengths are in units of the smallest edge of a voxel.
+        /// The axis, of any length; lengths are in units of the smallest voxel edge.
         normal: Vec3,
-        /// By how much the middle turns, in degrees, counter-clockwise seen from where the axis points; at most
+        /// The rotation of the centre, in degrees, counter-clockwise seen from where the axis points; at most
         /// [`crate::tools::brush::limits::MAX_TWIST_DEG`] either way.
         angle_deg: f32,
     },
-    /// Comes together at an axis through the middle, and gives way along it.
+    /// Gathers at an axis through the centre, and yields along it.
     Pinch {
-        /// The axis, as of a twist.
+        /// The axis, as for a twist.
         normal: Vec3,
-        /// How far: around the middle distances from the axis shrink by the factor e^-strength. From -1 to 1; below 0
-        /// the clay spreads.
+        /// Around the centre, distances from the axis shrink by the factor e^-strength. From -1 to 1; below 0 the clay
+        /// spreads.
         strength: f32,
     },
 }
@@ -43,28 +45,28 @@ pub enum Motion {
 /// One small step of a motion.
 #[derive(Clone, Copy)]
 pub enum Step {
-    /// In voxels, with the ball.
+    /// A shift in voxels, with the ball.
     Shift(DVec3),
-    /// About an axis of length 1, by an angle in radians.
+    /// A rotation about an axis of length 1, by an angle in radians.
     Turn { axis: DVec3, angle: f64 },
-    /// To an axis of length 1.
+    /// A contraction towards an axis of length 1.
     Gather { axis: DVec3, strength: f64 },
 }
 
-/// One of several balls of clay at once, relative to the origin of the flow.
+/// One of several balls of clay moved together, relative to the origin of the flow.
 pub struct Pull {
     pub centre: DVec3,
     pub step: Step,
 }
 
 impl Motion {
-    /// Returns an image of this in `steps` steps.
+    /// Returns an image of one of `steps` steps of this motion.
     pub fn step(&self, steps: usize, image: &SymmetryTransform) -> Step {
         let share = 1.0 / steps as f64;
         let unit = |normal: Vec3| image.normal(normal.as_dvec3().normalize_or(DVec3::Y));
         match *self {
             Motion::Pull { by_vx } => Step::Shift(image.vector_exactly(by_vx.as_dvec3() * share)),
-            // In a mirror turns go the other way round.
+            // A mirror reverses rotations.
             Motion::Twist { normal, angle_deg } => Step::Turn {
                 axis: unit(normal) * if image.is_reflection() { -1.0 } else { 1.0 },
                 angle: f64::from(angle_deg).to_radians() * share,
@@ -75,8 +77,8 @@ impl Motion {
         }
     }
 
-    /// Returns the steepest slope, of which each step may have a part. `stretch`: edges of a voxel in units of the
-    /// smallest.
+    /// Returns the steepest slope of the motion, which is divided among the steps. `stretch`: voxel edges in units of
+    /// the smallest.
     pub fn slope(&self, stretch: DVec3, radius: f64, falloff: Falloff) -> f64 {
         match *self {
             Motion::Pull { by_vx } => {
@@ -89,7 +91,7 @@ impl Motion {
         }
     }
 
-    /// Returns whether clay goes nowhere.
+    /// Returns whether the clay does not move.
     pub fn is_still(&self) -> bool {
         match *self {
             Motion::Pull { by_vx } => by_vx == Vec3::ZERO,
@@ -100,27 +102,28 @@ impl Motion {
 }
 
 impl Pull {
-    /// Returns how far the ball itself goes in a step, in voxels.
-    pub fn way(&self) -> DVec3 {
+    /// Returns the displacement of the ball itself in a step, in voxels.
+    pub fn displacement(&self) -> DVec3 {
         match self.step {
             Step::Shift(by) => by,
             Step::Turn { .. } | Step::Gather { .. } => DVec3::ZERO,
         }
     }
 
-    /// Returns the furthest ways that clay goes in a step against the axes and along them, in voxels.
+    /// Returns the greatest displacements of clay in a step, in the negative and positive directions of the axes, in
+    /// voxels.
     pub fn furthest(&self, radius: f64, stretch: DVec3, falloff: Falloff) -> [DVec3; 2] {
-        let round = |way: f64| [DVec3::splat(way * radius) / stretch; 2];
+        let round = |share: f64| [DVec3::splat(share * radius) / stretch; 2];
         match self.step {
             Step::Shift(by) => [(-by).max(DVec3::ZERO), by.max(DVec3::ZERO)],
             Step::Turn { angle, .. } => round(angle.abs() * falloff.widest_twist()),
-            // Along the axis it goes up to twice as far as a twist by the same number.
+            // Along the axis it moves up to twice as far as a twist by the same number.
             Step::Gather { strength, .. } => round(2.0 * strength.abs() * falloff.widest_twist()),
         }
     }
 
-    /// How far the clay at eight places goes in a step, in voxels. `from_centre`: the places, from the ball's middle, in
-    /// units of the smallest edge.
+    /// Returns the displacement of the clay at eight points in a step, in voxels. `from_centre`: the points relative to
+    /// the ball's centre, in units of the smallest edge.
     #[inline(always)]
     pub fn shift(
         &self,
@@ -152,7 +155,7 @@ impl Pull {
                 let (n, angle) = (axis.as_vec3(), angle as f32);
                 for x in 0..EDGE {
                     let a = angle * falloff.at(squared[x] * inverse);
-                    // Far below a right angle these are exact enough.
+                    // Far below a right angle these series are exact enough.
                     let aa = a * a;
                     let sine = a * (1.0 - aa / 6.0 * (1.0 - aa / 20.0));
                     let less = aa * 0.5 * (1.0 - aa / 12.0 * (1.0 - aa / 30.0));

@@ -1,4 +1,4 @@
-//! Twist and pinch: which parts turn, which come together, and that volumes are kept.
+//! Tests twist and pinch: which parts turn, which are gathered, and that volumes are kept.
 
 use glam::{IVec3, UVec3, Vec3};
 
@@ -14,7 +14,7 @@ fn moved(before: &Contents, radius: f32, motion: Motion, falloff: Falloff) -> Co
     pulled(before, &grab, Symmetry::default())
 }
 
-/// Returns a bar across, a slope below and a ball aside: all that a motion might swell or eat up.
+/// Returns a bar across, a slope below and a ball aside: forms that a faulty motion might swell or erode.
 fn shapes() -> Contents {
     contents(UVec3::splat(80), |v| {
         let p = v.as_vec3() + 0.5 - 40.0;
@@ -46,7 +46,7 @@ fn twist_and_pinch_keep_the_volume_within_a_hundredth() {
 
 #[test]
 fn a_bar_turns_about_the_axis_counter_clockwise() {
-    // Along x; a quarter turn about y takes what pointed to x to -z.
+    // Along x; a quarter turn about y maps x to -z.
     let before = contents(UVec3::splat(80), |v| {
         let p = v.as_vec3() + 0.5 - 40.0;
         p.y.abs() < 4.0 && p.z.abs() < 4.0 && (0.0..30.0).contains(&p.x)
@@ -87,7 +87,7 @@ fn a_motion_by_a_part_of_a_voxel_and_back_gives_the_ball_again() {
     let before = ball(UVec3::splat(80), Vec3::new(44.3, 39.8, 40.1), 20.0);
     let count = before.grid.opaque_count();
     let normal = Vec3::new(0.2, 1.0, 0.1);
-    // The clay that goes furthest goes 0.3 voxels.
+    // The clay moves by at most 0.3 voxels.
     let furthest = Falloff::Smooth.widest_twist() as f32 * 60.0;
     let angle_deg = (0.3 / furthest).to_degrees();
     let strength = 0.3 / (2.0 * furthest);

@@ -1,4 +1,4 @@
-//! Pulls at clay: which parts move, which stay, and that a pull back gives the same clay again.
+//! Tests pulls at clay: which parts move, which stay, and that pulling back restores the clay.
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
@@ -75,7 +75,7 @@ pub fn differing(a: &Contents, b: &Contents) -> u64 {
     pairs.map(|(a, b)| u64::from(a.and_not(b).count()) + u64::from(b.and_not(a).count())).sum()
 }
 
-/// Returns the middle of all voxels.
+/// Returns the centroid of all voxels.
 fn middle(contents: &Contents) -> Vec3 {
     let mut sum = glam::DVec3::ZERO;
     for i in 0..contents.grid.dims().element_product() {
@@ -87,7 +87,7 @@ fn middle(contents: &Contents) -> Vec3 {
     (sum / contents.grid.opaque_count() as f64).as_vec3()
 }
 
-/// Returns a pull in which the whole ball of the clay moves as one.
+/// Returns a pull in which the whole ball of clay moves as one.
 fn carry(centre_vx: Vec3, by_vx: Vec3) -> Grab {
     Grab { centre_vx, radius: 60.0, motion: Motion::Pull { by_vx }, falloff: Falloff::Flat }
 }
@@ -112,7 +112,7 @@ fn a_ball_that_is_moved_by_a_part_of_a_voxel_and_back_is_the_ball() {
 
 #[test]
 fn a_long_pull_neither_tears_nor_folds() {
-    // A block pulled upwards by four times the radius of the hand: one horn, connected.
+    // A block pulled upwards by four times the radius of the ball: one horn, connected.
     let before = contents(UVec3::new(64, 96, 64), |v| v.y < 24);
     let grab = Grab {
         centre_vx: Vec3::new(32.0, 24.0, 32.0),
@@ -121,14 +121,14 @@ fn a_long_pull_neither_tears_nor_folds() {
         falloff: Falloff::Smooth,
     };
     let after = pulled(&before, &grab, Symmetry::default());
-    // In every layer there is a disc about the axis, narrower the higher it is.
+    // Every layer holds a disc about the axis, narrower the higher it is.
     let width =
         |y: u32| (0..64).filter(|x| after.grid.get(glam::IVec3::new(*x, y as i32, 32))).count();
     let widths: Vec<usize> = (24..78).map(width).collect();
     assert!(widths.iter().all(|width| *width > 0), "{widths:?}");
     assert!(widths.windows(2).all(|pair| pair[1] <= pair[0] + 1), "{widths:?}");
     assert!(widths[0] > widths[53]);
-    // The clay beyond the hand stays.
+    // The clay beyond the ball stays.
     assert!(
         after.grid.get(glam::IVec3::new(2, 20, 2)) && !after.grid.get(glam::IVec3::new(2, 30, 2))
     );
@@ -150,7 +150,7 @@ fn colours_go_along() {
         falloff: Falloff::Flat,
     };
     let after = pulled(&before, &grab, Symmetry::default());
-    // The red layer was four voxels thick; below it comes what was below it.
+    // The red layer was four voxels thick; below it comes the clay that was below it.
     for (y, colour) in [(29, RED), (28, RED), (27, RED), (25, Rgb::STONE), (22, Rgb::STONE)] {
         assert_eq!(after.colour(glam::IVec3::new(24, y, 24)), Some(colour), "at {y}");
     }
@@ -181,8 +181,8 @@ fn grab() -> impl Strategy<Value = Grab> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
-    /// Nothing changes beyond the balls along the pull, whatever there is; empty stays empty; full changes only where
-    /// emptiness comes in from beyond the border.
+    /// Nothing changes beyond the balls along the pull, whatever is there. An empty grid stays empty; a full one
+    /// changes only where empty space enters from beyond the border.
     #[test]
     fn only_what_is_within_reach_changes(grab in grab(), seed in 0u32..1000, kind in 0u8..3) {
         let noise = |v: UVec3| (v.x * 7 + v.y * 131 + v.z * 1741 + seed).wrapping_mul(2654435761) >> 30 == 0;
@@ -230,7 +230,8 @@ proptest! {
     }
 }
 
-/// Bricks are left out by what is around them, so this must not show: the same clay elsewhere in its bricks gives the same.
+/// Bricks are skipped depending on their surroundings. This must not show: the same clay elsewhere in its bricks gives
+/// the same result.
 #[test]
 fn a_pull_does_the_same_wherever_the_clay_lies_in_its_bricks() {
     let shape = |v: IVec3| {

@@ -1,7 +1,8 @@
-//! How much of each cell of a field exists, with and without the room that is hidden behind the surface.
+//! Counts the filled voxels in each cell of a field, with and without the space hidden behind the surface.
 //!
-//! From a grid, the cells and the hidden room to counts of voxels. Goes by bricks: those that are all of a kind are counted by
-//! their size, a row of them at a time, the others by what each cell cuts out of them. Changes nothing; knows no brush.
+//! From a grid, the cells and the hidden space to counts of voxels. Works brick by brick: uniform bricks are counted by
+//! their size, a row of them at a time, the others by the part that each cell cuts out of them. Changes nothing; knows
+//! no brush.
 
 use std::ops::Range;
 
@@ -14,17 +15,17 @@ use super::hidden::{Hidden, HiddenShare, Shares, brick_of};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, WORD_EDGE_VX};
 
-/// Layers of voxels that are counted together, about.
+/// Approximate number of voxel layers that are counted together.
 const LAYERS: i32 = 48;
 /// Edge of a brick, in voxels.
 const EDGE: i32 = BRICK_EDGE_VX as i32;
-/// The voxels of a word with the first coordinate on each axis.
+/// The voxels of a word with the lowest coordinate on each axis.
 const FIRST_OF_WORD: [u64; 3] = [0x1111_1111_1111_1111, 0x000f_000f_000f_000f, 0xffff];
 
-/// The part of a brick that lies in one cell and in words at one place, as far as one axis tells.
+/// The part of a brick that lies in one cell and in the words at one position, along one axis.
 struct Part {
     cell: usize,
-    /// How thick it is.
+    /// Its thickness in voxels.
     voxels: u32,
     /// Summed over the axes, the index of the word in its brick.
     word: usize,
@@ -34,7 +35,7 @@ struct Part {
 
 /// The parts of all bricks along an axis.
 struct Axis {
-    /// Of the first brick.
+    /// The first brick.
     first: i32,
     parts: Vec<Vec<Part>>,
 }
@@ -67,7 +68,7 @@ impl Axis {
         Axis { first, parts: bricks.map(parts).collect() }
     }
 
-    /// Returns the bricks along the axis that have a part in some cells, and those parts.
+    /// Returns the bricks along the axis that have a part in a range of cells, with those parts.
     fn within(&self, cells: Range<usize>) -> impl Iterator<Item = (i32, &[Part])> {
         self.all().filter_map(move |(b, parts)| {
             let from = parts.partition_point(|part| part.cell < cells.start);
@@ -76,7 +77,7 @@ impl Axis {
         })
     }
 
-    /// After the last brick.
+    /// Returns one past the last brick.
     fn end(&self) -> i32 {
         self.first + self.parts.len() as i32
     }
@@ -103,7 +104,7 @@ pub fn counts(grid: &Grid, cells: &Cells, hidden: &Hidden) -> (Vec<f64>, Vec<f64
     both.iter().map(|[clay, all]| (f64::from(*clay), f64::from(*all))).unzip()
 }
 
-/// Returns the edge of the cubes of voxels that are hidden or not together: a small part of a cell.
+/// Returns the edge of the cubes of voxels that are classified together as hidden or not: a small part of a cell.
 fn group(cells: &Cells) -> u32 {
     match cells.edge.min_element() {
         ..5 => 1,
@@ -123,7 +124,7 @@ struct Slab<'a> {
 }
 
 impl Slab<'_> {
-    /// Adds to `out`: rows of `width` cells, layers of `layer`.
+    /// Adds the counts to `out`, which consists of rows of `width` cells and layers of `layer`.
     #[inline(always)]
     fn count(&self, width: usize, layer: usize, out: &mut [[u32; 2]]) {
         let [along, up, deep] = self.axes;
@@ -215,30 +216,30 @@ impl Slab<'_> {
 struct Row {
     /// The first cell.
     start: usize,
-    /// The voxels of the part with one x.
+    /// Number of voxels of the part with one x.
     section: u32,
-    /// The first of its words in each brick.
+    /// The index of the first of its words in each brick.
     word: usize,
-    /// The voxels of each of those.
+    /// The voxels of each of those words.
     mask: u64,
 }
 
 impl Row {
-    /// Returns the voxels of a brick in the cell of `x`.
+    /// Returns the number of voxels of a brick in the cell of `x`.
     #[inline(always)]
     fn count(&self, x: &Part, brick: &Brick) -> u32 {
         (brick.words[self.word + x.word] & self.mask & x.mask).count_ones()
     }
 }
 
-/// The voxels of a brick that are counted.
+/// The voxels of a brick to count.
 enum Counted {
     Nothing,
-    /// All of them, so often (0 or 1) as clay, and as clay or hidden room.
+    /// All of them, 0 or 1 times as clay, and as clay or hidden space.
     All([u32; 2]),
-    /// These as both: no room is hidden among them.
+    /// These in both counts: no space among them is hidden.
     Clay(Brick),
-    /// These as clay, and those as clay or hidden room.
+    /// The first as clay, the second as clay or hidden space.
     Voxels(Brick, Brick),
 }
 
@@ -268,13 +269,13 @@ mod tests {
         let grid = grid();
         let target = Vec3::new(31.0, 31.0, 27.0);
         for (radius, edge) in [(4.0, 1), (13.0, 3), (24.0, 5)] {
-            for way in [Vec3::NEG_Y, Vec3::new(0.5, -1.0, 0.3).normalize()] {
-                let across = way.any_orthonormal_vector();
+            for aim in [Vec3::NEG_Y, Vec3::new(0.5, -1.0, 0.3).normalize()] {
+                let across = aim.any_orthonormal_vector();
                 let footprint = Footprint {
-                    eye_vx: target - way * 90.0,
-                    aim: way * 90.0,
+                    eye_vx: target - aim * 90.0,
+                    aim: aim * 90.0,
                     across,
-                    down: way.cross(across),
+                    down: aim.cross(across),
                     radius,
                     outline: Outline::Round,
                     coverage: Coverage::Visible,
@@ -303,17 +304,17 @@ mod tests {
                 }
                 assert!(
                     clay.iter().zip(&naive).all(|(found, [clay, _])| found == clay),
-                    "{radius} {way}"
+                    "{radius} {aim}"
                 );
                 if group(&cells) == 1 {
                     let same = all.iter().zip(&naive).all(|(found, [_, all])| found == all);
-                    assert!(same, "{radius} {way}");
+                    assert!(same, "{radius} {aim}");
                 }
-                // Groups of voxels are judged by their middles: about as much room is hidden.
+                // Groups of voxels are judged by their centres: about as much space is hidden.
                 let existing: f64 = clay.iter().sum();
                 let room = all.iter().sum::<f64>() - existing;
                 let expected = naive.iter().map(|[_, all]| all).sum::<f64>() - existing;
-                assert!(room > 0.95 * expected && room < 1.05 * expected, "{radius} {way}");
+                assert!(room > 0.95 * expected && room < 1.05 * expected, "{radius} {aim}");
                 assert!(expected > 0.0, "room is hidden");
                 let mut filled = BitBlock::of_grid(&grid, around.min, around.max);
                 hidden.fill(&mut filled, &grid);
@@ -322,7 +323,7 @@ mod tests {
                     let at = IVec3::new(i % size.x, i / size.x % size.y, i / size.x / size.y);
                     let v = around.min + at;
                     let meant = grid.get(v) || hidden.is(v.as_vec3() + 0.5, 0.0);
-                    assert_eq!(filled.get(v), meant, "{radius} {way} {v}");
+                    assert_eq!(filled.get(v), meant, "{radius} {aim} {v}");
                 }
             }
         }

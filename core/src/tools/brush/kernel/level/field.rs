@@ -1,10 +1,11 @@
-//! How much of the neighbourhood of a place exists, on a scale given by a radius: the field whose half is a smoothed surface.
+//! Computes the filled share of the neighbourhood of a point, at a scale given by a radius: the field whose level set
+//! at one half is a smoothed surface.
 //!
-//! From counts of voxels in cubes (*cells*) to shares at any voxel, by the kernel 2 B - B B, where B is two boxes on each
-//! axis: its second moments vanish, so that it takes away what is smaller than the radius and lets what is larger shrink half
-//! as much as the mean by B would (G. Taubin, A signal processing approach to fair surface design, 1995). Shares in relation
-//! to the largest nearby tell the ends of thin forms ([`Smoothed::ends`]). Sums are whole numbers, so that what is mirrored is
-//! the same to the bit. Knows no grid.
+//! From counts of voxels in cubes (*cells*) to shares at any voxel, by the kernel 2 B - B B, where B is two box filters
+//! on each axis. The second moments of the kernel vanish, so that it removes forms smaller than the radius and shrinks
+//! larger ones half as much as the mean by B would (G. Taubin, A signal processing approach to fair surface design,
+//! 1995). Shares relative to the largest nearby detect the ends of thin forms ([`Smoothed::ends`]). Sums are integers,
+//! so that mirrored input gives bitwise mirrored output. Knows no grid.
 
 use std::ops::Range;
 
@@ -15,18 +16,18 @@ use crate::sculpture::region::VoxelBox;
 
 /// Standard deviation of B, in radii.
 const DEVIATION: f32 = 0.7;
-/// Density of 2 B - B B at its middle across a plane, times the radius: how fast shares change at the surface.
+/// Density of 2 B - B B at its centre across a plane, times the radius: the gradient of shares at the surface.
 const DENSITY: f32 = 0.74;
-/// Smallest radius for which voxels are counted in cells, in edges of a voxel.
+/// Smallest radius for which voxels are counted in cells, in voxel edges.
 const COUNTED: f32 = 8.0;
-/// Edge of a cell as a share of the radius, from there on.
+/// Edge of a cell as a share of the radius, from that radius on.
 const CELL: f32 = 1.0 / 5.0;
-/// The share by B that counts as all: 1.7 radii below a plane, 0.992.
+/// The share by B that counts as solid: 1.7 radii below a plane, 0.992.
 const WHOLE: f32 = 0.99;
-/// The share of the neighbourhood in the thinnest forms: less counts as nothing.
+/// Least share of the neighbourhood of the thinnest forms: less counts as nothing.
 const THINNEST: f32 = 0.02;
 
-/// Where the cells of a field are: cells around a middle voxel, of an odd number of voxels on each axis.
+/// The layout of the cells of a field: cells around a central voxel, of an odd number of voxels on each axis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Cells {
     /// Voxels along the edges of a cell.
@@ -35,13 +36,13 @@ pub struct Cells {
     pub first: IVec3,
     /// The cells that are counted.
     pub counted: UVec3,
-    /// Half a box less its middle, in cells.
+    /// Reach of a box filter to each side, in cells.
     reach: IVec3,
 }
 
 impl Cells {
-    /// Returns the cells for the voxels of `bounds`, one of them with `middle` in its middle. `radius`: in units in
-    /// which a voxel is `edges` long.
+    /// Lays out cells for the voxels of `bounds`, one of them centred on `middle`. `radius`: in units in which a voxel
+    /// is `edges` long.
     pub fn new(bounds: VoxelBox, middle: IVec3, radius: f32, edges: Vec3) -> Cells {
         let of_axis = |axis: usize| {
             let radius_vx = radius / edges[axis];
@@ -69,7 +70,7 @@ impl Cells {
         VoxelBox { min: self.first, max: self.first + size }
     }
 
-    /// Returns the cells in the boxes of B.
+    /// Returns the number of cells in the boxes of B.
     fn taps(&self) -> f64 {
         (2 * self.reach + 1).as_dvec3().element_product().powi(2)
     }
@@ -86,13 +87,13 @@ pub struct Smoothed<'a> {
     /// Sums over the boxes of B, of `size` cells.
     sums: Vec<f64>,
     size: UVec3,
-    /// A share of the neighbourhood by such a sum.
+    /// The share of the neighbourhood that a sum of 1 represents.
     share: f64,
     radius: f32,
 }
 
 impl<'a> Smoothed<'a> {
-    /// `counts`: the voxels that exist in each cell, x fastest, then y, then z.
+    /// `counts`: the number of existing voxels in each cell, x fastest, then y, then z.
     pub fn new(cells: &'a Cells, counts: Vec<f64>, radius: f32) -> Smoothed<'a> {
         let (sums, size) = twice_boxed(counts, cells.counted, cells.reach.as_uvec3());
         let share = 1.0 / (f64::from(cells.edge.element_product()) * cells.taps());
@@ -116,8 +117,8 @@ impl<'a> Smoothed<'a> {
         Field { edge: cells.edge, first, size, shares, radius }
     }
 
-    /// Returns the shares of `level` in relation to the largest within 1.7 radii, if that is less than 1. At the end of
-    /// a wall or a post, however thin, the share is half of that within it.
+    /// Returns the shares of `level` relative to the largest within 1.7 radii, if that is less than 1. At the end of a
+    /// wall or a post, however thin, the share is half of that inside it.
     pub fn ends(&self, level: &Field) -> Field {
         let of_all = (self.share as f32) / WHOLE;
         let mut largest: Vec<f32> = self.sums.iter().map(|sum| *sum as f32 * of_all).collect();
@@ -139,7 +140,7 @@ impl<'a> Smoothed<'a> {
         Field { shares: shares.collect(), ..*level }
     }
 
-    /// Returns where the rows of a field of `size` begin among the sums.
+    /// Returns the starts of the rows of a field of `size` among the sums.
     fn starts(&self, size: UVec3) -> impl Iterator<Item = usize> {
         let margin = 2 * self.cells.reach.as_uvec3();
         let all = self.size;
@@ -150,7 +151,7 @@ impl<'a> Smoothed<'a> {
     }
 }
 
-/// Shares of the neighbourhood that exist, at the middles of cells.
+/// Filled shares of the neighbourhood at cell centres.
 pub struct Field {
     edge: IVec3,
     /// The first voxel of the first cell.
@@ -161,19 +162,19 @@ pub struct Field {
 }
 
 impl Field {
-    /// Raises each share to that of `other`.
+    /// Raises each share to at least that of `other`.
     pub fn raise_to(&mut self, other: &Field) {
         let shares = self.shares.iter_mut().zip(&other.shares);
         shares.for_each(|(share, other)| *share = share.max(*other));
     }
 
-    /// Lowers each share to that of `other`.
+    /// Lowers each share to at most that of `other`.
     pub fn lower_to(&mut self, other: &Field) {
         let shares = self.shares.iter_mut().zip(&other.shares);
         shares.for_each(|(share, other)| *share = share.min(*other));
     }
 
-    /// Returns the places of voxels along an axis, of `len` from `v` on. All of them must lie between middles of cells.
+    /// Returns the positions of voxels along an axis, of `len` from `v` on. All of them must lie between cell centres.
     pub fn places(&self, axis: usize, v: i32, len: u32) -> Places {
         let places: Vec<_> = (v..).take(len as usize).map(|v| self.place(v, axis)).collect();
         let first = places.first().map_or(0, |(cell, _)| *cell as usize);
@@ -181,7 +182,7 @@ impl Field {
         Places { first, cells, places }
     }
 
-    /// Returns the extreme share (`f32::max` or `f32::min`) at the eight middles of cells around each cube of voxels
+    /// Returns the extreme share (`f32::max` or `f32::min`) at the eight cell centres around each cube of voxels
     /// between them, along x, for the cells `y` and `z` of the spans of their axes.
     pub fn extremes(
         &self,
@@ -201,7 +202,7 @@ impl Field {
         out.extend((1..along_x.cells).map(|x| extreme(column(x - 1), column(x))));
     }
 
-    /// The shares at the middles of the cells around a row of voxels.
+    /// Writes the shares at the centres of the cells around a row of voxels to `out`.
     pub fn cells(&self, along_x: &Places, y: i32, z: i32, out: &mut Vec<f32>) {
         let (y, y_share) = self.place(y, 1);
         let (z, z_share) = self.place(z, 2);
@@ -215,21 +216,22 @@ impl Field {
         }));
     }
 
-    /// Returns the shares at the middles of a row of cells.
+    /// Returns the shares at the centres of a row of cells.
     #[inline(always)]
     fn row(&self, along_x: &Places, y: usize, z: usize) -> &[f32] {
         let [width, height] = [self.size.x, self.size.y].map(|size| size as usize);
         &self.shares[(y + height * z) * width + along_x.first..][..along_x.cells]
     }
 
-    /// Returns how far the smoothed surface is from where the share is this, about: above 0 where less than half
-    /// exists.
+    /// Returns the approximate distance of the smoothed surface from a point with this share, positive where less than
+    /// half is filled.
     #[inline(always)]
     pub fn outside(&self, share: f32) -> f32 {
         (0.5 - share) * self.radius / DENSITY
     }
 
-    /// Returns the cell before the middle of a voxel on an axis, and how far the voxel is from there to the next.
+    /// Returns the cell before the centre of a voxel on an axis, and the fraction of the distance from there to the
+    /// next.
     #[inline(always)]
     fn place(&self, v: i32, axis: usize) -> (u32, f32) {
         let edge = self.edge[axis];
@@ -239,18 +241,17 @@ impl Field {
     }
 }
 
-/// Where voxels along an axis lie among the cells.
+/// The positions of voxels along an axis among the cells.
 pub struct Places {
     /// The cells that are needed.
     first: usize,
     cells: usize,
-    /// The cell before the middle of each voxel, and how far it is from there to the next.
+    /// The cell before the centre of each voxel, and the fraction of the distance from there to the next.
     places: Vec<(u32, f32)>,
 }
 
 impl Places {
-    /// Returns the cell before each, counted from the first that is needed, and the voxels between its middle and the
-    /// next.
+    /// Returns each cell, counted from the first that is needed, with the voxels between its centre and the next.
     pub fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
         let mut end = 0;
         self.places.chunk_by(|(a, _), (b, _)| a == b).map(move |span| {
@@ -260,7 +261,7 @@ impl Places {
         })
     }
 
-    /// Returns the share at a voxel of the row, from those at the cells around it.
+    /// Returns the share at a voxel of the row, interpolated from the cells around it.
     #[inline(always)]
     pub fn share(&self, cells: &[f32], x: usize) -> f32 {
         let (cell, share) = self.places[x];
@@ -291,12 +292,12 @@ fn twice_boxed(counts: Vec<f64>, size: UVec3, reach: UVec3) -> (Vec<f64>, UVec3)
     (sums, size)
 }
 
-/// Sums of `n` blocks of `inner` numbers each, in lines of `len` such blocks.
+/// Returns the sums of each `n` successive blocks of `inner` numbers, in lines of `len` such blocks.
 fn boxed(sums: &[f64], inner: usize, len: usize, n: usize) -> Vec<f64> {
     let lines = sums.len() / (inner * len).max(1);
     let left = len + 1 - n;
     let mut out = vec![0.0; lines * left * inner];
-    // A single line is cut, so that several threads have something to do.
+    // A single line is split so that several threads have work.
     let piece = if lines == 1 { left.div_ceil(8) } else { left };
     out.par_chunks_mut((piece * inner).max(1)).enumerate().for_each(|(i, out)| {
         let (line, from) = if lines == 1 { (0, i * piece) } else { (i, 0) };
@@ -323,7 +324,7 @@ fn boxed(sums: &[f64], inner: usize, len: usize, n: usize) -> Vec<f64> {
     out
 }
 
-/// Returns the largest of each `n` successive blocks of `inner` numbers, in lines of `len` such blocks.
+/// Returns the maximum of each `n` successive blocks of `inner` numbers, in lines of `len` such blocks.
 fn largest_of(values: &[f32], inner: usize, len: usize, n: usize) -> Vec<f32> {
     let left = (len + 1 - n) * inner;
     let lines = values.len() / (inner * len).max(1);

@@ -1,8 +1,8 @@
-//! Room that is hidden close behind the visible surface.
+//! Finds the empty space hidden close behind the visible surface.
 //!
-//! From the rays of a footprint and a grid to bits. A wall that is thinner than a brush would be no more than a
-//! small part of the brush's neighbourhood, and be smoothed away; with what it hides it is half of it, as a thick one is.
-//! Changes nothing; knows no brush.
+//! From the rays of a footprint and a grid to bits. A wall thinner than the brush would fill only a small part of the
+//! brush's neighbourhood, and be smoothed away. Together with the space that it hides it fills half of it, as a thick
+//! wall does. Changes nothing; knows no brush.
 
 use fearless_simd::{Level, dispatch};
 use glam::{IVec3, UVec3, Vec3};
@@ -13,44 +13,44 @@ use crate::sculpture::{Grid, NO_VOXEL};
 use crate::tools::brush::footprint::Footprint;
 use crate::tools::brush::kernel::visible::{Cone, direction, map_around};
 
-/// How far behind the first voxel of a ray its own surface may be, in voxels.
+/// Greatest distance of a ray's own surface behind its first voxel, in voxels.
 const STAIR_VX: f32 = 0.9;
-/// Most rays on each side of the middle one.
+/// Greatest number of rays on each side of the central one.
 const MOST_RAYS: f32 = 256.0;
-/// Farthest rays from the middle one, in rays of the footprint.
+/// Greatest distance of rays from the central one, in rays of the footprint.
 const MOST_SPREAD: f32 = 1e6;
-/// Half the diagonal of a cube, in its edges, with some room.
+/// Half the diagonal of a cube, in its edges, with a margin.
 const RADIUS_OF_CUBE: f32 = 0.875;
-/// Rows and columns of rays whose depths are looked at together.
+/// Number of rows and columns of rays whose depths are combined.
 const WINDOW: usize = 3;
-/// Edge of the blocks that are looked at before their bricks, in bricks.
+/// Edge of the blocks that are tested before their bricks, in bricks.
 const BLOCK: i32 = 4;
 
-/// The first surface on each ray of a square around a footprint.
+/// A depth map of the first surface, over a square around a footprint.
 pub struct Hidden {
     cone: Cone,
     eye_vx: Vec3,
-    /// Voxels between two rays of the footprint at a depth of 1, the fewest and the most.
+    /// Distance between two rays of the footprint at a depth of 1 in voxels, the least and the greatest.
     ray_vx: f32,
-    /// Rays of the footprint before the first of the map, and rays of the map in one of the footprint.
+    /// Position of the first ray of the map in rays of the footprint, and rays of the map for one of the footprint.
     first: f32,
     per_step: f32,
     side: usize,
     /// The last ray of a row of the map.
     last: f32,
-    /// The depths of the entries into the first voxels, in lengths of the aim, infinite where nothing is: the largest of each
-    /// and those beside it to the right and below.
+    /// For each ray, the largest entry depth into the first voxels among it and its neighbours to the right and below,
+    /// in lengths of the aim; infinite where nothing is hit.
     deepest: Vec<f32>,
-    /// The least and the largest of so many rows and columns from each on.
+    /// The least and the greatest depth of windows of rows and columns, from each ray on.
     bounds: Vec<[f32; 2]>,
-    /// How far behind it room is hidden, from and to.
+    /// The range of distances behind the surface in which space is hidden.
     from: f32,
     to: f32,
 }
 
 impl Hidden {
-    /// `at`: the depth of the middle, in lengths of the aim; `around_vx`: how far the neighbourhood goes beyond the
-    /// footprint there; `spacing_vx`: between two rays there; `behind_vx`: how far hidden room counts.
+    /// `at`: the depth of the centre, in lengths of the aim; `around_vx`: how far the neighbourhood extends beyond the
+    /// footprint there; `spacing_vx`: distance between two rays there; `behind_vx`: depth to which hidden space counts.
     pub fn new(
         footprint: &Footprint,
         cone: Cone,
@@ -70,9 +70,9 @@ impl Hidden {
         let depth = |(i, voxel): (usize, &u32)| match *voxel {
             NO_VOXEL => f32::INFINITY,
             voxel => {
-                let way = direction(&view, i as u32 % side, i as u32 / side);
+                let ray = direction(&view, i as u32 % side, i as u32 / side);
                 let low = grid.voxel_coords(voxel).as_vec3() - eye_vx;
-                (low / way).min((low + 1.0) / way).max_element().max(0.0)
+                (low / ray).min((low + 1.0) / ray).max_element().max(0.0)
             }
         };
         let depths: Vec<f32> = map.voxels.iter().enumerate().map(depth).collect();
@@ -95,48 +95,48 @@ impl Hidden {
         }
     }
 
-    /// Returns a place of the grid as rays to the right and down, and lengths of the aim.
+    /// Projects a point of the grid to rays to the right and down, and lengths of the aim.
     #[inline(always)]
     pub fn project(&self, at: Vec3) -> [f32; 3] {
         self.cone.project(at - self.eye_vx)
     }
 
-    /// Returns the ray of the map before one of the footprint; the first where that is not a number.
+    /// Returns the ray of the map before one of the footprint; the first for NaN.
     #[inline(always)]
     fn place(&self, ray: f32) -> u32 {
         ((ray - self.first) * self.per_step).max(0.0).min(self.last) as u32
     }
 
-    /// Returns the rays of the map around some of the footprint.
+    /// Returns the rays of the map around a range of rays of the footprint.
     #[inline(always)]
     fn places(&self, low: f32, high: f32) -> (usize, usize) {
         (self.place(low) as usize, (self.place(high) as usize + 1).min(self.side - 1))
     }
 
-    /// Returns whether room is hidden close behind the surface. `nearer`: how much of what is behind it does not count,
-    /// in lengths of the aim.
+    /// Returns whether a point is hidden close behind the surface. `nearer`: depth behind the surface that does not
+    /// count, in lengths of the aim.
     #[cfg(test)]
     pub fn is(&self, at: Vec3, nearer: f32) -> bool {
         let [i, j, s] = self.project(at);
         self.is_behind(self.ray(i, j), s, nearer)
     }
 
-    /// Returns a ray of the map, by its place among those of the footprint.
+    /// Returns a ray of the map, by its position among those of the footprint.
     #[inline(always)]
     fn ray(&self, i: f32, j: f32) -> u32 {
         self.place(j) * self.side as u32 + self.place(i)
     }
 
-    /// Returns whether a place on a ray of the map, so deep, is hidden close behind the surface.
+    /// Returns whether a point at a depth on a ray of the map is hidden close behind the surface.
     #[inline(always)]
     fn is_behind(&self, ray: u32, depth: f32, nearer: f32) -> bool {
         let deepest = self.deepest[ray as usize];
         (depth > deepest + self.from + nearer) & (depth < deepest + self.to)
     }
 
-    /// Returns which cubes of voxels of a word, `edge` voxels wide, are such room by their middles: a bit for the first
-    /// voxel of each. `first`: the corner of the word. `nearer`: how much of what is behind the surface does not count,
-    /// in lengths of the aim. `LAYER`: the cubes in one layer, which are computed together.
+    /// Returns which cubes of voxels of a word, `edge` voxels wide, are hidden, judged by their centres: a bit for the
+    /// first voxel of each. `first`: the corner of the word. `nearer`: depth behind the surface that does not count, in
+    /// lengths of the aim. `LAYER`: the number of cubes in one layer, which are computed together.
     #[inline(always)]
     fn of_word<const LAYER: usize>(&self, first: Vec3, edge: u32, nearer: f32) -> u64 {
         let across = WORD_EDGE_VX / edge;
@@ -156,7 +156,7 @@ impl Hidden {
         bits
     }
 
-    /// Returns how much of a cube of voxels may be such room.
+    /// Returns how much of a cube of voxels may be hidden space.
     #[inline(always)]
     fn share(&self, first: IVec3, edge: i32) -> HiddenShare {
         let radius = edge as f32 * RADIUS_OF_CUBE;
@@ -165,7 +165,7 @@ impl Hidden {
         if s <= 2.0 * spread {
             return if s > -spread { HiddenShare::Some } else { HiddenShare::None };
         }
-        // Wider than it is, for rays that are not square.
+        // Wider than needed, for rays that are not square.
         let rays = 2.0 * radius / (self.ray_vx * s);
         let (low_x, high_x) = self.places(i - rays, i + rays);
         let (low_y, high_y) = self.places(j - rays, j + rays);
@@ -189,12 +189,13 @@ impl Hidden {
         }
     }
 
-    /// Returns the hidden room of a brick, among its voxels that do not exist. `group`: the edge of the cubes of voxels
-    /// that are looked at together, 1, 2 or 4.
+    /// Returns the hidden space of a brick, among its empty voxels. `group`: the edge of the cubes of voxels that are
+    /// tested together, 1, 2 or 4.
     #[inline(always)]
     pub fn brick(&self, b: IVec3, exist: &Brick, group: u32) -> Brick {
         let (edge, word_edge) = (BRICK_EDGE_VX as i32, WORD_EDGE_VX as i32);
-        // The farthest voxel of a cube is half its diagonal less half a voxel's away from its middle.
+        // The farthest voxel centre of a cube is half the cube's diagonal less half a voxel's away from the cube's
+        // centre.
         let nearer = 0.5 * 3f32.sqrt() * (group - 1) as f32 * self.cone.per_voxel;
         let mut hidden = Brick::EMPTY;
         for (word, bits) in (0u32..).zip(&mut hidden.words) {
@@ -239,7 +240,7 @@ impl Hidden {
         Shares { hidden: self, first, size, blocks }
     }
 
-    /// Adds the hidden room around a grid to a block of its voxels.
+    /// Adds the hidden space around a grid to a block of its voxels.
     pub fn fill(&self, block: &mut BitBlock, grid: &Grid) {
         let edge = BRICK_EDGE_VX as i32;
         let (first, size) = (block.origin() / edge, block.size().as_ivec3() / edge);
@@ -248,17 +249,17 @@ impl Hidden {
     }
 }
 
-/// How much of each brick may be hidden room.
+/// How much of each brick may be hidden space.
 pub struct Shares<'a> {
     pub hidden: &'a Hidden,
-    /// In blocks.
+    /// The first block, in blocks.
     first: IVec3,
     size: IVec3,
     blocks: Vec<HiddenShare>,
 }
 
 impl Shares<'_> {
-    /// Of a brick, which must be one of these.
+    /// Returns the share of a brick, which must be one of these.
     #[inline(always)]
     pub fn of(&self, b: IVec3) -> HiddenShare {
         let at = (b >> BLOCK.trailing_zeros()) - self.first;
@@ -271,7 +272,7 @@ impl Shares<'_> {
         }
     }
 
-    /// Adds the hidden room of these bricks to a block that consists of them.
+    /// Adds the hidden space of these bricks to a block that consists of them.
     #[inline(always)]
     fn fill(&self, block: &mut BitBlock, grid: &Grid) {
         let edge = BRICK_EDGE_VX as i32;
@@ -292,16 +293,16 @@ impl Shares<'_> {
     }
 }
 
-/// How much of a cube of voxels may be hidden room, as far as its bounds tell.
+/// How much of a cube of voxels may be hidden space, as far as its bounds tell.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum HiddenShare {
     None,
     Some,
-    /// All that does not exist.
+    /// All empty voxels.
     All,
 }
 
-/// Returns the least and the largest value of `n` rows and columns, from each on, of a square of values.
+/// Returns the least and the greatest value of `n` rows and columns, from each on, of a square of values.
 fn windows(values: &[f32], side: usize, n: usize) -> Vec<[f32; 2]> {
     let mut bounds: Vec<_> = values.iter().map(|v| [*v; 2]).collect();
     for stride in [1, side] {
@@ -317,13 +318,13 @@ fn windows(values: &[f32], side: usize, n: usize) -> Vec<[f32; 2]> {
     bounds
 }
 
-/// Returns the place of a word in its brick, in words.
+/// Returns the position of a word in its brick, in words.
 #[inline(always)]
 fn corner_of(word: u32) -> IVec3 {
     UVec3::new(word & 1, word >> 1 & 1, word >> 2).as_ivec3()
 }
 
-/// Returns a brick at coordinates that may be outside the grid, and its kind. None if nothing exists in it.
+/// Returns a brick at coordinates that may be outside the grid, and its kind. `None` if it is empty.
 #[inline(always)]
 pub fn brick_of(grid: &Grid, b: IVec3) -> Option<(BrickKind, &Brick)> {
     let outside = b.cmplt(IVec3::ZERO).any() || b.cmpge(grid.brick_dims().as_ivec3()).any();

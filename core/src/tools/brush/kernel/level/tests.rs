@@ -1,4 +1,5 @@
-//! Tests of smoothing by a level: what goes, what stays, and how strength, rounding and walls count.
+//! Tests smoothing at the scale of the brush: which forms go and which stay, and the effect of strength, rounding and
+//! walls.
 
 use glam::{IVec3, UVec3, Vec3};
 
@@ -20,7 +21,7 @@ fn grid(dims: UVec3, is: impl Fn(Vec3) -> bool) -> Grid {
     grid
 }
 
-/// Returns a brush with a radius in voxels at `target`, seen from far away.
+/// Returns a brush with a radius in voxels at `target`, viewed from far away.
 fn seen(target: Vec3, from: Vec3, radius: f32) -> Footprint {
     let away = from.normalize();
     let across = away.any_orthonormal_vector();
@@ -55,7 +56,7 @@ fn apply(grid: &mut Grid, stamp: &Stamp) {
     voxels(&stamp.add).into_iter().for_each(|v| grid.set(v, true));
 }
 
-/// Eight times over what is around `target`, along and across, to both sides of the middle.
+/// Scrubs the surroundings of `target` eight times, along and across, to both sides of the centre.
 fn scrub(grid: &mut Grid, level: Level, target: Vec3, from: Vec3, radius: f32) {
     let away = from.normalize();
     let across = away.any_orthonormal_vector();
@@ -79,7 +80,7 @@ fn flat_faces_are_what_they_were_however_they_are_seen() {
         let slab = grid(UVec3::new(256, 96, 256), |p| p.y < height);
         for radius in [1.0, 3.0, 7.0, 12.0, 21.0, 27.0] {
             for from in views {
-                // Only where the brush, and what it looks at, is all on the face.
+                // Only where the brush and its whole neighbourhood are on the face.
                 if radius / from.normalize().y + 3.6 * radius > 128.0 {
                     continue;
                 }
@@ -89,7 +90,7 @@ fn flat_faces_are_what_they_were_however_they_are_seen() {
             }
         }
     }
-    // Both ways aslant.
+    // At 45 degrees to both axes.
     let slope = grid(UVec3::splat(160), |p| p.x + p.y < 160.0);
     let steep = grid(UVec3::splat(160), |p| p.x + p.y + p.z < 240.0);
     for radius in [5.0, 9.0, 15.0] {
@@ -101,7 +102,7 @@ fn flat_faces_are_what_they_were_however_they_are_seen() {
     }
 }
 
-/// Larger brushes look at hidden room in cubes of 64 voxels.
+/// The largest brushes sample hidden space in cubes of 64 voxels.
 #[test]
 fn flat_faces_are_what_they_were_under_the_largest_brushes() {
     for height in [190, 193] {
@@ -152,7 +153,7 @@ fn balls_of_five_times_the_radius_keep_their_volume() {
     let before = grid.opaque_count() as f64;
     for radius in [6.0, 11.0, 16.0] {
         for i in 0..60 {
-            // Places all over the ball, by the golden angle.
+            // Positions all over the ball, by the golden angle.
             let y = 1.0 - (i as f32 + 0.5) / 30.0;
             let (sin, cos) = (i as f32 * 2.399_963).sin_cos();
             let from = Vec3::new(sin * (1.0 - y * y).sqrt(), y, cos * (1.0 - y * y).sqrt());
@@ -225,13 +226,13 @@ fn thin_walls_are_not_pierced() {
     }
 }
 
-/// Returns a brush that sees `target` from an eye, with a radius in voxels there.
+/// Returns a brush centred on `target` as viewed from an eye, with a radius in voxels there.
 fn seen_from(eye: Vec3, target: Vec3, radius: f32) -> Footprint {
     let away = eye - target;
     Footprint { eye_vx: eye, aim: -away, ..seen(target, away, radius) }
 }
 
-/// Once around the rim of a mug, as far as it is seen.
+/// Strokes once around the visible rim of a mug.
 #[test]
 fn the_rim_of_a_mug_is_rounded_and_stays_however_it_is_seen() {
     let (middle, outer, top) = (Vec3::new(64.0, 0.0, 64.0), 36.0, 96.0);
