@@ -1,10 +1,10 @@
-//! A folder of files of one kind, named `STEM.ENDING`, in which journals, saved histories and the files for undo steps
-//! lie: how files are named, listed, numbered, begun, published, and removed when they are old or were left.
+//! A folder of files of one kind, named `STEM.ENDING`, for journals, saved histories and undo steps: names, lists,
+//! numbers, creates and publishes files, and removes old or abandoned ones.
 //!
-//! A file of [`FileDir`] is written as `N.new`, locked, and takes its name once it is whole and on the disk; an `N.new`
-//! without a lock was left by a session that was killed. The files of [`spill`](super::spill) share only
-//! [`path_in`], [`has_ending`] and [`create_numbered`]: they are never published, an empty one may be in use, and one
-//! that was left stays locked until it is removed. Knows no contents; callers say which ending stands for what.
+//! A file of [`FileDir`] is written as `N.new`, locked, and renamed once it is complete and on disk; an `N.new` without
+//! a lock was left by a killed session. The files of [`spill`](super::spill) share only [`path_in`], [`has_ending`] and
+//! [`create_numbered`]: they are never published, an empty one may be in use, and an abandoned one is locked until it
+//! is removed. Knows no contents; callers define the meaning of endings.
 
 use std::cmp::Reverse;
 use std::fmt::Display;
@@ -14,10 +14,10 @@ use std::sync::Arc;
 
 use super::files::{Appender, Files, Source};
 
-/// The ending of a file that is not whole yet.
+/// The ending of an incomplete file.
 pub(super) const UNFINISHED: &str = "new";
 
-/// A folder of files that are published when they are whole.
+/// A folder of files that are published when they are complete.
 #[derive(Clone, Debug)]
 pub(super) struct FileDir {
     files: Arc<dyn Files>,
@@ -33,7 +33,7 @@ impl FileDir {
         &self.folder
     }
 
-    /// Makes the folder; nothing if it is there.
+    /// Creates the folder; does nothing if it exists.
     pub fn make_folder(&self) -> Result<()> {
         self.files.make_folder(&self.folder)
     }
@@ -50,7 +50,7 @@ impl FileDir {
         Ok(paths)
     }
 
-    /// Returns the numbers of the files with an ending that have one for a name, rising.
+    /// Returns the numbers of the files with an ending that are named by a number, ascending.
     pub fn numbers(&self, ending: &str) -> Result<Vec<u64>> {
         let number = |path: &PathBuf| path.file_stem()?.to_str()?.parse().ok();
         let mut numbers: Vec<u64> = self.paths(ending)?.iter().filter_map(number).collect();
@@ -63,7 +63,7 @@ impl FileDir {
         self.files.open(path)
     }
 
-    /// Opens a file that is whole: [`Files::open_shared`].
+    /// Opens a complete file: [`Files::open_shared`].
     pub fn open_shared(&self, path: &Path) -> Result<Source> {
         self.files.open_shared(path)
     }
@@ -72,7 +72,7 @@ impl FileDir {
         self.files.remove(path)
     }
 
-    /// Removes a file that nobody needs; if it stays, the log says so.
+    /// Removes a file that is no longer needed. Logs a failure.
     pub fn remove_needless(&self, path: &Path) {
         if let Err(error) = self.files.remove(path)
             && error.kind() != ErrorKind::NotFound
@@ -81,22 +81,22 @@ impl FileDir {
         }
     }
 
-    /// Begins the unfinished file of a number, which must not be there, and locks it.
+    /// Creates the unfinished file of a number, which must not exist, and locks it.
     pub fn begin(&self, number: u64) -> Result<Box<dyn Appender>> {
         self.files.create(&self.unfinished(number))
     }
 
-    /// Returns the unfinished file of a number.
+    /// Returns the path of the unfinished file of a number.
     pub fn unfinished(&self, number: u64) -> PathBuf {
         self.path(number, UNFINISHED)
     }
 
-    /// Gives the unfinished file of a number its name, for good.
+    /// Renames the unfinished file of a number to its final name, durably.
     pub fn publish(&self, number: u64, path: &Path) -> Result<()> {
         self.files.rename(&self.unfinished(number), path)
     }
 
-    /// Returns whether a number has an unfinished file, as far as can be seen.
+    /// Returns whether a number has an unfinished file, as far as can be determined.
     pub fn is_unfinished(&self, number: u64) -> bool {
         self.numbers(UNFINISHED).is_ok_and(|numbers| numbers.contains(&number))
     }
@@ -106,14 +106,14 @@ impl FileDir {
         self.files.remove(&self.unfinished(number))
     }
 
-    /// Returns whether a session that was killed has left an unfinished file. Those of living ones are locked before
-    /// the first byte is in them.
+    /// Returns whether an unfinished file was left by a killed session. Those of living sessions are locked before
+    /// their first byte is written.
     pub fn is_left(&self, unfinished: &Path) -> bool {
         self.files.open(unfinished).is_ok_and(|source| source.bytes > 0)
     }
 
-    /// Removes the files with an ending that there is no room for, those written longest ago first, and `newest` last,
-    /// whatever the clock says.
+    /// Removes the files with an ending that exceed the limits, the oldest first, and `newest` last, whatever its
+    /// timestamp.
     pub fn keep_within(&self, ending: &str, newest: &Path, max_bytes: u64, max_count: usize) {
         let known = |path: PathBuf| {
             let source = self.files.open_shared(&path).ok()?;
@@ -142,8 +142,8 @@ pub(super) fn has_ending(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|own| own == ending)
 }
 
-/// Creates a file under the first free number, from `first` on. `taken`: the kinds of error by which `create` says that
-/// a number is another's. Returns the number, too.
+/// Creates a file under the first free number, from `first` on, and returns the number as well. `taken`: the kinds of
+/// error by which `create` reports that a number is in use.
 pub(super) fn create_numbered<T>(
     first: u64,
     taken: &[ErrorKind],

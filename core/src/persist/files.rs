@@ -1,47 +1,47 @@
-//! The file operations of journals and saved histories and nothing else, behind a trait, so that tests can let each of
-//! them fail; and the few calls of the system that [`spill`](super::spill) makes alike, which writes anywhere in its
-//! file and so has a trait of its own.
+//! The file operations of journals and saved histories, behind a trait, so that tests can make each of them fail; and
+//! the few system calls that they share with [`spill`](super::spill), which writes anywhere in its file and so has a
+//! trait of its own.
 //!
-//! [`Disk`] is the real one. A file that is being written is locked (a lock of the system on the open
-//! file, which ends with the process, however that ends), so that what a crash has left is told from what
-//! a living session writes. Knows neither names nor contents of files.
+//! [`Disk`] is the real one. A file that is being written is locked (a system lock on the open file, which ends with
+//! the process, however that ends), so that remains of a crash can be told from files that a living session writes.
+//! Knows neither names nor contents of files.
 
 use std::fmt::Debug;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::path::{Path, PathBuf};
 
-/// The operations on files that journals and saved histories need.
+/// The file operations that journals and saved histories need.
 pub trait Files: Debug + Send + Sync {
-    /// Makes a folder and those above it; nothing if it is there.
+    /// Creates a folder and its parents; does nothing if it exists.
     fn make_folder(&self, folder: &Path) -> Result<()>;
-    /// Creates an empty file, which must not be there, and locks it. It stays locked while it is open.
+    /// Creates an empty file, which must not exist, and locks it. It stays locked while it is open.
     fn create(&self, path: &Path) -> Result<Box<dyn Appender>>;
-    /// Renames a file over another, for good: after this no crash brings the old one back.
+    /// Renames a file over another, durably: after this no crash restores the old one.
     fn rename(&self, from: &Path, to: &Path) -> Result<()>;
     /// Removes a file.
     fn remove(&self, path: &Path) -> Result<()>;
-    /// Returns the files of a folder; none if it is not there.
+    /// Returns the files of a folder; none if it does not exist.
     fn list(&self, folder: &Path) -> Result<Vec<PathBuf>>;
-    /// Opens a file for reading, and locks it; [`ErrorKind::WouldBlock`] if it is locked.
+    /// Opens a file for reading and locks it; [`ErrorKind::WouldBlock`] if it is locked.
     fn open(&self, path: &Path) -> Result<Source>;
-    /// Opens a file for reading that is whole and never written again. Nobody is kept from it.
+    /// Opens for reading a file that is complete and never written again. Does not lock it.
     fn open_shared(&self, path: &Path) -> Result<Source> {
         self.open(path)
     }
 }
 
-/// Waits until what was appended before is on the disk.
+/// Waits until all data appended before is on disk.
 pub type Syncer = Box<dyn FnOnce() -> Result<()> + Send>;
 
 /// A file that grows.
 pub trait Appender: Debug + Send {
-    /// Appends bytes, in one write of the system where it takes them all.
+    /// Appends bytes, in one system write where the system accepts them all.
     fn append(&mut self, bytes: &[u8]) -> Result<()>;
-    /// Waits until what was appended is on the disk. An error of kind [`ErrorKind::NotFound`] if the file
-    /// has been removed meanwhile.
+    /// Waits until the appended data is on disk. Returns an error of kind [`ErrorKind::NotFound`] if the file has been
+    /// removed in the meantime.
     fn sync(&mut self) -> Result<()>;
-    /// Returns the same, to be called on another thread while more is appended; none where that cannot be.
+    /// Returns a closure that syncs on another thread while more is appended; `None` where that is not possible.
     fn syncer(&self) -> Option<Syncer>;
     /// Returns whether the file still has a name.
     fn is_there(&self) -> bool;
@@ -51,13 +51,13 @@ pub trait Appender: Debug + Send {
 pub struct Source {
     /// Its bytes.
     pub reader: Box<dyn Read + Send>,
-    /// How many they are.
+    /// Their number.
     pub bytes: u64,
     /// When it was last changed, in seconds since 1970, by the system's clock.
     pub changed_unix_s: Option<u64>,
 }
 
-/// The files of the system.
+/// The file system.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk;
 
@@ -72,7 +72,7 @@ impl Files for Disk {
     fn create(&self, path: &Path) -> Result<Box<dyn Appender>> {
         let file = private_new_file().append(true).open(path)?;
         if let Err(error) = lock(&file) {
-            // Without locks others would take it for one that was left.
+            // Without locks, others would take it for an abandoned one.
             let _ = fs::remove_file(path);
             return Err(error);
         }
@@ -111,7 +111,7 @@ impl Files for Disk {
     }
 }
 
-/// Makes a folder and those above it, for its owner alone.
+/// Creates a folder and its parents, accessible to its owner only.
 pub(super) fn make_private_folder(folder: &Path) -> Result<()> {
     let mut builder = fs::DirBuilder::new();
     builder.recursive(true);
@@ -120,7 +120,7 @@ pub(super) fn make_private_folder(folder: &Path) -> Result<()> {
     builder.create(folder)
 }
 
-/// Returns how to open a file that must not be there yet: nobody else may read or write what a user works on.
+/// Returns the options to create a file that must not exist yet, readable and writable by its owner only.
 pub(super) fn private_new_file() -> OpenOptions {
     let mut options = OpenOptions::new();
     options.create_new(true);
@@ -129,7 +129,7 @@ pub(super) fn private_new_file() -> OpenOptions {
     options
 }
 
-/// What lies in a folder.
+/// Returns the entries of a folder.
 pub(super) fn paths_in(folder: &Path) -> Result<impl Iterator<Item = Result<PathBuf>>> {
     Ok(fs::read_dir(folder)?.map(|entry| Ok(entry?.path())))
 }
@@ -146,7 +146,7 @@ pub(super) fn lock(file: &File) -> Result<()> {
 pub(super) fn has_name(file: &File) -> bool {
     #[cfg(unix)]
     let has_name = |found: fs::Metadata| std::os::unix::fs::MetadataExt::nlink(&found) > 0;
-    // Elsewhere a file cannot go while it is open.
+    // On other systems a file cannot be removed while it is open.
     #[cfg(not(unix))]
     let has_name = |_| true;
     file.metadata().is_ok_and(has_name)

@@ -1,13 +1,13 @@
-//! Records in a file: framed so that whatever cuts or damages it leaves the longest valid prefix readable.
+//! Records in a file, framed so that truncation or damage leaves the longest valid prefix readable.
 //!
-//! A file begins with a head of 16 bytes: `89 56 53 4A 0D 0A 1A 0A`, a version (u32) and the CRC-32 of both.
-//! Then come records: length of the payload (u64), number of the record (u64, counted from 0), kind (u8),
-//! CRC-32 of these and the payload (u32), payload. All numbers are little-endian. Reading ends at the first
-//! record that is incomplete, has another checksum, or another number than the one expected.
+//! A file begins with a header of 16 bytes: `89 56 53 4A 0D 0A 1A 0A`, a version (u32) and the CRC-32 of both. Then
+//! come records: length of the payload (u64), number of the record (u64, counted from 0), kind (u8), CRC-32 of these
+//! and the payload (u32), payload. All numbers are little-endian. Reading ends at the first record that is incomplete,
+//! has a wrong checksum, or has another number than expected.
 //!
-//! Journals and saved histories are such files. The file of [`spill`](super::spill) is none: no other process reads it,
-//! so the lengths and checksums of its parts stay in memory, and it takes only [`checksum`] from here. Knows no
-//! meaning of records.
+//! Journals and saved histories are such files. The file of [`spill`](super::spill) is not: no other process reads it,
+//! so the lengths and checksums of its parts stay in memory, and it takes only [`checksum`] from here. Knows no meaning
+//! of records.
 
 use std::io::{Error, ErrorKind, Read, Result};
 
@@ -15,15 +15,15 @@ use super::files::{Appender, Syncer};
 
 /// First bytes of a journal.
 const MAGIC: [u8; 8] = [0x89, b'V', b'S', b'J', b'\r', b'\n', 0x1A, b'\n'];
-/// Version of the framing and of what records mean.
+/// Version of the framing and of the meaning of records.
 pub const VERSION: u32 = 1;
 
 const HEAD_BYTES: usize = 16;
 const FRAME_BYTES: usize = 21;
-/// Where the checksum stands in the frame.
+/// Position of the checksum in the frame.
 const CHECKSUM_AT: usize = 17;
 
-/// Returns the first bytes of a file.
+/// Returns the header of a file.
 pub fn head() -> [u8; HEAD_BYTES] {
     let mut head = [0; HEAD_BYTES];
     head[..8].copy_from_slice(&MAGIC);
@@ -33,7 +33,7 @@ pub fn head() -> [u8; HEAD_BYTES] {
     head
 }
 
-/// A record to write: payload is appended to `bytes`, then it is sealed.
+/// A record to write: the payload is appended to `bytes`, then it is sealed.
 #[derive(Debug)]
 pub struct RecordBuffer {
     /// Frame and payload.
@@ -41,14 +41,14 @@ pub struct RecordBuffer {
 }
 
 impl RecordBuffer {
-    /// Returns a record without payload yet.
+    /// Creates a record without payload yet.
     pub fn new(kind: u8) -> RecordBuffer {
         let mut bytes = vec![0; FRAME_BYTES];
         bytes[16] = kind;
         RecordBuffer { bytes }
     }
 
-    /// Returns a record with this payload.
+    /// Creates a record with this payload.
     pub fn with_payload(kind: u8, payload: &[u8]) -> RecordBuffer {
         let mut record = RecordBuffer::new(kind);
         record.payload().extend_from_slice(payload);
@@ -60,7 +60,7 @@ impl RecordBuffer {
         &mut self.bytes
     }
 
-    /// Returns the whole record as number `sequence` of its file.
+    /// Returns the complete record as number `sequence` of its file.
     pub fn sealed(mut self, sequence: u64) -> Vec<u8> {
         let length = (self.bytes.len() - FRAME_BYTES) as u64;
         self.bytes[..8].copy_from_slice(&length.to_le_bytes());
@@ -72,7 +72,7 @@ impl RecordBuffer {
     }
 }
 
-/// Returns the CRC-32 of bytes that follow each other.
+/// Returns the CRC-32 of consecutive byte strings.
 pub(super) fn checksum(parts: &[&[u8]]) -> u32 {
     let mut crc = crc32fast::Hasher::new();
     parts.iter().for_each(|part| crc.update(part));
@@ -88,17 +88,17 @@ pub(super) struct RecordAppender {
 }
 
 impl RecordAppender {
-    /// For a file that is empty.
+    /// Starts with an empty file.
     pub fn new(file: Box<dyn Appender>) -> RecordAppender {
         RecordAppender { file, sequence: 0 }
     }
 
-    /// Appends the head, which comes before all records.
+    /// Appends the header, which precedes all records.
     pub fn append_head(&mut self) -> Result<()> {
         self.file.append(&head())
     }
 
-    /// Appends a record in one write. Returns how many bytes it takes.
+    /// Appends a record in one write. Returns its size in bytes.
     pub fn append(&mut self, record: RecordBuffer) -> Result<u64> {
         let bytes = record.sealed(self.sequence);
         self.file.append(&bytes)?;
@@ -106,12 +106,12 @@ impl RecordAppender {
         Ok(bytes.len() as u64)
     }
 
-    /// Waits until what was appended is on the disk: [`Appender::sync`].
+    /// Waits until the appended data is on disk: [`Appender::sync`].
     pub fn sync(&mut self) -> Result<()> {
         self.file.sync()
     }
 
-    /// Returns the same, to be called on another thread: [`Appender::syncer`].
+    /// Returns a closure that syncs on another thread: [`Appender::syncer`].
     pub fn syncer(&self) -> Option<Syncer> {
         self.file.syncer()
     }
@@ -122,37 +122,37 @@ impl RecordAppender {
     }
 }
 
-/// A record as it was read.
+/// A record as read.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Record {
     /// The kind of the payload.
     pub kind: u8,
-    /// The rest.
+    /// The payload.
     pub payload: Vec<u8>,
 }
 
-/// Why a file has no further record.
+/// The reason why a file has no further record.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Ending {
     /// It ends after a record.
     Whole,
     /// It ends within a record, as when the power fails.
     Cut,
-    /// The bytes that follow are no record that fits here.
+    /// The following bytes are no record that fits here.
     Damaged,
 }
 
 /// Reads the records of a file, as far as they are valid.
 pub struct Records {
     reader: Box<dyn Read + Send>,
-    /// Bytes of the file that are left.
+    /// Number of bytes of the file that are left.
     left: u64,
     sequence: u64,
     ending: Option<Ending>,
 }
 
 impl Records {
-    /// Reads the head of a file of `bytes`.
+    /// Reads the header of a file of `bytes`.
     ///
     /// # Errors
     /// If it is no journal, or one of a version that this program does not read.
@@ -173,12 +173,12 @@ impl Records {
         Ok(Records { reader, left, sequence: 0, ending: None })
     }
 
-    /// Bytes of the file that have not been read.
+    /// Returns the number of unread bytes of the file.
     pub fn bytes_left(&self) -> u64 {
         self.left
     }
 
-    /// Returns why there was no further record; none while there may be one.
+    /// Returns why there was no further record; `None` while there may be one.
     pub fn ending(&self) -> Option<Ending> {
         self.ending
     }
@@ -196,7 +196,7 @@ impl Records {
         if sequence != self.sequence {
             return Err(Ending::Damaged);
         }
-        // No more is allocated than the file has.
+        // Never allocates more than the file has.
         if length > self.left {
             return Err(Ending::Cut);
         }
@@ -301,7 +301,7 @@ mod tests {
             let (records, ending) = read(&file).unwrap();
             assert_eq!((records.len(), ending), (left, Ending::Damaged));
         }
-        // A length that no memory has.
+        // A length that exceeds any memory.
         let mut vast = file[..ends[0]].to_vec();
         vast.extend([0xff; 8]);
         vast.extend(1u64.to_le_bytes());

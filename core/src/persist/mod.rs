@@ -1,10 +1,10 @@
-//! What a session leaves on the disk beside the sculptures that a person saves: its journal, the undo histories of
-//! saved files, and the undo steps that memory has no room for.
+//! The files that a session leaves on disk besides saved sculptures: its journal, the undo histories of saved files,
+//! and the undo steps that do not fit into memory.
 //!
-//! Journals and saved histories share their bytes on the disk: `frame` is the framing of records, `payload` the numbers
-//! and texts in them, `sculpture_file` a record that both have. `files` is the file layer, `dir` a folder of such
-//! files. `spill` shares names, locks and checksums alone: its file ends with the session, so that its bytes have no
-//! frames. Knows documents, but no session.
+//! Journals and saved histories share their encoding: `frame` is the framing of records, `payload` the numbers and
+//! texts in them, `sculpture_file` a record that both use. `files` is the file layer, `dir` a folder of such files.
+//! `spill` shares only names, locks and checksums: its file ends with the session, so that its bytes need no frames.
+//! Knows documents, but no session.
 
 mod dir;
 pub mod files;

@@ -1,4 +1,4 @@
-//! The file that belongs to a sculpture of a session, and the record that holds it in journals and saved histories.
+//! The file of a sculpture in a session, and the record that holds it in journals and saved histories.
 
 use std::path::PathBuf;
 
@@ -11,23 +11,23 @@ use crate::sculpture::orientation::Up;
 const DAMAGED: FormatError =
     FormatError::Damaged("the checkpoint of the journal has no known form");
 
-/// The file that belongs to a sculpture of a session.
+/// The file of a sculpture in a session.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct SculptureFile {
-    /// Which sculpture: [`State::sculpture`](crate::sculpture::history::State::sculpture).
+    /// The sculpture: [`State::sculpture`](crate::sculpture::history::State::sculpture).
     pub sculpture: u64,
-    /// Where it is.
+    /// Its path.
     pub path: Option<PathBuf>,
-    /// Texts of the file, which go along when it is saved.
+    /// Texts of the file, which are saved with it.
     pub texts: Texts,
-    /// Number of the state that the file holds.
+    /// Number of the state that the file contains.
     pub saved: Option<u64>,
-    /// The number of the state in which it was read, and the axis that was taken for the one that points up.
+    /// The number of the state in which it was read, and the axis that was assumed to point up.
     pub assumed_up: Option<(u64, Up)>,
 }
 
 impl SculptureFile {
-    /// Returns a record of some kind that holds it.
+    /// Returns a record of the given kind that holds it.
     pub(super) fn to_record_of(&self, kind: u8) -> RecordBuffer {
         let mut record = RecordBuffer::new(kind);
         let out = record.payload();
@@ -43,7 +43,7 @@ impl SculptureFile {
         record
     }
 
-    /// Reads what such a record holds.
+    /// Reads the payload of such a record.
     pub(super) fn from_payload(payload: &[u8]) -> Result<SculptureFile, FormatError> {
         let rest = &mut &payload[..];
         let sculpture = take_u64(rest)?;

@@ -1,9 +1,9 @@
-//! A checkpoint: a session between two strokes, as records that make it up again exactly.
+//! A checkpoint: a session between two strokes, as records that restore it exactly.
 //!
-//! Records of a checkpoint, in this order: one for the beginning (program, process, time, limits and
-//! identifiers, as JSON), one for the contents, one for each undo step and each redo step (nearest first),
-//! the clipboard if there is one, the settings and the last operation as scripts, the file of each sculpture,
-//! each loaded picture, and the end with the hash of the contents.
+//! Records of a checkpoint, in this order: one for the beginning (program, process, time, limits and identifiers, as
+//! JSON), one for the contents, one for each undo step and each redo step (nearest first), the clipboard if there is
+//! one, the settings and the last operation as scripts, the file of each sculpture, each loaded picture, and the end
+//! with the hash of the contents.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -56,7 +56,7 @@ pub struct Beginning {
     pub program: String,
     /// The process that wrote it.
     pub process: u32,
-    /// When the session began, in seconds since 1970 by the system's clock; only for people.
+    /// When the session began, in seconds since 1970 by the system's clock; for display only.
     pub began_unix_s: u64,
     limits: [u64; 3],
     #[serde(default)]
@@ -79,7 +79,7 @@ impl Beginning {
 }
 
 impl Checkpoint {
-    /// Gives its records to `append`, one by one.
+    /// Passes its records to `append`, one by one.
     pub(super) fn write<E: From<FormatError>>(
         &self,
         began_unix_s: u64,
@@ -128,9 +128,9 @@ impl Checkpoint {
         append(RecordBuffer::with_payload(END, &Digest::of(contents).0))
     }
 
-    /// Reads a checkpoint from the records of a journal. Contents may take what `limits` allow, or the limits
-    /// that it was made with where these are larger; the history has the limit that it was made with, so that
-    /// a replay drops the steps that the session dropped. None if the records end before it does.
+    /// Reads a checkpoint from the records of a journal. Contents may take as much as `limits` allow, or the recorded
+    /// limits where these are larger. The history has the recorded limit, so that a replay drops the steps that the
+    /// session dropped. `None` if the records end before the checkpoint does.
     pub(super) fn read(
         records: &mut dyn Iterator<Item = Record>,
         limits: &Limits,

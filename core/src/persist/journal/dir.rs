@@ -1,7 +1,7 @@
-//! The folder in which journals lie: a file `N.journal` for each, and `N.new` while a checkpoint is written.
+//! The folder of the journals: a file `N.journal` for each, and `N.new` while a checkpoint is being written.
 //!
-//! Numbers say which is which to people, too. Only who has created `N.new` may name it `N.journal`, so no two
-//! sessions ever write to one.
+//! The numbers identify journals to users, too. Only the session that has created `N.new` may rename it to `N.journal`,
+//! so no two sessions ever write to the same one.
 
 use std::io::{ErrorKind, Result};
 use std::path::{Path, PathBuf};
@@ -22,19 +22,19 @@ pub struct JournalDir {
 pub enum AbandonedJournal {
     /// A journal that no session writes to, open and locked.
     Journal(Source),
-    /// One that belongs to a session that runs.
+    /// The journal of a running session.
     InUse,
     /// It cannot be opened.
     Unreadable(std::io::Error),
 }
 
 impl JournalDir {
-    /// Returns the journals in a folder of the disk.
+    /// Opens a folder of journals on the disk.
     pub fn new(folder: &Path) -> JournalDir {
         JournalDir::with_files(folder, Arc::new(Disk))
     }
 
-    /// Returns the journals in a folder of any files.
+    /// Opens a folder of journals through a file layer.
     pub fn with_files(folder: &Path, files: Arc<dyn Files>) -> JournalDir {
         JournalDir { dir: FileDir::new(folder.to_path_buf(), files) }
     }
@@ -44,17 +44,17 @@ impl JournalDir {
         self.dir.folder()
     }
 
-    /// Returns the file of a number.
+    /// Returns the path of the file of a number.
     pub fn path(&self, number: u64) -> PathBuf {
         self.dir.path(number, JOURNAL)
     }
 
-    /// Returns the numbers of all journals, rising.
+    /// Returns the numbers of all journals, ascending.
     pub fn numbers(&self) -> Result<Vec<u64>> {
         self.dir.numbers(JOURNAL)
     }
 
-    /// Returns how many journals were left by sessions that do not run any more, as far as can be seen.
+    /// Returns how many journals were left by sessions that no longer run, as far as can be determined.
     pub fn count_left(&self) -> usize {
         let numbers = self.numbers().unwrap_or_default();
         numbers
@@ -77,14 +77,14 @@ impl JournalDir {
         self.dir.remove(&self.path(number))
     }
 
-    /// Creates the unfinished file of a number that no journal has; of `own`, if there is one, which a checkpoint
-    /// is to replace.
+    /// Creates the unfinished file of a number that no journal has; of `own`, if given, whose journal a checkpoint is
+    /// to replace.
     pub(super) fn create(&self, own: Option<u64>) -> Result<(u64, Box<dyn Appender>)> {
         self.dir.make_folder()?;
         if let Some(number) = own {
             return match self.dir.begin(number) {
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                    // That of an earlier try, which could not be removed then.
+                    // The file of an earlier attempt that could not be removed then.
                     self.dir.abandon(number)?;
                     Ok((number, self.dir.begin(number)?))
                 }
@@ -95,7 +95,7 @@ impl JournalDir {
         let first = self.numbers()?.last().map_or(1, |last| last + 1);
         create_numbered(first, &[ErrorKind::AlreadyExists], |number| {
             let file = self.dir.begin(number)?;
-            // Named after the numbers were listed: it may be another's by now.
+            // Renamed after the numbers were listed: it may belong to another session by now.
             if self.numbers()?.contains(&number) {
                 self.abandon(number);
                 return Err(ErrorKind::AlreadyExists.into());
@@ -104,22 +104,22 @@ impl JournalDir {
         })
     }
 
-    /// Makes the unfinished file of a number its journal.
+    /// Turns the unfinished file of a number into its journal.
     pub(super) fn publish(&self, number: u64) -> Result<()> {
         self.dir.publish(number, &self.path(number))
     }
 
-    /// Returns whether a number has an unfinished file, as far as can be seen.
+    /// Returns whether a number has an unfinished file, as far as can be determined.
     pub(super) fn is_unfinished(&self, number: u64) -> bool {
         self.dir.is_unfinished(number)
     }
 
-    /// Removes the unfinished file of a number. Should it stay, the next session removes it.
+    /// Removes the unfinished file of a number. If this fails, the next session removes it.
     pub(super) fn abandon(&self, number: u64) {
         let _ = self.dir.abandon(number);
     }
 
-    /// Removes what sessions that were killed have left unfinished.
+    /// Removes the unfinished files of killed sessions.
     fn remove_abandoned(&self) {
         for number in self.dir.numbers(UNFINISHED).unwrap_or_default() {
             if self.dir.is_left(&self.dir.unfinished(number)) {

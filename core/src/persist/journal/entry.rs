@@ -1,7 +1,7 @@
-//! The entries of a journal, one for each thing that happened in a session, and their bytes.
+//! The entries of a journal, one for each event of a session, and their encoding.
 //!
-//! Most entries carry a [`Mark`] of the document afterwards, so that a replay that diverges is noticed where it
-//! does. Contents are packed as in .vsc files, file names in the text form of commands.
+//! Most entries carry a [`Mark`] of the document afterwards, so that a diverging replay is detected where it diverges.
+//! Contents are packed as in .vsc files, commands and file names are stored in the text form of commands.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -22,21 +22,21 @@ const SAVED: u8 = 18;
 const PICTURE: u8 = 19;
 const SAME_PICTURE: u8 = 20;
 
-/// A summary of a document as it was after an entry.
+/// A summary of the document after an entry.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Mark {
     /// Its state.
     pub state: State,
-    /// How many voxels existed.
+    /// Number of existing voxels.
     pub voxels: u64,
-    /// How many bricks were painted.
+    /// Number of painted bricks.
     pub pages: u64,
     /// Size in voxels.
     pub dims: [u32; 3],
 }
 
 impl Mark {
-    /// That of a document now.
+    /// Returns the mark of a document in its present state.
     pub fn of(document: &Document) -> Mark {
         Mark {
             state: document.state(),
@@ -67,10 +67,10 @@ impl Mark {
     }
 }
 
-/// Something that happened in a session.
+/// An event of a session.
 #[derive(Clone, Debug)]
 pub enum Entry {
-    /// A command was executed that needs nothing but the session. Undo and redo name the steps they went.
+    /// A command was executed that needs nothing but the session. Undo and redo state the number of steps.
     Command {
         /// The command.
         command: Command,
@@ -81,34 +81,35 @@ pub enum Entry {
     Opened {
         /// Its path.
         path: PathBuf,
-        /// The contents that it was read as.
+        /// The contents as read.
         contents: Arc<Contents>,
         /// Its texts.
         texts: Texts,
-        /// The axis that was taken for the one that points up, if that had to be assumed.
+        /// The axis that was assumed to point up, if an assumption was necessary.
         assumed_up: Option<Up>,
         /// The mark of the document afterwards.
         mark: Mark,
     },
-    /// The sculpture was saved, perhaps while it went on being changed.
+    /// The sculpture was saved, possibly while it was being changed further.
     Saved {
         /// The file.
         path: PathBuf,
         /// The state that the file holds.
         state: State,
     },
-    /// An image was loaded, which the commands that follow need.
+    /// An image was loaded for the commands that follow.
     Picture {
         /// Its path.
         path: PathBuf,
-        /// The bytes of its file; none if they are those of the last time.
+        /// The bytes of its file; `None` if they are unchanged since the last time.
         file: Option<Arc<[u8]>>,
     },
 }
 
 impl Entry {
-    /// Returns whether it must be on the disk soon: what ends a stroke, but nothing within one, and nothing that
-    /// changes no voxel, such as a marker that is dragged. `in_stroke` says whether a stroke is open, before and after.
+    /// Returns whether the entry must be on disk soon. This holds for the end of a stroke, but neither inside a stroke
+    /// nor for changes of no voxel, such as a dragged marker. `in_stroke` is whether a stroke is open, before and
+    /// after.
     pub(super) fn settles(&self, in_stroke: &mut bool) -> bool {
         use Command::{Cancel, Copy, End, Limit, Mark, Place, Select, Symmetry};
         let Entry::Command { command, .. } = self else { return !*in_stroke };
@@ -121,7 +122,7 @@ impl Entry {
         !*in_stroke
     }
 
-    /// Returns the record.
+    /// Encodes the entry as a record.
     pub(super) fn to_record(&self) -> Result<RecordBuffer, FormatError> {
         let (kind, mark) = match self {
             Entry::Command { mark, .. } => (COMMAND, Some(mark)),
@@ -159,7 +160,7 @@ impl Entry {
         Ok(record)
     }
 
-    /// Returns the entry of a record; contents are read within `limits`.
+    /// Decodes the entry of a record. Contents are read within `limits`.
     pub(super) fn from_record(record: &Record, limits: &Limits) -> Result<Entry, FormatError> {
         let mut rest = &record.payload[..];
         let path = |rest: &mut &[u8]| parse_path(take_text(rest)?).map_err(|_| DAMAGED);

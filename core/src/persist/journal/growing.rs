@@ -1,4 +1,4 @@
-//! The file of a journal that is being written: records are appended while a sync may go on beside.
+//! The file of a journal that is being written: records are appended while a sync may run concurrently.
 
 use std::io::ErrorKind;
 use std::thread::JoinHandle;
@@ -7,20 +7,20 @@ use crate::format::FormatError;
 use crate::persist::files::Appender;
 use crate::persist::frame::{RecordAppender, RecordBuffer};
 
-/// A file that entries are appended to.
+/// A file to which entries are appended.
 #[derive(Debug)]
 pub(super) struct Open {
     file: RecordAppender,
-    /// How many bytes its records have.
+    /// Total size of its records in bytes.
     pub bytes: u64,
-    /// Size from which on it is begun anew.
+    /// Size from which it is rewritten from a checkpoint.
     pub compact_at: u64,
-    /// A sync that goes on beside the writing.
+    /// A sync that runs concurrently with writing.
     syncing: Option<JoinHandle<std::io::Result<()>>>,
 }
 
 impl Open {
-    /// Returns an empty file.
+    /// Wraps an empty file.
     pub fn new(file: Box<dyn Appender>) -> Open {
         let file = RecordAppender::new(file);
         Open { file, bytes: 0, compact_at: u64::MAX, syncing: None }
@@ -31,7 +31,7 @@ impl Open {
         self.file.is_there()
     }
 
-    /// Appends the head.
+    /// Appends the header.
     pub fn append_head(&mut self) -> std::io::Result<()> {
         self.file.append_head()
     }
@@ -42,18 +42,18 @@ impl Open {
         Ok(())
     }
 
-    /// Waits until all is on the disk.
+    /// Waits until everything is on disk.
     pub fn sync(&mut self) -> std::io::Result<()> {
         self.file.sync()
     }
 
-    /// Returns whether a sync goes on.
+    /// Returns whether a sync is running.
     pub fn is_syncing(&self) -> bool {
         self.syncing.is_some()
     }
 
-    /// Begins to put what is written on the disk, while entries go on being written: a busy disk may take long, and
-    /// what is written outlives at least the process. Where no thread can sync meanwhile, the sync is done at once.
+    /// Starts syncing the written data while entries continue to be written. A busy disk may take long, but written
+    /// data survives at least the process. Where no thread can sync concurrently, syncs at once.
     pub fn begin_sync(&mut self) -> std::io::Result<()> {
         let thread = self.file.syncer().and_then(|sync| {
             std::thread::Builder::new().name("journal sync".to_string()).spawn(sync).ok()
@@ -62,7 +62,7 @@ impl Open {
         if self.syncing.is_some() { Ok(()) } else { self.file.sync() }
     }
 
-    /// Waits for a sync that goes on, if there is one and it has ended or `patiently`.
+    /// Collects a running sync, if it has ended or `patiently`.
     pub fn end_sync(&mut self, patiently: bool) -> std::io::Result<()> {
         match self.syncing.take_if(|thread| patiently || thread.is_finished()) {
             Some(thread) => {
@@ -73,7 +73,7 @@ impl Open {
     }
 }
 
-/// Why something could not be written.
+/// The reason why something could not be written.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Trouble {
     #[error("{0}")]
@@ -83,7 +83,7 @@ pub(super) enum Trouble {
 }
 
 impl Trouble {
-    /// Returns the remedy for a person, as a part of a sentence.
+    /// Returns the remedy for the user, as a part of a sentence.
     pub fn remedy(&self) -> &'static str {
         let kind = match self {
             Trouble::Io(error) | Trouble::Format(FormatError::Io(error)) => error.kind(),

@@ -1,13 +1,13 @@
-//! The journals that this process writes, so that all of them can be put on the disk when the process cannot go on,
-//! whoever owns them: a panic hook knows no session.
+//! The journals that this process writes, so that all of them can be synced when the process cannot continue, whoever
+//! owns them: a panic hook knows no session.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Asks a journal's thread to answer once all so far is on the disk. Gives the journal's file; none if there is none,
-/// or if the thread cannot be asked.
+/// Asks a journal's thread to answer once everything so far is on disk. Returns the journal's file; `None` if there is
+/// none, or if the thread cannot be asked.
 type Ask = Box<dyn Fn(SyncSender<()>) -> Option<PathBuf> + Send>;
 
 static LIVE: Mutex<Vec<Live>> = Mutex::new(Vec::new());
@@ -18,7 +18,7 @@ pub(super) struct Live {
     ask: Ask,
 }
 
-/// Stands for a journal that is being written.
+/// Identifies a journal that is being written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct LiveKey(u64);
 
@@ -31,14 +31,14 @@ impl Live {
         key
     }
 
-    /// Removes a journal that is written no more.
+    /// Removes a journal that is no longer written.
     pub fn remove(key: LiveKey) {
         LIVE.lock().unwrap_or_else(PoisonError::into_inner).retain(|live| live.key != key);
     }
 }
 
-/// Sees to it that all that was done so far is on the disk, in every journal of this process; waits for that at most so
-/// long in all. Returns the files of those that were in time. May be called while the process panics.
+/// Syncs everything done so far in every journal of this process, and waits at most `patience` in total. Returns the
+/// files of those that finished in time. May be called while the process panics.
 pub fn sync_all(patience: Duration) -> Vec<PathBuf> {
     // A thread that panics while it holds the lock cannot take it again.
     let Ok(live) = LIVE.try_lock() else { return Vec::new() };

@@ -1,4 +1,4 @@
-//! Reads a journal: its checkpoint, then one entry after the other, as far as they are valid.
+//! Reads a journal: its checkpoint, then the entries in order, as far as they are valid.
 
 use thiserror::Error;
 
@@ -9,7 +9,7 @@ use crate::persist::files::Source;
 use crate::persist::frame::{Ending, Records};
 use crate::sculpture::Limits;
 
-/// Why a journal gives nothing back.
+/// The reason why a journal cannot be restored.
 #[derive(Debug, Error)]
 pub enum JournalError {
     /// It cannot be read, or is no journal.
@@ -31,8 +31,8 @@ pub struct JournalReader {
 }
 
 impl JournalReader {
-    /// Reads up to the end of the checkpoint. Contents may take what `limits` allow, or the limits of the session
-    /// that is read, if these are larger.
+    /// Reads up to the end of the checkpoint. Contents may take as much as `limits` allow, or the limits of the
+    /// recorded session if these are larger.
     pub fn open(
         source: Source,
         limits: &Limits,
@@ -44,29 +44,29 @@ impl JournalReader {
         Ok((JournalReader { records, beginning, limits }, checkpoint))
     }
 
-    /// When the session began, in seconds since 1970 by the clock of then.
+    /// Returns when the session began, in seconds since 1970 by the clock of that time.
     pub fn began_unix_s(&self) -> u64 {
         self.beginning.began_unix_s
     }
 
-    /// Returns the process that wrote it.
+    /// Returns the id of the process that wrote it.
     pub fn process(&self) -> u32 {
         self.beginning.process
     }
 
-    /// Bytes of the file that have not been read.
+    /// Returns the number of unread bytes of the file.
     pub fn bytes_left(&self) -> u64 {
         self.records.bytes_left()
     }
 
-    /// Returns why there is no further entry, once that is so.
+    /// Returns why there is no further entry; `None` while there may be one.
     pub fn ending(&self) -> Option<Ending> {
         self.records.ending()
     }
 }
 
 impl Iterator for JournalReader {
-    /// An error ends the journal, too: entries after it cannot be understood.
+    /// An error also ends the journal: entries after it cannot be interpreted.
     type Item = Result<Entry, FormatError>;
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -1,9 +1,9 @@
-//! The thread that writes a journal. The session gives it entries without ever waiting; it appends each in one
-//! write, and sees to it that they are on the disk soon after a stroke has ended.
+//! The thread that writes a journal. The session passes it entries without ever waiting. The thread appends each in one
+//! write, and makes sure that they are on disk soon after a stroke has ended.
 //!
-//! If something cannot be written, the thread says so once, drops entries, and asks for a checkpoint now and
-//! then: with the next one that can be written the journal is whole again. It also asks for one where a replay
-//! would take long or the file has grown large. Entries that were written stay until a checkpoint has replaced them.
+//! If something cannot be written, the thread reports it once, drops entries, and requests a checkpoint from time to
+//! time: the next one that can be written completes the journal again. It also requests one where a replay would take
+//! long or the file has grown large. Written entries stay until a checkpoint has replaced them.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
@@ -17,37 +17,37 @@ use super::entry::Entry;
 use super::growing::{Open, Trouble};
 use super::live::{Live, LiveKey};
 
-/// Entries that may wait for the disk; more are a gap that a checkpoint closes.
+/// Number of entries that may wait for the disk; more leave a gap that a checkpoint closes.
 const QUEUE: usize = 4096;
-/// From an entry that settles to the disk, at most; several within that time share a sync.
+/// Longest delay from an entry that settles to the disk; several within that time share a sync.
 const SETTLE: Duration = Duration::from_millis(40);
-/// From any other entry to the disk.
+/// Delay from any other entry to the disk.
 const WITHIN_STROKE: Duration = Duration::from_secs(1);
-/// Between two looks at a sync that goes on.
+/// Polling interval of a running sync.
 const LOOK_EVERY: Duration = Duration::from_millis(5);
-/// Between two tries where that goes on for long.
+/// Pause between two attempts after repeated failures.
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
-/// Target of the log at its level `trace` that tells which states a session had and which of them are in the journal,
-/// for tests that kill it.
+/// Target of log messages at level `trace` that report the states of a session and which of them are in the journal,
+/// for tests that kill the session.
 pub const STATES: &str = "sculpture_core::states";
 
-/// How a journal is kept.
+/// Options of a journal.
 #[derive(Clone, Debug)]
 pub struct JournalOptions {
-    /// Where it lies.
+    /// The folder of the journal.
     pub journal_dir: JournalDir,
-    /// Size from which on it is begun anew, in bytes. Half of it is for undo steps in a checkpoint. While a
-    /// checkpoint is written, both old and new journal take room.
+    /// Size in bytes from which it is rewritten from a checkpoint. Half of it is for undo steps in a checkpoint. While
+    /// a checkpoint is being written, the old and the new journal both take space.
     pub max_bytes: u64,
-    /// Time that a replay may take before the journal is begun anew.
+    /// Replay time from which the journal is rewritten from a checkpoint.
     pub replay: Duration,
-    /// Pause before something is tried again that could not be written; longer where that goes on.
+    /// Pause before a failed write is retried; longer after repeated failures.
     pub retry: Duration,
 }
 
 impl JournalOptions {
-    /// In a folder, with the usual bounds.
+    /// Returns the options for a folder, with the usual limits.
     pub fn new(journal_dir: JournalDir) -> JournalOptions {
         JournalOptions {
             journal_dir,
@@ -61,17 +61,17 @@ impl JournalOptions {
 /// The state that the thread and the session share without waiting.
 #[derive(Debug, Default)]
 struct Shared {
-    /// The thread wants a checkpoint.
+    /// Whether the thread requests a checkpoint.
     wanted: AtomicBool,
     /// The journal's number; 0 before it has one.
     number: AtomicU64,
-    /// Why nothing can be written, for the person, until it is told.
+    /// The reason why nothing can be written, for the user, until it is reported.
     news: Mutex<Option<String>>,
-    /// The same for as long as nothing can be written.
+    /// The same reason for as long as nothing can be written.
     trouble: Mutex<Option<String>>,
-    /// Whether it is all right again since.
+    /// Whether writing has recovered since.
     caught_up: AtomicBool,
-    /// Whether something that was done could not be written.
+    /// Whether an executed entry could not be written.
     incomplete: AtomicBool,
 }
 
@@ -85,9 +85,9 @@ enum Message {
         checkpoint: Box<Checkpoint>,
         after_gap: bool,
     },
-    /// Answered when all before is written.
+    /// Answered when all previous entries are written.
     Written(SyncSender<()>),
-    /// Answered when all before is on the disk.
+    /// Answered when all previous entries are on disk.
     Synced(SyncSender<()>),
     End {
         remove: bool,
@@ -100,12 +100,12 @@ pub struct JournalWriter {
     sender: SyncSender<Message>,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
-    /// Entries are missing: nothing is sent until a checkpoint is.
+    /// Whether entries are missing: nothing is sent until a checkpoint is.
     gap: bool,
     options: JournalOptions,
-    /// Under which it is found when the process cannot go on.
+    /// The key in the list of live journals.
     key: LiveKey,
-    /// How many entries there were.
+    /// Number of entries so far.
     entries: u64,
 }
 
@@ -113,7 +113,7 @@ impl JournalWriter {
     /// Begins a journal with a checkpoint.
     ///
     /// # Errors
-    /// If no thread can be made.
+    /// If no thread can be created.
     pub fn begin(
         options: JournalOptions,
         checkpoint: Checkpoint,
@@ -141,7 +141,7 @@ impl JournalWriter {
             let (sender, shared, journal_dir) =
                 (sender.clone(), shared.clone(), options.journal_dir.clone());
             move |answer: SyncSender<()>| {
-                // A queue that is full has no room for a question either.
+                // A full queue has no room for a question either.
                 let asked = sender.try_send(Message::Synced(answer)).is_ok();
                 let number = Some(shared.number.load(Ordering::Relaxed)).filter(|n| *n > 0);
                 number.filter(|_| asked).map(|number| journal_dir.path(number))
@@ -160,7 +160,7 @@ impl JournalWriter {
         Ok(writer)
     }
 
-    /// Returns how it is kept.
+    /// Returns the options.
     pub fn options(&self) -> &JournalOptions {
         &self.options
     }
@@ -170,7 +170,7 @@ impl JournalWriter {
         Some(self.shared.number.load(Ordering::Relaxed)).filter(|number| *number > 0)
     }
 
-    /// Adds an entry that took so long to do. Never waits.
+    /// Adds an entry that took the given time to execute. Never waits.
     pub fn push(&mut self, entry: Entry, took: Duration) {
         self.entries += 1;
         if !self.gap {
@@ -179,12 +179,12 @@ impl JournalWriter {
         }
     }
 
-    /// Returns how many entries were added since it began.
+    /// Returns the number of entries added since the beginning.
     pub fn entries(&self) -> u64 {
         self.entries
     }
 
-    /// Returns whether all that was added so far, and has been waited for, is in the journal's file.
+    /// Returns whether all entries added, and waited for, so far are in the journal's file.
     pub fn is_complete(&self) -> bool {
         !self.gap && self.number().is_some() && !self.shared.incomplete.load(Ordering::Relaxed)
     }
@@ -194,7 +194,7 @@ impl JournalWriter {
         self.gap || self.shared.wanted.load(Ordering::Relaxed)
     }
 
-    /// Begins the journal anew, with this checkpoint. Never waits.
+    /// Rewrites the journal from this checkpoint. Never waits.
     pub fn checkpoint(&mut self, checkpoint: Checkpoint) {
         let checkpoint = Box::new(checkpoint);
         let message = Message::Checkpoint { checkpoint, after_gap: self.gap };
@@ -207,7 +207,7 @@ impl JournalWriter {
         }
     }
 
-    /// Entries were left out: the next checkpoint closes the gap.
+    /// Notes that entries were left out: the next checkpoint closes the gap.
     pub fn note_gap(&mut self) {
         self.gap = true;
     }
@@ -224,12 +224,12 @@ impl JournalWriter {
         self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Waits until all entries so far are written: after that, not even a kill loses them.
+    /// Waits until all entries so far are written. After that, not even killing the process loses them.
     pub fn wait_written(&self) {
         self.wait(Message::Written);
     }
 
-    /// Waits until all entries so far are on the disk: after that, not even a power cut loses them.
+    /// Waits until all entries so far are on disk. After that, not even a power cut loses them.
     pub fn wait_synced(&self) {
         self.wait(Message::Synced);
     }
@@ -237,12 +237,12 @@ impl JournalWriter {
     fn wait(&self, message: impl Fn(SyncSender<()>) -> Message) {
         let (sender, receiver) = sync_channel(1);
         if self.sender.send(message(sender)).is_ok() {
-            // It only fails where the thread has ended: then nothing more is written.
+            // This fails only if the thread has ended; then nothing more is written.
             let _ = receiver.recv();
         }
     }
 
-    /// Ends the journal; `remove`: nothing of it is needed any more.
+    /// Ends the journal; `remove`: it is no longer needed.
     pub fn end(mut self, remove: bool) {
         self.finish(remove);
     }
@@ -270,22 +270,22 @@ struct Work {
     shared: Arc<Shared>,
     began_unix_s: u64,
     number: Option<u64>,
-    /// The journal as it is on the disk. Kept open, and so locked, even where nothing can be written to it.
+    /// The journal as it is on disk. Kept open, and so locked, even where nothing can be written to it.
     file: Option<Open>,
-    /// Whether entries are appended: not after one could not be.
+    /// Whether entries are appended; false after one could not be.
     appends: bool,
     /// Whether the entries so far leave a stroke open.
     in_stroke: bool,
-    /// When what was written must be on the disk.
+    /// When the written data must be on disk.
     due: Option<Instant>,
-    /// When to ask for a checkpoint again, and how long to wait after that.
+    /// When to request a checkpoint again, and how long to wait after that.
     retry: Option<Instant>,
     pause: Duration,
-    /// How long a replay would take.
+    /// Estimated time of a replay.
     replay: Duration,
-    /// Whether the person knows that something is wrong.
+    /// Whether the user has been told that something is wrong.
     told: bool,
-    /// How many entries came, written or not.
+    /// Number of received entries, written or not.
     entries: u64,
 }
 
@@ -294,7 +294,7 @@ impl Work {
         loop {
             let is_syncing = self.file.as_ref().is_some_and(Open::is_syncing);
             let look = is_syncing.then(|| Instant::now() + LOOK_EVERY);
-            // One sync at a time: the next comes after this one.
+            // One sync at a time: the next follows this one.
             let due = self.due.filter(|_| !is_syncing);
             let wake = [due, look, self.retry].into_iter().flatten().min();
             let message = match wake {
@@ -337,7 +337,7 @@ impl Work {
         }
     }
 
-    /// Asks for a checkpoint, and again after a while should it not come or not be written.
+    /// Requests a checkpoint, and again after a while if it does not arrive or cannot be written.
     fn want(&mut self) {
         self.shared.wanted.store(true, Ordering::Relaxed);
         self.retry = Some(Instant::now() + self.pause);
@@ -361,7 +361,7 @@ impl Work {
         }
     }
 
-    /// Puts all on the disk before it returns.
+    /// Syncs everything before it returns.
     fn sync(&mut self) {
         let ended = self.file.as_mut().map_or(Ok(()), |open| open.end_sync(true));
         if let Err(error) = ended {
@@ -376,7 +376,7 @@ impl Work {
         }
     }
 
-    /// No entry is appended any more: one is missing. Tells the person once, and asks for a checkpoint.
+    /// Stops appending entries, since one is missing. Tells the user once, and requests a checkpoint.
     fn fail(&mut self, trouble: &Trouble) {
         self.appends = false;
         self.shared.incomplete.store(true, Ordering::Relaxed);
@@ -414,7 +414,7 @@ impl Work {
             Err(trouble) => {
                 self.pause = (self.pause * 2).min(LONGEST_PAUSE);
                 self.retry = Some(Instant::now() + self.pause);
-                // As long as entries are appended to the old file nothing is lost.
+                // As long as entries are appended to the old file, nothing is lost.
                 if !self.appends {
                     self.fail(&trouble);
                 }
@@ -422,11 +422,11 @@ impl Work {
         }
     }
 
-    /// Writes a journal that begins with the checkpoint, and puts it in the place of the present one.
+    /// Writes a journal that begins with the checkpoint, and replaces the present one.
     fn begin_anew(&mut self, checkpoint: &Checkpoint) -> Result<(), Trouble> {
         let is_there = self.file.as_ref().is_some_and(Open::is_there);
         let journal_dir = &self.options.journal_dir;
-        // If somebody has removed the journal, another may have its number by now.
+        // If the journal was removed, another session may have its number by now.
         let (number, file) = journal_dir.create(self.number.filter(|_| is_there))?;
         let mut open = Open::new(file);
         let written = open
@@ -443,7 +443,7 @@ impl Work {
                 journal_dir.abandon(number);
                 return Err(error.into());
             }
-            // It has its name, though perhaps not for good: it is the one to go on with.
+            // It has its name, though possibly not durably: writing continues with it.
             tracing::debug!("journal: {error}");
         }
         open.compact_at = self.options.max_bytes.max(2 * open.bytes);

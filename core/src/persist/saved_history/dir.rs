@@ -1,7 +1,8 @@
-//! The folder in which the histories of saved files lie: `HASH.undo` for a file with that hash, and `N.new` while one
-//! is written, which is renamed once it is whole and on the disk.
+//! The folder of the histories of saved files: `HASH.undo` for a file with that hash, and `N.new` while one is being
+//! written, which is renamed once it is complete and on disk.
 //!
-//! There is one history for each path at most: when a file is saved again, that of what it held before goes.
+//! There is at most one history for each path: when a file is saved again, the history of its previous contents is
+//! removed.
 
 use std::io::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
@@ -18,22 +19,22 @@ use crate::sculpture::{Digest, Limits};
 
 const HISTORY: &str = "undo";
 
-/// Most histories in a folder, however small.
+/// Greatest number of histories in a folder, however small.
 const MAX_HISTORIES: usize = 1000;
 
-/// Where and how the histories of saved files are kept.
+/// The location and the limits of the histories of saved files.
 #[derive(Clone, Debug)]
 pub struct SavedHistoryOptions {
     /// The folder of the files.
     pub folder: PathBuf,
     /// The file layer.
     pub files: Arc<dyn Files>,
-    /// Most bytes of all histories together. A single one takes at most half of it.
+    /// Greatest size of all histories together in bytes. A single one takes at most half of it.
     pub max_bytes: u64,
 }
 
 impl SavedHistoryOptions {
-    /// Histories in a folder of the disk, with at most so many bytes.
+    /// Returns the options for a folder on the disk, with at most `max_bytes`.
     pub fn new(folder: &Path, max_bytes: u64) -> SavedHistoryOptions {
         SavedHistoryOptions { folder: folder.to_path_buf(), files: Arc::new(Disk), max_bytes }
     }
@@ -42,11 +43,11 @@ impl SavedHistoryOptions {
 /// The result of a search for the history of a file.
 #[derive(Debug)]
 pub enum Found {
-    /// None is kept.
+    /// No history is kept.
     Nothing,
     /// The steps that can be undone and redone.
     History(SavedHistory),
-    /// There is one that cannot be used: why, as a part of a sentence.
+    /// A history exists that cannot be used: the reason, as a part of a sentence.
     Unusable(String),
 }
 
@@ -83,8 +84,7 @@ impl HistoryDir {
         }
     }
 
-    /// Writes a history, removes that of what the file held before, and those written longest ago that the bound has
-    /// no room for.
+    /// Writes a history, removes the one of the file's previous contents, and removes the oldest ones beyond the limit.
     pub fn keep(&self, history: HistoryToKeep, is_given_up: &AtomicBool) -> Result<()> {
         self.dir.make_folder()?;
         self.remove_abandoned();
@@ -97,7 +97,7 @@ impl HistoryDir {
         Ok(())
     }
 
-    /// Writes the file of a history. False if it was given up.
+    /// Writes the file of a history. Returns false if it was abandoned.
     fn write(&self, history: &HistoryToKeep, own: &Path, is_given_up: &AtomicBool) -> Result<bool> {
         let (number, mut new) = self.create()?;
         let mut append = |record| new.append(record).map(drop);
@@ -112,15 +112,16 @@ impl HistoryDir {
                 false => Ok(false),
             });
         if !matches!(written, Ok(true)) {
-            // Should it stay, the next history that is written removes it.
+            // If this fails, the next write of a history removes it.
             let _ = self.dir.abandon(number);
         }
         written
     }
 
-    /// Returns an unfinished file, locked, with the head in it: without that it might be taken for an abandoned one.
+    /// Creates an unfinished file, locked and with its header: without the header it might be taken for an abandoned
+    /// one.
     fn create(&self) -> Result<(u64, RecordAppender)> {
-        // Another's, or just taken for one that was left.
+        // It belongs to another session, or was just taken for an abandoned one.
         let taken = [ErrorKind::AlreadyExists, ErrorKind::WouldBlock];
         let process = u64::from(std::process::id());
         let (number, file) = create_numbered(process, &taken, |number| self.dir.begin(number))?;
@@ -131,7 +132,7 @@ impl HistoryDir {
         Ok((number, new))
     }
 
-    /// Removes what killed sessions have left unfinished.
+    /// Removes the unfinished files of killed sessions.
     fn remove_abandoned(&self) {
         for path in self.dir.paths(UNFINISHED).unwrap_or_default() {
             if self.dir.is_left(&path) {
@@ -140,7 +141,7 @@ impl HistoryDir {
         }
     }
 
-    /// Removes the histories that were kept for `path`, but for `own`: the file does not hold that any more.
+    /// Removes the histories that were kept for `path`, except `own`: they belong to previous contents of the file.
     fn remove_of(&self, path: &Path, own: &Path) {
         let histories = self.dir.paths(HISTORY).unwrap_or_default();
         for other in histories.iter().filter(|other| *other != own) {

@@ -31,8 +31,7 @@ const REDO: u8 = 34;
 const TEXTS: u8 = 35;
 const END: u8 = 36;
 
-/// Bytes of memory that the kept steps take at most, for each byte that their file may have: more would take too
-/// long to pack.
+/// Greatest memory of the kept steps per byte of the file limit: more would take too long to pack.
 const MEMORY_PER_FILE: u64 = 4;
 
 const DAMAGED: FormatError = FormatError::Damaged("it has no known form");
@@ -47,10 +46,10 @@ struct Beginning {
     state: [u64; 2],
 }
 
-/// A history to keep, of a document as it was when it was saved.
+/// A history to keep, of a document in the state in which it was saved.
 #[derive(Clone, Debug)]
 pub struct HistoryToKeep {
-    /// The file of the sculpture, absolute.
+    /// The path of the sculpture's file, absolute.
     pub path: PathBuf,
     /// The hash of that file's bytes.
     pub file_hash: Digest,
@@ -69,7 +68,7 @@ pub struct KeptSteps {
 }
 
 impl KeptSteps {
-    /// Those of a document; `files`: of all sculptures that undo and redo lead to.
+    /// Takes the steps of a document; `files`: the files of all sculptures that undo and redo lead to.
     pub fn of(document: DocumentSnapshot, files: Vec<SculptureFile>) -> KeptSteps {
         KeptSteps { history: document.history, state: document.state, files }
     }
@@ -80,10 +79,10 @@ impl KeptSteps {
     }
 }
 
-/// The steps around the contents of a file that was opened.
+/// The steps around the contents of an opened file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SavedHistory {
-    /// To undo and to redo.
+    /// The steps to undo and to redo.
     pub history: HistorySnapshot,
     /// The state from which they lead.
     pub state: State,
@@ -91,7 +90,7 @@ pub struct SavedHistory {
     pub files: Vec<SculptureFile>,
 }
 
-/// Gives the records of a history to `append`, with at most `max_bytes` of steps. False if it was given up.
+/// Passes the records of a history to `append`, with at most `max_bytes` of steps. Returns false if it was abandoned.
 pub fn write(
     kept: &HistoryToKeep,
     max_bytes: u64,
@@ -112,7 +111,7 @@ pub fn write(
         .map(|(kind, steps)| (kind, steps.iter().rev().peekable(), 0u32));
     let (mut file_left, mut memory_left) = (max_bytes, max_bytes.saturating_mul(MEMORY_PER_FILE));
     let mut sculptures = vec![steps.state.sculpture];
-    // In turns, so that a long past leaves room for what can be redone.
+    // Alternating, so that a long past leaves room for redo steps.
     while lists.iter_mut().any(|(_, steps, _)| steps.peek().is_some()) {
         for (kind, steps, count) in &mut lists {
             let Some(step) = steps.next() else { continue };
@@ -121,7 +120,7 @@ pub fn write(
             }
             let packed = pack(step, &mut file_left, &mut memory_left)?;
             let Some(packed) = packed else {
-                // Those further away can only be reached through it.
+                // More distant steps can only be reached through it.
                 steps.by_ref().for_each(drop);
                 continue;
             };
@@ -158,7 +157,7 @@ fn nameless(file: &SculptureFile) -> SculptureFile {
     SculptureFile { path: None, saved: None, assumed_up: None, ..file.clone() }
 }
 
-/// Returns the sculpture's file that a history was kept for.
+/// Returns the path of the sculpture whose history a file holds.
 pub fn path_of(source: Source) -> Option<PathBuf> {
     let first = Records::new(source.reader, source.bytes).ok()?.next()?;
     let beginning = beginning(&first).ok()?;
@@ -172,8 +171,8 @@ fn beginning(first: &Record) -> Result<Beginning, FormatError> {
     serde_json::from_slice(&first.payload).map_err(|_| DAMAGED)
 }
 
-/// Reads the history of a file with `file_hash` that was read as `contents`. Steps beyond
-/// [`Limits::history_bytes`] are left out, those furthest away first.
+/// Reads the history of a file with `file_hash` that was read as `contents`. Steps beyond [`Limits::history_bytes`] are
+/// left out, the most distant ones first.
 ///
 /// # Errors
 /// If any of it is damaged, missing, or made for something else.
@@ -216,13 +215,13 @@ pub fn read(
     Err(CUT)
 }
 
-/// The steps of one list while they are read.
+/// The steps of one list during reading.
 struct List {
-    /// Of the contents that the next one leads from.
+    /// The shape of the contents that the next step leads from.
     shape: Shape,
-    /// The nearest first.
+    /// The steps, nearest first.
     steps: Vec<Arc<Step>>,
-    /// How many were in the file.
+    /// Number of steps in the file.
     count: u32,
 }
 
@@ -233,7 +232,7 @@ impl List {
         limits: &Limits,
         left: &mut usize,
     ) -> Result<(), FormatError> {
-        // Of those that there was no room for, the checksum alone has been looked at.
+        // For steps without room in memory, only the checksum has been checked.
         if self.count as usize == self.steps.len() {
             let step = read_step(packed, self.shape, limits)?;
             self.shape = self.shape.after(&step.change);

@@ -1,9 +1,9 @@
-//! The undo history of saved files: a file for each in a folder for state, so that undo and redo go on after a
-//! sculpture has been closed and opened again, and nobody who is given the sculpture gets its past.
+//! The undo history of saved files: one file each in a state folder, so that undo and redo continue after a sculpture
+//! has been closed and reopened, and recipients of the sculpture do not get its past.
 //!
-//! A history is found by the SHA-256 of the sculpture's file, and holds the hash of the contents that it was kept
-//! with: it fits those or is left out. A thread of its own packs and writes; the bytes of all histories together are
-//! bounded, those written last stay. `file` is what such a file holds, `dir` the folder. Knows no session.
+//! A history is found by the SHA-256 of the sculpture's file, and holds the hash of the contents for which it was kept;
+//! it is used only if those match. A separate thread packs and writes. The total size of all histories is bounded; the
+//! most recent ones stay. `file` defines the contents of such a file, `dir` is the folder. Knows no session.
 
 mod dir;
 mod file;
@@ -39,18 +39,18 @@ struct Writing {
 }
 
 impl SavedHistories {
-    /// Nothing is written yet.
+    /// Creates it; nothing is written yet.
     pub fn new(options: SavedHistoryOptions) -> SavedHistories {
         SavedHistories { options, writing: Mutex::default(), messages: Arc::default() }
     }
 
-    /// Returns how they are kept.
+    /// Returns the options.
     pub fn options(&self) -> &SavedHistoryOptions {
         &self.options
     }
 
-    /// Writes a history on a thread; does not wait. One of the same file that is still being written is given up for it:
-    /// the file does not hold that any more. One of another file is written first.
+    /// Writes a history on a thread, without waiting. A pending write for the same file is abandoned, since the file
+    /// has changed. A pending write for another file is completed first.
     pub fn keep(&self, history: HistoryToKeep) {
         let mut writing = self.writing();
         let former = writing.take();
@@ -78,22 +78,22 @@ impl SavedHistories {
         }
     }
 
-    /// Returns the history of the file with this hash, read from it as `contents`. Waits for what is being written.
-    /// Steps come back as far as [`Limits::history_bytes`] has room for them.
+    /// Returns the history of the file with this hash, read from it as `contents`. Waits for pending writes. Steps are
+    /// restored as far as [`Limits::history_bytes`] has room for them.
     pub fn find(&self, file_hash: Digest, contents: &Contents, limits: &Limits) -> Found {
         self.wait();
         HistoryDir::new(&self.options).find(file_hash, contents, limits)
     }
 
-    /// Waits until what was given is written, or has failed.
+    /// Waits until the given histories are written, or have failed.
     pub fn wait(&self) {
         if let Some(writing) = self.writing().take() {
-            // A thread that has failed has nothing more to say.
+            // A failed thread has nothing more to report.
             let _ = writing.thread.join();
         }
     }
 
-    /// Adds something that the person should know.
+    /// Adds a message for the user.
     pub fn tell(&self, text: String) {
         tell(&self.messages, text);
     }

@@ -1,10 +1,9 @@
-//! The file into which a session's history goes, as the few operations that it needs, behind traits so that
-//! tests can let each of them fail. [`Folder`] is the real one. The traits are not those of
-//! [`files`](crate::persist::files): bytes are written and read anywhere, nothing is synced, and nothing outlives the
-//! session.
+//! The file that stores a session's history, as the few operations that it needs, behind traits so that tests can make
+//! each of them fail. [`Folder`] is the real one. The traits are not those of [`files`](crate::persist::files): bytes
+//! are written and read anywhere, nothing is synced, and nothing outlives the session.
 //!
-//! A file `N.history` in a folder, which only its owner can read, is locked while its session runs and removed
-//! when that ends. A file that a killed session has left is removed by the next one.
+//! A file `N.history` in a folder, readable by its owner only, is locked while its session runs and removed when the
+//! session ends. A file left by a killed session is removed by the next one.
 
 use std::fmt::Debug;
 use std::fs::{self, File};
@@ -16,33 +15,33 @@ use crate::persist::files::{has_name, lock, make_private_folder, paths_in, priva
 
 const ENDING: &str = "history";
 
-/// Makes the file once it is needed.
+/// Creates the file once it is needed.
 pub trait Place: Debug + Send {
-    /// Creates it, empty.
+    /// Creates an empty file.
     fn create(&self) -> Result<Box<dyn SpillFile>>;
 }
 
-/// A file in which bytes are written and read anywhere. It is removed when it is dropped.
+/// A file in which bytes are written and read anywhere. It is removed when dropped.
 pub trait SpillFile: Debug + Send {
-    /// Writes bytes at a place.
+    /// Writes bytes at a position.
     fn write_at(&mut self, at: u64, bytes: &[u8]) -> Result<()>;
-    /// Fills `bytes` from a place.
+    /// Fills `bytes` from a position.
     fn read_at(&mut self, at: u64, bytes: &mut [u8]) -> Result<()>;
-    /// Cuts the file off.
+    /// Truncates the file to a length.
     fn cut(&mut self, bytes: u64) -> Result<()>;
 }
 
-/// A folder of the disk.
+/// A folder on the disk.
 #[derive(Clone, Debug)]
 pub struct Folder(pub PathBuf);
 
 impl Folder {
-    /// Removes the files that killed sessions have left. Those of living sessions are locked.
+    /// Removes the files left by killed sessions. Those of living sessions are locked.
     pub fn remove_left(&self) {
         let Ok(paths) = paths_in(&self.0) else { return };
         for path in paths.filter_map(Result::ok).filter(|path| has_ending(path, ENDING)) {
-            // Held until it is removed: who holds it is the only one who may remove it. It may be gone since it was
-            // opened, and its name be another's.
+            // The lock is held until the file is removed, so that only its holder removes it. The file may have been
+            // removed since it was opened, and another may have taken its name.
             let Ok(file) = File::open(&path) else { continue };
             let is_left = lock(&file).is_ok() && has_name(&file);
             if is_left && let Err(error) = fs::remove_file(&path) {
@@ -59,7 +58,7 @@ impl Place for Folder {
 }
 
 impl Folder {
-    /// Makes a file of a number that there is not, and locks it.
+    /// Creates a file with a free number, and locks it.
     fn make(&self) -> Result<DiskFile> {
         make_private_folder(&self.0)?;
         let mut options = private_new_file();
@@ -80,14 +79,14 @@ struct DiskFile {
 }
 
 impl DiskFile {
-    /// Locks a file that has just been made. None if another session took it for one that was left, before it was
-    /// locked: that session removes it.
+    /// Locks a newly created file. `None` if another session took it for an abandoned one before it was locked; that
+    /// session removes it.
     fn locked(file: File, path: PathBuf) -> Option<DiskFile> {
         match lock(&file) {
             Ok(()) => has_name(&file).then_some(DiskFile { file, path }),
             Err(error) if error.kind() == ErrorKind::WouldBlock => None,
             Err(error) => {
-                // Without locks it lives as long as it is open, where open files can be removed.
+                // Without locks, it lives as long as it is open, where open files can be removed.
                 tracing::warn!("{} cannot be locked: {error}", path.display());
                 Some(DiskFile { file, path })
             }
@@ -120,7 +119,7 @@ impl SpillFile for DiskFile {
 
 impl Drop for DiskFile {
     fn drop(&mut self) {
-        // The next session removes it where this does not work, as where open files cannot be removed.
+        // If this fails, as where open files cannot be removed, the next session removes it.
         let _ = fs::remove_file(self.path());
     }
 }

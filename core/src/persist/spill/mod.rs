@@ -1,10 +1,10 @@
-//! Undo and redo steps on disk: the store of a history that takes more than memory is allowed.
+//! Undo and redo steps on disk: the store of a history that exceeds its memory limit.
 //!
-//! A thread of its own packs the steps (`format::history`) and writes them to one file; until then they stay in
-//! memory, and their size is bounded. Packing and unpacking go in parts, each with a CRC-32. Where the disk is
-//! full or fails, a message says so, steps are refused, and every further step tries again.
-//! `file` is the file, `parts` are the parts of steps in it, `part_writer` writes them, `space` tracks which parts of
-//! the file are in use, and `spilled_step` stands for a step. Knows no document.
+//! A separate thread packs the steps (`format::history`) and writes them to one file; until then they stay in memory,
+//! within a limit. Packing and unpacking work in parts, each with a CRC-32. If the disk is full or fails, a message
+//! reports it, steps are refused, and every further step tries again. `file` is the file, `parts` are the parts of
+//! steps in it, `part_writer` writes them, `space` tracks which parts of the file are in use, and `spilled_step` is the
+//! placeholder of a step. Knows no document.
 
 mod file;
 mod part_writer;
@@ -29,10 +29,10 @@ use spilled_step::SpilledStep;
 use crate::format::history::write_step_to;
 use crate::sculpture::history::{Step, StepStore, Stored};
 
-/// Most packed bytes of a step that are in memory at a time.
+/// Greatest number of packed bytes of a step in memory at a time.
 const PART_BYTES: usize = 1 << 22;
 
-/// Keeps steps in a file that is removed when this and the last step are gone.
+/// Stores steps in a file that is removed when this and the last step are dropped.
 #[derive(Debug)]
 pub struct Spill {
     shared: Arc<Shared>,
@@ -48,11 +48,11 @@ struct Shared {
     state: Mutex<State>,
     /// The state has changed.
     changed: Condvar,
-    /// Most bytes of the file.
+    /// Greatest size of the file in bytes.
     max_bytes: u64,
-    /// Most bytes of steps that wait to be written, if it is more than one.
+    /// Greatest size in bytes of the steps waiting to be written, if there is more than one.
     max_waiting_bytes: usize,
-    /// Packed bytes of a step that are written at a time.
+    /// Number of packed bytes of a step that are written at a time.
     part_bytes: usize,
 }
 
@@ -64,29 +64,29 @@ struct State {
     queue: VecDeque<Weak<SpilledStep>>,
     waiting_bytes: usize,
     space: Space,
-    /// Why the first of the queue could not be written. It stays there.
+    /// The reason why the first step of the queue could not be written. It stays there.
     blocked: Option<Blocked>,
-    /// Whether that is to be tried again.
+    /// Whether the write is to be retried.
     retry: bool,
     /// Whether the thread is writing.
     is_busy: bool,
-    /// Whether the person was told that nothing can be written.
+    /// Whether the user was told that nothing can be written.
     told: bool,
-    /// The message that the user has not been given yet.
+    /// The message that has not been shown to the user yet.
     message: Option<String>,
     has_ended: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Blocked {
-    /// There is no room within the bound.
+    /// The file has reached its limit.
     Full,
     /// The system's reason.
     Failed,
 }
 
 impl State {
-    /// To be called when there may be more room than there was.
+    /// Requests a retry; called when there may be more space than before.
     fn try_again_if_full(&mut self) {
         if matches!(self.blocked, Some(Blocked::Full)) {
             self.blocked = None;
@@ -95,12 +95,12 @@ impl State {
 }
 
 impl Spill {
-    /// Returns a store in a folder that takes up to `max_bytes` of the disk, and keeps up to `max_waiting_bytes` in
-    /// memory until they are written. Removes what killed sessions have left in the folder; its own file is made with
+    /// Creates a store in a folder that takes up to `max_bytes` of the disk, and keeps up to `max_waiting_bytes` in
+    /// memory until they are written. Removes the files of killed sessions in the folder; its own file is created with
     /// the first step.
     ///
     /// # Errors
-    /// If no thread can be made.
+    /// If no thread can be created.
     pub fn new(folder: &Path, max_bytes: u64, max_waiting_bytes: usize) -> Result<Spill> {
         let folder = Folder(folder.to_path_buf());
         folder.remove_left();
@@ -128,12 +128,12 @@ impl Spill {
         self.shared.state().message.take()
     }
 
-    /// Most bytes of the file.
+    /// Returns the greatest size of the file in bytes.
     pub fn max_bytes(&self) -> u64 {
         self.shared.max_bytes
     }
 
-    /// Waits until what was given is written, or cannot be.
+    /// Waits until the given steps are written, or cannot be.
     pub fn wait(&self) {
         let goes_on = |state: &mut State| {
             let wants = !state.queue.is_empty() && (state.blocked.is_none() || state.retry);
@@ -147,7 +147,7 @@ impl StepStore for Spill {
     fn keep(&self, step: Arc<Step>) -> std::result::Result<Stored, Arc<Step>> {
         let shared = &self.shared;
         let bytes = step.heap_bytes();
-        let mut state = shared.make_way(bytes);
+        let mut state = shared.make_room(bytes);
         if state.blocked.is_some() {
             state.retry = true;
             shared.changed.notify_all();
@@ -160,14 +160,14 @@ impl StepStore for Spill {
         Ok(Stored(spilled))
     }
 
-    fn make_way(&self, bytes: usize) {
-        drop(self.shared.make_way(bytes));
+    fn make_room(&self, bytes: usize) {
+        drop(self.shared.make_room(bytes));
     }
 
     fn room_bytes(&self) -> u64 {
         let mut state = self.shared.state();
         if matches!(state.blocked, Some(Blocked::Failed)) {
-            // Steps that are refused now may find room the next time.
+            // Steps refused now may fit the next time.
             state.retry = true;
             self.shared.changed.notify_all();
             return 0;
@@ -181,7 +181,7 @@ impl Drop for Spill {
         self.shared.state().has_ended = true;
         self.shared.changed.notify_all();
         if let Some(writer) = self.writer.take() {
-            // The thread has nothing to return: its errors have already been reported.
+            // The thread returns nothing: its errors have already been reported.
             let _ = writer.join();
         }
     }
@@ -196,8 +196,8 @@ impl Shared {
         self.file.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits while so many bytes more would be too much in memory, if nothing keeps what waits from being written.
-    fn make_way(&self, bytes: usize) -> MutexGuard<'_, State> {
+    /// Waits while `bytes` more would exceed the memory limit, unless writing is blocked.
+    fn make_room(&self, bytes: usize) -> MutexGuard<'_, State> {
         let too_much = |state: &mut State| {
             let waiting = state.waiting_bytes;
             let sum = waiting.saturating_add(bytes);
@@ -207,13 +207,13 @@ impl Shared {
         waited.unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits until the thread has let a step go that is not to be written any more.
+    /// Waits until the thread has released a step that is no longer to be written.
     fn wait_for_release(&self, step: &Arc<Step>) {
         let is_held = |state: &mut State| state.is_busy && Arc::strong_count(step) > 1;
         drop(self.changed.wait_while(self.state(), is_held));
     }
 
-    /// The thread: writes what waits until the session ends.
+    /// Runs the thread: writes waiting steps until the session ends.
     fn write_all(&self) {
         loop {
             let idle = |state: &mut State| {
@@ -228,21 +228,21 @@ impl Shared {
             (state.retry, state.is_busy) = (false, true);
             let first = state.queue.front().cloned();
             drop(state);
-            // A step that nobody has any more needs no room.
+            // A step that is no longer needed takes no space.
             let spilled = first.and_then(|first| first.upgrade());
             let written = spilled.map_or(Ok(false), |spilled| self.write(&spilled));
             self.note(written);
         }
     }
 
-    /// Notes how the first of the queue was written.
+    /// Records the result of writing the first step of the queue.
     fn note(&self, written: std::result::Result<bool, (Blocked, String)>) {
         let mut state = self.state();
         state.is_busy = false;
         match written {
             Ok(has_written) => {
                 state.queue.pop_front();
-                // The next one shows how it stands, if there is one.
+                // The next step, if there is one, shows whether writing works.
                 state.blocked = None;
                 if has_written && std::mem::take(&mut state.told) {
                     state.message = Some("the history goes to the disk again".to_string());
@@ -261,7 +261,7 @@ impl Shared {
         self.changed.notify_all();
     }
 
-    /// Writes a step. False if it is not needed any more.
+    /// Writes a step. Returns false if it is no longer needed.
     fn write(&self, spilled: &SpilledStep) -> std::result::Result<bool, (Blocked, String)> {
         let Some(step) = spilled.waiting() else { return Ok(false) };
         let mut writer = PartWriter::new(self, spilled);
@@ -285,7 +285,7 @@ impl Shared {
         result
     }
 
-    /// Writes bytes at a place of the file, which it makes if there is none.
+    /// Writes bytes at a position of the file, which is created if there is none.
     fn write_at(&self, at: u64, bytes: &[u8]) -> Result<()> {
         let mut file = self.file();
         if file.is_none() {
@@ -297,7 +297,7 @@ impl Shared {
         }
     }
 
-    /// Reads bytes from a place of the file.
+    /// Reads bytes from a position of the file.
     fn read_at(&self, at: u64, bytes: &mut [u8]) -> Result<()> {
         match self.file().as_mut() {
             Some(file) => file.read_at(at, bytes),
@@ -305,7 +305,7 @@ impl Shared {
         }
     }
 
-    /// Makes parts of the file free.
+    /// Frees parts of the file.
     fn give_back(&self, parts: &[Part]) {
         let mut state = self.state();
         parts.iter().for_each(|part| state.space.give_back(part.at));
@@ -313,7 +313,7 @@ impl Shared {
         self.changed.notify_all();
     }
 
-    /// Cuts off the end of the file that is not in use. Should that fail, the file stays longer for a while.
+    /// Truncates the unused end of the file. If that fails, the file stays longer for a while.
     fn shrink(&self) {
         let end = self.state().space.end();
         if let Some(file) = self.file().as_mut() {
@@ -321,7 +321,7 @@ impl Shared {
         }
     }
 
-    /// Notes that a step of so many bytes waits no more.
+    /// Notes that a step of `bytes` no longer waits.
     fn waits_no_more(&self, bytes: usize) {
         let mut state = self.state();
         state.waiting_bytes -= bytes;

@@ -1,6 +1,7 @@
-//! Writes a packed step to the file, part by part, as long as somebody wants it written.
+//! Writes a packed step to the file, part by part, as long as it is needed.
 //!
-//! Takes the bytes that a step is packed to; gives its parts, or why not all of it was written. Knows no packing.
+//! Takes the packed bytes of a step; gives its parts, or the reason why it was not written completely. Knows no
+//! packing.
 
 use std::io::{Error, Result, Write};
 
@@ -9,18 +10,18 @@ use super::parts::Part;
 use super::spilled_step::SpilledStep;
 use crate::persist::frame::checksum;
 
-/// Why not all of a step was written.
+/// The reason why a step was not written completely.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Stop {
-    /// The session has ended, or nobody wants it written any more.
+    /// The session has ended, or the step is no longer needed.
     NotNeeded,
-    /// There is no room within the bound.
+    /// The file has reached its limit.
     Full,
     /// The system's reason.
     Failed(String),
 }
 
-/// Writes what a step is packed to. Its parts are free again when it is dropped before [`PartWriter::finish`].
+/// Writes the packed bytes of a step. Its parts are freed if it is dropped before [`PartWriter::finish`].
 #[derive(Debug)]
 pub struct PartWriter<'a> {
     shared: &'a Shared,
@@ -36,9 +37,9 @@ impl<'a> PartWriter<'a> {
         PartWriter { shared, spilled, buffer: Vec::new(), parts: Vec::new(), stop: None }
     }
 
-    /// Writes the last part. Why it has failed, if it has, now or before.
+    /// Writes the last part. Returns the reason if this or an earlier write has failed.
     pub fn finish(mut self) -> std::result::Result<Vec<Part>, Stop> {
-        // Whether it fails is in `stop`.
+        // A failure is recorded in `stop`.
         let _ = self.write_part();
         match self.stop.take() {
             None => Ok(std::mem::take(&mut self.parts)),
@@ -46,7 +47,7 @@ impl<'a> PartWriter<'a> {
         }
     }
 
-    /// Notes that packing has failed, unless that was for want of a place to write to.
+    /// Notes that packing has failed, unless the cause was a failed write.
     pub fn fail(&mut self, why: &dyn std::fmt::Display) {
         self.stop.get_or_insert_with(|| Stop::Failed(why.to_string()));
     }

@@ -1,7 +1,8 @@
 //! A packed step in the file, in parts: neither packing nor unpacking has more than one of them in memory.
 //!
-//! Each part has a place of its own, and a checksum that is looked at before anything in it is used. The file holds
-//! packed bytes alone, without frames of records: it ends with the session, which has places, lengths and checksums in
+//! Each part has its own position, and a checksum that is verified before any of it is used. The file holds packed
+//! bytes alone, without record frames: it ends with the session, which keeps positions, lengths and checksums in
+//! memory. `part_writer` writes the parts.
 //! memory. `part_writer` writes them.
 
 use std::io::{BufRead, Error, Read, Result};
@@ -12,21 +13,21 @@ use crate::persist::frame::checksum;
 /// A part of a step in the file.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
-    /// Its first byte.
+    /// Position of its first byte.
     pub at: u64,
-    /// How many there are.
+    /// Number of bytes.
     pub bytes: usize,
     /// Their CRC-32.
     pub checksum: u32,
 }
 
-/// Reads the parts of a step one after the other.
+/// Reads the parts of a step in order.
 #[derive(Debug)]
 pub struct PartReader<'a> {
     shared: &'a Shared,
     parts: std::slice::Iter<'a, Part>,
     buffer: Vec<u8>,
-    /// Bytes of the buffer that have been read.
+    /// Number of bytes of the buffer that have been read.
     read: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Which parts of a file are in use: parts are given out at the first place where they fit.
+//! Tracks which parts of a file are in use: parts are allocated first-fit.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ pub struct Space {
 }
 
 impl Space {
-    /// Takes a part of so many bytes that ends within the first `end` bytes. None if there is no room.
+    /// Allocates a part of `bytes` that ends within the first `end` bytes. `None` if there is no room.
     pub fn take(&mut self, bytes: u64, end: u64) -> Option<u64> {
         let bytes = bytes.max(1);
         let mut free_from = 0;
@@ -25,12 +25,12 @@ impl Space {
         fits.then_some(free_from)
     }
 
-    /// Gives back the part that begins at `at`.
+    /// Frees the part that begins at `at`.
     pub fn give_back(&mut self, at: u64) {
         self.parts.remove(&at);
     }
 
-    /// Returns where the last part ends.
+    /// Returns the end of the last part.
     pub fn end(&self) -> u64 {
         self.parts.last_key_value().map_or(0, |(at, length)| at + length)
     }
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Parts never overlap, none goes beyond the end, and none is refused for which there is a gap.
+        /// Parts never overlap, none extends beyond the end, and none is refused if there is a gap for it.
         #[test]
         fn parts_do_not_overlap(
             moves in prop::collection::vec((1u64..9, any::<prop::sample::Index>(), any::<bool>()), 0..60),

@@ -1,4 +1,4 @@
-//! The stand-in for a step: in memory until it is written, then its place in the file.
+//! The placeholder of a step: it holds the step in memory until it is written, then its position in the file.
 
 use std::io::Read;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,7 +9,7 @@ use crate::format::history::{Shape, read_step_from, write_step};
 use crate::sculpture::Limits;
 use crate::sculpture::history::{Change, Contents, Step, StoredStep};
 
-/// Contents of any size: what is read has been in memory before.
+/// Contents of any size: the data has been in memory before.
 const ANY_SIZE: Limits = Limits {
     grid_bytes: u64::MAX,
     colour_bytes: u64::MAX,
@@ -25,14 +25,14 @@ pub struct SpilledStep {
     shared: Arc<Shared>,
 }
 
-/// Where a step is.
+/// The location of a step.
 #[derive(Debug)]
 pub enum Held {
-    /// In memory; it is to be written.
+    /// In memory, waiting to be written.
     Waiting(Arc<Step>),
     /// In the file.
     Written(Vec<Part>),
-    /// With the one who has loaded it last.
+    /// Taken by its last loader.
     Taken,
 }
 
@@ -46,7 +46,7 @@ impl SpilledStep {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns the step, if it is to be written.
+    /// Returns the step, if it is waiting to be written.
     pub fn waiting(&self) -> Option<Arc<Step>> {
         match &*self.held() {
             Held::Waiting(step) => Some(step.clone()),
@@ -54,12 +54,12 @@ impl SpilledStep {
         }
     }
 
-    /// Returns whether it is to be written.
+    /// Returns whether it is waiting to be written.
     pub fn is_waiting(&self) -> bool {
         matches!(*self.held(), Held::Waiting(_))
     }
 
-    /// Puts its parts in the file for the step in memory. Gives them back if it has been taken meanwhile.
+    /// Replaces the step in memory by its parts in the file. Returns the parts if it has been taken in the meantime.
     pub fn written(&self, parts: Vec<Part>) -> Option<Vec<Part>> {
         let mut held = self.held();
         if !matches!(*held, Held::Waiting(_)) {
@@ -83,7 +83,8 @@ impl StoredStep for SpilledStep {
                 drop(held);
                 self.shared.waits_no_more(self.whole_bytes);
                 if matches!(step.change, Change::Bricks(_)) {
-                    // The thread soon notices. A whole sculpture it packs to the end: that is copied rather.
+                    // The thread notices soon, except for a whole sculpture, which it packs to the end; that one is
+                    // copied instead.
                     self.shared.wait_for_release(&step);
                 }
                 Ok(Arc::unwrap_or_clone(step).change)
@@ -91,7 +92,7 @@ impl StoredStep for SpilledStep {
             Held::Waiting(step) => Ok(step.change.clone()),
             Held::Written(parts) => {
                 // Both in memory would be too much.
-                drop(self.shared.make_way(self.whole_bytes));
+                drop(self.shared.make_room(self.whole_bytes));
                 let mut packed = PartReader::new(&self.shared, parts);
                 let step = read_step_from(&mut packed, Shape::of(contents), &ANY_SIZE);
                 step.map(|step| step.change).map_err(|error| error.to_string())

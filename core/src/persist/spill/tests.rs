@@ -13,16 +13,16 @@ use crate::format::history::write_step;
 use crate::sculpture::history::{Change, HistorySnapshot};
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 
-/// A file in memory, whose n-th operation can fail, and which can damage what is written.
+/// A file in memory whose n-th operation can fail, and which can damage written data.
 #[derive(Clone, Debug, Default)]
 struct Faulty {
-    /// Number of the operation that fails first; 0 for none.
+    /// Number of the first operation that fails; 0 for none.
     first: u32,
-    /// How many fail from then on.
+    /// Number of operations that fail from then on.
     count: u32,
-    /// Whether a write that fails writes half.
+    /// Whether a failing write writes half.
     half: bool,
-    /// The byte that is changed when it is written, by its place, and all ones for none.
+    /// Position of the byte that is changed when it is written; all ones for none.
     damaged: u64,
     done: Arc<AtomicU32>,
     longest: Arc<AtomicU64>,
@@ -105,7 +105,7 @@ fn spilled(history_bytes: usize, disk_bytes: u64, faults: &Faulty) -> (Document,
     (document, spill)
 }
 
-/// Returns a command of a script, at a place.
+/// Returns a command of a script, at a position.
 fn command(kind: u8, at: [i32; 3]) -> Command {
     let [x, y, z] = at;
     let line = match kind {
@@ -147,8 +147,8 @@ fn stored(document: &Document) -> usize {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
-    /// With hardly any memory and a disk, a document is what it is with all in memory, to the byte, whether or
-    /// not the disk is faster than the commands.
+    /// With hardly any memory and a disk, a document equals one with everything in memory, to the byte, whether or not
+    /// the disk is faster than the commands.
     #[test]
     fn history_on_disk_equals_one_in_memory(
         lines in script(40),
@@ -176,8 +176,8 @@ proptest! {
         prop_assert_eq!(spill.take_message(), None);
     }
 
-    /// Each state that is reached is one that was there, and no loss goes unreported, whatever file operations fail:
-    /// one, or all from then on.
+    /// Each state that is reached is a previous one, and no loss goes unreported, whatever file operations fail: one,
+    /// or all from then on.
     #[test]
     fn faults_never_lead_to_wrong_bytes(
         lines in script(30),
@@ -207,7 +207,7 @@ proptest! {
             spill.wait();
             prop_assert!(faults.longest.load(Ordering::Relaxed) <= disk_bytes);
         }
-        // All that is left leads to states that were there.
+        // All remaining steps lead to previous states.
         while document.apply(&"undo 1".parse().unwrap()).is_ok_and(|applied| applied.steps == 1) {
             prop_assert_eq!(&known[&document.state()], document.contents());
         }

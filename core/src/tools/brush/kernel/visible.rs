@@ -6,9 +6,9 @@
 //!    where the surface around them is turned to the eye, as a step of a slope seen edge-on is;
 //! 2. have their centre projected into the outline;
 //! 3. are seen: a ray of the picture meets such a face, or nothing stands between the eye and the centre of the face or
-//!    of a quarter of it, or between the eye and the point [`LIFT_VX`] above its centre. So a voxel hidden by less than a
-//!    voxel of its own surface counts, as the steps of an oblique slope do; one behind another part does not. Where slits
-//!    or edges are narrower than half a voxel, either may be found;
+//!    of a quarter of it, or between the eye and the point [`LIFT_VX`] above its centre. So a voxel hidden by less than
+//!    a voxel of its own surface counts, as the steps of an oblique slope do; one behind another part does not. Where
+//!    slits or edges are narrower than half a voxel, either may be found;
 //!
 //! and the voxel on the central ray, so that a brush smaller than a voxel selects the one under it.
 //!
