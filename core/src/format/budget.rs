@@ -7,7 +7,7 @@ use super::error::FEWER_BITS;
 use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::Limits;
 
-/// Bytes that a file and its volume together may take.
+/// Returns the memory that a file and its volume together may take, in bytes.
 pub(super) fn budget_bytes(limits: &Limits) -> u64 {
     limits.grid_bytes.saturating_add(limits.colour_bytes)
 }

@@ -1,6 +1,6 @@
-//! Reads binary files piece by piece: little-endian numbers, and errors that name the place.
+//! Reads binary files piece by piece: little-endian numbers, and errors that name the position.
 //!
-//! Never goes beyond the end, however long a file claims to be, and allocates nothing.
+//! Never reads beyond the end, however long a file claims to be, and allocates nothing.
 
 use super::FormatError;
 
@@ -8,12 +8,12 @@ use super::FormatError;
 #[derive(Clone, Copy, Debug)]
 pub struct Bytes<'a> {
     rest: &'a [u8],
-    /// Bytes of the file before `rest`.
+    /// Position of `rest` in the file, in bytes.
     at: usize,
 }
 
 impl<'a> Bytes<'a> {
-    /// Returns a whole file.
+    /// Creates a reader of a whole file.
     pub fn new(file: &'a [u8]) -> Bytes<'a> {
         Bytes { rest: file, at: 0 }
     }
@@ -28,7 +28,7 @@ impl<'a> Bytes<'a> {
         self.rest
     }
 
-    /// Returns an error at this place.
+    /// Returns an error at the present position.
     pub fn fault(&self, what: impl Into<String>) -> FormatError {
         FormatError::Malformed { place: format!("byte {}", self.at), what: what.into() }
     }
@@ -44,7 +44,7 @@ impl<'a> Bytes<'a> {
         Ok(taken)
     }
 
-    /// Returns the next `count` bytes, to be read on their own.
+    /// Returns a reader of the next `count` bytes.
     pub fn part(&mut self, count: usize) -> Result<Bytes<'a>, FormatError> {
         let at = self.at;
         Ok(Bytes { rest: self.take(count)?, at })
@@ -71,7 +71,7 @@ impl<'a> Bytes<'a> {
         Ok(i32::from_le_bytes(self.array()?))
     }
 
-    /// Returns a signed number of 32 bits that counts something.
+    /// Returns a signed number of 32 bits that is a count.
     pub fn count(&mut self, what: &str) -> Result<usize, FormatError> {
         let before = *self;
         let count = self.i32()?;

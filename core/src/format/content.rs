@@ -1,7 +1,7 @@
-//! Which format a file is of: what its first bytes say, and where they say nothing, its name.
+//! Detects the format of a file by its first bytes, or, where they do not identify one, by its name.
 //!
-//! Takes a path; gives the format, with a note where the name says another. A file that holds something that is not
-//! read, under the name of a format that is, is an error that says what it holds.
+//! Takes a path; gives the format, with a note where the name indicates another. Content that cannot be read, under the
+//! name of a readable format, is an error that names the content.
 
 use std::io::Read;
 use std::path::Path;
@@ -11,12 +11,12 @@ use flate2::read::MultiGzDecoder;
 use super::spec::{Format, Packing, Sign};
 use super::{FormatError, list, store};
 
-/// First bytes of a file that are looked at.
+/// Number of bytes examined at the start of a file.
 const START_BYTES: u64 = 1024;
 const GZIP: &[u8] = &[0x1F, 0x8B];
 const ZIP: &[u8] = b"PK\x03\x04";
 
-/// Signs of contents that are not read, and their names for people.
+/// Signatures of contents that are not read, and their display names.
 const FOREIGN: [(Sign, &str); 17] = [
     (Sign::At(0, b"\x89PNG"), "a PNG image"),
     (Sign::At(0, b"\xFF\xD8\xFF"), "a JPEG image"),
@@ -48,22 +48,22 @@ const FOREIGN: [(Sign, &str); 17] = [
 enum Content {
     Known(Format),
     Foreign(&'static str),
-    /// Packed, without a sign of a format in it.
+    /// Packed, without the signature of a format inside.
     Packed(Packing),
     Unknown,
 }
 
-/// Returns the format of a file that is to be read, or of a folder with the slices of a scan; and what to say where
-/// name and content disagree.
+/// Returns the format of a file to be read, or of a folder with the slices of a scan, and a note where name and content
+/// disagree.
 ///
-/// With a layout for raw voxels (`is_described`) a file of an unknown name holds such.
+/// With a layout for raw voxels (`is_described`), a file of an unknown name holds raw voxels.
 pub fn format_of(path: &Path, is_described: bool) -> Result<(Format, Option<String>), FormatError> {
     if path.is_dir() {
         let format = list::of_folder(path).ok_or(FormatError::NoScanInFolder)?;
         return Ok((format, None));
     }
     let by_name = list::named(path);
-    // Raw voxels may begin with anything; their layout is what counts.
+    // Raw voxels may begin with anything; their layout decides.
     let is_open = match &by_name {
         Ok(named) => named.lacks_header.is_some_and(|lacks| lacks(path)),
         Err(_) => true,
@@ -85,7 +85,7 @@ pub fn format_of(path: &Path, is_described: bool) -> Result<(Format, Option<Stri
             let note = format!("the file is named as {name}, but holds {content}; that was read");
             Ok((held, Some(note)))
         }
-        // Packed files may say nothing of themselves.
+        // Packed files may carry no signature of their own.
         (Ok(named), Content::Packed(packing)) if named.packing == Some(packing) => {
             Ok((named, None))
         }
@@ -97,8 +97,8 @@ pub fn format_of(path: &Path, is_described: bool) -> Result<(Format, Option<Stri
     }
 }
 
-/// Returns whether a file must be described before it can be read, since it may hold voxels alone: its name is that of
-/// raw voxels, or it is unknown by name and content, and no text.
+/// Returns whether a file must be described before it can be read, since it may hold raw voxels: its name is that of
+/// raw voxels, or it is unknown by name and content and is not text.
 pub fn needs_layout(path: &Path) -> bool {
     match format_of(path, false) {
         Ok((format, _)) => format == list::raw(),
@@ -122,7 +122,7 @@ fn content_of(start: &[u8], length: u64) -> Content {
     }
     if start.starts_with(GZIP) {
         let mut inside = Vec::new();
-        // The rest is not there; what was unpacked before counts.
+        // The rest is missing; only the bytes unpacked so far matter.
         let _ = MultiGzDecoder::new(start).take(START_BYTES).read_to_end(&mut inside);
         let held = list::identified(&inside, inside.len() as u64);
         let held = held.filter(|held| held.packing == Some(Packing::Gzip));

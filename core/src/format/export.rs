@@ -1,6 +1,6 @@
 //! Converts a sculpture to a volume: existence as densities, RGBA, or packed colours.
 //!
-//! Works by slabs in parallel. Colours of voxels that do not exist are lost. Knows no files.
+//! Works in slabs, in parallel. Colours of voxels that do not exist are lost. Knows no files.
 
 use glam::UVec3;
 use rayon::prelude::*;
@@ -52,8 +52,8 @@ pub fn to_volume(
     Ok(Volume { dims: grid.dims(), voxel_size: grid.voxel_size(), samples, data, texts })
 }
 
-/// Packed colours of existing voxels, none of them 0: black becomes the darkest other colour, which is
-/// a green at 8 and 16 bits, where green has the finest steps.
+/// Returns the packed colour of an existing voxel, which is never 0: black becomes the darkest other colour, which is a
+/// green at 8 and 16 bits, where green has the finest steps.
 fn packed8(colour: Rgb) -> u8 {
     match pack8(colour) {
         0 => 0x10,
@@ -88,10 +88,10 @@ fn densities(contents: &Contents) -> Vec<u8> {
     })
 }
 
-/// Eight bits to eight bytes of 0 or 255, the lowest bit first in little-endian order.
+/// Expands eight bits to eight bytes of 0 or 255, the lowest bit first in little-endian order.
 fn spread_bits(bits: u8) -> u64 {
     let each = (u64::from(bits) * 0x0101_0101_0101_0101) & 0x8040_2010_0804_0201;
-    // A byte of which any bit is set reaches its top bit; none reaches beyond.
+    // A byte with any bit set carries into its top bit, and none beyond.
     let top = (each + 0x7F7F_7F7F_7F7F_7F7F) & 0x8080_8080_8080_8080;
     (top >> 7) * u64::from(FULL)
 }
@@ -114,20 +114,20 @@ struct Slab<'a, const B: usize> {
 }
 
 impl<const B: usize> Slab<'_, B> {
-    /// Index of a voxel, `z` counted from the start of the slab.
+    /// Returns the index of a voxel, with `z` counted from the start of the slab.
     #[inline(always)]
     fn index(&self, x: u32, y: u32, z: u32) -> usize {
         x as usize + self.dims.x as usize * (y as usize + self.dims.y as usize * z as usize)
     }
 
-    /// Voxels of a brick that lie in the grid.
+    /// Returns the size of the part of a brick that lies in the grid.
     fn room(&self, corner: UVec3) -> UVec3 {
         (self.dims - corner).min(UVec3::splat(BRICK_EDGE_VX))
     }
 }
 
-/// Calls `write` for every non-empty brick, with the slab to write to, the brick's lower corner, its
-/// bits and its linear index.
+/// Calls `write` for every non-empty brick with the slab to write to, the brick's lower corner, its bits and its linear
+/// index.
 fn voxels_by_brick<const B: usize>(
     contents: &Contents,
     write: impl Fn(&mut Slab<B>, UVec3, &Brick, usize) + Sync,

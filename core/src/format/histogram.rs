@@ -4,15 +4,15 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-/// Bins where densities are not whole numbers.
+/// Number of bins where densities are not whole numbers.
 const FINE_BINS: usize = 1 << 16;
-/// Voxels counted by one worker at a time.
+/// Number of voxels counted by one worker at a time.
 const CHUNK_VOXELS: usize = 1 << 22;
 /// The range of no values.
 const NO_RANGE: (f32, f32) = (f32::INFINITY, f32::NEG_INFINITY);
 
-/// Calls `of_chunk` for the chunks of `len` voxels on all threads and sums up the counts that it
-/// returns. Through a pointer: the parallel loop is compiled once, not per type of voxels.
+/// Calls `of_chunk` for the chunks of `len` voxels on all threads, and adds up the counts that it returns. Called
+/// through a pointer, so that the parallel loop is compiled once, not per voxel type.
 fn sum_of_chunks(
     len: usize,
     count: usize,
@@ -35,7 +35,7 @@ fn range_of_chunks(
     chunks(len).map(of_chunk).reduce(|| NO_RANGE, |a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// `0..len` in pieces of `CHUNK_VOXELS`.
+/// Returns `0..len` in pieces of `CHUNK_VOXELS`.
 fn chunks(len: usize) -> impl ParallelIterator<Item = Range<usize>> {
     (0..len.div_ceil(CHUNK_VOXELS)).into_par_iter().map(move |chunk| {
         let start = chunk * CHUNK_VOXELS;
@@ -46,7 +46,7 @@ fn chunks(len: usize) -> impl ParallelIterator<Item = Range<usize>> {
 /// Counts how often each of `count` bins occurs. Bins beyond are not counted.
 fn count_all<T: Sync>(voxels: &[T], count: usize, bin: impl Fn(&T) -> usize + Sync) -> Vec<u64> {
     sum_of_chunks(voxels.len(), count, &|chunk| {
-        // Four tables in turn: equal neighbours need not wait for one another.
+        // Four tables in turn, so that equal neighbours need not wait for one another.
         let mut tables: [Vec<u32>; 4] = std::array::from_fn(|_| vec![0; count]);
         let (fours, rest) = voxels[chunk].as_chunks::<4>();
         let mut add = |table: usize, voxel: &T| {
@@ -66,17 +66,17 @@ fn count_all<T: Sync>(voxels: &[T], count: usize, bin: impl Fn(&T) -> usize + Sy
 /// Frequencies of densities.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Histogram {
-    /// Least and greatest finite density; both 0, and no bins, where there is none.
+    /// Least finite density; like `max` 0, without bins, if there is none.
     pub min: f32,
     /// The greatest finite density.
     pub max: f32,
-    /// Voxels in each of the equal bins that `min` is the start of.
+    /// Number of voxels in each of the equal bins that start at `min`.
     pub bins: Vec<u64>,
     /// Width of a bin.
     pub bin_width: f64,
 }
 
-/// The values that a type of samples can have.
+/// The values that a sample type can have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Values {
     /// A range of whole numbers.
@@ -106,7 +106,7 @@ impl Histogram {
         }
     }
 
-    /// From the counts of `first` and the numbers behind it.
+    /// Creates a histogram from the counts of `first` and the following numbers.
     fn of_whole(mut bins: Vec<u64>, first: i32) -> Histogram {
         let Some(least) = bins.iter().position(|&n| n > 0) else { return Histogram::EMPTY };
         let most = bins.iter().rposition(|&n| n > 0).unwrap_or(least);
@@ -130,7 +130,7 @@ impl Histogram {
         let range = f64::from(max) - f64::from(min);
         let (count, bin_width) =
             if range == 0.0 { (1, 1.0) } else { (FINE_BINS, range / (FINE_BINS - 1) as f64) };
-        // Values that are not finite are counted in a bin of their own, which is then dropped.
+        // Non-finite values are counted in a bin of their own, which is then dropped.
         let mut bins = count_all(voxels, count + 1, |v| {
             let v = value(v);
             let bin = ((f64::from(v) - f64::from(min)) / bin_width) as usize;
@@ -142,18 +142,18 @@ impl Histogram {
 
     const EMPTY: Histogram = Histogram { min: 0.0, max: 0.0, bins: Vec::new(), bin_width: 1.0 };
 
-    /// Lower end of a bin.
+    /// Returns the lower end of a bin.
     pub fn start_of(&self, bin: usize) -> f64 {
         f64::from(self.min) + bin as f64 * self.bin_width
     }
 
-    /// Voxels of finite density below `density`, to a bin.
+    /// Returns the number of voxels of finite density below `density`, to a bin.
     pub fn count_below(&self, density: f64) -> u64 {
         let starts = (0..self.bins.len()).map(|bin| self.start_of(bin));
         starts.zip(&self.bins).take_while(|(start, _)| *start < density).map(|(_, n)| n).sum()
     }
 
-    /// Returns the density below which the share `quantile` of all voxels lies, to a bin.
+    /// Returns the density below which the fraction `quantile` of all voxels lies, to a bin.
     pub fn quantile(&self, quantile: f64) -> f64 {
         let wanted = quantile * self.bins.iter().sum::<u64>() as f64;
         let mut below = 0;

@@ -1,7 +1,7 @@
-//! Converts a volume to a sculpture: which voxels exist, and their colours.
+//! Converts a volume to a sculpture: determines which voxels exist, and their colours.
 //!
-//! Works by bricks in parallel. Memory for colours is checked before it is allocated, and allocated only
-//! for bricks in which an existing voxel differs from the base colour. Knows no files.
+//! Works by bricks, in parallel. Memory for colours is checked before it is allocated, and allocated only for bricks in
+//! which an existing voxel differs from the base colour. Knows no files.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -27,19 +27,19 @@ use crate::sculpture::material::Page;
 use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 use crate::tools::pieces;
 
-/// Bricks painted between two reports of progress.
+/// Number of bricks painted between two reports of progress.
 const PAINT_BATCH: usize = 1 << 13;
 /// RGBA voxels of this opacity or more exist.
 pub(super) const OPAQUE: f64 = 128.0;
-/// Share of the voxels below the brightest end of a ramp; the rest are outliers such as metal.
+/// Fraction of the voxels below the upper end of a ramp; the rest are outliers such as metal.
 pub(super) const RAMP_QUANTILE: f64 = 0.999;
 
 pub(super) const U8: Values = Values::Whole { first: 0, count: 1 << 8 };
 const U16: Values = Values::Whole { first: 0, count: 1 << 16 };
 const I16: Values = Values::Whole { first: i16::MIN as i32, count: 1 << 16 };
 
-/// Some of an expression that uses the way to read a density from its bytes and the values it may
-/// have, compiled for each type of densities; none for other types.
+/// Wraps in `Some` an expression that uses the conversion of a density from its bytes and its range of values, compiled
+/// for each density type; `None` for other types.
 macro_rules! with_density {
     ($samples:expr, |$value:ident, $values:ident| $body:expr) => {
         with_density!(@each $samples, $value, $values, $body,
@@ -63,8 +63,7 @@ macro_rules! with_density {
     };
 }
 
-/// Converts a volume to a sculpture, its axes as they are in the file. `signature` is that of
-/// [`trusted_signature`].
+/// Converts a volume to a sculpture, with the axes of the file. `signature` is that of [`trusted_signature`].
 pub fn to_contents(
     volume: &Volume,
     signature: Option<Signature>,
@@ -98,7 +97,7 @@ pub fn histogram(volume: &Volume) -> Option<Histogram> {
     })
 }
 
-/// Returns the signature that this program stored with the volume, if it wrote it.
+/// Returns the signature stored with the volume, if this program wrote it.
 pub fn trusted_signature(volume: &Volume) -> Option<Signature> {
     match Signature::find(&volume.texts, volume.samples)? {
         Ok(signature) => Some(signature),
@@ -157,7 +156,7 @@ impl Job<'_> {
         self.build(depth, within(bounds, value), |v| ramp.colour(value(v)))
     }
 
-    /// `of` gives what is compared with a threshold, and the colour.
+    /// `of` returns the value to compare with a threshold, and the colour.
     fn colours<const B: usize>(
         &self,
         of: impl Fn(&[u8; B]) -> (u8, [u8; 3]) + Sync,
@@ -202,7 +201,7 @@ impl Job<'_> {
         }
     }
 
-    /// Bits of colour as asked for, else as they were, else all.
+    /// Returns the colour depth: the requested one, else the original one, else the greatest.
     fn depth(&self) -> ColourDepth {
         let own = self.signature.filter(|s| s.form != ExportForm::Densities);
         self.options.colour_depth.or(own.map(|s| s.colour_depth)).unwrap_or(ColourDepth::Bits24)
@@ -275,9 +274,9 @@ impl Job<'_> {
         Ok(Contents::new(grid, material))
     }
 
-    /// Colours all existing voxels: `fill` writes the colours of a brick's voxels, whose lowest
-    /// corner is named, to its page. Called through a pointer once per brick, so that the parallel
-    /// loops are compiled once and not per type of voxels.
+    /// Colours all existing voxels. `fill` writes the colours of the voxels of a brick, given by its lowest corner, to
+    /// its page. It is called through a pointer once per brick, so that the parallel loops are compiled once and not
+    /// per voxel type.
     fn paint(
         &self,
         grid: &Grid,
@@ -322,12 +321,12 @@ impl Job<'_> {
     }
 }
 
-/// Returns whether a density lies within bounds, which belong to them; false for NaN.
+/// Returns whether a density lies within inclusive bounds; false for NaN.
 fn within<const B: usize>(
     (least, most): (f64, f64),
     value: impl Fn(&[u8; B]) -> f32 + Sync,
 ) -> impl Fn(&[u8; B]) -> bool + Sync {
-    // The nearest f32 inside of the bounds, so that values need not be widened.
+    // The nearest f32 inside the bounds, so that values need not be widened.
     let (low, high) = (least as f32, most as f32);
     let low = if f64::from(low) < least { low.next_up() } else { low };
     let high = if f64::from(high) > most { high.next_down() } else { high };
@@ -345,7 +344,7 @@ fn row_bits<const B: usize>(row: &[[u8; B]], exists: &impl Fn(&[u8; B]) -> bool)
         Some(row) => bytes = row.each_ref().map(|v| u8::from(exists(v))),
         None => row.iter().zip(&mut bytes).for_each(|(v, byte)| *byte = u8::from(exists(v))),
     }
-    // The factor brings the lowest bit of byte i to bit 56 + i, and nothing else there.
+    // The factor moves the lowest bit of byte i to bit 56 + i, and nothing else there.
     u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 

@@ -1,5 +1,5 @@
-//! The contents of a file, found without converting it to a sculpture: size, spacing, sample type, histogram, and what
-//! opening it would leave out.
+//! Describes a file without converting it to a sculpture: size, spacing, sample type, histogram, and what opening it
+//! would leave out.
 
 use std::fmt;
 use std::path::Path;
@@ -31,13 +31,13 @@ pub struct Info {
     pub samples: Option<Samples>,
     /// The texts stored with the volume.
     pub texts: Texts,
-    /// Of densities.
+    /// Statistics of the densities.
     pub densities: Option<Densities>,
     /// The note that this program left when it wrote the file.
     pub signature: Option<Signature>,
-    /// Where the axes of a scan point, in the patient or the world; none where the file does not say.
+    /// Directions of the axes of a scan, in the patient or the world; `None` where the file does not state them.
     pub orientation: Option<String>,
-    /// Which channel and time the rest is about.
+    /// The channel and the time to which the rest refers.
     pub volumes: Volumes,
     /// Notes on what opening the file leaves out or interprets otherwise.
     pub notes: Vec<String>,
@@ -48,12 +48,12 @@ pub struct Info {
 pub struct Densities {
     /// How often each density occurs.
     pub histogram: Histogram,
-    /// The automatic threshold: densities from this on exist by default.
+    /// The automatic threshold: densities of at least this exist by default.
     pub threshold: f64,
 }
 
 impl Densities {
-    /// Of a volume of densities; none of one of colours.
+    /// Computes the statistics of a volume of densities; `None` for one of colours.
     pub fn of(volume: &Volume) -> Option<Densities> {
         let histogram = import::histogram(volume)?;
         let threshold = threshold::automatic(&histogram);
@@ -66,8 +66,7 @@ pub fn info(path: &Path) -> Result<Info, FormatError> {
     info_with(path, &ImportOptions::default(), &Limits::default(), &())
 }
 
-/// Describes a file, with options: for raw files their layout; for volumes the channel, time and region that are read and
-/// whether they are resampled.
+/// Describes a file, with options: the layout of raw files, and the channel, time, region and resampling of volumes.
 pub fn info_with(
     path: &Path,
     options: &ImportOptions,
@@ -80,7 +79,7 @@ pub fn info_with(
     Ok(info)
 }
 
-/// [`info_with`], of a format.
+/// Describes a file of a known format as [`info_with`] does.
 fn info_as(
     format: Format,
     path: &Path,
@@ -158,7 +157,7 @@ fn info_as(
     })
 }
 
-/// One item per line; the lines of texts are indented.
+/// Writes one item per line; the lines of texts are indented.
 impl fmt::Display for Info {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (UVec3 { x, y, z }, size) = (self.dims, self.voxel_size);

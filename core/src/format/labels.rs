@@ -5,9 +5,9 @@ use glam::UVec3;
 use super::volume::{Texts, Volume};
 use crate::sculpture::Rgb;
 
-/// From a hue to the next, as a share of the circle. Steps of the golden ratio never come near one another soon.
+/// Step from one hue to the next, as a fraction of the circle. Multiples of the golden ratio stay far apart for long.
 const HUE_STEP: f32 = 0.618_034;
-/// Saturation and brightness, in turn, so that hues that are close after all differ otherwise.
+/// Saturation and brightness, in turn, so that close hues still differ.
 const SHADES: [(f32, f32); 4] = [(0.62, 0.95), (0.85, 0.72), (0.40, 0.88), (0.72, 0.55)];
 
 /// Returns the colours of the labels 0 to 255; they repeat from there on.
@@ -30,11 +30,11 @@ pub fn colour(colours: &[Rgb; 256], label: f32) -> Rgb {
     colours[(label as i64 & 255) as usize]
 }
 
-/// Fewest and most different numbers of a volume that looks like one of labels, and voxels for each of them.
+/// Range of the number of distinct values in a volume that looks like labels.
 const LABELS: std::ops::RangeInclusive<usize> = 3..=64;
 const VOXELS_PER_LABEL: usize = 100;
 
-/// Returns whether a volume holds nothing but few whole numbers, 0 among them, as labels do.
+/// Returns whether a volume holds only a few distinct whole numbers including 0, as labels do.
 pub fn look_like_labels(volume: &Volume) -> bool {
     let bytes = volume.samples.bytes() as usize;
     if !volume.samples.is_density() {

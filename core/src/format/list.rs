@@ -1,7 +1,7 @@
-//! The list of all formats, and what follows from their descriptions: which one a name or the first bytes of a file
-//! belong to, the extensions to choose from, and the errors and texts that name them.
+//! The list of all formats, and its derived data: the format of a file name or of the first bytes of a file, the
+//! extensions to choose from, and the errors and texts that name them.
 //!
-//! Takes names and bytes; opens no file but those of a folder that is asked for.
+//! Takes names and bytes; opens no files except those of a requested folder.
 
 use std::path::Path;
 
@@ -13,7 +13,8 @@ use super::{mesh_in, pvm, raw, scan, voxel, vsc};
 use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::Up;
 
-/// All formats, in the order in which texts list them. If a file has signs of several formats, the earlier counts.
+/// All formats, in the order in which texts list them. If a file has signatures of several formats, the first one
+/// counts.
 static LISTS: [&[Format]; 4] =
     [&[&vsc::SPEC, &pvm::SPEC, &raw::SPEC], scan::FORMATS, voxel::FORMATS, mesh_in::FORMATS];
 static FORMATS: [Format; COUNT] = one_list();
@@ -135,17 +136,17 @@ pub fn is_volume(path: &Path) -> bool {
     written(path).is_some_and(|format| matches!(format.write, Some(Export::Volume(_))))
 }
 
-/// Returns the format of voxels alone.
+/// Returns the format of raw voxels.
 pub fn raw() -> Format {
     &raw::SPEC
 }
 
-/// Returns whether the name is that of voxels alone, which a layout has to describe.
+/// Returns whether the name is that of raw voxels, which a layout has to describe.
 pub fn is_raw(path: &Path) -> bool {
     raw::SPEC.is_named(path)
 }
 
-/// What a mesh of that name can hold. None if files of that name are not written as meshes.
+/// Returns what a mesh of that name can hold. `None` if files of that name are not written as meshes.
 pub fn mesh_traits(path: &Path) -> Option<&'static MeshTraits> {
     mesh_export(path).map(|(_, mesh)| &mesh.traits)
 }
@@ -159,7 +160,7 @@ pub fn mesh_export(path: &Path) -> Option<(Format, &'static MeshWriter)> {
     }
 }
 
-/// Returns the formats to export to, by their names and extensions: meshes, then models, then volumes.
+/// Returns the formats to export to, with their names and extensions: meshes, then models, then volumes.
 pub fn exports() -> Vec<(&'static str, &'static str)> {
     let order = |format: &Format| match format.write {
         Some(Export::Mesh(_)) => 0,
@@ -171,7 +172,7 @@ pub fn exports() -> Vec<(&'static str, &'static str)> {
     exported.iter().filter_map(|f| Some((f.exported_as?, f.extension()))).collect()
 }
 
-/// Text that lists the files that can be written: `.vsc, .pvm, or a mesh: .stl, .ply`.
+/// Returns a text that lists the files that can be written: `.vsc, .pvm, or a mesh: .stl, .ply`.
 pub fn written_text() -> String {
     let is_mesh = |format: &Format| matches!(format.write, Some(Export::Mesh(_)));
     let (meshes, others): (Vec<Format>, Vec<Format>) =
@@ -181,22 +182,22 @@ pub fn written_text() -> String {
     format!("{}, or a mesh: {}", text(&others), text(&meshes))
 }
 
-/// Text that lists the meshes in which an axis points up unless another is asked for: `.obj and .glb`.
+/// Returns a text that lists the meshes in which an axis points up by default: `.obj and .glb`.
 pub fn meshes_with_up_text(up: MeshUp) -> String {
     joined(&meshes_with(|traits| traits.up == up), "and")
 }
 
-/// Text that lists the meshes that can hold points alone.
+/// Returns a text that lists the meshes that can hold points alone.
 pub fn meshes_of_points_text() -> String {
     joined(&meshes_with(|traits| traits.holds_points), "and")
 }
 
-/// Text that lists the meshes whose files are read with an axis pointing up, where they do not say which.
+/// Returns a text that lists the meshes whose files are read with an axis pointing up by default.
 pub fn meshes_read_with_up_text(up: Up) -> String {
     joined(&read_with(|import| matches!(import, Import::Mesh(mesh) if mesh.usual_up == up)), "and")
 }
 
-/// Text that lists the models that are shown as cubes.
+/// Returns a text that lists the models that are shown as cubes.
 pub fn models_of_cubes_text() -> String {
     let is_of_cubes = |import: &Import| match import {
         Import::Model(model) => model.surface == SurfaceKind::Cubes,
@@ -205,7 +206,7 @@ pub fn models_of_cubes_text() -> String {
     commas(&read_with(is_of_cubes))
 }
 
-/// Returns the error of a name under which nothing is written.
+/// Returns the error for a name under which nothing is written.
 pub fn not_written(path: &Path) -> FormatError {
     let why = match named(path) {
         Ok(_) => return FormatError::ReadOnly(commas(&WRITE_ENDINGS)),
@@ -217,17 +218,17 @@ pub fn not_written(path: &Path) -> FormatError {
     FormatError::NotWritten { why, written: commas(&WRITE_ENDINGS) }
 }
 
-/// Returns the error of a mesh that is asked for under the name of something else.
+/// Returns the error for a mesh requested under the name of another format.
 pub fn not_a_mesh() -> FormatError {
     FormatError::NotAMeshFile(joined(&meshes_with(|_| true), "or"))
 }
 
-/// Returns the error of points that are asked for in a mesh that cannot hold them.
+/// Returns the error for points requested in a mesh that cannot hold them.
 pub fn no_points() -> FormatError {
     FormatError::NoPoints(joined(&meshes_with(|traits| traits.holds_points), "or"))
 }
 
-/// Returns the error of a form that is asked for of a file that is no volume.
+/// Returns the error for a form requested for a file that is no volume.
 pub fn no_forms(export: &Export, form: ExportForm) -> FormatError {
     let is_volume = |format: &Format| matches!(format.write, Some(Export::Volume(_)));
     let volumes: Vec<_> = formats().filter(is_volume).map(|format| format.extension()).collect();
@@ -239,7 +240,7 @@ pub fn no_forms(export: &Export, form: ExportForm) -> FormatError {
     }
 }
 
-/// Extensions of meshes that are written, and of which `is_so` holds.
+/// Returns the extensions of the written meshes for which `is_so` holds.
 fn meshes_with(is_so: impl Fn(&MeshTraits) -> bool) -> Vec<&'static str> {
     let is_so = |format: &Format| match &format.write {
         Some(Export::Mesh(mesh)) => is_so(&mesh.traits),
@@ -248,17 +249,17 @@ fn meshes_with(is_so: impl Fn(&MeshTraits) -> bool) -> Vec<&'static str> {
     formats().filter(is_so).map(|format| format.extension()).collect()
 }
 
-/// Returns the first extensions of formats of whose readers `is_so` holds.
+/// Returns the first extensions of the formats for whose readers `is_so` holds.
 fn read_with(is_so: impl Fn(&Import) -> bool) -> Vec<&'static str> {
     formats().filter(|format| is_so(&format.read)).map(|format| format.extension()).collect()
 }
 
-/// Extensions as `.a, .b, .c`.
+/// Joins extensions as `.a, .b, .c`.
 fn commas(extensions: &[&str]) -> String {
     extensions.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
 }
 
-/// Extensions as `.a, .b or .c`, with `word` before the last.
+/// Joins extensions as `.a, .b or .c`, with `word` before the last.
 fn joined(extensions: &[&str], word: &str) -> String {
     match extensions {
         [] | [_] => commas(extensions),
@@ -273,7 +274,7 @@ mod tests {
     use super::*;
     use crate::format::spec::Sign;
 
-    /// Rust files below a folder.
+    /// Returns the Rust files below a folder.
     fn sources(folder: &Path) -> Vec<std::path::PathBuf> {
         let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
         entries

@@ -1,13 +1,12 @@
-//! File formats: bytes <-> volumes <-> the contents of a sculpture. Contains no policy: callers pass
-//! options for what to read and write, and limits for memory.
+//! File formats: bytes <-> volumes <-> the contents of a sculpture. Contains no policy: callers pass options for
+//! reading and writing, and limits for memory.
 //!
-//! The entry points are [`load`], [`save`] and [`info()`]. Below them: `store` (disk), `budget` and `limits` (memory and
-//! lengths that files may ask for), `vsc` (sculptures without loss), `history` (undo steps), `pvm` and `dds`, `raw`,
-//! `scan` (volumes), `prepare` (region and cubic voxels),
-//! `spec` and `list` (the description of each format), `import` and `export` (volume <-> sculpture), `study` (a file before it is imported),
-//! `content` (which format a file is of), `threshold`, `ramp`, `labels` and
-//! `signature` (the meaning of voxels), `voxel` (models of other voxel
-//! editors), `mesh_in` and `mesh_out` (meshes of and for other programs). Errors say what is wrong and what to do;
+//! The entry points are [`load`], [`save`] and [`info()`]. Below them: `store` (disk), `budget` and `limits` (memory
+//! and lengths that files may request), `vsc` (sculptures without loss), `history` (undo steps), `pvm` and `dds`,
+//! `raw`, `scan` (volumes), `prepare` (region and cubic voxels), `spec` and `list` (the description of each format),
+//! `import` and `export` (volume <-> sculpture), `study` (a file before it is imported), `content` (detection of the
+//! format), `threshold`, `ramp`, `labels` and `signature` (the meaning of voxels), `voxel` (models of other voxel
+//! editors), `mesh_in` and `mesh_out` (meshes from and for other programs). Errors state the problem and the remedy;
 //! callers add the name of the file.
 
 mod budget;
@@ -78,15 +77,15 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::orient::Reorientation;
 use crate::sculpture::orientation::{Orientation, Up};
 
-/// Returns whether a file of that name may be one that can be read: it has one of [`READ_ENDINGS`], or none, or a
-/// number, as many DICOM files have. Looks at the name alone.
+/// Returns whether a file may be readable by its name alone: it ends in one of [`READ_ENDINGS`], has no ending, or ends
+/// in a number, as many DICOM files do.
 pub fn may_be_read(path: &Path) -> bool {
     let is_number = |ending: &OsStr| ending.as_encoded_bytes().iter().all(u8::is_ascii_digit);
     list::named(path).is_ok() || path.extension().is_none_or(is_number)
 }
 
-/// Returns whether a file or folder can be read, by its name and, where that says nothing, by its content; or may be
-/// once it is described ([`needs_layout`]).
+/// Returns whether a file or folder can be read, by its name and, where that is not conclusive, by its content; or may
+/// be once it is described ([`needs_layout`]).
 pub fn can_be_read(path: &Path) -> bool {
     content::format_of(path, false).is_ok() || needs_layout(path)
 }
@@ -105,21 +104,21 @@ pub struct Loaded {
     pub samples: Option<Samples>,
     /// Texts of the file, for [`save_with`].
     pub texts: Texts,
-    /// The axis that was taken for the one that points up; none where the file says so itself.
+    /// The axis that was assumed to point up; `None` where the file states it.
     pub assumed_up: Option<Up>,
     /// Notes on what was left out of the file or interpreted otherwise, for the user.
     pub notes: Vec<String>,
 }
 
 impl Loaded {
-    /// Returns a sculpture from a file that holds no volume and says which way is up.
+    /// Returns a sculpture from a file that holds no volume and states its up axis.
     fn model(contents: Contents, texts: Texts, notes: Vec<String>) -> Loaded {
         Loaded { contents, samples: None, texts, assumed_up: None, notes }
     }
 }
 
-/// Reads a sculpture. Meanwhile the file and its volume together may take as much memory as the limits
-/// for the grid and the colours allow.
+/// Reads a sculpture. During reading, the file and its volume together may take as much memory as the limits for the
+/// grid and the colours allow.
 pub fn load(
     path: &Path,
     options: &ImportOptions,
@@ -136,7 +135,7 @@ pub fn load(
     Ok(loaded)
 }
 
-/// [`load`], of a format.
+/// Reads a file of a known format as [`load`] does.
 fn load_as(
     format: Format,
     path: &Path,
@@ -187,12 +186,12 @@ pub fn write_sculpture(contents: &Contents, texts: &Texts) -> Result<Vec<u8>, Fo
     vsc::write(contents, texts, &())
 }
 
-/// Reads what [`write_sculpture`] has written, within `limits`.
+/// Reads the output of [`write_sculpture`], within `limits`.
 pub fn read_sculpture(file: &[u8], limits: &Limits) -> Result<(Contents, Texts), FormatError> {
     vsc::read(file, limits, &())
 }
 
-/// Reads a .vsc file in memory as [`load`] reads one on the disk.
+/// Reads a .vsc file in memory as [`load`] reads one on disk.
 pub fn read_embedded(
     file: &[u8],
     limits: &Limits,
@@ -202,13 +201,13 @@ pub fn read_embedded(
     Ok(Loaded::model(contents, texts, Vec::new()))
 }
 
-/// Notes for the person, which are also logged.
+/// Logs notes for the user and returns them.
 fn told(path: &Path, notes: Vec<String>) -> Vec<String> {
     notes.iter().for_each(|note| tracing::warn!("{}: {note}", path.display()));
     notes
 }
 
-/// Reads the voxels of a file unconverted but for the region and the cubic voxels that are asked for, within the same
+/// Reads the voxels of a file without conversion, except for the requested region and cubic voxels, within the same
 /// limits as [`load`].
 pub fn load_volume(
     path: &Path,
@@ -231,8 +230,8 @@ pub fn save(
     Ok(())
 }
 
-/// [`save`], with all options, and with texts in formats that store them. Returns what the person should know of what
-/// was written, such as colours that the format has no room for. A mesh is made within `limits`.
+/// Saves as [`save`] does, with all options, and with texts in formats that store them. Returns notes for the user on
+/// the written file, such as colours that the format cannot store. A mesh is made within `limits`.
 pub fn save_with(
     path: &Path,
     contents: &Contents,
@@ -273,7 +272,7 @@ pub fn save_with(
             write(volume?, progress)?
         }
     };
-    // The last moment to cancel.
+    // The last opportunity to cancel.
     go_on(progress)?;
     progress.begin("writing");
     let written = store::write_with(path, &bytes, progress);
@@ -290,14 +289,14 @@ fn read_file(
     store::read(path, budget_bytes(limits), |_| Ok(()), progress)
 }
 
-/// Metadata of a file: all that is known of it besides its voxels.
+/// Metadata of a file: everything known about it besides its voxels.
 #[derive(Default)]
 struct Source {
     kind: String,
     file_bytes: u64,
-    /// How the axes of the file lie.
+    /// Directions of the file's axes.
     frame: scan::Frame,
-    /// Whether the file says that its numbers are labels.
+    /// Whether the file declares its numbers as labels.
     is_label: bool,
     /// Which of several volumes was read.
     volumes: Volumes,
@@ -305,10 +304,10 @@ struct Source {
 }
 
 impl Source {
-    /// Returns the options, with what the file says where they leave it open.
+    /// Returns the options, completed from the file where they leave it open.
     fn adapted(&self, options: &ImportOptions, samples: Samples) -> ImportOptions {
         let colouring = match options.colouring {
-            // Segments have colours of their own.
+            // Segments have their own colours.
             Colouring::Auto | Colouring::Labels if self.is_label && !samples.is_density() => {
                 Colouring::Auto
             }
@@ -319,7 +318,7 @@ impl Source {
     }
 }
 
-/// Returns the voxels of a file, in the region and of the size that are asked for.
+/// Returns the voxels of a file, in the requested region and size.
 fn open_volume(
     format: Format,
     path: &Path,

@@ -17,11 +17,11 @@ use crate::sculpture::ColourDepth;
 use crate::sculpture::orientation::Up;
 pub use crate::voxelise::{Fill as MeshFill, MeshSize};
 
-/// How the voxels of a volume get their colours.
+/// The source of the colours of a volume's voxels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Colouring {
-    /// As the file was written by this program; else colours as they are, and densities in the base
-    /// colour, to be painted: shades of grey would show as stripes wherever the surface crosses them.
+    /// As the file was written by this program. Otherwise colours as they are, and densities in the base colour, to be
+    /// painted: shades of grey would show as stripes wherever the surface crosses them.
     #[default]
     Auto,
     /// No colours.
@@ -30,10 +30,10 @@ pub enum Colouring {
     Grey,
     /// Densities as the colours of a body: skin, flesh, bone.
     Tissue,
-    /// Whole numbers as labels: each has a colour of its own, and 0 is an empty voxel.
+    /// Whole numbers as labels: each has its own colour, and 0 is an empty voxel.
     Labels,
-    /// 1, 2 or 3 bytes a voxel are a sculpture's own packed colours of 8, 16 or 24 bits (16 bits
-    /// with the high byte first); 0 is an empty voxel.
+    /// 1, 2 or 3 bytes per voxel are a sculpture's own packed colours of 8, 16 or 24 bits (16 bits with the high byte
+    /// first); 0 is an empty voxel.
     Packed,
 }
 
@@ -62,36 +62,36 @@ pub struct RawLayout {
     pub voxel_size: Vec3,
 }
 
-/// How a file is converted to a sculpture.
+/// Options of the conversion of a file to a sculpture.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ImportOptions {
-    /// Which voxels exist.
+    /// The rule by which voxels exist.
     pub existence: Existence,
-    /// The colours that they get.
+    /// The source of their colours.
     pub colouring: Colouring,
-    /// Bits of colour of the sculpture; `None`: as the file was written by this program, as the
-    /// packed colours have, or 24.
+    /// Colour bits of the sculpture; `None`: as the file was written by this program, as the packed colours have, or
+    /// 24.
     pub colour_depth: Option<ColourDepth>,
-    /// The axis that points up; `None`: as is usual in the format. Left out, and said, for files that say so themselves:
-    /// sculptures, glTF, scans with the patient's axes. Volumes that this program has written stand as they were saved.
+    /// The axis that points up; `None`: the usual one of the format. Ignored, with a note, for files that define it:
+    /// sculptures, glTF, scans with the patient's axes. Volumes written by this program keep their orientation.
     pub upright: Option<Up>,
     /// Layout of a raw file; ignored for other files.
     pub raw: Option<RawLayout>,
-    /// Which channel of a file with several is read; `None`: the first.
+    /// The channel to read from a file with several; `None`: the first.
     pub channel: Option<Ordinal>,
-    /// Which time, phase or volume along a fourth axis is read of a file with several; `None`: that of the DICOM file that was
-    /// named, else the first.
+    /// The time, phase or volume along a fourth axis to read from a file with several; `None`: that of the DICOM file
+    /// that was named, else the first.
     pub time: Option<Ordinal>,
-    /// Which part of a volume is read; `None`: all of it.
+    /// The part of a volume to read; `None`: all of it.
     pub region: Option<Region>,
-    /// Whether a volume is resampled to cubic voxels: densities linearly, before thresholds apply; labels and
-    /// colours from the nearest voxel.
+    /// Whether a volume is resampled to cubic voxels: densities linearly, before thresholds apply; labels and colours
+    /// from the nearest voxel.
     pub cubic: Cubic,
-    /// Of a volume, only the largest set of voxels that hang together by faces.
+    /// Whether only the largest face-connected piece of a volume is kept.
     pub largest_piece: bool,
-    /// Empty places of a volume that do not reach the grid's border become solid, in the base colour.
+    /// Whether cavities of a volume, which do not reach the grid's border, become solid in the base colour.
     pub fill_holes: bool,
-    /// How large a mesh becomes. Of a voxel model, the edge of a voxel, if it is given.
+    /// The size of a mesh, or, if given, the edge of a voxel of a voxel model.
     pub mesh_size: MeshSize,
     /// Whether a mesh becomes solid.
     pub mesh_fill: MeshFill,
@@ -103,12 +103,12 @@ pub enum ExportForm {
     /// [`ExportForm::Densities`] without colours, else [`ExportForm::Rgba`].
     #[default]
     Auto,
-    /// A byte a voxel, 255 where it exists, else 0. Colours are lost.
+    /// A byte per voxel: 255 where it exists, else 0. Colours are lost.
     Densities,
     /// Red, green, blue and opacity, a byte each.
     Rgba,
-    /// The packed colours as they are stored, 1 to 3 bytes a voxel, 0 where it is empty. An
-    /// existing voxel whose packed colour is 0 (black) gets the next nearest colour.
+    /// The packed colours as they are stored, 1 to 3 bytes per voxel, 0 where it is empty. An existing voxel whose
+    /// packed colour is 0 (black) gets the nearest other colour.
     Packed,
 }
 
@@ -126,27 +126,27 @@ impl MeshUp {
     pub const NAMED: [(MeshUp, &'static str); 2] = [(MeshUp::Y, "y"), (MeshUp::Z, "z")];
 }
 
-/// How a sculpture becomes a mesh in a file.
+/// Options of the conversion of a sculpture to a mesh file.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct MeshOptions {
-    /// Which surface.
+    /// The kind of surface.
     pub kind: MeshKind,
-    /// Only the vertices, in formats that can hold them alone.
+    /// Whether only the vertices are written, in formats that can hold them alone.
     pub points_only: bool,
-    /// The axis that points up; none for that which is usual in the format.
+    /// The axis that points up; `None` for the usual one of the format.
     pub up: Option<MeshUp>,
-    /// Length of a voxel along x in millimetres; none for the sculpture's voxel size.
+    /// Length of a voxel along x in millimetres; `None` for the sculpture's voxel size.
     pub voxel_mm: Option<f32>,
-    /// Most triangles, as far as the surface's topology allows; none for all.
+    /// Greatest number of triangles, as far as the surface's topology allows; `None` for no limit.
     pub triangles: Option<u64>,
 }
 
-/// How a sculpture is written. Each format has use for some of it, and refuses what it cannot do.
+/// Options of writing a sculpture. Each format uses some of them, and refuses those that it cannot satisfy.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ExportOptions {
     /// The form of a volume.
     pub form: ExportForm,
-    /// How a mesh is made.
+    /// The options of a mesh.
     pub mesh: MeshOptions,
 }
 

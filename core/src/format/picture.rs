@@ -1,4 +1,4 @@
-//! Reads images: PNG and JPEG files to a [`Texture`], to colour solids with, or to a [`Matcap`], to shade with.
+//! Reads images: PNG and JPEG files to a [`Texture`] to colour solids with, or to a [`Matcap`] to shade with.
 
 use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::shade::Matcap;
 use crate::shade::look::MATCAP_EDGE;
 use crate::tools::texture::{MAX_SIDE, Texture};
 
-/// Longest file of an image that is read whole.
+/// Greatest size of an image file.
 const PICTURE_LIMIT_BYTES: u64 = 1 << 30;
 
 /// Reads an image. Its format is detected from its first bytes, not its name. Transparency is ignored.
@@ -24,13 +24,13 @@ pub fn load_picture(path: &Path) -> Result<Texture, FormatError> {
     decode(BufReader::new(store::open(path)?))
 }
 
-/// [`load_picture`], with the bytes of the file.
+/// Reads an image as [`load_picture`] does, and returns the bytes of the file as well.
 pub fn load_picture_file(path: &Path) -> Result<(Texture, Vec<u8>), FormatError> {
     let file = store::read(path, PICTURE_LIMIT_BYTES, |_| Ok(()), &())?;
     Ok((picture_of(&file)?, file))
 }
 
-/// [`load_picture`] of a file in memory.
+/// Reads an image file in memory as [`load_picture`] does.
 pub fn picture_of(file: &[u8]) -> Result<Texture, FormatError> {
     decode(Cursor::new(file))
 }
@@ -50,7 +50,7 @@ fn decode(file: impl BufRead + Seek) -> Result<Texture, FormatError> {
 /// Reads the picture of a lit ball that touches all four edges.
 ///
 /// # Errors
-/// As of [`load_picture`], and if it is not square, or too small to shade with.
+/// As for [`load_picture`], and if it is not square, or too small to shade with.
 pub fn load_matcap(path: &Path) -> Result<Matcap, FormatError> {
     const LEAST_PX: u32 = 16;
     let picture = load_picture(path)?;
@@ -65,7 +65,7 @@ pub fn load_matcap(path: &Path) -> Result<Matcap, FormatError> {
     if width < LEAST_PX {
         return refused(&format!("needs at least {LEAST_PX} a side"));
     }
-    // The mean of the pixels of a texel, or what lies between those of a smaller picture.
+    // The mean of the pixels of a texel, or an interpolation in a smaller picture.
     let samples = width.div_ceil(MATCAP_EDGE as u32).min(8);
     let texel = 2.0 / (MATCAP_EDGE - 1) as f32;
     Ok(Matcap::from_fn(|at| {

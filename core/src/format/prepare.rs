@@ -1,7 +1,7 @@
-//! Prepares a volume for its conversion: cuts out the region that was asked for, and resamples it to cubic voxels.
+//! Prepares a volume for its conversion: crops it to the requested region, and resamples it to cubic voxels.
 //!
-//! Takes and gives a [`Volume`] of the same type of samples. Sizes are known, and memory is checked, before anything
-//! is read or allocated. Knows no file.
+//! Takes and gives a [`Volume`] of the same sample type. Sizes are known, and memory is checked, before anything is
+//! read or allocated. Knows no file.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -14,10 +14,10 @@ use super::volume::{Samples, Volume};
 use super::{FormatError, go_on};
 use crate::progress::Progress;
 
-/// Edges that differ by less than this share are equal.
+/// Edges that differ by less than this fraction are equal.
 const SAME_EDGE: f32 = 1e-5;
 
-/// Size and edges of the voxels that a volume of `dims` has after [`prepare`].
+/// Returns the size and the voxel edges of a volume of `dims` after [`prepare`].
 pub fn prepared(
     dims: UVec3,
     voxel_size: Vec3,
@@ -34,7 +34,7 @@ pub fn prepared(
         Cubic::EdgeMm(edge) => edge,
     };
     let is_same = (voxel_size - edge).abs().max_element() <= SAME_EDGE * edge;
-    // The voxel size in a header may be no valid length; that is reported later.
+    // The voxel size in a header may be an invalid length; that is reported later.
     if is_same || !voxel_size.is_finite() || voxel_size.min_element() <= 0.0 {
         return Ok((dims, voxel_size));
     }
@@ -42,7 +42,8 @@ pub fn prepared(
     Ok((counts.round().as_uvec3().max(UVec3::ONE), Vec3::splat(edge)))
 }
 
-/// Cuts out the region and resamples it, as `options` say. Old and new voxels together take at most `budget_bytes`.
+/// Crops it to the region and resamples it, according to `options`. Old and new voxels together take at most
+/// `budget_bytes`.
 pub fn prepare(
     mut volume: Volume,
     options: &ImportOptions,
@@ -70,7 +71,7 @@ pub fn prepare(
     Ok(Volume { dims, voxel_size, data, samples: volume.samples, texts: volume.texts })
 }
 
-/// Keeps a box of voxels. In place: a row never moves up.
+/// Keeps a box of voxels. Works in place: a row never moves up.
 fn cut(volume: &mut Volume, low: UVec3, dims: UVec3) {
     let bytes = volume.samples.bytes() as usize;
     let row = dims.x as usize * bytes;
@@ -94,7 +95,7 @@ struct Job<'a> {
     progress: &'a dyn Progress,
 }
 
-/// Where a new voxel lies between two old ones of an axis: the lower one, and the share of the upper one.
+/// The position of a new voxel between two old ones of an axis: the lower one, and the weight of the upper one.
 #[derive(Clone, Copy)]
 struct Place {
     lower: usize,
@@ -109,7 +110,7 @@ impl Place {
 }
 
 impl Job<'_> {
-    /// Returns the places of an axis. The middles of both volumes agree; beyond the outermost voxels these go on.
+    /// Returns the positions along an axis. The centres of both volumes coincide; the outermost voxels are extended.
     fn places(&self, axis: usize) -> Vec<Place> {
         let (old, new) = (self.volume.dims[axis], self.dims[axis]);
         let step = f64::from(self.edge) / f64::from(self.volume.voxel_size[axis]);
@@ -124,7 +125,7 @@ impl Job<'_> {
         (0..new).map(place).collect()
     }
 
-    /// Fills each slice of the new volume by `slice`, in parallel: it gets z and the slice's bytes.
+    /// Fills each slice of the new volume with `slice`, in parallel: it receives z and the slice's bytes.
     fn slices(&self, slice: &(dyn Fn(usize, &mut [u8]) + Sync)) -> Vec<u8> {
         let bytes = self.volume.samples.bytes() as usize;
         let per_slice = self.dims.x as usize * self.dims.y as usize * bytes;
@@ -155,7 +156,7 @@ impl Job<'_> {
     }
 
     fn linear(&self) -> Vec<u8> {
-        // Truncation rounds what was moved above 0.
+        // Truncation rounds values shifted above 0.
         let i16_of = |v: f32| ((v + 32768.5) as i32 - 32768) as i16;
         match self.volume.samples {
             Samples::U8 => self.blend(|v: &[u8; 1]| v[0].into(), |v| [(v + 0.5) as u8]),
@@ -177,7 +178,7 @@ impl Job<'_> {
         }
     }
 
-    /// Trilinear: first four rows to one, then along it.
+    /// Interpolates trilinearly: first four rows to one, then along it.
     fn blend<const B: usize>(
         &self,
         read: impl Fn(&[u8; B]) -> f32 + Sync,
@@ -200,7 +201,7 @@ impl Job<'_> {
                     (row_at(y.upper, z.upper), y.share * z.share),
                 ];
                 blended.fill(0.0);
-                // A row without a share does not count, whatever it holds: 0 times infinity is no number.
+                // A row of weight 0 is skipped, whatever it holds: 0 times infinity is NaN.
                 for (row, share) in rows.iter().filter(|(_, share)| *share > 0.0) {
                     blended.iter_mut().zip(*row).for_each(|(sum, v)| *sum += read(v) * share);
                 }

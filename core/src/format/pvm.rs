@@ -1,8 +1,8 @@
 //! The PVM volume format, versions 1 to 3, plain or packed as a DDS stream: bytes <-> [`Volume`].
 //!
-//! A header of text lines, the voxels, and in version 3 four NUL-ended texts; the file must end
-//! there. The claims of a header are compared with the actual contents of the file or stream, and
-//! passed to the caller, before memory is allocated for them.
+//! A header of text lines, the voxels, and in version 3 four NUL-terminated texts; the file must end there. The claims
+//! of a header are compared with the actual contents of the file or stream, and passed to the caller, before memory is
+//! allocated for them.
 
 use glam::{UVec3, Vec3};
 
@@ -29,30 +29,29 @@ pub static SPEC: FormatSpec = FormatSpec {
     ..FormatSpec::new("a PVM volume", &["pvm"], Import::Volume(open))
 };
 
-/// Decoded size up to which a stream of several planes is decoded before its header is looked at:
-/// the header lies scattered over the planes, so looking first costs nearly as much as decoding.
+/// Decoded size up to which a stream of several planes is decoded before its header is examined. The header is
+/// scattered over the planes, so reading it first costs nearly as much as decoding.
 const EAGER_BYTES: u64 = 64 << 20;
-/// Sizes in the original programs have 32 bits.
+/// Exclusive limit of the volume size: sizes in the original programs have 32 bits.
 const VOLUME_END: u64 = 1 << 32;
 
 /// The header of a PVM volume.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Header {
-    /// 1 to 3.
+    /// Version, 1 to 3.
     pub version: u8,
     /// Size in voxels.
     pub dims: UVec3,
     /// Edge lengths of a voxel; 1 in version 1.
     pub voxel_size: Vec3,
-    /// Bytes a voxel.
+    /// Bytes per voxel.
     pub components: u32,
     /// Length of the header.
     pub bytes: usize,
 }
 
 impl Header {
-    /// Reads the header that `prefix` begins with: the whole file, or at least its first
-    /// [`HEADER_LIMIT`] bytes.
+    /// Parses the header at the start of `prefix`: the whole file, or at least its first [`HEADER_LIMIT`] bytes.
     pub fn parse(prefix: &[u8]) -> Result<Header, FormatError> {
         let prefix = &prefix[..prefix.len().min(HEADER_LIMIT)];
         let mut lines = Lines { prefix, at: 0 };
@@ -106,7 +105,7 @@ impl Header {
         Ok(header)
     }
 
-    /// Bytes of all voxels, below 2^32.
+    /// Returns the size of all voxels in bytes, below 2^32.
     pub fn voxel_bytes(&self) -> u64 {
         self.checked_voxel_bytes().unwrap_or(u64::MAX)
     }
@@ -116,7 +115,7 @@ impl Header {
         x.checked_mul(y)?.checked_mul(z)?.checked_mul(u64::from(self.components))
     }
 
-    /// Checks that a volume of `total` bytes can be what the header says.
+    /// Checks that a volume of `total` bytes matches the header.
     fn check_total(&self, total: u64) -> Result<(), FormatError> {
         let behind_header = total.saturating_sub(self.bytes as u64);
         let expected = self.voxel_bytes();
@@ -132,7 +131,7 @@ impl Header {
     }
 }
 
-/// Goes through the lines of a header.
+/// Iterates over the lines of a header.
 struct Lines<'a> {
     prefix: &'a [u8],
     at: usize,
@@ -152,7 +151,7 @@ impl<'a> Lines<'a> {
         Ok(&rest[..len])
     }
 
-    /// Returns the next line as `N` numbers whose text and value pass.
+    /// Returns the next line as `N` numbers whose text and value are valid.
     fn numbers<T: std::str::FromStr, const N: usize>(
         &mut self,
         what: &'static str,
@@ -175,7 +174,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Whether a file was packed, and what its header says.
+/// The packing of a file and its header.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Origin {
     pub header: Header,
@@ -183,7 +182,7 @@ pub struct Origin {
     pub packing: Option<&'static str>,
 }
 
-/// Reads the file of a path.
+/// Reads the file at a path.
 fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let volumes = reading.volumes(1)?;
     let file = reading.read(reading.path)?;
@@ -201,8 +200,8 @@ fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
     Ok((Scan::bare(volume, kind, volumes), file_bytes))
 }
 
-/// Reads a .pvm file. `admit` gets the header before memory is allocated for the voxels and may refuse
-/// it; unpacking takes at most `budget_bytes`.
+/// Reads a .pvm file. `admit` gets the header before memory is allocated for the voxels, and may refuse it; unpacking
+/// takes at most `budget_bytes`.
 fn read(
     file: Vec<u8>,
     admit: &dyn Fn(&Header) -> Result<(), FormatError>,
@@ -231,7 +230,7 @@ fn read(
     let planes = if stream.header_is_scattered() { 2 } else { 1 };
     let fits = check_budget(planes * total, budget_bytes);
     if planes == 1 || total > EAGER_BYTES {
-        // The header's own faults are the better message for what claims too much.
+        // The header's own faults are the better message for a false size.
         check(&stream.prefix(HEADER_LIMIT), total).map_err(inside)?;
     }
     fits?;
@@ -242,7 +241,7 @@ fn read(
     Ok((split_plain(plain, &header)?, Origin { header, packing }))
 }
 
-/// Takes apart a plain volume whose length has been checked.
+/// Splits a plain volume whose length has been checked.
 fn split_plain(mut plain: Vec<u8>, header: &Header) -> Result<Volume, FormatError> {
     let voxels_end = header.bytes + header.voxel_bytes() as usize;
     let texts =
@@ -263,13 +262,13 @@ fn split_texts(bytes: &[u8]) -> Result<Texts, FormatError> {
     let mut next = || pieces.next().map(<[u8]>::to_vec).ok_or(FormatError::TextsCut);
     let texts =
         Texts { description: next()?, courtesy: next()?, parameter: next()?, comment: next()? };
-    // Behind the fourth NUL there is one more piece, the empty one.
+    // After the fourth NUL there is one more piece, the empty one.
     let behind = next()?.len() + pieces.map(|p| p.len() + 1).sum::<usize>();
     if behind > 0 { Err(FormatError::Trailing(behind as u64)) } else { Ok(texts) }
 }
 
-/// Writes a volume as a .pvm file, packed as a DDS stream like the original programs do: version
-/// 3 if it has texts, else 2 if its voxels are not unit cubes, else 1.
+/// Writes a volume as a .pvm file, packed as a DDS stream as the original programs do: version 3 if it has texts, else
+/// 2 if its voxels are not unit cubes, else 1.
 fn write(volume: Volume, progress: &dyn Progress) -> Result<Vec<u8>, FormatError> {
     let components = volume.samples.bytes() as usize;
     let strip = volume.dims.x as usize;
@@ -281,7 +280,7 @@ fn write(volume: Volume, progress: &dyn Progress) -> Result<Vec<u8>, FormatError
     Ok(packed)
 }
 
-/// Returns the plain bytes of a volume.
+/// Returns the unpacked bytes of a volume.
 pub fn to_plain(volume: Volume) -> Result<Vec<u8>, FormatError> {
     let Volume { dims, voxel_size, samples, data, texts } = volume;
     if Samples::of_components(samples.bytes()) != samples {
@@ -388,7 +387,7 @@ mod tests {
 
     #[test]
     fn the_header_is_shown_before_memory_is_taken() {
-        // 2^30 voxels in 10 MiB: runs of 127 zeros behind a header.
+        // 2^30 voxels in 10 MiB: runs of 127 zeros after a header.
         let header = b"PVM\n1024 1024 1023\n1\n";
         let mut plain = vec![0u8; 3 << 20];
         plain[..header.len()].copy_from_slice(header);

@@ -2,10 +2,10 @@
 
 use crate::sculpture::Rgb;
 
-/// Colours from the least dense existing voxel to the densest, evenly spaced. A little above
-/// black, so that a surface at the threshold is not a dark one.
+/// Colours from the least dense existing voxel to the densest, evenly spaced. The ramp starts above black, so that a
+/// surface at the threshold is not dark.
 const GREY: [Rgb; 2] = [Rgb::new(112, 112, 112), Rgb::new(255, 255, 255)];
-/// Skin, fat, flesh, bone, teeth, as they follow one another in a CT of a head.
+/// Skin, fat, flesh, bone, teeth, in their order in a head CT.
 const TISSUE: [Rgb; 6] = [
     Rgb::new(222, 178, 148),
     Rgb::new(214, 150, 118),
@@ -24,12 +24,12 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// From black-and-white photographs: the brighter, the denser.
+    /// Returns a grey ramp as in black-and-white photographs: the brighter, the denser.
     pub fn grey(from: f64, to: f64) -> Ramp {
         Ramp::new(&GREY, from, to)
     }
 
-    /// Skin over flesh over bone.
+    /// Returns a ramp of tissues: skin over flesh over bone.
     pub fn tissue(from: f64, to: f64) -> Ramp {
         Ramp::new(&TISSUE, from, to)
     }
@@ -44,15 +44,15 @@ impl Ramp {
             }))
         });
         let range = to - from;
-        // An empty range puts all densities at its end.
+        // An empty range maps all densities to its end.
         let colours_per_unit = if range > 0.0 { 255.0 / range } else { 1e9 };
         Ramp { from: from as f32, colours_per_unit: colours_per_unit as f32, colours }
     }
 
-    /// Returns the colour of a density; beyond the range that of its ends.
+    /// Returns the colour of a density, clamped to the range.
     #[inline]
     pub fn colour(&self, density: f32) -> Rgb {
-        // The cast takes all below 0 to 0.
+        // The cast maps everything below 0 to 0.
         let place = (density - self.from) * self.colours_per_unit + 0.5;
         self.colours[(place as usize).min(255)]
     }

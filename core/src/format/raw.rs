@@ -14,7 +14,7 @@ pub static SPEC: FormatSpec = FormatSpec {
     ..FormatSpec::new("raw voxels", &["raw"], Import::Volume(open))
 };
 
-/// Bytes that a raw file of `layout` has, if they can be counted.
+/// Returns the size of a raw file of `layout` in bytes, unless it overflows.
 fn file_bytes(layout: &RawLayout) -> Option<u64> {
     let UVec3 { x, y, z } = layout.dims;
     [y, z, layout.samples.bytes()]
@@ -23,7 +23,7 @@ fn file_bytes(layout: &RawLayout) -> Option<u64> {
         .checked_add(layout.skip_bytes)
 }
 
-/// Checks that a file of `found` bytes can hold what `layout` says.
+/// Checks that a file of `found` bytes matches `layout`.
 fn check_length(layout: &RawLayout, found: u64) -> Result<(), FormatError> {
     let expected = file_bytes(layout).unwrap_or(u64::MAX);
     if expected == found {
@@ -32,7 +32,7 @@ fn check_length(layout: &RawLayout, found: u64) -> Result<(), FormatError> {
     Err(FormatError::RawLength { layout: layout.to_string(), expected, found })
 }
 
-/// Reads the file of a path, with the layout that is given.
+/// Reads the file at a path, with the given layout.
 fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let volumes = reading.volumes(1)?;
     let layout = reading.options.raw.ok_or(FormatError::NoRawLayout)?;

@@ -1,7 +1,7 @@
-//! The signature of files written by this program: a line in the parameter text of a PVM3 volume that
-//! describes the sculpture.
+//! The signature of files written by this program: a line in the parameter text of a PVM3 volume that describes the
+//! sculpture.
 //!
-//! It is trusted only as far as the volume agrees with it; anyone can write a text.
+//! It is trusted only as far as the volume agrees with it, since anyone can write a text.
 
 use super::options::ExportForm;
 use super::volume::{Samples, Texts};
@@ -10,10 +10,10 @@ use crate::sculpture::{ColourDepth, Rgb};
 const WORD: &str = "virtual-sculpture";
 const VERSION: &str = "1";
 
-/// Properties of a sculpture that the voxels of a volume do not tell.
+/// Properties of a sculpture that the voxels of a volume do not show.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Signature {
-    /// How the voxels are to be read. Not [`ExportForm::Auto`].
+    /// The meaning of the voxels. Not [`ExportForm::Auto`].
     pub form: ExportForm,
     /// Bits of colour per voxel.
     pub colour_depth: ColourDepth,
@@ -32,13 +32,13 @@ impl Signature {
         );
         let mut lines: Vec<&[u8]> =
             texts.parameter.split(|&b| b == b'\n').filter(|l| !is_signature(l)).collect();
-        // An empty text is one empty line; do not let it grow with every save.
+        // An empty text is one empty line; it must not grow with every save.
         lines.retain(|l| !l.is_empty());
         lines.insert(0, line.as_bytes());
         texts.parameter = lines.join(&b'\n');
     }
 
-    /// Returns the signature in the texts of a volume of `samples`, if there is one; an error that says why it is not
+    /// Returns the signature in the texts of a volume of `samples`, if there is one; an error states why it is not
     /// trusted.
     pub fn find(texts: &Texts, samples: Samples) -> Option<Result<Signature, &'static str>> {
         let line = texts.parameter.split(|&b| b == b'\n').find(|l| is_signature(l))?;

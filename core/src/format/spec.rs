@@ -1,7 +1,8 @@
-//! The description of a file format: the names of its files, the bytes that identify it, and how it is read and written.
+//! Describes a file format: the names of its files, the bytes that identify it, and how it is read and written.
 //!
-//! Each format has one, `SPEC`, in its own file, and a row in the list of its folder (`FORMATS`), of which `list.rs` makes
-//! one; everything else that depends on the format follows from it. What an import or an export asks follows from the kind of reader and writer. Knows no format.
+//! Each format has one description, `SPEC`, in its own file, and an entry in the list of its folder (`FORMATS`);
+//! `list.rs` joins these lists. Everything else that depends on the format is derived from it. The options of an import
+//! or an export follow from the kind of reader and writer. Knows no format.
 
 use std::fmt;
 use std::path::Path;
@@ -19,30 +20,30 @@ pub type Format = &'static FormatSpec;
 
 /// The description of a format.
 pub struct FormatSpec {
-    /// What a file holds, for people, such as `a NIfTI scan`.
+    /// Display name of the content, such as `a NIfTI scan`.
     pub name: &'static str,
     /// Extensions of its files, in lower case and without the dot. Files are written under the first.
     pub extensions: &'static [&'static str],
-    /// Extensions of files that belong to another one, in whose place they can be opened. They are not proposed.
+    /// Extensions of files that belong to another one and can be opened in its place. They are not proposed.
     pub parts: &'static [&'static str],
-    /// Each of them identifies a file.
+    /// Signatures, each of which identifies a file.
     pub signs: &'static [Sign],
-    /// How files are packed as a whole, if some are.
+    /// The packing of whole files, if some are packed.
     pub packing: Option<Packing>,
-    /// Whether a folder holds files of the format that are opened together.
+    /// Tests whether a folder holds files of the format that are opened together.
     pub folder: Option<fn(&Path) -> bool>,
-    /// Whether the file that one of `parts` belongs to is missing.
+    /// Tests whether the file to which one of `parts` belongs is missing.
     pub lacks_header: Option<fn(&Path) -> bool>,
-    /// How it is read.
+    /// The reader.
     pub read: Import,
-    /// How it is written, if it is.
+    /// The writer, if it is written.
     pub write: Option<Export>,
-    /// Its name in the list of formats to export to. None if it is not exported to.
+    /// Its name in the list of export formats. `None` if it is not exported to.
     pub exported_as: Option<&'static str>,
 }
 
 impl FormatSpec {
-    /// Returns a format that is only read, and that nothing but its extensions identifies.
+    /// Returns a format that is only read, and identified only by its extensions.
     pub const fn new(
         name: &'static str,
         extensions: &'static [&'static str],
@@ -62,7 +63,7 @@ impl FormatSpec {
         }
     }
 
-    /// For people, with its extension: `a NIfTI scan (.nii)`.
+    /// Returns the display name with its extension: `a NIfTI scan (.nii)`.
     pub fn title(&self) -> String {
         format!("{} (.{})", self.name, self.extension())
     }
@@ -78,7 +79,7 @@ impl FormatSpec {
     }
 }
 
-/// Descriptions are equal if they are the same one.
+/// Descriptions are equal if they are the same object.
 impl PartialEq for FormatSpec {
     fn eq(&self, other: &FormatSpec) -> bool {
         std::ptr::eq(self, other)
@@ -91,20 +92,21 @@ impl fmt::Debug for FormatSpec {
     }
 }
 
-/// A property of the first bytes by which a file is known.
+/// A property of the first bytes that identifies a file.
 pub enum Sign {
-    /// The header fits the length of the file, so that its first bytes may be anything, even those of another format.
+    /// The header matches the length of the file, so that its first bytes may be anything, even those of another
+    /// format.
     Exact(fn(start: &[u8], length: u64) -> bool),
     /// These bytes at this offset.
     At(usize, &'static [u8]),
-    /// This word at the start, in capitals or not.
+    /// This word at the start, case-insensitive.
     Word(&'static [u8]),
-    /// The first bytes look like it. This counts if no format has its bytes there.
+    /// The first bytes look like it. This counts if no format matches exact bytes.
     Likely(fn(start: &[u8]) -> bool),
 }
 
 impl Sign {
-    /// Returns whether a file that begins with `start` and has `length` bytes has the sign.
+    /// Returns whether a file of `length` bytes that begins with `start` has the signature.
     pub fn is_in(&self, start: &[u8], length: u64) -> bool {
         match self {
             Sign::Exact(fits) => fits(start, length),
@@ -116,7 +118,7 @@ impl Sign {
         }
     }
 
-    /// Of the signs that a file has, one of the lowest rank counts.
+    /// Returns the rank; of the signatures of a file, one of the lowest rank counts.
     pub fn rank(&self) -> u8 {
         match self {
             Sign::Exact(_) => 0,
@@ -126,7 +128,7 @@ impl Sign {
     }
 }
 
-/// How a whole file is packed.
+/// The packing of a whole file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Packing {
     /// One file, packed.
@@ -136,7 +138,7 @@ pub enum Packing {
 }
 
 impl Packing {
-    /// Packed contents, for people.
+    /// Returns the display name of packed contents.
     pub fn name(self) -> &'static str {
         match self {
             Packing::Gzip => "something packed with gzip",
@@ -148,13 +150,13 @@ impl Packing {
 /// Reads voxels, and returns them with the length of the file, or of all files of a series.
 pub type ReadVolume = fn(&Reading) -> Result<(Scan, u64), FormatError>;
 
-/// How a format is read.
+/// The reader of a format.
 pub enum Import {
-    /// The program's own sculptures, which `vsc` also reads without a file.
+    /// The program's own sculptures, which `vsc` also reads from memory.
     Sculpture,
-    /// Voxels in a box, without a word on how they lie and what their numbers are.
+    /// Voxels in a box, without information on their orientation and the meaning of their numbers.
     Volume(ReadVolume),
-    /// Voxels in a box, as a scanner or a simulation gives them.
+    /// Voxels in a box, from a scanner or a simulation.
     Scan(ReadVolume),
     /// Coloured voxels of another voxel editor.
     Model(ModelReader),
@@ -162,11 +164,11 @@ pub enum Import {
     Mesh(MeshReader),
 }
 
-/// How a format is written.
+/// The writer of a format.
 pub enum Export {
-    /// The program's own sculptures, which `vsc` also writes without a file.
+    /// The program's own sculptures, which `vsc` also writes to memory.
     Sculpture,
-    /// Voxels in a box, in the form that is asked for.
+    /// Voxels in a box, in the requested form.
     Volume(fn(Volume, &dyn Progress) -> Result<Vec<u8>, FormatError>),
     /// Coloured voxels.
     Model(ModelWriter),
@@ -174,7 +176,7 @@ pub enum Export {
     Mesh(MeshWriter),
 }
 
-/// Returns whether the name of a file ends in a dot and `ending`, in capitals or not.
+/// Returns whether the name of a file ends in a dot and `ending`, case-insensitive.
 fn has_ending(path: &Path, ending: &str) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     name.strip_suffix(ending).is_some_and(|rest| rest.ends_with('.') && rest.len() > 1)

@@ -1,5 +1,4 @@
-//! Disk access: bounded reading, and atomic writing, such that a crash or a full disk leaves the old
-//! file intact.
+//! Disk access: bounded reading, and atomic writing, so that a crash or a full disk leaves the old file intact.
 //!
 //! Knows no format.
 
@@ -14,19 +13,19 @@ use super::budget::check_budget;
 use super::{FormatError, go_on};
 use crate::progress::Progress;
 
-/// Bytes read or written between two reports of progress.
+/// Number of bytes read or written between two reports of progress.
 const PORTION_BYTES: u64 = 4 << 20;
-/// Longest text that is read, in bytes.
+/// Greatest size of a text in bytes.
 const TEXT_LIMIT_BYTES: u64 = 512 << 20;
 /// Prefix and suffix of temporary files.
 const UNFINISHED: [&str; 2] = [".virtual-sculpture-", ".part"];
-/// By then a living program has locked the file that it has made.
+/// Time within which a living program locks a file that it has created.
 const LOCKED_WITHIN: Duration = Duration::from_secs(60);
 /// Longest chain of symbolic links that is followed, as on Linux.
 const LINKS: usize = 40;
 
-/// Opens a file for reading. Anything but a regular file, such as a pipe without a writer, is refused
-/// before it is opened.
+/// Opens a file for reading. Anything but a regular file, such as a pipe without a writer, is refused before it is
+/// opened.
 pub(super) fn open(path: &Path) -> std::result::Result<File, FormatError> {
     if !fs::metadata(path)?.is_file() {
         return Err(FormatError::NotAFile);
@@ -50,7 +49,7 @@ pub(super) fn read(
     check_budget(length, budget_bytes)?;
     let mut bytes = Vec::with_capacity(length as usize);
     progress.begin("reading");
-    // A file that grows meanwhile does not take more.
+    // A file that grows during reading does not take more.
     let mut file = file.take(budget_bytes);
     while (&mut file).take(PORTION_BYTES).read_to_end(&mut bytes)? > 0 {
         progress.advance(bytes.len() as f32 / length as f32);
@@ -60,7 +59,7 @@ pub(super) fn read(
     Ok(bytes)
 }
 
-/// Reads a text, such as a script, from a file or a pipe; within a bound.
+/// Reads a text, such as a script, from a file or a pipe, up to a limit.
 pub fn read_text(path: &Path) -> Result<String> {
     read_text_within(path, TEXT_LIMIT_BYTES)
 }
@@ -76,16 +75,15 @@ fn read_text_within(path: &Path, limit_bytes: u64) -> Result<String> {
     Ok(text)
 }
 
-/// Writes a file so that at any time either the old or the new one is there, whole: to a
-/// temporary name in the same folder, synced, renamed, and the folder synced. Permissions of an
-/// old file are kept, and a file that may not be written to is not replaced either; where `path` is a
-/// symbolic link, the file it leads to is replaced, or made. Unfinished files of programs that were
-/// killed are removed from the folder.
+/// Writes a file so that at any time either the old or the new one exists completely: to a temporary name in the same
+/// folder, synced, renamed, and the folder synced. Permissions of an old file are kept, and a file without write
+/// permission is not replaced. If `path` is a symbolic link, the file to which it leads is replaced, or created.
+/// Unfinished files of killed programs are removed from the folder.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     write_with(path, bytes, &())
 }
 
-/// [`write_atomically`] with progress. Cannot be cancelled.
+/// Writes as [`write_atomically`] does, with progress. Cannot be cancelled.
 pub(super) fn write_with(path: &Path, bytes: &[u8], progress: &dyn Progress) -> Result<()> {
     let mut file = AtomicFile::create(path)?;
     let mut written = 0;
@@ -97,8 +95,8 @@ pub(super) fn write_with(path: &Path, bytes: &[u8], progress: &dyn Progress) -> 
     file.finish()
 }
 
-/// A file that is written piece by piece and appears under its name when it is finished, as
-/// [`write_atomically`] says. Dropped before, it leaves nothing behind, and the old file as it was.
+/// A file that is written piece by piece and appears under its name when it is finished, as in [`write_atomically`]. If
+/// dropped before, it leaves nothing behind and the old file unchanged.
 #[derive(Debug)]
 pub struct AtomicFile {
     temporary: NamedTempFile,
@@ -108,7 +106,7 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Begins a file that is to be named `path`.
+    /// Creates the temporary file of `path`.
     pub fn create(path: &Path) -> Result<AtomicFile> {
         let target = followed(path)?;
         let old = replaceable(&target)?;
@@ -117,8 +115,8 @@ impl AtomicFile {
             _ => PathBuf::from("."),
         };
         let temporary = unfinished_in(&folder)?;
-        // A lock tells a file that is being written from one that was left behind. Where there are no locks
-        // none is held for abandoned.
+        // A lock distinguishes a file that is being written from an abandoned one. Where there are no locks, none is
+        // taken for abandoned.
         let _ = temporary.as_file().try_lock();
         Ok(AtomicFile { temporary, folder, target, old })
     }
@@ -132,7 +130,7 @@ impl AtomicFile {
         }
         file.sync_all().map_err(explained)?;
         rename(temporary, &target)?;
-        // Only now is the new name sure to survive a crash. Other systems cannot sync folders.
+        // Only now is the new name certain to survive a crash. Other systems cannot sync folders.
         #[cfg(unix)]
         File::open(&folder)?.sync_all()?;
         remove_abandoned(&folder, fs::metadata(&target).and_then(|new| new.modified()).ok());
@@ -140,7 +138,7 @@ impl AtomicFile {
     }
 }
 
-/// Writes to the file itself, as errors of the named one name the temporary name.
+/// Writes to the file itself, since errors of the named one contain the temporary name.
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
         self.temporary.as_file_mut().write(bytes).map_err(explained)
@@ -151,14 +149,14 @@ impl Write for AtomicFile {
     }
 }
 
-/// For formats that note lengths before what they count.
+/// For formats that store lengths before the data.
 impl Seek for AtomicFile {
     fn seek(&mut self, to: SeekFrom) -> Result<u64> {
         self.temporary.as_file_mut().seek(to)
     }
 }
 
-/// Returns the error of a disk, with a remedy.
+/// Returns the error of a disk with a remedy.
 pub(crate) fn explained(error: Error) -> Error {
     let message = match error.kind() {
         ErrorKind::StorageFull => {
@@ -174,7 +172,7 @@ pub(crate) fn explained(error: Error) -> Error {
     Error::new(error.kind(), message)
 }
 
-/// Returns the file that `path` resolves to, which need not exist.
+/// Returns the file to which `path` resolves, which need not exist.
 fn followed(path: &Path) -> Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {
@@ -183,21 +181,21 @@ fn followed(path: &Path) -> Result<PathBuf> {
                 if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
             found => return found,
         }
-        // Nothing there, or a link to nothing.
+        // The path does not exist, or the link is broken.
         let Ok(next) = fs::read_link(&path) else { return Ok(path) };
         path = path.parent().unwrap_or(Path::new("")).join(next);
     }
     Err(Error::other("the link leads to itself"))
 }
 
-/// Metadata of the file at `target`, if it exists; an error if it must not be replaced.
+/// Returns the metadata of the file at `target`, if it exists; an error if it must not be replaced.
 fn replaceable(target: &Path) -> Result<Option<fs::Metadata>> {
     let Ok(old) = fs::metadata(target) else { return Ok(None) };
     if !old.is_file() {
         let message = "there is a folder or a device of that name; choose another";
         return Err(Error::new(ErrorKind::AlreadyExists, message));
     }
-    // A rename asks only for the folder's permission, but who protects a file means the file.
+    // A rename needs only the folder's permission, but write protection of a file is meant for the file.
     let protected = || {
         let message = "the file is write-protected; choose another name, or allow writing to it";
         Error::new(ErrorKind::PermissionDenied, message)
@@ -221,7 +219,7 @@ fn unfinished_in(folder: &Path) -> Result<NamedTempFile> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
-        // As any new file; the process's mask is taken off.
+        // As for any new file; the process's umask applies.
         options.mode(0o666);
     }
     let [prefix, suffix] = UNFINISHED;
@@ -241,8 +239,8 @@ fn unfinished_in(folder: &Path) -> Result<NamedTempFile> {
     })
 }
 
-/// Gives the finished file its name. On Windows no file can be replaced that another program has
-/// open, such as a virus scanner or a preview for a moment: it is asked for again for a while.
+/// Renames the finished file. Windows cannot replace a file that another program has open, such as a virus scanner or a
+/// preview for a moment, so the rename is retried for a while.
 fn rename(mut temporary: NamedTempFile, target: &Path) -> Result<()> {
     const TRIES: usize = 50;
     const PAUSE: Duration = Duration::from_millis(60);
@@ -264,9 +262,9 @@ fn is_held(error: &Error) -> bool {
     cfg!(windows) && matches!(error.raw_os_error(), Some(5 | 32 | 33))
 }
 
-/// Removes the unfinished files of programs that were killed while they wrote. Those of living ones are
-/// locked before the first byte is in them, and soon after they were made: an empty one without a lock is abandoned if it
-/// is older than that, by the time of the file system `now`, which a new file has been given.
+/// Removes the unfinished files of programs that were killed while they wrote. Those of living programs are locked soon
+/// after creation and before their first byte. An empty file without a lock is abandoned if it is older than that, by
+/// the time of the file system `now`, taken from a new file.
 fn remove_abandoned(folder: &Path, now: Option<SystemTime>) {
     let [prefix, suffix] = UNFINISHED;
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -282,7 +280,7 @@ fn remove_abandoned(folder: &Path, now: Option<SystemTime>) {
         let is_left = found.is_file() && (found.len() > 0 || is_old(&found));
         let is_free = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
         if is_left && is_free() {
-            // Should it not go, the next save tries again.
+            // If this fails, the next save tries again.
             let _ = fs::remove_file(entry.path());
         }
     }

@@ -1,24 +1,23 @@
-//! The automatic threshold: from a histogram of densities to the density from which on a voxel belongs
-//! to the body rather than to its surroundings.
+//! The automatic threshold: finds in a histogram of densities the density from which voxels belong to the body rather
+//! than to its surroundings.
 //!
-//! Otsu's threshold (1979) splits the densities into the two classes whose means lie furthest
-//! apart for their sizes. On head scans that is the skin. But it lies about half-way between the
-//! means, and so cuts into a body whose own densities reach far down, such as a pollen grain that
-//! the microscope lit unevenly. Where the histogram has a valley between the two means, the
-//! valley is taken instead: it is where densities are rarest, so that the surface is cleanest.
-//! (Of the others tried on the test volumes, minimum cross entropy and the triangle method both
-//! leave the noise of the air around the heads.)
+//! Otsu's threshold (1979) splits the densities into the two classes with the greatest distance of means relative to
+//! their sizes. On head scans that is the skin. But it lies about half-way between the means, and so cuts into a body
+//! whose own densities reach far down, such as a pollen grain unevenly lit by the microscope. Where the histogram has a
+//! valley between the two means, the valley is taken instead: densities are rarest there, so that the surface is
+//! cleanest. (Of the others tried on the test volumes, minimum cross entropy and the triangle method both leave the
+//! noise of the air around the heads.)
 
 use super::histogram::Histogram;
 
-/// Bins in which a valley is looked for; few enough that noise makes none.
+/// Number of bins in which a valley is sought; few enough that noise makes none.
 const COARSE_BINS: usize = 128;
-/// How many times higher than its floor a valley's far side must be.
+/// Least height of a valley's far side relative to its floor.
 const PROMINENCE: f64 = 1.5;
-/// Gaps between values that occur count as empty if fewer than this many fit the whole range.
+/// Gaps between occurring values count as empty if fewer than this many fit the whole range.
 const GAPS: f64 = 16.0;
 
-/// Returns the density from which on voxels exist. If all are equal, this density if it is above 0; else a density
+/// Returns the density from which voxels exist. If all are equal, returns this density if it is above 0, else a density
 /// above it.
 pub fn automatic(histogram: &Histogram) -> f64 {
     let Histogram { min, max, .. } = *histogram;
@@ -50,7 +49,7 @@ fn otsu(histogram: &Histogram) -> Otsu {
         }
         let means = [sum_below / below, (sum - sum_below) / above];
         let variance = below * above * (means[1] - means[0]).powi(2);
-        // Over empty bins it stays the same; the middle of them is the fairest cut.
+        // It is constant over empty bins; their middle is the best cut.
         if variance > best.0 * (1.0 + 1e-12) {
             best = (variance, means);
             first = i as usize;
@@ -63,20 +62,20 @@ fn otsu(histogram: &Histogram) -> Otsu {
     Otsu { threshold: histogram.start_of((first + last) / 2 + 1), means: best.1.map(value) }
 }
 
-/// Returns the lowest place between two densities, if it lies clearly below both its sides.
+/// Returns the lowest point between two densities, if it lies clearly below both its sides.
 fn valley(histogram: &Histogram, [from, to]: [f64; 2]) -> Option<f64> {
     let min = f64::from(histogram.min);
     // A few very dense voxels must not squeeze all others into one bin.
     let most = histogram.quantile(0.999);
     let top = if most > min { most } else { f64::from(histogram.max) };
-    // Whole bins, else some would hold more of the histogram's bins than others.
+    // Whole bins, since otherwise some would hold more of the histogram's bins than others.
     let width = ((top - min) / COARSE_BINS as f64 / histogram.bin_width).ceil().max(1.0)
         * histogram.bin_width;
     let coarse = |value: f64| (((value - min) / width) as usize).min(COARSE_BINS - 1);
     let mut counts = [0.0; COARSE_BINS];
     let mut occupied = histogram.bins.iter().enumerate().filter(|(_, n)| **n > 0).peekable();
     while let Some((bin, &count)) = occupied.next() {
-        // Values that were stretched to a wider range leave gaps that are no valleys.
+        // Values stretched to a wider range leave gaps that are no valleys.
         let gap = occupied.peek().map_or(1, |(next, _)| next - bin);
         let filled = if gap as f64 * histogram.bin_width * GAPS > top - min { 1 } else { gap };
         for i in bin..bin + filled {
@@ -108,7 +107,7 @@ mod tests {
         automatic(&Histogram::of(&voxels, |[v]| f32::from(*v), values))
     }
 
-    /// `count` values spread evenly over a range.
+    /// Returns `count` values spread evenly over a range.
     fn spread(range: std::ops::Range<u32>, count: u32) -> impl Iterator<Item = u8> {
         (0..count).map(move |i| (range.start + i * (range.end - range.start) / count) as u8)
     }
@@ -133,11 +132,11 @@ mod tests {
 
     #[test]
     fn the_valley_is_found_below_a_body_of_many_densities() {
-        // As the pollen grain: nine tenths are 0, the body reaches from 10 to 250.
+        // Like the pollen grain: nine tenths are 0, the body reaches from 10 to 250.
         let values = (0..9000).map(|_| 0).chain(spread(20..250, 1000));
         let threshold = threshold_of(values);
         assert!((1.0..=20.0).contains(&threshold), "{threshold}");
-        // As a head: air of some noise, tissue, little bone.
+        // Like a head: air with some noise, tissue, little bone.
         let values = spread(0..30, 5000).chain(spread(60..80, 4000)).chain(spread(80..200, 500));
         let threshold = threshold_of(values);
         assert!((30.0..=60.0).contains(&threshold), "{threshold}");

@@ -1,4 +1,4 @@
-//! A volume: voxel samples in memory in the layout of files, on the way to or from a sculpture.
+//! A volume: voxel samples in memory in the layout of files, between file and sculpture.
 
 use std::fmt;
 use std::str::FromStr;
@@ -55,7 +55,7 @@ impl Samples {
         }
     }
 
-    /// Bytes per voxel.
+    /// Returns the bytes per voxel.
     pub fn bytes(self) -> u32 {
         match self {
             Samples::U8 => 1,
@@ -72,7 +72,7 @@ impl Samples {
     }
 }
 
-/// The name as [`Samples::from_str`] reads it, or "bytes xN".
+/// Writes the name as [`Samples::from_str`] reads it, or "bytes xN".
 impl fmt::Display for Samples {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match Samples::NAMED.iter().find(|(s, _)| s == self) {
@@ -99,9 +99,9 @@ impl FromStr for Samples {
 pub struct Texts {
     /// The subject of the volume.
     pub description: Vec<u8>,
-    /// Where it comes from.
+    /// Its source.
     pub courtesy: Vec<u8>,
-    /// How it was acquired.
+    /// Its acquisition.
     pub parameter: Vec<u8>,
     /// Anything else.
     pub comment: Vec<u8>,
@@ -123,7 +123,7 @@ impl Texts {
         self.named().iter().all(|(_, text)| text.is_empty())
     }
 
-    /// Returns a text for display: decoded as UTF-8, else as Latin-1, with control characters other than line ends
+    /// Returns a text for display: decoded as UTF-8, else as Latin-1. Control characters other than line ends are
     /// replaced, since a file must not control a terminal.
     pub fn legible(text: &[u8]) -> String {
         let clean = |c: char| match c {
@@ -154,15 +154,15 @@ pub struct Volume {
 }
 
 impl Volume {
-    /// Byte index of the voxel (x, y, z).
+    /// Returns the byte index of the voxel (x, y, z).
     #[inline(always)]
     pub fn offset(&self, x: u32, y: u32, z: u32) -> usize {
         let row = y as usize + self.dims.y as usize * z as usize;
         (x as usize + self.dims.x as usize * row) * self.samples.bytes() as usize
     }
 
-    /// Size and densities of the slice at `at` across an axis (0 to 2), the lower of the other two axes fastest: for
-    /// previews. None outside of the volume, and of a volume of colours.
+    /// Returns size and densities of the slice at `at` across an axis (0 to 2), the lower of the other two axes
+    /// fastest, for previews. `None` outside the volume, and for a volume of colours.
     pub fn slice(&self, axis: usize, at: u32) -> Option<(UVec2, Vec<f32>)> {
         let inside = self.samples.is_density() && axis < 3 && at < self.dims[axis];
         let (u, v) = inside.then_some(([1, 0, 0][axis], [2, 2, 1][axis]))?;
@@ -180,7 +180,7 @@ impl Volume {
         Some((size, densities))
     }
 
-    /// Returns the density of a voxel inside the volume; none in a volume of colours.
+    /// Returns the density of a voxel inside the volume; `None` in a volume of colours.
     pub fn density(&self, UVec3 { x, y, z }: UVec3) -> Option<f32> {
         let bytes = self.data.get(self.offset(x, y, z)..)?;
         match self.samples {

@@ -1,16 +1,16 @@
-//! Which volume of a file with several channels or times is read.
+//! Selects the volume to read from a file with several channels or times.
 //!
-//! Takes how many there are and what was asked for; gives the numbers of those that are read, counted from 1. Knows no file.
+//! Takes their number and the request; gives the numbers of those to read, counted from 1. Knows no file.
 
 use super::FormatError;
 use super::options::{ImportOptions, Ordinal};
 
-/// One of several.
+/// The selected one of several.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Taken {
-    /// Which one, counted from 1.
+    /// Its number, counted from 1.
     pub number: u64,
-    /// How many there are.
+    /// Number of available ones.
     pub count: u64,
 }
 
@@ -21,7 +21,7 @@ impl Default for Taken {
 }
 
 impl Taken {
-    /// Returns the one that was asked for, or the one of the number `usual`.
+    /// Returns the requested one, or the one numbered `usual`.
     fn new(
         what: &'static str,
         asked: Option<Ordinal>,
@@ -35,24 +35,24 @@ impl Taken {
         }
     }
 
-    /// Counted from 0.
+    /// Returns the index, counted from 0.
     pub fn index(self) -> u64 {
         self.number - 1
     }
 }
 
-/// The channel and the time that are read of a file. Phases and echoes of a series count as times, and so do volumes along a
-/// fourth axis.
+/// The channel and the time to read from a file. Phases and echoes of a series count as times, and so do volumes along
+/// a fourth axis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Volumes {
-    /// Which channel.
+    /// The channel.
     pub channel: Taken,
-    /// Which time.
+    /// The time.
     pub time: Taken,
 }
 
 impl Volumes {
-    /// Of a file that has so many: what was asked for, or the first.
+    /// Selects from so many: the requested ones, or the first.
     pub(super) fn of(
         options: &ImportOptions,
         channels: u64,
@@ -61,7 +61,7 @@ impl Volumes {
         Volumes::or(options, [1, 1], [channels, times])
     }
 
-    /// Of a file that has so many channels and times: what was asked for, or those of the numbers `usual`.
+    /// Selects from so many channels and times: the requested ones, or those numbered `usual`.
     pub(super) fn or(
         options: &ImportOptions,
         usual: [u64; 2],
@@ -73,7 +73,7 @@ impl Volumes {
         })
     }
 
-    /// Returns the kinds of which there are several, by their names, with those that are read.
+    /// Returns the kinds with several members, by name, with those that are read.
     pub fn several(&self) -> impl Iterator<Item = (&'static str, Taken)> {
         [("channel", self.channel), ("time", self.time)]
             .into_iter()

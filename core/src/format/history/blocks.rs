@@ -1,8 +1,8 @@
-//! A stream of bytes in blocks of LZ4 (Collet, "LZ4 Block Format Description"): what is packed and unpacked
-//! passes through one block, so that neither needs a second copy of everything.
+//! A byte stream in blocks of LZ4 (Collet, "LZ4 Block Format Description"). Data passes through one block when it is
+//! packed and unpacked, so that neither needs a second copy of everything.
 //!
-//! A block is four bytes with its length unpacked, four with its length packed, and the packed bytes; all
-//! numbers are little-endian.
+//! A block is its unpacked length in four bytes, its packed length in four bytes, and the packed bytes; all numbers are
+//! little-endian.
 
 use std::io::{BufRead, Error, ErrorKind, Write};
 
@@ -10,7 +10,7 @@ use crate::format::FormatError;
 
 type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Plain bytes of a block.
+/// Unpacked bytes of a block.
 const BLOCK_BYTES: usize = 1 << 20;
 
 const CUT: FormatError = FormatError::Damaged("an undo step ends too early");
@@ -62,12 +62,12 @@ impl<'a> BlockWriter<'a> {
     }
 }
 
-/// Unpacks what a [`BlockWriter`] has packed.
+/// Unpacks the output of a [`BlockWriter`].
 pub struct BlockReader<'a> {
     source: &'a mut dyn BufRead,
     packed: Vec<u8>,
     block: Vec<u8>,
-    /// Bytes of the block that have been read.
+    /// Number of bytes of the block that have been read.
     at: usize,
 }
 
@@ -131,7 +131,7 @@ impl<'a> BlockReader<'a> {
     }
 }
 
-/// Returns the error of a reader that ends too early is that of damage.
+/// Converts the error of a reader that ends too early to that of damage.
 pub(super) fn cut(error: Error) -> FormatError {
     match error.kind() {
         ErrorKind::UnexpectedEof => CUT,

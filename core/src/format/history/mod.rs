@@ -1,14 +1,14 @@
-//! Undo steps as bytes, exactly: what is read back equals what was written in labels, states, brick records
-//! (to the order of their bricks), whole contents, orientations and kinds of surface. Used for journals; made so that saved
-//! files and a history on disk can use it, too.
+//! Undo steps as bytes, without loss: labels, states, brick records (up to the order of their bricks), whole contents,
+//! orientations and kinds of surface are read back exactly as written. Used for journals, saved histories and the
+//! history on disk.
 //!
-//! A step is, little-endian: its state (two u64), a byte for the kind of its change (0 bricks, 1 whole,
-//! 2 oriented, 3 oriented with the sculpture before, 4 surface), the label (u32 and so many bytes of UTF-8), an
-//! orientation of kinds 2 and 3 or a kind of surface of kind 4 (u32 and so many bytes of its text form), then the
-//! record of kind 0, packed by `blocks`, or a .vsc file of kinds 1 and 3.
+//! A step is, little-endian: its state (two u64), a byte for the kind of its change (0 bricks, 1 whole, 2 oriented, 3
+//! oriented with the sculpture before, 4 surface), the label (u32 length and UTF-8 bytes), an orientation for kinds 2
+//! and 3 or a kind of surface for kind 4 (u32 length and the bytes of its text form), then the record for kind 0,
+//! packed by `blocks`, or a .vsc file for kinds 1 and 3.
 //!
-//! Reading checks a step against the [`Shape`] of the contents that it will be swapped with, so that no
-//! damaged step can break a sculpture.
+//! Reading checks a step against the [`Shape`] of the contents with which it will be swapped, so that no damaged step
+//! can break a sculpture.
 
 mod blocks;
 mod record;
@@ -24,7 +24,7 @@ use crate::sculpture::history::{Change, Contents, HistorySnapshot, State, Step, 
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::{ColourDepth, Limits};
 
-/// The shape of contents, which records of undo steps must fit.
+/// The shape of contents, which records of undo steps must match.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Shape {
     /// Size in voxels.
@@ -39,8 +39,8 @@ impl Shape {
         Shape { dims: contents.grid.dims(), depth: contents.material.depth() }
     }
 
-    /// That of the contents that reversing `change` leads to, from contents of this shape. A step in a store
-    /// does not tell.
+    /// Returns the shape of the contents that result from reversing `change` on contents of this shape. A step in a
+    /// store does not reveal it.
     pub fn after(self, change: &Change) -> Shape {
         match change {
             Change::Bricks(_) | Change::Surface(_) | Change::Stored(_) => self,
@@ -90,12 +90,12 @@ pub fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), FormatError
     Ok(())
 }
 
-/// Unpacks a step to be reversed from contents of `shape`, within the limits for contents.
+/// Unpacks a step that will be reversed from contents of `shape`, within the limits for contents.
 pub fn read_step(mut bytes: &[u8], shape: Shape, limits: &Limits) -> Result<Step, FormatError> {
     read_step_from(&mut bytes, shape, limits)
 }
 
-/// As [`read_step`], from a reader that ends with the step; a record in portions.
+/// Unpacks a step as [`read_step`] does, from a reader that ends with the step; a record in portions.
 pub fn read_step_from(
     rest: &mut dyn BufRead,
     shape: Shape,
@@ -143,8 +143,8 @@ pub fn read_step_from(
     Ok(Step { label, change, state: State { sculpture, number } })
 }
 
-/// Unpacks the steps of a history around contents of `shape`: those to undo and those to redo, each with
-/// the one nearest to the present first.
+/// Unpacks the steps of a history around contents of `shape`: the undo steps and the redo steps, each with the nearest
+/// to the present first.
 pub fn read_steps<B: AsRef<[u8]>>(
     [undo, redo]: [&[B]; 2],
     shape: Shape,
@@ -179,7 +179,7 @@ fn take_text(rest: &mut dyn BufRead) -> Result<String, FormatError> {
     let mut length = [0; 4];
     rest.read_exact(&mut length).map_err(cut)?;
     let length = u64::from(u32::from_le_bytes(length));
-    // No more is allocated than there is.
+    // Never allocates more than there is.
     let mut text = Vec::new();
     rest.take(length).read_to_end(&mut text)?;
     match text.len() as u64 == length {

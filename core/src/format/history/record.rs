@@ -21,7 +21,7 @@ use crate::sculpture::{Brick, ColourDepth};
 
 const FAULT: FormatError = FormatError::Damaged("an undo step does not fit its sculpture");
 
-/// Longest page once packed, in bytes.
+/// Greatest size of a packed page, in bytes.
 const MAX_PACKED_PAGE: usize = 1 + BRICK_VOXELS as usize * 3;
 
 /// Packs a record to `out`, block by block.
@@ -83,7 +83,7 @@ fn read_part(blocks: &mut BlockReader, shape: Shape) -> Result<BrickRecord, Form
         *count = blocks.u32()? as usize;
     }
     let [empty, full, mixed, mixed_bricks, page_count] = counts;
-    // Each brick is named once at most, though a word may be named for several of its bricks.
+    // Each brick is named at most once, though a word may be named for several of its bricks.
     let words = brick_count.div_ceil(64);
     if counts.iter().any(|&count| count as u64 > brick_count)
         || (page_count > 0 && shape.depth == ColourDepth::None)
@@ -96,7 +96,7 @@ fn read_part(blocks: &mut BlockReader, shape: Shape) -> Result<BrickRecord, Form
         for _ in 0..count {
             let bricks = BrickMask { word: blocks.u32()?, mask: blocks.u64()? };
             let zeros = u64::from(bricks.mask.leading_zeros());
-            // Of a word without bricks there is no last one; it is refused.
+            // A word without bricks has no last one; it is refused.
             let last = (u64::from(bricks.word) * 64 + 63).saturating_sub(zeros);
             if bricks.mask == 0
                 || u64::from(bricks.word) >= words

@@ -21,7 +21,7 @@ fn document(dims: UVec3, depth: ColourDepth) -> Document {
     Document::new(&new, Limits::default()).unwrap()
 }
 
-/// Returns a line for each kind of step, at a place.
+/// Returns a line for each kind of step, at a position.
 fn line(kind: u8, at: [i32; 3]) -> String {
     let [x, y, z] = at;
     match kind {
@@ -41,11 +41,11 @@ fn packed(steps: &[Arc<Step>]) -> Vec<Vec<u8>> {
     steps.iter().rev().map(|step| write_step(step).unwrap()).collect()
 }
 
-/// Does what the lines say, packs the steps and reads them.
+/// Executes the lines, packs the steps and reads them back.
 fn read_back_exactly(lines: &[(u8, [i32; 3])], depth: ColourDepth) {
     let mut document = document(UVec3::new(21, 24, 11), depth);
     for (kind, at) in lines {
-        // Without colours nothing can be painted.
+        // Painting fails without colours.
         let _ = document.apply(&line(*kind, *at).parse().unwrap());
     }
     let before = document.history().snapshot();
@@ -59,7 +59,7 @@ fn read_back_exactly(lines: &[(u8, [i32; 3])], depth: ColourDepth) {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
-    /// The steps come back equal, in place, with the bytes that they take, whatever was done.
+    /// The steps are read back equal, in place, with the same memory size, whatever was done.
     #[test]
     fn a_history_is_read_back_exactly(
         lines in prop::collection::vec((0u8..10, [0i32..24, 0..24, 0..24]), 1..24),
@@ -68,7 +68,7 @@ proptest! {
         read_back_exactly(&lines, depth);
     }
 
-    /// No damage makes a step that breaks a sculpture.
+    /// No damage yields a step that breaks a sculpture.
     #[test]
     fn damaged_steps_are_refused_or_fit(
         kind in 0u8..8, at in [0i32..20, 0..20, 0..20],

@@ -1,7 +1,7 @@
-//! Reads glTF 2.0, in one file (`.glb`) or with others beside it (`.gltf`): the triangles of all nodes of the scene where these put them, with colours of
-//! corners, of materials, and of base colour textures.
+//! Reads glTF 2.0, in one file (`.glb`) or with others beside it (`.gltf`): the triangles of all nodes of the scene in
+//! their positions, with colours of corners, of materials, and of base colour textures.
 //!
-//! Bones and morphing are left as they are modelled. Colours of glTF are linear light, ours sRGB.
+//! Bones and morph targets are ignored. Colours of glTF are linear; those of a sculpture are sRGB.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use crate::sculpture::Rgb;
 use crate::sculpture::orientation::Up;
 use crate::voxelise::Skin;
 
-/// Lengths are metres, and y points up, as the format says.
+/// Lengths are metres, and y points up, as the format defines.
 pub static SPEC: FormatSpec = FormatSpec {
     signs: &[Sign::At(0, MAGIC)],
     write: Some(Export::Mesh(MeshWriter {
@@ -43,7 +43,7 @@ pub static SPEC: FormatSpec = FormatSpec {
     )
 };
 
-/// Extensions that a file may require: read here, or without meaning for shape and colour.
+/// Extensions that a file may require: read here, or irrelevant to shape and colour.
 const KNOWN_EXTENSIONS: [&str; 7] = [
     INSTANCING,
     SPECULAR_GLOSSINESS,
@@ -56,12 +56,12 @@ const KNOWN_EXTENSIONS: [&str; 7] = [
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
-/// All other extensions of materials change how a surface shines or lets light through, not its base colour.
+/// All other material extensions change reflection or transmission, not the base colour.
 const OF_MATERIALS: &str = "KHR_materials_";
-/// Deepest nesting of nodes, and most visits of nodes: children may be shared.
+/// Greatest nesting of nodes, and greatest number of visits of nodes: children may be shared.
 const MOST_DEPTH: usize = 200;
 const MOST_VISITS: u32 = 1 << 20;
-/// Most triangles, those of copies counted again.
+/// Greatest number of triangles, including those of copies.
 const MOST_TRIANGLES: usize = 1 << 25;
 const WHITE: Rgb = Rgb::new(255, 255, 255);
 
@@ -69,13 +69,13 @@ struct Reader<'a> {
     glb: Glb<'a>,
     beside: Beside<'a>,
     out: Imported,
-    /// How the texture of each material is laid.
+    /// The texture mapping of each material.
     layings: Vec<Laying>,
     has_colours: bool,
     visits: u32,
 }
 
-/// Reads a file, with others in its folder, which may have `budget_bytes` together.
+/// Reads a file, with others in its folder, which may take `budget_bytes` together.
 fn read(
     file: &[u8],
     path: &Path,
@@ -118,24 +118,24 @@ fn numbers<const N: usize>(object: &Value, key: &str) -> Option<[f32; N]> {
     values.try_into().ok()
 }
 
-/// Returns a level of linear light as one of sRGB.
+/// Converts a linear level to sRGB.
 fn srgb(linear: f32) -> u8 {
     let v = linear.clamp(0.0, 1.0);
     let v = if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
     (v * 255.0).round() as u8
 }
 
-/// Returns an extension of a part of the file.
+/// Returns an extension of an object of the file.
 fn extension<'a>(object: &'a Value, name: &str) -> Option<&'a Value> {
     object.get("extensions")?.get(name)
 }
 
-/// How a texture is laid on a surface.
+/// The mapping of a texture to a surface.
 #[derive(Clone, Copy, Debug, Default)]
 struct Laying {
-    /// Which set of coordinates it uses.
+    /// The set of texture coordinates that it uses.
     uv_set: usize,
-    /// The outcome of these.
+    /// The transform of these coordinates.
     transform: Affine2,
 }
 
@@ -144,7 +144,7 @@ impl Laying {
         let own = extension(texture, TEXTURE_TRANSFORM).unwrap_or(&Value::Null);
         let of = |key: &str, usual: Vec2| numbers(own, key).map_or(usual, Vec2::from_array);
         let angle = own.get("rotation").and_then(Value::as_f64).unwrap_or(0.0) as f32;
-        // Its angles are those of coordinates whose second one grows downwards.
+        // The angles refer to coordinates whose second component points down.
         let transform = Affine2::from_scale_angle_translation(
             of("scale", Vec2::ONE),
             -angle,
@@ -156,7 +156,7 @@ impl Laying {
 }
 
 impl Reader<'_> {
-    /// Returns the nodes of the scene; all nodes that are no children where there is none.
+    /// Returns the root nodes of the scene; without a scene, all nodes that are no children.
     fn roots(&self) -> Result<Vec<usize>, FormatError> {
         let scene = whole(&self.glb.json, "scene").unwrap_or(0);
         let is_index = |node: &Value| usize::try_from(node.as_u64()?).ok();
@@ -170,10 +170,10 @@ impl Reader<'_> {
         Ok((0..nodes.len()).filter(|node| !children.contains(node)).collect())
     }
 
-    /// Materials; a texture that cannot be read is left out with a note.
+    /// Reads the materials. A texture that cannot be read is left out with a note.
     fn materials(&mut self) {
         for (number, material) in list(&self.glb.json, "materials").iter().enumerate() {
-            // A file that has both means the older one for programs that know it.
+            // A file with both provides the older one for programs that support only that.
             let older = extension(material, SPECULAR_GLOSSINESS);
             let surface = material.get("pbrMetallicRoughness").unwrap_or(&Value::Null);
             let (surface, factor, texture) = match older {
@@ -244,7 +244,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Returns where the copies of a mesh stand that a node has by its extension.
+    /// Returns the transforms of the copies of a mesh that a node has by its instancing extension.
     fn copies(&mut self, instancing: &Value) -> Result<Vec<Mat4>, FormatError> {
         let attributes = instancing.get("attributes").unwrap_or(&Value::Null);
         let numbers = |name: &str, width: usize| match whole(attributes, name) {
@@ -329,7 +329,7 @@ impl Reader<'_> {
                 let start = corner as usize * values.width;
                 (values.values[start], values.values[start + 1], start)
             };
-            // glTF counts from the upper edge of a texture, ours from the lower.
+            // glTF counts from the upper edge of a texture, this program from the lower.
             mesh.corner_uvs.push(triangle.map(|corner| {
                 uvs.as_ref().map_or(Vec2::ZERO, |uvs| {
                     let (u, v, _) = at(corner, uvs);
@@ -350,7 +350,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Numbers of an attribute, if it is there: two or more for each of `count` corners.
+    /// Returns the numbers of an attribute, if it exists: two or more for each of `count` corners.
     fn attribute(
         &self,
         attributes: &Value,

@@ -1,4 +1,4 @@
-//! The parts of a glTF file: its description in JSON and its numbers, read with all bounds checked.
+//! Parses the parts of a glTF file: its description in JSON and its numbers, with all bounds checked.
 
 use std::borrow::Cow;
 
@@ -18,7 +18,7 @@ pub struct Glb<'a> {
     pub json: Value,
     /// Whether it is a `.glb`.
     pub is_binary: bool,
-    /// The bytes of each buffer; none where they lie nowhere.
+    /// The bytes of each buffer; `None` for buffers without data.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
 }
 
@@ -32,24 +32,24 @@ pub fn whole(object: &Value, key: &str) -> Option<usize> {
     usize::try_from(object.get(key)?.as_u64()?).ok()
 }
 
-/// Numbers of an accessor: `width` to each element.
+/// Numbers of an accessor: `width` for each element.
 pub struct Numbers {
     pub width: usize,
     pub values: Vec<f32>,
 }
 
-/// The bytes of the numbers of an accessor: `width` to each element, of this type.
+/// The bytes of the numbers of an accessor: `width` numbers of this type for each element.
 struct Stored {
     width: usize,
     component: usize,
     numbers: Vec<[u8; 4]>,
 }
 
-/// Most elements that are 0 because the file names nothing that they lie in.
+/// Greatest number of elements that are 0 because the file names no buffer view for them.
 const MOST_ZEROS: usize = 1 << 22;
 
 impl<'a> Glb<'a> {
-    /// Reads the chunks of a file, or the description that it is, and the files that this names.
+    /// Reads the chunks of a `.glb`, or the description of a `.gltf`, and the files that it names.
     pub fn read(file: &'a [u8], beside: &Beside) -> Result<Glb<'a>, FormatError> {
         let is_binary = !file.trim_ascii_start().starts_with(b"{");
         let (json, binary) = if is_binary { chunks(file)? } else { (description(file)?, None) };
@@ -82,7 +82,7 @@ impl<'a> Glb<'a> {
         bytes.ok_or_else(|| fault(place(), "it goes beyond the end of its buffer"))
     }
 
-    /// Returns the numbers of an accessor. Whole ones that stand for 0 to 1 become that.
+    /// Returns the numbers of an accessor. Normalised integers are converted to 0 to 1.
     pub fn numbers(&self, at: usize) -> Result<Numbers, FormatError> {
         let accessor = self.entry("accessors", at)?;
         let stored = self.stored(accessor, &format!("accessors {at}"))?;
@@ -112,7 +112,7 @@ impl<'a> Glb<'a> {
         Ok(stored.numbers.iter().map(|number| u32::from_le_bytes(*number)).collect())
     }
 
-    /// Returns the bytes of each number of an accessor, those of short ones with zeros behind them.
+    /// Returns the bytes of each number of an accessor, padded with zeros.
     fn stored(&self, accessor: &Value, place: &str) -> Result<Stored, FormatError> {
         let width = match accessor.get("type").and_then(Value::as_str) {
             Some("SCALAR") => 1,
@@ -125,7 +125,7 @@ impl<'a> Glb<'a> {
         let count = whole(accessor, "count").unwrap_or(0);
         let sparse = accessor.get("sparse");
         let mut numbers = match (accessor.get("bufferView"), sparse) {
-            // Numbers that the sparse ones leave out are 0.
+            // Numbers that the sparse ones omit are 0.
             (None, Some(_)) if count <= MOST_ZEROS => vec![[0; 4]; count * width],
             (None, Some(_)) => return Err(fault(place, "it has too many numbers that are 0")),
             _ => self.listed(accessor, component, [count, width], place)?,
@@ -147,7 +147,7 @@ impl<'a> Glb<'a> {
         Ok(Stored { width, component, numbers })
     }
 
-    /// Returns the bytes of `count` times `width` numbers in the view of a buffer that `list` names.
+    /// Returns the bytes of `count` times `width` numbers in the buffer view that `list` names.
     fn listed(
         &self,
         list: &Value,
@@ -184,7 +184,7 @@ impl<'a> Glb<'a> {
     }
 }
 
-/// Returns the description in a `.glb`, and the buffer behind it.
+/// Returns the description in a `.glb`, and the buffer that follows it.
 fn chunks(file: &[u8]) -> Result<(Value, Option<&[u8]>), FormatError> {
     let mut bytes = Bytes::new(file);
     if !file.starts_with(MAGIC) {
@@ -215,7 +215,7 @@ fn chunks(file: &[u8]) -> Result<(Value, Option<&[u8]>), FormatError> {
     Ok((json.ok_or_else(|| bytes.fault("the file has no description"))?, binary))
 }
 
-/// Returns the description that a `.gltf` is.
+/// Parses the description of a `.gltf`.
 fn description(file: &[u8]) -> Result<Value, FormatError> {
     let json: Value = serde_json::from_slice(file)
         .map_err(|error| fault("the description", printable(&error.to_string())))?;

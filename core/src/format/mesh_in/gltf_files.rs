@@ -1,4 +1,4 @@
-//! The bytes that a glTF file names by a URI: written in it (`data:`), or in a file of its folder or below. Nothing else
+//! Resolves the URIs of a glTF file: data in the URI itself (`data:`), or a file in its folder or below. Nothing else
 //! is read, whatever the URI says.
 
 use std::cell::Cell;
@@ -13,13 +13,13 @@ use crate::progress::Progress;
 /// The folder of a glTF file, and what may be read from it.
 pub struct Beside<'a> {
     folder: &'a Path,
-    /// Bytes that all files together may still have.
+    /// Number of bytes that all files together may still take.
     left_bytes: Cell<u64>,
     progress: &'a dyn Progress,
 }
 
 impl<'a> Beside<'a> {
-    /// Of the file at `path`; all that it names may have `budget_bytes` together.
+    /// Creates it for the file at `path`; all files that it names may take `budget_bytes` together.
     pub fn new(path: &'a Path, budget_bytes: u64, progress: &'a dyn Progress) -> Beside<'a> {
         let folder = path.parent().unwrap_or(Path::new(""));
         Beside { folder, left_bytes: Cell::new(budget_bytes), progress }
@@ -37,7 +37,7 @@ impl<'a> Beside<'a> {
             return bytes.ok_or_else(|| refused(uri, "what it holds is not written as base64"));
         }
         let name = unescaped(uri).ok_or_else(|| refused(uri, "that is not text"))?;
-        // The folder of a mesh may come from anywhere, and so may what it asks for.
+        // The folder of a mesh may be untrusted, and so may the files that it requests.
         let path = within(self.folder, &name)
             .filter(|_| !name.contains(':'))
             .ok_or_else(|| refused(&name, "it lies outside the folder of the mesh"))?;
@@ -52,7 +52,7 @@ impl<'a> Beside<'a> {
     }
 }
 
-/// Returns a URI with `%20` and the like as what they stand for. None if that is not text.
+/// Decodes percent-escapes in a URI. `None` if the result is not text.
 fn unescaped(uri: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();

@@ -1,5 +1,5 @@
-//! A mesh as it was read, and what a reader of meshes is given; numbers and faults of texts that several formats have in
-//! common. Knows no format.
+//! A mesh as read, and the input of a reader of meshes; also numbers and faults of texts that several formats share.
+//! Knows no format.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -12,33 +12,32 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::orientation::Up;
 use crate::voxelise::{Findings, Frame, Mesh, to_contents};
 
-/// Memory that a mesh takes, at most, for each byte of its file.
+/// Greatest memory of a mesh per byte of its file.
 const BYTES_PER_BYTE: u64 = 12;
 
 /// A file to be read.
 pub struct MeshFile<'a> {
     pub bytes: &'a [u8],
     pub path: &'a Path,
-    /// Memory that its parts or neighbours may take together.
+    /// Memory that its parts or neighbouring files may take together.
     pub rest_bytes: u64,
     pub progress: &'a dyn Progress,
 }
 
-/// How meshes of a format are read.
+/// The reading of meshes of a format.
 #[derive(Debug)]
 pub struct MeshReader {
     pub read: fn(&MeshFile) -> Result<Imported, FormatError>,
-    /// The axis that points up, as programs mostly write the format.
+    /// The usual up axis of programs that write the format.
     pub usual_up: Up,
-    /// Whether the format itself says so.
+    /// Whether the format itself defines it.
     pub knows_up: bool,
-    /// Millimetres that a unit of length stands for.
+    /// Length of a unit in millimetres.
     pub mm_per_unit: f64,
 }
 
 impl MeshReader {
-    /// Returns a format that says nothing about its unit of length, mostly millimetres, or about the axis that points
-    /// up.
+    /// Creates a reader of a format that defines neither its unit of length, mostly millimetres, nor the up axis.
     pub const fn new(
         usual_up: Up,
         read: fn(&MeshFile) -> Result<Imported, FormatError>,
@@ -46,25 +45,25 @@ impl MeshReader {
         MeshReader { read, usual_up, knows_up: false, mm_per_unit: 1.0 }
     }
 
-    /// Returns the axis that is taken for the one that points up: as chosen, or as is usual.
+    /// Returns the up axis: the chosen one, or the usual one.
     pub fn up(&self, options: &ImportOptions) -> Up {
         options.upright.filter(|_| !self.knows_up).unwrap_or(self.usual_up)
     }
 }
 
-/// A mesh, and what is said about it.
+/// A mesh, and notes about it.
 #[derive(Debug, Default)]
 pub struct Imported {
     pub mesh: Mesh,
-    /// The reader of its format; none only while the mesh is read.
+    /// The reader of its format; `None` only while the mesh is read.
     pub of: Option<&'static MeshReader>,
-    /// Such as `STL, binary`.
+    /// Format and encoding, such as `STL, binary`.
     pub kind: String,
     /// Notes on what was left out, for the user.
     pub notes: Vec<String>,
 }
 
-/// Reads a file, materials and textures from its folder.
+/// Reads a file, with materials and textures from its folder.
 pub fn load(
     path: &Path,
     reader: &'static MeshReader,
@@ -90,7 +89,7 @@ impl Imported {
         Ok(Frame::around(&self.mesh, options.mesh_size, up, mm_per_unit)?)
     }
 
-    /// Makes a sculpture, with what there is to say about the mesh.
+    /// Makes a sculpture, with notes about the mesh.
     pub fn into_contents(
         mut self,
         options: &ImportOptions,
@@ -106,7 +105,7 @@ impl Imported {
     }
 }
 
-/// Returns the note on a mesh that was voxelised, if there is anything to say.
+/// Returns the note on a voxelised mesh, if there is one.
 fn note_of(findings: &Findings) -> Option<String> {
     let percent = 100.0 * findings.open_share;
     match (findings.open_share > 0.0, findings.is_shell) {
@@ -126,14 +125,14 @@ pub fn at_line(line: usize, what: impl Into<String>) -> FormatError {
     FormatError::Malformed { place: format!("line {}", line + 1), what: what.into() }
 }
 
-/// Returns a number of a text.
+/// Parses a number of a text.
 pub fn number(word: Option<&str>, line: usize) -> Result<f32, FormatError> {
     let word = word.ok_or_else(|| at_line(line, "a number is missing"))?;
     let shown = error::excerpt(word.as_bytes());
     word.parse().map_err(|_| at_line(line, format!("`{shown}` is not a number")))
 }
 
-/// Returns the path of a file in the folder of the mesh or below. None for any other.
+/// Returns the path of a file in the folder of the mesh or below. `None` for any other.
 pub fn within(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = name.replace('\\', "/");
     let relative = Path::new(&name);

@@ -1,6 +1,6 @@
 //! Reads `.mtl`, the materials of a Wavefront file: colours and textures.
 //!
-//! Anything that is missing or not allowed leaves a note, not an error: a mesh is worth having without its colours.
+//! Anything missing or not allowed leaves a note, not an error: a mesh is useful without its colours.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::progress::Progress;
 use crate::sculpture::Rgb;
 use crate::voxelise::Skin;
 
-/// Longest file of materials.
+/// Greatest size of a file of materials.
 const LIMIT_BYTES: u64 = 16 << 20;
 
 /// Materials by name.
@@ -21,7 +21,7 @@ pub struct Materials {
     names: Vec<String>,
     pub skins: Vec<Skin>,
     pub notes: Vec<String>,
-    /// Files of materials that were named.
+    /// Number of files of materials that were named.
     asked: usize,
 }
 
@@ -36,8 +36,8 @@ impl Materials {
         self.asked == 0
     }
 
-    /// Takes an image beside the mesh as its texture, for a mesh that names no materials: of the same name, or of its
-    /// first part and `_texture`. Returns whether there is one.
+    /// Uses an image beside the mesh as its texture, for a mesh that names no materials: one with the same name, or
+    /// with the first part of the name and `_texture`. Returns whether there is one.
     pub fn beside(&mut self, mesh: &Path) -> bool {
         let stem = mesh.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let first = stem.split('_').next().unwrap_or("").to_string();
@@ -64,14 +64,14 @@ impl Materials {
         false
     }
 
-    /// Adds the materials of the files that a line names: one whose name may have spaces, or else several.
+    /// Adds the materials of the files that a line names: one whose name may have spaces, or several.
     pub fn load_all(&mut self, names: &str, folder: &Path) {
         let is_one = within(folder, names).is_some_and(|path| path.is_file());
         let several: Vec<&str> = names.split_ascii_whitespace().collect();
         if is_one || several.len() < 2 {
             return self.load(names, folder);
         }
-        // Where none of them is there, the whole is what is missed.
+        // If none of them exists, the whole name is reported as missing.
         let is_there = |name: &&str| within(folder, name).is_some_and(|path| path.is_file());
         if !several.iter().any(is_there) {
             return self.load(names, folder);
@@ -119,9 +119,9 @@ impl Materials {
         }
     }
 
-    /// Gives the last material a texture.
+    /// Sets the texture of the last material.
     fn texture(&mut self, rest: &str, folder: &Path) {
-        // Options stand before the name, which alone may have spaces.
+        // Options precede the name, which alone may have spaces.
         let name = if rest.starts_with('-') { rest.rsplit(' ').next().unwrap_or("") } else { rest };
         let found = within(folder, name).ok_or("it is outside the folder of the mesh".to_string());
         let loaded = found.and_then(|path| load_picture(&path).map_err(|error| error.to_string()));

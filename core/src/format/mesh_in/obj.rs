@@ -1,7 +1,7 @@
-//! Reads Wavefront `.obj`: polygons with places in textures, colours of corners, and materials.
+//! Reads Wavefront `.obj`: polygons with texture coordinates, colours of corners, and materials.
 //!
-//! Lines of other kinds (normals, groups, curves) are skipped; faces and places in textures that say nothing are left out,
-//! with a note.
+//! Lines of other kinds (normals, groups, curves) are skipped; invalid faces and texture coordinates are left out, with
+//! a note.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -38,18 +38,18 @@ const NONE: u32 = u32::MAX;
 struct Reader {
     out: Imported,
     uvs: Vec<Vec2>,
-    /// Of positions: none is white.
+    /// Colours of positions; none is white.
     colours: Vec<[f32; 3]>,
     has_colours: bool,
     has_uvs: bool,
     materials: Materials,
     material: u32,
-    /// Faces of fewer than three corners, and corners whose place in the texture is not there.
+    /// Number of faces with fewer than three corners, and of corners whose texture coordinate is missing.
     flat_faces: usize,
     missing_uvs: usize,
 }
 
-/// Reads the file of `path`; materials and textures from its folder, or folders in it, alone.
+/// Reads the file of `path`, with materials and textures from its folder or below only.
 fn read(file: &[u8], path: &Path) -> Result<Imported, FormatError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut reader = Reader { material: NONE, ..Reader::default() };
@@ -77,7 +77,7 @@ fn read(file: &[u8], path: &Path) -> Result<Imported, FormatError> {
         }
     }
     if reader.has_uvs && reader.materials.is_unasked() && reader.materials.beside(path) {
-        // The one skin is that of all.
+        // The only skin is that of all faces.
         reader.out.mesh.skin_of.fill(0);
     }
     Ok(reader.finish())
@@ -91,7 +91,7 @@ impl Reader {
     ) -> Result<(), FormatError> {
         let mut next = || number(words.next(), line);
         self.out.mesh.positions.push(Vec3::new(next()?, next()?, next()?));
-        // After the place comes a weight, or a colour.
+        // The position is followed by a weight, or a colour.
         let rest: Vec<f32> = words.map_while(|word| word.parse().ok()).collect();
         let colour = match rest[..] {
             [r, g, b] | [_, r, g, b] => {
@@ -119,7 +119,7 @@ impl Reader {
                         self.has_uvs = true;
                         self.uvs[at as usize]
                     }
-                    // The shape does not need it.
+                    // The shape does not depend on it.
                     Err(_) => {
                         self.missing_uvs += 1;
                         Vec2::ZERO
@@ -165,7 +165,7 @@ impl Reader {
                 Rgb(self.colours[corner as usize].map(|level| (level * scale).round() as u8))
             };
             mesh.corner_colours = mesh.triangles.iter().map(|t| t.map(rgb)).collect();
-            // The colour of a material that has no texture is then only a default.
+            // The colour of a material without a texture is then only a default.
             mesh.skins.iter_mut().for_each(|skin| skin.colour = Rgb::new(255, 255, 255));
         }
         if mesh.skin_of.iter().all(|skin| *skin == NONE) {
@@ -178,7 +178,7 @@ impl Reader {
     }
 }
 
-/// Returns the lines of a text with their numbers from 0; one that ends with `\` goes on in the next.
+/// Returns the lines of a text with their numbers from 0. A line that ends with `\` continues in the next.
 fn whole_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = text.strip_prefix('\u{FEFF}').unwrap_or(text).lines().enumerate();
     std::iter::from_fn(move || {
@@ -198,7 +198,7 @@ fn whole_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// Returns an index from 0 on: files count from 1, or backwards from -1.
+/// Returns a zero-based index: files count from 1, or backwards from -1.
 fn index(text: Option<&str>, count: usize, line: usize) -> Result<u32, FormatError> {
     let text = text.unwrap_or("");
     let at = text.parse::<i64>().ok().and_then(|n| match n {

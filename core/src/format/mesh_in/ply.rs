@@ -41,7 +41,7 @@ fn read(file: &[u8]) -> Result<Imported, FormatError> {
     let mut corner_colours = Vec::new();
     let mut face_colours = Vec::new();
     for element in &header.elements {
-        // Each element takes a byte at least, or the number would be without bound.
+        // Each element takes at least a byte; otherwise the number would be unbounded.
         if element.count > values.bytes.rest().len() as u64 {
             let (count, name) = (element.count, &element.name);
             return Err(values.bytes.fault(format!("{count} times {name:?} cannot follow")));
@@ -75,7 +75,7 @@ fn read(file: &[u8]) -> Result<Imported, FormatError> {
     Ok(Imported { mesh, kind: format!("PLY, {encoding}"), notes, ..Imported::default() })
 }
 
-/// Places of properties with these names.
+/// Returns the positions of the properties with these names.
 fn places<const N: usize>(element: &Element, names: [&str; N]) -> Option<[usize; N]> {
     let of =
         |name: &str| element.properties.iter().position(|p| p.name == name && p.length.is_none());
@@ -83,7 +83,7 @@ fn places<const N: usize>(element: &Element, names: [&str; N]) -> Option<[usize;
     places.iter().all(Option::is_some).then(|| places.map(Option::unwrap_or_default))
 }
 
-/// Returns the colour among the values of an element.
+/// Returns a function that reads the colour among the values of an element.
 fn colour_of(element: &Element) -> Option<impl Fn(&[f64]) -> Rgb + use<>> {
     let places = CHANNELS.iter().find_map(|names| places(element, *names))?;
     let full = places.map(|place| element.properties[place].scalar.full());
@@ -136,7 +136,7 @@ fn faces(
     Ok(())
 }
 
-/// Strips of triangles, one behind another in a list; -1 ends one. Each triangle shares an edge with the one before.
+/// Reads triangle strips, concatenated in a list; -1 ends a strip. Each triangle shares an edge with the previous one.
 fn strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Result<(), FormatError> {
     let list = element.properties.iter().position(|p| p.length.is_some());
     let list = list.ok_or_else(|| values.bytes.fault("the strips have no list of corners"))?;
@@ -147,7 +147,7 @@ fn strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Result
         for strip in corners.split(|corner| *corner < 0.0) {
             for (i, own) in strip.windows(3).enumerate() {
                 let [a, b, c] = [own[0], own[1], own[2]].map(|corner| corner as u32);
-                // One without area only leads from a strip to the next.
+                // A degenerate triangle only connects two strips.
                 if a != b && b != c && a != c {
                     mesh.triangles.push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
                 }
@@ -162,22 +162,22 @@ struct Values<'a> {
     bytes: Bytes<'a>,
     encoding: Encoding,
     line: usize,
-    /// Whether each element of a text has a line of its own, as it should; else values follow one another.
+    /// Whether each element of a text has its own line, as it should; otherwise values are read as a stream.
     has_lines: bool,
-    /// Values behind those of an element on its line.
+    /// Number of extra values after those of an element on its line.
     undeclared: usize,
 }
 
 impl<'a> Values<'a> {
     fn new(header: &Header, file: &'a [u8]) -> Values<'a> {
         let mut bytes = Bytes::new(file);
-        // The header is there, so that this cannot fail.
+        // The header is present, so that this cannot fail.
         let _ = bytes.take(header.bytes);
         let (encoding, line) = (header.encoding, header.lines);
         Values { bytes, encoding, line, has_lines: false, undeclared: 0 }
     }
 
-    /// Finds out whether the text has a line for each element.
+    /// Determines whether the text has a line for each element.
     fn find_lines(&mut self, header: &Header) {
         if self.encoding == Encoding::Text {
             let lines = self.bytes.rest().split(|byte| *byte == b'\n');
@@ -187,18 +187,18 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Leaves out what follows on the line.
+    /// Skips the rest of the line.
     fn end_line(&mut self) {
         let rest = self.bytes.rest();
         let end = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
         let behind = &rest[..end];
         let words = behind.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         self.undeclared += words.count();
-        // As many bytes are there.
+        // At least as many bytes remain.
         let _ = self.bytes.take(end);
     }
 
-    /// Returns the values of the next element, with 0 for lists; those of the list `wanted` go to its vector.
+    /// Returns the values of the next element, with 0 for lists; those of the list `wanted` are written to its vector.
     fn element(
         &mut self,
         element: &Element,
@@ -259,7 +259,7 @@ impl<'a> Values<'a> {
         })
     }
 
-    /// Returns the next word of a text, as a number.
+    /// Parses the next word of a text as a number.
     fn word(&mut self) -> Result<f64, FormatError> {
         let rest = self.bytes.rest();
         let start = rest.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(rest.len());

@@ -1,12 +1,12 @@
-//! The header of a `.ply`: which elements follow, how many, and of which properties.
+//! Parses the header of a `.ply`: the elements that follow, their number, and their properties.
 
 use super::imported::at_line;
 use crate::format::FormatError;
 
-/// Longest header.
+/// Greatest length of a header.
 const LIMIT_BYTES: usize = 1 << 20;
 
-/// How numbers are written.
+/// The encoding of numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Encoding {
     Text,
@@ -51,7 +51,7 @@ impl Scalar {
         }
     }
 
-    /// Returns the value of this type that means full colour.
+    /// Returns the value of this type that represents full colour.
     pub fn full(self) -> f64 {
         match self {
             Scalar::I8 | Scalar::U8 => 255.0,

@@ -24,16 +24,16 @@ pub static SPEC: FormatSpec = FormatSpec {
     )
 };
 
-/// A binary file: a header of any text and the number of triangles, then bytes of each.
+/// Size of the start of a binary file: a header of any text and the number of triangles.
 const HEADER_BYTES: usize = 84;
 const TRIANGLE_BYTES: usize = 50;
 
-/// Bytes in which a text has a facet, or its end.
+/// Number of bytes within which a text must have a facet, or its end.
 const BEGINNING_BYTES: usize = 1 << 12;
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// Reads a file. A binary one may begin with the word of text files, so that its length decides first, and then whether
-/// words of a text follow. Words count in capitals or not.
+/// Reads a file. A binary one may begin with the word of text files, so its length decides first, and then whether
+/// words of a text follow. Words are case-insensitive.
 fn read(file: &[u8]) -> Result<Imported, FormatError> {
     let count = file.get(HEADER_BYTES - 4..HEADER_BYTES);
     let count = count.map(|n| u64::from(u32::from_le_bytes([n[0], n[1], n[2], n[3]])));
@@ -63,15 +63,16 @@ fn read(file: &[u8]) -> Result<Imported, FormatError> {
     }
 }
 
-/// Returns whether a binary file of as many triangles as it says has that length. Its header may begin with anything.
+/// Returns whether the length is that of a binary file with the number of triangles that it states. Its header may
+/// begin with anything.
 fn has_length_of_binary(start: &[u8], length: u64) -> bool {
     let count = start.get(HEADER_BYTES - 4..).and_then(|rest| rest.first_chunk());
     let count = count.map_or(0, |count| u64::from(u32::from_le_bytes(*count)));
     count > 0 && HEADER_BYTES as u64 + count * TRIANGLE_BYTES as u64 == length
 }
 
-/// Returns whether a file begins as a text does: with its first word, and soon another that no header of a binary file
-/// has, or nothing but text.
+/// Returns whether a file begins as a text does: with its first word, followed soon by one that no header of a binary
+/// file has, or by text only.
 fn is_text(file: &[u8]) -> bool {
     let text = file.strip_prefix(BYTE_ORDER_MARK).unwrap_or(file).trim_ascii_start();
     let begins = text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));

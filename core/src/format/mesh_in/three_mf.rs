@@ -1,8 +1,8 @@
-//! Reads `.3mf` (3mf.io, core specification 1.3, production extension 1.1): the triangles of all objects where the build
-//! puts them, from all models of the archive, with colours of colour groups and base materials. Parts that slicers do
+//! Reads `.3mf` (3mf.io, core specification 1.3, production extension 1.1): the triangles of all objects as placed by
+//! the build, from all models of the archive, with colours of colour groups and base materials. Parts that slicers do
 //! not print (`three_mf_parts.rs`) are left out, and reported.
 //!
-//! An archive may unpack to far more than it has: what is unpacked is bounded, and so are copies of objects.
+//! An archive may unpack to far more than its size: the unpacked size is bounded, and so are copies of objects.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::{Cursor, Read};
@@ -37,22 +37,22 @@ pub static SPEC: FormatSpec = FormatSpec {
     )
 };
 
-/// Where the model is, unless the relations of the archive name another place.
+/// Path of the model, unless the relations of the archive name another.
 const USUAL_PLACE: &str = "3D/3dmodel.model";
 const RELATIONS: &str = "_rels/.rels";
 const MODEL_TYPE: &str = "/3dmodel";
 const MODEL_ENDING: &str = ".model";
-/// Deepest nesting of components, and most of them: they may be shared.
+/// Greatest nesting of components, and greatest number of them: they may be shared.
 const MOST_DEPTH: usize = 100;
 const MOST_VISITS: u32 = 1 << 20;
-/// Most triangles, those of copies counted again.
+/// Greatest number of triangles, including those of copies.
 const MOST_TRIANGLES: usize = 1 << 25;
 
-/// Reads a file, whose model may have `budget_bytes` once it is unpacked.
+/// Reads a file, whose model may take `budget_bytes` once it is unpacked.
 fn read(file: &[u8], budget_bytes: u64) -> Result<Imported, FormatError> {
     let mut archive = ZipArchive::new(Cursor::new(file)).map_err(damaged)?;
     let name = model_name(&mut archive, budget_bytes)?;
-    // A name that is none can be no model's, which is named in the XML.
+    // An undecodable name cannot be that of a model, which is named in the XML.
     let others = archive.file_names().filter_map(|other| Some(other.ok()?.into_owned()));
     let is_other = |other: &String| other.ends_with(MODEL_ENDING) && !is_same_name(other, &name);
     let others: Vec<String> = others.filter(is_other).collect();
@@ -112,7 +112,7 @@ fn read(file: &[u8], budget_bytes: u64) -> Result<Imported, FormatError> {
     Ok(reader.out)
 }
 
-/// Returns whether two names in an archive are the same; one may begin with a slash.
+/// Returns whether two names in an archive are the same; either may begin with a slash.
 fn is_same_name(a: &str, b: &str) -> bool {
     a.trim_start_matches('/').eq_ignore_ascii_case(b.trim_start_matches('/'))
 }
@@ -125,7 +125,7 @@ fn parse(text: &str) -> Result<Document<'_>, FormatError> {
     Document::parse(text).map_err(|error| fault("the XML", printable(&error.to_string())))
 }
 
-/// Returns where the model is in the archive.
+/// Returns the path of the model in the archive.
 fn model_name(
     archive: &mut ZipArchive<Cursor<&[u8]>>,
     budget_bytes: u64,
@@ -152,7 +152,7 @@ fn entry(
     let entry = archive.by_name(name).map_err(|error| faulty(printable(&error.to_string())))?;
     check_budget(entry.size(), budget_bytes)?;
     let mut bytes = Vec::new();
-    // The size that the archive states is not relied on.
+    // The size that the archive states is not trusted.
     let read = entry.take(budget_bytes + 1).read_to_end(&mut bytes);
     read.map_err(|error| faulty(printable(&error.to_string())))?;
     check_budget(bytes.len() as u64, budget_bytes)?;
@@ -163,7 +163,7 @@ fn children<'a, 'b>(node: Node<'a, 'b>, name: &'static str) -> impl Iterator<Ite
     node.children().filter(move |child| child.tag_name().name() == name)
 }
 
-/// Returns a number of a tag.
+/// Parses a number of a tag.
 fn number<T: std::str::FromStr>(node: Node, name: &str) -> Result<T, FormatError> {
     let text = node.attribute(name).unwrap_or_default();
     text.trim().parse().map_err(|_| {
@@ -182,7 +182,7 @@ fn transform(node: Node) -> Result<Mat4, FormatError> {
     Ok(Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), Vec4::from((origin, 1.0))))
 }
 
-/// `#RRGGBB` or `#RRGGBBAA`, whose opacity is left out.
+/// Parses `#RRGGBB` or `#RRGGBBAA`, and ignores the opacity.
 fn colour(text: &str) -> Option<Rgb> {
     text.get(..7)?.parse().ok()
 }
@@ -191,13 +191,13 @@ fn colour(text: &str) -> Option<Rgb> {
 type Id = (usize, u32);
 
 struct Reader<'a, 'b> {
-    /// Of the models; the first one has the build.
+    /// The models; the first one has the build.
     names: Vec<&'a str>,
     objects: HashMap<Id, Node<'a, 'b>>,
-    /// Of colour groups and base materials.
+    /// The colours of colour groups and base materials.
     colours: HashMap<Id, Vec<Rgb>>,
     parts: Parts,
-    /// How many parts of each kind were left out.
+    /// Number of parts of each kind that were left out.
     left_out: BTreeMap<&'static str, usize>,
     out: Imported,
     has_colours: bool,
@@ -227,7 +227,7 @@ impl<'a, 'b> Reader<'a, 'b> {
         Ok(())
     }
 
-    /// Returns the object that an item, or a component of the object `within`, of a model puts somewhere.
+    /// Returns the object that an item, or a component of the object `within`, of a model places.
     fn placed(
         &mut self,
         node: Node<'a, 'b>,

@@ -1,28 +1,28 @@
-//! Reads the notes of slicers beside a `.3mf` about parts that are not printed: supports, modifiers, negative volumes.
+//! Reads the notes of slicers in a `.3mf` about parts that are not printed: supports, modifiers, negative volumes.
 //!
 //! Takes the texts of their files in the archive (`Slic3r_PE_model.config` of PrusaSlicer and SuperSlicer,
-//! `model_settings.config` of Bambu Studio and OrcaSlicer); gives which triangles or components of which object are what.
-//! A file that cannot be read says nothing.
+//! `model_settings.config` of Bambu Studio and OrcaSlicer); gives the part of each listed triangle or component of an
+//! object. A file that cannot be read is ignored.
 
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
 use roxmltree::{Document, Node};
 
-/// Where slicers keep it.
+/// Paths of these files in the archive.
 pub const PLACES: [&str; 2] = ["Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"];
 
 /// Parts that are not printed, by the number of their object.
 #[derive(Default)]
 pub struct Parts {
-    /// Of PrusaSlicer: triangles of the object's mesh.
+    /// PrusaSlicer: triangles of the object's mesh.
     ranges: HashMap<u32, Vec<(RangeInclusive<usize>, &'static str)>>,
-    /// Of Bambu Studio: components of the object, by the number of what they place.
+    /// Bambu Studio: components of the object, by the number of the object that they place.
     components: HashMap<(u32, u32), &'static str>,
 }
 
 impl Parts {
-    /// Adds what a file says.
+    /// Adds the parts that a file lists.
     pub fn read(&mut self, text: &str) {
         let Ok(xml) = Document::parse(text) else { return };
         let objects = xml.descendants().filter(|node| node.has_tag_name("object"));
@@ -34,7 +34,7 @@ impl Parts {
                         .filter(|node| node.attribute("key") == Some(key))
                         .find_map(|node| node.attribute("value"))
                 };
-                // Older versions of the slicer know modifiers alone.
+                // Older versions of the slicer know only modifiers.
                 let older = || (setting("modifier") == Some("1")).then_some("ParameterModifier");
                 let kind = part.attribute("subtype").or_else(|| setting("volume_type"));
                 let Some(kind) = kind.or_else(older).and_then(named) else { continue };
@@ -49,7 +49,7 @@ impl Parts {
         }
     }
 
-    /// Returns the part that is not printed to which a triangle of an object's mesh belongs.
+    /// Returns the unprinted part to which a triangle of an object's mesh belongs.
     pub fn of_triangle(&self, object: u32, triangle: usize) -> Option<&'static str> {
         let ranges = self.ranges.get(&object)?;
         ranges.iter().find(|(range, _)| range.contains(&triangle)).map(|(_, kind)| *kind)
@@ -65,7 +65,7 @@ fn number(node: Node, name: &str) -> Option<u32> {
     node.attribute(name)?.trim().parse().ok()
 }
 
-/// For people: a kind of part that is not printed as it is.
+/// Returns the display name of a kind of part that is not printed as it is.
 fn named(kind: &str) -> Option<&'static str> {
     Some(match kind {
         "SupportEnforcer" | "support_enforcer" => "support enforcer",

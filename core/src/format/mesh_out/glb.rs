@@ -18,15 +18,15 @@ const MAGIC: u32 = 0x4654_6C67;
 const JSON_CHUNK: u32 = 0x4E4F_534A;
 const BINARY_CHUNK: u32 = 0x004E_4942;
 const VERSION: u32 = 2;
-/// Types of components.
+/// Component types.
 const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
-/// Targets of buffer views: what a part of the buffer is for.
+/// Targets of buffer views, which state the use of a part of the buffer.
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
-/// The parts of the buffer and what is in them.
+/// The parts of the buffer and their contents.
 #[derive(Default)]
 struct Layout {
     views: Vec<Value>,
@@ -91,13 +91,13 @@ pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     finish(file)
 }
 
-/// Returns where a vertex lies in the file.
+/// Returns the position of a vertex in the file.
 #[inline(always)]
 fn place(job: &Job, position: Vec3) -> Vec3 {
     job.space.place(position) * METRES_PER_MM
 }
 
-/// Returns the JSON part of a file, and the bytes of the buffer that it describes.
+/// Returns the JSON part of a file, and the length of the buffer that it describes.
 fn description(job: &Job, has_normals: bool) -> (Vec<u8>, u64) {
     let mesh = job.mesh;
     let (vertices, indices) = (mesh.vertex_count(), 3 * mesh.triangle_count());
@@ -160,7 +160,7 @@ fn put_colours(job: &Job, file: &mut impl Write, steps: &mut Steps) -> Result<()
     Ok(())
 }
 
-/// Normals of the vertices: means of their triangles', weighted by area.
+/// Returns the normals of the vertices: area-weighted means of the triangles' normals.
 fn normals(job: &Job, steps: &mut Steps) -> Result<Vec<Vec3>, FormatError> {
     let mesh = job.mesh;
     job.need_bytes_a_vertex(size_of::<Vec3>())?;

@@ -1,8 +1,8 @@
 //! Writes meshes for other programs: .stl, .ply, .obj with .mtl, .glb and .3mf.
 //!
-//! Takes contents and [`MeshOptions`]; makes the mesh, simplifies it if wanted (`save.rs`), and streams it to the file piece
-//! by piece, so that it is in memory once. Lengths are millimetres but in .glb, whose unit is the metre. A file appears
-//! when it is complete.
+//! Takes contents and [`MeshOptions`]; makes the mesh, simplifies it if requested (`save.rs`), and streams it to the
+//! file piece by piece, so that it is in memory once. Lengths are millimetres except in .glb, whose unit is the metre.
+//! A file appears when it is complete.
 
 pub mod glb;
 pub mod obj;
@@ -26,23 +26,23 @@ use crate::progress::Progress;
 use crate::refusal::InvalidValue;
 use crate::sculpture::history::Contents;
 
-/// Vertices or triangles between two looks at whether the work is cancelled.
+/// Number of vertices or triangles between two checks for cancellation.
 const PORTION: usize = 1 << 16;
-/// Bytes that are collected before they are written.
+/// Number of bytes that are buffered before they are written.
 const BUFFER_BYTES: usize = 1 << 20;
 
-/// How meshes of a format are written.
+/// The writing of meshes of a format.
 pub struct MeshWriter {
     /// Writes a file, which appears when it is complete.
     pub write: fn(&Job, &Path) -> Result<(), FormatError>,
-    /// What its files can hold.
+    /// The capabilities of its files.
     pub traits: MeshTraits,
 }
 
-/// What the meshes of a format can hold.
+/// The capabilities of meshes of a format.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct MeshTraits {
-    /// The axis that points up unless another is asked for.
+    /// The default up axis.
     pub up: MeshUp,
     /// Whether no other axis can point up.
     pub is_up_fixed: bool,
@@ -53,13 +53,13 @@ pub struct MeshTraits {
 }
 
 impl MeshTraits {
-    /// Triangles with colours, and either axis up.
+    /// Creates the traits of triangles with colours and a choice of the up axis.
     pub(super) const fn new(up: MeshUp) -> MeshTraits {
         MeshTraits { up, is_up_fixed: false, has_colours: true, holds_points: false }
     }
 }
 
-/// From grid coordinates to the coordinates of a file, in millimetres.
+/// The map from grid coordinates to the coordinates of a file, in millimetres.
 #[derive(Clone, Copy, Debug)]
 struct Space {
     turn_and_scale: Mat3,
@@ -82,7 +82,7 @@ impl Space {
         let scale = Mat3::from_diagonal(voxel_mm);
         Ok(match options.up.unwrap_or(traits.up) {
             MeshUp::Y => Space { turn_and_scale: scale, offset: Vec3::ZERO },
-            // A quarter turn about x; the grid stays where coordinates are positive.
+            // A quarter turn about x; the grid stays at positive coordinates.
             MeshUp::Z => Space {
                 turn_and_scale: Mat3::from_cols(Vec3::X, Vec3::Z, -Vec3::Y) * scale,
                 offset: Vec3::Y * (voxel_mm.z * contents.grid.dims().z as f32),
@@ -106,13 +106,13 @@ pub struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Returns an error if there is no room for so many bytes for each vertex beside the mesh.
+    /// Returns an error if there is no memory for so many bytes per vertex beside the mesh.
     fn need_bytes_a_vertex(&self, bytes: usize) -> Result<(), FormatError> {
         let needed = self.mesh.heap_bytes() + self.mesh.vertex_count() * bytes as u64;
         Ok(self.budget.check_for(needed)?)
     }
 
-    /// Positions of the vertices, in millimetres.
+    /// Returns the positions of the vertices, in millimetres.
     fn positions(&self) -> impl Iterator<Item = Vec3> {
         self.mesh.positions().map(|position| self.space.place(position))
     }
@@ -123,7 +123,7 @@ impl Job<'_> {
         self.positions().fold(start, |[low, high], p| [low.min(p), high.max(p)])
     }
 
-    /// Returns the work of going through vertices and triangles so many times.
+    /// Returns the work of passing so many times over the vertices and triangles.
     fn steps(&self, vertex_passes: u64, triangle_passes: u64) -> Steps<'_> {
         let all =
             vertex_passes * self.mesh.vertex_count() + triangle_passes * self.mesh.triangle_count();
@@ -131,7 +131,7 @@ impl Job<'_> {
     }
 }
 
-/// Counts what is written, to report progress and to stop when cancelled.
+/// Counts written elements, to report progress and to stop when cancelled.
 struct Steps<'a> {
     progress: &'a dyn Progress,
     done: u64,
@@ -155,12 +155,12 @@ impl Steps<'_> {
     }
 }
 
-/// Begins a file.
+/// Creates a file.
 fn create(path: &Path) -> Result<BufWriter<AtomicFile>, FormatError> {
     Ok(BufWriter::with_capacity(BUFFER_BYTES, AtomicFile::create(path)?))
 }
 
-/// Ends a file: it gets its name.
+/// Completes a file and gives it its name.
 fn finish(file: BufWriter<AtomicFile>) -> Result<(), FormatError> {
     let file = file.into_inner().map_err(|error| error.into_error())?;
     Ok(file.finish()?)
@@ -184,7 +184,7 @@ fn count_of(count: u64, most: u64) -> Result<u32, FormatError> {
     }
 }
 
-/// Returns a channel of sRGB in linear light, 0 to 1.
+/// Converts an sRGB channel to linear, 0 to 1.
 fn linear(channel: u8) -> f32 {
     let value = f32::from(channel) / 255.0;
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }

@@ -1,5 +1,5 @@
-//! Wavefront .obj with its .mtl. Colours of vertices are three further numbers of their `v` lines (`v x y z r g b`,
-//! 0 to 1, sRGB), which MeshLab and Blender read; others take the one colour of the material.
+//! Wavefront .obj with its .mtl. Colours of vertices are three further numbers of their `v` lines (`v x y z r g b`, 0
+//! to 1, sRGB), which MeshLab and Blender read; others use the one colour of the material.
 
 use std::io::Write;
 use std::path::Path;
@@ -31,12 +31,12 @@ pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     }
     writeln!(file, "usemtl sculpture")?;
     for triangle in mesh.triangles() {
-        // They count from 1.
+        // Indices count from 1.
         let [a, b, c] = triangle.map(|vertex| u64::from(vertex) + 1);
         writeln!(file, "f {a} {b} {c}")?;
         steps.step()?;
     }
-    // First, so that a complete .obj has its colours.
+    // Written first, so that a complete .obj has its colours.
     let base = if is_coloured { Rgb::new(255, 255, 255) } else { mesh.base };
     let [r, g, b] = base.0.map(|channel| f32::from(channel) / 255.0);
     let material = format!("# Virtual Sculpture\nnewmtl sculpture\nKd {r:.4} {g:.4} {b:.4}\n");

@@ -1,8 +1,8 @@
-//! Saves a sculpture as a mesh: checks what is asked for against what the format can hold, makes the mesh, and has the
+//! Saves a sculpture as a mesh: checks the request against the capabilities of the format, makes the mesh, and has the
 //! format's writer stream it to the file.
 //!
-//! Takes contents, [`MeshOptions`] and a path; gives a summary of what was written. Knows no format but by its
-//! description.
+//! Takes contents, [`MeshOptions`] and a path; gives a summary of the written mesh. Knows formats only by their
+//! descriptions.
 
 use std::fmt;
 use std::path::Path;
@@ -19,12 +19,12 @@ use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::{Contents, SurfaceKind};
 
-/// Summary of a mesh that was written.
+/// Summary of a written mesh.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MeshSummary {
-    /// Vertices, each once.
+    /// Number of distinct vertices.
     pub vertices: u64,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: u64,
     /// Extent of the mesh along the axes of the file.
     pub size_mm: Vec3,
@@ -38,7 +38,7 @@ impl fmt::Display for MeshSummary {
     }
 }
 
-/// Returns the surface of a mesh that looks as the sculpture is shown.
+/// Returns the surface of a mesh that looks like the displayed sculpture.
 pub fn usual_surface(shown: SurfaceKind) -> MeshKind {
     match shown {
         SurfaceKind::Smooth => MeshKind::Smooth,
@@ -58,7 +58,7 @@ pub fn save_mesh(
     save_made(path, contents, options, limits, progress, make)
 }
 
-/// [`save_mesh`], with what `cache` has of the mesh of the version before, and leaving this one there.
+/// Saves as [`save_mesh`] does, reusing the mesh of the previous version from `cache`, and leaving this one there.
 pub fn save_mesh_again(
     path: &Path,
     contents: &Contents,

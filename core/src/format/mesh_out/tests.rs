@@ -1,4 +1,4 @@
-//! The files are read back, most by small readers of their own, and compared with the mesh.
+//! Tests that files are read back, most by small readers of their own, and equal the mesh.
 
 use std::fs;
 use std::io::Read;
@@ -19,7 +19,7 @@ use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 
 const RED: Rgb = Rgb::new(250, 20, 40);
 
-/// Returns a cone with a hole, painted in part.
+/// Returns a cone with a hole, partly painted.
 fn subject() -> Contents {
     let grid = grid_of(20, |p| {
         let r = (p.x - 10.0).hypot(p.z - 8.0);
@@ -41,7 +41,7 @@ fn floats<const N: usize>(bytes: &[u8]) -> [f32; N] {
     std::array::from_fn(|i| f32::from_le_bytes(bytes[4 * i..4 * i + 4].try_into().unwrap()))
 }
 
-/// Returns the mesh in millimetres, of a voxel size of one.
+/// Returns the mesh in millimetres, for a voxel size of one.
 fn expected(kind: MeshKind, up: MeshUp) -> (Vec<Vec3>, Vec<[u32; 3]>, Vec<Rgb>) {
     let mesh = Mesh::of(&subject(), kind, VertexColours::Voxels, &Limits::default(), &()).unwrap();
     let turned = |p: Vec3| match up {
@@ -272,7 +272,7 @@ fn faces_are_merged_across_colours_where_a_file_has_none() {
     assert!(ply > stl, "{ply} {stl}: the cone is painted in part");
 }
 
-/// Notes the last share that each piece of work reported.
+/// Notes the last progress that each piece of work reported.
 #[derive(Default)]
 struct LastShares(std::sync::Mutex<Vec<(String, f32)>>);
 
@@ -315,14 +315,14 @@ fn the_progress_of_writing_ends_near_the_whole() {
         let shares = shares.0.into_inner().unwrap();
         assert_eq!(shares.last().unwrap().0, "writing");
         for (what, last) in &shares {
-            // Of merged faces there are too few for a report.
+            // There are too few merged faces for a report.
             let is_short = kind == MeshKind::Greedy && what == "writing";
             assert!(*last > 0.85 || is_short, "{name}: {what} {last}");
         }
     }
 }
 
-/// Is cancelled after it was asked about so many times.
+/// Is cancelled after a given number of checks.
 struct CancelledAfter(std::sync::atomic::AtomicI64);
 
 impl crate::progress::Progress for CancelledAfter {
@@ -374,7 +374,7 @@ fn what_a_file_takes_beside_its_mesh_is_counted() {
     let folder = tempfile::tempdir().unwrap();
     for (name, kind) in [("a.glb", MeshKind::Smooth), ("a.3mf", MeshKind::Faces)] {
         let options = MeshOptions { kind, ..MeshOptions::default() };
-        // The mesh has room, and nothing else.
+        // Memory for the mesh, and nothing else.
         let grid_bytes = count(kind) + 4096;
         let limits = Limits { grid_bytes, colour_bytes: 0, ..Limits::default() };
         Mesh::of(&subject(), kind, VertexColours::Voxels, &limits, &()).unwrap();

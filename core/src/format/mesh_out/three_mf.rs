@@ -1,5 +1,5 @@
 //! 3MF, the format of printers: a zip archive with the mesh as XML, in millimetres. Colours of vertices are a colour
-//! group of the materials extension, which programs that do not know it skip.
+//! group of the materials extension, which programs that do not support it skip.
 
 use std::collections::HashMap;
 use std::io::{BufWriter, Error, ErrorKind, Result, Seek, SeekFrom, Write};
@@ -30,14 +30,14 @@ const END: &str = r#"</triangles></mesh></object>
 "#;
 /// Id of the colours; 1 is the object.
 const COLOURS_ID: u32 = 2;
-/// Upper bound of the bytes of a vertex or triangle in XML, to know whether the archive needs 64-bit sizes.
+/// Upper bound of the bytes of a vertex or triangle in XML, to determine whether the archive needs 64-bit sizes.
 const ELEMENT_BYTES: u64 = 96;
 
-/// A file up to its first error, after which it takes everything and keeps nothing: an archive that is given up for the
-/// error is ended as it is dropped, and what fails then would be printed.
+/// A writer that accepts everything and stores nothing after its first error. An archive abandoned because of the error
+/// is finished when it is dropped, and a failure then would be printed.
 struct UntilError<W> {
     file: W,
-    /// Where the next byte goes, or would.
+    /// Position of the next byte, written or discarded.
     at: u64,
     has_failed: bool,
 }
@@ -47,7 +47,7 @@ impl<W> UntilError<W> {
         UntilError { file, at: 0, has_failed: false }
     }
 
-    /// Does something with the file, or gives `pretended` after an error.
+    /// Performs `action` on the file, or returns `pretended` after an error.
     fn with<T>(&mut self, pretended: T, action: impl FnOnce(&mut W) -> Result<T>) -> Result<T> {
         if self.has_failed {
             return Ok(pretended);
@@ -98,11 +98,11 @@ pub fn write(job: &Job, path: &Path) -> std::result::Result<(), FormatError> {
     model.write_all(MODEL.as_bytes())?;
 
     let mut steps = job.steps(1 + u64::from(mesh.is_coloured()), 1);
-    // The number of each vertex's colour, of all different ones.
+    // The number of each vertex's colour, among the distinct ones.
     let mut numbers: HashMap<Rgb, u32> = HashMap::new();
     let mut colours = Vec::new();
     if mesh.is_coloured() {
-        // As if all were different.
+        // As if all colours were distinct.
         job.need_bytes_a_vertex(size_of::<u32>() + 2 * size_of::<(Rgb, u32)>())?;
         write!(model, "<m:colorgroup id=\"{COLOURS_ID}\">")?;
         colours.reserve_exact(mesh.vertex_count() as usize);

@@ -1,5 +1,5 @@
-//! Options for volumes: which voxels exist, which volume and which part of the file is read, and whether its voxels become
-//! cubes.
+//! Options for volumes: which voxels exist, which volume and which part of the file is read, and whether it is
+//! resampled to cubic voxels.
 
 use std::fmt;
 use std::num::NonZeroU32;
@@ -9,22 +9,22 @@ use glam::UVec3;
 
 use super::three;
 
-/// Which voxels of a volume exist in the sculpture.
+/// The rule by which voxels of a volume exist in the sculpture.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub enum Existence {
-    /// Densities: those from the automatic threshold on; labels: all but 0. RGB: those that are not black. RGBA:
-    /// those with an opacity of 128 or more.
+    /// Densities: those of at least the automatic threshold; labels: all but 0; RGB: those that are not black; RGBA:
+    /// those with an opacity of at least 128.
     #[default]
     Auto,
-    /// Densities of this or more, in the units of the file. In colours it is compared with the
-    /// opacity or, where there is none, with the greatest of red, green and blue.
+    /// Densities of at least this, in the units of the file. In colours it is compared with the opacity or, where there
+    /// is none, with the maximum of red, green and blue.
     Threshold(f64),
-    /// Densities from the first to the second, both included. In colours as [`Existence::Threshold`].
+    /// Densities in an inclusive range. For colours as [`Existence::Threshold`].
     Range(f64, f64),
 }
 
 impl Existence {
-    /// Returns the least and the greatest density that exist; none where they are to be found in the volume.
+    /// Returns the least and the greatest density that exist; `None` where they are to be determined from the volume.
     pub fn bounds(self) -> Option<(f64, f64)> {
         match self {
             Existence::Auto => None,
@@ -72,7 +72,7 @@ impl FromStr for Existence {
 pub struct Ordinal(NonZeroU32);
 
 impl Ordinal {
-    /// None of 0.
+    /// Returns `None` for 0.
     pub fn new(number: u32) -> Option<Ordinal> {
         NonZeroU32::new(number).map(Ordinal)
     }
@@ -98,15 +98,15 @@ impl FromStr for Ordinal {
     }
 }
 
-/// Whether a volume is resampled to voxels of equal edges.
+/// Whether a volume is resampled to cubic voxels.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub enum Cubic {
-    /// Voxels keep the edges that they have in the file.
+    /// Voxels keep their edges in the file.
     #[default]
     No,
-    /// To the shortest edge that voxels have in the file.
+    /// Resampled to the shortest edge of voxels in the file.
     Finest,
-    /// To an edge in the file's unit of length: millimetres in scans.
+    /// Resampled to an edge in the file's unit of length: millimetres in scans.
     EdgeMm(f32),
 }
 
@@ -142,12 +142,12 @@ impl FromStr for Cubic {
 pub struct Region {
     /// The lowest voxel.
     pub low: UVec3,
-    /// The highest voxel, which belongs to it.
+    /// The highest voxel, inclusive.
     pub high: UVec3,
 }
 
 impl Region {
-    /// Size in voxels.
+    /// Returns the size in voxels.
     pub fn dims(&self) -> UVec3 {
         self.high - self.low + 1
     }

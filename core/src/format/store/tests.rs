@@ -1,4 +1,4 @@
-//! Tests of reading and writing: refused paths, replaced files, left-over files.
+//! Tests reading and writing: refused paths, replaced files, left-over files.
 
 use super::*;
 
@@ -24,7 +24,7 @@ fn writing_replaces_and_leaves_nothing_else() {
 #[test]
 fn a_failure_leaves_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
-    // A folder in the way of the new name.
+    // A folder blocks the new name.
     let path = folder.path().join("taken.pvm");
     fs::create_dir(&path).unwrap();
     fs::write(path.join("inside"), b"kept").unwrap();

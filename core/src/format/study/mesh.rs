@@ -1,4 +1,4 @@
-//! A mesh before it is imported: its outline, and the grid that it would lie in.
+//! Describes a mesh before it is imported: its outline, and the grid that it would occupy.
 
 use glam::{DVec3, Vec3};
 
@@ -10,19 +10,19 @@ use crate::sculpture::orientation::Up;
 use crate::sculpture::{Grid, Limits};
 use crate::voxelise::{Frame, bounds};
 
-/// Triangles that an outline shows, at most.
+/// Greatest number of triangles that an outline shows.
 const MOST_TRIANGLES: usize = 4000;
 
-/// A mesh that is to be imported, without its triangles.
+/// A mesh to be imported, without its triangles.
 #[derive(Debug)]
 pub struct MeshStudy {
-    /// Its triangles.
+    /// Number of its triangles.
     pub count: usize,
     /// Corners of a sample of its triangles, spread evenly over the file, in its coordinates.
     pub sample: Vec<[Vec3; 3]>,
     /// Whether it has colours.
     pub has_colours: bool,
-    /// Format, for people.
+    /// Display name of the format.
     pub kind: String,
     /// Notes on what was left out.
     pub notes: Vec<String>,
@@ -53,7 +53,7 @@ impl MeshStudy {
         Ok(study)
     }
 
-    /// Returns whether the file says which way is up.
+    /// Returns whether the file defines its up axis.
     pub fn knows_up(&self) -> bool {
         self.format.knows_up
     }
@@ -63,14 +63,14 @@ impl MeshStudy {
         self.format.up(options)
     }
 
-    /// Returns the grid that the mesh would lie in.
+    /// Returns the grid that the mesh would occupy.
     pub fn frame(&self, options: &ImportOptions) -> Result<Frame, FormatError> {
         let (up, mm) = (self.up(options), self.format.mm_per_unit);
         Ok(Frame::of_bounds(self.bounds, options.mesh_size, up, mm)?)
     }
 
-    /// Returns the sculpture that an import of the mesh would make; an error if it cannot be imported so. Triangles may
-    /// need more memory than stated.
+    /// Returns the sculpture that an import of the mesh would make; an error if it cannot be imported with these
+    /// options. Triangles may need more memory than stated.
     pub fn outlook(
         &self,
         options: &ImportOptions,
@@ -84,7 +84,7 @@ impl MeshStudy {
         Ok(Outlook {
             dims: frame.dims,
             voxel_size: frame.voxel_size,
-            // A bit for each voxel, three times over.
+            // A bit for each voxel, three times.
             read_bytes: voxels.div_ceil(8) * 3,
             grid_bytes: Grid::bytes_for(frame.dims),
             colour_bytes: if coloured { voxels * depth.bytes() as u64 } else { 0 },

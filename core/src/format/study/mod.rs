@@ -1,8 +1,8 @@
-//! A file before it is imported: what a dialog shows of it and asks about it.
+//! Describes a file before it is imported: the data that a dialog shows of it and the questions that it asks.
 //!
 //! Takes a path; gives a volume that can be cut into slices, the outline of a mesh, or the surface of a voxel model.
-//! For options of the import, also gives which voxels would exist, how large the sculpture would be and how much memory
-//! it would take. Makes no sculpture.
+//! For given import options, also gives which voxels would exist, the size of the sculpture and its memory. Makes no
+//! sculpture.
 
 mod mesh;
 mod model;
@@ -20,24 +20,24 @@ use crate::progress::Progress;
 use crate::sculpture::Limits;
 use glam::{UVec3, Vec3};
 
-/// Files about which the same is asked.
+/// Groups of files with the same import options.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Family {
     /// Densities or colours in a box: scans, `.pvm`, `.raw`.
     Volume,
     /// Triangles.
     Mesh,
-    /// Voxels with colours of other voxel editors.
+    /// Coloured voxels of other voxel editors.
     Model,
 }
 
 impl Family {
-    /// All, with their names.
+    /// All families with their names.
     pub const NAMED: [(Family, &'static str); 3] =
         [(Family::Volume, "volume"), (Family::Mesh, "mesh"), (Family::Model, "model")];
 }
 
-/// Returns the family of a file, which says what may be asked about it. None for sculptures, which leave nothing open,
+/// Returns the family of a file, which determines its import options. `None` for sculptures, which leave nothing open,
 /// and for files that cannot be read.
 pub fn family(path: &Path) -> Option<Family> {
     if content::needs_layout(path) {
@@ -60,7 +60,7 @@ pub enum Study {
     Mesh(Box<MeshStudy>),
     /// Voxels of another voxel editor.
     Model(Box<ModelStudy>),
-    /// It says everything itself, such as a volume that this program has written.
+    /// Nothing is left open, as in a volume that this program has written.
     Settled,
 }
 
@@ -71,17 +71,17 @@ pub struct Outlook {
     pub dims: UVec3,
     /// Edges of a voxel, in millimetres where the file has a unit.
     pub voxel_size: Vec3,
-    /// Memory while the file is read.
+    /// Memory during reading in bytes.
     pub read_bytes: u64,
-    /// Memory that the shape takes afterwards.
+    /// Memory of the shape afterwards in bytes.
     pub grid_bytes: u64,
-    /// Memory that colours take at most.
+    /// Greatest memory of the colours in bytes.
     pub colour_bytes: u64,
 }
 
-/// Reads a file for a study: a raw one with the layout of `options`, one of several channels or times as they say. This
-/// may take as much memory as [`super::load`]. A volume whose sculpture would be too large is read all the same, since
-/// a part of it may be asked for.
+/// Reads a file for a study: a raw one with the layout of `options`, one of several channels or times as chosen there.
+/// This may take as much memory as [`super::load`]. A volume whose sculpture would be too large is still read, since a
+/// part of it may be chosen.
 pub fn study(
     path: &Path,
     options: &ImportOptions,

@@ -1,5 +1,5 @@
-//! A model of another voxel editor before it is imported: the voxels that can be seen of it, its palette, and how it
-//! would stand.
+//! Describes a model of another voxel editor before it is imported: its visible voxels, its palette, and its
+//! orientation.
 
 use std::collections::HashMap;
 
@@ -15,40 +15,40 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::orientation::{Orientation, Up};
 use crate::sculpture::{ColourDepth, Grid, Limits, Rgb};
 
-/// Voxels of the surface that a picture shows, at most: of more, some are left out evenly.
+/// Greatest number of surface voxels that a picture shows: of more, some are skipped evenly.
 const MOST_SURFACE: usize = 1 << 21;
-/// Bricks between two looks at whether the work is cancelled.
+/// Number of bricks between two checks for cancellation.
 const PORTION: usize = 1 << 12;
 
-/// A model that is to be imported.
+/// A model to be imported.
 #[derive(Debug)]
 pub struct ModelStudy {
     /// Format and parts, for people.
     pub kind: String,
     /// Notes on what was left out.
     pub notes: Vec<String>,
-    /// Voxels that exist.
+    /// Number of existing voxels.
     pub voxels: u64,
-    /// Its colours, and how many voxels have each; those of most voxels first.
+    /// Its colours with their numbers of voxels, the most frequent first.
     pub palette: Vec<(Rgb, u64)>,
     /// Voxels of its surface.
     pub surface: Vec<SurfaceVoxel>,
-    /// Size as the format has it stand.
+    /// Size in the orientation of the format.
     dims: UVec3,
-    /// The axis that the format has pointing up.
+    /// The up axis of the format.
     up: Up,
-    /// Memory of the colours at 24 bits.
+    /// Memory of the colours at 24 bits, in bytes.
     colour_bytes: u64,
 }
 
 /// A voxel with an empty neighbour.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SurfaceVoxel {
-    /// Where it is, as the format has the model stand.
+    /// Its position, in the orientation of the format.
     pub at: IVec3,
     /// Its colour.
     pub colour: Rgb,
-    /// A bit for each neighbour that is empty: at -x, +x, -y, +y, -z, +z, the first in the lowest.
+    /// A bit for each empty neighbour: at -x, +x, -y, +y, -z, +z, the first in the lowest.
     pub open_sides: u8,
 }
 
@@ -66,10 +66,10 @@ impl ModelStudy {
         let Contents { grid, material, .. } =
             voxel::to_contents(model, &options, limits, progress)?;
         let mut counts: HashMap<Rgb, u64> = HashMap::new();
-        // Neighbours mostly have the same colour, which need not be looked up then.
+        // Neighbours mostly have the same colour, which then need not be looked up.
         let (mut last, mut run) = (Rgb::default(), 0);
         let mut surface = Vec::new();
-        // Every how many voxels of the surface one is kept.
+        // One of every `stride` surface voxels is kept.
         let (mut stride, mut seen) = (1, 0);
         for (portion, (b, brick)) in grid.nonempty_bricks().enumerate() {
             if portion.is_multiple_of(PORTION) {
@@ -126,12 +126,12 @@ impl ModelStudy {
         options.upright.unwrap_or(self.up)
     }
 
-    /// Size of the sculpture.
+    /// Returns the size of the sculpture.
     pub fn dims(&self, options: &ImportOptions) -> UVec3 {
         self.turn(options).size(self.dims)
     }
 
-    /// Returns where a point would come to lie, in the grid of the sculpture; both in voxels.
+    /// Returns the map from points of the model to the grid of the sculpture; both in voxels.
     pub fn in_grid(&self, options: &ImportOptions) -> impl Fn(Vec3) -> Vec3 {
         let (turn, dims) = (self.turn(options), self.dims.as_vec3());
         move |point| {
@@ -142,12 +142,13 @@ impl ModelStudy {
         }
     }
 
-    /// Returns how the model is turned from how its format has it stand.
+    /// Returns the rotation of the model relative to the orientation of its format.
     fn turn(&self, options: &ImportOptions) -> Orientation {
         self.up.turned_upright().inverse().then(self.up(options).turned_upright())
     }
 
-    /// Returns the sculpture that an import of the model would make; an error if it cannot be imported so.
+    /// Returns the sculpture that an import of the model would make; an error if it cannot be imported with these
+    /// options.
     pub fn outlook(
         &self,
         options: &ImportOptions,
@@ -163,7 +164,7 @@ impl ModelStudy {
         };
         let voxel_size = voxel::voxel_size(options);
         Grid::check(dims, voxel_size, limits.grid_bytes)?;
-        // A model that is turned is in memory twice for a while.
+        // A rotated model is in memory twice for a while.
         let times = if self.turn(options) == Orientation::UPRIGHT { 1 } else { 2 };
         let read_bytes = (grid_bytes + colour_bytes) * times;
         Ok(Outlook { dims, voxel_size, read_bytes, grid_bytes, colour_bytes })

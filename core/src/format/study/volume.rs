@@ -1,4 +1,5 @@
-//! A volume before it is imported: its histogram, slices of it as the sculpture will stand, and what would exist.
+//! Describes a volume before it is imported: its histogram, its slices in the orientation of the sculpture, and which
+//! voxels would exist.
 
 use glam::{UVec2, UVec3, Vec3};
 
@@ -15,38 +16,38 @@ use crate::format::{Densities, FormatError, Source, Volumes, budget_bytes, label
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::{Grid, Limits, Rgb};
 
-/// A volume that is to be imported, as it lies in its file.
+/// A volume to be imported, in the orientation of its file.
 #[derive(Debug)]
 pub struct VolumeStudy {
     /// The voxels.
     pub volume: Volume,
-    /// Statistics of the values that are compared with thresholds: densities; of colours the opacity, or where there is
-    /// none the greatest of red, green and blue.
+    /// Statistics of the values that are compared with thresholds: densities, or for colours the opacity, or where
+    /// there is none the maximum of red, green and blue.
     pub densities: Densities,
-    /// Whether the file says that its numbers are labels.
+    /// Whether the file declares its numbers as labels.
     pub is_label: bool,
-    /// Format and packing, for people.
+    /// Display name of the format and packing.
     pub kind: String,
-    /// Which channel and time it is.
+    /// The channel and the time.
     pub volumes: Volumes,
     /// Notes on what was left out or interpreted otherwise.
     pub notes: Vec<String>,
     frame: Frame,
 }
 
-/// Which values exist.
+/// The values that exist.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Existing {
     /// The least.
     pub least: f64,
     /// The greatest.
     pub most: f64,
-    /// 0 does not exist, even between these.
+    /// Whether 0 does not exist, even between these.
     pub but_zero: bool,
 }
 
 impl Existing {
-    /// Returns whether a value exists; not if it is no number.
+    /// Returns whether a value exists; false for NaN.
     #[inline]
     pub fn contains(&self, value: f32) -> bool {
         let wide = f64::from(value);
@@ -66,17 +67,17 @@ impl VolumeStudy {
         Ok(VolumeStudy { volume, densities, is_label, kind, volumes, notes, frame })
     }
 
-    /// Returns whether the file says which way is up.
+    /// Returns whether the file defines its up axis.
     pub fn knows_up(&self) -> bool {
         self.frame.knows_up()
     }
 
-    /// Returns where the axes point, for people.
+    /// Returns the directions of the axes for display.
     pub fn orientation(&self) -> Option<String> {
         self.frame.describe()
     }
 
-    /// Returns how the volume is turned to stand upright.
+    /// Returns the rotation that makes the volume upright.
     pub fn turn(&self, options: &ImportOptions) -> Orientation {
         let up = if self.knows_up() { None } else { options.upright };
         self.frame.orientation().then(up.unwrap_or_default().turned_upright())
@@ -102,7 +103,8 @@ impl VolumeStudy {
         Existing { least, most, but_zero: is_label || is_packed }
     }
 
-    /// Returns the colour of an existing value; none where it is the base colour, or that of the voxel itself.
+    /// Returns a function for the colours of existing values; `None` where they have the base colour, or that of the
+    /// voxel itself.
     pub fn colour(&self, options: &ImportOptions) -> Option<Box<dyn Fn(f32) -> Rgb>> {
         let existing = self.existing(options);
         let from = existing.least;
@@ -136,14 +138,14 @@ impl VolumeStudy {
         }
     }
 
-    /// Size of the whole volume as it will stand.
+    /// Returns the size of the upright volume.
     pub fn upright_dims(&self, turn: Orientation) -> UVec3 {
         turn.size(self.volume.dims)
     }
 
-    /// Size and values of the slice at `at` across an axis (0 to 2) of the volume as it will stand, rows from top to
-    /// bottom. Across x it is seen from the right (the front at the left), across y from below (the front at the top), across z
-    /// from the front. At most `most_px` values a side: of larger ones voxels are left out evenly.
+    /// Returns size and values of the slice at `at` across an axis (0 to 2) of the upright volume, rows from top to
+    /// bottom. Across x it is seen from the right (the front at the left), across y from below (the front at the top),
+    /// across z from the front. At most `most_px` values per side: larger ones are subsampled evenly.
     pub fn slice(
         &self,
         turn: Orientation,
@@ -173,7 +175,7 @@ impl VolumeStudy {
         (size, values)
     }
 
-    /// Returns the axes to the right and downwards of the slice across an axis, and whether they run the other way.
+    /// Returns the axes to the right and downwards of the slice across an axis, and whether they are reversed.
     pub fn picture_axes(axis: usize) -> ([usize; 2], [bool; 2]) {
         match axis {
             0 => ([2, 1], [true, true]),
@@ -182,26 +184,27 @@ impl VolumeStudy {
         }
     }
 
-    /// Returns a box of the file as it will stand.
+    /// Returns the upright image of a box of the file.
     pub fn upright_region(&self, turn: Orientation, region: Region) -> Region {
         let at = |voxel: UVec3| turn.destination(voxel.as_ivec3(), self.volume.dims).as_uvec3();
         let (a, b) = (at(region.low), at(region.high));
         Region { low: a.min(b), high: a.max(b) }
     }
 
-    /// Returns a box of the volume as it will stand, in the file.
+    /// Returns the box of the file for a box of the upright volume.
     pub fn region_in_file(&self, turn: Orientation, region: Region) -> Region {
         let at = |voxel: UVec3| turn.source(voxel.as_ivec3(), self.volume.dims).as_uvec3();
         let (a, b) = (at(region.low), at(region.high));
         Region { low: a.min(b), high: a.max(b) }
     }
 
-    /// Returns all of the file.
+    /// Returns the region of the whole file.
     pub fn whole(&self) -> Region {
         Region { low: UVec3::ZERO, high: self.volume.dims - 1 }
     }
 
-    /// Returns the sculpture that an import of the volume would make; an error if it cannot be imported so.
+    /// Returns the sculpture that an import of the volume would make; an error if it cannot be imported with these
+    /// options.
     pub fn outlook(
         &self,
         options: &ImportOptions,
@@ -212,7 +215,7 @@ impl VolumeStudy {
         Grid::check(prepared_dims, prepared_size, limits.grid_bytes)?;
         let bytes = |dims: UVec3| voxels(dims) * u64::from(samples.bytes());
         let cut = bytes(options.region.map_or(dims, |region| region.dims()));
-        // Old and new voxels are there together while they are resampled.
+        // Old and new voxels exist together during resampling.
         let resampled = if prepared_size == voxel_size { 0 } else { bytes(prepared_dims) };
         check_budget(cut.saturating_add(resampled), budget_bytes(limits))?;
         let turn = self.turn(options);
@@ -230,8 +233,8 @@ impl VolumeStudy {
         })
     }
 
-    /// Returns the options that make the sculpture that was shown: an automatic threshold is that of the whole volume,
-    /// also where the part that is read, or its cubic voxels, would have another one.
+    /// Returns the options that make the sculpture as it was shown: an automatic threshold is that of the whole volume,
+    /// even where the chosen part, or its cubic voxels, would have another one.
     pub fn settled(&self, options: &ImportOptions) -> ImportOptions {
         let region = options.region.filter(|region| *region != self.whole());
         let resampled = options.cubic != Cubic::No;
@@ -249,7 +252,7 @@ fn voxels(dims: UVec3) -> u64 {
     dims.as_u64vec3().element_product()
 }
 
-/// Of what is compared with thresholds in colours.
+/// Computes the statistics of the values of colours that are compared with thresholds.
 fn of_colours(volume: &Volume) -> Option<Densities> {
     let (histogram, threshold) = match volume.samples {
         Samples::Rgb8 => {

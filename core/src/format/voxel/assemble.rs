@@ -1,6 +1,6 @@
-//! From a [`Model`] to a sculpture: measures its voxels in one walk, checks the memory, and writes them in another.
+//! Converts a [`Model`] to a sculpture: measures its voxels in one pass, checks the memory, and writes them in another.
 //!
-//! One brick with its colours is kept at hand, since neighbours in a file mostly are neighbours in the grid.
+//! The current brick is cached with its colours, since neighbours in a file mostly are neighbours in the grid.
 
 use glam::{I64Vec3, UVec3, Vec3};
 
@@ -17,12 +17,12 @@ use crate::sculpture::orient::Reorientation;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 
-/// Voxels between two looks at whether the work is cancelled.
+/// Number of voxels between two checks for cancellation.
 const PORTION: u64 = 1 << 18;
-/// Voxels that are read at most, those in the same place counted again: so that copies of copies end.
+/// Greatest number of voxels read, including coincident ones, so that nested copies terminate.
 const MOST_VOXELS: u64 = 1 << 32;
 
-/// Returns the bits of colour of a sculpture made of a model, which has colours but no densities.
+/// Returns the colour depth of a sculpture made from a model, which has colours but no densities.
 pub fn colour_depth(options: &ImportOptions) -> Result<ColourDepth, FormatError> {
     match options.colouring {
         Colouring::None => Ok(ColourDepth::None),
@@ -32,7 +32,7 @@ pub fn colour_depth(options: &ImportOptions) -> Result<ColourDepth, FormatError>
     }
 }
 
-/// Returns the edges of a voxel, which models do not say: as chosen, or 1 mm.
+/// Returns the edges of a voxel, which models do not define: as chosen, or 1 mm.
 pub fn voxel_size(options: &ImportOptions) -> Vec3 {
     match options.mesh_size {
         MeshSize::VoxelMm(edge) => Vec3::splat(edge),
@@ -40,8 +40,8 @@ pub fn voxel_size(options: &ImportOptions) -> Vec3 {
     }
 }
 
-/// Makes a sculpture of the voxels of a model. Its grid is the model's canvas where that can be, else the
-/// smallest box around the voxels.
+/// Makes a sculpture from the voxels of a model. Its grid is the model's canvas if possible, else the bounding box of
+/// the voxels.
 pub fn to_contents(
     model: &dyn Model,
     options: &ImportOptions,
@@ -78,7 +78,7 @@ pub fn to_contents(
     Ok(Contents::new(grid, material))
 }
 
-/// [`to_contents`], turned as `options` say.
+/// Converts as [`to_contents`] does, rotated according to `options`.
 pub fn turned(
     model: &dyn Model,
     options: &ImportOptions,
@@ -92,17 +92,17 @@ pub fn turned(
     }
 }
 
-/// Returns the size of a box; beyond all limits where it cannot be counted.
+/// Returns the size of a box; beyond all limits on overflow.
 fn dims_of(low: I64Vec3, high: I64Vec3) -> UVec3 {
     (high - low).clamp(I64Vec3::ZERO, I64Vec3::splat(i64::from(u32::MAX))).as_uvec3()
 }
 
-/// The findings of the first walk.
+/// The result of the first pass.
 struct Survey {
     low: I64Vec3,
     high: I64Vec3,
     voxels: u64,
-    /// The colour of all voxels, if they have the same.
+    /// The colour of all voxels, if it is the same.
     only_colour: Option<Rgb>,
 }
 

@@ -25,7 +25,7 @@ pub static SPEC: FormatSpec = FormatSpec {
 };
 
 const MAGIC: &[u8] = b"#binvox";
-/// Lines of the header at most.
+/// Greatest number of header lines.
 const MOST_LINES: usize = 64;
 
 /// A file: y fastest, then z, then x.

@@ -1,5 +1,5 @@
 //! Reads Goxel's `.gox`: chunks of blocks of 16^3 voxels, each stored as a PNG of 64x64 pixels, and of layers that
-//! say where blocks stand; `gox_layer.rs` makes voxels of them. z points up.
+//! position blocks; `gox_layer.rs` makes voxels of them. z points up.
 
 use std::io::Cursor;
 
@@ -28,9 +28,9 @@ pub static SPEC: FormatSpec = FormatSpec {
 };
 
 const MAGIC: &[u8] = b"GOX ";
-/// Pixels along the edge of a block's picture.
+/// Edge of a block's picture in pixels.
 const PICTURE_EDGE: u32 = 64;
-/// The newest version that is known.
+/// The newest known version.
 const VERSION: u32 = 2;
 
 /// A file.
@@ -38,7 +38,7 @@ const VERSION: u32 = 2;
 struct Gox<'a> {
     version: u32,
     blocks: Vec<Bytes<'a>>,
-    /// Hidden ones, too, which others may copy.
+    /// All layers, including hidden ones, which others may copy.
     layers: Vec<Layer>,
 }
 
@@ -60,7 +60,7 @@ fn read(file: &[u8]) -> Result<Gox<'_>, FormatError> {
         let id = bytes.take(4)?;
         let length = bytes.count("bytes")?;
         let chunk = bytes.part(length)?;
-        // A checksum that Goxel itself leaves 0.
+        // A checksum, which Goxel itself leaves 0.
         bytes.u32()?;
         match id {
             b"BL16" => gox.blocks.push(chunk),
@@ -105,7 +105,7 @@ impl Model for Gox<'_> {
         format!("Goxel, version {}, layers: {}", self.version, self.visible().count())
     }
 
-    /// Goxel stores whole blocks, so the edges of their boxes mean nothing.
+    /// Goxel stores whole blocks, so the edges of their boxes have no meaning.
     fn up(&self) -> Up {
         Up::Z
     }

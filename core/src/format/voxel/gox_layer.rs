@@ -1,7 +1,7 @@
-//! The layers of a Goxel file: blocks of their own, copies of other layers (clones), or shapes that Goxel fills itself.
+//! The layers of a Goxel file: their own blocks, copies of other layers (clones), or shapes that Goxel fills itself.
 //!
-//! Takes layers and a way to unpack blocks; calls a sink for every voxel, in the axes of the file. Copies of copies are
-//! followed to a layer that is none, however they refer to one another.
+//! Takes layers and a function that unpacks blocks; calls a sink for every voxel, in the axes of the file. Nested
+//! copies are followed to a layer that is no copy; cycles terminate.
 
 use glam::{DMat4, DVec3, I64Vec3};
 
@@ -10,15 +10,15 @@ use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::sculpture::Rgb;
 
-/// Voxels along the edge of a block.
+/// Edge of a block in voxels.
 const EDGE_VX: i64 = 16;
-/// Voxels of this opacity or more exist, as Goxel draws them.
+/// Least opacity of existing voxels, as Goxel draws them.
 const OPAQUE: u8 = 128;
-/// Copies of copies that are followed.
+/// Greatest number of nested copies that are followed.
 const MOST_COPIES: usize = 64;
-/// Places of a turned block or a shape that are looked at, for each layer.
+/// Greatest number of positions tested in a rotated block or a shape, for each layer.
 const MOST_PLACES: f64 = (1u64 << 32) as f64;
-/// Keeps places that lie on a border on the side where they are without rounding.
+/// Keeps positions on a border on the side where they are without rounding.
 const ROUNDING: f64 = 1e-6;
 
 #[derive(Debug, Default)]
@@ -29,15 +29,15 @@ pub struct Layer {
     id: i32,
     /// The layer that this one copies, or 0.
     base: i32,
-    /// Where a copy or a shape stands.
+    /// The transform of a copy or a shape.
     matrix: DMat4,
     shape: Option<Shape>,
     colour: [u8; 4],
-    /// A shape that is not known.
+    /// The name of an unknown shape.
     pub unknown_shape: Option<String>,
 }
 
-/// A shape within -1 to 1 of all three axes.
+/// A shape within -1 to 1 on all three axes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Shape {
     Sphere,
@@ -66,7 +66,7 @@ pub fn read(mut chunk: Bytes<'_>) -> Result<Layer, FormatError> {
         chunk.u32()?;
         layer.placed.push((number, I64Vec3::from_array(corner)));
     }
-    // Names and values; a name without length ends them.
+    // Names and values, ended by an empty name.
     while !chunk.is_empty() {
         let length = chunk.count("bytes")?;
         if length == 0 {
@@ -98,7 +98,7 @@ pub fn read(mut chunk: Bytes<'_>) -> Result<Layer, FormatError> {
     Ok(layer)
 }
 
-/// Calls `sink` for the voxels of a layer; `decode` gives those of a block, x fastest, then y, then z.
+/// Calls `sink` for the voxels of a layer; `decode` returns those of a block, x fastest, then y, then z.
 pub fn walk(
     layer: &Layer,
     all: &[Layer],
@@ -106,7 +106,7 @@ pub fn walk(
     sink: &mut Sink<'_>,
 ) -> Result<(), FormatError> {
     let (mut own, mut matrix) = (layer, DMat4::IDENTITY);
-    // A layer with blocks of its own has them where they are.
+    // A layer with its own blocks has them in place.
     let mut copies = 0;
     while own.placed.is_empty() && own.base != 0 {
         matrix *= own.matrix;
@@ -134,7 +134,7 @@ pub fn walk(
     }
 }
 
-/// Returns where the voxel number `i` of a block lies in it.
+/// Returns the position of voxel number `i` within a block.
 fn place(i: i64) -> I64Vec3 {
     I64Vec3::new(i % EDGE_VX, i / EDGE_VX % EDGE_VX, i / EDGE_VX / EDGE_VX)
 }
@@ -143,7 +143,7 @@ fn put(v: I64Vec3, [r, g, b, opacity]: [u8; 4], sink: &mut Sink<'_>) -> Result<(
     if opacity >= OPAQUE { sink(upright(v), Rgb([r, g, b])) } else { Ok(()) }
 }
 
-/// Returns the voxels of the box around what a matrix makes of another, with the matrix back.
+/// Returns the voxel box around the image of a box under a matrix, with the inverse matrix.
 fn around(
     matrix: DMat4,
     low: DVec3,
@@ -168,7 +168,7 @@ fn around(
     Ok(Some((least.as_i64vec3(), most.as_i64vec3(), back)))
 }
 
-/// Calls `f` for all places from `low` to before `high`.
+/// Calls `f` for all positions from `low` to `high` (exclusive).
 fn each(
     low: I64Vec3,
     high: I64Vec3,
@@ -197,7 +197,7 @@ fn fill(
     })
 }
 
-/// Returns a block that a matrix moves and turns: each place that it may reach takes the voxel that comes to lie there.
+/// Transforms a block: each position that it may reach takes the voxel that is mapped to it.
 fn turned(
     block: &[[u8; 4]],
     corner: I64Vec3,

@@ -1,8 +1,9 @@
-//! The colours of a MagicaVoxel file that brings none.
+//! The default palette of MagicaVoxel files without one.
 
 use crate::sculpture::Rgb;
 
-/// Entry 0 is no voxel; then a cube of six levels a channel but for black, and ramps of red, green, blue and grey.
+/// Returns the palette: entry 0 is no voxel; then follow a cube of six levels per channel except black, and ramps of
+/// red, green, blue and grey.
 pub fn default_palette() -> [Rgb; 256] {
     const LEVELS: [u8; 6] = [255, 204, 153, 102, 51, 0];
     const RAMP: [u8; 10] = [0xee, 0xdd, 0xbb, 0xaa, 0x88, 0x77, 0x55, 0x44, 0x22, 0x11];

@@ -29,7 +29,7 @@ pub static SPEC: FormatSpec = FormatSpec {
 #[derive(Debug)]
 struct Qb<'a> {
     is_bgra: bool,
-    /// x points the other way: a model that faces forward along z faces the viewer in either case.
+    /// Whether x points the other way: a model that faces forward along z faces the viewer in either case.
     is_left_handed: bool,
     is_packed: bool,
     matrices: Vec<Matrix<'a>>,
@@ -45,7 +45,7 @@ struct Matrix<'a> {
 /// Reads the structure of a file.
 fn read(file: &[u8]) -> Result<Qb<'_>, FormatError> {
     let mut bytes = Bytes::new(file);
-    // Any version: they differ in nothing.
+    // Any version: they do not differ.
     bytes.u32()?;
     let start = bytes;
     let flags = [bytes.u32()?, bytes.u32()?, bytes.u32()?, bytes.u32()?];
@@ -84,7 +84,8 @@ fn read(file: &[u8]) -> Result<Qb<'_>, FormatError> {
 }
 
 impl<'a> Matrix<'a> {
-    /// Calls `f` with the index of the first voxel of each run, the run's length and colour; returns what follows.
+    /// Calls `f` with the index of the first voxel of each run, the run's length and colour. Returns the remaining
+    /// bytes.
     fn runs(
         &self,
         f: &mut dyn FnMut(i64, i64, u32) -> Result<(), FormatError>,

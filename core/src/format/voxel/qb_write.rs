@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
 use crate::sculpture::history::Contents;
 
-/// Words in the voxels of a matrix that mean no colour: a run follows, and a slice ends.
+/// Words in the voxels of a matrix that are no colours: the start of a run, and the end of a slice.
 pub const RUN: u32 = 2;
 pub const SLICE_END: u32 = 6;
 /// Major, minor, release and build number of the format.
@@ -60,7 +60,7 @@ fn word_by_word(out: &mut dyn Write, words: &[u32]) -> std::io::Result<()> {
     out.write_all(&bytes)
 }
 
-/// The voxels of a layer of bricks: opaque colours, which are none of the words with a meaning of their own, or 0.
+/// Writes the voxels of a layer of bricks: opaque colours, which differ from the reserved words, or 0.
 fn fill(contents: &Contents, layer: u32, slab: &mut [u32]) {
     let (grid, material) = (&contents.grid, &contents.material);
     let UVec3 { x: width, y: height, .. } = grid.dims();

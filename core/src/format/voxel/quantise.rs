@@ -1,7 +1,7 @@
-//! A palette for the colours of a sculpture: exactly they where they are few enough, else the best of so many by
-//! median cut and k-means in Oklab, where distances are those that the eye sees.
+//! Computes a palette for the colours of a sculpture: exact where they are few enough, else by median cut and k-means
+//! in Oklab, where distances are perceptual.
 //!
-//! Deterministic: the same colours give the same palette on any machine and number of threads.
+//! Deterministic: the same colours give the same palette on any machine and with any number of threads.
 
 use std::collections::HashMap;
 
@@ -13,10 +13,10 @@ use crate::sculpture::{Brick, Rgb};
 
 /// Rounds of k-means; more change little.
 const ROUNDS: usize = 8;
-/// Colours told apart while the palette is looked for; beyond that their lowest bits are ignored.
+/// Greatest number of distinct colours during the search; beyond that their lowest bits are ignored.
 const MOST_POINTS: usize = 1 << 15;
 
-/// Colours, and which of them stands for each colour of the sculpture.
+/// Colours, and the one that represents each colour of the sculpture.
 #[derive(Debug)]
 pub struct Palette {
     pub colours: Vec<Rgb>,
@@ -24,12 +24,12 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// Returns the place of a colour that the sculpture has.
+    /// Returns the index of the entry for a colour of the sculpture.
     pub fn index(&self, colour: Rgb) -> u8 {
         self.index.get(&colour).copied().unwrap_or(0)
     }
 
-    /// Number of colours of the sculpture. Each stands for itself if the palette has as many.
+    /// Returns the number of colours of the sculpture. Each is exact if the palette has as many.
     pub fn stands_for(&self) -> usize {
         self.index.len()
     }
@@ -53,7 +53,7 @@ pub fn palette(contents: &Contents, most: usize) -> Palette {
     Palette { colours, index }
 }
 
-/// Returns how many voxels have each colour.
+/// Returns the number of voxels of each colour.
 fn histogram(contents: &Contents) -> HashMap<Rgb, u64> {
     let (grid, material) = (&contents.grid, &contents.material);
     let bricks: Vec<(usize, &Brick)> =
@@ -74,7 +74,7 @@ fn histogram(contents: &Contents) -> HashMap<Rgb, u64> {
     bricks.par_iter().fold(HashMap::new, count).reduce(HashMap::new, add)
 }
 
-/// A colour with the number of voxels that have it.
+/// A colour with its number of voxels.
 #[derive(Clone, Copy)]
 struct Point {
     at: DVec3,
@@ -92,7 +92,7 @@ fn find(counts: &[(Rgb, u64)], most: usize) -> Vec<Rgb> {
             sums[owner].0 += point.at * point.weight;
             sums[owner].1 += point.weight;
         }
-        // One that nothing is nearest to stays where it is.
+        // A centre without points stays in place.
         centres
             .iter_mut()
             .zip(sums)
@@ -105,9 +105,9 @@ fn find(counts: &[(Rgb, u64)], most: usize) -> Vec<Rgb> {
     colours
 }
 
-/// Returns the colours in Oklab; where there are very many, neighbouring ones as one.
+/// Returns the colours in Oklab; if there are very many, neighbouring ones are merged.
 fn points(counts: &[(Rgb, u64)]) -> Vec<Point> {
-    // A colour that few voxels have still deserves one like it: weights grow slower than numbers.
+    // A rare colour still needs a similar entry: weights grow more slowly than counts.
     let weight = |voxels: u64| (voxels as f64).sqrt();
     if counts.len() <= MOST_POINTS {
         let point =
@@ -128,8 +128,8 @@ fn points(counts: &[(Rgb, u64)]) -> Vec<Point> {
     .collect()
 }
 
-/// Sorts the points into at most `most` groups: time and again that of the largest variance is cut at its mean,
-/// across its longest axis.
+/// Sorts the points into at most `most` groups: repeatedly splits that of the largest variance at its mean, across its
+/// longest axis.
 fn median_cut(points: &mut [Point], most: usize) -> Vec<std::ops::Range<usize>> {
     let mut groups = vec![(0..points.len(), variance(points))];
     while groups.len() < most {
@@ -162,7 +162,7 @@ fn mean(points: &[Point]) -> DVec3 {
     points.iter().map(|p| p.at * p.weight).sum::<DVec3>() / weight
 }
 
-/// Of each axis, times the weight.
+/// Returns the variance of each axis, times the weight.
 fn variance(points: &[Point]) -> DVec3 {
     let mean = mean(points);
     points.iter().map(|p| (p.at - mean).powf(2.0) * p.weight).sum()
@@ -179,7 +179,7 @@ fn nearest(centres: &[DVec3], at: DVec3) -> usize {
     best.0
 }
 
-/// sRGB to Oklab (Ottosson 2020).
+/// Converts sRGB to Oklab (Ottosson 2020).
 fn oklab(colour: Rgb) -> DVec3 {
     let linear = colour.0.map(|level| {
         let v = f64::from(level) / 255.0;
@@ -196,7 +196,7 @@ fn oklab(colour: Rgb) -> DVec3 {
     )
 }
 
-/// Returns the inverse of [`oklab`], rounded.
+/// Inverts [`oklab`], rounded.
 fn from_oklab(lab: DVec3) -> Rgb {
     let l = (lab.x + 0.396_337_777_4 * lab.y + 0.215_803_757_3 * lab.z).powi(3);
     let m = (lab.x - 0.105_561_345_8 * lab.y - 0.063_854_172_8 * lab.z).powi(3);

@@ -1,5 +1,5 @@
-//! The scene of a MagicaVoxel file: a graph of transforms, groups and shapes, followed from its root to the list of
-//! all models that stand in it.
+//! The scene of a MagicaVoxel file: a graph of transforms, groups and shapes, followed from its root to the list of all
+//! placed models.
 //!
 //! Children may be shared, so that a small file can name very many objects, or itself: depth and number are bounded.
 
@@ -9,12 +9,12 @@ use glam::I64Vec3;
 
 use crate::format::FormatError;
 
-/// Deepest nesting of groups that is followed.
+/// Greatest nesting of groups that is followed.
 const MOST_DEPTH: usize = 200;
-/// Objects, groups and transforms that are visited at most.
+/// Greatest number of objects, groups and transforms that are visited.
 const MOST_VISITS: u32 = 1 << 20;
 
-/// One of the 48 ways to lay a model: row i of the matrix holds `sign[i]` in column `axis[i]`.
+/// One of the 48 axis-aligned orientations: row i of the matrix holds `sign[i]` in column `axis[i]`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Turn {
     axis: [usize; 3],
@@ -24,7 +24,7 @@ pub struct Turn {
 impl Turn {
     const NONE: Turn = Turn { axis: [0, 1, 2], sign: [1; 3] };
 
-    /// From the decimal text of the rotation byte: two bits each for the columns of the first two rows, then the
+    /// Parses the decimal text of the rotation byte: two bits each for the columns of the first two rows, then the
     /// signs of all three.
     pub fn parse(text: Option<&[u8]>) -> Option<Turn> {
         let Some(text) = text else { return Some(Turn::NONE) };
@@ -41,7 +41,7 @@ impl Turn {
         I64Vec3::from_array([0, 1, 2].map(|row| self.sign[row] * v[self.axis[row]]))
     }
 
-    /// First `inner`, then `self`.
+    /// Composes: first `inner`, then `self`.
     fn of(&self, inner: &Turn) -> Turn {
         Turn {
             axis: self.axis.map(|row| inner.axis[row]),
@@ -70,7 +70,7 @@ pub enum Node {
     },
 }
 
-/// A model that stands in the scene.
+/// A model placed in the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Instance {
     /// Which model.
@@ -85,8 +85,8 @@ impl Instance {
         Instance { part, turn: Turn::NONE, shift: I64Vec3::ZERO }
     }
 
-    /// Returns where the voxel `v` of a model of `size` stands. A model turns about its middle, rounded down to a
-    /// corner of voxels; computed with the doubled coordinates of the voxel's centre, which are whole.
+    /// Returns the position of the voxel `v` of a model of `size`. A model rotates about its centre, rounded down to a
+    /// voxel corner; computed with the doubled coordinates of the voxel's centre, which are whole.
     pub fn place(&self, v: I64Vec3, size: I64Vec3) -> I64Vec3 {
         let doubled = self.turn.apply(2 * (v - size / 2) + 1) + 2 * self.shift;
         (doubled - 1) / 2
@@ -97,9 +97,9 @@ impl Instance {
 #[derive(Debug, Default)]
 pub struct Placed {
     pub instances: Vec<Instance>,
-    /// Nodes left out since they, or their layers, are hidden.
+    /// Number of nodes left out because they, or their layers, are hidden.
     pub hidden: usize,
-    /// Whether anything moves.
+    /// Whether anything is animated.
     pub has_frames: bool,
 }
 
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn models_turn_about_their_middle() {
-        // A quarter turn about z of a model 4 x 2: its middle stays where it was.
+        // A quarter turn about z of a model 4 x 2: its centre stays in place.
         let turn = Turn { axis: [1, 0, 2], sign: [-1, 1, 1] };
         let instance = Instance { part: 0, turn, shift: I64Vec3::new(10, 20, 0) };
         let size = I64Vec3::new(4, 2, 1);

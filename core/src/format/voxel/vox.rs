@@ -1,5 +1,5 @@
-//! Reads MagicaVoxel's `.vox` (versions 150 and 200): models, palette, and the scene that places them. Other files of
-//! the name are read as Voxlap's (`voxlap.rs`).
+//! Reads MagicaVoxel's `.vox` (versions 150 and 200): models, palette, and the scene that places them. Other files with
+//! that extension are read as Voxlap's (`voxlap.rs`).
 //!
 //! The voxels stay in the file's bytes. Of animations the first frame is read; hidden objects and layers are left
 //! out. `scene.rs` places the models.
@@ -37,17 +37,17 @@ pub static SPEC: FormatSpec = FormatSpec {
     )
 };
 
-/// A name, and the bytes of the chunk and of its children.
+/// Size of a name, and of the lengths of the chunk and of its children.
 const CHUNK_HEADER_BYTES: usize = 12;
 
-/// A model as it lies in the file: four bytes a voxel, x, y, z and colour, z up.
+/// A model in the layout of the file: four bytes per voxel, x, y, z and colour, z up.
 #[derive(Debug)]
 struct Part<'a> {
     size: I64Vec3,
     voxels: &'a [[u8; 4]],
 }
 
-/// A file: models, where they stand, and their colours.
+/// A file: models, their placement, and their colours.
 #[derive(Debug)]
 struct Vox<'a> {
     version: u32,
@@ -69,7 +69,7 @@ struct Chunks<'a> {
     notes: Vec<String>,
 }
 
-/// Reads a file as far as its structure.
+/// Reads the structure of a file.
 fn read(file: &[u8]) -> Result<Vox<'_>, FormatError> {
     let mut bytes = Bytes::new(file);
     bytes.take(MAGIC.len())?;
@@ -81,7 +81,7 @@ fn read(file: &[u8]) -> Result<Vox<'_>, FormatError> {
     }
     let (own, children) = (bytes.count("bytes")?, bytes.count("bytes")?);
     bytes.take(own)?;
-    // Some programs do not count what MAIN holds.
+    // Some programs do not count the contents of MAIN.
     if (1..bytes.rest().len()).contains(&children) {
         let behind = bytes.rest().len() - children;
         bytes = bytes.part(children)?;
@@ -142,7 +142,7 @@ impl<'a> Chunks<'a> {
         }
     }
 
-    /// Returns the size of the model whose voxels follow.
+    /// Takes the size of the model whose voxels follow.
     fn take_size(&mut self, mut chunk: Bytes<'a>) -> Result<(), FormatError> {
         let start = chunk;
         let size = [chunk.u32()?, chunk.u32()?, chunk.u32()?];
@@ -169,7 +169,7 @@ impl<'a> Chunks<'a> {
         Ok(())
     }
 
-    /// Returns a node of the scene, which `read` reads behind its number. The first one is the root.
+    /// Takes a node of the scene, which `read` parses after its number. The first one is the root.
     fn take_node(
         &mut self,
         mut chunk: Bytes<'a>,
@@ -192,7 +192,7 @@ impl<'a> Chunks<'a> {
 
 fn palette(chunk: Bytes<'_>) -> [Rgb; 256] {
     let (colours, _) = chunk.rest().as_chunks::<4>();
-    // The last of 256 stands for nothing, and some programs write those alone that they use.
+    // The last of 256 is unused, and some programs write only those in use.
     let mut palette = default_palette();
     // Entry k is colour k + 1; 0 is no voxel.
     palette[1..].iter_mut().zip(colours).for_each(|(to, from)| {
@@ -201,7 +201,7 @@ fn palette(chunk: Bytes<'_>) -> [Rgb; 256] {
     palette
 }
 
-/// Returns a node that moves and turns another.
+/// Parses a node that transforms another.
 fn transform(mut chunk: Bytes<'_>) -> Result<Node, FormatError> {
     let is_hidden = is_hidden(&dictionary(&mut chunk)?);
     let (child, _, layer) = (chunk.i32()?, chunk.i32()?, chunk.i32()?);
@@ -223,7 +223,7 @@ fn group(mut chunk: Bytes<'_>) -> Result<Node, FormatError> {
     Ok(Node::Group { children })
 }
 
-/// Returns a node that stands for a model.
+/// Parses a node that refers to a model.
 fn shape(mut chunk: Bytes<'_>) -> Result<Node, FormatError> {
     dictionary(&mut chunk)?;
     let count = chunk.count("models")?;
@@ -260,7 +260,7 @@ fn is_hidden(texts: &Dictionary<'_>) -> bool {
     texts.get(&b"_hidden"[..]).is_some_and(|text| *text == b"1")
 }
 
-/// Three whole numbers of 32 bits; none at all are zeros.
+/// Parses three whole numbers of 32 bits; a missing text means zeros.
 fn parse_shift(text: Option<&[u8]>) -> Option<I64Vec3> {
     let Some(text) = text else { return Some(I64Vec3::ZERO) };
     let mut numbers = std::str::from_utf8(text).ok()?.split_ascii_whitespace();

@@ -1,8 +1,8 @@
-//! Writes MagicaVoxel's `.vox`: a palette of 255 colours, and models of at most 256 voxels an axis, which a scene puts
-//! together again.
+//! Writes MagicaVoxel's `.vox`: a palette of 255 colours, and models of at most 256 voxels per axis, which a scene
+//! reassembles.
 //!
-//! The voxels go to the stream brick by brick; nothing of their size is kept. Reading gives back the same grid, and
-//! the same colours where the sculpture has no more than 255.
+//! The voxels are streamed brick by brick; nothing of their size is kept in memory. Reading restores the same grid, and
+//! the same colours if the sculpture has no more than 255.
 
 use std::io::{self, Write};
 
@@ -15,11 +15,11 @@ use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
 use crate::sculpture::history::Contents;
 
-/// Begins a file.
+/// The start of a file.
 pub const MAGIC: &[u8] = b"VOX ";
-/// Longest axis of a model.
+/// Greatest edge of a model.
 pub const MAX_EDGE_VX: u32 = 256;
-/// Colours of a palette.
+/// Number of colours of a palette.
 const COLOURS: usize = 255;
 /// The version that all programs read.
 const VERSION: u32 = 150;
@@ -31,7 +31,7 @@ struct Block {
     voxels: u64,
 }
 
-/// Writes a sculpture. Fails before the first byte if it is too large. Returns what it has no room for.
+/// Writes a sculpture. Fails before the first byte if it is too large. Returns notes on what it cannot store.
 pub fn write(
     contents: &Contents,
     out: &mut dyn Write,
@@ -80,7 +80,8 @@ fn words(out: &mut dyn Write, words: &[i32]) -> io::Result<()> {
     words.iter().try_for_each(|word| out.write_all(&word.to_le_bytes()))
 }
 
-/// Blocks that hold voxels, and those at the lowest and the highest corner, which keep the size of the grid.
+/// Returns the blocks that hold voxels, and those at the lowest and the highest corner, which keep the size of the
+/// grid.
 fn blocks(grid: &Grid) -> Vec<Block> {
     let dims = grid.dims();
     let count = dims.map(|edge| edge.div_ceil(MAX_EDGE_VX));

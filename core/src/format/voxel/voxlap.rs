@@ -1,5 +1,5 @@
-//! Reads the `.vox` of Voxlap and SLAB6, an older format of the same name: three lengths, a byte a voxel, and a
-//! palette of 6 bits a channel. z points down.
+//! Reads the `.vox` of Voxlap and SLAB6, an older format with the same extension: three lengths, a byte per voxel, and
+//! a palette of 6 bits per channel. z points down.
 
 use glam::I64Vec3;
 
@@ -17,12 +17,12 @@ const EMPTY: u8 = 255;
 #[derive(Debug)]
 pub struct Voxlap<'a> {
     size: I64Vec3,
-    /// z fastest, then y, then x.
+    /// The voxels, z fastest, then y, then x.
     voxels: &'a [u8],
     palette: &'a [[u8; 3]],
 }
 
-/// Reads a file. Without a signature to know it by, its length must be exactly as its sizes say.
+/// Reads a file. It has no signature, so its length must exactly match its sizes.
 pub fn read(file: &[u8]) -> Result<Voxlap<'_>, FormatError> {
     let mut bytes = Bytes::new(file);
     let mut parse = || {

@@ -24,22 +24,22 @@ const FULL: u8 = 1;
 const MIXED: u8 = 2;
 const HAS_PAGE: u8 = 4;
 
-/// Most colours that a page names once instead of at every voxel.
+/// Greatest number of colours that a page lists once instead of at every voxel.
 const PALETTE: usize = 16;
 
 const VOXELS: usize = BRICK_VOXELS as usize;
 
-/// LZ4 cannot unpack a byte to more than so many.
+/// Greatest expansion of a byte by LZ4.
 const MOST_PER_BYTE: u64 = 255;
 
 /// An entry of the file's table of chunks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Entry {
-    /// Bytes in the file; 0 for a chunk of one kind.
+    /// Bytes in the file; 0 for a uniform chunk.
     pub packed_bytes: u32,
-    /// Bytes once unpacked; of a chunk without bytes 1 if it is full, 0 if it is empty.
+    /// Unpacked bytes; for a chunk without bytes 1 if it is full, 0 if it is empty.
     pub plain_bytes: u32,
-    /// Bricks with a page.
+    /// Number of bricks with a page.
     pub pages: u32,
     /// CRC-32 of the packed bytes.
     pub checksum: u32,
@@ -64,8 +64,7 @@ impl Entry {
     }
 }
 
-/// Packs bricks; `valid` returns the bits that a brick may have, `page` its colours, both by the index
-/// in the chunk.
+/// Packs bricks. `valid` returns the bits that a brick may have, `page` its colours, both by the index in the chunk.
 pub fn pack<'a>(
     bricks: impl ExactSizeIterator<Item = &'a Brick>,
     valid: impl Fn(usize) -> Brick,
@@ -120,8 +119,8 @@ pub fn pack<'a>(
     (entry, packed)
 }
 
-/// Unpacks a chunk to `bricks`, which must be empty, and returns its pages with their indices in the
-/// chunk. The entry must have been checked.
+/// Unpacks a chunk to `bricks`, which must be empty, and returns its pages with their indices in the chunk. The entry
+/// must have been checked.
 pub fn unpack(
     entry: &Entry,
     packed: &[u8],
@@ -173,7 +172,7 @@ pub fn unpack(
     Ok(pages)
 }
 
-/// Unpacks a mixed brick from its words' classes and the words that follow in `rest`.
+/// Unpacks a mixed brick from its words' classes and the following words in `rest`.
 #[inline]
 fn unpack_brick(shape: u16, rest: &mut &[u8], brick: &mut Brick) -> Result<(), FormatError> {
     for (w, word) in brick.words.iter_mut().enumerate() {
@@ -200,12 +199,12 @@ fn take<'a>(rest: &mut &'a [u8], count: usize) -> Result<&'a [u8], FormatError> 
     Ok(taken)
 }
 
-/// Packs the colours of a brick, of `bytes` each, as part 4 above.
+/// Packs the colours of a brick, `bytes` each, as in part 4 above.
 pub fn pack_page(colours: &[u8], bytes: usize, out: &mut Vec<u8>) {
     let mut palette: Vec<&[u8]> = Vec::with_capacity(PALETTE);
     let mut places = [0u8; VOXELS];
     for (colour, place) in colours.chunks_exact(bytes.max(1)).zip(&mut places) {
-        // Mostly the colour of the voxel before.
+        // Mostly the colour of the previous voxel.
         let known = palette.iter().position(|known| *known == colour);
         *place = match known {
             Some(at) => at as u8,
@@ -227,7 +226,7 @@ pub fn pack_page(colours: &[u8], bytes: usize, out: &mut Vec<u8>) {
     }
 }
 
-/// Splits the colours of a brick, of `bytes` each, off packed ones.
+/// Unpacks the colours of a brick, `bytes` each, and advances `rest` past them.
 pub fn unpack_page(bytes: usize, rest: &mut &[u8]) -> Result<Page, FormatError> {
     let count = usize::from(take(rest, 1)?[0]);
     if count == 0 {

@@ -21,9 +21,8 @@
 //! | | the chunks, one after the other; see [`chunk`] |
 //! | | with a mask: the mask, as a file of version 1 of the same size, without colours and texts |
 //!
-//! Each sculpture is written in the lowest version that has room for it, so that earlier programs read what they can.
-//! Bricks are counted x fastest, then y, then z. Chunks are independent, so that all cores pack and
-//! unpack.
+//! Each sculpture is written in the lowest version that can represent it, so that earlier programs read as much as
+//! possible. Bricks are counted x fastest, then y, then z. Chunks are independent, so that all cores pack and unpack.
 
 pub(super) mod chunk;
 
@@ -59,11 +58,11 @@ const VERSION_WITH_FLAGS: u32 = 3;
 const FLAG_MASK: u32 = 1;
 const FLAG_CUBES: u32 = 2;
 
-/// Bytes before the flags, if there are any, and the checksum.
+/// Size before the optional flags and the checksum, in bytes.
 const START_BYTES: usize = 52;
 const ENTRY_BYTES: usize = 16;
 
-/// Bricks of a chunk, as they are written and at least and at most as they are read.
+/// Number of bricks of a chunk in written files, and its limits in read files.
 const CHUNK_BRICKS: u32 = 4096;
 const CHUNK_RANGE: std::ops::RangeInclusive<u32> = 64..=1 << 16;
 
@@ -82,7 +81,7 @@ pub struct Header {
     pub texts: Texts,
     chunk_bricks: usize,
     entries: Vec<Entry>,
-    /// Where the chunks begin.
+    /// Start of the chunks.
     body: usize,
     /// Whether the mask follows them.
     has_mask: bool,
@@ -101,7 +100,7 @@ pub fn write(
     Ok(file)
 }
 
-/// Packs a sculpture to a writer, which is given a chunk at a time.
+/// Packs a sculpture to a writer, which receives a chunk at a time.
 pub fn write_to(
     contents: &Contents,
     texts: &Texts,
@@ -157,7 +156,7 @@ pub fn write_to(
     head.extend_from_slice(&checksum.to_le_bytes());
     out.write_all(&head)?;
     out.write_all(&tail)?;
-    // Each is let go as it is written.
+    // Each is freed as soon as it is written.
     for (_, packed) in chunks {
         out.write_all(&packed)?;
     }
@@ -170,8 +169,7 @@ pub fn write_to(
     }
 }
 
-/// Reads the header, and checks that the file has the length that it states and that the sculpture is
-/// within `limits`.
+/// Reads the header, and checks that the file has the stated length and that the sculpture is within `limits`.
 pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> {
     if !file.starts_with(&MAGIC) {
         return Err(FormatError::NotVsc(excerpt(&file[..file.len().min(8)])));
@@ -267,7 +265,7 @@ fn entries(
     Ok(entries)
 }
 
-/// Checks the memory that `colours` would take with the pages of all chunks.
+/// Checks the memory that the colours of all pages would take.
 fn check_colours(
     entries: &[Entry],
     colours: &Material,

@@ -95,12 +95,12 @@ fn limits_are_asked_before_memory_is_taken() {
     let mut newer = file.clone();
     newer[8] = 4;
     assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::VscVersion(4))));
-    // One with a mask must have it.
+    // A file with a mask must contain it.
     newer[8] = 2;
     assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::Damaged(_))));
 }
 
-/// Sculptures are written in the lowest version that has room for them, and those of earlier programs are smooth.
+/// Sculptures are written in the lowest version that can represent them, and those of earlier programs are smooth.
 #[test]
 fn cubes_are_kept_with_and_without_a_mask() {
     let smooth = sculpture([40, 30, 20], ColourDepth::Bits16, 4);
@@ -125,7 +125,7 @@ fn cubes_are_kept_with_and_without_a_mask() {
     assert!(matches!(read(&unknown, &Limits::default(), &()), Err(FormatError::Damaged(_))));
 }
 
-/// Makes all checksums right again, so that what lies behind them is tested.
+/// Recomputes all checksums, so that the data behind them is tested.
 fn sign(file: &mut [u8]) {
     let number = |file: &[u8], at: usize| {
         file.get(at..at + 4).map_or(0, |b| u32::from_le_bytes(b.try_into().unwrap()) as usize)
@@ -151,7 +151,7 @@ fn sign(file: &mut [u8]) {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// A damaged file gives an error, or a sculpture that is sound, but no panic.
+    /// A damaged file yields an error, or a valid sculpture, but no panic.
     #[test]
     fn damage_is_found_or_harmless(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
