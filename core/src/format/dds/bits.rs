@@ -1,9 +1,9 @@
 //! Bit fields at any position in a byte string, most significant bit first: a random-access reader for
 //! decoding, and an appending writer for encoding.
 //!
-//! Positions count bits from the start. Knows nothing of what the fields mean.
+//! Positions count bits from the start. Knows no meaning of the fields.
 
-/// Bits as they lie in `bytes`, followed by zeros without end.
+/// The bits of `bytes`, followed by infinitely many zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct BitSource<'a> {
     bytes: &'a [u8],
@@ -14,8 +14,8 @@ impl<'a> BitSource<'a> {
         BitSource { bytes }
     }
 
-    /// Returns the bits from `position` on, first one highest. At least the first 57 are those of the source, the rest
-    /// may be zero instead.
+    /// Returns the bits from `position` on, the first one highest. At least the first 57 are those of the source; the
+    /// rest may be zero instead.
     #[inline(always)]
     pub fn peek57(&self, position: u64) -> u64 {
         let at = (position >> 3) as usize;
@@ -45,18 +45,17 @@ impl<'a> BitSource<'a> {
 /// Bits appended one field after another.
 #[derive(Clone, Debug, Default)]
 pub struct BitSink {
-    /// Whole bytes up to where the end says, then room.
+    /// The complete bytes up to the end position, followed by spare room.
     bytes: Vec<u8>,
     end: End,
 }
 
-/// Where a sink has got to. Kept apart from the bytes so that a loop of pushes has it in
-/// registers.
+/// The end position of a sink. Kept apart from the bytes so that a loop of pushes keeps it in registers.
 #[derive(Clone, Copy, Debug, Default)]
 struct End {
-    /// Whole bytes.
+    /// Number of complete bytes.
     filled: usize,
-    /// Bits that do not fill a byte yet, highest first, and how many (0..8).
+    /// Bits that do not fill a byte yet, highest first, and their number (0..8).
     pending: u64,
     pending_bits: u32,
 }
@@ -66,20 +65,20 @@ impl End {
     #[inline(always)]
     fn push(&mut self, bytes: &mut [u8], value: u64, bits: u32) {
         debug_assert!(bits <= 56 && value >> bits == 0);
-        // In two steps, since nothing to push with nothing pending would shift by 64.
+        // In two steps, since pushing nothing with nothing pending would shift by 64.
         self.pending |= (value << (56 - bits)) << (8 - self.pending_bits);
         self.pending_bits += bits;
         bytes[self.filled..self.filled + 8].copy_from_slice(&self.pending.to_be_bytes());
         let whole = self.pending_bits >> 3;
         self.filled += whole as usize;
-        // 63 bits may be pending, so at most 7 whole bytes: the shift stays below 64.
+        // 63 bits may be pending, so at most 7 complete bytes: the shift stays below 64.
         self.pending <<= whole * 8;
         self.pending_bits &= 7;
     }
 }
 
 impl BitSink {
-    /// Sees to it that `bytes` more bytes can be appended by [`BitSink::push`].
+    /// Reserves room for `bytes` more bytes to be appended by [`BitSink::push`].
     #[inline]
     pub fn reserve(&mut self, bytes: usize) {
         let wanted = self.end.filled + bytes + 8;
@@ -88,14 +87,14 @@ impl BitSink {
         }
     }
 
-    /// Appends the lowest `bits` (0 to 56) bits of `value`, whose other bits must be zero.
-    /// There must be room, see [`BitSink::reserve`].
+    /// Appends the lowest `bits` (0 to 56) bits of `value`, whose other bits must be zero. Room must have been reserved
+    /// with [`BitSink::reserve`].
     #[inline(always)]
     pub fn push(&mut self, value: u64, bits: u32) {
         self.end.push(&mut self.bytes, value, bits);
     }
 
-    /// [`BitSink::push`] for many fields of `bits` bits.
+    /// Appends many fields of `bits` bits as [`BitSink::push`] does.
     #[inline(always)]
     pub fn push_all(&mut self, values: impl Iterator<Item = u64>, bits: u32) {
         let mut end = self.end;
@@ -116,7 +115,7 @@ impl BitSink {
         }
     }
 
-    /// Returns all bits as bytes, the last one filled up with zeros.
+    /// Returns all bits as bytes, the last one padded with zeros.
     pub fn into_bytes(mut self) -> Vec<u8> {
         if self.end.pending_bits > 0 {
             self.reserve(1);

@@ -38,12 +38,12 @@ const PLANE_BLOCK: usize = 1 << 24;
 const PARAMETER_BITS: u64 = 18;
 /// Longest distance of the predictor.
 pub const MAX_STRIP: usize = 1 << 16;
-/// Most planes.
+/// Greatest number of planes.
 pub const MAX_SKIP: usize = 4;
-/// Samples after which a new segment begins with the next run.
+/// Number of samples after which the next run begins a new segment.
 const SEGMENT_SAMPLES: u64 = 1 << 17;
-/// Samples encoded by one worker at a time. Not a power of two: the stretches that are searched
-/// side by side would all fall on the same lines of the cache.
+/// Number of samples encoded by one worker at a time. Not a power of two: otherwise all stretches that are searched in
+/// parallel would map to the same cache lines.
 const CHUNK_SAMPLES: usize = split::LANES * 64 * 97;
 
 /// A DDS stream whose runs have been found, not yet decoded.
@@ -57,7 +57,7 @@ pub struct Stream<'a> {
     total: u64,
 }
 
-/// Where decoding can begin.
+/// A position where decoding can begin.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     /// Position of the head of a run, in bits.
@@ -67,8 +67,8 @@ struct Segment {
 }
 
 impl<'a> Stream<'a> {
-    /// Finds the runs of a stream. `None` if `file` is something else; an error if it is a DDS
-    /// stream of another version.
+    /// Finds the runs of a stream. `None` if `file` is something else; an error if it is a DDS stream of another
+    /// version.
     pub fn open(file: &'a [u8]) -> Result<Option<Stream<'a>>, FormatError> {
         let Some((id, payload)) = file.split_first_chunk::<8>() else { return Ok(None) };
         let version = match id {
@@ -112,25 +112,25 @@ impl<'a> Stream<'a> {
         self.total = sample;
     }
 
-    /// Name of the kind of stream.
+    /// Returns the name of the kind of stream.
     pub fn version(&self) -> &'static str {
         self.version
     }
 
-    /// Bytes that the stream decodes to.
+    /// Returns the decoded size in bytes.
     pub fn decoded_bytes(&self) -> u64 {
         self.total
     }
 
-    /// Returns whether [`Stream::prefix`] has to go through much of the stream, and decoding takes twice the memory.
+    /// Returns whether [`Stream::prefix`] has to scan much of the stream, and decoding takes twice the memory.
     pub fn header_is_scattered(&self) -> bool {
         self.layout.skip > 1
     }
 
-    /// Returns the first `count` decoded bytes, or all if there are fewer, in little memory.
+    /// Returns the first `count` decoded bytes, or all if there are fewer, using little memory.
     pub fn prefix(&self, count: usize) -> Vec<u8> {
         let count = self.total.min(count as u64);
-        // The prefix may not reach into the second block, which is far beyond any header.
+        // The prefix must not reach into the second block, which is far beyond any header.
         let count = count.min(self.layout.block_bytes.map_or(count, |b| b as u64));
         let ranges = self.layout.prefix_ranges(self.total, count);
         let end = ranges.last().map_or(0, |r| r.end);
@@ -158,8 +158,8 @@ impl<'a> Stream<'a> {
         natural
     }
 
-    /// Decodes all. Takes [`Stream::decoded_bytes`] of memory, twice that with several planes.
-    /// Stops early once `progress` is cancelled; what it gives then is worthless.
+    /// Decodes everything. Takes [`Stream::decoded_bytes`] of memory, twice that with several planes. Stops early once
+    /// `progress` is cancelled; the result is then meaningless.
     pub fn decode(&self, progress: &dyn Progress) -> Vec<u8> {
         let mut samples = vec![0; self.total as usize];
         progress.begin("unpacking");
@@ -204,7 +204,7 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// Decodes a segment and undoes the predictor as if only zeros came before it.
+    /// Decodes a segment and undoes the predictor as if only zeros preceded it.
     fn decode_alone(&self, segment: Segment, out: &mut [u8]) -> Unpredictor {
         let mut unpredictor = Unpredictor::at(self.strip, segment.sample);
         // Plain loops, compiled once for each generation of vector instructions.
@@ -215,16 +215,15 @@ impl<'a> Stream<'a> {
         unpredictor
     }
 
-    /// Returns the segments with the samples that they hold.
+    /// Returns the segments with the ranges of their samples.
     fn segment_ranges(&self) -> impl Iterator<Item = (Segment, Range<u64>)> {
         let ends = self.segments.iter().skip(1).map(|s| s.sample).chain([self.total]);
         self.segments.iter().zip(ends).map(|(segment, end)| (*segment, segment.sample..end))
     }
 }
 
-/// Packs `plain` with `skip` planes (1 to [`MAX_SKIP`]) and the predictor distance `strip` (1 to
-/// [`MAX_STRIP`]). Takes as much memory again with several planes. Stops early once `progress` is
-/// cancelled; what it gives then is worthless.
+/// Packs `plain` with `skip` planes (1 to [`MAX_SKIP`]) and the predictor distance `strip` (1 to [`MAX_STRIP`]). Takes
+/// the same memory again with several planes. Stops early once `progress` is cancelled; the result is then meaningless.
 pub fn encode(plain: &[u8], skip: usize, strip: usize, progress: &dyn Progress) -> Vec<u8> {
     debug_assert!((1..=MAX_SKIP).contains(&skip) && (1..=MAX_STRIP).contains(&strip));
     progress.begin("packing");

@@ -1,8 +1,8 @@
-//! The order of bytes in a DDS stream: the bytes of a block with index 0 modulo `skip` come first, then
-//! those with 1 modulo `skip`, and so on, so that similar bytes are adjacent.
+//! The order of bytes in a DDS stream: the bytes of a block with index 0 modulo `skip` come first, then those with
+//! index 1 modulo `skip`, and so on, so that similar bytes are adjacent.
 //!
-//! Where the length of a block is no multiple of `skip`, its first planes are one byte longer. Works on
-//! bytes, whatever they contain.
+//! Where the length of a block is no multiple of `skip`, its first planes are one byte longer. Works on bytes, whatever
+//! they contain.
 
 use std::ops::Range;
 
@@ -11,12 +11,12 @@ use rayon::prelude::*;
 /// Bytes of one unit of parallel work.
 const PIECE_BYTES: usize = 1 << 18;
 
-/// How the bytes of a stream are split.
+/// The division of the bytes of a stream.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Layout {
-    /// Planes, 1 to 4.
+    /// Number of planes, 1 to 4.
     pub skip: usize,
-    /// Bytes of a block, each of which is split by itself; `None`: all are one block.
+    /// Bytes of a block, each of which is split separately; `None`: all bytes are one block.
     pub block_bytes: Option<usize>,
 }
 
@@ -25,8 +25,8 @@ impl Layout {
         self.block_bytes.unwrap_or(total).max(1)
     }
 
-    /// Returns where in the stream the first `count` bytes of the first block lie, plane by plane, when the whole has
-    /// `total` bytes.
+    /// Returns the ranges of the stream that hold the first `count` bytes of the first block, plane by plane. `total`:
+    /// size of the stream in bytes.
     pub fn prefix_ranges(&self, total: u64, count: u64) -> Vec<Range<u64>> {
         let block = self.block_bytes.map_or(total, |b| total.min(b as u64));
         let planes = 0..self.skip as u64;
@@ -40,7 +40,7 @@ impl Layout {
             .collect()
     }
 
-    /// Plane order to natural order.
+    /// Converts plane order to natural order.
     pub fn merge(&self, planar: &[u8], out: &mut [u8]) {
         debug_assert_eq!(planar.len(), out.len());
         let block = self.block(out.len());
@@ -55,7 +55,7 @@ impl Layout {
         }
     }
 
-    /// Natural order to plane order.
+    /// Converts natural order to plane order.
     pub fn split(&self, natural: &[u8], out: &mut [u8]) {
         debug_assert_eq!(natural.len(), out.len());
         let block = self.block(out.len());
@@ -73,7 +73,7 @@ impl Layout {
     }
 }
 
-/// Bytes of `plane` in a block of `len` bytes.
+/// Returns the bytes of `plane` in a block of `len` bytes.
 fn plane_len(len: u64, skip: u64, plane: u64) -> u64 {
     (len + skip - 1 - plane) / skip
 }

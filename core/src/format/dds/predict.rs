@@ -1,11 +1,10 @@
 //! The predictor of DDS streams: sample i is predicted as left + above - above left, where "above" is
 //! `strip` samples back; all arithmetic is modulo 256.
 //!
-//! In other words: with d the difference of a sample to the one before it, rows of `strip`
-//! samples starting at sample 1 hold residuals whose column sums are d, and a running sum of d
-//! gives the samples. Both sums are linear, so that parts of a stream can be undone in parallel from
-//! zero and corrected afterwards: a [`Shift`] adds the contribution of the parts before. Works on
-//! bytes; knows no bit stream.
+//! Equivalently, with d the difference between a sample and the previous one: rows of `strip` samples starting at
+//! sample 1 hold residuals whose column sums are d, and a running sum of d yields the samples. Both sums are linear, so
+//! that parts of a stream can be undone in parallel from zero and corrected afterwards: a [`Shift`] adds the
+//! contribution of the preceding parts. Works on bytes; knows no bit stream.
 
 /// Undoes the predictor for consecutive stretches of one stream.
 #[derive(Clone, Debug)]
@@ -14,14 +13,14 @@ pub struct Unpredictor {
     columns: Vec<u8>,
     /// Column of the next sample.
     column: usize,
-    /// The sample before the next.
+    /// The previous sample.
     last: u8,
-    /// The next sample is the first of all, which belongs to no row.
+    /// Whether the next sample is the first of all, which belongs to no row.
     at_start: bool,
 }
 
 impl Unpredictor {
-    /// Starts with the sample `index`, as if only zeros came before it.
+    /// Starts at sample `index`, as if only zeros preceded it.
     pub fn at(strip: usize, index: u64) -> Unpredictor {
         let width = if strip == 1 { 0 } else { strip };
         Unpredictor {
@@ -62,7 +61,7 @@ impl Unpredictor {
     }
 }
 
-/// Replaces each byte by the sum of itself, all before it and `start`; returns the last sum.
+/// Replaces each byte by the sum of itself, all preceding ones and `start`; returns the last sum.
 #[inline(always)]
 fn running_sum(bytes: &mut [u8], start: u8) -> u8 {
     let mut carry = start;
@@ -87,12 +86,12 @@ fn shifted_add<const BY: usize>(bytes: [u8; 16]) -> [u8; 16] {
     std::array::from_fn(|i| if i < BY { bytes[i] } else { bytes[i].wrapping_add(bytes[i - BY]) })
 }
 
-/// The amounts that the samples before a stretch add to it, where it was undone from zero.
+/// The contribution of the preceding samples to a stretch that was undone from zero.
 #[derive(Debug)]
 pub struct Shift {
     /// Added within one period of whole rows.
     within: Vec<u8>,
-    /// Added more with every period.
+    /// Added once more with every period.
     per_period: u8,
     /// Added to all.
     base: u8,
@@ -106,13 +105,13 @@ pub struct Carry {
 }
 
 impl Carry {
-    /// At the start of a stream.
+    /// Returns the state at the start of a stream.
     pub fn new(strip: usize) -> Carry {
         Carry { columns: vec![0; if strip == 1 { 0 } else { strip }], last: 0 }
     }
 
-    /// Returns the shift for the stretch that starts at sample `index`; `undone` is its unpredictor after its `count`
-    /// samples, `sum` its last sample. The carry then stands behind the stretch.
+    /// Returns the shift for the stretch that starts at sample `index`, and advances the carry past the stretch.
+    /// `undone` is its unpredictor after its `count` samples, `sum` its last sample.
     pub fn pass(&mut self, undone: &Unpredictor, index: u64, count: usize, sum: u8) -> Shift {
         let base = self.last;
         if self.columns.is_empty() {
@@ -122,7 +121,7 @@ impl Carry {
         let first = (index.saturating_sub(1) % self.columns.len() as u64) as usize;
         let (before, after) = self.columns.split_at(first);
         let row = [after, before].concat();
-        // Short rows are taken several at a time, so that a period is worth a loop.
+        // Short rows are combined, so that a period is long enough for a loop.
         let mut within = row.repeat((256 / row.len()).max(1));
         let per_period = running_sum(&mut within, 0);
         let (periods, rest) = (count / within.len(), count % within.len());
@@ -137,7 +136,7 @@ impl Carry {
 }
 
 impl Shift {
-    /// Puts right the samples of the stretch.
+    /// Corrects the samples of the stretch.
     pub fn apply(&self, samples: &mut [u8]) {
         let mut base = self.base;
         for period in samples.chunks_mut(self.within.len()) {
@@ -152,7 +151,7 @@ impl Shift {
 /// Writes the residuals of the samples from index `from` on to `out`.
 pub fn residuals(samples: &[u8], strip: usize, from: usize, out: &mut [u8]) {
     let to = from + out.len();
-    // Up to and with index `strip` nothing lies above.
+    // Up to and including index `strip` nothing lies above.
     let top_end = if strip == 1 { to } else { to.min(strip + 1) };
     let mut at = from;
     while at < top_end {
@@ -178,7 +177,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Returns the formula of the description, sample by sample.
+    /// Undoes the predictor by the formula of the description, sample by sample.
     fn naive_undo(residuals: &[u8], strip: usize) -> Vec<u8> {
         let mut x: Vec<u8> = Vec::new();
         for (i, &r) in residuals.iter().enumerate() {

@@ -1,18 +1,18 @@
 //! The runs of a DDS stream: finding, decoding and writing them.
 //!
-//! A run is a head (7 bits count, 3 bits width code) and `count` residuals of equal width, each
-//! stored as residual + 2^(width-1). A count of 0 ends the stream. Knows no predictor.
+//! A run is a head (7 bits count, 3 bits width code) and `count` residuals of equal width, each stored as residual +
+//! 2^(width-1). A count of 0 ends the stream. Knows no predictor.
 
 use super::bits::{BitSink, BitSource};
 
 /// Bits of a run's head.
 pub const HEAD_BITS: u32 = 10;
-/// Most samples in a run.
+/// Greatest number of samples in a run.
 pub const RUN_SAMPLES: usize = 127;
 /// Width in bits that each width code stands for. There is no width 1.
 pub const WIDTHS: [u32; 8] = [0, 2, 3, 4, 5, 6, 7, 8];
 
-/// Residuals of one run, with room for a group of eight that is only partly wanted.
+/// Residuals of one run, with room for a group of eight that is only partly needed.
 type RunBuffer = [u8; RUN_SAMPLES + 1];
 
 /// The head of a run.
@@ -31,16 +31,15 @@ impl RunHead {
         RunHead { count: head >> 3, code: head & 7 }
     }
 
-    /// Bits of the run with its head.
+    /// Returns the bits of the run including its head.
     #[inline(always)]
     pub fn total_bits(self) -> u64 {
         u64::from(HEAD_BITS) + self.count as u64 * u64::from(WIDTHS[self.code])
     }
 }
 
-/// Writes the residuals of the runs from `position` on to `out` and returns the position behind
-/// them. `out` must end where a run ends, or be shorter than the runs from there on hold: what
-/// does not fit of the last run is left out.
+/// Writes the residuals of the runs from `position` on to `out` and returns the position after them. `out` must end at
+/// the end of a run, or be shorter than the total of the runs from there on: the excess of the last run is discarded.
 #[inline(always)]
 pub fn decode_runs(source: BitSource, mut position: u64, out: &mut [u8]) -> u64 {
     let mut at = 0;
@@ -86,7 +85,7 @@ fn decode_groups<const W: u32>(source: BitSource, from: u64, count: usize, out: 
     let mut position = from;
     for group in out.chunks_exact_mut(8).take(count.div_ceil(8)) {
         let fields = if W == 8 {
-            // 64 bits at any position are more than one look gives.
+            // 64 bits at any position are more than one read returns.
             source.field(position, 32) << 32 | source.field(position + 32, 32)
         } else {
             source.field(position, 8 * W)
@@ -96,8 +95,8 @@ fn decode_groups<const W: u32>(source: BitSource, from: u64, count: usize, out: 
     }
 }
 
-/// Eight fields of `W` bits, first one highest, to eight residuals as bytes, first one highest:
-/// 8 W bits in a word, 4 W in each half, 2 W in each quarter, W in each byte.
+/// Expands eight fields of `W` bits, the first one highest, to eight residuals as bytes, the first one highest: 8 W
+/// bits in a word, 4 W in each half, 2 W in each quarter, W in each byte.
 #[inline(always)]
 fn residuals<const W: u32>(fields: u64) -> u64 {
     let mut v = fields;
@@ -113,11 +112,11 @@ fn residuals<const W: u32>(fields: u64) -> u64 {
     }
 }
 
-/// Returns the inverse of [`residuals`]; residuals that do not fit lose their upper bits.
+/// Inverts [`residuals`]; residuals that do not fit lose their upper bits.
 #[inline(always)]
 fn fields<const W: u32>(residuals: u64) -> u64 {
     let bias = EACH_BYTE << (W - 1);
-    // Adding the bias without carry between bytes.
+    // Adds the bias without carry between bytes.
     let top = EACH_BYTE << 7;
     let v = ((residuals & !top) + (bias & !top)) ^ ((residuals ^ bias) & top);
     let v = v & (EACH_BYTE * ((1 << W) - 1));
@@ -128,7 +127,7 @@ fn fields<const W: u32>(residuals: u64) -> u64 {
 
 const EACH_BYTE: u64 = 0x0101_0101_0101_0101;
 
-/// Returns the lowest `bits` bits of every lane of `lane` bits.
+/// Returns a mask of the lowest `bits` bits of every lane of `lane` bits.
 const fn lanes(lane: u32, bits: u32) -> u64 {
     let mut mask = 0;
     let mut at = 0;
@@ -161,7 +160,7 @@ fn encode_groups<const W: u32>(sink: &mut BitSink, residuals: &[u8]) {
     let (groups, rest) = residuals.as_chunks::<8>();
     let groups = groups.iter().map(|group| fields::<W>(u64::from_be_bytes(*group)));
     if W == 8 {
-        // More than one push takes.
+        // More than one push accepts.
         sink.push_all(groups.flat_map(|v| [v >> 32, v & 0xFFFF_FFFF]), 32);
     } else {
         sink.push_all(groups, 8 * W);
@@ -180,7 +179,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Runs as the description has them, a field at a time.
+    /// Decodes runs according to the description, a field at a time.
     fn naive_decode(source: BitSource, mut position: u64) -> Vec<u8> {
         let mut out = Vec::new();
         loop {
@@ -208,7 +207,7 @@ mod tests {
             let mut sink = BitSink::default();
             let mut expected = Vec::new();
             for (code, residuals) in runs {
-                // Cut the residuals to what the width can hold.
+                // Clamps the residuals to the range of the width.
                 let fitting: Vec<u8> = match WIDTHS[code] {
                     0 => vec![0; residuals.len()],
                     w => residuals.iter().map(|r| ((*r as i8) >> (8 - w)) as u8).collect(),

@@ -1,39 +1,38 @@
-//! The choice of runs: divides a sequence of residuals so that it takes the fewest bits.
+//! Chooses runs: divides a sequence of residuals so that it takes the fewest bits.
 //!
-//! A run costs 10 bits and then its width for each sample. The best division is a shortest path: going
-//! backwards, for each of the eight widths, the cost from here on if this sample lies in a run of
-//! that width is the width plus the lesser of "the run goes on" and "a new run, of the width that
-//! is best there, begins". Only whether a run goes on and which width is best need be kept. (The
-//! limit of 127 samples is left out of the search; longer runs are split afterwards.)
+//! A run costs 10 bits plus its width for each sample. The best division is a shortest path, found backwards. For each
+//! of the eight widths, the cost from a sample in a run of that width to the end is the width plus the lesser of two
+//! costs: that of continuing the run, and that of starting a new run of the best width there. Only whether a run
+//! continues and which width is best need be stored. (The limit of 127 samples is left out of the search; longer runs
+//! are split afterwards.)
 //!
-//! Parts of equal length are searched in parallel, one in each byte of the vector registers: as costs
-//! only matter in relation to the best, and none is more than 18 bits above it, cost and
-//! width code fit one byte. At the ends of the parts what follows is unknown and assumed
-//! to cost nothing for every width.
+//! Parts of equal length are searched in parallel, one in each byte of the vector registers. Costs matter only relative
+//! to the best, and none exceeds it by more than 18 bits, so cost and width code fit one byte. At the ends of the parts
+//! the continuation is unknown and assumed to cost nothing for every width.
 //!
-//! Takes residuals as [`super::predict`] gives them and writes runs as [`super::runs`] defines.
+//! Takes residuals as [`super::predict`] produces them and writes runs as [`super::runs`] defines them.
 
 use fearless_simd::{Level, dispatch};
 
 use super::bits::BitSink;
 use super::runs::{HEAD_BITS, RUN_SAMPLES, WIDTHS, encode_run};
 
-/// Stretches. Below 32, compilers tend to unroll the loops over them before they see vectors.
+/// Number of stretches. Below 32, compilers tend to unroll the loops over them instead of vectorising.
 pub const LANES: usize = 32;
 type Lanes = [u8; LANES];
 
-/// A cost is kept above the three bits of the width code that it belongs to.
+/// Shift of a cost above the three bits of its width code.
 const COST: u8 = 8;
 const NEW_RUN: u8 = HEAD_BITS as u8 * COST;
 
-/// Room for the search, to be used again and again.
+/// Reusable buffers of the search.
 #[derive(Clone, Debug, Default)]
 pub struct Splitter {
     /// Residuals, followed by zeros up to a whole number of stretches.
     padded: Vec<u8>,
-    /// For each sample, one bit a width code: a run of that width should not go on here.
+    /// For each sample, one bit per width code: a run of that width should end before it.
     stops: Vec<u8>,
-    /// For each sample, the width code of the run that should begin here.
+    /// For each sample, the width code of the run that should begin there.
     best: Vec<u8>,
 }
 
@@ -67,7 +66,7 @@ impl Splitter {
         self.padded.resize(padded, 0);
         self.stops.resize(padded, 0);
         self.best.resize(padded, 0);
-        // Nothing is known of what follows: every width goes on for free.
+        // Nothing is known about the continuation: every width continues for free.
         let mut costs: [Lanes; 8] = std::array::from_fn(|code| [code as u8; LANES]);
         for group in (0..stretch).step_by(8).rev() {
             let mut samples = [[0; LANES]; 8];
@@ -83,13 +82,13 @@ impl Splitter {
     }
 }
 
-/// Goes one sample back: takes the costs behind it and leaves the costs before it, both above
-/// that of the best width. Gives the widths whose run should not go on into this sample, one bit
-/// each, and the best width to begin here in the lowest three bits.
+/// Steps one sample back: takes the costs after it and replaces them with the costs before it, both relative to that of
+/// the best width. Returns the widths whose run should not continue into this sample, one bit each, and the best width
+/// to begin here in the lowest three bits.
 #[inline(always)]
 fn step(costs: &mut [Lanes; 8], residuals: &Lanes) -> (Lanes, Lanes) {
-    // -128..128 folded to 0..128, with 1 for all but 0 itself that need no more than two bits:
-    // a width holds it if it lies below half the width's values.
+    // Folds -128..128 to 0..128, with 1 for all non-zero values of at most two bits: a width holds a value if it lies
+    // below half the width's range.
     let folded = lanes(|i| {
         let r = residuals[i] as i8;
         ((r ^ (r >> 7)) as u8).max(u8::from(r != 0))
@@ -117,7 +116,7 @@ fn step(costs: &mut [Lanes; 8], residuals: &Lanes) -> (Lanes, Lanes) {
     (stops, best)
 }
 
-/// Costs of a width before a sample from those behind it.
+/// Updates the costs of a width from after a sample to before it.
 #[inline(always)]
 fn go_back<const CODE: usize>(cost: &mut Lanes, folded: &Lanes) {
     let width = WIDTHS[CODE] as u8;
@@ -128,7 +127,7 @@ fn go_back<const CODE: usize>(cost: &mut Lanes, folded: &Lanes) {
     });
 }
 
-/// Leaves the costs of a width above those of the best, and notes where they make a run stop.
+/// Makes the costs of a width relative to the best, and notes where they end a run.
 #[inline(always)]
 fn compare<const CODE: usize>(cost: &mut Lanes, best: &Lanes, stops: &mut Lanes) {
     // A width that does not fit stays at least 13 bits behind: 255/8 - 10 - 8.
@@ -145,14 +144,13 @@ fn lanes(f: impl Fn(usize) -> u8) -> Lanes {
     out
 }
 
-/// Returns all bits or none, without a branch.
+/// Returns all bits set or none, without a branch.
 #[inline(always)]
 fn all_if(condition: bool) -> u8 {
     0u8.wrapping_sub(u8::from(condition))
 }
 
-/// Takes eight samples of each stretch from `group` on, turned so that each row has one sample
-/// of every stretch.
+/// Reads eight samples of each stretch from `group` on, transposed so that each row has one sample of every stretch.
 #[inline(always)]
 fn gather(from: &[u8], stretch: usize, group: usize, rows: &mut [Lanes; 8]) {
     for eight in 0..LANES / 8 {
@@ -166,7 +164,7 @@ fn gather(from: &[u8], stretch: usize, group: usize, rows: &mut [Lanes; 8]) {
     }
 }
 
-/// The inverse of [`gather`].
+/// Inverts [`gather`].
 #[inline(always)]
 fn scatter(rows: &[Lanes; 8], to: &mut [u8], stretch: usize, group: usize) {
     for eight in 0..LANES / 8 {
@@ -180,7 +178,7 @@ fn scatter(rows: &[Lanes; 8], to: &mut [u8], stretch: usize, group: usize) {
     }
 }
 
-/// Swaps rows and columns of 8 x 8 bytes, by halves, quarters and eighths.
+/// Transposes 8 x 8 bytes, by halves, quarters and eighths.
 #[inline(always)]
 fn transpose(mut rows: [u64; 8]) -> [u64; 8] {
     for (step, mask) in
@@ -198,7 +196,7 @@ fn transpose(mut rows: [u64; 8]) -> [u64; 8] {
     rows
 }
 
-/// First index from `from` on at which a run of `code` should stop, or the length of `stops`.
+/// Returns the first index from `from` on at which a run of `code` should end, or the length of `stops`.
 #[inline(always)]
 fn run_end(stops: &[u8], from: usize, code: usize) -> usize {
     let each_byte = 0x0101_0101_0101_0101u64;
@@ -220,7 +218,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Residuals whose size changes now and then, as those of a volume do.
+    /// Generates residuals whose size changes occasionally, like those of a volume.
     fn bursts() -> impl Strategy<Value = Vec<u8>> {
         prop::collection::vec((0u32..8, 1usize..60, any::<u64>()), 0..40).prop_map(|bursts| {
             let mut out = Vec::new();
@@ -236,7 +234,7 @@ mod tests {
         })
     }
 
-    /// Bits of the best cut by the plain recurrence, runs of any length.
+    /// Returns the bits of the best division by the plain recurrence, with runs of any length.
     fn least_bits(residuals: &[u8]) -> u32 {
         let mut costs = [0u32; 8];
         let mut best = 0;
@@ -261,8 +259,8 @@ mod tests {
             let mut back = vec![0xAA; residuals.len()];
             let bits = decode_runs(source, 0, &mut back);
             prop_assert_eq!(&back, &residuals);
-            // Beyond the best of all: a head each for cuts at 127 samples, and at most a head and
-            // a width a sample of the run that was chosen blindly at the ends of stretches.
+            // The excess over the best: a head for each cut at 127 samples, and for each end of a stretch at most a
+            // head and one width per sample of the run that was chosen blindly.
             let mut runs = 0;
             let mut position = 0;
             while position < bits {
@@ -276,7 +274,7 @@ mod tests {
 
         #[test]
         fn one_stretch_is_cut_as_the_plain_recurrence_does(residuals in bursts()) {
-            // All stretches alike, and no end of a stretch within.
+            // All stretches alike, with no end of a stretch inside.
             let mut costs: [Lanes; 8] = std::array::from_fn(|code| [code as u8; LANES]);
             let mut total = 0u32;
             for &r in residuals.iter().rev() {

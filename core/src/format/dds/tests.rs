@@ -1,10 +1,10 @@
-//! Round trips, and a decoder that follows the description literally.
+//! Tests round trips, against a decoder that follows the description literally.
 
 use proptest::prelude::*;
 
 use super::*;
 
-/// Decodes as the description says, sample by sample. An independent second opinion.
+/// Decodes sample by sample according to the description. An independent second opinion.
 fn naive_decode(file: &[u8]) -> Vec<u8> {
     let bit = |i: usize| file.get(8 + i / 8).map_or(0, |b| usize::from(b >> (7 - i % 8) & 1));
     let mut at = 0;
@@ -45,7 +45,7 @@ fn naive_decode(file: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Bytes with stretches of smoothness, noise and constancy.
+/// Generates bytes with smooth, noisy and constant stretches.
 fn samples() -> impl Strategy<Value = Vec<u8>> {
     prop::collection::vec((0u32..9, 0usize..700, any::<u64>()), 0..12).prop_map(|parts| {
         let mut out: Vec<u8> = Vec::new();
@@ -89,7 +89,7 @@ proptest! {
     }
 }
 
-/// Smooth in places, noisy in others, quickly made.
+/// Returns bytes that are smooth in places and noisy in others, quickly made.
 fn landscape(len: usize) -> Vec<u8> {
     let mut state = 1u32;
     (0..len)
@@ -104,7 +104,7 @@ fn landscape(len: usize) -> Vec<u8> {
 #[test]
 fn blocks_meet_at_their_edges() {
     for skip in 1..=4 {
-        // Just beyond one block; the last block is cut within a plane.
+        // Just beyond one block; the last block ends within a plane.
         let plain = landscape(skip * PLANE_BLOCK + 2 * skip + 1);
         let file = encode(&plain, skip, 264, &());
         assert!(file.starts_with(ID_V3E));
@@ -118,7 +118,7 @@ fn blocks_meet_at_their_edges() {
 
 #[test]
 fn the_smallest_volume_is_as_described() {
-    // The worked vector of the description: a 1x1x1 volume of value 7.
+    // The worked example of the description: a 1x1x1 volume of value 7.
     let file: Vec<u8> = (0..25)
         .map(|i| {
             let hex = "444453207633640a000006fd086773da76f916f9159a7597d0";

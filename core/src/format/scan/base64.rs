@@ -1,6 +1,6 @@
 //! Base64 (RFC 4648, the standard alphabet) <-> bytes; reading skips white space.
 
-/// Decodes at most `most` bytes from the front of `text`. None if a character does not belong there.
+/// Decodes at most `most` bytes from the front of `text`. `None` if it contains an invalid character.
 pub fn decode(text: &[u8], most: usize) -> Option<Vec<u8>> {
     let mut out = Vec::with_capacity(most.min(text.len() / 4 * 3 + 3));
     let (mut bits, mut count) = (0u32, 0);
@@ -33,7 +33,7 @@ pub fn encode(bytes: &[u8]) -> String {
     text
 }
 
-/// Characters that `bytes` bytes take, with their padding.
+/// Returns the number of characters that `bytes` bytes take, with their padding.
 pub fn characters(bytes: usize) -> usize {
     bytes.div_ceil(3) * 4
 }

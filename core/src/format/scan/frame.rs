@@ -1,5 +1,5 @@
-//! How the axes of a scan lie: in the patient, or in the world of the program that wrote it; and which of the 48
-//! orientations stands it upright, facing the viewer.
+//! The directions of the axes of a scan, in the patient or in the world of the program that wrote it, and the one of
+//! the 48 orientations that makes it upright, facing the viewer.
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 
@@ -8,7 +8,7 @@ use crate::sculpture::orientation::Orientation;
 /// Directions of the three axes of a file.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub enum Frame {
-    /// The file says nothing.
+    /// The file states nothing.
     #[default]
     Unknown,
     /// In the patient: x to the patient's right, y to the front (anterior), z to the head (superior).
@@ -18,9 +18,9 @@ pub enum Frame {
 }
 
 impl Frame {
-    /// Returns the orientation nearest to the file's that lies along the axes of the sculpture, where y points to the
-    /// head and z to the viewer, whom the patient faces. A mirror image in the file's numbers is undone, so that none
-    /// is shown. Returns the upright orientation where directions are unknown or are no directions at all.
+    /// Returns the axis-aligned orientation nearest to the file's, where y points to the head and z to the viewer, whom
+    /// the patient faces. A reflection in the file's axes is undone, so that no mirror image is shown. Returns the
+    /// upright orientation where directions are unknown or invalid.
     pub fn orientation(&self) -> Orientation {
         let axes = match self {
             Frame::Unknown => return Orientation::UPRIGHT,
@@ -47,12 +47,12 @@ impl Frame {
         possible.max_by(|a, b| fit(*a).total_cmp(&fit(*b))).unwrap_or_default()
     }
 
-    /// Returns whether the file says which way is up.
+    /// Returns whether the file defines its up axis.
     pub fn knows_up(&self) -> bool {
         matches!(self, Frame::Patient(_))
     }
 
-    /// For people: where the axes go, and how far they are turned from there.
+    /// Returns for display the directions of the axes, and their deviation in angle.
     pub fn describe(&self) -> Option<String> {
         let (axes, names) = match self {
             Frame::Unknown => return None,
@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn patients_stand_and_face_the_viewer_and_are_never_mirrored() {
         for from in Orientation::all() {
-            // Axes of a file that was laid any way in the patient.
+            // Axes of a file in any orientation relative to the patient.
             let to =
                 |axis: IVec3| (from.destination(IVec3::ONE + axis, UVec3::splat(3)) - 1).as_dvec3();
             let axes = [IVec3::X, IVec3::Y, IVec3::Z].map(to);

@@ -1,5 +1,5 @@
-//! MetaImage scans (itk.org/Wiki/MetaIO): `.mha` with the voxels behind the header, and `.mhd` with the voxels in another
-//! file or in several; raw, packed with zlib, or as text.
+//! Reads MetaImage scans (itk.org/Wiki/MetaIO): `.mha` with the voxels after the header, and `.mhd` with the voxels in
+//! another file or in several; raw, packed with zlib, or as text.
 //!
 //! Takes the bytes of a file; gives one of its volumes with spacing and orientation.
 
@@ -22,15 +22,15 @@ pub static SPEC: FormatSpec = FormatSpec::new(
     Import::Scan(|reading| reading.read_whole(reading.path, |file| read(file, reading))),
 );
 
-/// Longest header.
+/// Greatest length of a header.
 const MOST_BYTES: usize = 1 << 20;
-/// The field that ends a header: where the voxels are.
+/// The field that ends a header: the location of the voxels.
 const DATA_FILE: &str = "ElementDataFile";
 const MOST_AXES: usize = 8;
 
 struct Header {
     fields: HashMap<String, String>,
-    /// The lines behind the last field, up to an empty one.
+    /// The lines after the last field, up to an empty one.
     listed: Vec<String>,
     bytes: usize,
 }
@@ -158,15 +158,15 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     })
 }
 
-/// How the voxels of a file are written.
+/// The encoding of the voxels of a file.
 #[derive(Clone, Copy)]
 struct Coding<'a> {
     is_text: bool,
     is_packed: bool,
-    /// Bytes before them; -1: as many as there are before those at the end.
+    /// Number of bytes before them; -1: as many as precede those at the end.
     skip: f64,
     number: Number,
-    /// Which volume of a file is read, counted from 0, and how many it has.
+    /// The volume of a file to read, counted from 0, and the number of volumes.
     place: [u64; 2],
     reading: &'a Reading<'a>,
 }
@@ -223,7 +223,7 @@ fn number(header: &Header) -> Result<Number, FormatError> {
     })
 }
 
-/// Returns how the axes lie: x to the left, y to the back, z to the head.
+/// Returns the directions of the axes: x to the left, y to the back, z to the head.
 fn frame(header: &Header) -> Result<Frame, FormatError> {
     let matrix = header.numbers(&["TransformMatrix", "Rotation", "Orientation"])?;
     let matrix: Option<[f64; 9]> = matrix.and_then(|all| all.try_into().ok());

@@ -1,8 +1,8 @@
 //! Reads scans of medicine and science: DICOM, NIfTI, NRRD, MetaImage, VTK image data of both kinds, and TIFF stacks.
 //!
-//! Takes a path; gives a volume with the spacing of its voxels, how its axes lie in the patient or the world, and notes on
-//! what was left out. Headers are checked against the limits before memory is allocated, and compressed voxels are
-//! unpacked no further than the header asks for. Knows no sculpture.
+//! Takes a path; gives a volume with its voxel spacing, the directions of its axes in the patient or the world, and
+//! notes on what was left out. Headers are checked against the limits before memory is allocated, and compressed voxels
+//! are unpacked no further than the header requests. Knows no sculpture.
 
 pub mod base64;
 mod dicom;
@@ -24,6 +24,6 @@ pub use self::frame::Frame;
 pub use self::reading::{Reading, Scan};
 use super::spec::Format;
 
-/// The formats, as texts list them. DICOM comes first: its files may begin with anything, even as those of TIFF do.
+/// The formats, as texts list them. DICOM comes first: its files may begin with anything, even like those of TIFF.
 pub static FORMATS: &[Format] =
     &[&dicom::SPEC, &nifti::SPEC, &nrrd::SPEC, &meta::SPEC, &vti::SPEC, &vtk::SPEC, &tiff::SPEC];

@@ -1,4 +1,5 @@
-//! NIfTI-1 and NIfTI-2 scans (nifti.nimh.nih.gov): `.nii`, packed with gzip or not, and pairs of `.hdr` and `.img`.
+//! Reads NIfTI-1 and NIfTI-2 scans (nifti.nimh.nih.gov): `.nii`, packed with gzip or not, and pairs of `.hdr` and
+//! `.img`.
 //!
 //! Takes the bytes of a file; gives one of its volumes with spacing and orientation. Both byte orders are read.
 
@@ -31,13 +32,13 @@ pub static SPEC: FormatSpec = FormatSpec {
     )
 };
 
-/// Where version 1 says what it is, after a length of its header that tells the byte order; and version 2.
+/// Position of the magic bytes in version 1, after a header length that shows the byte order; and in version 2.
 const MAGIC_AT: [usize; 2] = [344, 4];
-/// Bytes of the headers of both versions.
+/// Header sizes of both versions, in bytes.
 const HEADER_BYTES: [usize; 2] = [348, 540];
-/// The farthest that voxels may begin: there are a header and extensions before them.
+/// Greatest offset of the voxels: a header and extensions precede them.
 const FARTHEST_OFFSET: f64 = 1e9;
-/// The meaning "each voxel is a label" of a volume.
+/// The intent "each voxel is a label" of a volume.
 const INTENT_LABEL: i64 = 1002;
 
 /// The data from the header.
@@ -98,8 +99,8 @@ fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatErr
     })
 }
 
-/// Returns whether that is the header of a file of either version and byte order. Older headers say nothing of
-/// themselves, and are known by name.
+/// Returns whether `start` is the header of a file of either version and byte order. Older headers carry no signature,
+/// and are recognised by name.
 fn is_nifti(start: &[u8]) -> bool {
     let holds = |version: usize, magic: &[u8]| {
         start.get(MAGIC_AT[version]..).is_some_and(|rest| rest.starts_with(magic))
@@ -107,7 +108,7 @@ fn is_nifti(start: &[u8]) -> bool {
     holds(0, b"n+1\0") || holds(0, b"ni1\0") || holds(1, b"n+2\0") || holds(1, b"ni2\0")
 }
 
-/// Returns the header of a pair whose voxels lie in `path`; none for a file that has both.
+/// Returns the header of a pair whose voxels are in `path`; `None` for a file that has both.
 fn header_of(path: &Path) -> Result<Option<PathBuf>, FormatError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     if !name.ends_with(".img") && !name.ends_with(".img.gz") {
@@ -116,8 +117,8 @@ fn header_of(path: &Path) -> Result<Option<PathBuf>, FormatError> {
     partner(path, "img", "hdr").map(Some).ok_or(FormatError::NoScanHeader)
 }
 
-/// Returns the other file of a pair that is there, packed or not: with `to` instead of `from` in its ending, in
-/// capitals or not.
+/// Returns the other existing file of a pair, packed or not: with `to` instead of `from` in its ending,
+/// case-insensitive.
 fn partner(path: &Path, from: &str, to: &str) -> Option<PathBuf> {
     let name = path.file_name()?.to_str()?;
     let lower = name.to_ascii_lowercase();
@@ -149,11 +150,11 @@ fn voxels(
     Ok(file)
 }
 
-/// Numbers of a header at their places.
+/// Access to the numbers of a header by position.
 struct Fields<'a> {
     bytes: &'a [u8],
     is_big: bool,
-    /// Of version 2, where they have other places.
+    /// Whether it is version 2, which has other positions.
     is_second: bool,
 }
 
@@ -189,7 +190,7 @@ impl Fields<'_> {
 }
 
 impl<'a> Fields<'a> {
-    /// Those of a header, whose length tells version and byte order.
+    /// Reads a header, whose length shows version and byte order.
     fn of(start: &'a [u8]) -> Result<Fields<'a>, FormatError> {
         let size: [u8; 4] = start
             .first_chunk()
@@ -233,12 +234,12 @@ impl<'a> Fields<'a> {
         if self.is_second { self.f64(104 + 8 * i) } else { self.f32(76 + 4 * i) }
     }
 
-    /// Returns a number at its place in the first and in the second version.
+    /// Returns a number, given its positions in the first and in the second version.
     fn real(&self, first: usize, second: usize) -> f64 {
         if self.is_second { self.f64(second) } else { self.f32(first) }
     }
 
-    /// Returns a code at its place in the first and in the second version.
+    /// Returns a code, given its positions in the first and in the second version.
     fn code(&self, first: usize, second: usize) -> i64 {
         if self.is_second { self.i32(second) } else { self.i16(first) }
     }
@@ -259,7 +260,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Returns where the voxels begin.
+    /// Returns the offset of the voxels.
     fn offset(&self) -> Result<u64, FormatError> {
         let offset = if self.is_second { self.i64(168) as f64 } else { self.f32(108) };
         if !(0.0..=FARTHEST_OFFSET).contains(&offset) {
@@ -270,7 +271,7 @@ impl<'a> Fields<'a> {
         Ok((offset as u64).max(least))
     }
 
-    /// Millimetres that a unit of length stands for.
+    /// Returns the millimetres of the unit of length.
     fn mm_per_unit(&self) -> f64 {
         let units = if self.is_second { self.i32(500) } else { i64::from(self.bytes[123]) };
         match units & 7 {
@@ -280,7 +281,8 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Returns how the axes lie in the patient; and the columns of the matrix that says so, if one does.
+    /// Returns the directions of the axes in the patient, and the columns of the matrix that defines them, if there is
+    /// one.
     fn frame(&self) -> (Frame, Option<[DVec3; 3]>) {
         match (self.code(254, 348), self.code(252, 344)) {
             (sform, _) if sform > 0 => {
@@ -293,7 +295,7 @@ impl<'a> Fields<'a> {
                 let [b, c, d] = [0, 1, 2].map(|i| self.real(256 + 4 * i, 352 + 8 * i));
                 let a = (1.0 - b * b - c * c - d * d).max(0.0).sqrt();
                 let turn = DMat3::from_quat(DQuat::from_xyzw(b, c, d, a).normalize());
-                // The sign of the first pixdim says whether the third axis is reversed.
+                // The sign of the first pixdim states whether the third axis is reversed.
                 let hand = if self.pixdim(0) < 0.0 { -1.0 } else { 1.0 };
                 (Frame::Patient([turn.x_axis, turn.y_axis, turn.z_axis * hand]), None)
             }
@@ -301,7 +303,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Slope and intercept of the numbers.
+    /// Returns slope and intercept of the numbers.
     fn scale(&self) -> [f64; 2] {
         let (slope, intercept) = (self.real(112, 176), self.real(116, 184));
         match slope.is_finite() && slope != 0.0 {
@@ -354,7 +356,7 @@ impl Header {
     }
 }
 
-/// Returns the type of voxels of a data type's code.
+/// Returns the number type of a data type code.
 fn number(code: i64) -> Result<Number, FormatError> {
     Ok(match code {
         2 => Number::U8,

@@ -1,8 +1,8 @@
-//! NRRD scans (teem.sourceforge.net/nrrd/format.html): `.nrrd` and `.nhdr`, raw, gzip, bzip2, text and hexadecimal,
-//! with the voxels behind the header, in another file, or in several.
+//! Reads NRRD scans (teem.sourceforge.net/nrrd/format.html): `.nrrd` and `.nhdr`, raw, gzip, bzip2, text and
+//! hexadecimal, with the voxels after the header, in another file, or in several.
 //!
-//! Takes the bytes of a file; gives three of its axes as a volume: those in space, at one place of all others. An axis of
-//! red, green, blue and perhaps opacity becomes colours.
+//! Takes the bytes of a file; gives its three spatial axes as a volume, at one position along all others. An axis of
+//! red, green, blue and optionally opacity becomes colours.
 
 use bzip2::read::MultiBzDecoder;
 use flate2::read::MultiGzDecoder;
@@ -35,7 +35,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     // The layers of a segmentation are read together.
     let volumes = reading.volumes(if segments.is_some() { 1 } else { layout.volumes })?;
     reading.admit(layout.dims, layout.voxel_size)?;
-    // Everything that is unpacked, and what is made of it.
+    // All unpacked data, and the result made from it.
     let total =
         header.axes.iter().try_fold(header.number.bytes(), |n, axis| n.checked_mul(axis.size));
     let total = total.filter(|n| *n < u64::MAX / 8).unwrap_or(u64::MAX / 8);
@@ -99,7 +99,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     })
 }
 
-/// Returns the bytes of all voxels, `total` in number, from files that have the same share of them each.
+/// Returns the bytes of all voxels, `total` in number, from files that hold equal shares of them.
 fn join(
     names: &[String],
     header: &Header,
@@ -111,7 +111,7 @@ fn join(
         let what = format!("{total} bytes of voxels cannot lie in {count} files alike");
         return Err(malformed("the header", what));
     }
-    // All names are checked first: a refusal should not wait until the files before it are read.
+    // All names are checked first: a refusal should not wait until the preceding files are read.
     let paths: Vec<_> = names.iter().map(|name| reading.beside(name)).collect::<Result<_, _>>()?;
     let mut data = Vec::with_capacity(total as usize);
     for path in paths {
@@ -137,7 +137,7 @@ fn unpack(
     }
     let found = rest.len() as u64;
     let from_end = header.byte_skip < 0;
-    // -1 has a meaning for raw voxels alone; where they are packed, it is written for "no others before them".
+    // -1 has a meaning only for raw voxels; for packed ones, it is written for "no others before them".
     let skip = header.byte_skip.max(0) as u64;
     let after_skip = |rest: &'_ [u8]| -> Result<usize, FormatError> {
         usize::try_from(skip).ok().filter(|n| *n <= rest.len()).ok_or_else(|| cut(skip, found))
@@ -168,12 +168,12 @@ fn unpack(
     }
 }
 
-/// Returns whether a byte lies between words.
+/// Returns whether a byte separates words.
 fn is_between(byte: &u8) -> bool {
     byte.is_ascii_whitespace() || *byte == b','
 }
 
-/// Returns the text behind its first `count` words.
+/// Returns the text after its first `count` words.
 pub fn after_words(text: &[u8], count: u64) -> &[u8] {
     let mut rest = text;
     for _ in 0..count {
@@ -187,7 +187,7 @@ pub fn after_words(text: &[u8], count: u64) -> &[u8] {
     rest
 }
 
-/// `total` bytes of numbers that are written as text, little-endian.
+/// Parses numbers written as text to `total` bytes, little-endian.
 pub fn text(rest: &[u8], number: Number, total: u64) -> Result<Vec<u8>, FormatError> {
     let mut data = Vec::new();
     let words = rest.split(is_between).filter(|word| !word.is_empty());
@@ -215,16 +215,16 @@ pub fn text(rest: &[u8], number: Number, total: u64) -> Result<Vec<u8>, FormatEr
     if data.len() as u64 == total { Ok(data) } else { Err(cut(total, data.len() as u64)) }
 }
 
-/// Which axes of the file are those of the volume.
+/// The assignment of the axes of the file to the volume.
 struct Layout {
     dims: UVec3,
-    /// From a voxel to the next along each axis, in numbers of the file.
+    /// Distance from a voxel to the next along each axis, in numbers of the file.
     strides: [u64; 3],
-    /// Numbers of the first axis that are one colour; 1 for densities.
+    /// How many numbers of the first axis form one colour; 1 for densities.
     colours: u64,
-    /// How many volumes there are along all other axes.
+    /// Number of volumes along all other axes.
     volumes: u64,
-    /// Sizes of the other axes, and from one volume to the next along them, in numbers of the file.
+    /// Sizes of the other axes, and distances from one volume to the next along them, in numbers of the file.
     others: Vec<[u64; 2]>,
     voxel_size: Vec3,
     frame: Frame,
@@ -290,7 +290,7 @@ impl Layout {
         })
     }
 
-    /// Returns where a volume begins, in numbers of the file. The first of the other axes counts fastest.
+    /// Returns the start of a volume, in numbers of the file. The first of the other axes varies fastest.
     fn begin(&self, volume: u64) -> u64 {
         let mut rest = volume;
         let of_axis = |[size, stride]: &[u64; 2]| {
@@ -338,7 +338,7 @@ impl Layout {
     }
 }
 
-/// Returns how the axes lie, as `space` names its own.
+/// Returns the directions of the axes, interpreted by the named space.
 fn frame(header: &Header, directions: [Option<DVec3>; 3]) -> Frame {
     let [Some(x), Some(y), third] = directions else { return Frame::Unknown };
     // A single slice has no third axis.

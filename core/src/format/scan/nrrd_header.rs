@@ -1,4 +1,4 @@
-//! The header of an NRRD file (teem.sourceforge.net/nrrd/format.html): lines of text -> fields.
+//! Parses the header of an NRRD file (teem.sourceforge.net/nrrd/format.html): lines of text -> fields.
 
 use std::collections::HashMap;
 
@@ -9,16 +9,16 @@ use super::unpack::malformed;
 use crate::format::FormatError;
 use crate::format::error::excerpt;
 
-/// Begins a file, before a digit of its version.
+/// The start of a file, before a digit of its version.
 pub const MAGIC: &[u8] = b"NRRD000";
-/// Longest header that is read.
+/// Greatest length of a header.
 const MOST_BYTES: usize = 1 << 20;
-/// Most files of voxels.
+/// Greatest number of voxel files.
 const MOST_FILES: i64 = 1 << 16;
-/// Most axes of a file.
+/// Greatest number of axes.
 const MOST_AXES: usize = 16;
 
-/// How the voxels are packed.
+/// The encoding of the voxels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Encoding {
     Raw,
@@ -34,9 +34,9 @@ pub struct Axis {
     pub size: u64,
     /// Length of a voxel, where it is given without a direction.
     pub spacing: Option<f64>,
-    /// From a voxel to the next, in the space of the file.
+    /// The vector from a voxel to the next, in the space of the file.
     pub direction: Option<DVec3>,
-    /// Millimetres of its lengths, where the file names their unit.
+    /// Millimetres of its unit of length, where the file names one.
     pub mm_per_unit: f64,
     /// The kind of axis, such as `domain` or `RGB-color`.
     pub kind: String,
@@ -53,18 +53,18 @@ pub struct Header {
     pub space: Option<String>,
     /// Whether directions are given.
     pub has_directions: bool,
-    /// -1: as many as there are before the voxels at the end.
+    /// Number of bytes to skip; -1: as many as precede the voxels at the end.
     pub byte_skip: i64,
     pub line_skip: u64,
-    /// The files with the voxels, in order; none where they follow the header.
+    /// The files with the voxels, in order; empty where they follow the header.
     pub data_files: Vec<String>,
     /// Pairs of keys and values of other programs.
     pub pairs: HashMap<String, String>,
-    /// Units that are not known, and taken for millimetres.
+    /// Unknown units, which are taken for millimetres.
     pub unknown_units: Vec<String>,
     /// The field `content`.
     pub content: Vec<u8>,
-    /// Bytes of the header with the empty line behind it.
+    /// Bytes of the header including the empty line after it.
     pub bytes: usize,
 }
 
@@ -177,7 +177,7 @@ impl<'a> Fields<'a> {
         self.get(name).ok_or_else(missing)
     }
 
-    /// Returns the axes, with their sizes alone.
+    /// Returns the axes, with only their sizes.
     fn axes(&self) -> Result<Vec<Axis>, FormatError> {
         let count = parse::<usize>("dimension", self.required("dimension")?)?;
         let sizes: Vec<u64> = words("sizes", self.required("sizes")?)?;
@@ -197,7 +197,7 @@ impl<'a> Fields<'a> {
         Ok(axes.map(|size| Axis { size, mm_per_unit: 1.0, ..Axis::default() }).collect())
     }
 
-    /// Adds to the axes what they mean and how long their voxels are. Returns the units that are not known.
+    /// Adds the meanings and voxel lengths to the axes. Returns the unknown units.
     fn lengths(&self, axes: &mut [Axis]) -> Result<Vec<String>, FormatError> {
         extents(|name| self.get(name), axes)?;
         if let Some(text) = self.get("spacings") {
@@ -222,7 +222,7 @@ impl<'a> Fields<'a> {
         if let Some(text) = self.get("spacedirections") {
             let units = self.get("spaceunits").map(quoted).unwrap_or_default();
             let unit = |i: usize| units.get(i).copied().unwrap_or("");
-            // Of the axes of the space, not of the file.
+            // The axes of the space, not of the file.
             let to_mm = DVec3::from_array([0, 1, 2].map(|i| mm(unit(i))));
             let vectors = directions(text)?.into_iter().map(|v| v.map(|v| v * to_mm));
             axes.iter_mut().zip(vectors).for_each(|(axis, v)| axis.direction = v);
@@ -230,10 +230,10 @@ impl<'a> Fields<'a> {
         Ok(unknown_units)
     }
 
-    /// Returns whether the high byte of a number comes first.
+    /// Returns whether numbers are big-endian.
     fn is_big(&self, number: Number, encoding: Encoding) -> Result<bool, FormatError> {
         match self.get("endian").map(str::to_ascii_lowercase).as_deref() {
-            // Text has no order of bytes.
+            // Text has no byte order.
             Some("big") => Ok(encoding != Encoding::Text),
             Some("little") => Ok(false),
             None if number.bytes() == 1 || encoding == Encoding::Text => Ok(false),
@@ -256,7 +256,7 @@ fn encoding(name: &str) -> Result<Encoding, FormatError> {
     }
 }
 
-/// Returns the lengths of voxels of axes that say where their first and last one lie instead.
+/// Returns the voxel lengths of axes that state the positions of their first and last voxel instead.
 fn extents<'a>(
     field: impl Fn(&str) -> Option<&'a str>,
     axes: &mut [Axis],
@@ -266,7 +266,7 @@ fn extents<'a>(
     let centers = field("centers").or(field("centerings")).unwrap_or_default();
     let mut centers = centers.split_whitespace();
     for (axis, (min, max)) in axes.iter_mut().zip(mins.into_iter().zip(maxs)) {
-        // From the middle of the first voxel to that of the last, or from edge to edge.
+        // From the centre of the first voxel to that of the last, or from edge to edge.
         let is_node = centers.next().is_some_and(|center| center.eq_ignore_ascii_case("node"));
         let steps = if is_node { axis.size.saturating_sub(1) } else { axis.size };
         axis.spacing = Some((max - min) / steps as f64).filter(|n| n.is_finite());
@@ -274,7 +274,7 @@ fn extents<'a>(
     Ok(())
 }
 
-/// Words that may stand between quotes.
+/// Splits words that may be quoted.
 fn quoted(text: &str) -> Vec<&str> {
     if text.contains('"') {
         text.split('"').skip(1).step_by(2).collect()
@@ -283,7 +283,7 @@ fn quoted(text: &str) -> Vec<&str> {
     }
 }
 
-/// Millimetres of a unit of length; 1 where none is named.
+/// Returns the millimetres of a unit of length; 1 if none is named.
 fn mm_per_unit(unit: &str) -> Option<f64> {
     match unit.trim().to_ascii_lowercase().as_str() {
         "???" | "none" => Some(1.0),
@@ -291,8 +291,8 @@ fn mm_per_unit(unit: &str) -> Option<f64> {
     }
 }
 
-/// Returns the files that `slice%03d.raw 1 12 1` names, a pattern with its first number, its last, and the step; or the
-/// one of that name.
+/// Returns the files that `slice%03d.raw 1 12 1` names (a pattern with its first number, its last, and the step), or
+/// the single file of that name.
 fn numbered(field: &str) -> Result<Vec<String>, FormatError> {
     let words: Vec<&str> = field.split_whitespace().collect();
     let [pattern, first, last, step, ..] = words[..] else { return Ok(vec![field.to_string()]) };
@@ -328,7 +328,7 @@ fn words<T: std::str::FromStr>(name: &str, text: &str) -> Result<Vec<T>, FormatE
     text.split_whitespace().map(|word| parse(name, word)).collect()
 }
 
-/// Vectors such as `none (1,0,0) (0,1,0)`; those of two numbers lie in a plane.
+/// Parses vectors such as `none (1,0,0) (0,1,0)`; those of two numbers lie in a plane.
 fn directions(text: &str) -> Result<Vec<Option<DVec3>>, FormatError> {
     let wrong =
         || malformed("the header", format!("`{}` are no space directions", text.escape_debug()));
@@ -349,14 +349,14 @@ fn directions(text: &str) -> Result<Vec<Option<DVec3>>, FormatError> {
             .map_err(|_| wrong())?;
         let at = |i: usize| numbers.get(i).copied().unwrap_or(0.0);
         let v = DVec3::new(at(0), at(1), at(2));
-        // Some write vectors of NaN for `none`.
+        // Some programs write vectors of NaN for `none`.
         found.push((numbers.len() <= 3 && v.is_finite()).then_some(v));
         rest = behind.trim_start();
     }
     Ok(found)
 }
 
-/// Returns the type of voxels by its names.
+/// Returns the number type of a name.
 fn number(name: &str) -> Result<Number, FormatError> {
     Ok(match name.to_ascii_lowercase().as_str() {
         "signed char" | "int8" | "int8_t" => Number::I8,

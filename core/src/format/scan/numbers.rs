@@ -1,5 +1,5 @@
-//! The types of numbers in scans, and how they become the samples of a volume: what a sculpture's volumes can hold stays
-//! as it is, everything else becomes 32-bit floating point.
+//! The number types of scans, and their conversion to the samples of a volume: types that a sculpture's volumes support
+//! stay as they are, everything else becomes 32-bit floating point.
 
 use glam::UVec3;
 
@@ -45,7 +45,7 @@ macro_rules! with_number {
 }
 
 impl Number {
-    /// Bytes of a voxel.
+    /// Returns the bytes of a voxel.
     pub fn bytes(self) -> u64 {
         match self {
             Number::I8 | Number::U8 => 1,
@@ -56,7 +56,7 @@ impl Number {
         }
     }
 
-    /// Bytes of all voxels. An error if they and the samples made of them do not fit into `budget_bytes`.
+    /// Returns the bytes of all voxels. An error if they and the samples made of them do not fit into `budget_bytes`.
     pub fn check(self, dims: UVec3, budget_bytes: u64) -> Result<u64, FormatError> {
         let [x, y, z] = dims.to_array().map(u64::from);
         let count = x.checked_mul(y).and_then(|n| n.checked_mul(z));
@@ -65,7 +65,7 @@ impl Number {
         Ok(total / (self.bytes() + 4) * self.bytes())
     }
 
-    /// Returns the type of samples that holds these numbers as they are.
+    /// Returns the sample type that holds these numbers unchanged.
     fn same(self, is_big: bool) -> Option<Samples> {
         Some(match (self, is_big) {
             (Number::U8, _) => Samples::U8,
@@ -81,8 +81,7 @@ impl Number {
         })
     }
 
-    /// Returns the samples of numbers, each times `slope` plus `intercept`. Whole numbers that 16 bits can hold stay
-    /// whole.
+    /// Converts numbers to samples, each times `slope` plus `intercept`. Whole numbers that fit 16 bits stay whole.
     pub fn into_samples(
         self,
         data: Vec<u8>,
@@ -117,7 +116,7 @@ impl Number {
         (Samples::F32Le, self.to_floats(&data, is_big, [slope, intercept]))
     }
 
-    /// Numbers, each times `slope` plus `intercept`, as [`Samples::F32Le`].
+    /// Converts numbers to [`Samples::F32Le`], each times `slope` plus `intercept`.
     pub fn to_floats(self, data: &[u8], is_big: bool, [slope, intercept]: [f64; 2]) -> Vec<u8> {
         let mut out = Vec::with_capacity(data.len() / self.bytes() as usize * 4);
         with_number!(self, is_big, |bytes: usize, read: &dyn Fn(&[u8]) -> f64| {
@@ -141,7 +140,7 @@ fn taken<const N: usize>(bytes: &[u8], is_big: bool) -> [u8; N] {
     own
 }
 
-/// Returns a volume of numbers; one without a length has an edge of 1.
+/// Returns a volume of numbers; an axis without a length has an edge of 1.
 pub fn volume(
     dims: UVec3,
     voxel_size: glam::Vec3,

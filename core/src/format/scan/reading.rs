@@ -1,5 +1,5 @@
-//! What a reader of a scan is given, and what it gives back. The files that belong to the one to be read are found only in
-//! its folder or below. Knows no format.
+//! The input and the output of a reader of scans. The files that belong to the one to be read are found only in its
+//! folder or below. Knows no format.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -11,28 +11,28 @@ use crate::format::{FormatError, Volume, Volumes, budget_bytes, error, prepare, 
 use crate::progress::Progress;
 use crate::sculpture::{Grid, Limits};
 
-/// A scan as it was read.
+/// A scan as read.
 pub struct Scan {
     pub volume: Volume,
     pub frame: Frame,
-    /// Format and packing, for people.
+    /// Display name of the format and packing.
     pub kind: String,
-    /// Whether the file says that its numbers are labels.
+    /// Whether the file declares its numbers as labels.
     pub is_label: bool,
     /// Which of several volumes it is.
     pub volumes: Volumes,
-    /// Notes on what was left out or interpreted otherwise, for people.
+    /// Notes on what was left out or interpreted otherwise, for the user.
     pub notes: Vec<String>,
 }
 
 impl Scan {
-    /// Returns a volume of a file that says nothing but its voxels.
+    /// Returns a volume of a file that states nothing but its voxels.
     pub fn bare(volume: Volume, kind: String, volumes: Volumes) -> Scan {
         Scan { volume, frame: Frame::Unknown, kind, is_label: false, volumes, notes: Vec::new() }
     }
 }
 
-/// How it is said which option takes another of several volumes.
+/// Text that names the option that selects another of several volumes.
 pub const OTHER_TIME: &str = "the option `time` takes another";
 pub const OTHER_CHANNEL: &str = "the option `channel` takes another";
 
@@ -45,24 +45,24 @@ pub struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// Returns an error if no grid can hold what becomes of such a volume.
+    /// Returns an error if no grid can hold the result of such a volume.
     pub fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
         let (dims, voxel_size) = prepare::prepared(dims, voxel_size, self.options)?;
         Ok(Grid::check(dims, voxel_size, self.limits.grid_bytes)?)
     }
 
-    /// Returns which volume is read of a file that has so many times and one channel.
+    /// Returns the volume to read from a file with so many times and one channel.
     pub fn volumes(&self, times: u64) -> Result<Volumes, FormatError> {
         Volumes::of(self.options, 1, times)
     }
 
-    /// Note that the first of several volumes was read, unless one was asked for.
+    /// Returns a note that the first of several volumes was read, unless one was requested.
     pub fn first_of(&self, volumes: u64) -> Option<String> {
         let is_open = volumes > 1 && self.options.time.is_none();
         is_open.then(|| format!("first of {volumes} volumes taken; {OTHER_TIME}"))
     }
 
-    /// Memory that is left beside a file of that length.
+    /// Returns the memory that is left beside a file of that length, in bytes.
     pub fn rest_bytes(&self, file_bytes: u64) -> u64 {
         budget_bytes(self.limits).saturating_sub(file_bytes)
     }
@@ -72,7 +72,7 @@ impl Reading<'_> {
         store::read(path, budget_bytes(self.limits), |_| Ok(()), self.progress)
     }
 
-    /// What `read` makes of a whole file, and the length of the file.
+    /// Returns the result of `read` for a whole file, and the length of the file.
     pub fn read_whole(
         &self,
         path: &Path,
@@ -83,7 +83,7 @@ impl Reading<'_> {
         Ok((read(file)?, file_bytes))
     }
 
-    /// Another file that belongs to this one.
+    /// Reads another file that belongs to this one.
     pub fn read_beside(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
         let name = error::excerpt(path.file_name().unwrap_or_default().as_encoded_bytes());
         self.read(path).map_err(|error| match error {

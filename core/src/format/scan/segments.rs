@@ -1,5 +1,5 @@
-//! Segmentations of 3D Slicer (`.seg.nrrd`): the label, layer, name and colour of each segment, from the pairs of keys and
-//! values in the header of an NRRD file.
+//! Reads segmentations of 3D Slicer (`.seg.nrrd`): the label, layer, name and colour of each segment, from the pairs of
+//! keys and values in the header of an NRRD file.
 //!
 //! Takes the pairs and the layers of labels; gives voxels in the segments' colours. Knows no file.
 
@@ -9,9 +9,9 @@ use crate::format::error::excerpt;
 use crate::format::labels;
 use crate::sculpture::Rgb;
 
-/// Segments that are looked for.
+/// Greatest number of segments.
 const MOST_SEGMENTS: usize = 1 << 12;
-/// Names that a note lists.
+/// Greatest number of names that a note lists.
 const SHOWN: usize = 12;
 
 struct Segment {
@@ -24,14 +24,14 @@ struct Segment {
 pub struct Segments(Vec<Segment>);
 
 impl Segments {
-    /// None where the pairs describe no segments. `layers` is the number of volumes of labels.
+    /// Returns `None` where the pairs describe no segments. `layers` is the number of label volumes.
     pub fn of(pairs: &HashMap<String, String>, layers: u64) -> Option<Segments> {
         let of = |i: usize, what: &str| pairs.get(&format!("Segment{i}_{what}"));
         let is_there = |i: &usize| {
             ["ID", "Name", "LabelValue", "Color"].into_iter().any(|what| of(*i, what).is_some())
         };
         let count = (0..MOST_SEGMENTS).take_while(is_there).count();
-        // Older versions of Slicer give each segment a layer, where it is 1.
+        // Older versions of Slicer give each segment its own layer, where its label is 1.
         let is_old = layers > 1 && layers == count as u64;
         let segments = (0..count).map(|i| {
             let number = |what: &str| of(i, what).and_then(|text| text.trim().parse::<f64>().ok());
@@ -55,7 +55,7 @@ impl Segments {
         (count > 0).then(|| Segments(segments.collect()))
     }
 
-    /// Red, green, blue and opacity of each voxel. A later layer lies over an earlier one.
+    /// Returns red, green, blue and opacity of each voxel. A later layer covers an earlier one.
     pub fn colours(&self, layers: &[Vec<f32>]) -> Vec<u8> {
         let plain = labels::colours();
         let tables: Vec<HashMap<u32, Rgb>> = (0..layers.len())
@@ -80,7 +80,7 @@ impl Segments {
         out
     }
 
-    /// Returns the notes for the person.
+    /// Returns the note for the user.
     pub fn note(&self) -> String {
         let names: Vec<&str> = self.0.iter().take(SHOWN).map(|own| own.name.as_str()).collect();
         let more = if self.0.len() > SHOWN { ", ..." } else { "" };

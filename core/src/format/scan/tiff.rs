@@ -1,8 +1,8 @@
-//! TIFF stacks (TIFF 6.0, BigTIFF): the pages of one file, or the numbered files of a folder, one page each.
+//! Reads TIFF stacks (TIFF 6.0, BigTIFF): the pages of one file, or the numbered files of a folder, one page each.
 //!
-//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Where ImageJ or an OME-TIFF notes
-//! them (`tiff/told.rs`), the distances of voxels are known, and which pages are the layers of the channel and time
-//! that are read. No TIFF file says which way is up.
+//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Metadata of ImageJ or OME-TIFF
+//! (`tiff/told.rs`), where present, gives the voxel spacing, and the pages that are the layers of the channel and time
+//! to read. No TIFF file defines its up axis.
 
 mod palette;
 #[cfg(test)]
@@ -49,14 +49,14 @@ pub static SPEC: FormatSpec = FormatSpec {
     )
 };
 
-/// Digits that number a file.
+/// Greatest number of digits that number a file.
 const MOST_DIGITS: usize = 15;
-/// Files of a folder that are looked at.
+/// Greatest number of files of a folder that are examined.
 const MOST_FILES: usize = 1 << 16;
 
 type Pages<'a> = Decoder<Cursor<&'a [u8]>>;
 
-/// The properties that all pages of a stack have in common.
+/// The properties common to all pages of a stack.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Page {
     width: u32,
@@ -122,8 +122,8 @@ fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
     Ok(Scan { volume, frame: Frame::Unknown, kind, is_label: false, volumes, notes })
 }
 
-/// Returns where the first page begins whose others follow it without directories of their own, as ImageJ writes large
-/// files. None where they do not.
+/// Returns the start of the first page if the others follow it without directories of their own, as ImageJ writes large
+/// files. `None` otherwise.
 fn behind_first(file: &[u8], told: &Told) -> Result<Option<usize>, FormatError> {
     let mut pages = open(file)?;
     let is_packed = !matches!(pages.get_tag_u32(Tag::Compression), Ok(1) | Err(_));
@@ -136,7 +136,7 @@ fn behind_first(file: &[u8], told: &Told) -> Result<Option<usize>, FormatError> 
 
 /// The pages of a file.
 struct Found {
-    /// Those that are as the first.
+    /// The pages like the first.
     alike: Vec<usize>,
     /// The number of all others, such as thumbnails.
     others: usize,
@@ -179,9 +179,9 @@ fn page_of(pages: &mut Pages) -> Result<Page, FormatError> {
 /// A volume that grows by a page at a time.
 struct Stack<'a> {
     page: Page,
-    /// The numbers of the first page.
+    /// The number type of the first page.
     number: Option<Number>,
-    /// Little-endian.
+    /// The pixels, little-endian.
     data: Vec<u8>,
     dims: UVec3,
     reading: &'a Reading<'a>,
@@ -190,7 +190,7 @@ struct Stack<'a> {
 impl Stack<'_> {
     /// Appends pages that follow the first one, which begins at byte `begin`.
     fn add_behind(&mut self, file: &[u8], begin: usize, all: &[usize]) -> Result<(), FormatError> {
-        // The first page tells the numbers.
+        // The first page determines the number type.
         let mut first = Stack { data: Vec::new(), dims: self.dims, ..*self };
         first.add(file, 0)?;
         let number = first.number.unwrap_or(Number::U8);
@@ -225,7 +225,7 @@ impl Stack<'_> {
         let most = u64::from(self.dims.x) * u64::from(self.dims.y) * 8;
         let most = most.min(rest_bytes) as usize;
         let mut limits = Limits::default();
-        // Tiles may be larger than the page.
+        // Tiles may extend beyond the page.
         let most_in_file = usize::try_from(rest_bytes).unwrap_or(usize::MAX);
         (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (most, most_in_file);
         let mut pages = open(file)?.with_limits(limits.clone());
@@ -294,8 +294,7 @@ fn bytes_of(pixels: DecodingResult, colours: ColorType) -> Result<(Number, Vec<u
     })
 }
 
-/// Returns the files that are numbered as `path`, in order, if there are several: the same name but for its last
-/// number.
+/// Returns the files numbered like `path`, in order, if there are several: the same name except for its last number.
 fn series(path: &Path, notes: &mut Vec<String>) -> Vec<PathBuf> {
     let Some((prefix, ending, _)) = numbered(path) else { return Vec::new() };
     let folder = match path.parent() {
@@ -319,8 +318,8 @@ fn series(path: &Path, notes: &mut Vec<String>) -> Vec<PathBuf> {
     files.into_iter().map(|(_, path)| path).collect()
 }
 
-/// Returns the file of a folder that stands for it: the first of the longest series of numbered TIFF files, or the
-/// first TIFF file. None if there is no TIFF file.
+/// Returns the file that represents a folder: the first of the longest series of numbered TIFF files, or the first TIFF
+/// file. `None` if there is no TIFF file.
 fn first_of(folder: &Path) -> Option<PathBuf> {
     let entries = std::fs::read_dir(folder).ok()?.take(MOST_FILES);
     let is_tiff = |path: &PathBuf| SPEC.is_named(path) && path.is_file();
@@ -334,12 +333,12 @@ fn first_of(folder: &Path) -> Option<PathBuf> {
         own.as_ref().map(|(prefix, ending, _)| (prefix.clone(), ending.clone()))
     };
     let series = files.chunk_by(|(a, _), (b, _)| a.is_some() && name(a) == name(b));
-    // The first of those that are equally long.
+    // The first of those of equal length.
     let longest = series.rev().max_by_key(|series| series.len())?;
     longest.first().map(|(_, path)| path.clone())
 }
 
-/// Returns a name as what stands before its last number, its ending, and that number.
+/// Splits a name into the part before its last number, its ending, and that number.
 fn numbered(path: &Path) -> Option<(String, String, u64)> {
     let stem = path.file_stem()?.to_str()?;
     let prefix = stem.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -349,7 +348,7 @@ fn numbered(path: &Path) -> Option<(String, String, u64)> {
     Some((prefix.to_string(), ending, number))
 }
 
-/// Returns the message of a library about a file that it does not read.
+/// Converts the error of a library about a file that it cannot read.
 fn damaged(error: TiffError) -> FormatError {
     match error {
         TiffError::LimitsExceeded => malformed("the TIFF file", "more pixels than its header says"),

@@ -1,6 +1,6 @@
-//! Units of length by the names that formats have for them.
+//! Converts units of length, by their names in file formats.
 
-/// Millimetres of a unit; 1 where none is named, none where it is not known. Names are in lower case.
+/// Returns the millimetres of a unit; 1 if none is named, `None` if it is unknown. Names are in lower case.
 pub fn mm_per_unit(unit: &str) -> Option<f64> {
     Some(match unit {
         "" | "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => 1.0,
@@ -8,7 +8,7 @@ pub fn mm_per_unit(unit: &str) -> Option<f64> {
         "cm" | "centimeter" | "centimeters" | "centimetre" | "centimetres" => 10.0,
         "dm" => 100.0,
         "km" => 1e6,
-        // Both signs for a millionth, and how ImageJ writes one.
+        // Both signs for micro, and ImageJ's spelling of one.
         "um" | "\u{B5}m" | "\u{3BC}m" | "\\u00b5m" | "micron" | "microns" | "micrometer"
         | "micrometers" | "micrometre" | "micrometres" => 1e-3,
         "nm" | "nanometer" | "nanometers" | "nanometre" | "nanometres" => 1e-6,

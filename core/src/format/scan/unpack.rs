@@ -1,4 +1,4 @@
-//! Unpacks compressed scans, never more than their header asks for.
+//! Unpacks compressed scans, never more than their header requests.
 
 use std::io::Read;
 
@@ -8,7 +8,7 @@ use crate::progress::Progress;
 /// Bytes between two reports of progress.
 const PORTION_BYTES: usize = 1 << 20;
 
-/// Skips `skip` bytes and reads exactly `bytes`; what follows is not looked at.
+/// Skips `skip` bytes and reads exactly `bytes`; the rest is not examined.
 pub fn exactly(
     reader: &mut dyn Read,
     skip: u64,
@@ -29,7 +29,7 @@ fn read_exactly(
 ) -> Result<Vec<u8>, FormatError> {
     let damaged = |error: std::io::Error| malformed("the compressed voxels", error.to_string());
     let skipped = std::io::copy(&mut reader.take(skip), &mut std::io::sink()).map_err(damaged)?;
-    // Grows with what is there: a stream may hold less than it should.
+    // Grows with the data: a stream may hold less than it should.
     let mut data = Vec::new();
     while skipped == skip && (data.len() as u64) < bytes {
         let portion = (bytes - data.len() as u64).min(PORTION_BYTES as u64);
@@ -46,12 +46,12 @@ fn read_exactly(
     Ok(data)
 }
 
-/// Returns the file ends before its voxels do.
+/// Returns the error of a file that ends before its voxels do.
 pub fn cut(expected: u64, found: u64) -> FormatError {
     malformed("the voxels", format!("{expected} bytes were expected, but there are {found}"))
 }
 
-/// Something in the file is wrong.
+/// Returns the error of invalid data in the file.
 pub fn malformed(place: &str, what: impl Into<String>) -> FormatError {
     FormatError::Malformed { place: place.to_string(), what: what.into() }
 }

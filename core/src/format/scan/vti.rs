@@ -27,10 +27,10 @@ pub static SPEC: FormatSpec = FormatSpec {
     )
 };
 
-/// Begins the data behind the tags.
+/// Begins the data after the tags.
 const APPENDED: &[u8] = b"<AppendedData";
 
-/// Returns whether an XML file begins as one of VTK does.
+/// Returns whether an XML file begins like one of VTK.
 fn is_vti(start: &[u8]) -> bool {
     let text = start.trim_ascii_start();
     text.starts_with(b"<") && text.windows(8).any(|part| part == b"<VTKFile")
@@ -100,7 +100,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     })
 }
 
-/// Returns the tags of a file as XML that is complete, also where data follows that is none.
+/// Returns the tags of a file as complete XML, also where non-XML data follows.
 fn text_of(tags: &[u8], is_cut: bool) -> Result<String, FormatError> {
     let no_text = |_| {
         FormatError::Scan(
@@ -130,8 +130,8 @@ fn checked_compressor<'a>(root: Node<'a, '_>) -> Result<&'a str, FormatError> {
     }
 }
 
-/// Returns the numbers of all pieces in the box of the file, by its lowest voxel and its size; and whether they fill
-/// it.
+/// Returns the numbers of all pieces in the box of the file, given by its lowest voxel and its size, and whether they
+/// fill it.
 fn joined(
     parts: &[Part],
     (low, dims): (I64Vec3, UVec3),
@@ -160,7 +160,7 @@ fn joined(
     Ok((data, !is_held.contains(&false)))
 }
 
-/// Returns how the axes lie, one that runs backwards turned.
+/// Returns the directions of the axes; a backward axis is reversed.
 fn frame(image: Node, spacing: [f64; 3]) -> Result<Frame, FormatError> {
     let direction = match image.has_attribute("Direction") {
         true => numbers::<f64, 9>(image, "Direction")?,
@@ -177,7 +177,7 @@ fn child<'a, 'b>(node: Node<'a, 'b>, name: &str) -> Result<Node<'a, 'b>, FormatE
     found.ok_or_else(|| malformed("the XML", format!("<{name}> is missing")))
 }
 
-/// Returns the array to take, and whether it belongs to cells.
+/// Returns the array to read, and whether it belongs to cells.
 fn array<'a, 'b>(piece: Node<'a, 'b>) -> Result<(Node<'a, 'b>, bool), FormatError> {
     for (group, is_of_cells) in [("PointData", false), ("CellData", true)] {
         let Some(group) = piece.children().find(|node| node.has_tag_name(group)) else { continue };
@@ -193,7 +193,7 @@ fn array<'a, 'b>(piece: Node<'a, 'b>) -> Result<(Node<'a, 'b>, bool), FormatErro
     ))
 }
 
-/// A piece of the grid, with the array to take.
+/// A piece of the grid, with the array to read.
 struct Part<'a, 'b> {
     piece: Node<'a, 'b>,
     array: Node<'a, 'b>,
@@ -210,7 +210,7 @@ impl Part<'_, '_> {
         self.low.saturating_add(self.dims.as_i64vec3())
     }
 
-    /// Returns whether another piece has the same array, of the same numbers.
+    /// Returns whether another piece has the same array, with the same number type.
     fn is_like(&self, other: &Part) -> bool {
         let is_same = |name| self.array.attribute(name) == other.array.attribute(name);
         // Text has no order of bytes.
@@ -221,14 +221,14 @@ impl Part<'_, '_> {
     }
 }
 
-/// Returns the pieces that hold something, at least one; all have the same array.
+/// Returns the non-empty pieces, at least one; all have the same array.
 fn parts<'a, 'b>(pieces: &[Node<'a, 'b>]) -> Result<Vec<Part<'a, 'b>>, FormatError> {
     let mut parts: Vec<Part> = Vec::new();
     for piece in pieces {
         let extent: [i64; 6] = numbers(*piece, "Extent")?;
         let [low, high] =
             [0, 1].map(|end| I64Vec3::new(extent[end], extent[2 + end], extent[4 + end]));
-        // Programs that share work write empty pieces, too.
+        // Parallel programs write empty pieces, too.
         if pieces.len() > 1 && high.cmplt(low).any() {
             continue;
         }
@@ -253,7 +253,7 @@ fn parts<'a, 'b>(pieces: &[Node<'a, 'b>]) -> Result<Vec<Part<'a, 'b>>, FormatErr
     }
 }
 
-/// Returns the size of a box, by its lowest voxel and one past its highest.
+/// Returns the size of a box, given by its lowest voxel and one past its highest.
 fn checked_dims(low: I64Vec3, high: I64Vec3) -> Result<UVec3, FormatError> {
     let sides = [0, 1, 2].map(|i| {
         let side = high[i].checked_sub(low[i]).and_then(|side| u32::try_from(side).ok());
@@ -265,7 +265,7 @@ fn checked_dims(low: I64Vec3, high: I64Vec3) -> Result<UVec3, FormatError> {
     }
 }
 
-/// Other arrays, which are left out.
+/// Returns notes on the other arrays, which are left out.
 fn notes(parts: &[Part]) -> Vec<String> {
     let Some(Part { piece, array: taken, .. }) = parts.first() else { return Vec::new() };
     let arrays = piece.descendants().filter(|node| node.has_tag_name("DataArray") && node != taken);
@@ -312,7 +312,7 @@ fn of_text(text: &[u8], number: Number, bytes: usize) -> Result<Vec<u8>, FormatE
     super::nrrd::text(text, number, bytes as u64)
 }
 
-/// How binary arrays are written.
+/// The encoding of binary arrays.
 #[derive(Clone, Copy)]
 struct Coding<'a> {
     is_big: bool,
@@ -362,7 +362,7 @@ impl Coding<'_> {
         let text: Vec<u8> = text.iter().copied().filter(|c| !c.is_ascii_whitespace()).collect();
         let word = if self.wide { 8 } else { 4 };
         if !self.is_packed {
-            // Some writers encode the length on its own, which padding behind it shows.
+            // Some writers encode the length separately, which padding after it shows.
             let own = base64::characters(word);
             let (length, rest) = match text.get(own - 1) {
                 Some(b'=') => text.split_at(own),
@@ -372,7 +372,7 @@ impl Coding<'_> {
             data.extend(base64::decode(rest, self.bytes + word).ok_or_else(wrong)?);
             return self.of_bytes(&data);
         }
-        // The lengths of the blocks are encoded on their own.
+        // The lengths of the blocks are encoded separately.
         let count = self.length(&base64::decode(&text, word).ok_or_else(wrong)?, 0)?;
         let lengths = count.checked_add(3).and_then(|n| n.checked_mul(word));
         let lengths =
@@ -383,7 +383,7 @@ impl Coding<'_> {
         self.of_bytes(&data)
     }
 
-    /// Returns the length at a place, counted in lengths.
+    /// Returns the length at a position, counted in lengths.
     fn length(&self, data: &[u8], place: usize) -> Result<usize, FormatError> {
         let word = if self.wide { 8 } else { 4 };
         let bytes = place.checked_mul(word).and_then(|at| data.get(at..)?.get(..word));

@@ -23,17 +23,17 @@ pub static SPEC: FormatSpec = FormatSpec {
 };
 
 const MAGIC: &str = "# vtk DataFile Version";
-/// Lines of a header, and letters of one, that are looked at.
+/// Greatest number of header lines, and of characters in one, that are examined.
 const MOST_LINES: usize = 1 << 10;
 const MOST_LETTERS: usize = 1 << 12;
 
-/// The lines of a file, and what is behind them.
+/// The lines of a file, and the data after them.
 struct Lines<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> Lines<'a> {
-    /// Returns the next line that says something.
+    /// Returns the next non-empty line.
     fn next(&mut self) -> Option<String> {
         loop {
             let most = self.rest.len().min(MOST_LETTERS);
@@ -123,7 +123,7 @@ struct Head {
 }
 
 impl Head {
-    /// Takes a line; the numbers of an array whose values follow.
+    /// Takes a line. Returns the number type of an array whose values follow.
     fn take(&mut self, line: &str, lines: &mut Lines) -> Result<Option<Number>, FormatError> {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         let upper = words[0].to_ascii_uppercase();
@@ -146,7 +146,7 @@ impl Head {
             ("SCALARS", [_, kind, rest @ ..]) => {
                 let number = number(kind, rest.first().copied().unwrap_or("1"))?;
                 let before = lines.rest;
-                // A table of colours is named, or not.
+                // A lookup table is named, or not.
                 let is_table = lines
                     .next()
                     .is_some_and(|line| line.to_ascii_uppercase().starts_with("LOOKUP_TABLE"));

@@ -1,8 +1,8 @@
-//! The elements of a DICOM file (PS3.5, PS3.10): tags with their values, in sequences of items, and the fragments of
-//! packed pixels.
+//! Parses the elements of a DICOM file (PS3.5, PS3.10): tags with their values, in sequences of items, and the
+//! fragments of packed pixels.
 //!
-//! Takes bytes; gives values that borrow from them. Nothing is allocated from a length in the file before that many bytes
-//! have been seen, and nesting is bounded. Knows no meaning of a tag but which are sequences.
+//! Takes bytes; gives values that borrow from them. Nothing is allocated from a length in the file before that many
+//! bytes have been seen, and nesting is bounded. Knows no meaning of tags except which are sequences.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -15,33 +15,33 @@ use super::tags::{self, Tag};
 use crate::format::FormatError;
 use crate::format::budget::check_budget;
 
-/// Where a file says what it is, and the bytes there.
+/// Position of the mark of a DICOM file, and its bytes.
 pub const MAGIC_AT: usize = 128;
 pub const MAGIC: &[u8] = b"DICM";
-/// The group of a file's first elements but for the meta group.
+/// The group of a file's first elements after the meta group.
 const FIRST_GROUP: u32 = 0x0008;
-/// Elements by which a file without a mark is known, and their greatest length.
+/// Number of elements by which a file without a mark is recognised, and their greatest length.
 const BARE_ELEMENTS: usize = 4;
 const MOST_BARE_BYTES: u32 = 1 << 8;
-/// Elements of one file, and how deep sequences nest: both far more than real files have.
+/// Greatest number of elements of one file, and nesting of sequences: both far beyond real files.
 const MOST_ELEMENTS: usize = 1 << 20;
 const MOST_DEPTH: usize = 32;
-/// A length that is not known beforehand.
+/// A length that is not known in advance.
 const UNDEFINED: u32 = u32::MAX;
 
-/// Returns whether the first bytes of a file are those of a DICOM file, with its mark or without.
+/// Returns whether the first bytes of a file are those of a DICOM file, with the mark or without.
 pub fn is_dicom(start: &[u8]) -> bool {
     begin_of(start).is_some()
 }
 
-/// Returns where the elements of a file begin. Some files lack the mark, or what stands before it: those whose first
-/// elements are such as a DICOM file begins with.
+/// Returns the start of the elements of a file. Some files lack the mark, or the bytes before it; they are recognised
+/// by typical first elements.
 fn begin_of(file: &[u8]) -> Option<usize> {
     if file.get(MAGIC_AT..).is_some_and(|rest| rest.starts_with(MAGIC)) {
         return Some(MAGIC_AT + MAGIC.len());
     }
     let marked = file.starts_with(MAGIC).then_some(MAGIC.len());
-    // A stray byte before the first element has been seen.
+    // A stray byte before the first element has been seen in practice.
     let places = marked.into_iter().chain([0, 1, MAGIC_AT]);
     places.into_iter().find(|at| file.get(*at..).is_some_and(begins_with_elements))
 }
@@ -78,29 +78,29 @@ fn begins_with_elements(bytes: &[u8]) -> bool {
     true
 }
 
-/// How much of a file is there.
+/// The available part of a file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Part {
-    /// All of it.
+    /// The whole file.
     Whole,
-    /// Its first bytes: no error if the rest is cut off.
+    /// Its first bytes: it is no error if the rest is cut off.
     Start,
 }
 
 enum Value<'a> {
     Bytes(&'a [u8]),
-    /// 16-bit numbers, whatever they hold.
+    /// 16-bit numbers of any meaning.
     Words(&'a [u8]),
     Items(Vec<DataSet<'a>>),
-    /// The first is the table of offsets.
+    /// The first fragment is the offset table.
     Fragments(Vec<&'a [u8]>),
 }
 
 /// The pixels of a file as they are stored.
 pub enum Stored<'a> {
-    /// One frame after another; `swapped` where pairs of bytes stand in the wrong order.
+    /// One frame after another; `swapped` where pairs of bytes are in the wrong order.
     Native { bytes: &'a [u8], swapped: bool },
-    /// Packed, each frame in one or more fragments. The table of offsets may be empty.
+    /// Packed, each frame in one or more fragments. The offset table may be empty.
     Packed { offsets: &'a [u8], fragments: &'a [&'a [u8]] },
 }
 
@@ -110,7 +110,7 @@ pub struct DataSet<'a> {
     is_big: bool,
 }
 
-/// Returns the syntax of a file, and the bytes of its data set, unpacked if need be to at most `budget_bytes`.
+/// Returns the syntax of a file, and the bytes of its data set, unpacked if necessary to at most `budget_bytes`.
 pub fn open(
     file: &[u8],
     part: Part,
@@ -135,7 +135,7 @@ pub fn open(
     let meta = DataSet { elements, is_big: false };
     let rest = &file[meta_end..];
     let syntax = match meta.text(tags::TRANSFER_SYNTAX) {
-        // Without a word about it, the elements themselves tell.
+        // If it is not stated, the elements themselves show it.
         None if meta.elements.is_empty() => match is_explicit(rest, false) {
             Some(true) => Syntax::ExplicitLittle,
             _ => Syntax::ImplicitLittle,
@@ -157,8 +157,8 @@ pub fn open(
     }
 }
 
-/// Returns whether the elements of a data set say the types of their values, by the first of them. None where it cannot
-/// be told.
+/// Returns whether the elements of a data set state their value types, judged by the first one. `None` where this
+/// cannot be determined.
 fn is_explicit(bytes: &[u8], is_big: bool) -> Option<bool> {
     let head = bytes.first_chunk::<8>()?;
     if head[4..6].iter().all(u8::is_ascii_uppercase) {
@@ -166,17 +166,17 @@ fn is_explicit(bytes: &[u8], is_big: bool) -> Option<bool> {
     }
     let group = [head[0], head[1]];
     let group = if is_big { u16::from_be_bytes(group) } else { u16::from_le_bytes(group) };
-    // Then a length stands there, of a first element that is never long.
+    // Otherwise these bytes are a length, and the first element is never long.
     let length = [head[4], head[5], head[6], head[7]];
     let length = if is_big { u32::from_be_bytes(length) } else { u32::from_le_bytes(length) };
     (u32::from(group) == FIRST_GROUP && length <= MOST_BARE_BYTES).then_some(false)
 }
 
 impl<'a> DataSet<'a> {
-    /// Returns the elements of `bytes`, as [`open`] gives them.
+    /// Parses the elements of `bytes`, as [`open`] returns them.
     pub fn parse(bytes: &'a [u8], syntax: Syntax, part: Part) -> Result<DataSet<'a>, FormatError> {
         let is_big = syntax.is_big();
-        // The elements themselves count, not the header's name for them.
+        // The elements themselves decide, not the syntax named in the header.
         let is_explicit = is_explicit(bytes, is_big).unwrap_or(syntax.is_explicit());
         let mut parser = Parser { bytes, at: 0, left: MOST_ELEMENTS, part, is_big, is_explicit };
         let elements = parser.elements(bytes.len(), 0, false)?;
@@ -194,14 +194,14 @@ impl<'a> DataSet<'a> {
         }
     }
 
-    /// Returns a text without its padding; none where it is missing or empty.
+    /// Returns a text without its padding; `None` where it is missing or empty.
     pub fn text(&self, tag: Tag) -> Option<String> {
         let text = String::from_utf8_lossy(self.bytes(tag)?);
         let text = text.trim_matches(|c: char| c.is_whitespace() || c == '\0');
         (!text.is_empty()).then(|| text.to_string())
     }
 
-    /// Returns the finite numbers of a text; none where one cannot be read.
+    /// Returns the finite numbers of a text; `None` where one cannot be read.
     pub fn decimals<const N: usize>(&self, tag: Tag) -> Option<[f64; N]> {
         self.all_decimals(tag)?.get(..N)?.try_into().ok()
     }
@@ -212,7 +212,7 @@ impl<'a> DataSet<'a> {
         self.text(tag)?.split('\\').map(number).collect()
     }
 
-    /// Returns the first of 16-bit numbers.
+    /// Returns the first of a list of 16-bit numbers.
     pub fn u16(&self, tag: Tag) -> Option<u16> {
         let bytes = *self.bytes(tag)?.first_chunk()?;
         Some(if self.is_big { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) })
@@ -226,7 +226,7 @@ impl<'a> DataSet<'a> {
         }
     }
 
-    /// Returns the pixels with the tag of their kind of numbers.
+    /// Returns the pixels with the tag of their number type.
     pub fn pixels(&self) -> Option<(Tag, Stored<'_>)> {
         tags::PIXELS.into_iter().find_map(|tag| match self.value(tag)? {
             Value::Bytes(bytes) => Some((tag, Stored::Native { bytes, swapped: false })),
@@ -243,7 +243,7 @@ impl<'a> DataSet<'a> {
 struct Parser<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// Elements that may still come.
+    /// Number of elements that may still follow.
     left: usize,
     part: Part,
     is_big: bool,
@@ -251,7 +251,7 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    /// Returns the elements up to `end` or the end of an item without a length; of the file's meta group alone if
+    /// Returns the elements up to `end` or the end of an item without a length; only those of the file's meta group if
     /// `is_meta`.
     fn elements(
         &mut self,
@@ -269,7 +269,7 @@ impl<'a> Parser<'a> {
                 }
                 Ok((tags::ITEM_END | tags::SEQUENCE_END, _)) => break,
                 Ok(element) => elements.push(element),
-                // The rest of the file is where it was read from.
+                // The bytes end here, or the meta group does.
                 Err(_) if self.part == Part::Start || is_meta => {
                     self.at = start;
                     break;
@@ -296,7 +296,7 @@ impl<'a> Parser<'a> {
         }
         if is_sequence && tag != tags::ITEM {
             let was_explicit = self.is_explicit;
-            // Values of unknown types are always stored without them.
+            // Values of unknown types are always stored without types.
             self.is_explicit &= vr != Some(*b"UN");
             let items = self.items(length, end, depth + 1);
             self.is_explicit = was_explicit;
@@ -318,7 +318,7 @@ impl<'a> Parser<'a> {
         Ok((tag, if vr == Some(*b"OW") { Value::Words(value) } else { Value::Bytes(value) }))
     }
 
-    /// Returns the items of a sequence whose length, which may be undefined, has been read.
+    /// Returns the items of a sequence whose length, possibly undefined, has been read.
     fn items(
         &mut self,
         length: u32,
@@ -365,12 +365,12 @@ impl<'a> Parser<'a> {
         Ok(fragments)
     }
 
-    /// Returns where something of a length ends that begins here.
+    /// Returns the end of a part of the given length that begins here.
     fn end_of(&self, length: u32, end: usize) -> Result<usize, FormatError> {
         match length {
             UNDEFINED => Ok(end),
             length if length as usize <= end - self.at => Ok(self.at + length as usize),
-            // The readable part of a sequence that is cut off is worth having.
+            // The readable part of a truncated sequence is useful.
             _ if self.part == Part::Start => Ok(end),
             _ => Err(self.cut("a sequence")),
         }

@@ -1,6 +1,6 @@
 //! Finds the DICOM files of one series in a folder.
 //!
-//! Takes a path; gives the files of the series with the places of their slices. Reads the beginnings of files only.
+//! Takes a path; gives the files of the series with the positions of their slices. Reads only the beginnings of files.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -13,23 +13,23 @@ use super::plane::Plane;
 use super::tags;
 use crate::format::{FormatError, Texts, go_on, store};
 
-/// Bytes at the beginning of a file that tell whether it is DICOM, and those that say what it holds.
+/// Number of bytes at the beginning of a file that show whether it is DICOM, and number that describe its content.
 const MAGIC_BYTES: usize = 512;
 const START_BYTES: u64 = 1 << 18;
-/// Files of a folder that are looked at.
+/// Greatest number of files of a folder that are examined.
 const MOST_FILES: usize = 1 << 16;
-/// Series that an error lists, and letters of their names.
+/// Greatest number of series that an error lists, and of characters of their names.
 const SHOWN_SERIES: usize = 4;
 const SHOWN_LETTERS: usize = 24;
-/// Files of a series that are asked how many are like them.
+/// Greatest number of files of a series for which similar ones are counted.
 const MOST_KINDS: usize = 64;
 
 /// The files of a series.
 pub struct Found {
     pub files: Vec<PathBuf>,
-    /// Of the files of one frame; their indices are those of `files`.
+    /// The planes of single-frame files; their indices are those of `files`.
     pub planes: Vec<Plane>,
-    /// The index of the file that was asked for.
+    /// The index of the requested file.
     pub named: Option<usize>,
     pub notes: Vec<String>,
 }
@@ -39,7 +39,7 @@ pub struct Found {
 struct Start {
     path: PathBuf,
     series: String,
-    /// For people.
+    /// The display name.
     name: String,
     layout: Layout,
     frames: usize,
@@ -76,7 +76,7 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>, FormatError> {
 }
 
 impl Start {
-    /// None for a file that is no DICOM file, or holds no picture that is read.
+    /// Returns `None` for a file that is not DICOM, or holds no readable picture.
     fn read(path: &Path) -> Option<Start> {
         let magic = start_of(path, MAGIC_BYTES as u64)?;
         if !data_set::is_dicom(&magic) {
@@ -119,7 +119,7 @@ pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
         match &own {
             Some(own) if own.frames == 1 && !own.series.is_empty() => {}
             Some(own) => return Ok(Found { planes: vec![own.plane.clone()], ..alone() }),
-            // Reading all of it says what is wrong.
+            // Reading the whole file reports the fault.
             None => return Ok(Found { planes: vec![nowhere()], ..alone() }),
         }
     }
@@ -133,7 +133,7 @@ pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
         starts.retain(|start| start.series == own.series);
     }
     let first = match own {
-        // The one that was named decides which of the others belong to it.
+        // The named file decides which of the others belong to it.
         Some(own) => own,
         None => only(&starts)?,
     };
@@ -185,8 +185,8 @@ fn starts(folder: &Path, reading: &Reading) -> Result<Vec<Start>, FormatError> {
     Ok(starts)
 }
 
-/// Returns the file of the only series that decides which others belong to it: one of the largest number of files
-/// alike.
+/// Returns the file of the only series that decides which others belong to it: one of the largest group of similar
+/// files.
 fn only(starts: &[Start]) -> Result<Start, FormatError> {
     let mut series: Vec<(&str, Vec<&Start>)> = Vec::new();
     for start in starts {

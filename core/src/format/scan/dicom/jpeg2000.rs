@@ -1,18 +1,20 @@
-//! The pixels of a DICOM frame in JPEG 2000 (ISO/IEC 15444-1; PS3.5 annex A.4.4): a codestream, to whole numbers.
+//! Decodes the pixels of a DICOM frame in JPEG 2000 (ISO/IEC 15444-1; PS3.5 annex A.4.4): a codestream to whole
+//! numbers.
 //!
-//! Takes the bytes of a frame and the size that the header names; gives the samples of each pixel one after another. Knows
-//! nothing of what they mean.
+//! Takes the bytes of a frame and the size that the header states; gives the interleaved samples of the pixels. Knows
+//! nothing of their meaning.
 
 use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
 
 use crate::format::FormatError;
 use crate::format::scan::unpack::malformed;
 
-/// The markers at which a codestream begins: its start, and sizes.
+/// The markers at the start of a codestream: start of codestream, and sizes.
 const BEGIN: [u8; 4] = [0xFF, 0x4F, 0xFF, 0x51];
-/// From there to the byte of the first component that holds its bits less one and, in the highest bit, its sign.
+/// Distance from there to the byte of the first component that holds its bits minus one and, in the highest bit, its
+/// sign.
 const SIGN_BYTES: usize = 42;
-/// Most bits of a sample: what a DICOM sample of 16 bits holds, and single precision holds exactly.
+/// Greatest number of bits of a sample: a DICOM sample of 16 bits, which single precision represents exactly.
 const MOST_BITS: u8 = 16;
 
 /// Returns the samples of `columns` times `rows` pixels of `channels` each.
@@ -25,7 +27,7 @@ pub(super) fn samples(
     let failed = |error: hayro_jpeg2000::DecodeError| damaged(error.to_string());
     let settings = DecodeSettings { resolve_palette_indices: false, ..DecodeSettings::default() };
     let image = Image::new(packed, &settings).map_err(failed)?;
-    // Before memory is taken for it.
+    // Checked before memory is allocated.
     if (image.width(), image.height()) != (columns, rows) {
         return Err(damaged(format!(
             "{}x{} pixels, where the header says {columns}x{rows}",

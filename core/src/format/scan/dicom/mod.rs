@@ -1,8 +1,8 @@
 //! DICOM (dicomstandard.org): one file, a folder, or any file of a series, of which the others in its folder are read,
 //! too; several frames in one file.
 //!
-//! Takes a path; gives a volume of one series, its first layer the lowest along the normal of the slices. Nothing that
-//! names the patient is kept.
+//! Takes a path; gives a volume of one series, its first layer the lowest along the normal of the slices. Discards
+//! everything that names the patient.
 
 mod data_set;
 mod folder;
@@ -43,8 +43,8 @@ pub static SPEC: FormatSpec = FormatSpec {
     )
 };
 
-/// Reads the series that `path` is a file of, or the only one of the folder `path`. Returns it with the length of its
-/// files.
+/// Reads the series to which the file `path` belongs, or the only one of the folder `path`. Returns it with the total
+/// length of its files.
 fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let found = folder::find(path, reading)?;
     let mut notes = found.notes;
@@ -97,7 +97,7 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
         _ => {
             drop(bytes);
             drop(file);
-            // Layers that repeat a slice follow one another.
+            // Layers that repeat a slice are consecutive.
             layers.planes.chunk_by(|a, b| a.file == b.file).try_for_each(|planes| {
                 stack.add(&reading.read(&found.files[planes[0].file])?, planes)
             })
@@ -142,7 +142,7 @@ fn frames(data: &DataSet) -> Result<usize, FormatError> {
     }
 }
 
-/// Edges of a voxel in millimetres.
+/// Returns the edges of a voxel in millimetres.
 fn spacing(
     of: &FrameData,
     distance_mm: Option<f64>,
@@ -166,7 +166,7 @@ fn spacing(
     Vec3::new(x as f32, y as f32, along.unwrap_or(1.0) as f32)
 }
 
-/// Layers as they are read: numbers as stored while all are scaled alike, else as they are meant.
+/// Layers as they are read: stored numbers while all have the same scale, else scaled values.
 #[derive(Default)]
 struct Layered {
     data: Vec<u8>,
@@ -202,7 +202,7 @@ struct Stack<'a> {
     layers: Layered,
     dims: UVec3,
     reading: &'a Reading<'a>,
-    /// Length of the files so far.
+    /// Total length of the files so far, in bytes.
     bytes: u64,
 }
 

@@ -1,7 +1,6 @@
-//! Pixels that stand for nothing (PixelPaddingValue, PS3.3 C.7.5.1.1.2): they are no density, and would draw the automatic
-//! threshold to themselves.
+//! Padding pixels (PixelPaddingValue, PS3.3 C.7.5.1.1.2): they are no density, and would bias the automatic threshold.
 //!
-//! Takes numbers as they are stored; puts the least of the others in their place.
+//! Takes stored numbers; replaces padding with the least of the others.
 
 use super::data_set::DataSet;
 use super::pixels::Layout;
@@ -16,7 +15,7 @@ pub struct Padding {
 }
 
 impl Padding {
-    /// None where the file names none, or turns its numbers.
+    /// Returns `None` where the file names no padding, or inverts its numbers.
     pub fn of(data: &DataSet, layout: &Layout) -> Option<Padding> {
         let is_signed = matches!(layout.number, Number::I8 | Number::I16);
         let is_grey = is_signed || matches!(layout.number, Number::U8 | Number::U16);
@@ -32,7 +31,7 @@ impl Padding {
         Some(Padding { least: first.min(last), most: first.max(last) })
     }
 
-    /// Puts the least other number in the place of padding; whether there was some, and others.
+    /// Replaces padding with the least other number. Returns whether there was padding, and other numbers.
     pub fn fill(self, data: &mut [u8], number: Number) -> bool {
         let width = number.bytes() as usize;
         let value = |bytes: &[u8]| match (number, bytes) {

@@ -1,9 +1,8 @@
-//! Slices of a series that lie at the same places: several times, phases of a heart, echoes or kinds of picture. One of them
-//! is chosen before slices are stacked, so that none is made of parts of several.
+//! Slices of a series at the same positions: several times, phases of a heart, echoes or kinds of picture. One of them
+//! is selected before slices are stacked, so that no volume mixes several.
 //!
-//! Takes planes with their places along the normal, in order; gives those of one phase: that which was asked for, that of the
-//! file that was named, or the first. Where nothing in the files tells
-//! them apart, the order of their numbers does.
+//! Takes planes with their positions along the normal, in order; gives those of one phase: the requested one, that of
+//! the named file, or the first. Where nothing in the files distinguishes them, the order of their numbers does.
 
 use std::collections::BTreeMap;
 
@@ -11,17 +10,17 @@ use super::super::reading::Reading;
 use super::plane::{Plane, SAME_PLACE_MM};
 use crate::format::{FormatError, Volumes};
 
-/// A plane with its place along the normal.
+/// A plane with its position along the normal.
 type Placed = (f64, Plane);
 
-/// Returns the planes of one phase, that which was asked for, that of the file `named` or the first, and which of how
-/// many it is.
+/// Returns the planes of one phase (the requested one, that of the file `named` or the first), with its number and the
+/// number of phases.
 pub fn one_of(
     placed: Vec<Placed>,
     named: Option<usize>,
     reading: &Reading,
 ) -> Result<(Volumes, Vec<Placed>), FormatError> {
-    // The number of the place of each plane.
+    // The position number of each plane.
     let mut places: Vec<usize> = Vec::with_capacity(placed.len());
     for (i, (at, _)) in placed.iter().enumerate() {
         let is_new = i > 0 && at - placed[i - 1].0 >= SAME_PLACE_MM;
@@ -50,8 +49,8 @@ pub fn one_of(
     Ok((volumes, kept.collect()))
 }
 
-/// Returns the planes of each phase by one or two of the values in their files: such that no phase has two planes at a
-/// place, and one of them has all places.
+/// Groups planes into phases by one or two of the values in their files, such that no phase has two planes at a
+/// position, and one of them has all positions.
 fn told_apart(placed: &[Placed], places: &[usize], count: usize) -> Option<Vec<Vec<usize>>> {
     let keys = placed.first().map_or(0, |(_, plane)| plane.phases.len());
     let pairs = (0..keys).flat_map(|a| (a + 1..keys).map(move |b| (a, b)));
@@ -65,7 +64,7 @@ fn told_apart(placed: &[Placed], places: &[usize], count: usize) -> Option<Vec<V
             |own: &Vec<usize>| own.windows(2).all(|pair| places[pair[0]] != places[pair[1]]);
         let is_whole = |own: &Vec<usize>| own.len() == count;
         if groups.len() > 1 && groups.values().all(is_single) && groups.values().any(is_whole) {
-            // Whole phases come first, in the order of their values.
+            // Complete phases come first, in the order of their values.
             let mut groups: Vec<Vec<usize>> = groups.into_values().collect();
             groups.sort_by_key(|own| !is_whole(own));
             return Some(groups);
@@ -74,7 +73,7 @@ fn told_apart(placed: &[Placed], places: &[usize], count: usize) -> Option<Vec<V
     None
 }
 
-/// Returns the first planes of all places by their numbers, the second ones, and so on.
+/// Groups the first planes of all positions by their numbers, then the second ones, and so on.
 fn in_turn(placed: &[Placed], places: &[usize]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut rank = 0;
@@ -88,10 +87,10 @@ fn in_turn(placed: &[Placed], places: &[usize]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// A value that is sorted as a number where it is one.
+/// A value that is sorted as a number where possible.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Value {
-    /// By its bits, which are in the order of the numbers.
+    /// The bits, mapped to the order of the numbers.
     Number(u64),
     Text(String),
 }
@@ -121,7 +120,8 @@ mod tests {
         Plane { file, frame: 0, number: 0.0, position: None, axes: None, phases }
     }
 
-    /// Returns the files that are taken of planes with these places and phases, and which phase of how many it is.
+    /// Returns the files selected from planes with these positions and phases, with the number of the phase and the
+    /// number of phases.
     fn of_time(
         all: &[(f64, &str)],
         named: Option<usize>,
@@ -151,13 +151,13 @@ mod tests {
         // 2 is less than 10.
         assert_eq!(taken(&all, None), (2, vec![1, 3, 4]));
         assert_eq!(taken(&all, Some(2)), (2, vec![0, 2, 5]));
-        // A time that is asked for counts more than the file that is named.
+        // A requested time takes precedence over the named file.
         assert_eq!(of_time(&all, None, Some(2)), Ok(([2, 2], vec![0, 2, 5])));
         assert_eq!(of_time(&all, Some(2), Some(1)), Ok(([1, 2], vec![1, 3, 4])));
         assert_eq!(of_time(&all, Some(2), None), Ok(([2, 2], vec![0, 2, 5])));
         assert!(of_time(&all, None, Some(3)).unwrap_err().contains("from 1 to 2"));
         assert!(of_time(&all[..1], None, Some(2)).unwrap_err().contains("only one"));
-        // Nothing tells them apart.
+        // Nothing distinguishes them.
         let same = all.map(|(at, _)| (at, "1"));
         assert_eq!(taken(&same, None), (2, vec![0, 2, 4]));
         // A slice that was taken twice is no phase.
@@ -165,7 +165,7 @@ mod tests {
             taken(&[(0.0, "1"), (1.0, "1"), (1.0, "1"), (2.0, "1")], None),
             (1, vec![0, 1, 3])
         );
-        // Slices that have a value of their own each.
+        // Slices each with a value of its own.
         let own = [(0.0, "1"), (1.0, "2"), (2.0, "3")];
         assert_eq!(taken(&own, None), (1, vec![0, 1, 2]));
     }

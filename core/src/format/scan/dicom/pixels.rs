@@ -1,4 +1,4 @@
-//! The pixels of a DICOM frame (PS3.3 C.7.6.3, PS3.5 chapter 8 and annexes A and G): native, in RLE, JPEG or
+//! Decodes the pixels of a DICOM frame (PS3.3 C.7.6.3, PS3.5 chapter 8 and annexes A and G): native, in RLE, JPEG or
 //! JPEG 2000, to little-endian numbers without unused bits.
 //!
 //! Takes the data set of a file; gives bytes of one frame at a time. Knows nothing of series or patients.
@@ -13,36 +13,36 @@ use crate::format::FormatError;
 use crate::format::scan::numbers::Number;
 use crate::format::scan::unpack::{cut, malformed};
 
-/// Most planes of bytes of a frame in RLE, and bytes of its header.
+/// Greatest number of byte planes of a frame in RLE, and bytes of its header.
 const MOST_RLE_PLANES: usize = 15;
 const RLE_HEADER_BYTES: usize = 64;
 
-/// How the pixels of a file are stored.
+/// The storage of the pixels of a file.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Layout {
     pub columns: u32,
     pub rows: u32,
-    /// The type of number that a frame is read to.
+    /// The number type to which a frame is read.
     pub number: Number,
-    /// Of each sample, stored.
+    /// Number of stored bits of each sample.
     bits_stored: u32,
     high_bit: u32,
     is_signed: bool,
-    /// Red, green and blue one after another for each frame, not for each pixel.
+    /// Whether red, green and blue are in separate planes of each frame, instead of interleaved.
     is_planar: bool,
-    /// Two pixels share their differences of colour.
+    /// Whether two pixels share their colour differences (4:2:2).
     is_halved: bool,
     colours: Colours,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Colours {
-    /// Light is high.
+    /// High values are light.
     Grey,
-    /// Light is low.
+    /// Low values are light.
     Negative,
     Rgb,
-    /// Luminance and two differences of colour.
+    /// Luminance and two colour differences.
     Ybr,
 }
 
@@ -62,7 +62,7 @@ impl Layout {
         let colours = match (samples, photometric.as_str()) {
             (1, "MONOCHROME1") => Colours::Negative,
             (1, "MONOCHROME2" | "") => Colours::Grey,
-            // The codestream itself says that it holds differences of colour; they are turned as it is unpacked.
+            // The codestream itself declares the colour differences; they are converted during decoding.
             (3, "RGB" | "YBR_RCT" | "YBR_ICT") => Colours::Rgb,
             (3, "YBR_FULL" | "YBR_FULL_422") => Colours::Ybr,
             _ => {
@@ -134,7 +134,7 @@ impl Layout {
         self.pixels() * self.number.bytes() as usize
     }
 
-    /// Bytes of a sample.
+    /// Returns the bytes of a sample.
     fn width(&self) -> usize {
         if self.number == Number::Rgb { 1 } else { self.number.bytes() as usize }
     }
@@ -162,7 +162,7 @@ impl Layout {
                 let whole = (self.bytes() as u64).saturating_mul(frames as u64);
                 let (begin, frame) = frame.ok_or_else(|| cut(whole, bytes.len() as u64))?;
                 match swapped && self.width() == 1 {
-                    // There is an even number of bytes; the last may be padding.
+                    // The number of bytes is even; the last may be padding.
                     true => (begin..begin + frame.len())
                         .map(|i| bytes.get(i ^ 1).copied().unwrap_or(0))
                         .collect(),
@@ -186,7 +186,7 @@ impl Layout {
             bytes.chunks_exact_mut(self.width()).for_each(<[u8]>::reverse);
         }
         if self.number == Number::Rgb {
-            // All ways of unpacking give red, green and blue for each pixel.
+            // All decoders return interleaved red, green and blue.
             let is_packed = matches!(syntax, Syntax::Rle | Syntax::Jpeg | Syntax::Jpeg2000);
             if self.is_planar && !is_packed {
                 bytes = interleaved(&bytes);
@@ -200,7 +200,7 @@ impl Layout {
         Ok(bytes)
     }
 
-    /// Removes what is stored in unused bits, continues signs, and turns negatives.
+    /// Clears unused bits, extends signs, and inverts negatives.
     fn trim(&self, bytes: &mut [u8]) {
         let width = self.width();
         let is_whole = !matches!(self.number, Number::F32 | Number::F64);
@@ -214,7 +214,7 @@ impl Layout {
             let stored = sample.iter().rev().fold(0, |sum, byte| sum << 8 | u32::from(*byte));
             let mut value = stored >> (self.high_bit + 1 - self.bits_stored) & mask;
             if self.is_negative() {
-                // Of signed numbers, too: the complement of x is -1 - x.
+                // For signed numbers, too: the complement of x is -1 - x.
                 value = !value & mask;
             }
             if self.is_signed {
@@ -324,7 +324,7 @@ impl Layout {
     }
 }
 
-/// Returns the fragments of a frame, joined.
+/// Returns the joined fragments of a frame.
 fn fragments_of(
     offsets: &[u8],
     fragments: &[&[u8]],
@@ -349,7 +349,7 @@ fn fragments_of(
     };
     let begin = u64::from(u32::from_le_bytes(*own));
     let end = offsets.get(index + 1).map_or(u64::MAX, |next| u32::from_le_bytes(*next).into());
-    // Each fragment has a tag and a length before it.
+    // Each fragment is preceded by a tag and a length.
     let mut at = 0u64;
     let mut joined = Vec::new();
     for fragment in fragments {
@@ -361,7 +361,7 @@ fn fragments_of(
     Ok(joined)
 }
 
-/// Returns why JPEG pixels are not read.
+/// Returns the error of JPEG pixels that cannot be read.
 fn no_jpeg(error: jpeg_decoder::Error) -> FormatError {
     match error {
         jpeg_decoder::Error::Unsupported(what) => FormatError::Scan(format!(
@@ -372,13 +372,13 @@ fn no_jpeg(error: jpeg_decoder::Error) -> FormatError {
     }
 }
 
-/// Returns all reds, then all greens and blues, to triples.
+/// Converts planes of red, green and blue to triples.
 fn interleaved(planes: &[u8]) -> Vec<u8> {
     let count = planes.len() / 3;
     (0..count).flat_map(|i| [planes[i], planes[i + count], planes[i + 2 * count]]).collect()
 }
 
-/// YBR_FULL of PS3.3 C.7.6.3.1.2, which is that of JPEG.
+/// Converts YBR_FULL of PS3.3 C.7.6.3.1.2, which is that of JPEG.
 fn to_rgb(pixel: &mut [u8; 3]) {
     let [y, cb, cr] = pixel.map(f32::from);
     let (cb, cr) = (cb - 128.0, cr - 128.0);
@@ -386,7 +386,7 @@ fn to_rgb(pixel: &mut [u8; 3]) {
         .map(|value| value.round() as u8);
 }
 
-/// Returns why a file has no pixels.
+/// Returns the error of a file without pixels.
 fn no_image(data: &DataSet) -> FormatError {
     FormatError::Scan(match data.items(tags::DIRECTORY_RECORDS).is_empty() {
         false => "this is only the table of contents of a medium (DICOMDIR); open one of the files with pictures, or \

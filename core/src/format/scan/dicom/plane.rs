@@ -1,4 +1,4 @@
-//! Where the frames of files lie: their places and directions, with the values that tell phases apart.
+//! The positions and directions of frames, with the values that distinguish phases.
 //!
 //! Takes data sets; knows neither other frames nor how they are stacked.
 
@@ -7,20 +7,20 @@ use glam::DVec3;
 use super::data_set::DataSet;
 use super::tags::{self, Tag};
 
-/// Directions of rows and columns that differ by less, in each number, are the same.
+/// Directions of rows and columns that differ by less, in each component, are the same.
 const SAME_DIRECTION: f64 = 1e-2;
-/// Slices closer than this lie at the same place.
+/// Slices closer than this are at the same position.
 pub const SAME_PLACE_MM: f64 = 1e-3;
 
-/// Where a frame of a file lies.
+/// The position of a frame of a file.
 #[derive(Clone, Debug)]
 pub struct Plane {
     /// Index of the file, and of the frame in it.
     pub file: usize,
     pub frame: usize,
-    /// Of the series, to sort where places are not known.
+    /// Number in the series, for sorting where positions are unknown.
     pub number: f64,
-    /// The middle of the first pixel, in mm: left, back, head.
+    /// The centre of the first pixel, in mm: left, back, head.
     pub position: Option<DVec3>,
     /// Directions of rows and columns.
     pub axes: Option<[DVec3; 2]>,
@@ -28,7 +28,7 @@ pub struct Plane {
     pub phases: Vec<String>,
 }
 
-/// The frame of a multi-frame file whose groups say something, then what frames have in common, then the file.
+/// The data of a frame: its own groups in a multi-frame file take precedence, then the shared groups, then the file.
 pub struct FrameData<'a> {
     pub data: &'a DataSet<'a>,
     pub frame: usize,
@@ -44,7 +44,7 @@ impl FrameData<'_> {
 }
 
 impl Plane {
-    /// Of a frame of a file's data set.
+    /// Reads the plane of a frame from a file's data set.
     pub fn of(data: &DataSet, file: usize, frame: usize) -> Plane {
         let of = FrameData { data, frame };
         let detector = || data.items(tags::DETECTORS).first()?.decimals::<6>(tags::ORIENTATION);
@@ -59,7 +59,7 @@ impl Plane {
             let first = offsets.first().copied().unwrap_or(0.0);
             position = position.map(|p| p + row.cross(column) * (offset - first));
         } else if frame > 0 && data.items(tags::FRAME_GROUPS).is_empty() {
-            // The place of the file is that of its first frame.
+            // The position in the file is that of its first frame.
             position = None;
         }
         let number = data.decimals::<1>(tags::INSTANCE_NUMBER).map_or(0.0, |[number]| number);
@@ -67,7 +67,7 @@ impl Plane {
         let content = content.and_then(|groups| groups.items(tags::CONTENT_GROUP).first());
         let phase = |tag: &Tag| {
             let bits = |data: &DataSet| data.u16(*tag).map(|number| format!("#{number:05}"));
-            // Frames number their times in binary.
+            // Frames store their times in binary.
             content.and_then(bits).or_else(|| data.text(*tag)).unwrap_or_default()
         };
         let phases = tags::PHASES.iter().map(phase).collect();

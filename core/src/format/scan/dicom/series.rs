@@ -1,7 +1,7 @@
-//! The files of a DICOM series in a folder, and the order and the distances of their slices (PS3.3 C.7.6.2).
+//! The files of a DICOM series in a folder: the order and the distances of their slices (PS3.3 C.7.6.2).
 //!
-//! Takes the first bytes of files; gives slices in the order of their places along the normal, on a regular grid, with
-//! notes on what is missing, doubled or of unequal distances. Knows no pixels.
+//! Takes the first bytes of files; gives slices in the order of their positions along the normal, on a regular grid,
+//! with notes on missing, duplicate or unevenly spaced slices. Knows no pixels.
 
 use super::super::reading::Reading;
 use super::phases;
@@ -9,27 +9,27 @@ use super::plane::{Plane, SAME_PLACE_MM};
 use crate::format::{FormatError, Volumes};
 use crate::sculpture::grid::MAX_AXIS_VX;
 
-/// Distances that differ by less than this share are equal.
+/// Distances that differ by less than this fraction are equal.
 const SAME_DISTANCE: f64 = 0.02;
-/// Layers per slice beyond which distances are no volume's.
+/// Greatest number of layers per slice; beyond that, the slices form no volume.
 const MOST_LAYERS: usize = 4;
-/// Slices that move sideways by more than this share of their distance were taken with a tilted gantry.
+/// Sideways shift between slices, as a fraction of their distance, above which the gantry was tilted.
 const TILT: f64 = 0.02;
 
 /// Slices as the layers of a volume.
 #[derive(Debug)]
 pub struct Layers {
-    /// Which plane each layer shows, from the lowest layer to the highest.
+    /// The plane that each layer shows, from the lowest layer to the highest.
     pub planes: Vec<Plane>,
-    /// Between layers; none where positions do not say.
+    /// Distance between layers; `None` where positions do not show it.
     pub distance_mm: Option<f64>,
     /// Which of several times, phases or echoes it is.
     pub volumes: Volumes,
     pub notes: Vec<String>,
 }
 
-/// Sorts parallel planes along their normal. Of several times, phases or echoes the one is taken that was asked for, or
-/// that the file number `named` belongs to, or the first.
+/// Sorts parallel planes along their normal. Of several times, phases or echoes, takes the requested one, or that of
+/// the file number `named`, or the first.
 pub fn layers(
     mut planes: Vec<Plane>,
     named: Option<usize>,
@@ -115,7 +115,7 @@ fn gaps(placed: &[(f64, Plane)]) -> impl Iterator<Item = f64> {
     placed.windows(2).map(|pair| pair[1].0 - pair[0].0)
 }
 
-/// Returns the distance of layers, and what to say about it.
+/// Returns the distance of layers, and a note about it.
 fn step(placed: &[(f64, Plane)]) -> Result<(f64, Option<String>), FormatError> {
     let mut sorted: Vec<f64> = gaps(placed).collect();
     sorted.sort_by(f64::total_cmp);

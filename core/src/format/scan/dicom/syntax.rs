@@ -1,8 +1,8 @@
-//! The ways in which DICOM files are written and their pixels are packed (transfer syntaxes, PS3.5 chapter 10).
+//! Transfer syntaxes: the encodings of DICOM files and the packing of their pixels (PS3.5 chapter 10).
 
 use crate::format::FormatError;
 
-/// A transfer syntax that is read.
+/// A supported transfer syntax.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Syntax {
     ImplicitLittle,
@@ -11,13 +11,13 @@ pub enum Syntax {
     Deflated,
     /// Not packed, but in fragments.
     Encapsulated,
-    /// 8 bits with loss, or without loss.
+    /// 8 bits with loss, or lossless.
     Jpeg,
     Jpeg2000,
     Rle,
 }
 
-/// Names of those that are not read, by how their identifiers go on after [`ROOT`].
+/// Names of the unsupported ones, by the continuation of their identifiers after [`ROOT`].
 const OTHERS: [(&str, &str); 10] = [
     ("4.80", "JPEG-LS"),
     ("4.81", "JPEG-LS"),
@@ -32,11 +32,11 @@ const OTHERS: [(&str, &str); 10] = [
 ];
 /// The prefix of the identifiers of the standard.
 const ROOT: &str = "1.2.840.10008.1.2.";
-/// Most of an unknown identifier that is shown.
+/// Greatest length of an unknown identifier that is shown.
 const SHOWN: usize = 64;
 
 impl Syntax {
-    /// By its identifier. An error names one that is not read.
+    /// Returns the syntax of an identifier. An error names an unsupported one.
     pub fn of(uid: &str) -> Result<Syntax, FormatError> {
         if uid == ROOT.trim_end_matches('.') {
             return Ok(Syntax::ImplicitLittle);
@@ -80,7 +80,7 @@ impl Syntax {
         self == Syntax::Deflated
     }
 
-    /// For people: how the pixels are packed.
+    /// Returns the display name of the packing of the pixels.
     pub fn packing(self) -> &'static str {
         match self {
             Syntax::Jpeg => ", packed as JPEG",

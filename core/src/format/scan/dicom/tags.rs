@@ -1,4 +1,4 @@
-//! The DICOM elements (PS3.6) that a volume is made of.
+//! The DICOM elements (PS3.6) from which a volume is made.
 
 /// Group and element, 16 bits each.
 pub type Tag = u32;
@@ -16,16 +16,16 @@ pub const DIRECTORY_RECORDS: Tag = 0x0004_1220;
 
 pub const SLICE_THICKNESS: Tag = 0x0018_0050;
 pub const SPACING_BETWEEN_SLICES: Tag = 0x0018_0088;
-/// Of radiographs, at the detector.
+/// For radiographs, at the detector.
 pub const IMAGER_PIXEL_SPACING: Tag = 0x0018_1164;
 pub const POSITION: Tag = 0x0020_0032;
 pub const ORIENTATION: Tag = 0x0020_0037;
 pub const PIXEL_SPACING: Tag = 0x0028_0030;
-/// Distances of frames from the first, of radiation doses.
+/// Distances of frames from the first, for radiation doses.
 pub const FRAME_OFFSETS: Tag = 0x3004_000C;
 
 pub const SAMPLES_PER_PIXEL: Tag = 0x0028_0002;
-/// The values outside of the field of the scanner, in stored numbers: one, or all from this one to another.
+/// The values outside the field of the scanner, in stored numbers: one, or a range.
 pub const PADDING: Tag = 0x0028_0120;
 pub const PADDING_LIMIT: Tag = 0x0028_0121;
 pub const PHOTOMETRIC: Tag = 0x0028_0004;
@@ -47,10 +47,10 @@ pub const POSITION_GROUP: Tag = 0x0020_9113;
 pub const ORIENTATION_GROUP: Tag = 0x0020_9116;
 pub const MEASURES_GROUP: Tag = 0x0028_9110;
 pub const VALUES_GROUP: Tag = 0x0028_9145;
-/// Of nuclear medicine.
+/// For nuclear medicine.
 pub const DETECTORS: Tag = 0x0054_0022;
 
-/// The attributes that tell slices at the same place apart: the time, phase, echo or kind that they belong to.
+/// The attributes that distinguish slices at the same position: the time, phase, echo or kind to which they belong.
 pub const PHASES: [Tag; 14] = [
     0x0020_0100, // temporal position
     0x0020_9241, // share of the heart's cycle
@@ -67,10 +67,10 @@ pub const PHASES: [Tag; 14] = [
     0x0008_0033, // time of the content
     0x0020_9128, // temporal position of a frame
 ];
-/// Of a frame: what it belongs to.
+/// For a frame: its membership.
 pub const CONTENT_GROUP: Tag = 0x0020_9111;
 
-/// Sequences that are looked into, for files that do not say that they are some.
+/// Sequences that are parsed in files that do not declare them as such.
 pub const SEQUENCES: [Tag; 9] = [
     CONTENT_GROUP,
     SHARED_GROUPS,

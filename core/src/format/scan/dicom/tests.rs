@@ -1,4 +1,4 @@
-//! DICOM files that are written here, with all that scanners do to them.
+//! Tests DICOM files that are written here, with all variations that scanners produce.
 
 use std::path::{Path, PathBuf};
 
@@ -10,17 +10,17 @@ use crate::format::options::{Existence, ImportOptions};
 use crate::format::{self, FormatError, Info, Samples, Volume, info};
 use crate::sculpture::Limits;
 
-/// How a file is written.
+/// The contents of a file.
 #[derive(Clone)]
 struct File {
     syntax: &'static str,
     elements: Vec<(Tag, [u8; 2], Vec<u8>)>,
-    /// Of packed pixels.
+    /// Fragments of packed pixels.
     fragments: Vec<Vec<u8>>,
 }
 
 impl File {
-    /// Returns a slice of 3 x 2 pixels of 16 bits in explicit little-endian numbers, at a place along z.
+    /// Returns a slice of 3 x 2 pixels of 16 bits in explicit little-endian numbers, at a position along z.
     fn slice(z: f64, pixels: [u16; 6]) -> File {
         let file =
             File { syntax: "1.2.840.10008.1.2.1", elements: Vec::new(), fragments: Vec::new() };
@@ -125,7 +125,7 @@ fn load(path: &Path) -> Result<Volume, FormatError> {
     format::load_volume(path, &ImportOptions::default(), &Limits::default(), &())
 }
 
-/// Returns the volume of one file alone, with what is said of it.
+/// Returns the volume of a single file, with its description.
 fn alone(file: &File) -> (Vec<f32>, Volume, Info) {
     let folder = tempfile::tempdir().unwrap();
     let path = write(&folder, "one.dcm", file);
@@ -139,7 +139,7 @@ fn values(volume: &Volume) -> Vec<f32> {
     (0..x * y * z).filter_map(|i| volume.density(at(i))).collect()
 }
 
-/// Files of a series whose slices hold their number everywhere.
+/// Writes the files of a series whose slices hold their number everywhere.
 fn series(folder: &TempDir, places: &[f64]) -> PathBuf {
     for (i, z) in places.iter().enumerate() {
         write(folder, &format!("IM{}", 90 - i), &File::slice(*z, [i as u16; 6]));
@@ -205,7 +205,7 @@ fn missing_doubled_and_unequal_slices_are_told() {
 #[test]
 fn oblique_slices_stand_upright_and_are_not_mirrored() {
     let folder = tempfile::tempdir().unwrap();
-    // Rows from front to back, columns from head to feet, somewhat turned; slices from left to right.
+    // Rows from front to back, columns from head to feet, slightly rotated; slices from left to right.
     let axes = r"0\0.995\-0.0998\0\-0.0998\-0.995";
     for (i, x) in [5.0, 2.0, -1.0].into_iter().enumerate() {
         let file = File::slice(0.0, [i as u16; 6]).text(tags::ORIENTATION, axes);
@@ -304,7 +304,7 @@ fn frames_of_one_file_lie_where_their_groups_say() {
     assert!(told.notes.is_empty() && told.orientation.is_some(), "{:?}", told.notes);
 }
 
-/// 16-bit pixels in RLE: high bytes as a run, low bytes as they are.
+/// Packs 16-bit pixels in RLE: high bytes as a run, low bytes unchanged.
 fn rle(low: [u8; 6]) -> Vec<u8> {
     let mut out = [2u32, 64, 66].map(u32::to_le_bytes).concat();
     out.resize(64, 0);
@@ -359,7 +359,7 @@ fn jpeg_2000_is_unpacked() {
     let (found, _, told) = alone(&grey);
     assert_eq!(found, ramp);
     assert_eq!(told.kind, "DICOM CT, one file, packed as JPEG 2000");
-    // In two fragments and signed; above half of what is possible; with unused bits.
+    // In two fragments and signed; above half of the range; with unused bits.
     let signed = codestream("signed16.j2k");
     let parts = vec![signed[..100].to_vec(), signed[100..].to_vec()];
     assert_eq!(alone(&plain().bits(16, 16, 15, true).packed(JPEG_2000, parts)).0, ramp);
@@ -376,7 +376,7 @@ fn jpeg_2000_is_unpacked() {
     let lossy = lossy.packed("1.2.840.10008.1.2.4.91", vec![codestream("lossy8.j2k")]);
     let far = |(found, (x, y)): (f32, (u32, u32))| (found - (x * 10 + y) as f32).abs() > 2.0;
     assert!(!alone(&lossy).0.into_iter().zip(places()).any(far));
-    // Colours, from differences of colour.
+    // Colours, from colour differences.
     let rgb = plain().bits(8, 8, 7, false).u16(tags::SAMPLES_PER_PIXEL, 3);
     let rgb =
         rgb.text(tags::PHOTOMETRIC, "YBR_RCT").packed(JPEG_2000, vec![codestream("rgb8.j2k")]);
@@ -401,7 +401,7 @@ fn jpeg_2000_that_is_no_such_picture_is_refused() {
     let colours = plain().packed(JPEG_2000, vec![codestream("rgb8.j2k")]);
     assert!(refused(colours).contains("3 samples a pixel"));
     assert!(refused(plain().packed(JPEG_2000, vec![vec![0; 8]])).contains("JPEG 2000"));
-    // A header that promises more than there is memory for.
+    // A header that claims more than memory allows.
     let mut huge = whole;
     huge[8..16].copy_from_slice(&[0x7F; 8]);
     huge[24..32].copy_from_slice(&[0x7F; 8]);

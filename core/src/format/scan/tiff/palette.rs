@@ -1,8 +1,8 @@
-//! Pages whose pixels are numbers of colours. The decoder knows no palettes: it is told that the numbers are grey, and the
-//! colours are put in afterwards.
+//! Pages whose pixels are palette indices. The decoder does not support palettes: it is told that the indices are grey,
+//! and the colours are inserted afterwards.
 //!
-//! Takes the bytes of a file; gives the colours of its first palette. Files whose directories cannot be followed stay as
-//! they are: the decoder says what is wrong.
+//! Takes the bytes of a file; gives the colours of its first palette. Files whose directories cannot be followed are
+//! left unchanged: the decoder reports the fault.
 
 const PHOTOMETRIC: u16 = 262;
 const BITS: u16 = 258;
@@ -13,7 +13,7 @@ const IS_PALETTE: u16 = 3;
 const ENTRY_BYTES: usize = 12;
 const MOST_DIRECTORIES: usize = 1 << 16;
 
-/// Makes pages with palettes of 256 colours grey ones; returns the first palette, unless it is one of greys.
+/// Marks pages with palettes of 256 colours as grey; returns the first palette, unless it is one of greys.
 pub fn taken(file: &mut [u8]) -> Option<[[u8; 3]; 256]> {
     let is_big = match file.get(..4)? {
         b"II*\0" => false,
@@ -51,7 +51,7 @@ pub fn taken(file: &mut [u8]) -> Option<[[u8; 3]; 256]> {
     found.filter(|all| !is_grey(all))
 }
 
-/// Returns all reds, then all greens and blues, of 16 bits.
+/// Reads a palette, stored as all reds, then all greens and blues, of 16 bits each. Keeps the high bytes.
 fn palette(file: &[u8], entry: usize, is_big: bool) -> Option<[[u8; 3]; 256]> {
     if u32_at(file, entry + 4, is_big)? != 3 * 256 {
         return None;

@@ -1,4 +1,4 @@
-//! TIFF files that are written here, and damaged.
+//! Tests TIFF files that are written here, some of them damaged.
 
 use tiff::encoder::colortype::{ColorType as Coding, Gray8, Gray16, Gray32Float, RGB8};
 use tiff::encoder::{Rational, TiffEncoder, TiffValue};
@@ -125,7 +125,7 @@ fn damaged_files_are_errors() {
     let whole = file::<Gray16>(&[vec![1; 6], vec![2; 6]], "");
     for end in 0..whole.len() {
         std::fs::write(&path, &whole[..end]).unwrap();
-        // The part that is cut off may be beyond the last pixel.
+        // The truncated part may be beyond the last pixel.
         let _ = load(&path);
     }
     for at in 0..whole.len() {

@@ -1,8 +1,7 @@
-//! Reads the words of a TIFF file about its pages beside their pixels: the note of ImageJ, or the description of an OME-TIFF
+//! Reads the metadata of a TIFF file about its pages: the note of ImageJ, or the description of an OME-TIFF
 //! (docs.openmicroscopy.org/ome-model).
 //!
-//! Takes the first page; gives the size of a voxel and which pages are the layers of the channel and the time
-//! that are read.
+//! Takes the first page; gives the voxel size and the pages that are the layers of the channel and the time to read.
 
 use std::collections::HashMap;
 
@@ -17,7 +16,7 @@ use super::Pages;
 use crate::format::options::ImportOptions;
 use crate::format::{FormatError, Volumes};
 
-/// Pages of a file that are counted.
+/// Greatest number of pages that are counted.
 const MOST_PAGES: usize = 1 << 20;
 
 /// The numbers of channels, layers and times.
@@ -39,19 +38,19 @@ impl Counts {
 /// A channel, a layer and a time.
 type Place = (usize, usize, usize);
 
-/// Where pages are in the file.
+/// The order of pages in the file.
 #[derive(Debug)]
 enum Order {
-    /// Channels follow one another, then layers, then times.
+    /// Channels vary fastest, then layers, then times.
     Imagej,
-    /// Those that are in the file itself.
+    /// The pages that are in the file itself.
     Ome(HashMap<Place, usize>),
 }
 
 #[derive(Debug)]
 pub struct Told {
     pub is_of_imagej: bool,
-    /// Pages, also those without directories.
+    /// Number of pages, including those without directories.
     pub images: usize,
     /// In millimetres; 1 where nothing is known.
     pub voxel_size: Vec3,
@@ -61,7 +60,7 @@ pub struct Told {
 }
 
 impl Told {
-    /// Of the page that is open.
+    /// Reads the metadata of the current page.
     pub fn of(pages: &mut Pages) -> Told {
         let text = pages.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
         let mut told = Told {
@@ -80,7 +79,7 @@ impl Told {
         told
     }
 
-    /// Of the pages of a file those of the channel and the time that are read, the lowest layer first, with notes.
+    /// Selects the pages of the channel and the time to read, the lowest layer first, with notes.
     pub fn one_volume(
         &self,
         pages: Vec<usize>,
@@ -199,7 +198,7 @@ impl Told {
             length(edge, mm_per_unit(&unit.unwrap_or("um").to_lowercase())?)
         });
         let known = edges.into_iter().flatten().next().unwrap_or(1.0);
-        // A layer's thickness that is not named is no reason to leave the others out.
+        // An unspecified layer thickness is no reason to discard the other lengths.
         self.voxel_size = Vec3::from(edges.map(|edge| edge.unwrap_or(known)));
         let size = |axis: &str| {
             let size = pixels.attribute(format!("Size{axis}").as_str())?.parse().ok();
@@ -222,7 +221,7 @@ impl Told {
 /// Returns the page of each channel, layer and time.
 fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<Place, usize> {
     let order = pixels.attribute("DimensionOrder").unwrap_or("XYCZT");
-    // The rest, from `from` planes behind the first of all.
+    // The remaining pages, from `from` planes after the first of all.
     let place = |mut from: usize| {
         let mut at = (0, 0, 0);
         for axis in order.chars() {
@@ -253,7 +252,7 @@ fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<Place, usize
     };
     let mut pages = HashMap::new();
     let blocks = pixels.children().filter(|node| node.tag_name().name() == "TiffData");
-    // The pages of other files of a set are not this file's.
+    // The pages of other files of a set are not in this file.
     let own = own_file(pixels);
     let mut has_blocks = false;
     for block in blocks {
@@ -278,12 +277,12 @@ fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<Place, usize
     pages
 }
 
-/// Returns the identifier of the file itself, as its description has it.
+/// Returns the identifier of the file itself in its description.
 fn own_file<'a>(pixels: Node<'a, 'a>) -> Option<&'a str> {
     pixels.document().root_element().attribute("UUID")
 }
 
-/// Returns a length in millimetres, if it is one.
+/// Returns a length in millimetres, if it is valid.
 fn length(edge: Option<f64>, unit_mm: f64) -> Option<f32> {
     edge.map(|edge| (edge * unit_mm) as f32).filter(|edge| edge.is_finite() && *edge > 0.0)
 }

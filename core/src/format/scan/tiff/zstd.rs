@@ -1,7 +1,7 @@
-//! Pages packed with ZSTD, which the decoder of TIFF files does not unpack: each becomes a file of one page whose strips or
-//! tiles are not packed, and which the decoder reads.
+//! Unpacks pages packed with ZSTD, which the TIFF decoder does not support: each becomes a file of one page whose
+//! strips or tiles are not packed, and which the decoder reads.
 //!
-//! Takes a file and its page that is open; gives that other file. Nothing is unpacked beyond the size of a strip or tile.
+//! Takes a file and its current page; gives that other file. Nothing is unpacked beyond the size of a strip or tile.
 
 use std::io::Read;
 
@@ -15,7 +15,7 @@ use crate::format::budget::check_budget;
 
 /// The value of [`Tag::Compression`].
 const PACKED: u32 = 50000;
-/// The entries that describe the layout of a page's pixels. They are copied as they are.
+/// The entries that describe the layout of a page's pixels, which are copied unchanged.
 const KEPT: [Tag; 12] = [
     Tag::ImageWidth,
     Tag::ImageLength,
@@ -30,16 +30,16 @@ const KEPT: [Tag; 12] = [
     Tag::ExtraSamples,
     Tag::SampleFormat,
 ];
-/// The type of values of 32 bits in a directory.
+/// The type of 32-bit values in a directory.
 const LONG: u16 = 4;
 const IS_PLANAR: u32 = 2;
 const HEADER_BYTES: u64 = 8;
-/// The largest window that programs write; further ones only if they are asked to.
+/// The largest window that programs write by default.
 const MOST_WINDOW_BYTES: u64 = 1 << 27;
-/// The largest page: places in a file that is not a BigTIFF have 32 bits.
+/// The largest page: offsets in a file that is not a BigTIFF have 32 bits.
 const MOST_PLAIN_BYTES: u64 = 1 << 31;
 
-/// Returns the page that is open in a file of its own, not packed; none if it is not packed with ZSTD. It takes at most
+/// Returns the current page as a file of its own, not packed; `None` if it is not packed with ZSTD. It takes at most
 /// `most_bytes`.
 pub fn unpacked(
     file: &[u8],
@@ -85,7 +85,7 @@ pub fn unpacked(
     for (i, (begin, length)) in (0..).zip(begins.into_iter().zip(lengths)) {
         let end = begin.checked_add(length).filter(|end| *end <= file.len() as u64);
         let end = end.ok_or_else(|| cut(begin.saturating_add(length), file.len() as u64))?;
-        // The last strip has the rows that are left.
+        // The last strip has the remaining rows.
         let rows = match is_tiled {
             true => high,
             false => high.min(height - (i % per_plane) * high),
@@ -102,7 +102,7 @@ pub fn unpacked(
     Ok(Some(written(file.starts_with(b"MM"), &plain, entries)))
 }
 
-/// Appends the `bytes` that a strip or tile has.
+/// Appends the `bytes` bytes of a strip or tile.
 fn unpack(packed: &[u8], bytes: u64, plain: &mut Vec<u8>) -> Result<(), FormatError> {
     let wrong = |error: String| malformed("a strip packed with ZSTD", error);
     let mut frame = StreamingDecoder::new_with_max_window_size(packed, MOST_WINDOW_BYTES)
@@ -130,7 +130,7 @@ fn written(is_big: bool, pixels: &[u8], mut entries: Vec<(Tag, Vec<u32>)>) -> Ve
     let four = |number: u32| if is_big { number.to_be_bytes() } else { number.to_le_bytes() };
     entries.sort_by_key(|(tag, _)| tag.to_u16());
     let directory = HEADER_BYTES as usize + pixels.len();
-    // Behind the directory are the values that it has no room for.
+    // The directory is followed by the values that do not fit into it.
     let mut beside = directory + 2 + 12 * entries.len() + 4;
     let mut file = Vec::new();
     file.extend_from_slice(if is_big { b"MM" } else { b"II" });
