@@ -1,6 +1,6 @@
-//! Errors of reading and writing files. Messages are for users: they state the problem and the remedy, but name no
-//! setting or flag, which only the program has. Callers add the name of the file, and the list of formats gives the
-//! extensions that messages name. Knows no format.
+//! Errors of reading and writing files. Messages are for users: they say what is wrong and what to do, but name no
+//! setting or flag, which only the program has.
+//! Callers add the name of the file, and the list of formats gives the extensions that messages name. Knows no format.
 
 use glam::UVec3;
 use thiserror::Error;
@@ -18,7 +18,7 @@ use crate::voxelise::VoxeliseError;
 /// The way out where a file's colours need too much memory.
 pub(super) const FEWER_BITS: &str = "read it with fewer bits of colour";
 
-/// The reason why a file cannot be read or written.
+/// Why a file cannot be read or written.
 #[derive(Debug, Error)]
 pub enum FormatError {
     /// The operating system's error.
@@ -40,26 +40,26 @@ pub enum FormatError {
         "the file extension `{ending}` is unknown; read are {known}; voxels alone, under any name, with a layout such as 128x128x64:u16le"
     )]
     UnknownEnding {
-        /// The extension with its dot.
+        /// With its dot.
         ending: String,
-        /// The extensions that are read.
+        /// Those that are read.
         known: String,
     },
     /// The path has no file extension to choose the format by.
     #[error("the file name has no extension; add one of {0}")]
     NoEnding(String),
-    /// A file is to be written under a name that belongs to no format.
+    /// A file is to be written under a name that no format has.
     #[error("{why} of a format that is written; choose one of {written}")]
     NotWritten {
-        /// Beginning of the message.
+        /// Begins the message.
         why: String,
         /// Extensions of the files that are written.
         written: String,
     },
-    /// A file whose content differs from its name and is not read.
+    /// A file that holds something else than its name says, which is not read.
     #[error("choose another file; the name is that of another kind of file: this one holds {0}")]
     OtherContent(&'static str),
-    /// A file that is packed, regardless of its name.
+    /// A file that is packed, whatever its name says.
     #[error("this file holds {0}; unpack it first, and open what is inside")]
     Packed(&'static str),
     /// Reading needs more memory than the limits allow.
@@ -155,22 +155,22 @@ pub enum FormatError {
         volumes: String,
     },
 
-    /// A model of another program is damaged at some position.
+    /// A model of another program is damaged, at a place.
     #[error("{place}: {what}; the file is damaged or cut: copy it again, or export it once more")]
     Malformed {
-        /// The position in the file.
+        /// Where in the file.
         place: String,
-        /// The fault found there.
+        /// The fault that was found there.
         what: String,
     },
-    /// A file that a mesh names cannot be read from its folder.
+    /// A file that a mesh names, but that cannot be read beside it.
     #[error(
         "the mesh needs {name:?}, but {why}; put it beside the mesh, or export the mesh as .glb, which holds all in one file"
     )]
     Beside {
-        /// The name in the mesh.
+        /// As the mesh names it.
         name: String,
-        /// The reason why it cannot be read.
+        /// Why it cannot be read.
         why: String,
     },
     /// The voxels of a scan without its header.
@@ -179,7 +179,7 @@ pub enum FormatError {
          it; put it there, or describe the voxels by a layout such as 128x128x64:u16le"
     )]
     NoScanHeader,
-    /// A scan that contradicts its name, or of a kind that is not read.
+    /// A scan that is not what its name says, or of a kind that is not read.
     #[error("{0}")]
     Scan(String),
     /// A file named .vox that is neither MagicaVoxel's nor Voxlap's.
@@ -193,10 +193,10 @@ pub enum FormatError {
     /// A mesh without a surface.
     #[error("the file holds no triangles, but points at most; export the surface")]
     NoTriangles,
-    /// A model without voxels that states no size.
+    /// A model in which no voxel exists and that says no size.
     #[error("the file holds no visible voxels; show hidden objects and export it again")]
     NoVoxels,
-    /// A model with too many nested copies.
+    /// A model whose copies of copies are too many.
     #[error("the file places more than 2^32 voxels, most of them copies; export it with fewer")]
     TooManyVoxels,
     /// An export form was given for a format that has only one.
@@ -234,7 +234,7 @@ pub enum FormatError {
         found: u64,
     },
 
-    /// A region outside the volume.
+    /// A region that is not in the volume.
     #[error(
         "the region {region} reaches beyond the {}x{}x{} voxels of the file, which are counted from 0; choose a smaller one",
         dims.x, dims.y, dims.z
@@ -252,7 +252,7 @@ pub enum FormatError {
         what: &'static str,
         /// Its number.
         asked: u64,
-        /// Number of available ones.
+        /// How many there are.
         count: u64,
     },
 
@@ -261,7 +261,7 @@ pub enum FormatError {
         "voxels of {0} bytes are not supported; voxels must have 1 to 4 bytes; export it with fewer"
     )]
     Components(u32),
-    /// A colouring that needs densities, for a volume that has none.
+    /// A colouring that needs densities, of a volume that has none.
     #[error(
         "{colouring} colours are made from densities, but this volume holds {samples}; leave the colouring out"
     )]
@@ -271,7 +271,7 @@ pub enum FormatError {
         /// The volume's sample type.
         samples: Samples,
     },
-    /// Packed colours were requested for a volume of another sample type.
+    /// Packed colours were asked for, of a volume of another sample type.
     #[error("packed colours have 8, 16 or 24 bits, but this volume holds {0}; leave `packed` out")]
     NotPacked(Samples),
     /// A threshold was given for packed colours.
@@ -292,7 +292,7 @@ pub enum FormatError {
     /// A text cannot be stored since PVM ends texts with NUL.
     #[error("the {0} text contains a NUL, which ends a text in PVM; remove it")]
     NulInText(&'static str),
-    /// A mesh was requested under a name of another format.
+    /// A mesh was asked for under a name of another format.
     #[error("a mesh is written to a {0} file; choose such a name")]
     NotAMeshFile(String),
     /// An export form of volumes was given for a mesh.
@@ -303,17 +303,17 @@ pub enum FormatError {
         /// Extensions of the files that have forms.
         volumes: String,
     },
-    /// The up axis of the format is fixed.
+    /// The same axis points up in every file of the format.
     #[error(
         "a .{extension} file always has the {up} axis up, which programs turn as they need; leave out the axis"
     )]
     FixedUp {
-        /// The extension of the format.
+        /// Of the format.
         extension: &'static str,
         /// The axis.
         up: MeshUp,
     },
-    /// Points alone were requested for a file that cannot hold them.
+    /// Points alone, but not in a file that can hold them.
     #[error("only {0} files hold points without triangles; choose a name that ends in {0}")]
     NoPoints(String),
     /// An option breaks a rule.
@@ -334,10 +334,10 @@ pub enum FormatError {
          limit its triangles, or choose .ply"
     )]
     TooLargeForGlb(u64),
-    /// The mesh could not be made.
+    /// There is no mesh.
     #[error(transparent)]
     Mesh(MeshError),
-    /// An export form with colours, for a sculpture that stores none.
+    /// An export form of colours, but the sculpture stores none.
     #[error("the sculpture has no colours; save it as densities")]
     NoColours,
 }

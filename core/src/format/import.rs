@@ -156,7 +156,7 @@ impl Job<'_> {
         self.build(depth, within(bounds, value), |v| ramp.colour(value(v)))
     }
 
-    /// `of` returns the value to compare with a threshold, and the colour.
+    /// Colours the voxels. `of` returns the value to compare with a threshold, and the colour.
     fn colours<const B: usize>(
         &self,
         of: impl Fn(&[u8; B]) -> (u8, [u8; 3]) + Sync,

@@ -46,7 +46,7 @@ pub struct Info {
 /// Statistics of a volume of densities.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Densities {
-    /// How often each density occurs.
+    /// The frequency of each density.
     pub histogram: Histogram,
     /// The automatic threshold: densities of at least this exist by default.
     pub threshold: f64,

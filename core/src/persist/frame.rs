@@ -6,7 +6,7 @@
 //! has a wrong checksum, or has another number than expected.
 //!
 //! Journals and saved histories are such files. The file of [`spill`](super::spill) is not: no other process reads it,
-//! so the lengths and checksums of its parts stay in memory, and it takes only [`checksum`] from here. Knows no meaning
+//! so the lengths and checksums of its parts stay in memory, and it takes only `checksum` from here. Knows no meaning
 //! of records.
 
 use std::io::{Error, ErrorKind, Read, Result};

@@ -165,7 +165,8 @@ fn chosen(voxels: &Slices, is: impl Fn(UVec3) -> bool) -> Brick {
 /// Edge of a [`Window`], in voxels.
 const WINDOW_EDGE: usize = (BRICK_EDGE_VX + 2 * MAX_REACH_VX) as usize;
 
-/// The voxels of a brick and those around it: bit x of the rows `[z][y]`, counted from [`MAX_REACH_VX`] before the brick.
+/// The voxels of a brick and those around it: bit x of the rows `[z][y]`, counted from [`MAX_REACH_VX`] before the
+/// brick.
 struct Window {
     rows: [[u16; WINDOW_EDGE]; WINDOW_EDGE],
 }

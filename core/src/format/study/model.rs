@@ -23,7 +23,7 @@ const PORTION: usize = 1 << 12;
 /// A model to be imported.
 #[derive(Debug)]
 pub struct ModelStudy {
-    /// Format and parts, for people.
+    /// Display name of the format and its parts.
     pub kind: String,
     /// Notes on what was left out.
     pub notes: Vec<String>,

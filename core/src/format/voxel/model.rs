@@ -32,7 +32,7 @@ pub type ModelWriter =
 
 /// A model, or several that belong together, in the layout of a file.
 pub trait Model {
-    /// Format and parts, such as `MagicaVoxel, version 150, 3 models`.
+    /// Returns the format and its parts, such as `MagicaVoxel, version 150, 3 models`.
     fn kind(&self) -> String;
 
     /// Returns the box that the file reserves for its voxels: its lowest voxel and one past its highest. `None` if it

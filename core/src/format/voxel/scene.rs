@@ -73,7 +73,7 @@ pub enum Node {
 /// A model placed in the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Instance {
-    /// Which model.
+    /// Index of the model.
     pub part: usize,
     turn: Turn,
     shift: I64Vec3,

@@ -3,7 +3,7 @@
 //! A chunk is packed by LZ4 (Collet, "LZ4 Block Format Description") from these parts:
 //!
 //! 1. a byte a brick: bits 0 and 1 say whether it is empty (0), full (1) or mixed (2), bit 2
-//!    whether it has a page of colours. Full is what lies within the grid;
+//!    whether it has a page of colours. A full brick is full as far as it lies within the grid;
 //! 2. two bytes for each mixed brick, two bits for each of its words, the first word lowest: 0
 //!    empty, 1 full, 2 mixed;
 //! 3. eight bytes for each mixed word;

@@ -54,7 +54,7 @@ pub struct Checkpoint {
 pub struct Beginning {
     /// Version of the program.
     pub program: String,
-    /// The process that wrote it.
+    /// The process id of the writer.
     pub process: u32,
     /// When the session began, in seconds since 1970 by the system's clock; for display only.
     pub began_unix_s: u64,

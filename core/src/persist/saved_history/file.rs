@@ -7,7 +7,7 @@
 //!    may be overwritten;
 //! 4. the end (36): how many steps of both kinds there are (two u32).
 //!
-//! Reading takes all or nothing: what is cut, damaged or made for other contents gives no step.
+//! Reading takes all or nothing: a file that is truncated, damaged or made for other contents gives no step.
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -46,7 +46,7 @@ struct Shared {
     place: Box<dyn PlaceSync>,
     file: Mutex<Option<Box<dyn SpillFile>>>,
     state: Mutex<State>,
-    /// The state has changed.
+    /// Signals that the state has changed.
     changed: Condvar,
     /// Greatest size of the file in bytes.
     max_bytes: u64,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 /// The parts of a file that are in use.
 #[derive(Debug, Default)]
 pub struct Space {
-    /// Where each part begins, and its bytes.
+    /// The start of each part and its size in bytes.
     parts: BTreeMap<u64, u64>,
 }
 

@@ -1,4 +1,4 @@
-//! Mask: protects the surface under it, so that nothing changes it.
+//! Mask: protects the surface under it from all changes.
 
 use super::change::{Change, Site};
 use super::footprint::Outline;

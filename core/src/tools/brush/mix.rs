@@ -16,8 +16,8 @@ pub struct Mix {
 }
 
 impl Mix {
-    /// `cover`: opacity of the colour, 0 to 1; `footprint`: that of the pass, which gives the same dither if it is
-    /// replayed.
+    /// Creates the mixture of a pass. `cover`: opacity of the colour, 0 to 1; `footprint`: that of the pass, which
+    /// gives the same dither if it is replayed.
     pub fn new(colour: Rgb, cover: f32, footprint: &Footprint, depth: ColourDepth) -> Mix {
         Mix { colour, cover, pass: pass(footprint), depth }
     }

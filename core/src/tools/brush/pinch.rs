@@ -1,4 +1,4 @@
-//! Pinch: brings the clay together under it; inverted, it spreads it.
+//! Pinch: gathers the clay under it; inverted, it spreads the clay.
 
 use super::change::{Change, Site};
 use super::dab::Dab;

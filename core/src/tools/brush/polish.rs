@@ -1,4 +1,4 @@
-//! Polish: flattens and smooths the surface in one.
+//! Polish: flattens and smooths the surface in one pass.
 
 use super::BrushUse;
 use super::change::{Change, Site};

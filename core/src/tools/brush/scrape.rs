@@ -1,4 +1,4 @@
-//! Scrape: takes off what stands out of the plane where the stroke began.
+//! Scrape: removes bumps above the plane where the stroke began.
 
 use super::change::{Change, Site};
 use super::falloff::Falloff;

@@ -1,4 +1,4 @@
-//! Smear: takes clay along with the brush.
+//! Smear: drags clay along with the brush.
 
 use glam::Vec3;
 

@@ -25,7 +25,8 @@ pub struct Stencil {
 }
 
 impl Stencil {
-    /// `colour` shows through the bright parts of the image; `None` for the image's own colours. `cover`: its opacity.
+    /// Creates a stencil. `colour` shows through the bright parts of the image; `None` for the image's own colours.
+    /// `cover`: its opacity.
     pub fn new(
         texture: &Arc<Texture>,
         footprint: &Footprint,

@@ -1,4 +1,4 @@
-//! Unmask: takes protection from the surface under it.
+//! Unmask: removes the protection from the surface under it.
 
 use super::change::{Change, Site};
 use super::footprint::Outline;

@@ -105,7 +105,7 @@ struct Work<'a> {
     /// The smoothing radius in these units.
     radius: f32,
     hidden: Hidden,
-    /// Where voxels may change.
+    /// The box in which voxels may change.
     bounds: VoxelBox,
     tiles: Vec<IVec3>,
     /// The share of the neighbourhood by which voxels are added, and that by which they stay.

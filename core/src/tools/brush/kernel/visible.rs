@@ -204,7 +204,8 @@ impl Depths {
         Depths::map(footprint, grid, rays_a_pixel.recip(), (radius * rays_a_pixel).ceil() as u32)
     }
 
-    /// `step`: spacing in rays of the footprint; `reach`: number of rays on each side of the central one.
+    /// Casts the map. `step`: spacing in rays of the footprint; `reach`: number of rays on each side of the central
+    /// one.
     fn map(footprint: &Footprint, grid: &Grid, step: f32, reach: u32) -> Depths {
         let eye_vx = footprint.eye_vx;
         let first = -(reach as f32 * step);

@@ -171,7 +171,8 @@ fn slants() -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Along rays far denser than those of the footprint, every voxel that is met and whose centre is inside is selected.
+/// Checks that along rays far denser than those of the footprint, every voxel that is met and whose centre is inside is
+/// selected.
 fn leaves_nothing(grid: &Grid, footprint: &Footprint, fineness: i32, is_flat: bool) {
     let taken: HashSet<IVec3> = footprint.touched(grid).iter().map(|t| t.voxel).collect();
     let reach = footprint.radius as i32 * fineness;

@@ -253,7 +253,7 @@ mod tests {
     use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
     use crate::tools::brush::kernel::visible::Cone;
 
-    /// Plates, full and empty bricks and dust, cut off by the borders of bricks and of the grid.
+    /// Returns plates, full and empty bricks and dust, cut off by the borders of bricks and of the grid.
     fn grid() -> Grid {
         let mut grid = Grid::new(UVec3::new(60, 45, 52), Vec3::ONE, 1 << 30).unwrap();
         for i in 0..60 * 45 * 52 {

@@ -93,7 +93,7 @@ pub struct Smoothed<'a> {
 }
 
 impl<'a> Smoothed<'a> {
-    /// `counts`: the number of existing voxels in each cell, x fastest, then y, then z.
+    /// Smooths counts by B. `counts`: the number of existing voxels in each cell, x fastest, then y, then z.
     pub fn new(cells: &'a Cells, counts: Vec<f64>, radius: f32) -> Smoothed<'a> {
         let (sums, size) = twice_boxed(counts, cells.counted, cells.reach.as_uvec3());
         let share = 1.0 / (f64::from(cells.edge.element_product()) * cells.taps());

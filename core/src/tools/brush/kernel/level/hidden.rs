@@ -49,8 +49,9 @@ pub struct Hidden {
 }
 
 impl Hidden {
-    /// `at`: the depth of the centre, in lengths of the aim; `around_vx`: how far the neighbourhood extends beyond the
-    /// footprint there; `spacing_vx`: distance between two rays there; `behind_vx`: depth to which hidden space counts.
+    /// Casts the depth map. `at`: the depth of the centre, in lengths of the aim; `around_vx`: how far the
+    /// neighbourhood extends beyond the footprint there; `spacing_vx`: distance between two rays there; `behind_vx`:
+    /// depth to which hidden space counts.
     pub fn new(
         footprint: &Footprint,
         cone: Cone,
