@@ -49,7 +49,7 @@ impl RecordBuffer {
     }
 
     /// Creates a record with this payload.
-    pub fn with_payload(kind: u8, payload: &[u8]) -> RecordBuffer {
+    pub(crate) fn with_payload(kind: u8, payload: &[u8]) -> RecordBuffer {
         let mut record = RecordBuffer::new(kind);
         record.payload().extend_from_slice(payload);
         record
@@ -94,7 +94,7 @@ impl RecordAppender {
     }
 
     /// Appends the header, which precedes all records.
-    pub fn append_head(&mut self) -> Result<()> {
+    pub(crate) fn append_head(&mut self) -> Result<()> {
         self.file.append(&head())
     }
 
@@ -174,7 +174,7 @@ impl Records {
     }
 
     /// Returns the number of unread bytes of the file.
-    pub fn bytes_left(&self) -> u64 {
+    pub(crate) fn bytes_left(&self) -> u64 {
         self.left
     }
 
