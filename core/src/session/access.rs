@@ -53,7 +53,7 @@ impl Access {
     }
 
     /// The file at `path` has become the present one, and was locked for that.
-    pub fn adopt(&mut self, path: &Path, lock: Option<FileLock>) {
+    pub(crate) fn adopt(&mut self, path: &Path, lock: Option<FileLock>) {
         if let Some(lock) = lock.filter(|_| self.mode == FileAccess::Locked) {
             self.present = Some(Present { path: Some(key(path)), taken: Taken::Ours(lock) });
             self.is_news = false;
@@ -103,7 +103,7 @@ impl Access {
     }
 
     /// Refuses to overwrite a file that was opened to be read only.
-    pub fn require_may_write(&self, path: &Path) -> Result<(), SessionError> {
+    pub(crate) fn require_may_write(&self, path: &Path) -> Result<(), SessionError> {
         match self.is_read_only(path) {
             true => Err(SessionError::ReadOnly { path: path.to_path_buf() }),
             false => Ok(()),

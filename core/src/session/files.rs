@@ -100,7 +100,7 @@ impl Files {
     }
 
     /// Drops the sculptures that no state belongs to any more.
-    pub fn keep_only(&mut self, states: impl Iterator<Item = State>) {
+    pub(crate) fn keep_only(&mut self, states: impl Iterator<Item = State>) {
         let reachable: std::collections::HashSet<u64> = states.map(|s| s.sculpture).collect();
         self.of_sculpture.retain(|sculpture, _| reachable.contains(sculpture));
     }

@@ -30,14 +30,14 @@ pub(super) struct Histories {
 
 impl Histories {
     /// Those of a session that puts undo steps that memory has no room for in a folder, if the limits allow that.
-    pub fn with_steps_in(folder: &Path, limits: &Limits) -> std::io::Result<Histories> {
+    pub(crate) fn with_steps_in(folder: &Path, limits: &Limits) -> std::io::Result<Histories> {
         let mut histories = Histories::default();
         histories.keep_steps_in(folder, limits)?;
         Ok(histories)
     }
 
     /// Puts undo steps that memory has no room for in a folder, if the limits allow that: [`Histories::step_store`].
-    pub fn keep_steps_in(&mut self, folder: &Path, limits: &Limits) -> std::io::Result<()> {
+    pub(crate) fn keep_steps_in(&mut self, folder: &Path, limits: &Limits) -> std::io::Result<()> {
         self.spill = match limits.history_disk_bytes {
             0 => None,
             bytes => Some(Arc::new(Spill::new(folder, bytes, limits.history_bytes / 4)?)),
@@ -51,7 +51,7 @@ impl Histories {
     }
 
     /// Keeps the histories of the files that are saved from now on.
-    pub fn keep_saved(&mut self, options: SavedHistoryOptions) {
+    pub(crate) fn keep_saved(&mut self, options: SavedHistoryOptions) {
         self.saved = Some(Arc::new(SavedHistories::new(options)));
     }
 
@@ -61,13 +61,13 @@ impl Histories {
     }
 
     /// Returns the message for the user, each once.
-    pub fn take_message(&self) -> Option<String> {
+    pub(crate) fn take_message(&self) -> Option<String> {
         let of_saved = self.saved.as_ref().and_then(|saved| saved.take_message());
         of_saved.or_else(|| self.spill.as_ref()?.take_message())
     }
 
     /// The steps that a save is to keep. Within a stroke there are none.
-    pub fn steps_to_keep(&self, document: &Document, files: &Files) -> Option<KeptSteps> {
+    pub(crate) fn steps_to_keep(&self, document: &Document, files: &Files) -> Option<KeptSteps> {
         self.saved.as_ref()?;
         Some(KeptSteps::of(document.snapshot()?, files.all()))
     }
@@ -80,7 +80,7 @@ impl Histories {
     }
 
     /// Adds the history of the file that has just been opened to that of the document. Whether there is one.
-    pub fn adopt(&self, found: Found, document: &mut Document, files: &mut Files) -> bool {
+    pub(crate) fn adopt(&self, found: Found, document: &mut Document, files: &mut Files) -> bool {
         let SavedHistory { history, state, files: texts } = match found {
             Found::Nothing => return false,
             Found::Unusable(why) => {

@@ -76,7 +76,7 @@ impl JournalKeeper {
     }
 
     /// Notes that something was done that no entry can repeat: a checkpoint follows.
-    pub fn note_gap(&mut self) {
+    pub(crate) fn note_gap(&mut self) {
         self.writer.note_gap();
     }
 
@@ -92,7 +92,7 @@ impl JournalKeeper {
     }
 
     /// Adds an executed command.
-    pub fn keep_command(
+    pub(crate) fn keep_command(
         &mut self,
         command: &Command,
         applied: Applied,

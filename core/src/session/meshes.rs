@@ -19,7 +19,10 @@ pub(super) struct KeptMeshes {
 impl KeptMeshes {
     /// The document as it is, for a mesh that is about to be written. Each version says what differs from the one before,
     /// whether that was written or not.
-    pub fn next_version(&mut self, document: &mut Document) -> (Arc<MeshCache>, ContentsVersion) {
+    pub(crate) fn next_version(
+        &mut self,
+        document: &mut Document,
+    ) -> (Arc<MeshCache>, ContentsVersion) {
         self.last += 1;
         let list = |bricks: &[u32]| bricks.to_vec();
         let changed = document.drain_changes_for(&self.subscriber, |_, bricks| bricks.map(list));

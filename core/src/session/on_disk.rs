@@ -34,7 +34,7 @@ impl FileIdentity {
 
     /// Whether the file at `path` is still this one. Where it is gone, or no file, there is nothing to lose, so the
     /// answer is yes. Where it cannot be read, its contents are unknown, so the answer is no.
-    pub fn may_be_replaced(self, path: &Path) -> bool {
+    pub(crate) fn may_be_replaced(self, path: &Path) -> bool {
         match fs::metadata(path) {
             Ok(found) if found.is_file() => {
                 found.len() == self.bytes && hash_of(path).is_ok_and(|hash| hash == self.hash)

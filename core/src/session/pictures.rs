@@ -69,7 +69,7 @@ impl Pictures {
     }
 
     /// Images are read again with every stroke: the file may have been changed by then.
-    pub fn forget_at_stroke(&mut self, command: &Command, document: &mut Document) {
+    pub(crate) fn forget_at_stroke(&mut self, command: &Command, document: &mut Document) {
         if matches!(command, Command::Begin { .. }) && !document.stroke_open() {
             self.forget_unloaded(document);
             document.forget_pictures();

@@ -98,7 +98,7 @@ impl Recording {
 
     /// Whether only a checkpoint can follow, now that the command is executed. `left`: the steps of the undo and the
     /// redo list afterwards.
-    pub fn needs_checkpoint(&mut self, command: &Command, left: [usize; 2]) -> bool {
+    pub(crate) fn needs_checkpoint(&mut self, command: &Command, left: [usize; 2]) -> bool {
         use Command::{Array, Begin, Cancel, End, Redo, Undo};
         self.is_behind |= match command {
             Undo { .. } | Redo { .. } => std::iter::zip(left, self.missing).any(|(l, m)| l < m),
@@ -122,13 +122,13 @@ impl Recording {
     }
 
     /// Notes that something was done that the script does not repeat.
-    pub fn fall_behind(&mut self) {
+    pub(crate) fn fall_behind(&mut self) {
         self.is_behind = true;
     }
 
     /// Adds all of the session as it is now, but for its history, of which what follows knows nothing. `name`: of the
     /// sculpture's file.
-    pub fn write_checkpoint(
+    pub(crate) fn write_checkpoint(
         &mut self,
         name: &Path,
         now: &DocumentSnapshot,
@@ -160,7 +160,7 @@ impl Recording {
     }
 
     /// Adds that a file was opened, by its content.
-    pub fn write_opened(
+    pub(crate) fn write_opened(
         &mut self,
         path: &Path,
         contents: &Contents,
@@ -175,7 +175,7 @@ impl Recording {
     }
 
     /// Adds an image that the next commands use, unless it is in it as it is.
-    pub fn write_picture(&mut self, path: &Path, file: &[u8]) -> Result<(), SessionError> {
+    pub(crate) fn write_picture(&mut self, path: &Path, file: &[u8]) -> Result<(), SessionError> {
         let path = absolute(path);
         if self.pictures.get(&path).is_some_and(|known| known == file) {
             return Ok(());
