@@ -242,7 +242,7 @@ impl Command {
     }
 
     /// The same command with another name for its image.
-    pub fn with_picture(mut self, name: PathBuf) -> Command {
+    pub(crate) fn with_picture(mut self, name: PathBuf) -> Command {
         match &mut self {
             Command::Texture { picture, .. } => *picture = name,
             Command::Brush(used) if used.picture.is_some() => used.picture = Some(name),

@@ -73,7 +73,7 @@ pub fn path_text(path: &Path) -> String {
 }
 
 /// Reads what [`path_text`] has written.
-pub fn parse_path(text: &str) -> Result<PathBuf, ParseError> {
+pub(crate) fn parse_path(text: &str) -> Result<PathBuf, ParseError> {
     let mut args = Arguments::parse(&format!("open {text}"))?;
     let path = args.path()?;
     args.finish().map(|()| path)

@@ -66,7 +66,7 @@ impl Arguments {
     }
 
     /// Takes the next word without a key, if there is one.
-    pub fn optional_word(&mut self) -> Result<Option<String>, ParseError> {
+    pub(crate) fn optional_word(&mut self) -> Result<Option<String>, ParseError> {
         self.words.pop_front().map(text).transpose()
     }
 
@@ -90,7 +90,7 @@ impl Arguments {
     }
 
     /// Takes the value of `key`, if there is one, and parses it.
-    pub fn optional<T>(
+    pub(crate) fn optional<T>(
         &mut self,
         key: &str,
         parse: impl Fn(&str) -> Result<T, String>,

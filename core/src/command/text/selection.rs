@@ -132,7 +132,7 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
 }
 
 /// The area that a command works on; the whole grid unless another is named.
-pub fn parse_area(args: &mut Arguments) -> Result<Area, ParseError> {
+pub(crate) fn parse_area(args: &mut Arguments) -> Result<Area, ParseError> {
     let Some(name) = args.optional_word()? else { return Ok(Area::Grid) };
     let area = Area::ALL.into_iter().find(|area| area.name() == name);
     area.ok_or_else(|| {

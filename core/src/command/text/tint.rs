@@ -58,7 +58,7 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
 }
 
 /// Writes what follows the verb of a flood fill.
-pub fn write_flood(
+pub(crate) fn write_flood(
     at: UVec3,
     colour: Rgb,
     tolerance: f32,
@@ -68,7 +68,7 @@ pub fn write_flood(
 }
 
 /// Reads what follows the verb of a flood fill.
-pub fn parse_flood(args: &mut Arguments) -> Result<Command, ParseError> {
+pub(crate) fn parse_flood(args: &mut Arguments) -> Result<Command, ParseError> {
     Ok(Command::Flood {
         at: args.required("at", |text| numbers::<u32, 3>(text).map(UVec3::from_array))?,
         colour: args.required("colour", parse_colour)?,
