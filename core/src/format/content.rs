@@ -57,7 +57,10 @@ enum Content {
 /// disagree.
 ///
 /// With a layout for raw voxels (`is_described`), a file of an unknown name holds raw voxels.
-pub fn format_of(path: &Path, is_described: bool) -> Result<(Format, Option<String>), FormatError> {
+pub(crate) fn format_of(
+    path: &Path,
+    is_described: bool,
+) -> Result<(Format, Option<String>), FormatError> {
     if path.is_dir() {
         let format = list::of_folder(path).ok_or(FormatError::NoScanInFolder)?;
         return Ok((format, None));

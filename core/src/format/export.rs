@@ -18,7 +18,7 @@ use crate::sculpture::{Brick, ColourDepth, Rgb};
 const FULL: u8 = 255;
 
 /// Converts a sculpture to a volume with `texts`, to which the program's signature is added.
-pub fn to_volume(
+pub(crate) fn to_volume(
     contents: &Contents,
     form: ExportForm,
     mut texts: Texts,

@@ -148,7 +148,7 @@ impl Histogram {
     }
 
     /// Returns the number of voxels of finite density below `density`, to a bin.
-    pub fn count_below(&self, density: f64) -> u64 {
+    pub(crate) fn count_below(&self, density: f64) -> u64 {
         let starts = (0..self.bins.len()).map(|bin| self.start_of(bin));
         starts.zip(&self.bins).take_while(|(start, _)| *start < density).map(|(_, n)| n).sum()
     }

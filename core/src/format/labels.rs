@@ -35,7 +35,7 @@ const LABELS: std::ops::RangeInclusive<usize> = 3..=64;
 const VOXELS_PER_LABEL: usize = 100;
 
 /// Returns whether a volume holds only a few distinct whole numbers including 0, as labels do.
-pub fn look_like_labels(volume: &Volume) -> bool {
+pub(crate) fn look_like_labels(volume: &Volume) -> bool {
     let bytes = volume.samples.bytes() as usize;
     if !volume.samples.is_density() {
         return false;

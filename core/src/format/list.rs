@@ -107,7 +107,7 @@ pub fn named(path: &Path) -> Result<Format, FormatError> {
 }
 
 /// Returns the format that a file's first bytes identify.
-pub fn identified(start: &[u8], length: u64) -> Option<Format> {
+pub(crate) fn identified(start: &[u8], length: u64) -> Option<Format> {
     let signs = formats().flat_map(|format| format.signs.iter().map(move |sign| (format, sign)));
     let found = signs.filter(|(_, sign)| sign.is_in(start, length));
     // The first of those of one rank.
@@ -115,7 +115,7 @@ pub fn identified(start: &[u8], length: u64) -> Option<Format> {
 }
 
 /// Returns the format of the files in a folder that are opened together.
-pub fn of_folder(folder: &Path) -> Option<Format> {
+pub(crate) fn of_folder(folder: &Path) -> Option<Format> {
     formats().find(|format| format.folder.is_some_and(|holds| holds(folder)))
 }
 
@@ -152,7 +152,7 @@ pub fn mesh_traits(path: &Path) -> Option<&'static MeshTraits> {
 }
 
 /// Returns the format of meshes that are written under that name, and its writer.
-pub fn mesh_export(path: &Path) -> Option<(Format, &'static MeshWriter)> {
+pub(crate) fn mesh_export(path: &Path) -> Option<(Format, &'static MeshWriter)> {
     let format = written(path)?;
     match &format.write {
         Some(Export::Mesh(mesh)) => Some((format, mesh)),
@@ -207,7 +207,7 @@ pub fn models_of_cubes_text() -> String {
 }
 
 /// Returns the error for a name under which nothing is written.
-pub fn not_written(path: &Path) -> FormatError {
+pub(crate) fn not_written(path: &Path) -> FormatError {
     let why = match named(path) {
         Ok(_) => return FormatError::ReadOnly(commas(&WRITE_ENDINGS)),
         Err(FormatError::UnknownEnding { ending, .. }) => {
@@ -219,17 +219,17 @@ pub fn not_written(path: &Path) -> FormatError {
 }
 
 /// Returns the error for a mesh requested under the name of another format.
-pub fn not_a_mesh() -> FormatError {
+pub(crate) fn not_a_mesh() -> FormatError {
     FormatError::NotAMeshFile(joined(&meshes_with(|_| true), "or"))
 }
 
 /// Returns the error for points requested in a mesh that cannot hold them.
-pub fn no_points() -> FormatError {
+pub(crate) fn no_points() -> FormatError {
     FormatError::NoPoints(joined(&meshes_with(|traits| traits.holds_points), "or"))
 }
 
 /// Returns the error for a form requested for a file that is no volume.
-pub fn no_forms(export: &Export, form: ExportForm) -> FormatError {
+pub(crate) fn no_forms(export: &Export, form: ExportForm) -> FormatError {
     let is_volume = |format: &Format| matches!(format.write, Some(Export::Volume(_)));
     let volumes: Vec<_> = formats().filter(is_volume).map(|format| format.extension()).collect();
     let volumes = joined(&volumes, "or");

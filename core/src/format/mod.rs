@@ -192,7 +192,7 @@ pub fn read_sculpture(file: &[u8], limits: &Limits) -> Result<(Contents, Texts),
 }
 
 /// Reads a .vsc file in memory as [`load`] reads one on disk.
-pub fn read_embedded(
+pub(crate) fn read_embedded(
     file: &[u8],
     limits: &Limits,
     progress: &dyn Progress,

@@ -106,7 +106,7 @@ impl Header {
     }
 
     /// Returns the size of all voxels in bytes, below 2^32.
-    pub fn voxel_bytes(&self) -> u64 {
+    pub(crate) fn voxel_bytes(&self) -> u64 {
         self.checked_voxel_bytes().unwrap_or(u64::MAX)
     }
 
@@ -281,7 +281,7 @@ fn write(volume: Volume, progress: &dyn Progress) -> Result<Vec<u8>, FormatError
 }
 
 /// Returns the unpacked bytes of a volume.
-pub fn to_plain(volume: Volume) -> Result<Vec<u8>, FormatError> {
+pub(crate) fn to_plain(volume: Volume) -> Result<Vec<u8>, FormatError> {
     let Volume { dims, voxel_size, samples, data, texts } = volume;
     if Samples::of_components(samples.bytes()) != samples {
         return Err(FormatError::NotInPvm(samples));

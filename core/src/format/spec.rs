@@ -74,7 +74,7 @@ impl FormatSpec {
     }
 
     /// Returns whether a file may have such a name.
-    pub fn is_named(&self, path: &Path) -> bool {
+    pub(crate) fn is_named(&self, path: &Path) -> bool {
         self.extensions.iter().chain(self.parts).any(|ending| has_ending(path, ending))
     }
 }

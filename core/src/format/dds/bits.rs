@@ -17,7 +17,7 @@ impl<'a> BitSource<'a> {
     /// Returns the bits from `position` on, the first one highest. At least the first 57 are those of the source; the
     /// rest may be zero instead.
     #[inline(always)]
-    pub fn peek57(&self, position: u64) -> u64 {
+    pub(crate) fn peek57(&self, position: u64) -> u64 {
         let at = (position >> 3) as usize;
         let word = match self.bytes.get(at..).and_then(|rest| rest.first_chunk::<8>()) {
             Some(chunk) => u64::from_be_bytes(*chunk),
@@ -96,7 +96,7 @@ impl BitSink {
 
     /// Appends many fields of `bits` bits as [`BitSink::push`] does.
     #[inline(always)]
-    pub fn push_all(&mut self, values: impl Iterator<Item = u64>, bits: u32) {
+    pub(crate) fn push_all(&mut self, values: impl Iterator<Item = u64>, bits: u32) {
         let mut end = self.end;
         values.for_each(|value| end.push(&mut self.bytes, value, bits));
         self.end = end;

@@ -123,7 +123,7 @@ impl<'a> Stream<'a> {
     }
 
     /// Returns whether [`Stream::prefix`] has to scan much of the stream, and decoding takes twice the memory.
-    pub fn header_is_scattered(&self) -> bool {
+    pub(crate) fn header_is_scattered(&self) -> bool {
         self.layout.skip > 1
     }
 

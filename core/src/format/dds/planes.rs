@@ -27,7 +27,7 @@ impl Layout {
 
     /// Returns the ranges of the stream that hold the first `count` bytes of the first block, plane by plane. `total`:
     /// size of the stream in bytes.
-    pub fn prefix_ranges(&self, total: u64, count: u64) -> Vec<Range<u64>> {
+    pub(crate) fn prefix_ranges(&self, total: u64, count: u64) -> Vec<Range<u64>> {
         let block = self.block_bytes.map_or(total, |b| total.min(b as u64));
         let planes = 0..self.skip as u64;
         let mut start = 0;

@@ -33,7 +33,7 @@ impl RunHead {
 
     /// Returns the bits of the run including its head.
     #[inline(always)]
-    pub fn total_bits(self) -> u64 {
+    pub(crate) fn total_bits(self) -> u64 {
         u64::from(HEAD_BITS) + self.count as u64 * u64::from(WIDTHS[self.code])
     }
 }
@@ -41,7 +41,7 @@ impl RunHead {
 /// Writes the residuals of the runs from `position` on to `out` and returns the position after them. `out` must end at
 /// the end of a run, or be shorter than the total of the runs from there on: the excess of the last run is discarded.
 #[inline(always)]
-pub fn decode_runs(source: BitSource, mut position: u64, out: &mut [u8]) -> u64 {
+pub(crate) fn decode_runs(source: BitSource, mut position: u64, out: &mut [u8]) -> u64 {
     let mut at = 0;
     let mut buffer: RunBuffer = [0; RUN_SAMPLES + 1];
     while at < out.len() {
@@ -140,7 +140,7 @@ const fn lanes(lane: u32, bits: u32) -> u64 {
 
 /// Appends a run of `residuals` (1 to 127), all of which fit the width of `code`.
 #[inline(always)]
-pub fn encode_run(sink: &mut BitSink, code: usize, residuals: &[u8]) {
+pub(crate) fn encode_run(sink: &mut BitSink, code: usize, residuals: &[u8]) {
     sink.reserve(2 * (RUN_SAMPLES + 2));
     sink.push((residuals.len() << 3 | code) as u64, HEAD_BITS);
     match code {

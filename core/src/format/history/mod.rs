@@ -59,7 +59,7 @@ pub fn write_step(step: &Step) -> Result<Vec<u8>, FormatError> {
 }
 
 /// Packs a step to a writer, a record in portions.
-pub fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), FormatError> {
+pub(crate) fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), FormatError> {
     let kind = match &step.change {
         Change::Bricks(_) => 0,
         Change::Whole(_) => 1,
@@ -96,7 +96,7 @@ pub fn read_step(mut bytes: &[u8], shape: Shape, limits: &Limits) -> Result<Step
 }
 
 /// Unpacks a step as [`read_step`] does, from a reader that ends with the step; a record in portions.
-pub fn read_step_from(
+pub(crate) fn read_step_from(
     rest: &mut dyn BufRead,
     shape: Shape,
     limits: &Limits,
@@ -145,7 +145,7 @@ pub fn read_step_from(
 
 /// Unpacks the steps of a history around contents of `shape`: the undo steps and the redo steps, each with the nearest
 /// to the present first.
-pub fn read_steps<B: AsRef<[u8]>>(
+pub(crate) fn read_steps<B: AsRef<[u8]>>(
     [undo, redo]: [&[B]; 2],
     shape: Shape,
     limits: &Limits,

@@ -90,7 +90,7 @@ impl Imported {
     }
 
     /// Makes a sculpture, with notes about the mesh.
-    pub fn into_contents(
+    pub(crate) fn into_contents(
         mut self,
         options: &ImportOptions,
         limits: &Limits,
@@ -121,7 +121,7 @@ fn note_of(findings: &Findings) -> Option<String> {
 }
 
 /// Returns an error in a text, at a line counted from 0.
-pub fn at_line(line: usize, what: impl Into<String>) -> FormatError {
+pub(crate) fn at_line(line: usize, what: impl Into<String>) -> FormatError {
     FormatError::Malformed { place: format!("line {}", line + 1), what: what.into() }
 }
 

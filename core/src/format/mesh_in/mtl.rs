@@ -32,7 +32,7 @@ impl Materials {
     }
 
     /// Returns whether no file of materials was named.
-    pub fn is_unasked(&self) -> bool {
+    pub(crate) fn is_unasked(&self) -> bool {
         self.asked == 0
     }
 
@@ -65,7 +65,7 @@ impl Materials {
     }
 
     /// Adds the materials of the files that a line names: one whose name may have spaces, or several.
-    pub fn load_all(&mut self, names: &str, folder: &Path) {
+    pub(crate) fn load_all(&mut self, names: &str, folder: &Path) {
         let is_one = within(folder, names).is_some_and(|path| path.is_file());
         let several: Vec<&str> = names.split_ascii_whitespace().collect();
         if is_one || several.len() < 2 {

@@ -50,13 +50,13 @@ impl Parts {
     }
 
     /// Returns the unprinted part to which a triangle of an object's mesh belongs.
-    pub fn of_triangle(&self, object: u32, triangle: usize) -> Option<&'static str> {
+    pub(crate) fn of_triangle(&self, object: u32, triangle: usize) -> Option<&'static str> {
         let ranges = self.ranges.get(&object)?;
         ranges.iter().find(|(range, _)| range.contains(&triangle)).map(|(_, kind)| *kind)
     }
 
     /// Returns the kind of a component that is not printed.
-    pub fn of_component(&self, object: u32, component: u32) -> Option<&'static str> {
+    pub(crate) fn of_component(&self, object: u32, component: u32) -> Option<&'static str> {
         self.components.get(&(object, component)).copied()
     }
 }

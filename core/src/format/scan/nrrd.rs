@@ -174,7 +174,7 @@ fn is_between(byte: &u8) -> bool {
 }
 
 /// Returns the text after its first `count` words.
-pub fn after_words(text: &[u8], count: u64) -> &[u8] {
+pub(crate) fn after_words(text: &[u8], count: u64) -> &[u8] {
     let mut rest = text;
     for _ in 0..count {
         let begin = rest.iter().position(|byte| !is_between(byte)).unwrap_or(rest.len());

@@ -82,7 +82,7 @@ impl Number {
     }
 
     /// Converts numbers to samples, each times `slope` plus `intercept`. Whole numbers that fit 16 bits stay whole.
-    pub fn into_samples(
+    pub(crate) fn into_samples(
         self,
         data: Vec<u8>,
         is_big: bool,
@@ -117,7 +117,12 @@ impl Number {
     }
 
     /// Converts numbers to [`Samples::F32Le`], each times `slope` plus `intercept`.
-    pub fn to_floats(self, data: &[u8], is_big: bool, [slope, intercept]: [f64; 2]) -> Vec<u8> {
+    pub(crate) fn to_floats(
+        self,
+        data: &[u8],
+        is_big: bool,
+        [slope, intercept]: [f64; 2],
+    ) -> Vec<u8> {
         let mut out = Vec::with_capacity(data.len() / self.bytes() as usize * 4);
         with_number!(self, is_big, |bytes: usize, read: &dyn Fn(&[u8]) -> f64| {
             for number in data.chunks_exact(bytes) {

@@ -46,7 +46,7 @@ pub struct Reading<'a> {
 
 impl Reading<'_> {
     /// Returns an error if no grid can hold the result of such a volume.
-    pub fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
+    pub(crate) fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
         let (dims, voxel_size) = prepare::prepared(dims, voxel_size, self.options)?;
         Ok(Grid::check(dims, voxel_size, self.limits.grid_bytes)?)
     }
@@ -57,13 +57,13 @@ impl Reading<'_> {
     }
 
     /// Returns a note that the first of several volumes was read, unless one was requested.
-    pub fn first_of(&self, volumes: u64) -> Option<String> {
+    pub(crate) fn first_of(&self, volumes: u64) -> Option<String> {
         let is_open = volumes > 1 && self.options.time.is_none();
         is_open.then(|| format!("first of {volumes} volumes taken; {OTHER_TIME}"))
     }
 
     /// Returns the memory that is left beside a file of that length, in bytes.
-    pub fn rest_bytes(&self, file_bytes: u64) -> u64 {
+    pub(crate) fn rest_bytes(&self, file_bytes: u64) -> u64 {
         budget_bytes(self.limits).saturating_sub(file_bytes)
     }
 
@@ -73,7 +73,7 @@ impl Reading<'_> {
     }
 
     /// Returns the result of `read` for a whole file, and the length of the file.
-    pub fn read_whole(
+    pub(crate) fn read_whole(
         &self,
         path: &Path,
         read: impl FnOnce(Vec<u8>) -> Result<Scan, FormatError>,
@@ -84,7 +84,7 @@ impl Reading<'_> {
     }
 
     /// Reads another file that belongs to this one.
-    pub fn read_beside(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
+    pub(crate) fn read_beside(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
         let name = error::excerpt(path.file_name().unwrap_or_default().as_encoded_bytes());
         self.read(path).map_err(|error| match error {
             FormatError::Io(error) => FormatError::Scan(format!(

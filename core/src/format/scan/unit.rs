@@ -1,7 +1,7 @@
 //! Converts units of length, by their names in file formats.
 
 /// Returns the millimetres of a unit; 1 if none is named, `None` if it is unknown. Names are in lower case.
-pub fn mm_per_unit(unit: &str) -> Option<f64> {
+pub(crate) fn mm_per_unit(unit: &str) -> Option<f64> {
     Some(match unit {
         "" | "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => 1.0,
         "m" | "meter" | "meters" | "metre" | "metres" => 1e3,

@@ -64,6 +64,6 @@ pub fn upright(v: I64Vec3) -> I64Vec3 {
 }
 
 /// Converts a box, given by its lowest voxel and one past its highest, as [`upright`] does.
-pub fn upright_box((low, high): (I64Vec3, I64Vec3)) -> (I64Vec3, I64Vec3) {
+pub(crate) fn upright_box((low, high): (I64Vec3, I64Vec3)) -> (I64Vec3, I64Vec3) {
     (I64Vec3::new(low.x, low.z, -high.y), I64Vec3::new(high.x, high.z, -low.y))
 }

@@ -4,7 +4,7 @@ use crate::sculpture::Rgb;
 
 /// Returns the palette: entry 0 is no voxel; then follow a cube of six levels per channel except black, and ramps of
 /// red, green, blue and grey.
-pub fn default_palette() -> [Rgb; 256] {
+pub(crate) fn default_palette() -> [Rgb; 256] {
     const LEVELS: [u8; 6] = [255, 204, 153, 102, 51, 0];
     const RAMP: [u8; 10] = [0xee, 0xdd, 0xbb, 0xaa, 0x88, 0x77, 0x55, 0x44, 0x22, 0x11];
     let cube = (0..215).map(|i| Rgb([LEVELS[i / 36], LEVELS[i / 6 % 6], LEVELS[i % 6]]));

@@ -30,7 +30,7 @@ impl Palette {
     }
 
     /// Returns the number of colours of the sculpture. Each is exact if the palette has as many.
-    pub fn stands_for(&self) -> usize {
+    pub(crate) fn stands_for(&self) -> usize {
         self.index.len()
     }
 }

@@ -200,7 +200,7 @@ fn take<'a>(rest: &mut &'a [u8], count: usize) -> Result<&'a [u8], FormatError> 
 }
 
 /// Packs the colours of a brick, `bytes` each, as in part 4 above.
-pub fn pack_page(colours: &[u8], bytes: usize, out: &mut Vec<u8>) {
+pub(crate) fn pack_page(colours: &[u8], bytes: usize, out: &mut Vec<u8>) {
     let mut palette: Vec<&[u8]> = Vec::with_capacity(PALETTE);
     let mut places = [0u8; VOXELS];
     for (colour, place) in colours.chunks_exact(bytes.max(1)).zip(&mut places) {
@@ -227,7 +227,7 @@ pub fn pack_page(colours: &[u8], bytes: usize, out: &mut Vec<u8>) {
 }
 
 /// Unpacks the colours of a brick, `bytes` each, and advances `rest` past them.
-pub fn unpack_page(bytes: usize, rest: &mut &[u8]) -> Result<Page, FormatError> {
+pub(crate) fn unpack_page(bytes: usize, rest: &mut &[u8]) -> Result<Page, FormatError> {
     let count = usize::from(take(rest, 1)?[0]);
     if count == 0 {
         return Ok(take(rest, VOXELS * bytes)?.into());

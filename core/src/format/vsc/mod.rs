@@ -170,7 +170,7 @@ pub fn write_to(
 }
 
 /// Reads the header, and checks that the file has the stated length and that the sculpture is within `limits`.
-pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> {
+pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> {
     if !file.starts_with(&MAGIC) {
         return Err(FormatError::NotVsc(excerpt(&file[..file.len().min(8)])));
     }

@@ -30,7 +30,7 @@ const MOST_DEPTH: usize = 32;
 const UNDEFINED: u32 = u32::MAX;
 
 /// Returns whether the first bytes of a file are those of a DICOM file, with the mark or without.
-pub fn is_dicom(start: &[u8]) -> bool {
+pub(crate) fn is_dicom(start: &[u8]) -> bool {
     begin_of(start).is_some()
 }
 
@@ -207,7 +207,7 @@ impl<'a> DataSet<'a> {
     }
 
     /// Returns all of a text's numbers.
-    pub fn all_decimals(&self, tag: Tag) -> Option<Vec<f64>> {
+    pub(crate) fn all_decimals(&self, tag: Tag) -> Option<Vec<f64>> {
         let number = |text: &str| text.trim().parse().ok().filter(|n: &f64| n.is_finite());
         self.text(tag)?.split('\\').map(number).collect()
     }
@@ -219,7 +219,7 @@ impl<'a> DataSet<'a> {
     }
 
     /// Returns the items of a sequence; none where it is missing.
-    pub fn items(&self, tag: Tag) -> &[DataSet<'a>] {
+    pub(crate) fn items(&self, tag: Tag) -> &[DataSet<'a>] {
         match self.value(tag) {
             Some(Value::Items(items)) => items,
             _ => &[],

@@ -55,7 +55,7 @@ fn start_of(path: &Path, most: u64) -> Option<Vec<u8>> {
 }
 
 /// Returns whether `path` is a DICOM file, or a folder with one in it.
-pub fn has_dicom(path: &Path) -> bool {
+pub(crate) fn has_dicom(path: &Path) -> bool {
     let is_file = |path: &Path| {
         start_of(path, MAGIC_BYTES as u64).is_some_and(|start| data_set::is_dicom(&start))
     };

@@ -116,7 +116,7 @@ impl Layout {
     }
 
     /// Returns whether light and dark are swapped as the pixels are read.
-    pub fn is_negative(&self) -> bool {
+    pub(crate) fn is_negative(&self) -> bool {
         self.colours == Colours::Negative
     }
 

@@ -75,7 +75,7 @@ impl Plane {
     }
 
     /// Returns whether both can lie in one volume.
-    pub fn is_parallel(&self, other: &Plane) -> bool {
+    pub(crate) fn is_parallel(&self, other: &Plane) -> bool {
         let close = |(a, b): (&DVec3, &DVec3)| (a - b).abs().max_element() < SAME_DIRECTION;
         match (&self.axes, &other.axes) {
             (Some(a), Some(b)) => a.iter().zip(b).all(close),

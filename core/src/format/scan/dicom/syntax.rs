@@ -72,11 +72,11 @@ impl Syntax {
         self == Syntax::ExplicitBig
     }
 
-    pub fn is_explicit(self) -> bool {
+    pub(crate) fn is_explicit(self) -> bool {
         self != Syntax::ImplicitLittle
     }
 
-    pub fn is_deflated(self) -> bool {
+    pub(crate) fn is_deflated(self) -> bool {
         self == Syntax::Deflated
     }
 

@@ -80,7 +80,7 @@ impl Told {
     }
 
     /// Selects the pages of the channel and the time to read, the lowest layer first, with notes.
-    pub fn one_volume(
+    pub(crate) fn one_volume(
         &self,
         pages: Vec<usize>,
         reading: &Reading,
