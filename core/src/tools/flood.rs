@@ -31,7 +31,7 @@ struct Reached {
 }
 
 /// Returns whether a voxel exists and lies on the surface.
-pub fn is_on_surface(grid: &Grid, v: IVec3) -> bool {
+pub(crate) fn is_on_surface(grid: &Grid, v: IVec3) -> bool {
     grid.get(v) && (0..27).any(|i| !grid.get(v + IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)))
 }
 
@@ -51,7 +51,7 @@ fn is_alike(Rgb(a): Rgb, Rgb(b): Rgb, tolerance: f32) -> bool {
 }
 
 /// Returns all existing voxels of a colour, to within `tolerance` of the range of each channel.
-pub fn of_colour(contents: &Contents, colour: Rgb, tolerance: f32) -> ListedBricks {
+pub(crate) fn of_colour(contents: &Contents, colour: Rgb, tolerance: f32) -> ListedBricks {
     let Contents { grid, material, .. } = contents;
     let base = is_alike(colour, material.base(), tolerance);
     let of_brick = |b: UVec3| {

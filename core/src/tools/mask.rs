@@ -77,7 +77,7 @@ pub fn listed(mask: &Grid) -> ListedBricks {
 }
 
 /// Returns all voxels within about `by` voxels of those listed.
-pub fn thickened(voxels: &ListedBricks, brick_dims: UVec3, by: u32) -> ListedBricks {
+pub(crate) fn thickened(voxels: &ListedBricks, brick_dims: UVec3, by: u32) -> ListedBricks {
     let bounds = voxels.bounds_vx();
     if by == 0 || bounds.is_empty() {
         return voxels.clone();
@@ -106,7 +106,7 @@ pub fn cavities(grid: &Grid, reach_vx: u32) -> ListedBricks {
 
 /// Returns the surface voxels that are face-connected to `start` through voxels whose normals deviate by at most
 /// `angle_deg` from its normal. Returns nothing if `start` is not on the surface.
-pub fn flat_patch(grid: &Grid, start: UVec3, angle_deg: f32) -> ListedBricks {
+pub(crate) fn flat_patch(grid: &Grid, start: UVec3, angle_deg: f32) -> ListedBricks {
     let size = grid.voxel_size();
     let normal = |window: &Window, local: UVec3| {
         // Points away from the solid; a covector, so that elongated voxels do not turn it.

@@ -134,7 +134,7 @@ impl<'a> Pieces<'a> {
     }
 
     /// Returns whether a piece touches the border of the grid. An empty one that does not is a cavity.
-    pub fn reaches_border(&self, piece: u32) -> bool {
+    pub(crate) fn reaches_border(&self, piece: u32) -> bool {
         let (low, high) = self.pieces[piece as usize].bounds();
         low.min_element() == 0 || high.cmpeq(self.grid.dims()).any()
     }
@@ -403,7 +403,7 @@ impl Forest {
 }
 
 /// Removes all but the largest piece. An empty grid stays empty.
-pub fn keep_largest(
+pub(crate) fn keep_largest(
     grid: &mut Grid,
     budget_bytes: u64,
     progress: &dyn Progress,

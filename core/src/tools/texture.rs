@@ -53,19 +53,19 @@ impl Texture {
 }
 
 /// Maps a point of tool space to an image wrapped once around a ball, by longitude and latitude.
-pub fn around_ball(p: Vec3) -> Vec2 {
+pub(crate) fn around_ball(p: Vec3) -> Vec2 {
     let length = p.length().max(f32::MIN_POSITIVE);
     let longitude = p.x.atan2(p.z);
     vec2(0.5 + longitude / TAU, 0.5 + (p.y / length).clamp(-1.0, 1.0).asin() / PI)
 }
 
 /// Maps a point of tool space to an image wrapped once around the side; the caps show its upper or lower edge.
-pub fn around_side(p: Vec3) -> Vec2 {
+pub(crate) fn around_side(p: Vec3) -> Vec2 {
     vec2(0.5 + p.x.atan2(p.z) / TAU, 0.5 * p.y + 0.5)
 }
 
 /// Maps a point of tool space to an image on each face of a cuboid.
-pub fn on_faces(p: Vec3) -> Vec2 {
+pub(crate) fn on_faces(p: Vec3) -> Vec2 {
     let a = p.abs();
     let on_face = match a.y > a.x.max(a.z) {
         true => vec2(p.x, -p.z * p.y.signum()),
@@ -76,7 +76,7 @@ pub fn on_faces(p: Vec3) -> Vec2 {
 
 /// Returns how far to the right a point is on the nearest of four sides. Each is seen from outside, so that writing is
 /// not mirrored.
-pub fn on_side(p: Vec3) -> f32 {
+pub(crate) fn on_side(p: Vec3) -> f32 {
     match p.x.abs() > p.z.abs() {
         true => -p.z * p.x.signum(),
         false => p.x * p.z.signum(),

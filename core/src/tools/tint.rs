@@ -157,7 +157,7 @@ impl Tinter {
     }
 
     /// Returns whether voxels of the base colour are certain to keep it.
-    pub fn keeps_base(&self) -> bool {
+    pub(crate) fn keeps_base(&self) -> bool {
         match &self.0 {
             Prepared::Adjust { base: [base, adjusted], .. } => base == adjusted,
             Prepared::Gradient { strength: share, .. } | Prepared::Noise { amount: share, .. } => {

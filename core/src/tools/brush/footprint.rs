@@ -44,7 +44,7 @@ impl Outline {
     /// Returns whether a ray is certain to be farther than `radius` from the central one, without computing a root.
     /// Rays within a millionth of the rim are not.
     #[inline(always)]
-    pub fn is_beyond(self, x: f32, y: f32, radius: f32) -> bool {
+    pub(crate) fn is_beyond(self, x: f32, y: f32, radius: f32) -> bool {
         const RIM: f32 = 1.0 + 1e-6;
         match self {
             Outline::Round => x * x + y * y > radius * radius * (RIM * RIM),

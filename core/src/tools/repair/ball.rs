@@ -83,17 +83,17 @@ impl Ball {
     }
 
     /// Returns the number of voxels along each axis.
-    pub fn extent_vx(&self) -> [u32; 3] {
+    pub(crate) fn extent_vx(&self) -> [u32; 3] {
         self.extent_vx
     }
 
     /// Returns the positions in `solid` at which the ball fits inside it. `None` if cancelled.
-    pub fn erode(&self, solid: &BitBlock, progress: &dyn Progress) -> Option<BitBlock> {
+    pub(crate) fn erode(&self, solid: &BitBlock, progress: &dyn Progress) -> Option<BitBlock> {
         self.combine::<true>(solid, progress)
     }
 
     /// Returns all voxels that the ball covers at `places`, within the block. `None` if cancelled.
-    pub fn dilate(&self, places: &BitBlock, progress: &dyn Progress) -> Option<BitBlock> {
+    pub(crate) fn dilate(&self, places: &BitBlock, progress: &dyn Progress) -> Option<BitBlock> {
         self.combine::<false>(places, progress)
     }
 

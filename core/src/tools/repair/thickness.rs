@@ -43,12 +43,12 @@ impl Thickness {
     }
 
     /// Returns the bytes that [`Thickness::thin`] takes.
-    pub fn bytes_to_measure(grid: &Grid) -> u64 {
+    pub(crate) fn bytes_to_measure(grid: &Grid) -> u64 {
         block_bytes(grid, 0) * BLOCKS_TO_MEASURE
     }
 
     /// Returns the bytes that [`Thickness::thicken`] takes.
-    pub fn bytes_to_thicken(&self, grid: &Grid) -> u64 {
+    pub(crate) fn bytes_to_thicken(&self, grid: &Grid) -> u64 {
         let reach = self.ball.extent_vx().into_iter().max().unwrap_or(1);
         block_bytes(grid, reach) * BLOCKS_TO_THICKEN
     }

@@ -237,7 +237,7 @@ impl Magnitudes {
     }
 
     /// Returns [`Magnitudes::error`] without the squares.
-    pub fn linear_error(&self) -> f64 {
+    pub(crate) fn linear_error(&self) -> f64 {
         128.0 * ROUNDING * (1.0 + self.position)
     }
 }

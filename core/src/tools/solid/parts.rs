@@ -25,7 +25,7 @@ impl Parts {
 
     /// Returns the offset of a point beyond the core, without sign, in units of the ellipsoid.
     #[inline(always)]
-    pub fn beyond_core<N: SimdReal>(&self, p: [N; 3]) -> [N; 3] {
+    pub(crate) fn beyond_core<N: SimdReal>(&self, p: [N; 3]) -> [N; 3] {
         let Parts { core, round } = *self;
         let [x, y, z] = p;
         let zero = x.all(0.0);

@@ -302,7 +302,7 @@ pub struct SolidRow {
 impl SolidRow {
     /// Returns whether the voxels of some row are tested one by one.
     #[cfg(test)]
-    pub fn is_torn(&self) -> bool {
+    pub(crate) fn is_torn(&self) -> bool {
         self.torn.is_some()
     }
 }

@@ -38,7 +38,7 @@ impl RowSpans {
     }
 
     /// Sets the row at `y`, `z` of the row of bricks.
-    pub fn set_row(&mut self, y: usize, z: usize, span: Range<i32>) {
+    pub(crate) fn set_row(&mut self, y: usize, z: usize, span: Range<i32>) {
         let (pair, row) = (z / 2, y / 4 * 8 + z % 2 * 4 + y % 4);
         (self.from[pair][row], self.to[pair][row]) = (span.start as i16, span.end as i16);
     }

@@ -14,7 +14,7 @@ use super::simd_real::SimdReal;
 /// Returns half the base of a solid with an apex, enlarged by `margin`: the limit for heights that have no significant
 /// digits left.
 #[inline(always)]
-pub fn widest_base(margin: f64) -> f64 {
+pub(crate) fn widest_base(margin: f64) -> f64 {
     1.0 + 1.5 * margin
 }
 
@@ -61,7 +61,7 @@ impl<N: SimdReal> Across<N> {
     /// Returns the time when the point is deepest inside a circle around the axis whose radius grows by `grows`. It
     /// minimises hypot(aside, length u) - grows u, which is convex, with u counted from the foot.
     #[inline(always)]
-    pub fn deepest_in_cone(&self, grows: f64) -> N {
+    pub(crate) fn deepest_in_cone(&self, grows: f64) -> N {
         let steep = self.squared_length - grows * grows;
         if steep <= 0.0 || self.inverse == 0.0 {
             return self.foot.all(f64::INFINITY.copysign(grows));
@@ -87,7 +87,7 @@ impl<N: SimdReal> Times<N> {
 
     /// Keeps the times at which a coordinate moving from `at` by `-along` lies within `-most` to `most`.
     #[inline(always)]
-    pub fn keep_within(&mut self, at: N, along: f64, most: f64) {
+    pub(crate) fn keep_within(&mut self, at: N, along: f64, most: f64) {
         self.keep(at - most, -along);
         self.keep(at * -1.0 - most, along);
     }
@@ -109,7 +109,7 @@ impl<N: SimdReal> Times<N> {
     }
 
     #[inline(always)]
-    pub fn are_some(self) -> N::Mask {
+    pub(crate) fn are_some(self) -> N::Mask {
         self.from.at_most(self.to)
     }
 

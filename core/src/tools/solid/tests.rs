@@ -96,7 +96,7 @@ fn solid() -> impl Strategy<Value = Solid> {
 
 /// Returns the 24 rotations that map axes to axes, as exactly as `f32` represents them: half turns have no rounding at
 /// all.
-pub fn axis_turns() -> Vec<Quat> {
+pub(crate) fn axis_turns() -> Vec<Quat> {
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let mut turns = Vec::new();
     for i in 0..81 {

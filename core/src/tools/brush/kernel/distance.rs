@@ -80,7 +80,7 @@ impl Distances {
     }
 
     /// Returns the squared distances of a row from a voxel on.
-    pub fn row_from(&self, v: IVec3) -> &[f32] {
+    pub(crate) fn row_from(&self, v: IVec3) -> &[f32] {
         &self.row(v.y, v.z)[(v.x - self.bounds.min.x) as usize..]
     }
 

@@ -133,14 +133,14 @@ pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> 
 }
 
 /// Returns the change of a use that moves the surface to the plane through the centre of the ball, by its strength.
-pub fn to_plane(used: &BrushUse, site: &Site, lowers: bool, raises: bool) -> Change {
+pub(crate) fn to_plane(used: &BrushUse, site: &Site, lowers: bool, raises: bool) -> Change {
     let strength = used.get(STRENGTH);
     change(used, site, |normal| Target::Plane { normal, strength, lowers, raises })
 }
 
 /// Moves the surface to the plane from both sides, and then applies a filter to the voxels where the brush has at least
 /// half of its effect at the centre. `margin_vx`: how far around a voxel the filter reads.
-pub fn to_plane_then(
+pub(crate) fn to_plane_then(
     used: &BrushUse,
     site: &Site,
     margin_vx: u32,
@@ -155,7 +155,7 @@ pub fn to_plane_then(
 }
 
 /// Returns the change of a use that moves the surface along the normal, by its height.
-pub fn along_normal(used: &BrushUse, site: &Site, profile: Profile) -> Change {
+pub(crate) fn along_normal(used: &BrushUse, site: &Site, profile: Profile) -> Change {
     let height = used.get(HEIGHT);
     change(used, site, |normal| Target::Drawn { normal, height, profile })
 }

@@ -99,7 +99,7 @@ pub fn filtered(
 }
 
 /// Applies a filter that compares neighbour counts with the threshold of a use, under it and its mirror images.
-pub fn by_threshold(
+pub(crate) fn by_threshold(
     used: &BrushUse,
     site: &Site,
     filter: impl Fn(&Near, u32) -> BitBlock,

@@ -163,13 +163,13 @@ pub struct Field {
 
 impl Field {
     /// Raises each share to at least that of `other`.
-    pub fn raise_to(&mut self, other: &Field) {
+    pub(crate) fn raise_to(&mut self, other: &Field) {
         let shares = self.shares.iter_mut().zip(&other.shares);
         shares.for_each(|(share, other)| *share = share.max(*other));
     }
 
     /// Lowers each share to at most that of `other`.
-    pub fn lower_to(&mut self, other: &Field) {
+    pub(crate) fn lower_to(&mut self, other: &Field) {
         let shares = self.shares.iter_mut().zip(&other.shares);
         shares.for_each(|(share, other)| *share = share.min(*other));
     }
@@ -184,7 +184,7 @@ impl Field {
 
     /// Returns the extreme share (`f32::max` or `f32::min`) at the eight cell centres around each cube of voxels
     /// between them, along x, for the cells `y` and `z` of the spans of their axes.
-    pub fn extremes(
+    pub(crate) fn extremes(
         &self,
         [along_x, along_y, along_z]: &[Places; 3],
         (y, z): (usize, usize),
@@ -252,7 +252,7 @@ pub struct Places {
 
 impl Places {
     /// Returns each cell, counted from the first that is needed, with the voxels between its centre and the next.
-    pub fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
+    pub(crate) fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
         let mut end = 0;
         self.places.chunk_by(|(a, _), (b, _)| a == b).map(move |span| {
             let start = end;

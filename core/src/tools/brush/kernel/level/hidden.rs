@@ -327,7 +327,7 @@ fn corner_of(word: u32) -> IVec3 {
 
 /// Returns a brick at coordinates that may be outside the grid, and its kind. `None` if it is empty.
 #[inline(always)]
-pub fn brick_of(grid: &Grid, b: IVec3) -> Option<(BrickKind, &Brick)> {
+pub(crate) fn brick_of(grid: &Grid, b: IVec3) -> Option<(BrickKind, &Brick)> {
     let outside = b.cmplt(IVec3::ZERO).any() || b.cmpge(grid.brick_dims().as_ivec3()).any();
     let index = (!outside).then(|| grid.brick_index(b.as_uvec3()))?;
     let kind = grid.brick_kind(index);
