@@ -65,13 +65,13 @@ impl BitBlock {
     }
 
     /// Returns the rows in chunks of `layers` layers along z, for several threads.
-    pub fn layers_mut(&mut self, layers: usize) -> rayon::slice::ChunksMut<'_, u64> {
+    pub(crate) fn layers_mut(&mut self, layers: usize) -> rayon::slice::ChunksMut<'_, u64> {
         let layer = self.words_per_row * self.size.y as usize;
         self.words.par_chunks_mut((layer * layers).max(1))
     }
 
     /// Performs [`BitBlock::map_rows`] on all threads.
-    pub fn map_rows_in_parallel(&self, f: impl Fn(i32, i32, &mut [u64]) + Sync) -> BitBlock {
+    pub(crate) fn map_rows_in_parallel(&self, f: impl Fn(i32, i32, &mut [u64]) + Sync) -> BitBlock {
         let mut out = self.emptied();
         let (rows, width) = (self.size.y as usize, self.words_per_row.max(1));
         out.layers_mut(1).enumerate().for_each(|(z, words)| {
@@ -112,7 +112,7 @@ impl BitBlock {
     }
 
     /// Sets the voxels of one row from `x0` to `x1` (inclusive, grid coordinates). Ignores voxels outside the block.
-    pub fn set_span(&mut self, x0: i32, x1: i32, y: i32, z: i32) {
+    pub(crate) fn set_span(&mut self, x0: i32, x1: i32, y: i32, z: i32) {
         let (y, z) = (y - self.origin.y, z - self.origin.z);
         if y < 0 || z < 0 || y as u32 >= self.size.y || z as u32 >= self.size.z {
             return;
@@ -131,7 +131,7 @@ impl BitBlock {
     }
 
     /// Clears the voxels outside the box from `min` (inclusive) to `max` (exclusive).
-    pub fn keep_box(&mut self, min: IVec3, max: IVec3) {
+    pub(crate) fn keep_box(&mut self, min: IVec3, max: IVec3) {
         let (min, max) = (min - self.origin, max - self.origin);
         let size = self.size.as_ivec3();
         let (rows, width) = (size.y, self.words_per_row);
@@ -148,7 +148,7 @@ impl BitBlock {
 
     /// Gives each voxel outside the box from `min` (inclusive) to `max` (exclusive) the value of the nearest voxel
     /// inside.
-    pub fn extend_border(&mut self, min: IVec3, max: IVec3) {
+    pub(crate) fn extend_border(&mut self, min: IVec3, max: IVec3) {
         let (low, high) = (min - self.origin, max - 1 - self.origin);
         let size = self.size.as_ivec3();
         // The part of the box that lies within the block.
@@ -186,7 +186,7 @@ impl BitBlock {
 
     /// Sets the voxels whose centres are at most `sqrt(squared_vx)` from that of a voxel of `seeds`, a block of the
     /// same place and size.
-    pub fn add_balls(&mut self, seeds: &BitBlock, squared_vx: u32) {
+    pub(crate) fn add_balls(&mut self, seeds: &BitBlock, squared_vx: u32) {
         let reach = squared_vx.isqrt() as i32;
         self.add_spans(seeds, reach, |dy, dz| {
             let rest = squared_vx.checked_sub((dy * dy + dz * dz) as u32)?;
@@ -196,7 +196,7 @@ impl BitBlock {
 
     /// Sets the voxels of the cubes that extend `reach_vx` voxels on every side of those of `seeds`, a block of the
     /// same place and size.
-    pub fn add_cubes(&mut self, seeds: &BitBlock, reach_vx: u32) {
+    pub(crate) fn add_cubes(&mut self, seeds: &BitBlock, reach_vx: u32) {
         self.add_spans(seeds, reach_vx as i32, |_, _| Some(reach_vx));
     }
 
@@ -287,7 +287,7 @@ impl BitBlock {
     }
 
     /// Adds the voxels of a brick, which must lie within the block.
-    pub fn put_brick(&mut self, b: IVec3, brick: &Brick) {
+    pub(crate) fn put_brick(&mut self, b: IVec3, brick: &Brick) {
         let local = b * BRICK_EDGE_VX as i32 - self.origin;
         let (word, shift) = (local.x as usize / 64, local.x as u32 % 64);
         for (z, slice) in brick.to_rows().into_iter().enumerate() {

@@ -43,7 +43,7 @@ pub enum BrickKind {
 impl BrickKind {
     /// Returns the kind of a brick of `count` voxels (0..=512).
     #[inline(always)]
-    pub fn of_count(count: u16) -> BrickKind {
+    pub(crate) fn of_count(count: u16) -> BrickKind {
         match u32::from(count) {
             0 => BrickKind::Empty,
             BRICK_VOXELS => BrickKind::Full,
@@ -151,7 +151,7 @@ impl Brick {
 
     /// Returns the voxels of `self` that are not in `other`.
     #[inline(always)]
-    pub fn and_not(&self, other: &Brick) -> Brick {
+    pub(crate) fn and_not(&self, other: &Brick) -> Brick {
         self.zip(
             other,
             #[inline(always)]
@@ -218,7 +218,7 @@ impl Brick {
 
 /// Returns the lowest set voxel of a word, and one past the highest, on each axis. The word must not be 0.
 #[inline]
-pub fn word_bounds(word: u64) -> (UVec3, UVec3) {
+pub(crate) fn word_bounds(word: u64) -> (UVec3, UVec3) {
     // Folded to the four bits of each axis.
     let z = (0..4).fold(0, |z, i| z | u32::from(word >> (16 * i) & 0xFFFF != 0) << i);
     let layer = word | word >> 16 | word >> 32 | word >> 48;

@@ -82,7 +82,7 @@ impl BrickSet {
 
     /// Adds all bricks of `bricks`.
     #[inline]
-    pub fn insert_mask(&mut self, bricks: BrickMask) {
+    pub(crate) fn insert_mask(&mut self, bricks: BrickMask) {
         if bricks.mask == 0 {
             return;
         }
@@ -99,7 +99,7 @@ impl BrickSet {
     }
 
     /// Appends the linear indices to `out` in ascending order.
-    pub fn collect_into(&mut self, out: &mut Vec<u32>) {
+    pub(crate) fn collect_into(&mut self, out: &mut Vec<u32>) {
         self.used.sort_unstable();
         for bricks in self.masks() {
             out.extend(bricks.indices());

@@ -126,23 +126,23 @@ impl ColourDepth {
 }
 
 /// Packs 24-bit RGB into `GGGGBBRR`, each channel rounded to the nearest level.
-pub fn pack8(Rgb([r, g, b]): Rgb) -> u8 {
+pub(crate) fn pack8(Rgb([r, g, b]): Rgb) -> u8 {
     (reduce(g, 4) << 4 | reduce(b, 2) << 2 | reduce(r, 2)) as u8
 }
 
 /// Unpacks `GGGGBBRR` to 24-bit RGB over the full range of each channel.
-pub fn unpack8(v: u8) -> Rgb {
+pub(crate) fn unpack8(v: u8) -> Rgb {
     let v = u32::from(v);
     Rgb([expand(v & 3, 2), expand(v >> 4, 4), expand(v >> 2 & 3, 2)])
 }
 
 /// Packs 24-bit RGB into `GGGGGGGBBBBBRRRR`, each channel rounded to the nearest level.
-pub fn pack16(Rgb([r, g, b]): Rgb) -> u16 {
+pub(crate) fn pack16(Rgb([r, g, b]): Rgb) -> u16 {
     (reduce(g, 7) << 9 | reduce(b, 5) << 4 | reduce(r, 4)) as u16
 }
 
 /// Unpacks `GGGGGGGBBBBBRRRR` to 24-bit RGB over the full range of each channel.
-pub fn unpack16(v: u16) -> Rgb {
+pub(crate) fn unpack16(v: u16) -> Rgb {
     let v = u32::from(v);
     Rgb([expand(v & 15, 4), expand(v >> 9, 7), expand(v >> 4 & 31, 5)])
 }

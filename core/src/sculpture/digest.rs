@@ -28,7 +28,7 @@ impl Digest {
     }
 
     /// Returns the digest of all bytes of a reader.
-    pub fn of_reader(mut reader: impl Read) -> std::io::Result<Digest> {
+    pub(crate) fn of_reader(mut reader: impl Read) -> std::io::Result<Digest> {
         let mut hasher = Sha256::new();
         let mut portion = vec![0; 1 << 18];
         loop {

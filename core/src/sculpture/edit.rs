@@ -74,7 +74,7 @@ pub fn edit(
 }
 
 /// Adds the voxels of `region` that lie within the grid to a mask, or removes them from it.
-pub fn edit_mask(
+pub(crate) fn edit_mask(
     mask: &mut Grid,
     region: &impl Region,
     adds: bool,
@@ -164,7 +164,7 @@ fn brush_for(contents: &Contents, colour: Rgb) -> Option<Brush> {
 }
 
 /// Returns a quick upper bound for [`count_new_pages`]; `None` if `op` paints nothing new.
-pub fn max_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> Option<u64> {
+pub(crate) fn max_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> Option<u64> {
     let (EditOp::Add(Some(colour)) | EditOp::Recolour(colour)) = op else { return None };
     let Contents { grid, material, .. } = contents;
     let new = brush_for(contents, colour).is_some_and(|brush| !brush.is_base());

@@ -23,7 +23,7 @@ pub struct EditScope<'a> {
 
 impl EditScope<'_> {
     /// Returns whether tools may work everywhere.
-    pub fn is_everywhere(&self) -> bool {
+    pub(crate) fn is_everywhere(&self) -> bool {
         self.stack.is_none() && self.mask.is_none()
     }
 

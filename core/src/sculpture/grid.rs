@@ -150,7 +150,7 @@ impl Grid {
 
     /// Returns an empty grid of the cells between the centres of this grid's voxels and beyond its border, within
     /// `budget_bytes`: one longer on each axis, even where a sculpture may not be that long.
-    pub fn of_cells(&self, budget_bytes: u64) -> Result<Grid, GridError> {
+    pub(crate) fn of_cells(&self, budget_bytes: u64) -> Result<Grid, GridError> {
         let dims = self.dims + 1;
         Self::check_memory(dims, budget_bytes)?;
         Self::allocated(dims, self.voxel_size)
@@ -168,7 +168,7 @@ impl Grid {
     }
 
     /// Performs [`Grid::emptied`], unless the system lacks the memory for it.
-    pub fn try_emptied(&self) -> Result<Grid, GridError> {
+    pub(crate) fn try_emptied(&self) -> Result<Grid, GridError> {
         Self::allocated(self.dims, self.voxel_size)
     }
 
@@ -377,7 +377,7 @@ fn product(v: UVec3) -> u64 {
 
 /// Returns the brick coordinates of a linear index among `dims` bricks.
 #[inline]
-pub fn unflatten(index: u32, dims: UVec3) -> UVec3 {
+pub(crate) fn unflatten(index: u32, dims: UVec3) -> UVec3 {
     let yz = index / dims.x;
     UVec3::new(index % dims.x, yz % dims.y, yz / dims.y)
 }

@@ -69,13 +69,13 @@ impl History {
     }
 
     /// Puts the steps of a snapshot on top of the existing ones.
-    pub fn put_all(&mut self, snapshot: HistorySnapshot) {
+    pub(crate) fn put_all(&mut self, snapshot: HistorySnapshot) {
         snapshot.redo.into_iter().for_each(|step| self.put(step, Stack::Redo));
         snapshot.undo.into_iter().for_each(|step| self.put(step, Stack::Undo));
     }
 
     /// From now on, gives steps to a store instead of dropping them.
-    pub fn use_store(&mut self, store: Arc<dyn StepStore>) {
+    pub(crate) fn use_store(&mut self, store: Arc<dyn StepStore>) {
         self.store = Some(store);
     }
 
@@ -101,7 +101,7 @@ impl History {
     }
 
     /// Waits, before a step of `bytes` is made, until earlier steps have left the memory that it needs.
-    pub fn make_way(&self, bytes: usize) {
+    pub(crate) fn make_way(&self, bytes: usize) {
         if let Some(store) = self.store.as_ref().filter(|_| bytes > self.budget_bytes / 4) {
             store.make_way(bytes);
         }
@@ -121,7 +121,7 @@ impl History {
     ///
     /// # Errors
     /// As [`History::take_undo`].
-    pub fn take_redo(&mut self) -> Result<Option<Step>, NoMemory> {
+    pub(crate) fn take_redo(&mut self) -> Result<Option<Step>, NoMemory> {
         self.take(Stack::Redo)
     }
 
@@ -178,7 +178,7 @@ impl History {
     }
 
     /// Returns the steps that can be redone, the next one first.
-    pub fn redo_steps(&self) -> impl Iterator<Item = &Step> {
+    pub(crate) fn redo_steps(&self) -> impl Iterator<Item = &Step> {
         self.redo.iter().rev().map(Arc::as_ref)
     }
 
@@ -198,7 +198,7 @@ impl History {
     }
 
     /// Raises the budget to `budget_bytes`, if that is more than now.
-    pub fn raise_budget(&mut self, budget_bytes: usize) {
+    pub(crate) fn raise_budget(&mut self, budget_bytes: usize) {
         self.budget_bytes = self.budget_bytes.max(budget_bytes);
     }
 

@@ -82,7 +82,7 @@ impl Inherited {
     }
 
     /// Returns the number of new colour pages that painting the voxels takes.
-    pub fn new_pages(&self, contents: &Contents) -> u64 {
+    pub(crate) fn new_pages(&self, contents: &Contents) -> u64 {
         let Contents { grid, material, .. } = contents;
         let painted = self
             .0

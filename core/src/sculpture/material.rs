@@ -119,7 +119,7 @@ impl Material {
     /// Calls `f` for each of the bands `bands` of `bricks_per_band` bricks, on all threads if `parallel`. `f` gets the
     /// linear index of the band's first brick, its pages, and its entry of `states` (one per band of the grid), and
     /// returns the number of pages it has added.
-    pub fn edit_bands<S: Send>(
+    pub(crate) fn edit_bands<S: Send>(
         &mut self,
         bricks_per_band: usize,
         bands: Range<usize>,
@@ -155,7 +155,7 @@ impl Material {
     }
 
     /// Replaces the page of a brick, or its absence, and returns the old one.
-    pub fn swap_page(&mut self, brick: usize, page: Option<Page>) -> Option<Page> {
+    pub(crate) fn swap_page(&mut self, brick: usize, page: Option<Page>) -> Option<Page> {
         if page.is_none() && self.pages.is_empty() {
             return None;
         }
@@ -247,7 +247,7 @@ impl Brush {
     }
 
     /// Returns whether the colour is the base colour.
-    pub fn is_base(&self) -> bool {
+    pub(crate) fn is_base(&self) -> bool {
         self.is_base
     }
 

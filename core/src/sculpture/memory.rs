@@ -36,7 +36,7 @@ pub fn copied<T: Copy>(values: &[T]) -> Result<Vec<T>, TryReserveError> {
 }
 
 /// Returns a list of copies that may need memory themselves.
-pub fn copied_each<T>(
+pub(crate) fn copied_each<T>(
     values: &[T],
     copy: impl Fn(&T) -> Result<T, TryReserveError>,
 ) -> Result<Vec<T>, TryReserveError> {

@@ -70,7 +70,7 @@ impl<'a> Reorientation<'a> {
 
     /// Returns whether the inverse orientation restores every byte: bricks become bricks, or there are no pages of
     /// colours that could be divided differently.
-    pub fn is_exact(&self) -> bool {
+    pub(crate) fn is_exact(&self) -> bool {
         self.overlapped == 1 || self.from.material.page_count() == 0
     }
 

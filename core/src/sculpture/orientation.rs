@@ -69,7 +69,7 @@ impl Orientation {
     }
 
     /// Returns whether an axis (0 to 2), before it is moved, is reversed.
-    pub fn reverses(self, axis: usize) -> bool {
+    pub(crate) fn reverses(self, axis: usize) -> bool {
         self.reversed[axis]
     }
 

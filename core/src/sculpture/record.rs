@@ -47,7 +47,7 @@ impl BrickRecord {
     }
 
     /// Keeps the colour page of a brick, or its absence.
-    pub fn keep_page(&mut self, index: u32, page: Option<Page>) {
+    pub(crate) fn keep_page(&mut self, index: u32, page: Option<Page>) {
         self.page_bytes += page.as_ref().map_or(0, |p| p.len());
         self.pages.push((index, page));
     }
@@ -78,13 +78,13 @@ impl BrickRecord {
     }
 
     /// Adds earlier bits of bricks of the mask.
-    pub fn with_mask(self, mask: BrickRecord) -> BrickRecord {
+    pub(crate) fn with_mask(self, mask: BrickRecord) -> BrickRecord {
         BrickRecord { mask: (!mask.is_empty()).then(|| Box::new(mask)), ..self }
     }
 
     /// Returns a record of the values of [`BrickRecord::kinds`], [`BrickRecord::mixed_bits`] and
     /// [`BrickRecord::pages`]. There must be bits for each mixed brick, and each brick may be named only once.
-    pub fn from_parts(
+    pub(crate) fn from_parts(
         [empty, full, mixed]: [Vec<BrickMask>; 3],
         mixed_bits: Vec<Brick>,
         pages: Vec<(u32, Option<Page>)>,
@@ -113,7 +113,7 @@ impl BrickRecord {
     }
 
     /// Returns the heap bytes after [`BrickRecord::gather`].
-    pub fn gathered_bytes(&self) -> usize {
+    pub(crate) fn gathered_bytes(&self) -> usize {
         let masks = self.empty.len() + self.full.len() + self.mixed.len();
         masks * size_of::<BrickMask>()
             + self.mixed_bits.len() * size_of::<Brick>()
@@ -122,7 +122,7 @@ impl BrickRecord {
     }
 
     /// Returns an upper bound for the heap bytes of the reverse record ([`BrickRecord::swap`]).
-    pub fn reverse_bytes(&self, contents: &Contents) -> usize {
+    pub(crate) fn reverse_bytes(&self, contents: &Contents) -> usize {
         let lists = [&self.empty, &self.full, &self.mixed];
         let masks: usize = lists.iter().map(|list| list.len()).sum();
         let mixed: usize =
@@ -192,7 +192,7 @@ impl BrickRecord {
 
     /// Performs [`BrickRecord::swap`], unless the system lacks the memory for it. Then nothing has changed, and the record
     /// is returned.
-    pub fn try_swap(
+    pub(crate) fn try_swap(
         self,
         contents: &mut Contents,
         touched: &mut BrickSet,

@@ -238,7 +238,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
 
     /// Writes the masks gathered for the current word. Must be called after the row's last brick.
     #[inline(always)]
-    pub fn close_word(&mut self) {
+    pub(crate) fn close_word(&mut self) {
         if self.changed != 0 {
             let fresh = !self.kept_of_word;
             let WordKinds { empty, full, mixed } = std::mem::take(&mut self.kept);

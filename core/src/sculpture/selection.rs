@@ -56,7 +56,7 @@ impl Selection {
     }
 
     /// Checks whether `marker` is a valid marker. The error says why it is not.
-    pub fn check_marker(marker: VoxelBox) -> Result<(), InvalidValue> {
+    pub(crate) fn check_marker(marker: VoxelBox) -> Result<(), InvalidValue> {
         let VoxelBox { min, max } = marker;
         let (far, given) = (IVec3::splat(MARKER_LIMIT_VX), format_args!("{min} to {max}"));
         let is_near = min.cmpge(-far).all() && max.cmple(far).all();
@@ -66,7 +66,7 @@ impl Selection {
     }
 
     /// Replaces the marker. Returns an error if `marker` is not a valid one.
-    pub fn set_marker(&mut self, marker: VoxelBox) -> Result<(), InvalidValue> {
+    pub(crate) fn set_marker(&mut self, marker: VoxelBox) -> Result<(), InvalidValue> {
         Self::check_marker(marker)?;
         self.marker = marker;
         Ok(())
@@ -92,7 +92,7 @@ impl Selection {
     }
 
     /// Removes the uppermost box. Returns false if there is none.
-    pub fn drop_last(&mut self) -> bool {
+    pub(crate) fn drop_last(&mut self) -> bool {
         self.stack.0.pop().is_some()
     }
 
@@ -123,7 +123,7 @@ impl Selection {
     }
 
     /// Limits tools to the selection, or not.
-    pub fn set_limits(&mut self, limits: bool) {
+    pub(crate) fn set_limits(&mut self, limits: bool) {
         self.limits = limits;
     }
 

@@ -63,7 +63,7 @@ impl StrokeRecorder {
     }
 
     /// Returns the recorder of the mask of `grid`.
-    pub fn for_mask(&mut self, grid: &Grid) -> &mut StrokeRecorder {
+    pub(crate) fn for_mask(&mut self, grid: &Grid) -> &mut StrokeRecorder {
         self.mask.get_or_insert_with(|| Box::new(StrokeRecorder::new(grid)))
     }
 
@@ -78,7 +78,7 @@ impl StrokeRecorder {
 
     /// Ends an edit: marks the recorded bricks as kept, adds the changed bricks to `dirty`, and
     /// returns the sum of the bands' counts.
-    pub fn close_edit(&mut self, dirty: &mut BrickSet) -> EditStats {
+    pub(crate) fn close_edit(&mut self, dirty: &mut BrickSet) -> EditStats {
         let mut stats = EditStats::default();
         for band in &mut self.bands {
             let lists = [
@@ -103,7 +103,7 @@ impl StrokeRecorder {
     }
 
     /// Resumes an ended stroke from its record.
-    pub fn resume(&mut self, mut record: BrickRecord, grid: &Grid) {
+    pub(crate) fn resume(&mut self, mut record: BrickRecord, grid: &Grid) {
         if let Some(mask) = record.take_mask() {
             self.for_mask(grid).resume(mask, grid);
         }

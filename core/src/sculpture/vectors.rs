@@ -4,7 +4,7 @@
 /// Runs `f`, in a version compiled for AVX2 and POPCNT if the processor has them. Only code inlined into `f` benefits:
 /// mark the closure and its callees `#[inline(always)]`.
 #[inline(always)]
-pub fn vectorised<T>(f: impl FnOnce() -> T) -> T {
+pub(crate) fn vectorised<T>(f: impl FnOnce() -> T) -> T {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx2) = fearless_simd::Level::new().as_avx2() {
         return fearless_simd::Simd::vectorize(avx2, f);
@@ -16,6 +16,6 @@ pub fn vectorised<T>(f: impl FnOnce() -> T) -> T {
 /// a closure that is marked `#[inline(always)]`. Code that is not inlined is compiled for the baseline, and calls a
 /// function for each vector instruction.
 #[inline(always)]
-pub fn for_axes<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
+pub(crate) fn for_axes<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }

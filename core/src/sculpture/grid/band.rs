@@ -33,7 +33,7 @@ impl GridBand<'_> {
     }
 
     /// Returns the slabs of the band that lie in `slabs`.
-    pub fn slabs_of(&self, slabs: Range<u32>) -> Range<u32> {
+    pub(crate) fn slabs_of(&self, slabs: Range<u32>) -> Range<u32> {
         let first = self.first / (self.brick_dims.x * self.brick_dims.y);
         slabs.start.max(first)..slabs.end.min(first + BAND_SLABS)
     }
@@ -80,7 +80,7 @@ impl GridBand<'_> {
 
     /// Fills `len` empty bricks along x, starting at `b`, or empties as many full ones.
     #[inline(always)]
-    pub fn flip_run(&mut self, b: UVec3, index: u32, len: u32, full: bool) {
+    pub(crate) fn flip_run(&mut self, b: UVec3, index: u32, len: u32, full: bool) {
         let at = (index - self.first) as usize;
         let range = at..at + len as usize;
         let voxels = i64::from(len) * i64::from(BRICK_VOXELS);

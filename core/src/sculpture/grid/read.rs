@@ -83,7 +83,7 @@ impl Grid {
 
     /// Returns the occupancy word of the block around the brick at `b`, and the brick's bit in it.
     #[inline(always)]
-    pub fn occupancy_around(&self, b: UVec3) -> (u64, u32) {
+    pub(crate) fn occupancy_around(&self, b: UVec3) -> (u64, u32) {
         let (word, bit) = self.occupancy_place(b);
         (self.occupancy[word], bit)
     }

@@ -93,7 +93,7 @@ impl Step {
     }
 
     /// Returns the bytes that the step takes with all its values in memory.
-    pub fn whole_bytes(&self) -> usize {
+    pub(crate) fn whole_bytes(&self) -> usize {
         match &self.change {
             Change::Stored(stored) => stored.0.whole_bytes(),
             _ => self.heap_bytes(),
@@ -124,7 +124,7 @@ pub struct Stored(pub Arc<dyn StoredStep>);
 
 impl Stored {
     /// Returns whether no snapshot shares it.
-    pub fn is_only(&self) -> bool {
+    pub(crate) fn is_only(&self) -> bool {
         Arc::strong_count(&self.0) == 1
     }
 }
@@ -148,7 +148,7 @@ pub struct HistorySnapshot {
 impl HistorySnapshot {
     /// Drops the steps furthest from the current state until the rest takes at most `bytes`. Returns how many steps
     /// were dropped from each list.
-    pub fn shorten(&mut self, bytes: usize) -> [usize; 2] {
+    pub(crate) fn shorten(&mut self, bytes: usize) -> [usize; 2] {
         let mut left = bytes;
         [&mut self.undo, &mut self.redo].map(|steps| {
             let fits = |step: &&Arc<Step>| {
