@@ -40,13 +40,13 @@ impl Budget {
     }
 
     /// Returns an error if `needed` bytes exceed the budget.
-    pub fn check_for(&self, needed: u64) -> Result<(), MeshError> {
+    pub(crate) fn check_for(&self, needed: u64) -> Result<(), MeshError> {
         let checked = self.check_work("the mesh needs at least", needed);
         checked.map_err(|over| over.advise("export a smaller part of the sculpture").into())
     }
 
     /// An error if there is no room for work (the beginning of the message, with its verb) that needs so many bytes.
-    pub fn check_work(
+    pub(crate) fn check_work(
         &self,
         what: impl Into<Cow<'static, str>>,
         needed: u64,

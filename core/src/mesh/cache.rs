@@ -49,7 +49,7 @@ impl MeshCache {
 impl VersionedMeshCache<'_> {
     /// Returns the mesh of `contents`, which have this version: that of [`Mesh::of`], except for the order of its
     /// parts.
-    pub fn mesh_of(
+    pub(crate) fn mesh_of(
         &self,
         contents: &Contents,
         kind: MeshKind,

@@ -54,7 +54,7 @@ pub static CORNERS: LazyLock<[Corner; 256]> =
 /// Such a corner has an edge around which the voxels alternate, or just two voxels, either existing or empty, that lie
 /// opposite each other.
 #[inline(always)]
-pub fn odd_corners(words: &[u64; 8]) -> u64 {
+pub(crate) fn odd_corners(words: &[u64; 8]) -> u64 {
     let mut odd = 0;
     for axis in 0..3 {
         for side in 0..2 {
@@ -194,7 +194,7 @@ fn connected(all: u8, a: u8, b: u8) -> bool {
 }
 
 /// Returns the offset of an octant's voxel from the corner.
-pub fn voxel_of(octant: usize) -> IVec3 {
+pub(crate) fn voxel_of(octant: usize) -> IVec3 {
     IVec3::new(octant as i32 & 1, octant as i32 >> 1 & 1, octant as i32 >> 2) - 1
 }
 

@@ -155,7 +155,7 @@ impl Layer {
     }
 
     /// Lists the pinched edges from this layer to the layer above.
-    pub fn find_edges_to(&mut self, above: &Layer) {
+    pub(crate) fn find_edges_to(&mut self, above: &Layer) {
         if !self.has_odd {
             return;
         }
@@ -184,7 +184,7 @@ impl Layer {
     }
 
     /// Returns the number of corners, the first vertices.
-    pub fn corner_count(&self) -> usize {
+    pub(crate) fn corner_count(&self) -> usize {
         self.octants.len()
     }
 
@@ -194,7 +194,7 @@ impl Layer {
     }
 
     /// Returns whether each vertex is the first of its corner and no edge of the layer is pinched.
-    pub fn is_plain(&self) -> bool {
+    pub(crate) fn is_plain(&self) -> bool {
         !self.has_odd
     }
 
@@ -211,7 +211,7 @@ impl Layer {
     }
 
     /// Returns whether the lattice has corners at y.
-    pub fn has_row(&self, y: usize) -> bool {
+    pub(crate) fn has_row(&self, y: usize) -> bool {
         y < self.height()
     }
 
@@ -221,7 +221,7 @@ impl Layer {
     }
 
     /// Returns the octants of the corner at (x, y), which must belong to the surface.
-    pub fn octants_at(&self, x: usize, y: usize) -> u8 {
+    pub(crate) fn octants_at(&self, x: usize, y: usize) -> u8 {
         self.octants[self.rank(x, y)]
     }
 
@@ -287,7 +287,7 @@ impl Layer {
 
     /// Writes the indices of the corners of row `y` to their positions in `numbers`, starting at `base`.
     #[inline(always)]
-    pub fn number_row(&self, y: usize, base: u32, numbers: &mut [u32]) {
+    pub(crate) fn number_row(&self, y: usize, base: u32, numbers: &mut [u32]) {
         let (first, end) = (self.row_starts[y], self.row_starts[y + 1]);
         let places = &self.places[first as usize..end as usize];
         for (&place, number) in places.iter().zip(base + first..) {
@@ -296,7 +296,7 @@ impl Layer {
     }
 
     /// Returns whether a row has no odd corner.
-    pub fn is_plain_row(&self, y: usize) -> bool {
+    pub(crate) fn is_plain_row(&self, y: usize) -> bool {
         self.odd_row(y).iter().all(|&word| word == 0)
     }
 
@@ -305,12 +305,12 @@ impl Layer {
     }
 
     /// Returns whether the corner at (x, y) is odd.
-    pub fn is_odd(&self, x: u16, y: usize) -> bool {
+    pub(crate) fn is_odd(&self, x: u16, y: usize) -> bool {
         self.odd[y * self.width + usize::from(x) / 64] >> (x % 64) & 1 != 0
     }
 
     /// Returns the positions of row `y` whose corner, or the next one, is odd, as bits.
-    pub fn odd_beside(&self, y: usize, i: usize) -> u64 {
+    pub(crate) fn odd_beside(&self, y: usize, i: usize) -> u64 {
         let row = self.odd_row(y);
         row[i] | moved_down(row, i)
     }

@@ -227,12 +227,12 @@ impl Mesh {
     }
 
     /// Returns the number of vertices.
-    pub fn vertex_count(&self) -> u64 {
+    pub(crate) fn vertex_count(&self) -> u64 {
         self.parts.iter().map(|part| part.positions.len() as u64).sum()
     }
 
     /// Returns the number of triangles; a quad counts as two.
-    pub fn triangle_count(&self) -> u64 {
+    pub(crate) fn triangle_count(&self) -> u64 {
         self.parts.iter().map(|part| (2 * part.quads.len() + part.triangles.len()) as u64).sum()
     }
 
@@ -272,7 +272,7 @@ impl Mesh {
     }
 
     /// Returns the triangles of a part. Quads are split along their shorter diagonal.
-    pub fn triangles_of(&self, part: usize) -> impl Iterator<Item = [u32; 3]> {
+    pub(crate) fn triangles_of(&self, part: usize) -> impl Iterator<Item = [u32; 3]> {
         let (number, part) = (part, &self.parts[part]);
         let first = part.first_vertex;
         let position = move |vertex: u32| match part.positions.get(vertex as usize) {

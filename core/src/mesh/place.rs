@@ -243,20 +243,20 @@ pub fn colour(contents: &Contents, corner: IVec3, solid: u8) -> Rgb {
 }
 
 /// Returns the octants that exist around a corner.
-pub fn octants_around(grid: &Grid, corner: IVec3) -> u8 {
+pub(crate) fn octants_around(grid: &Grid, corner: IVec3) -> u8 {
     (0..8).fold(0, |octants, i| octants | u8::from(grid.get(corner + voxel_of(i))) << i)
 }
 
 /// Returns the existing octant beside the pinched edge above a corner along `axis`, with bit `side` along the second
 /// axis after it.
-pub fn octant_of_edge(octants: u8, axis: usize, side: usize) -> usize {
+pub(crate) fn octant_of_edge(octants: u8, axis: usize, side: usize) -> usize {
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let octant = 1 << axis | side << v;
     if octants >> octant & 1 != 0 { octant } else { octant | 1 << u }
 }
 
 /// Returns the existing voxels beside the faces of a fan.
-pub fn solid_of(octants: u8, fan: usize) -> u8 {
+pub(crate) fn solid_of(octants: u8, fan: usize) -> u8 {
     let Fan { solid, .. } = CORNERS[octants as usize].fans[fan];
     solid
 }

@@ -31,7 +31,7 @@ impl Cells {
     }
 
     /// Returns whether earlier cells may have the corner, too, which must belong to one of these.
-    pub fn is_shared(&self, [x, y, z]: [u16; 3]) -> bool {
+    pub(crate) fn is_shared(&self, [x, y, z]: [u16; 3]) -> bool {
         let starts = [self.x.start, self.y.start, self.z.start];
         [x, y, z].map(u32::from).iter().zip(starts).any(|(at, start)| *at == start)
     }
@@ -63,7 +63,7 @@ pub struct Rows {
 }
 
 /// Returns the words of a row of the corners of a lattice around `dims` voxels.
-pub fn row_words(dims: UVec3) -> usize {
+pub(crate) fn row_words(dims: UVec3) -> usize {
     (dims.x as usize + 1).div_ceil(64)
 }
 
@@ -147,7 +147,7 @@ impl Rows {
     }
 
     /// Returns the bricks along x and y, among `brick_dims`, that have voxels beside the corners.
-    pub fn bricks_beside(&self, brick_dims: UVec2) -> [Range<u32>; 2] {
+    pub(crate) fn bricks_beside(&self, brick_dims: UVec2) -> [Range<u32>; 2] {
         let edge = i64::from(BRICK_EDGE_VX);
         let bricks = |voxels: &Range<i64>, most: u32| {
             let of = |voxel: i64| voxel.div_euclid(edge).clamp(0, most.into()) as u32;
@@ -211,13 +211,13 @@ impl Rows {
 
 /// Returns word `i` of the row moved up by one voxel: bit x is bit x - 1 of the row.
 #[inline(always)]
-pub fn moved_up(row: &[u64], i: usize) -> u64 {
+pub(crate) fn moved_up(row: &[u64], i: usize) -> u64 {
     row[i] << 1 | if i > 0 { row[i - 1] >> 63 } else { 0 }
 }
 
 /// Returns word `i` of the row moved down by one voxel: bit x is bit x + 1 of the row.
 #[inline(always)]
-pub fn moved_down(row: &[u64], i: usize) -> u64 {
+pub(crate) fn moved_down(row: &[u64], i: usize) -> u64 {
     row[i] >> 1 | row.get(i + 1).map_or(0, |next| next << 63)
 }
 
@@ -286,7 +286,7 @@ pub fn columns(words: &[u64; 8], byte: usize) -> [u8; 8] {
 
 /// Calls `f` with the positions of the set bits, in ascending order.
 #[inline(always)]
-pub fn for_each_bit(mut bits: u64, mut f: impl FnMut(usize)) {
+pub(crate) fn for_each_bit(mut bits: u64, mut f: impl FnMut(usize)) {
     while bits != 0 {
         f(bits.trailing_zeros() as usize);
         bits &= bits - 1;

@@ -26,7 +26,7 @@ pub struct Slab<'a, P> {
 }
 
 /// Returns the bytes of a face of a mesh and of a vertex; a mesh has about as many of each.
-pub fn bytes_of_face(coloured: bool) -> u64 {
+pub(crate) fn bytes_of_face(coloured: bool) -> u64 {
     let colour = if coloured { size_of::<Rgb>() } else { 0 };
     (size_of::<[u32; 4]>() + size_of::<Vec3>() + colour) as u64
 }
@@ -98,7 +98,7 @@ impl<P: Place> Slab<'_, P> {
     /// Replaces `part` by that of a box of cells, and `keys` by its vertices, in their existing memory. Returns false
     /// if `budget` is exceeded. Unlike a part of layers it has all vertices of its faces, including those shared with
     /// later cells.
-    pub fn fill_block(
+    pub(crate) fn fill_block(
         &self,
         cells: &Cells,
         scratch: &mut Scratch<P::Layer>,

@@ -34,7 +34,7 @@ pub struct Numbers {
 
 impl Numbers {
     /// Returns the bytes of the bits and rows of all corners.
-    pub fn bytes_of_bits(dims: UVec3) -> u64 {
+    pub(crate) fn bytes_of_bits(dims: UVec3) -> u64 {
         let rows = (u64::from(dims.y) + 1) * (u64::from(dims.z) + 1);
         rows * (8 * row_words(dims) as u64 + 4)
     }
@@ -112,7 +112,7 @@ impl Numbers {
 
     /// Returns whether the corner is a vertex.
     #[inline(always)]
-    pub fn is_kept(&self, [x, y, z]: [usize; 3]) -> bool {
+    pub(crate) fn is_kept(&self, [x, y, z]: [usize; 3]) -> bool {
         self.kept[(z * self.height + y) * self.width + x / 64] >> (x % 64) & 1 != 0
     }
 
@@ -138,7 +138,7 @@ impl Numbers {
     }
 
     /// Adds all vertices.
-    pub fn put_vertices(&self, contents: &Contents, is_coloured: bool, part: &mut Part) {
+    pub(crate) fn put_vertices(&self, contents: &Contents, is_coloured: bool, part: &mut Part) {
         let per_layer = self.width * self.height;
         part.positions.reserve_exact(self.count as usize);
         let mut put = |corner: IVec3, octants: u8, position, solid| {

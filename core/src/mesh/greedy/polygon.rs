@@ -13,7 +13,7 @@ use crate::mesh::Part;
 type Sides = [Vec<(u32, u32)>; 4];
 
 /// Adds the triangles of a rectangle.
-pub fn put_rectangle(numbers: &Numbers, rectangle: &Rectangle, part: &mut Part) {
+pub(crate) fn put_rectangle(numbers: &Numbers, rectangle: &Rectangle, part: &mut Part) {
     let sides = sides(numbers, rectangle);
     let mut put = |[a, b, c]: [u32; 3]| {
         part.triangles.push(if rectangle.is_up { [a, b, c] } else { [a, c, b] });

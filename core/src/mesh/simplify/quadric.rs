@@ -17,7 +17,7 @@ pub struct Quadric {
 
 impl Quadric {
     /// Returns the quadric of the plane of a triangle, weighted by its area.
-    pub fn of_triangle([a, b, c]: [Vec3; 3]) -> Quadric {
+    pub(crate) fn of_triangle([a, b, c]: [Vec3; 3]) -> Quadric {
         let [a, b, c] = [a, b, c].map(|corner| corner.as_dvec3());
         let cross = (b - a).cross(c - a);
         let twice_area = cross.length();

@@ -94,7 +94,7 @@ impl Surface {
 
     /// Returns the bytes of a surface of `vertices` and `triangles`: those copied from a mesh while that still exists,
     /// and the total.
-    pub fn needed_bytes(vertices: u64, triangles: u64, is_coloured: bool) -> (u64, u64) {
+    pub(crate) fn needed_bytes(vertices: u64, triangles: u64, is_coloured: bool) -> (u64, u64) {
         let colour = if is_coloured { size_of::<[f32; 3]>() } else { 0 };
         let copied = vertices * (size_of::<Vec3>() + colour) as u64
             + triangles * size_of::<[u32; 3]>() as u64;
@@ -116,7 +116,7 @@ impl Surface {
     }
 
     /// Returns whether both vertices still exist.
-    pub fn is_alive(&self, edge: [u32; 2]) -> bool {
+    pub(crate) fn is_alive(&self, edge: [u32; 2]) -> bool {
         edge.iter().all(|&vertex| self.versions[vertex as usize] != NONE)
     }
 
@@ -125,7 +125,7 @@ impl Surface {
     }
 
     /// Computes the collapse of the edge, without performing it.
-    pub fn collapse_of(&self, edge: [u32; 2]) -> Collapse {
+    pub(crate) fn collapse_of(&self, edge: [u32; 2]) -> Collapse {
         let [a, b] = edge.map(|vertex| self.positions[vertex as usize]);
         let [qa, qb] = edge.map(|vertex| &self.quadrics[vertex as usize]);
         let sum = qa.plus(qb);
@@ -161,7 +161,7 @@ impl Surface {
     }
 
     /// Writes the neighbours of a vertex to `out`, each once.
-    pub fn neighbours(&self, vertex: u32, out: &mut Vec<u32>) {
+    pub(crate) fn neighbours(&self, vertex: u32, out: &mut Vec<u32>) {
         out.clear();
         // Each triangle contributes the vertex after this one; in a closed fan these are all neighbours.
         out.extend(self.triangles_of(vertex).map(|triangle| {
@@ -220,7 +220,7 @@ impl Surface {
     }
 
     /// Moves `b` into `a` at the position of `collapse`. Returns false if that is not allowed.
-    pub fn try_collapse(&mut self, [a, b]: [u32; 2], collapse: &Collapse) -> bool {
+    pub(crate) fn try_collapse(&mut self, [a, b]: [u32; 2], collapse: &Collapse) -> bool {
         if !self.may_collapse([a, b], collapse.place) {
             return false;
         }
@@ -272,7 +272,7 @@ impl Surface {
     }
 
     /// Returns the remaining surface.
-    pub fn into_part(mut self) -> Part {
+    pub(crate) fn into_part(mut self) -> Part {
         self.move_apart();
         let mut part = Part::default();
         let mut numbers = vec![NONE; self.positions.len()];

@@ -130,7 +130,7 @@ fn topology(vertices: usize, triangles: &[[u32; 3]]) -> Result<(usize, i64), Str
 }
 
 /// Merges vertices at the same position, as programs do that read files without shared vertices.
-pub fn welded(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+pub(crate) fn welded(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
     let mut kept = Vec::new();
     let number: Vec<u32> = positions
