@@ -73,7 +73,7 @@ impl FileDir {
     }
 
     /// Removes a file that is no longer needed. Logs a failure.
-    pub fn remove_needless(&self, path: &Path) {
+    pub(crate) fn remove_needless(&self, path: &Path) {
         if let Err(error) = self.files.remove(path)
             && error.kind() != ErrorKind::NotFound
         {
@@ -97,24 +97,30 @@ impl FileDir {
     }
 
     /// Returns whether a number has an unfinished file, as far as can be determined.
-    pub fn is_unfinished(&self, number: u64) -> bool {
+    pub(crate) fn is_unfinished(&self, number: u64) -> bool {
         self.numbers(UNFINISHED).is_ok_and(|numbers| numbers.contains(&number))
     }
 
     /// Removes the unfinished file of a number.
-    pub fn abandon(&self, number: u64) -> Result<()> {
+    pub(crate) fn abandon(&self, number: u64) -> Result<()> {
         self.files.remove(&self.unfinished(number))
     }
 
     /// Returns whether an unfinished file was left by a killed session. Those of living sessions are locked before
     /// their first byte is written.
-    pub fn is_left(&self, unfinished: &Path) -> bool {
+    pub(crate) fn is_left(&self, unfinished: &Path) -> bool {
         self.files.open(unfinished).is_ok_and(|source| source.bytes > 0)
     }
 
     /// Removes the files with an ending that exceed the limits, the oldest first, and `newest` last, whatever its
     /// timestamp.
-    pub fn keep_within(&self, ending: &str, newest: &Path, max_bytes: u64, max_count: usize) {
+    pub(crate) fn keep_within(
+        &self,
+        ending: &str,
+        newest: &Path,
+        max_bytes: u64,
+        max_count: usize,
+    ) {
         let known = |path: PathBuf| {
             let source = self.files.open_shared(&path).ok()?;
             Some((path != newest, Reverse(source.changed_unix_s), source.bytes, path))

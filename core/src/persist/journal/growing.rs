@@ -32,7 +32,7 @@ impl Open {
     }
 
     /// Appends the header.
-    pub fn append_head(&mut self) -> std::io::Result<()> {
+    pub(crate) fn append_head(&mut self) -> std::io::Result<()> {
         self.file.append_head()
     }
 
@@ -48,13 +48,13 @@ impl Open {
     }
 
     /// Returns whether a sync is running.
-    pub fn is_syncing(&self) -> bool {
+    pub(crate) fn is_syncing(&self) -> bool {
         self.syncing.is_some()
     }
 
     /// Starts syncing the written data while entries continue to be written. A busy disk may take long, but written
     /// data survives at least the process. Where no thread can sync concurrently, syncs at once.
-    pub fn begin_sync(&mut self) -> std::io::Result<()> {
+    pub(crate) fn begin_sync(&mut self) -> std::io::Result<()> {
         let thread = self.file.syncer().and_then(|sync| {
             std::thread::Builder::new().name("journal sync".to_string()).spawn(sync).ok()
         });
@@ -63,7 +63,7 @@ impl Open {
     }
 
     /// Collects a running sync, if it has ended or `patiently`.
-    pub fn end_sync(&mut self, patiently: bool) -> std::io::Result<()> {
+    pub(crate) fn end_sync(&mut self, patiently: bool) -> std::io::Result<()> {
         match self.syncing.take_if(|thread| patiently || thread.is_finished()) {
             Some(thread) => {
                 thread.join().unwrap_or_else(|_| Err(std::io::Error::other("panicked")))

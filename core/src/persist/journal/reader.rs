@@ -55,7 +55,7 @@ impl JournalReader {
     }
 
     /// Returns the number of unread bytes of the file.
-    pub fn bytes_left(&self) -> u64 {
+    pub(crate) fn bytes_left(&self) -> u64 {
         self.records.bytes_left()
     }
 

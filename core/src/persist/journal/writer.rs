@@ -190,7 +190,7 @@ impl JournalWriter {
     }
 
     /// Returns whether a checkpoint is wanted.
-    pub fn wants_checkpoint(&self) -> bool {
+    pub(crate) fn wants_checkpoint(&self) -> bool {
         self.gap || self.shared.wanted.load(Ordering::Relaxed)
     }
 
@@ -208,12 +208,12 @@ impl JournalWriter {
     }
 
     /// Notes that entries were left out: the next checkpoint closes the gap.
-    pub fn note_gap(&mut self) {
+    pub(crate) fn note_gap(&mut self) {
         self.gap = true;
     }
 
     /// Returns the message for the user, once: that nothing can be written, or that it can again.
-    pub fn take_message(&self) -> Option<String> {
+    pub(crate) fn take_message(&self) -> Option<String> {
         let mut news = self.shared.news.lock().unwrap_or_else(PoisonError::into_inner);
         let back = self.shared.caught_up.swap(false, Ordering::Relaxed);
         news.take().or_else(|| back.then(|| "the journal is complete again".to_string()))
@@ -225,12 +225,12 @@ impl JournalWriter {
     }
 
     /// Waits until all entries so far are written. After that, not even killing the process loses them.
-    pub fn wait_written(&self) {
+    pub(crate) fn wait_written(&self) {
         self.wait(Message::Written);
     }
 
     /// Waits until all entries so far are on disk. After that, not even a power cut loses them.
-    pub fn wait_synced(&self) {
+    pub(crate) fn wait_synced(&self) {
         self.wait(Message::Synced);
     }
 

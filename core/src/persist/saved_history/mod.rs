@@ -99,7 +99,7 @@ impl SavedHistories {
     }
 
     /// Returns the next message for the user, each once: that a history could not be written, or not be used.
-    pub fn take_message(&self) -> Option<String> {
+    pub(crate) fn take_message(&self) -> Option<String> {
         self.messages.lock().unwrap_or_else(PoisonError::into_inner).pop_front()
     }
 

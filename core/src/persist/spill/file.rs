@@ -37,7 +37,7 @@ pub struct Folder(pub PathBuf);
 
 impl Folder {
     /// Removes the files left by killed sessions. Those of living sessions are locked.
-    pub fn remove_left(&self) {
+    pub(crate) fn remove_left(&self) {
         let Ok(paths) = paths_in(&self.0) else { return };
         for path in paths.filter_map(Result::ok).filter(|path| has_ending(path, ENDING)) {
             // The lock is held until the file is removed, so that only its holder removes it. The file may have been

@@ -124,7 +124,7 @@ impl Spill {
     }
 
     /// Returns the message for the user, once: that nothing can be written, or that it can again.
-    pub fn take_message(&self) -> Option<String> {
+    pub(crate) fn take_message(&self) -> Option<String> {
         self.shared.state().message.take()
     }
 
