@@ -210,7 +210,7 @@ pub(super) fn table(grid: &Grid, b: UVec3) -> Table {
 
 /// Returns the table of a brick: sums of eight of the words in and around it.
 #[inline(always)]
-pub fn table_of(around: &WordsAround) -> Table {
+pub(crate) fn table_of(around: &WordsAround) -> Table {
     let mut in_planes = [[[0; CORNERS]; CORNERS]; 4];
     for (plane, sums) in around.iter().zip(&mut in_planes) {
         let mut along_x = [[0; CORNERS]; 4];

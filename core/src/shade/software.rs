@@ -416,7 +416,7 @@ impl Places {
 
     /// Returns the coordinates of voxels.
     #[inline(always)]
-    pub fn coords<S: Simd>(&self, simd: S, voxels: u32x16<S>) -> [i32x16<S>; 3] {
+    pub(crate) fn coords<S: Simd>(&self, simd: S, voxels: u32x16<S>) -> [i32x16<S>; 3] {
         let (z, in_slice) = divide(simd, voxels, self.slice);
         let (y, x) = divide(simd, in_slice, self.row);
         [x.bitcast(), y.bitcast(), z.bitcast()]

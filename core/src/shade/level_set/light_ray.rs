@@ -18,7 +18,7 @@ pub const BEYOND_VOXELS_VX: f32 = 0.5;
 
 impl LevelSet {
     /// Returns the first cell on a ray in which the surface may be; [`LevelSet::hit`] starts from it.
-    pub fn first_cell(&self, origin: Vec3, direction: Vec3) -> Option<UVec3> {
+    pub(crate) fn first_cell(&self, origin: Vec3, direction: Vec3) -> Option<UVec3> {
         let origin = in_cells(origin);
         let own = cell_of(origin);
         // A ray that continues from the surface starts in a cell with surface.

@@ -79,7 +79,7 @@ impl LevelSet {
     }
 
     /// Returns the levels for callers that cast no rays: for a grid of any size, as [`LevelSet::new`] otherwise.
-    pub fn for_mesh(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
+    pub(crate) fn for_mesh(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
         let count = grid.brick_count();
         let cells = grid.of_cells(budget_bytes)?;
         let mut stale = BrickSet::new(count);
@@ -146,7 +146,7 @@ impl LevelSet {
     }
 
     /// Returns the number of bricks whose levels are to be computed.
-    pub fn outstanding(&self) -> usize {
+    pub(crate) fn outstanding(&self) -> usize {
         self.stale.len()
     }
 

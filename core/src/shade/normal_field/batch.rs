@@ -166,7 +166,7 @@ thread_local! {
 impl Batch {
     /// Calls `compute` with all of `targets` (linear indices, ascending), or with parts of them that lie close
     /// together.
-    pub fn for_each_part(
+    pub(crate) fn for_each_part(
         &mut self,
         grid: &Grid,
         targets: &[u32],

@@ -337,7 +337,7 @@ fn mask(x: u32, y: u32, z: u32) -> u64 {
 
 /// Returns the words of a brick whose cells [`filter_cells`] collects for the neighbouring brick in this direction: a
 /// bit each. It reaches two cells beyond a brick, which is the edge of a word.
-pub fn words_towards(direction: IVec3) -> u8 {
+pub(crate) fn words_towards(direction: IVec3) -> u8 {
     let halves = |d: i32| match d {
         0 => 0b11,
         1 => 0b10,
@@ -352,7 +352,7 @@ pub fn words_towards(direction: IVec3) -> u8 {
 
 /// Returns the cells of a brick that [`filter_voxels`] collects for the neighbouring brick in this direction: three
 /// along each axis.
-pub fn cells_towards(direction: IVec3) -> u64 {
+pub(crate) fn cells_towards(direction: IVec3) -> u64 {
     let near = |d: i32| match d {
         0 => 0b1111,
         1 => 0b1110,

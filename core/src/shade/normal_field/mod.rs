@@ -138,7 +138,7 @@ impl NormalField {
 
     /// Returns the number of bricks whose normals are to be computed, a few of them counted more than once; without
     /// deferred ones.
-    pub fn outstanding(&self) -> usize {
+    pub(crate) fn outstanding(&self) -> usize {
         self.queue.len()
     }
 
