@@ -84,7 +84,7 @@ impl Projection {
     }
 
     /// Returns the pixels of a picture of `size` whose rays may meet the box from `low` to `high`, in grid coordinates.
-    pub fn pixels_of_box(&self, low: Vec3, high: Vec3, size: UVec2) -> PixelRect {
+    pub(crate) fn pixels_of_box(&self, low: Vec3, high: Vec3, size: UVec2) -> PixelRect {
         let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
         for corner in 0..8 {

@@ -76,26 +76,26 @@ impl Ray {
 
     /// Returns the plane through which the ray leaves the cells `low..low + size` of an axis.
     #[inline(always)]
-    pub fn far_plane(&self, axis: usize, low: i32, size: i32) -> i32 {
+    pub(crate) fn far_plane(&self, axis: usize, low: i32, size: i32) -> i32 {
         if self.forward(axis) { low + size } else { low }
     }
 
     /// Returns the plane through which the ray enters the cells `low..low + size` of an axis.
     #[inline(always)]
-    pub fn near_plane(&self, axis: usize, low: i32, size: i32) -> i32 {
+    pub(crate) fn near_plane(&self, axis: usize, low: i32, size: i32) -> i32 {
         if self.forward(axis) { low } else { low + size }
     }
 
     /// Returns the cell behind `plane`, as seen along the ray.
     #[inline(always)]
-    pub fn cell_after(&self, axis: usize, plane: i32) -> i32 {
+    pub(crate) fn cell_after(&self, axis: usize, plane: i32) -> i32 {
         if self.forward(axis) { plane } else { plane - 1 }
     }
 
     /// Returns the cell of `axis` in which the ray is just after `event`, known to lie from `first` to `last` (in the
     /// order in which the ray meets them). Estimated from the position, then corrected by the crossings themselves.
     #[inline(always)]
-    pub fn cell_at(&self, axis: usize, event: Crossing, first: i32, last: i32) -> i32 {
+    pub(crate) fn cell_at(&self, axis: usize, event: Crossing, first: i32, last: i32) -> i32 {
         let guess = (self.origin[axis] + self.direction[axis] * event.t).floor() as i32;
         let step = self.step[axis];
         let mut cell = guess.clamp(first.min(last), first.max(last));

@@ -52,7 +52,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Continues to the first existing voxel, if there is one.
-    pub fn first_voxel(mut self) -> Option<(UVec3, Crossing)> {
+    pub(crate) fn first_voxel(mut self) -> Option<(UVec3, Crossing)> {
         loop {
             let level = match self.empty_level() {
                 Some(level) => level,
@@ -77,7 +77,7 @@ impl<'a> Walk<'a> {
 
     /// Continues to the first voxel in a non-empty brick, possibly the current one. Returns false if there is none.
     #[inline(always)]
-    pub fn find_brick(&mut self) -> bool {
+    pub(crate) fn find_brick(&mut self) -> bool {
         while let Some(level) = self.empty_level() {
             if !self.leave(level) {
                 return false;
@@ -88,13 +88,13 @@ impl<'a> Walk<'a> {
 
     /// Moves to the first voxel after the current brick. Returns false if that is outside the grid.
     #[inline(always)]
-    pub fn leave_brick(&mut self) -> bool {
+    pub(crate) fn leave_brick(&mut self) -> bool {
         self.leave(BRICK)
     }
 
     /// Returns the last voxel of the current brick on the ray, which may lie beyond the grid's border.
     #[inline(always)]
-    pub fn last_in_brick(&self) -> IVec3 {
+    pub(crate) fn last_in_brick(&self) -> IVec3 {
         let (event, mut cell) = self.after(BRICK);
         cell[event.axis] -= self.ray.step[event.axis];
         cell
