@@ -255,7 +255,7 @@ impl Environment {
     }
 
     /// Returns the irradiance of sun and sky on an unshaded surface of this normal.
-    pub fn open_irradiance(&self, normal: Vec3) -> Vec3 {
+    pub(crate) fn open_irradiance(&self, normal: Vec3) -> Vec3 {
         let sun =
             self.sun.map_or(Vec3::ZERO, |sun| sun.irradiance * sun.direction.dot(normal).max(0.0));
         sun + self.irradiance(normal)

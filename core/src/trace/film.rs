@@ -34,7 +34,7 @@ impl Sample {
         Sample { radiance, albedo: zero, normal: zero, depth: 0.0, surface: 0.0, alpha: 0.0 }
     }
 
-    pub fn of_surface(surface: &Surface, radiance: Vec3, depth: f32, alpha: f32) -> Sample {
+    pub(crate) fn of_surface(surface: &Surface, radiance: Vec3, depth: f32, alpha: f32) -> Sample {
         let Surface { albedo, normal, .. } = *surface;
         Sample { radiance, albedo, normal, depth, surface: 1.0, alpha }
     }

@@ -28,7 +28,7 @@ impl Sampler {
 
     /// Returns the point of the next decision: both coordinates from 0 to below 1.
     #[inline(always)]
-    pub fn next_2d(&mut self) -> Vec2 {
+    pub(crate) fn next_2d(&mut self) -> Vec2 {
         self.state = self.state.wrapping_add(0x9E37_79B9);
         let seed = hash(self.state);
         // The order of the points, then the points.
@@ -41,7 +41,7 @@ impl Sampler {
 
     /// Returns the number of the next decision, from 0 to below 1.
     #[inline(always)]
-    pub fn next_1d(&mut self) -> f32 {
+    pub(crate) fn next_1d(&mut self) -> f32 {
         self.state = self.state.wrapping_add(0x9E37_79B9);
         let seed = hash(self.state);
         let x = scramble(self.reversed_index, seed);

@@ -116,13 +116,13 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns the distance of a point from the sculpture's centre, in its radii.
-    pub fn distance_radii(&self, point: Vec3) -> f32 {
+    pub(crate) fn distance_radii(&self, point: Vec3) -> f32 {
         let away = self.world_from_grid.transform_vector3(point - self.middle);
         away.length() / self.radius
     }
 
     /// Finds the surface that a ray from a surface meets; `direction` is in the world.
-    pub fn meet(&self, origin: Vec3, direction: Vec3, cache: &mut CellCache) -> Met {
+    pub(crate) fn meet(&self, origin: Vec3, direction: Vec3, cache: &mut CellCache) -> Met {
         let along = self.grid_from_world * direction;
         let sculpture = match self.levels {
             Some(levels) => self
@@ -145,7 +145,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns whether something lies between `origin` and `origin + direction * reach`.
-    pub fn is_blocked(
+    pub(crate) fn is_blocked(
         &self,
         origin: Vec3,
         direction: Vec3,
@@ -201,7 +201,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns whether a ray passes through the box around the sculpture. Most rays that leave the sculpture do.
-    pub fn passes_box(&self, origin: Vec3, along: Vec3, reach: f32) -> bool {
+    pub(crate) fn passes_box(&self, origin: Vec3, along: Vec3, reach: f32) -> bool {
         let beyond = if self.levels.is_some() { BEYOND_VOXELS_VX } else { 0.0 };
         let (low, high) = (self.bounds.0 - beyond, self.bounds.1 + beyond);
         let per_t = 1.0 / along;
