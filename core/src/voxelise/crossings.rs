@@ -83,7 +83,7 @@ impl Placed {
     }
 
     /// Returns an upper bound of the number of crossings along all axes.
-    pub fn crossings_at_most(&self) -> u64 {
+    pub(crate) fn crossings_at_most(&self) -> u64 {
         let of_triangle = |number: usize| {
             let [p, q, r] = self.triangle(number);
             let normal = (q - p).cross(r - p).abs() / 2;

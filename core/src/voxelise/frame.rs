@@ -85,7 +85,7 @@ impl Frame {
     }
 
     /// Returns the frame of a mesh of these [`bounds`].
-    pub fn of_bounds(
+    pub(crate) fn of_bounds(
         (low, high): (DVec3, DVec3),
         size: MeshSize,
         up: Up,

@@ -41,7 +41,7 @@ impl Mesh {
     }
 
     /// Returns the colour of all triangles, if they have the same and no texture.
-    pub fn only_colour(&self) -> Option<Rgb> {
+    pub(crate) fn only_colour(&self) -> Option<Rgb> {
         let first = self.skins.get(*self.skin_of.first()? as usize)?;
         let is_plain = first.texture.is_none() && self.corner_colours.is_empty();
         let same = self.skin_of.iter().all(|skin| *skin == self.skin_of[0]);

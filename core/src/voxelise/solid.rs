@@ -143,7 +143,7 @@ pub fn voxel(dims: UVec3, axis: usize, ray: usize, along: u32) -> UVec3 {
 }
 
 /// Writes the bits to a grid of their size.
-pub fn pour(bits: &[u64], grid: &mut Grid) {
+pub(crate) fn pour(bits: &[u64], grid: &mut Grid) {
     let dims = grid.dims();
     let (width, height) = (words(dims), dims.y as usize);
     grid.fill_bricks(|b| {

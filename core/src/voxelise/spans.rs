@@ -27,7 +27,7 @@ pub fn inside(ray: &[Crossing], mut emit: impl FnMut(u32, u32)) -> bool {
 }
 
 /// Returns the share of rays through holes among all rays with crossings.
-pub fn open_share(rays: &[Rays]) -> f64 {
+pub(crate) fn open_share(rays: &[Rays]) -> f64 {
     let count = |rays: &Rays| {
         let all: Vec<&[Crossing]> = rays.crossings.chunk_by(|a, b| a.ray() == b.ray()).collect();
         let open = all.par_iter().filter(|ray| !inside(ray, |_, _| {})).count();
