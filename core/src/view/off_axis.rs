@@ -79,7 +79,7 @@ impl ScreenPlane {
     }
 
     /// Returns the map from the screen's axes to the world.
-    pub fn world_from_screen(&self, world: &ScreenInWorld) -> Affine3A {
+    pub(crate) fn world_from_screen(&self, world: &ScreenInWorld) -> Affine3A {
         Affine3A::from_scale_rotation_translation(
             Vec3::splat(world.units_per_m),
             world.rotation,
