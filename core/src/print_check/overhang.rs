@@ -24,7 +24,7 @@ const WIDEST_VX: i32 = 8;
 const PORTION: usize = 1 << 14;
 
 /// Returns the voxels of `grid` that need support; those in the layer `bed_y` lie on the bed. `None` if cancelled.
-pub fn overhangs(
+pub(crate) fn overhangs(
     grid: &Grid,
     options: &CheckOptions,
     bed_y: u32,

@@ -33,7 +33,7 @@ pub fn finding(
 }
 
 /// Returns the finding of the voxels `marked`, with those within about two voxels of each other in one place.
-pub fn gathered(
+pub(crate) fn gathered(
     grid: &Grid,
     kind: Kind,
     marked: ListedBricks,
@@ -110,7 +110,7 @@ pub fn voxels(marked: &ListedBricks) -> impl Iterator<Item = UVec3> {
 }
 
 /// Returns the number of voxels in the layer `y` of a grid.
-pub fn count_in_layer(grid: &Grid, y: u32) -> u64 {
+pub(crate) fn count_in_layer(grid: &Grid, y: u32) -> u64 {
     let (row, UVec3 { x, z, .. }) = (y / BRICK_EDGE_VX, grid.brick_dims());
     let bricks = (0..z).flat_map(|z| (0..x).map(move |x| UVec3::new(x, row, z)));
     let in_brick = |b: UVec3| -> u32 {
