@@ -31,8 +31,11 @@ pub static COMMANDS: LazyLock<Vec<CommandHelp>> = LazyLock::new(|| {
     TABLE.iter().map(help).collect()
 });
 
-/// Words of the table that stand for what descriptions say; the verb of the row is given.
-const FILLS: &[(&str, fn(&str) -> String)] = &[
+/// A word of the table and what it stands for in the row of a verb.
+type Fill = (&'static str, fn(verb: &str) -> String);
+
+/// The words that stand for what descriptions say.
+const FILLS: &[Fill] = &[
     ("{brushes}", text::usage_of_brushes),
     ("{drawn usages}", |_| DrawnSolid::ALL.map(text::usage_of_drawn_solid).join(" | ")),
     ("{drawn names}", |_| drawn_names(" | ")),
