@@ -26,11 +26,13 @@ use crate::tools::symmetry::Symmetry;
 use crate::tools::tint::Tint;
 
 mod area;
+mod class;
 mod help;
 mod mask;
 pub mod text;
 
 pub use area::{Area, SelectOp};
+pub use class::CommandClass;
 pub use help::{COMMANDS, CommandHelp};
 pub use mask::{MaskArea, MaskChange, PatchRule};
 pub use text::{usage_of_brush, usage_of_drawn_solid};
@@ -222,14 +224,7 @@ impl Command {
 
     /// Whether it uses a tool at one place, which an array can repeat.
     pub const fn is_tool_use(&self) -> bool {
-        matches!(
-            self,
-            Command::Construct { .. }
-                | Command::DrawnSolid { .. }
-                | Command::Texture { .. }
-                | Command::Brush(_)
-                | Command::Paste { .. }
-        )
+        matches!(self.class(), CommandClass::Tool)
     }
 
     /// The image that it paints with.

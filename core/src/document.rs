@@ -269,7 +269,7 @@ impl Document {
 
     /// Executes a command. On an error nothing has changed.
     pub fn apply(&mut self, command: &Command) -> Result<Applied, CommandError> {
-        if own::edits(command) {
+        if command.class().edits_in_place() {
             self.own_contents()?;
         }
         match command {

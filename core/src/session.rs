@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::command::{Command, NewSculpture};
+use crate::command::{Command, CommandClass, NewSculpture};
 use crate::document::{Applied, CommandError, Document, Limits};
 use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, Loaded, Texts};
@@ -259,7 +259,7 @@ impl Session {
     /// see [`Document::first_step`].
     pub fn prepare(&mut self, command: &Command) -> Result<Option<Work>, SessionError> {
         let limits = *self.document.limits();
-        if matches!(command, Command::New(_) | Command::Open { .. }) {
+        if command.class() == CommandClass::Replace {
             self.document.require_no_stroke(command.verb())?;
             self.document.require_room_for_whole(command.verb())?;
         }

@@ -39,7 +39,7 @@ use std::time::{Duration, Instant};
 
 use glam::{Vec2, Vec3};
 
-use crate::command::Command;
+use crate::command::{Command, CommandClass};
 use crate::document::Document;
 use crate::format;
 use crate::format::options::ExportOptions;
@@ -174,7 +174,7 @@ impl Editor {
 
     /// Executes a requested command, but asks first if it would lose unsaved work.
     pub fn run_unless_work_is_lost(&mut self, command: Command) {
-        let replaces = matches!(command, Command::New(_) | Command::Open { .. });
+        let replaces = command.class() == CommandClass::Replace;
         if replaces {
             self.end_stroke();
         }

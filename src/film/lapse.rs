@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::command::Command;
+use crate::command::{Command, CommandClass};
 use crate::headless::{self, JobError};
 
 /// The commands and the ends of steps.
@@ -42,7 +42,7 @@ impl Lapse {
         commands.retain(|(_, command)| !matches!(command, Command::Save { .. }));
         let mut ends = vec![0];
         for (i, (_, command)) in commands.iter().enumerate() {
-            let begins = matches!(command, Command::New(_) | Command::Open { .. });
+            let begins = command.class() == CommandClass::Replace;
             if begins && ends.len() == 1 {
                 ends[0] = i + 1;
             } else if is_step(command) {
@@ -77,41 +77,19 @@ impl Lapse {
 
 /// Returns whether a command has a visible effect.
 fn is_step(command: &Command) -> bool {
-    match command {
-        Command::New(_)
-        | Command::Open { .. }
-        | Command::Cancel
-        | Command::Construct { .. }
-        | Command::DrawnSolid { .. }
-        | Command::Brush(_)
-        | Command::Texture { .. }
-        | Command::Fill { .. }
-        | Command::Clear { .. }
-        | Command::Dye { .. }
-        | Command::Tint { .. }
-        | Command::Flood { .. }
-        | Command::Cut
-        | Command::Paste { .. }
-        | Command::Move { .. }
-        | Command::Array { .. }
-        | Command::Orient(_)
-        | Command::Repair(_)
-        | Command::Surface(_)
-        | Command::Undo { .. }
-        | Command::Redo { .. } => true,
+    match command.class() {
+        CommandClass::Replace
+        | CommandClass::Tool
+        | CommandClass::Area
+        | CommandClass::Arrange
+        | CommandClass::Whole
+        | CommandClass::Orient
+        | CommandClass::Travel => true,
+        CommandClass::Stroke => *command == Command::Cancel,
         // The pose of a film is that of its last frame.
-        Command::Place(_)
-        | Command::Save { .. }
-        | Command::Embed { .. }
-        | Command::Begin { .. }
-        | Command::End
-        | Command::Mask(_)
-        | Command::Mark(_)
-        | Command::Select(_)
-        | Command::Limit(_)
-        | Command::Irreversible(_)
-        | Command::Symmetry(_)
-        | Command::Copy => false,
+        CommandClass::Setting | CommandClass::File | CommandClass::Mask | CommandClass::Copy => {
+            false
+        }
     }
 }
 

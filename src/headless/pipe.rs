@@ -11,7 +11,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::{JobError, RunJob};
-use crate::command::Command;
+use crate::command::{Command, CommandClass};
 use crate::progress::Progress;
 use crate::remedy::told;
 use crate::session::Session;
@@ -129,7 +129,7 @@ fn execute(
     }
     let command: Command = text.parse().map_err(|error| format!("{error}"))?;
     let applied = session.execute(&command, progress).map_err(|error| told(&error))?;
-    let travels = matches!(command, Command::Undo { .. } | Command::Redo { .. });
+    let travels = command.class() == CommandClass::Travel;
     Ok(travels.then_some(applied.steps))
 }
 

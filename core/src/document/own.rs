@@ -6,7 +6,6 @@
 use std::sync::Arc;
 
 use super::{CommandError, Document};
-use crate::command::Command;
 use crate::sculpture::GridError;
 use crate::sculpture::memory::NoMemory;
 use crate::sculpture::record::BrickRecord;
@@ -44,44 +43,5 @@ impl Document {
             }
             Err(record) => Err(Box::new((*record, self.no_memory(NoMemory { bytes })))),
         }
-    }
-}
-
-/// Whether a command changes voxels, colours or mask where they are, and does not go along the history.
-pub(super) fn edits(command: &Command) -> bool {
-    match command {
-        Command::Construct { .. }
-        | Command::DrawnSolid { .. }
-        | Command::Texture { .. }
-        | Command::Brush(_)
-        | Command::Paste { .. }
-        | Command::Array { .. }
-        | Command::Fill { .. }
-        | Command::Clear { .. }
-        | Command::Dye { .. }
-        | Command::Tint { .. }
-        | Command::Flood { .. }
-        | Command::Mask(_)
-        | Command::Cut
-        | Command::Move { .. }
-        | Command::Repair(_)
-        | Command::Surface(_) => true,
-        Command::New(_)
-        | Command::Open { .. }
-        | Command::Save { .. }
-        | Command::Embed { .. }
-        | Command::Begin { .. }
-        | Command::End
-        | Command::Cancel
-        | Command::Copy
-        | Command::Mark(_)
-        | Command::Select(_)
-        | Command::Limit(_)
-        | Command::Irreversible(_)
-        | Command::Symmetry(_)
-        | Command::Orient(_)
-        | Command::Undo { .. }
-        | Command::Redo { .. }
-        | Command::Place(_) => false,
     }
 }

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::Document;
-use crate::command::Command;
+use crate::command::{Command, CommandClass};
 use crate::sculpture::edit::EditStats;
 use crate::tools::brush::spec::BrushGroup;
 
@@ -73,14 +73,16 @@ impl Document {
 
 /// Whether all that a command changes is in the record of a stroke.
 fn can_be_tried(command: &Command) -> bool {
-    let changes_area = matches!(
-        command,
-        Command::Fill { .. }
-            | Command::Clear { .. }
-            | Command::Dye { .. }
-            | Command::Tint { .. }
-            | Command::Flood { .. }
-            | Command::Mask(_)
-    );
-    command.is_tool_use() || changes_area
+    match command.class() {
+        CommandClass::Tool | CommandClass::Area | CommandClass::Mask => true,
+        CommandClass::Replace
+        | CommandClass::File
+        | CommandClass::Stroke
+        | CommandClass::Arrange
+        | CommandClass::Whole
+        | CommandClass::Orient
+        | CommandClass::Travel
+        | CommandClass::Copy
+        | CommandClass::Setting => false,
+    }
 }

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use super::files::Files;
 use super::pictures::Pictures;
-use crate::command::Command;
+use crate::command::{Command, CommandClass};
 use crate::document::{Applied, Document};
 use crate::format::Texts;
 use crate::persist::journal::{Checkpoint, Entry, JournalOptions, JournalWriter, Mark, STATES};
@@ -114,10 +114,10 @@ impl JournalKeeper {
         let JournalKeeper { writer, missing } = self;
         let history = parts.document.history();
         let left = [history.undo_count(), history.redo_count()];
-        let travels = matches!(
-            entry,
-            Entry::Command { command: Command::Undo { .. } | Command::Redo { .. }, .. }
-        );
+        let travels = match &entry {
+            Entry::Command { command, .. } => command.class() == CommandClass::Travel,
+            Entry::Opened { .. } | Entry::Saved { .. } | Entry::Picture { .. } => false,
+        };
         if travels && (left[0] < missing[0] || left[1] < missing[1]) {
             // It went through steps that the journal lacks.
             writer.note_gap();

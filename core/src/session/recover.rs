@@ -7,7 +7,7 @@ use super::Session;
 use super::error::SessionError;
 use super::files::Files;
 use super::histories::Histories;
-use crate::command::Command;
+use crate::command::{Command, CommandClass};
 use crate::document::{Document, Limits};
 use crate::format::FormatError;
 use crate::persist::files::Source;
@@ -150,7 +150,7 @@ pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError>
                 }
                 if !in_stroke {
                     settled = mark.state;
-                    let travels = matches!(command, Command::Undo { .. } | Command::Redo { .. });
+                    let travels = command.class() == CommandClass::Travel;
                     steps += u64::from(settled != before && !travels);
                 }
                 mark

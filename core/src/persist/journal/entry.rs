@@ -6,8 +6,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::command::Command;
 use crate::command::text::{parse_path, path_text};
+use crate::command::{Command, CommandClass};
 use crate::document::Document;
 use crate::format::{FormatError, Texts, read_sculpture, write_sculpture};
 use crate::persist::frame::{Record, RecordBuffer};
@@ -111,13 +111,21 @@ impl Entry {
     /// nor for changes of no voxel, such as a dragged marker. `in_stroke` is whether a stroke is open, before and
     /// after.
     pub(super) fn settles(&self, in_stroke: &mut bool) -> bool {
-        use Command::{Cancel, Copy, End, Limit, Mark, Place, Select, Symmetry};
         let Entry::Command { command, .. } = self else { return !*in_stroke };
-        match command {
-            Command::Begin { .. } => *in_stroke = true,
-            End | Cancel => *in_stroke = false,
-            Mark(_) | Select(_) | Limit(_) | Symmetry(_) | Place(_) | Copy => return false,
-            _ => {}
+        match command.class() {
+            CommandClass::Stroke => *in_stroke = matches!(command, Command::Begin { .. }),
+            CommandClass::Copy => return false,
+            CommandClass::Setting if !matches!(command, Command::Irreversible(_)) => return false,
+            CommandClass::Setting
+            | CommandClass::Replace
+            | CommandClass::File
+            | CommandClass::Tool
+            | CommandClass::Area
+            | CommandClass::Mask
+            | CommandClass::Arrange
+            | CommandClass::Whole
+            | CommandClass::Orient
+            | CommandClass::Travel => {}
         }
         !*in_stroke
     }

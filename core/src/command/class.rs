@@ -1,0 +1,84 @@
+//! The classes of commands: the one list of all commands by kind, which everything asks that treats kinds alike.
+//!
+//! Takes a command, gives its class; knows nothing of how commands are executed.
+
+use super::Command;
+
+/// Commands of one kind: they change the same things in the same manner.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum CommandClass {
+    /// Puts another sculpture in place of the present one, as an undo step.
+    Replace,
+    /// Concerns files alone.
+    File,
+    /// Begins or finishes a stroke.
+    Stroke,
+    /// Uses a tool at one place; an array can repeat that.
+    Tool,
+    /// Changes the voxels or colours of an area, or of a patch of the surface.
+    Area,
+    /// Changes the mask alone.
+    Mask,
+    /// Changes voxels and, with them, the clipboard, the marker or the operation that an array repeats.
+    Arrange,
+    /// Changes the sculpture as a whole, where it is.
+    Whole,
+    /// Lays the whole sculpture another way.
+    Orient,
+    /// Goes along the history.
+    Travel,
+    /// Fills the clipboard; changes nothing else.
+    Copy,
+    /// Sets how and where tools work, the placement, or what the history allows. No undo step.
+    Setting,
+}
+
+impl CommandClass {
+    /// Whether commands of the class change voxels, colours, mask or surface where they are, and do not go along the
+    /// history.
+    pub const fn edits_in_place(self) -> bool {
+        match self {
+            Self::Tool | Self::Area | Self::Mask | Self::Arrange | Self::Whole => true,
+            Self::Replace
+            | Self::File
+            | Self::Stroke
+            | Self::Orient
+            | Self::Travel
+            | Self::Copy
+            | Self::Setting => false,
+        }
+    }
+}
+
+impl Command {
+    /// The class of the command.
+    pub const fn class(&self) -> CommandClass {
+        match self {
+            Command::New(_) | Command::Open { .. } => CommandClass::Replace,
+            Command::Embed { .. } | Command::Save { .. } => CommandClass::File,
+            Command::Begin { .. } | Command::End | Command::Cancel => CommandClass::Stroke,
+            Command::Construct { .. }
+            | Command::DrawnSolid { .. }
+            | Command::Brush(_)
+            | Command::Texture { .. }
+            | Command::Paste { .. } => CommandClass::Tool,
+            Command::Fill { .. }
+            | Command::Clear { .. }
+            | Command::Dye { .. }
+            | Command::Tint { .. }
+            | Command::Flood { .. } => CommandClass::Area,
+            Command::Mask(_) => CommandClass::Mask,
+            Command::Cut | Command::Move { .. } | Command::Array { .. } => CommandClass::Arrange,
+            Command::Repair(_) | Command::Surface(_) => CommandClass::Whole,
+            Command::Orient(_) => CommandClass::Orient,
+            Command::Undo { .. } | Command::Redo { .. } => CommandClass::Travel,
+            Command::Copy => CommandClass::Copy,
+            Command::Mark(_)
+            | Command::Select(_)
+            | Command::Limit(_)
+            | Command::Irreversible(_)
+            | Command::Symmetry(_)
+            | Command::Place(_) => CommandClass::Setting,
+        }
+    }
+}
