@@ -227,6 +227,31 @@ impl Command {
         matches!(self.class(), CommandClass::Tool)
     }
 
+    /// The same use of a tool, moved by `step` voxels. None if the command does not use a tool.
+    pub(crate) fn shifted(&self, step: IVec3) -> Option<Command> {
+        let by = step.as_vec3();
+        let solid =
+            |primitive: &Primitive| Primitive { centre_vx: primitive.centre_vx + by, ..*primitive };
+        Some(match self {
+            Command::Construct { op, primitive, to_vx } => Command::Construct {
+                op: *op,
+                primitive: solid(primitive),
+                to_vx: to_vx.map(|to| to + by),
+            },
+            Command::DrawnSolid { op, drawn } => {
+                Command::DrawnSolid { op: *op, drawn: drawn.shifted(by) }
+            }
+            Command::Texture { primitive, picture } => {
+                Command::Texture { primitive: solid(primitive), picture: picture.clone() }
+            }
+            Command::Brush(used) => Command::Brush(used.shifted(by)),
+            Command::Paste { at, orientation } => {
+                Command::Paste { at: at.saturating_add(step), orientation: *orientation }
+            }
+            _ => return None,
+        })
+    }
+
     /// The image that it paints with.
     pub fn picture(&self) -> Option<&Path> {
         match self {

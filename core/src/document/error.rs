@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::UVec3;
 use thiserror::Error;
 
-use super::tools::MAX_REPEATED;
+use super::strokes::MAX_REPEATED;
 use crate::refusal::{InvalidValue, OverBudget};
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;

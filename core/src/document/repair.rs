@@ -1,16 +1,18 @@
-//! How a document is made fit for printing: a plan of voxels to remove and to add, as one undo step.
+//! Makes a sculpture fit for printing: a plan of voxels to remove and to add, which is then carried out.
+//!
+//! Takes contents and a repair, gives the plan; takes the target and a plan, gives counts of what changed.
 
-use crate::command::Command;
+use super::CommandError;
+use super::edit_target::EditTarget;
 use crate::progress::Progress;
 use crate::sculpture::Limits;
-use crate::sculpture::edit::EditOp;
+use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::history::Contents;
 use crate::sculpture::inherit::Inherited;
 use crate::tools::repair::{Repair, RepairPlan};
 
-use super::{Applied, CommandError, Document};
-
-/// The voxels that `repair` changes, found within `limits`. [`Document::put_repaired`] applies them.
+/// The voxels that `repair` changes, found within `limits`. [`Document::put_repaired`](super::Document::put_repaired)
+/// applies them.
 pub fn plan_repair(
     contents: &Contents,
     repair: &Repair,
@@ -20,40 +22,28 @@ pub fn plan_repair(
     Ok(repair.plan(&contents.grid, limits.grid_bytes, progress)?)
 }
 
-impl Document {
-    pub(super) fn repair(
-        &mut self,
-        repair: &Repair,
-        command: &Command,
-    ) -> Result<Applied, CommandError> {
-        let plan = plan_repair(&self.contents, repair, &self.limits, &())?;
-        self.put_repaired(&plan, repair, command)
-    }
-
-    /// Removes and adds the voxels of a plan that was made of the present contents. Thickened walls take the colours
-    /// around them, fillings of cavities the base colour.
-    pub fn put_repaired(
-        &mut self,
-        plan: &RepairPlan,
-        repair: &Repair,
-        command: &Command,
-    ) -> Result<Applied, CommandError> {
-        let inherited = match repair {
-            Repair::Thicken { .. } => {
-                let scope = self.scope();
-                Inherited::colours(&self.contents, &plan.add, |v| scope.allows(v))
-            }
-            _ => Inherited::default(),
-        };
-        let add = EditOp::Add(None);
-        self.check_colour_memory(|document, exact| {
-            document.new_pages(&plan.add, add, exact) + inherited.new_pages(document.contents())
-        })?;
-        let mut stats = self.edit(&plan.remove, EditOp::Subtract);
-        stats += self.edit(&plan.add, add);
-        if !inherited.is_empty() {
-            self.paint(&plan.add, |v, now| inherited.colour(v).unwrap_or(now));
+/// Removes and adds the voxels of a plan that was made of the present contents. Thickened walls take the colours
+/// around them, fillings of cavities the base colour.
+pub(super) fn carry_out(
+    target: &mut EditTarget,
+    plan: &RepairPlan,
+    repair: &Repair,
+) -> Result<EditStats, CommandError> {
+    let inherited = match repair {
+        Repair::Thicken { .. } => {
+            let scope = target.scope();
+            Inherited::colours(&target.contents, &plan.add, |v| scope.allows(v))
         }
-        self.applied(stats, command)
+        _ => Inherited::default(),
+    };
+    let add = EditOp::Add(None);
+    target.check_colour_memory(|exact| {
+        target.new_pages(&plan.add, add, exact) + inherited.new_pages(&target.contents)
+    })?;
+    let mut stats = target.edit(&plan.remove, EditOp::Subtract);
+    stats += target.edit(&plan.add, add);
+    if !inherited.is_empty() {
+        target.paint(&plan.add, |v, now| inherited.colour(v).unwrap_or(now));
     }
+    Ok(stats)
 }

@@ -4,8 +4,6 @@
 //! Taking a snapshot shares contents, steps and clipboard. Loaded pictures are not in it: they belong to
 //! files, which the session knows.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use super::{CommandError, Document, Limits};
@@ -33,74 +31,48 @@ pub struct DocumentSnapshot {
     pub states: u64,
 }
 
-impl Document {
-    /// A snapshot; none while a stroke is open.
-    pub fn snapshot(&self) -> Option<DocumentSnapshot> {
-        (!self.stroke_open()).then(|| DocumentSnapshot {
-            contents: self.contents.clone(),
-            history: self.history.snapshot(),
-            clip: self.clip.clone(),
-            settings: self.settings(),
-            last_uses: self.last_uses.clone(),
-            state: self.state,
-            states: self.states,
-        })
+impl DocumentSnapshot {
+    /// Of a document in which no stroke is open.
+    pub(super) fn of(document: &Document) -> DocumentSnapshot {
+        DocumentSnapshot {
+            contents: document.target.contents.clone(),
+            history: document.timeline.history().snapshot(),
+            clip: document.clip.clone(),
+            settings: settings_of(document),
+            last_uses: document.strokes.last_uses().to_vec(),
+            state: document.timeline.state(),
+            states: document.timeline.states,
+        }
     }
 
-    /// A document that goes on where the snapshot was taken, and gives `store` the steps that memory has no room
-    /// for.
-    ///
-    /// # Errors
-    /// If a setting is refused, as those of another document may be.
-    pub fn restored(
-        snapshot: DocumentSnapshot,
+    pub(super) fn into_document(
+        self,
         limits: Limits,
         store: Option<Arc<dyn StepStore>>,
     ) -> Result<Document, CommandError> {
-        let DocumentSnapshot { contents, history, clip, settings, last_uses, state, states } =
-            snapshot;
+        let DocumentSnapshot { contents, history, clip, settings, last_uses, state, states } = self;
         let mut document = Document::from_contents(Arc::unwrap_or_clone(contents), limits);
         for command in &settings {
             document.apply(command)?;
         }
-        document.history = History::restored(history, limits.history_bytes, store);
+        let history = History::restored(history, limits.history_bytes, store);
+        document.timeline.restore(history, state, states);
         document.clip = clip;
-        document.last_uses = last_uses;
-        (document.state, document.settled, document.states) = (state, state, states);
+        document.strokes.set_last_uses(last_uses);
         Ok(document)
     }
+}
 
-    /// Goes on with the steps that another document had around the same contents, in the state `was`, on top of its
-    /// own; there must be none to redo. All their states become states of this document. Returns what has become of
-    /// each sculpture.
-    pub fn adopt_history(&mut self, mut kept: HistorySnapshot, was: State) -> HashMap<u64, u64> {
-        let mut sculptures = HashMap::from([(was.sculpture, self.state.sculpture)]);
-        let mut states = HashMap::from([(was, self.state)]);
-        for step in kept.undo.iter_mut().rev().chain(kept.redo.iter_mut().rev()) {
-            let step = Arc::make_mut(step);
-            step.state = match states.entry(step.state) {
-                Entry::Occupied(known) => *known.get(),
-                Entry::Vacant(unknown) => {
-                    let number = self.new_state();
-                    let own = unknown.key().sculpture;
-                    let sculpture = *sculptures.entry(own).or_insert(number);
-                    *unknown.insert(State { sculpture, number })
-                }
-            };
-        }
-        self.history.put_all(kept);
-        sculptures
+fn settings_of(document: &Document) -> Vec<Command> {
+    let selection = document.selection();
+    let mut settings =
+        vec![Command::Place(document.placement), Command::Symmetry(document.symmetry())];
+    for selected in selection.boxes() {
+        let op = if selected.adds { SelectOp::Add } else { SelectOp::Subtract };
+        settings.extend([Command::Mark(selected.bounds), Command::Select(op)]);
     }
-
-    fn settings(&self) -> Vec<Command> {
-        let mut settings = vec![Command::Place(self.placement), Command::Symmetry(self.symmetry)];
-        for selected in self.selection.boxes() {
-            let op = if selected.adds { SelectOp::Add } else { SelectOp::Subtract };
-            settings.extend([Command::Mark(selected.bounds), Command::Select(op)]);
-        }
-        settings.push(Command::Mark(self.selection.marker()));
-        settings.push(Command::Limit(self.selection.limits()));
-        settings.push(Command::Irreversible(self.irreversible));
-        settings
-    }
+    settings.push(Command::Mark(selection.marker()));
+    settings.push(Command::Limit(selection.limits()));
+    settings.push(Command::Irreversible(document.timeline.irreversible));
+    settings
 }

@@ -3,8 +3,6 @@
 //! Takes commands that use tools or edit areas; gives the changes that they would make; other commands are passed over.
 //! Leaves the document as it was.
 
-use std::sync::Arc;
-
 use super::Document;
 use crate::command::{Command, CommandClass};
 use crate::sculpture::edit::EditStats;
@@ -29,13 +27,9 @@ impl Document {
     /// tried.
     pub fn would_change(&mut self, commands: &[Command], heeds: Heeds) -> EditStats {
         let mut stats = EditStats::default();
-        if self.stroke.is_some() {
+        if self.stroke_open() {
             return stats;
         }
-        let before = (self.state, self.states, self.revision);
-        let uses = std::mem::take(&mut self.uses);
-        let limits = self.selection.limits();
-        self.selection.set_limits(limits && heeds.limit);
         // The mask keeps nothing off itself.
         let about_mask = |command: &Command| match command {
             Command::Mask(_) => true,
@@ -44,29 +38,28 @@ impl Document {
         };
         let lifts = !heeds.mask && self.mask().is_some() && !commands.iter().any(about_mask);
         // Where a snapshot shares them and there is no memory for a copy, nothing is tried.
-        if lifts && self.own_contents().is_err() {
-            self.selection.set_limits(limits);
-            self.uses = uses;
+        if lifts && self.target.own_contents().is_err() {
             return stats;
         }
-        let mask = if lifts { Arc::make_mut(&mut self.contents).mask.take() } else { None };
+        let counts = self.counts();
+        let limits = self.target.selection.limits();
+        self.target.selection.set_limits(limits && heeds.limit);
+        let mask = if lifts { self.target.swap_mask(None) } else { None };
 
-        self.stroke = Some(String::new());
+        self.strokes.open(String::new());
         for command in commands.iter().filter(|command| can_be_tried(command)) {
             if let Ok(applied) = self.apply(command) {
                 stats += applied.stats;
             }
         }
-        self.stroke = None;
-        self.stroke_surface = None;
+        self.strokes.cancel();
         self.take_back();
 
         if lifts {
-            Arc::make_mut(&mut self.contents).mask = mask;
+            self.target.swap_mask(mask);
         }
-        self.selection.set_limits(limits);
-        self.uses = uses;
-        (self.state, self.states, self.revision) = before;
+        self.target.selection.set_limits(limits);
+        self.return_to(counts);
         stats
     }
 }

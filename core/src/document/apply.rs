@@ -1,0 +1,431 @@
+//! Carries out commands: finds who edits the target, and makes undo steps of what has changed. Commands that take long
+//! are carried out in parts: checked here, computed elsewhere, put in place here.
+//!
+//! Takes a command, gives its effect. A refused command changes nothing.
+
+use std::sync::Arc;
+
+use glam::IVec3;
+
+use super::edit_target::EditTarget;
+use super::timeline::Direction;
+use super::{
+    Applied, CommandError, Document, areas, brush, clipboard, make_contents, mask, orient,
+    plan_repair, repair, solids, strokes,
+};
+use crate::command::{Command, SelectOp};
+use crate::sculpture::edit::{EditOp, EditStats};
+use crate::sculpture::history::{Change, Contents, SurfaceKind};
+use crate::sculpture::orientation::Orientation;
+use crate::tools::repair::{Repair, RepairPlan};
+
+/// How much has changed so far. A refused command and a trial put it back: so copies elsewhere stay current, and a
+/// replay of the commands that were done counts the same states.
+#[derive(Clone, Copy)]
+pub(super) struct Counts {
+    revision: u64,
+    states: u64,
+}
+
+impl Document {
+    /// Executes a command. On an error nothing has changed.
+    pub fn apply(&mut self, command: &Command) -> Result<Applied, CommandError> {
+        if command.class().edits_in_place() {
+            self.target.own_contents()?;
+        }
+        match command {
+            Command::New(new) => {
+                self.require_no_stroke("new")?;
+                let contents = make_contents(new, self.limits())?;
+                self.replace(contents, "new").map(|()| Applied::default())
+            }
+            Command::Open { .. } | Command::Save { .. } | Command::Embed { .. } => {
+                Err(CommandError::NotHere(command.verb()))
+            }
+            Command::Begin { label } => self.begin_stroke(label),
+            Command::End => self.end_stroke(),
+            Command::Cancel => self.cancel_stroke(),
+            Command::Construct { .. }
+            | Command::DrawnSolid { .. }
+            | Command::Texture { .. }
+            | Command::Brush(_)
+            | Command::Paste { .. } => self.use_tool(command),
+            Command::Array { count, step } => self.array(*count, *step, command),
+            Command::Fill { area, colour } => {
+                self.edit(command, |target| areas::edit(target, *area, EditOp::Add(*colour)))
+            }
+            Command::Clear { area } => {
+                self.edit(command, |target| areas::edit(target, *area, EditOp::Subtract))
+            }
+            Command::Dye { area, colour } => {
+                self.edit(command, |target| areas::edit(target, *area, EditOp::Recolour(*colour)))
+            }
+            Command::Tint { area, tint } => {
+                self.edit(command, |target| areas::tint(target, *area, tint))
+            }
+            Command::Flood { at, colour, tolerance } => {
+                self.edit(command, |target| areas::flood(target, *at, *colour, *tolerance))
+            }
+            Command::Mask(change) => self.edit(command, |target| mask::change_mask(target, change)),
+            Command::Copy => {
+                self.clip = Some(Arc::new(clipboard::copied(&self.target)?));
+                Ok(Applied::default())
+            }
+            Command::Cut => self.cut(command),
+            Command::Move { by, orientation } => self.move_marked(*by, *orientation, command),
+            Command::Mark(_)
+            | Command::Select(_)
+            | Command::Limit(_)
+            | Command::Irreversible(_)
+            | Command::Symmetry(_)
+            | Command::Place(_) => self.set(command).map(|()| Applied::default()),
+            Command::Orient(orientation) => self.orient(*orientation, command),
+            Command::Repair(repair) => {
+                let plan = plan_repair(&self.target.contents, repair, self.limits(), &())?;
+                self.put_repaired(&plan, repair, command)
+            }
+            Command::Surface(kind) => self.show_surface(*kind, command),
+            Command::Undo { steps } => self.travel(Direction::Undo, *steps, None),
+            Command::Redo { steps } => self.travel(Direction::Redo, *steps, None),
+        }
+    }
+
+    /// Replaces the sculpture by a loaded one, as one undo step.
+    pub fn replace(&mut self, contents: Contents, label: &str) -> Result<(), CommandError> {
+        self.require_no_stroke("open")?;
+        self.require_room_for_whole(label)?;
+        self.target.own_contents()?;
+        let old = Box::new(self.target.swap_contents(contents));
+        self.strokes.forget_last_uses();
+        self.timeline.push_replacement(label.to_string(), old);
+        Ok(())
+    }
+
+    /// An error if a stroke is open. `verb` is the refused command's.
+    pub fn require_no_stroke(&self, verb: &'static str) -> Result<(), CommandError> {
+        if self.stroke_open() { Err(CommandError::StrokeOpen(verb)) } else { Ok(()) }
+    }
+
+    /// An error if the history cannot keep the whole sculpture, to replace it, and that is not allowed.
+    pub fn require_room_for_whole(&self, label: &str) -> Result<(), CommandError> {
+        self.timeline.require_room(label, self.target.contents.kept_bytes())
+    }
+
+    fn begin_stroke(&mut self, label: &str) -> Result<Applied, CommandError> {
+        self.require_no_stroke("begin")?;
+        self.strokes.open(label.to_string());
+        Ok(Applied::default())
+    }
+
+    fn end_stroke(&mut self) -> Result<Applied, CommandError> {
+        let label = self.strokes.label().ok_or(CommandError::NoStroke("end"))?;
+        self.timeline.require_room(label, self.target.recorded_bytes())?;
+        let label = self.strokes.end();
+        self.timeline.push_edits(label, self.target.finish_record());
+        Ok(Applied::default())
+    }
+
+    fn cancel_stroke(&mut self) -> Result<Applied, CommandError> {
+        if !self.stroke_open() {
+            return Err(CommandError::NoStroke("cancel"));
+        }
+        self.target.own_contents()?;
+        self.strokes.cancel();
+        self.take_back();
+        Ok(Applied::default())
+    }
+
+    /// Reverts the recorded edits.
+    pub(super) fn take_back(&mut self) {
+        self.target.take_back();
+        self.timeline.return_to_settled();
+    }
+
+    pub(super) fn counts(&self) -> Counts {
+        Counts { revision: self.target.revision, states: self.timeline.states }
+    }
+
+    /// Counts as if what has been taken back had not been tried.
+    pub(super) fn return_to(&mut self, counts: Counts) {
+        let Counts { revision, states } = counts;
+        (self.target.revision, self.timeline.states) = (revision, states);
+    }
+
+    /// Edits the target as a command wants it.
+    fn edit(
+        &mut self,
+        command: &Command,
+        work: impl FnOnce(&mut EditTarget) -> Result<EditStats, CommandError>,
+    ) -> Result<Applied, CommandError> {
+        let stats = work(&mut self.target)?;
+        self.applied(stats, command)
+    }
+
+    /// Finishes edits: unless a stroke is open, they become a step. They are reverted if the history
+    /// cannot keep it.
+    fn applied(&mut self, stats: EditStats, command: &Command) -> Result<Applied, CommandError> {
+        let applied = Applied { stats, steps: 0 };
+        if stats.bricks_changed == 0 {
+            return Ok(applied);
+        }
+        let counts = self.counts();
+        self.target.revision += 1;
+        self.timeline.enter_new_state();
+        if !self.stroke_open() {
+            let label = command.label();
+            if let Err(error) = self.timeline.require_room(&label, self.target.recorded_bytes()) {
+                self.take_back();
+                self.return_to(counts);
+                return Err(error);
+            }
+            self.timeline.push_edits(label, self.target.finish_record());
+        }
+        Ok(applied)
+    }
+
+    /// Uses a tool once and remembers it for arrays.
+    fn use_tool(&mut self, command: &Command) -> Result<Applied, CommandError> {
+        let Document { target, strokes, clip, pictures, .. } = self;
+        let stats = match command {
+            Command::Construct { op, primitive, to_vx } => {
+                solids::construct(target, *op, primitive, *to_vx)?
+            }
+            Command::DrawnSolid { op, drawn } => solids::draw(target, *op, drawn)?,
+            Command::Texture { primitive, picture } => {
+                solids::texture(target, primitive, pictures, picture)?
+            }
+            Command::Brush(used) => {
+                let stats = brush::use_brush(target, strokes, pictures, used)?;
+                if used.replaces_stroke() {
+                    self.timeline.return_to_settled();
+                }
+                stats
+            }
+            Command::Paste { at, orientation } => {
+                let clip = clip.as_deref().ok_or(CommandError::NothingToPaste)?;
+                clipboard::paste(target, clip, *at, *orientation)?
+            }
+            _ => EditStats::default(),
+        };
+        let applied = self.applied(stats, command)?;
+        self.strokes.note_use(command);
+        Ok(applied)
+    }
+
+    /// Repeats the last operation, each time further; all copies together become the last operation.
+    fn array(
+        &mut self,
+        count: u32,
+        step: IVec3,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        self.require_no_stroke("array")?;
+        let uses = self.strokes.take_last_uses(count)?;
+        let counts = self.counts();
+        self.strokes.open(command.label());
+        let mut stats = EditStats::default();
+        let done = strokes::copies(&uses, count, step)
+            .try_for_each(|copy| self.apply(&copy?).map(|applied| stats += applied.stats))
+            .and_then(|()| self.apply(&Command::End));
+        match done {
+            Ok(_) => {
+                self.strokes.join_last_uses(uses);
+                Ok(Applied { stats, steps: 0 })
+            }
+            Err(error) => {
+                self.apply(&Command::Cancel)?;
+                self.return_to(counts);
+                self.strokes.set_last_uses(uses);
+                Err(error)
+            }
+        }
+    }
+
+    /// Cuts the marker's contents to the clipboard.
+    fn cut(&mut self, command: &Command) -> Result<Applied, CommandError> {
+        let (stats, clip) = clipboard::cut(&mut self.target)?;
+        let applied = self.applied(stats, command)?;
+        self.clip = Some(Arc::new(clip));
+        Ok(applied)
+    }
+
+    /// Turns the marker's contents about their centre and moves them, with the marker.
+    fn move_marked(
+        &mut self,
+        by: IVec3,
+        orientation: Orientation,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        let before = self.target.selection.marker();
+        let stats = clipboard::move_marked(&mut self.target, by, orientation)?;
+        let applied = self.applied(stats, command);
+        if applied.is_err() {
+            self.target.selection.set_marker(before)?;
+        }
+        applied
+    }
+
+    /// Carries out a command that sets how and where tools work, the placement, or what the history allows.
+    fn set(&mut self, command: &Command) -> Result<(), CommandError> {
+        match command {
+            Command::Mark(marker) => {
+                self.target.selection.set_marker(*marker)?;
+            }
+            Command::Select(op) => self.select(*op)?,
+            Command::Limit(on) => self.target.selection.set_limits(*on),
+            Command::Irreversible(on) => self.timeline.irreversible = *on,
+            Command::Symmetry(symmetry) => {
+                symmetry.check()?;
+                self.target.symmetry = *symmetry;
+            }
+            Command::Place(placement) => {
+                placement.check()?;
+                self.placement = *placement;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn select(&mut self, op: SelectOp) -> Result<(), CommandError> {
+        let selection = &mut self.target.selection;
+        match op {
+            SelectOp::Add | SelectOp::Subtract => {
+                let room = selection.push(op == SelectOp::Add);
+                if room { Ok(()) } else { Err(CommandError::StackFull) }
+            }
+            SelectOp::Drop if !selection.drop_last() => Err(CommandError::NothingSelected),
+            SelectOp::Drop => Ok(()),
+            SelectOp::Clear => {
+                selection.clear();
+                Ok(())
+            }
+        }
+    }
+
+    /// Lays the sculpture another way, as one undo step. Upright is how it is: no step.
+    fn orient(
+        &mut self,
+        orientation: Orientation,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        self.require_can_orient(orientation)?;
+        if orientation != Orientation::UPRIGHT {
+            self.lay(orientation, None, command)?;
+        }
+        Ok(Applied::default())
+    }
+
+    /// Refuses to lay the sculpture another way within a stroke, or where the history cannot
+    /// keep what leads back, unless that is wanted.
+    pub fn require_can_orient(&self, orientation: Orientation) -> Result<(), CommandError> {
+        self.require_no_stroke("orient")?;
+        let bytes = orient::bytes_to_undo(&self.target.contents, orientation);
+        self.timeline.require_room("orient", bytes)
+    }
+
+    /// Puts the contents laid another way in their place.
+    pub fn put_oriented(
+        &mut self,
+        contents: Contents,
+        orientation: Orientation,
+        command: &Command,
+    ) -> Result<(), CommandError> {
+        self.require_can_orient(orientation)?;
+        self.lay(orientation, Some(contents), command)
+    }
+
+    fn lay(
+        &mut self,
+        orientation: Orientation,
+        computed: Option<Contents>,
+        command: &Command,
+    ) -> Result<(), CommandError> {
+        let change = orient::lay(&mut self.target, orientation, computed)?;
+        self.strokes.forget_last_uses();
+        self.timeline.push_change(command.label(), change);
+        Ok(())
+    }
+
+    /// Removes and adds the voxels of a plan that was made of the present contents. Thickened walls take the colours
+    /// around them, fillings of cavities the base colour.
+    pub fn put_repaired(
+        &mut self,
+        plan: &RepairPlan,
+        repair: &Repair,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        self.edit(command, |target| repair::carry_out(target, plan, repair))
+    }
+
+    /// Shows another kind of surface, as one undo step.
+    fn show_surface(
+        &mut self,
+        kind: SurfaceKind,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        self.require_no_stroke(command.verb())?;
+        if kind != self.target.contents.surface {
+            let label = command.label();
+            self.timeline.require_room(&label, 0)?;
+            let change = Change::Surface(self.target.swap_surface(kind));
+            self.timeline.push_change(label, change);
+        }
+        Ok(Applied::default())
+    }
+
+    /// The part of an undo or redo that is carried out in one go: the steps before one for which the
+    /// history keeps no values, so that the sculpture must be laid another way, or that step alone.
+    /// Other commands are a whole.
+    pub fn first_step(&self, command: &Command) -> Command {
+        self.timeline.first_step(command)
+    }
+
+    /// How the next step of an undo or redo lays the sculpture, if that must be computed. Refused where
+    /// the command would be.
+    pub fn next_orientation(&self, command: &Command) -> Result<Option<Orientation>, CommandError> {
+        let Some((0, step, orientation)) = self.timeline.next_computed(command) else {
+            return Ok(None);
+        };
+        let verb = command.verb();
+        self.require_no_stroke(verb)?;
+        let bytes = orient::bytes_to_undo(&self.target.contents, orientation);
+        self.timeline.require_room(&format!("{verb} {}", step.label), bytes)?;
+        Ok(Some(orientation))
+    }
+
+    /// Carries out the next step of an undo or redo with the contents that were computed for it.
+    pub fn travel_oriented(
+        &mut self,
+        command: &Command,
+        contents: Contents,
+    ) -> Result<Applied, CommandError> {
+        let direction = match command {
+            Command::Redo { .. } => Direction::Redo,
+            _ => Direction::Undo,
+        };
+        self.travel(direction, Some(1), Some(contents))
+    }
+
+    /// Goes along the history. `oriented`: the contents that the first step leads to, if they were computed before.
+    fn travel(
+        &mut self,
+        direction: Direction,
+        steps: Option<u32>,
+        mut oriented: Option<Contents>,
+    ) -> Result<Applied, CommandError> {
+        self.require_no_stroke(direction.verb())?;
+        let mut done = 0;
+        while steps.is_none_or(|limit| done < limit) {
+            match self.timeline.go(direction, &mut self.target, oriented.take()) {
+                Ok(true) => done += 1,
+                Ok(false) => break,
+                Err(error) if done == 0 => return Err(error),
+                // Earlier steps stay undone; the caller learns of the rest.
+                Err(_) => break,
+            }
+        }
+        self.strokes.forget_last_uses();
+        Ok(Applied { stats: EditStats::default(), steps: done })
+    }
+}

@@ -1,0 +1,218 @@
+//! The contents that commands edit, with all that an edit obeys and leaves behind: selection, symmetry, mask and
+//! memory limits; the record of earlier values, the dirty bricks and the revision.
+//!
+//! All tools change voxels through [`EditTarget::edit`] and [`EditTarget::paint`], and the mask through
+//! [`EditTarget::edit_mask`]: these apply selection and mask. Takes regions and gives counts of what changed. Knows no
+//! command, no stroke and no history.
+
+use std::sync::Arc;
+
+use glam::UVec3;
+
+use super::CommandError;
+use super::changes::Changes;
+use crate::refusal::{MemoryBudget, OverBudget};
+use crate::sculpture::brick_set::BrickSet;
+use crate::sculpture::edit::{self, EditOp, EditStats};
+use crate::sculpture::edit_scope::{EditScope, ScopedRegion};
+use crate::sculpture::history::Contents;
+use crate::sculpture::paint::paint_each;
+use crate::sculpture::region::{ListedBricks, Region};
+use crate::sculpture::selection::{BoxStack, Selection};
+use crate::sculpture::stroke::StrokeRecorder;
+use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
+use crate::tools::symmetry::{Symmetry, SymmetryTransform};
+
+mod swap;
+
+/// The contents that commands edit.
+#[derive(Debug)]
+pub(super) struct EditTarget {
+    /// Shared with a save in progress; an edit meanwhile is made on a copy ([`EditTarget::own_contents`]).
+    pub contents: Arc<Contents>,
+    pub selection: Selection,
+    pub symmetry: Symmetry,
+    pub limits: Limits,
+    /// Rises with every change of voxels; a cheap "is my copy current?".
+    pub revision: u64,
+    recorder: StrokeRecorder,
+    dirty: BrickSet,
+    /// Whether the whole sculpture has been replaced since changes were last published.
+    all_dirty: bool,
+}
+
+impl EditTarget {
+    /// Contents of which nothing is selected or recorded.
+    pub fn new(contents: Contents, limits: Limits) -> EditTarget {
+        EditTarget {
+            selection: Selection::new(contents.grid.dims()),
+            symmetry: Symmetry::default(),
+            limits,
+            revision: 0,
+            recorder: StrokeRecorder::new(&contents.grid),
+            dirty: BrickSet::new(contents.grid.brick_count()),
+            all_dirty: true,
+            contents: Arc::new(contents),
+        }
+    }
+
+    pub fn grid(&self) -> &Grid {
+        &self.contents.grid
+    }
+
+    pub fn material(&self) -> &Material {
+        &self.contents.material
+    }
+
+    /// The voxels that are protected, if any are.
+    pub fn mask(&self) -> Option<&Grid> {
+        self.contents.mask.as_deref()
+    }
+
+    /// The images of tools by the symmetry in use, the identity first.
+    pub fn images(&self) -> Vec<SymmetryTransform> {
+        self.symmetry.images(self.grid().dims(), self.grid().voxel_size())
+    }
+
+    /// The selected boxes; an error if there are none.
+    pub fn selected(&self) -> Result<BoxStack, CommandError> {
+        match self.selection.stack().is_empty() {
+            true => Err(CommandError::NothingSelected),
+            false => Ok(self.selection.stack().clone()),
+        }
+    }
+
+    /// Where tools may work.
+    pub fn scope(&self) -> EditScope<'_> {
+        EditScope { stack: self.selection.limit(), mask: self.mask() }
+    }
+
+    /// One edit, where tools may work.
+    pub fn edit(&mut self, region: &impl Region, op: EditOp) -> EditStats {
+        let (contents, recorder, dirty) =
+            (Arc::make_mut(&mut self.contents), &mut self.recorder, &mut self.dirty);
+        let mask = contents.mask.take();
+        let scope = EditScope { stack: self.selection.limit(), mask: mask.as_deref() };
+        let stats = match scope.is_everywhere() {
+            true => edit::edit(contents, region, op, recorder, dirty),
+            false => edit::edit(contents, &ScopedRegion { region, scope }, op, recorder, dirty),
+        };
+        contents.mask = mask;
+        stats
+    }
+
+    /// Paints voxel by voxel, where tools may work.
+    pub fn paint(
+        &mut self,
+        region: &impl Region,
+        colour: impl Fn(UVec3, Rgb) -> Rgb + Sync,
+    ) -> EditStats {
+        let (contents, recorder, dirty) =
+            (Arc::make_mut(&mut self.contents), &mut self.recorder, &mut self.dirty);
+        let mask = contents.mask.take();
+        let scope = EditScope { stack: self.selection.limit(), mask: mask.as_deref() };
+        let stats = match scope.is_everywhere() {
+            true => paint_each(contents, region, colour, recorder, dirty),
+            false => paint_each(contents, &ScopedRegion { region, scope }, colour, recorder, dirty),
+        };
+        contents.mask = mask;
+        stats
+    }
+
+    /// Adds voxels to the mask or takes them out of it, within the selection if tools are limited to it.
+    pub fn edit_mask(
+        &mut self,
+        region: &impl Region,
+        adds: bool,
+    ) -> Result<EditStats, CommandError> {
+        let grid = self.grid();
+        let new = match self.mask() {
+            Some(_) => None,
+            None if !adds => return Ok(EditStats::default()),
+            None => {
+                let left = self.limits.grid_bytes.saturating_sub(grid.heap_bytes());
+                Grid::check(grid.dims(), grid.voxel_size(), left)?;
+                Some(Box::new(grid.try_emptied()?))
+            }
+        };
+        let contents = Arc::make_mut(&mut self.contents);
+        let recorder = self.recorder.for_mask(&contents.grid);
+        let Some(mut bits) = contents.mask.take().or(new) else { return Ok(EditStats::default()) };
+        let scope = EditScope { stack: self.selection.limit(), mask: None };
+        let stats = match scope.is_everywhere() {
+            true => edit::edit_mask(&mut bits, region, adds, recorder, &mut self.dirty),
+            false => {
+                let region = ScopedRegion { region, scope };
+                edit::edit_mask(&mut bits, &region, adds, recorder, &mut self.dirty)
+            }
+        };
+        contents.mask = Some(bits);
+        contents.drop_empty_mask();
+        Ok(stats)
+    }
+
+    /// The number of new colour pages of an edit: a quick upper bound, or exact.
+    pub fn new_pages(&self, region: &impl Region, op: EditOp, exact: bool) -> u64 {
+        let (contents, scope) = (&self.contents, self.scope());
+        match scope.is_everywhere() {
+            true => pages_of(contents, region, op, exact),
+            false => pages_of(contents, &ScopedRegion { region, scope }, op, exact),
+        }
+    }
+
+    /// The number of bricks among those of a list that have no page of colours; 0 if the sculpture stores no colours.
+    pub fn unpainted_bricks(&self, voxels: &ListedBricks) -> u64 {
+        if !self.has_colour() {
+            return 0;
+        }
+        let unpainted = |b: &UVec3| self.material().page(self.grid().brick_index(*b)).is_none();
+        voxels.bricks().iter().filter(|(b, _)| unpainted(b)).count() as u64
+    }
+
+    /// Refuses a change that would take more memory for colours than is allowed. `pages`: how many new pages it takes,
+    /// at most (`false`) or as exactly as can be known (`true`).
+    pub fn check_colour_memory(&self, pages: impl Fn(bool) -> u64) -> Result<(), CommandError> {
+        let needed = |exact| self.material().bytes_with(pages(exact));
+        let budget = self.limits.colour_bytes;
+        if needed(false) <= budget {
+            return Ok(());
+        }
+        let (what, purpose) = ("this may need", MemoryBudget::Colours);
+        Ok(OverBudget::check(what, needed(true), purpose, budget)?)
+    }
+
+    pub fn has_colour(&self) -> bool {
+        self.material().depth() != ColourDepth::None
+    }
+
+    /// An error if the sculpture stores no colours.
+    pub fn require_colours(&self) -> Result<(), CommandError> {
+        if self.has_colour() { Ok(()) } else { Err(CommandError::NoColour) }
+    }
+
+    /// An error if `op` only changes colours and the sculpture stores none.
+    pub fn require_colours_for(&self, op: EditOp) -> Result<(), CommandError> {
+        match op {
+            EditOp::Recolour(_) => self.require_colours(),
+            EditOp::Add(_) | EditOp::Subtract => Ok(()),
+        }
+    }
+
+    /// A colour that unpainted voxels do not have.
+    pub fn new_colour(&self) -> Rgb {
+        Rgb(self.material().base().0.map(|v| !v))
+    }
+
+    /// Tells the subscribers of `changes` which bricks have changed since this was last done.
+    pub fn publish(&mut self, changes: &mut Changes) {
+        let bricks = self.contents.grid.brick_count();
+        changes.publish(&mut self.dirty, std::mem::take(&mut self.all_dirty), bricks);
+    }
+}
+
+fn pages_of(contents: &Contents, region: &impl Region, op: EditOp, exact: bool) -> u64 {
+    match edit::max_new_pages(contents, region, op) {
+        Some(_) if exact => edit::count_new_pages(contents, region, op),
+        at_most => at_most.unwrap_or(0),
+    }
+}

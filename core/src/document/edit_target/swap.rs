@@ -1,0 +1,150 @@
+//! Exchanges what is edited for earlier or other values: recorded bricks, the kind of surface, the mask, the whole
+//! contents.
+//!
+//! Takes the new values and gives the old ones. The contents become the target's own before they are changed. A change
+//! for which the system lacks memory is refused before anything has changed. Knows no undo steps.
+
+use std::sync::Arc;
+
+use super::EditTarget;
+use crate::document::CommandError;
+use crate::sculpture::brick_set::BrickSet;
+use crate::sculpture::edit::EditStats;
+use crate::sculpture::history::{Change, Contents, SurfaceKind};
+use crate::sculpture::memory::NoMemory;
+use crate::sculpture::orientation::Orientation;
+use crate::sculpture::record::BrickRecord;
+use crate::sculpture::selection::Selection;
+use crate::sculpture::stroke::StrokeRecorder;
+use crate::sculpture::{Grid, GridError};
+
+impl EditTarget {
+    /// Makes the contents the target's own, so that they can be changed: where a save or another snapshot shares them,
+    /// by a copy. An error if the system lacks the memory for it.
+    pub fn own_contents(&mut self) -> Result<(), CommandError> {
+        if Arc::get_mut(&mut self.contents).is_none() {
+            let copy = self.contents.copied().map_err(|error| self.no_memory(error))?;
+            self.contents = Arc::new(copy);
+        }
+        Ok(())
+    }
+
+    pub fn no_memory(&self, error: NoMemory) -> CommandError {
+        GridError::NoMemory { dims: self.grid().dims(), needed_mib: error.mib() }.into()
+    }
+
+    /// Bytes of the record of the edits that are no undo step yet.
+    pub fn recorded_bytes(&self) -> usize {
+        self.recorder.bytes()
+    }
+
+    /// Ends the record of edits and returns it.
+    pub fn finish_record(&mut self) -> BrickRecord {
+        self.recorder.finish()
+    }
+
+    /// Reverts the recorded edits.
+    pub fn take_back(&mut self) {
+        let record = self.recorder.finish();
+        self.swap_bricks(record);
+    }
+
+    /// Does `work` in place of all edits that are recorded. If it is refused, these are as they were.
+    pub fn instead_of_recorded(
+        &mut self,
+        work: impl FnOnce(&mut EditTarget) -> Result<EditStats, CommandError>,
+    ) -> Result<EditStats, CommandError> {
+        let revision = self.revision;
+        let record = self.recorder.finish();
+        let done = match self.try_swap_bricks(record) {
+            Ok(done) => done,
+            Err(refused) => {
+                let (record, error) = *refused;
+                self.recorder.resume(record, &self.contents.grid);
+                return Err(error);
+            }
+        };
+        let stats = work(self);
+        if stats.is_err() {
+            // Nothing has changed since, so this gives the same record again.
+            let record = self.swap_bricks(done);
+            self.recorder.resume(record, &self.contents.grid);
+            self.revision = revision;
+        }
+        stats
+    }
+
+    fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {
+        if record.is_empty() {
+            return record;
+        }
+        self.revision += 1;
+        record.swap(Arc::make_mut(&mut self.contents), &mut self.dirty)
+    }
+
+    /// Exchanges the values of a record for the present ones, unless the system lacks the memory for it: then nothing
+    /// has changed, and the record is given back.
+    pub fn try_swap_bricks(
+        &mut self,
+        record: BrickRecord,
+    ) -> Result<BrickRecord, Box<(BrickRecord, CommandError)>> {
+        if let Err(error) = self.own_contents() {
+            return Err(Box::new((record, error)));
+        }
+        let bytes = record.reverse_bytes(&self.contents) as u64;
+        let changes = !record.is_empty();
+        match record.try_swap(Arc::make_mut(&mut self.contents), &mut self.dirty) {
+            Ok(reverse) => {
+                self.revision += u64::from(changes);
+                Ok(reverse)
+            }
+            Err(record) => Err(Box::new((*record, self.no_memory(NoMemory { bytes })))),
+        }
+    }
+
+    /// Puts another sculpture in place of the present one, which must be the target's own; the marker begins anew with
+    /// another size.
+    pub fn swap_contents(&mut self, contents: Contents) -> Contents {
+        let old = self.put_contents(contents);
+        if self.contents.grid.dims() != old.grid.dims() {
+            self.selection = Selection::new(self.grid().dims());
+        }
+        Arc::unwrap_or_clone(old)
+    }
+
+    /// Puts contents that were laid another way in place of the present ones; selection and symmetry follow. Gives the
+    /// way back.
+    pub fn swap_oriented(
+        &mut self,
+        contents: Contents,
+        orientation: Orientation,
+        back_is_exact: bool,
+    ) -> Change {
+        self.selection = self.selection.oriented(orientation, self.grid().dims());
+        self.symmetry = self.symmetry.oriented(orientation, self.grid().dims());
+        let old = self.put_contents(contents);
+        let before = (!back_is_exact).then(|| Box::new(Arc::unwrap_or_clone(old)));
+        Change::Oriented { back: orientation.inverse(), before }
+    }
+
+    /// Exchanges all contents and returns the old ones.
+    fn put_contents(&mut self, contents: Contents) -> Arc<Contents> {
+        let old = std::mem::replace(&mut self.contents, Arc::new(contents));
+        self.recorder = StrokeRecorder::new(&self.contents.grid);
+        self.dirty = BrickSet::new(self.contents.grid.brick_count());
+        self.all_dirty = true;
+        self.revision += 1;
+        old
+    }
+
+    /// Shows a kind of surface and returns the one that was shown.
+    pub fn swap_surface(&mut self, kind: SurfaceKind) -> SurfaceKind {
+        self.revision += 1;
+        std::mem::replace(&mut Arc::make_mut(&mut self.contents).surface, kind)
+    }
+
+    /// Exchanges the mask without a trace of it. The contents must be the target's own.
+    pub fn swap_mask(&mut self, mask: Option<Box<Grid>>) -> Option<Box<Grid>> {
+        std::mem::replace(&mut Arc::make_mut(&mut self.contents).mask, mask)
+    }
+}

@@ -1,0 +1,93 @@
+//! Uses solids as tools: solids in a box, those that are drawn, and images on them, each with its mirror images.
+//!
+//! Takes the target and a solid; gives counts of what changed. Memory is checked before the first change.
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::CommandError;
+use super::edit_target::EditTarget;
+use super::error::check_drawn_solid;
+use super::pictures::LoadedPictures;
+use crate::sculpture::edit::{EditOp, EditStats};
+use crate::tools::drawn::DrawnSolid;
+use crate::tools::drawn::region::PlacedDrawnSolid;
+use crate::tools::solid::{PlacedSolid, Primitive, check_way};
+use crate::tools::symmetry::SymmetryTransform;
+
+/// Edits the voxels inside a solid, or inside the volume that it sweeps on its way `to_vx`.
+pub(super) fn construct(
+    target: &mut EditTarget,
+    op: EditOp,
+    primitive: &Primitive,
+    to_vx: Option<Vec3>,
+) -> Result<EditStats, CommandError> {
+    primitive.check().and_then(|()| check_way(to_vx))?;
+    target.require_colours_for(op)?;
+    let regions = images_of(target, primitive, to_vx, op)?;
+    let mut stats = EditStats::default();
+    regions.iter().for_each(|(_, region)| stats += target.edit(region, op));
+    Ok(stats)
+}
+
+/// Edits the voxels inside a solid that is drawn.
+pub(super) fn draw(
+    target: &mut EditTarget,
+    op: EditOp,
+    drawn: &DrawnSolid,
+) -> Result<EditStats, CommandError> {
+    check_drawn_solid(drawn)?;
+    target.require_colours_for(op)?;
+    let images = target.images();
+    let regions: Vec<_> =
+        images.iter().map(|image| PlacedDrawnSolid::new(drawn, target.grid(), *image)).collect();
+    target.check_colour_memory(|exact| {
+        regions.iter().map(|region| target.new_pages(region, op, exact)).sum()
+    })?;
+    let mut stats = EditStats::default();
+    regions.iter().for_each(|region| stats += target.edit(region, op));
+    Ok(stats)
+}
+
+/// Colours the voxels inside a solid by an image. Mirror images show the image mirrored.
+pub(super) fn texture(
+    target: &mut EditTarget,
+    primitive: &Primitive,
+    pictures: &LoadedPictures,
+    picture: &Path,
+) -> Result<EditStats, CommandError> {
+    primitive.check()?;
+    target.require_colours()?;
+    let texture = pictures.get(picture)?;
+    let placed = primitive.in_grid(target.grid().voxel_size());
+    let image_point = primitive.solid.spec().image_point;
+    let any = EditOp::Recolour(target.new_colour());
+    let mut stats = EditStats::default();
+    for (image, region) in images_of(target, primitive, None, any)? {
+        stats += target.paint(&region, |v, _| {
+            let p = placed.tool_point(image.origin_of(v.as_dvec3() + 0.5).as_vec3());
+            texture.sample(image_point(p))
+        });
+    }
+    Ok(stats)
+}
+
+/// A solid and its mirror images, placed in the grid; an error if memory does not suffice for the colours that `op`
+/// paints.
+fn images_of(
+    target: &EditTarget,
+    primitive: &Primitive,
+    to_vx: Option<Vec3>,
+    op: EditOp,
+) -> Result<Vec<(SymmetryTransform, PlacedSolid)>, CommandError> {
+    let voxel_size = target.grid().voxel_size();
+    let placed =
+        |image: SymmetryTransform| (image, primitive.image_in_grid(to_vx, voxel_size, &image));
+    let images = target.images();
+    let solids: Vec<_> = images.into_iter().map(placed).collect();
+    target.check_colour_memory(|exact| {
+        solids.iter().map(|(_, region)| target.new_pages(region, op, exact)).sum()
+    })?;
+    Ok(solids)
+}

@@ -1,0 +1,144 @@
+//! The undo steps of a document and the states that they lead to: which state is the present one, how many have been
+//! identified, and whether the history can keep another step.
+//!
+//! Takes finished changes as steps. [`travel`] goes along them, on the contents that it is given. Knows no command that
+//! edits, and no stroke.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
+
+use super::CommandError;
+use crate::sculpture::history::{
+    Change, Contents, History, HistorySnapshot, State, Step, StepStore,
+};
+use crate::sculpture::record::BrickRecord;
+
+mod travel;
+
+pub(super) use travel::Direction;
+
+/// The undo steps of a document, and its place among them.
+#[derive(Debug)]
+pub(super) struct Timeline {
+    history: History,
+    /// The current state, and the one after the last step: within a stroke they differ.
+    state: State,
+    settled: State,
+    /// Number of states identified so far.
+    pub states: u64,
+    /// Whether steps that the history cannot keep are allowed.
+    pub irreversible: bool,
+}
+
+impl Timeline {
+    /// No steps, of which at most `budget_bytes` will be kept.
+    pub fn new(budget_bytes: usize) -> Timeline {
+        Timeline {
+            history: History::new(budget_bytes),
+            state: State::default(),
+            settled: State::default(),
+            states: 0,
+            irreversible: false,
+        }
+    }
+
+    /// Goes on with the steps of another timeline, in the state in which it was after so many `states`.
+    pub fn restore(&mut self, history: History, state: State, states: u64) {
+        self.history = history;
+        (self.state, self.settled, self.states) = (state, state, states);
+    }
+
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Gives steps that memory has no room for to a store from now on.
+    pub fn use_store(&mut self, store: Arc<dyn StepStore>) {
+        self.history.use_store(store);
+    }
+
+    /// Lets the steps take up to `budget_bytes`, if that is more than they may take now.
+    pub fn raise_budget(&mut self, budget_bytes: usize) {
+        self.history.raise_budget(budget_bytes);
+    }
+
+    /// An error if the history cannot keep a step and that is not allowed.
+    pub fn require_room(&self, label: &str, bytes: usize) -> Result<(), CommandError> {
+        let bytes = bytes.saturating_add(label.len());
+        if self.irreversible || self.history.can_keep(bytes) {
+            self.history.make_way(bytes);
+            return Ok(());
+        }
+        Err(CommandError::Irreversible {
+            step: label.to_string(),
+            needed_mib: bytes.div_ceil(1 << 20),
+            budget_mib: self.history.budget_bytes() >> 20,
+        })
+    }
+
+    fn new_state(&mut self) -> u64 {
+        self.states += 1;
+        self.states
+    }
+
+    /// Something has changed: that is a new state.
+    pub fn enter_new_state(&mut self) {
+        self.state.number = self.new_state();
+    }
+
+    /// All changes since the last step have been reverted.
+    pub fn return_to_settled(&mut self) {
+        self.state = self.settled;
+    }
+
+    /// Makes an undo step of recorded edits, if there are any, which have led to the current state.
+    pub fn push_edits(&mut self, label: String, record: BrickRecord) {
+        if !record.is_empty() {
+            self.settle(label, Change::Bricks(record));
+        }
+    }
+
+    /// Adds a step that has changed the sculpture as a whole.
+    pub fn push_change(&mut self, label: String, change: Change) {
+        self.enter_new_state();
+        self.settle(label, change);
+    }
+
+    /// Adds a step that has put another sculpture in place of `old`.
+    pub fn push_replacement(&mut self, label: String, old: Box<Contents>) {
+        let number = self.new_state();
+        self.state = State { sculpture: number, number };
+        self.settle(label, Change::Whole(old));
+    }
+
+    fn settle(&mut self, label: String, change: Change) {
+        let state = std::mem::replace(&mut self.settled, self.state);
+        self.history.push(Step { label, change, state });
+    }
+
+    /// Puts the steps of another timeline on top of its own, where that one was in the state `was`. All their states
+    /// become states of this one. Returns what has become of each sculpture.
+    pub fn adopt(&mut self, mut kept: HistorySnapshot, was: State) -> HashMap<u64, u64> {
+        let mut sculptures = HashMap::from([(was.sculpture, self.state.sculpture)]);
+        let mut states = HashMap::from([(was, self.state)]);
+        for step in kept.undo.iter_mut().rev().chain(kept.redo.iter_mut().rev()) {
+            let step = Arc::make_mut(step);
+            step.state = match states.entry(step.state) {
+                Entry::Occupied(known) => *known.get(),
+                Entry::Vacant(unknown) => {
+                    let number = self.new_state();
+                    let own = unknown.key().sculpture;
+                    let sculpture = *sculptures.entry(own).or_insert(number);
+                    *unknown.insert(State { sculpture, number })
+                }
+            };
+        }
+        self.history.put_all(kept);
+        sculptures
+    }
+}

@@ -1,0 +1,172 @@
+//! Undo and redo: reverses one step after the other on the contents, and says which of them must be computed anew.
+//!
+//! Takes the contents to change, and those that were computed for a step elsewhere. A step that is refused stays where
+//! it was, and nothing has changed.
+
+use super::Timeline;
+use crate::command::Command;
+use crate::document::CommandError;
+use crate::document::edit_target::EditTarget;
+use crate::document::orient;
+use crate::sculpture::history::{Change, Contents, Step};
+use crate::sculpture::orientation::Orientation;
+
+/// The way along the history.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::document) enum Direction {
+    Undo,
+    Redo,
+}
+
+impl Direction {
+    /// The verb of the command.
+    pub fn verb(self) -> &'static str {
+        match self {
+            Direction::Undo => "undo",
+            Direction::Redo => "redo",
+        }
+    }
+}
+
+impl Timeline {
+    /// The part of an undo or redo that is carried out in one go: the steps before one for which the
+    /// history keeps no values, so that the sculpture must be laid another way, or that step alone.
+    /// Other commands are a whole.
+    pub fn first_step(&self, command: &Command) -> Command {
+        match (command, self.next_computed(command)) {
+            (Command::Undo { .. }, Some((before, ..))) => {
+                Command::Undo { steps: Some(before.max(1)) }
+            }
+            (Command::Redo { .. }, Some((before, ..))) => {
+                Command::Redo { steps: Some(before.max(1)) }
+            }
+            _ => command.clone(),
+        }
+    }
+
+    /// The first step of an undo or redo that must be computed, and how many come before it.
+    pub fn next_computed(&self, command: &Command) -> Option<(u32, &Step, Orientation)> {
+        let (steps, next): (_, &mut dyn Iterator<Item = &Step>) = match command {
+            Command::Undo { steps } => (steps, &mut self.history.undo_steps()),
+            Command::Redo { steps } => (steps, &mut self.history.redo_steps()),
+            _ => return None,
+        };
+        next.zip(0..steps.unwrap_or(u32::MAX)).find_map(|(step, before)| match step.change {
+            Change::Oriented { back, before: None } => Some((before, step, back)),
+            _ => None,
+        })
+    }
+
+    /// Goes one step; false if there is none. `oriented`: the contents that it leads to, if they were computed before.
+    pub fn go(
+        &mut self,
+        direction: Direction,
+        target: &mut EditTarget,
+        oriented: Option<Contents>,
+    ) -> Result<bool, CommandError> {
+        let taken = match direction {
+            Direction::Undo => self.history.take_undo(),
+            Direction::Redo => self.history.take_redo(),
+        };
+        let Some(step) = taken.map_err(|error| target.no_memory(error))? else { return Ok(false) };
+        let (step, refused) = self.reverse_if_kept(step, direction, target, oriented);
+        match (direction, &refused) {
+            (Direction::Undo, None) | (Direction::Redo, Some(_)) => self.history.undone(step),
+            (Direction::Redo, None) | (Direction::Undo, Some(_)) => self.history.redone(step),
+        }
+        refused.map_or(Ok(true), Err)
+    }
+
+    /// Swaps a step's values with the sculpture's and returns the reverse step. If they cannot be read back, or the
+    /// history cannot keep that, nothing has changed and the step itself is returned. `oriented`: the contents that an
+    /// orientation leads to, if they were computed before.
+    fn reverse_if_kept(
+        &mut self,
+        mut step: Step,
+        direction: Direction,
+        target: &mut EditTarget,
+        oriented: Option<Contents>,
+    ) -> (Step, Option<CommandError>) {
+        if let Change::Stored(stored) = step.change {
+            match stored.0.load(&target.contents, stored.is_only()) {
+                Ok(change) => step.change = change,
+                Err(reason) => {
+                    let error = CommandError::NotReadBack { step: step.label.clone(), reason };
+                    return (Step { change: Change::Stored(stored), ..step }, Some(error));
+                }
+            }
+        }
+        let bytes = match &step.change {
+            Change::Bricks(record) => record.reverse_bytes(&target.contents),
+            Change::Whole(_) => target.contents.kept_bytes(),
+            Change::Oriented { before: Some(_), .. } => 0,
+            Change::Oriented { back, before: None } => {
+                orient::bytes_to_undo(&target.contents, *back)
+            }
+            // That of a stored step has been loaded.
+            Change::Surface(_) | Change::Stored(_) => 0,
+        };
+        match self.require_room(&format!("{} {}", direction.verb(), step.label), bytes) {
+            Ok(()) => self.reverse(step, target, oriented),
+            Err(error) => (step, Some(error)),
+        }
+    }
+
+    fn reverse(
+        &mut self,
+        step: Step,
+        target: &mut EditTarget,
+        oriented: Option<Contents>,
+    ) -> (Step, Option<CommandError>) {
+        let Step { label, change, state } = step;
+        match reversed(change, &label, target, oriented) {
+            Ok(change) => {
+                let state = std::mem::replace(&mut self.state, state);
+                self.settled = self.state;
+                (Step { label, change, state }, None)
+            }
+            Err(refused) => {
+                let (change, error) = *refused;
+                (Step { label, change, state }, Some(error))
+            }
+        }
+    }
+}
+
+/// Reverses a change and returns the one that does it again; if it is refused, the change itself. `label`: that of its
+/// step.
+fn reversed(
+    change: Change,
+    label: &str,
+    target: &mut EditTarget,
+    oriented: Option<Contents>,
+) -> Result<Change, Box<(Change, CommandError)>> {
+    match change {
+        Change::Stored(_) => {
+            let reason = "it was not read".to_string();
+            let error = CommandError::NotReadBack { step: label.to_string(), reason };
+            Err(Box::new((change, error)))
+        }
+        Change::Bricks(record) => match target.try_swap_bricks(record) {
+            Ok(record) => Ok(Change::Bricks(record)),
+            Err(refused) => {
+                let (record, error) = *refused;
+                Err(Box::new((Change::Bricks(record), error)))
+            }
+        },
+        Change::Whole(contents) => match target.own_contents() {
+            Ok(()) => Ok(Change::Whole(Box::new(target.swap_contents(*contents)))),
+            Err(error) => Err(Box::new((Change::Whole(contents), error))),
+        },
+        Change::Surface(kind) => match target.own_contents() {
+            Ok(()) => Ok(Change::Surface(target.swap_surface(kind))),
+            Err(error) => Err(Box::new((change, error))),
+        },
+        // Repeating the orientation restores the present contents exactly.
+        Change::Oriented { back, before: Some(before) } => {
+            Ok(target.swap_oriented(*before, back, true))
+        }
+        Change::Oriented { back, before: None } => orient::lay(target, back, oriented)
+            .map_err(|error| Box::new((Change::Oriented { back, before: None }, error))),
+    }
+}
