@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use virtual_sculpture::terminal::{self, OutputError};
-use virtual_sculpture::video::{Address, Frame, State, VideoSource};
+use virtual_sculpture::video::{Address, State, VideoFrame, VideoSource};
 
 fn main() -> ExitCode {
     match run() {
@@ -102,7 +102,7 @@ fn capture(address: &str, count: u64, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-fn save(frame: &Frame, path: &Path) -> Result<()> {
+fn save(frame: &VideoFrame, path: &Path) -> Result<()> {
     let (width, height) = (frame.width, frame.height);
     image::save_buffer(path, &frame.pixels, width, height, image::ColorType::Rgba8)
         .with_context(|| format!("cannot write {}", path.display()))

@@ -69,7 +69,7 @@ pub use error::AppError;
 use headset::{Connection, Headset};
 use main_window::MainWindow;
 pub use memory::remembered_up;
-use pane::Frame;
+use pane::RecordedFrame;
 use pens::WindowPens;
 pub use workspace::Workspace;
 
@@ -181,7 +181,7 @@ impl App {
 
     /// Does the same for a window that is not visible (`frame` is `None`), without drawing. Requests from another
     /// window, a headset or a closing window are still processed.
-    fn update(&mut self, frame: Option<Frame>) -> Result<(), GpuError> {
+    fn update(&mut self, frame: Option<RecordedFrame>) -> Result<(), GpuError> {
         let Some(view) = &mut self.view else { return Ok(()) };
         let started = Instant::now();
         view.pane.begin_redraw();

@@ -42,11 +42,11 @@ use crate::terminal::{self, OutputError};
 use crate::trace::TraceError;
 pub use kernel::Kernel;
 use machine::Machine;
-use measured::Scene;
-use pictures::Pictures;
+use measured::BenchScene;
+use pictures::BenchPictures;
 use report::{DeviceReport, ModeReport, Report, SceneReport};
 use statistics::{Times, measure};
-use subjects::{Subject, eyes_of};
+use subjects::{BenchSubject, eyes_of};
 
 /// The extent of the measurements.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
@@ -183,9 +183,10 @@ pub fn run(
     let device = Device::new(&mut Headless, device);
     let machine = Machine::survey(device.as_ref().map_err(|error| error.to_string()));
     let device = device.ok();
-    let mut subjects: Vec<Subject> = job.scenes.iter().map(|name| Subject::of_name(name)).collect();
+    let mut subjects: Vec<BenchSubject> =
+        job.scenes.iter().map(|name| BenchSubject::of_name(name)).collect();
     if subjects.is_empty() || subjects.iter().all(|s| s.path().is_some()) {
-        subjects = Subject::STANDARD.into_iter().chain(subjects).collect();
+        subjects = BenchSubject::STANDARD.into_iter().chain(subjects).collect();
     }
     // A bad file fails before minutes of measuring.
     for subject in subjects.iter().filter(|subject| subject.path().is_some()) {
@@ -230,7 +231,7 @@ pub fn run(
 }
 
 fn make(
-    subject: &Subject,
+    subject: &BenchSubject,
     job: &BenchJob,
     config: &Config,
     progress: &dyn Progress,
@@ -249,7 +250,7 @@ fn run_kernel(
 ) -> Result<(), BenchError> {
     let scenes = if job.scenes.is_empty() { &["cheese".to_string()][..] } else { &job.scenes };
     for name in scenes {
-        let mut document = make(&Subject::of_name(name), job, config, progress)?;
+        let mut document = make(&BenchSubject::of_name(name), job, config, progress)?;
         if let Some(Times { min_ms, median_ms, p99_ms, .. }) =
             kernel::run(kernel, &mut document, job.size, job.repeat)
         {
@@ -261,7 +262,7 @@ fn run_kernel(
 }
 
 fn measure_scene(
-    subject: &Subject,
+    subject: &BenchSubject,
     job: &BenchJob,
     config: &Config,
     device: Option<&Arc<Device>>,
@@ -326,16 +327,16 @@ fn mode_name(mode: RenderMode) -> String {
 fn measure_mode(
     mode: RenderMode,
     document: &mut Document,
-    pictures: &mut Option<Pictures>,
+    pictures: &mut Option<BenchPictures>,
     job: &BenchJob,
     config: &Config,
     device: Option<&Arc<Device>>,
 ) -> Result<Option<ModeReport>, BenchError> {
     let suite = job.suite;
     let eyes = eyes_of(document, job.size, job.eyes, &config.stereo);
-    let scene = Scene { mode, eyes: &eyes, lighting: config.lighting() };
+    let scene = BenchScene { mode, eyes: &eyes, lighting: config.lighting() };
     if !pictures.as_mut().is_some_and(|pictures| pictures.turn_to(mode)) {
-        *pictures = Pictures::new(&scene, document, device)?;
+        *pictures = BenchPictures::new(&scene, document, device)?;
     }
     let Some(pictures) = pictures else { return Ok(None) };
     pictures.whole(document)?;

@@ -135,8 +135,8 @@ impl PictureRequest {
     pub const THREE_QUARTER: Vec3 = Vec3::new(0.8, 0.6, 1.0);
 
     /// Returns the view, with the settings for everything that the request leaves open.
-    pub fn view(&self, config: &Config) -> picture::View {
-        picture::View {
+    pub fn view(&self, config: &Config) -> picture::PictureView {
+        picture::PictureView {
             size: self.size,
             mode: self.mode.or(config.render.mode).unwrap_or_default(),
             smooth_surface: config.render.smooth_surface && !self.voxels,

@@ -34,8 +34,8 @@ mod mean;
 pub use final_picture::{FinalOptions, FinalPicture, LINEAR_ENDING, TraceOn, write_final};
 pub use maker::PictureMaker;
 
-use maker::{FollowedNormals, Painter};
-use mean::Mean;
+use maker::{FollowedNormals, PictureDevice};
+use mean::PictureMean;
 
 /// Colours of the background at the upper and the lower edge, sRGB.
 pub const BACKGROUND: [[u8; 3]; 2] = [[58, 64, 76], [24, 26, 31]];
@@ -82,7 +82,7 @@ pub struct PictureOptions {
 
 /// The view of a picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct View {
+pub struct PictureView {
     pub size: UVec2,
     pub mode: RenderMode,
     /// Draws the smooth surface where a voxel covers more than a pixel, in modes that can.
@@ -116,7 +116,7 @@ pub struct CameraPlacement {
     pub distance: f32,
 }
 
-impl View {
+impl PictureView {
     /// Returns the placement of the camera that frames the sculpture of `document`.
     pub fn placement(&self, document: &Document) -> CameraPlacement {
         let world_from_grid = Affine3A::from_quat(Quat::from_axis_angle(self.up, self.turn_rad))
@@ -199,14 +199,14 @@ pub fn outline(grid: &Grid) -> Vec<Vec3> {
 /// Renders `document`: one picture, or with [`StereoLayout::Layers`] one for each eye.
 pub fn render(
     document: &mut Document,
-    view: &View,
+    view: &PictureView,
     options: &PictureOptions,
 ) -> Result<Vec<RgbImage>, PictureError> {
     PictureMaker::new(options).make(document, view, &view.placement(document))
 }
 
 /// Combines the pictures of two eyes into one, unless the layout keeps them apart.
-fn compose_eyes(pictures: Vec<RgbImage>, view: &View) -> Vec<RgbImage> {
+fn compose_eyes(pictures: Vec<RgbImage>, view: &PictureView) -> Vec<RgbImage> {
     match (view.stereo, pictures.as_slice()) {
         (StereoLayout::Mono | StereoLayout::Layers, _) => pictures,
         (layout, [left, right]) => {
@@ -222,7 +222,7 @@ fn compose_eyes(pictures: Vec<RgbImage>, view: &View) -> Vec<RgbImage> {
 /// when it is complete. Returns the paths.
 pub fn render_to_file(
     document: &mut Document,
-    view: &View,
+    view: &PictureView,
     options: &PictureOptions,
     path: &Path,
 ) -> Result<Vec<PathBuf>, PictureError> {
@@ -263,7 +263,7 @@ struct PlacedEyes<'a> {
 fn render_by_casting(
     document: &mut Document,
     followed: &mut FollowedNormals,
-    view: &View,
+    view: &PictureView,
     mode: RenderMode,
     seen: &PlacedEyes,
     options: &PictureOptions,
@@ -287,7 +287,7 @@ fn render_by_casting(
     let mut picture_of = |eye: &Eye| {
         let mut map = IndexMap::new(eye.pixel_rays(&world_from_grid));
         let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
-        let mut mean = Mean::new(eye.size);
+        let mut mean = PictureMean::new(eye.size);
         for sample in 0..view.samples {
             let rays = eye.sample(sample).pixel_rays(&world_from_grid);
             sampler.sample = sample;
@@ -313,14 +313,14 @@ fn render_by_casting(
 /// mode is rendered in the fallback mode.
 fn render_on_device(
     document: &mut Document,
-    painter: &mut Painter,
+    painter: &mut PictureDevice,
     followed: &mut FollowedNormals,
-    view: &View,
+    view: &PictureView,
     seen: &PlacedEyes,
     options: &PictureOptions,
 ) -> Result<Vec<RgbImage>, PictureError> {
     let PlacedEyes { eyes, world_from_grid } = *seen;
-    let Painter { device, renderer, frames, warned } = painter;
+    let PictureDevice { device, renderer, frames, warned } = painter;
     let [top, bottom] = BACKGROUND.map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
     let desc = FrameDesc {
         eyes,
@@ -340,7 +340,7 @@ fn render_on_device(
         previews: &[],
         lines: &[],
     };
-    let mut means: Vec<Mean> = eyes.iter().map(|eye| Mean::new(eye.size)).collect();
+    let mut means: Vec<PictureMean> = eyes.iter().map(|eye| PictureMean::new(eye.size)).collect();
     let mut readbacks: Vec<Readback> =
         eyes.iter().map(|_| Readback::new(device, "samples of a picture")).collect();
     let mut shifted = eyes.to_vec();
@@ -378,7 +378,7 @@ fn render_on_device(
         messages if messages.is_empty() => {}
         messages => return Err(PictureError::Validation(messages.join("\n"))),
     }
-    Ok(means.iter().map(Mean::picture).collect())
+    Ok(means.iter().map(PictureMean::picture).collect())
 }
 
 /// Returns the centre of the bounding box, in grid coordinates.

@@ -5,7 +5,7 @@ use virtual_sculpture::input::hands::{
     Board, HandEvent, HandMapper, HandSettings, HandSide, HandState, HandsState,
 };
 use virtual_sculpture::input::pad::stick::Response;
-use virtual_sculpture::view::Pose;
+use virtual_sculpture::view::RoomPose;
 
 struct Dice(u64);
 
@@ -36,14 +36,14 @@ impl Dice {
         }
     }
 
-    fn pose(&mut self) -> Option<Pose> {
+    fn pose(&mut self) -> Option<RoomPose> {
         let position = Vec3::new(self.number(), self.number(), self.number());
         let [x, y, z, w] = [0; 4].map(|_: u8| self.number());
         let rotation = match self.below(3) {
             0 => Quat::from_xyzw(x, y, z, w),
             _ => Quat::from_xyzw(x, y, z, w).normalize(),
         };
-        (self.below(8) > 0).then_some(Pose { position, rotation })
+        (self.below(8) > 0).then_some(RoomPose { position, rotation })
     }
 
     fn hand(&mut self) -> HandState {
@@ -60,7 +60,7 @@ impl Dice {
 }
 
 fn is_finite(event: &HandEvent) -> bool {
-    let pose = |pose: &Pose| pose.position.is_finite() && pose.rotation.is_finite();
+    let pose = |pose: &RoomPose| pose.position.is_finite() && pose.rotation.is_finite();
     match event {
         HandEvent::Carry(carried) => {
             carried.scale.is_finite()
@@ -94,7 +94,7 @@ fn whatever_a_headset_says_of_hands_events_are_finite() {
         response: Response { dead_zone: 0.2, curve: 2.0 },
         reach_m: 0.08,
     });
-    let board = Board { pose: Pose::default(), size_m: Vec2::new(0.4, 0.3) };
+    let board = Board { pose: RoomPose::default(), size_m: Vec2::new(0.4, 0.3) };
     let (mut time_s, mut events) = (0.0, 0);
     for run in 0..runs {
         time_s += match dice.below(30) {

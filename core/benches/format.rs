@@ -9,7 +9,7 @@ use sculpture_core::scenes;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::orientation::Up;
 use sculpture_core::sculpture::{ColourDepth, Limits, Material, Rgb};
-use sculpture_core::voxelise::{Fill, Frame, Mesh, MeshSize, to_contents};
+use sculpture_core::voxelise::{Fill, InputMesh, MeshPlacement, MeshSize, to_contents};
 
 fn files(c: &mut Criterion) {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");
@@ -40,7 +40,7 @@ fn files(c: &mut Criterion) {
 }
 
 /// Returns a sphere with bumps, of `4 * rows^2` triangles, with coloured corners.
-fn bumpy_ball(rows: u32) -> Mesh {
+fn bumpy_ball(rows: u32) -> InputMesh {
     let corner = |i: u32, j: u32| {
         let (a, b) = (j as f32 / rows as f32, (i % (rows * 2)) as f32 / (rows * 2) as f32);
         let (polar, azimuth) = (a * std::f32::consts::PI, b * std::f32::consts::TAU);
@@ -48,7 +48,7 @@ fn bumpy_ball(rows: u32) -> Mesh {
         let (sin, cos) = polar.sin_cos();
         glam::Vec3::new(azimuth.cos() * sin, cos, azimuth.sin() * sin) * radius
     };
-    let mut mesh = Mesh::default();
+    let mut mesh = InputMesh::default();
     let around = rows * 2;
     mesh.positions = (0..=rows).flat_map(|j| (0..around).map(move |i| corner(i, j))).collect();
     for (i, j) in (0..rows).flat_map(|j| (0..around).map(move |i| (i, j))) {
@@ -66,7 +66,8 @@ fn meshes(c: &mut Criterion) {
     group.sample_size(10);
     let mesh = bumpy_ball(160);
     let quiet: &dyn Progress = &();
-    let frame = Frame::around(&mesh, MeshSize::LongestVx(512), Up::Y, 1.0).expect("it has a size");
+    let frame =
+        MeshPlacement::around(&mesh, MeshSize::LongestVx(512), Up::Y, 1.0).expect("it has a size");
     for (name, depth) in [("plain", ColourDepth::None), ("coloured", ColourDepth::Bits24)] {
         group.bench_function(BenchmarkId::new("voxelise_512", name), |b| {
             let limits = Limits::default();

@@ -80,7 +80,7 @@ pub use session::{FileIdentity, Holder, Session, SessionError};
 #[doc(inline)]
 pub use format::options::{
     Colouring, Existence, ExportForm, ExportOptions, ImportOptions, MeshFill, MeshSize, RawLayout,
-    Region,
+    ScanRegion,
 };
 #[doc(inline)]
 pub use format::{

@@ -29,13 +29,13 @@ use crate::command::{Command, CommandClass, NewSculpture};
 use crate::document::{Applied, CommandError, Document, Limits};
 use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, Loaded, Texts};
-use crate::persist::journal::Entry;
+use crate::persist::journal::JournalEntry;
 use crate::progress::Progress;
 use crate::sculpture::orientation::{Orientation, Up};
 use access::Access;
 pub use access::FileAccess;
 pub use error::SessionError;
-use files::Files;
+use files::SculptureFiles;
 use histories::Histories;
 use journal_keeper::{JournalKeeper, opened_entry, saved_entry};
 pub use lock::Holder;
@@ -43,7 +43,7 @@ use meshes::KeptMeshes;
 pub use on_disk::FileIdentity;
 use on_disk::OnDisk;
 use pictures::Pictures;
-use recording::Recording;
+use recording::ScriptRecording;
 pub use recover::{Recovered, RecoveryReport, Summary, recover, summary};
 pub use work::{Done, Work};
 use work::{Outcome, Task, load};
@@ -53,14 +53,14 @@ use work::{Outcome, Task, load};
 pub struct Session {
     document: Document,
     /// The files of the sculptures that undo and redo can lead to.
-    files: Files,
+    files: SculptureFiles,
     /// The identities of those files when they were read or written.
     on_disk: OnDisk,
     /// The record of who may write to those files.
     access: Access,
     /// The command that reproduces the sculpture at the session's start.
     beginning: Command,
-    recording: Option<Recording>,
+    recording: Option<ScriptRecording>,
     /// Why the recording has ended.
     journal_error: Option<SessionError>,
     journal: Option<JournalKeeper>,
@@ -102,7 +102,7 @@ impl Session {
     }
 
     fn with_document(document: Document, beginning: Command) -> Session {
-        let mut files = Files::default();
+        let mut files = SculptureFiles::default();
         files.made(document.state());
         Session {
             document,
@@ -169,13 +169,13 @@ impl Session {
         }
         let contents = self.document.contents();
         let texts = self.files.texts(self.document.state());
-        self.recording = Some(Recording::begin(path, &self.beginning, contents, &texts)?);
+        self.recording = Some(ScriptRecording::begin(path, &self.beginning, contents, &texts)?);
         Ok(())
     }
 
     /// The script that is being recorded.
     pub fn recording(&self) -> Option<&Path> {
-        self.recording.as_ref().map(Recording::path)
+        self.recording.as_ref().map(ScriptRecording::path)
     }
 
     /// Notes on what reading the last file left out or interpreted otherwise, returned once.
@@ -248,7 +248,7 @@ impl Session {
                 let file = Pictures::read(&path, embedded, &mut self.document)?;
                 self.record_picture(&path, &file);
                 let file = self.pictures.keep(&path, file);
-                self.keep(Entry::Picture { path, file }, Duration::ZERO);
+                self.keep(JournalEntry::Picture { path, file }, Duration::ZERO);
             }
         }
         Ok(())
@@ -434,7 +434,7 @@ impl Session {
         self.record(|recording| recording.write_picture(path, file));
     }
 
-    fn record(&mut self, write: impl FnOnce(&mut Recording) -> Result<(), SessionError>) {
+    fn record(&mut self, write: impl FnOnce(&mut ScriptRecording) -> Result<(), SessionError>) {
         let Some(recording) = &mut self.recording else { return };
         if let Err(error) = write(recording) {
             tracing::warn!("{error}");

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::format::options::{
-    Colouring, Cubic, Existence, ExportForm, ImportOptions, MeshSize, Region,
+    Colouring, Cubic, Existence, ExportForm, ImportOptions, MeshSize, ScanRegion,
 };
 use sculpture_core::format::{self, Family, Study, VolumeStudy};
 use sculpture_core::sculpture::history::Contents;
@@ -89,7 +89,7 @@ fn slices_show_the_voxels_that_the_import_makes() {
         assert_eq!(study.knows_up(), i > 0);
         for upright in [None, Some(Up::Z), Some(Up::MinusX)] {
             let plain = ImportOptions { upright, ..ImportOptions::default() };
-            let region = Region { low: UVec3::new(1, 0, 2), high: UVec3::new(5, 3, 2) };
+            let region = ScanRegion { low: UVec3::new(1, 0, 2), high: UVec3::new(5, 3, 2) };
             for options in [
                 plain,
                 ImportOptions { existence: Existence::Range(-3.0, 30.0), ..plain },

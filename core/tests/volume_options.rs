@@ -2,7 +2,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::format::options::{
-    Colouring, Cubic, Existence, ExportForm, ImportOptions, Region,
+    Colouring, Cubic, Existence, ExportForm, ImportOptions, ScanRegion,
 };
 use sculpture_core::format::{self, FormatError, Samples};
 use sculpture_core::progress::Report;
@@ -96,7 +96,7 @@ fn a_region_is_cut_out_of_the_file() {
     let scan = Scan::new("7x5x4:u16le:size=1,2,3", value);
     let whole = scan.volume(Cubic::No, None);
     for region in ["0,0,0..6,4,3", "2,1,1..4,4,2", "6,4,3..6,4,3", "0,2,0..6,2,3"] {
-        let Region { low, high } = region.parse().unwrap();
+        let ScanRegion { low, high } = region.parse().unwrap();
         let cut = scan.volume(Cubic::No, Some(region));
         assert_eq!(cut.dims, high - low + 1, "{region}");
         assert_eq!((cut.voxel_size, cut.samples), (whole.voxel_size, whole.samples));

@@ -13,8 +13,8 @@ use crate::input::{Action, ActionEvent, Bindings};
 use crate::session::Session;
 use crate::surface::{IndexMap, raycast};
 use crate::tools::brush::BrushId;
-use crate::video::{Fit, Frame, Framing, Intrinsics};
-use crate::viewpoint::ar::{Look, rest};
+use crate::video::{Fit, Framing, Intrinsics, VideoFrame};
+use crate::viewpoint::ar::{CameraView, rest};
 
 const FOCAL_PX: f64 = 600.0;
 /// Size in pixels of a cell of the drawn marker: 80 mm wide and 0.4 m away at this focal length.
@@ -34,7 +34,7 @@ fn lens() -> Intrinsics {
 
 /// Returns a frame with the marker straight before the camera and its middle at `middle` in pixels, or without a
 /// marker.
-fn frame(sequence: u64, middle: Option<(f64, f64)>) -> Arc<Frame> {
+fn frame(sequence: u64, middle: Option<(f64, f64)>) -> Arc<VideoFrame> {
     let mut pixels = Vec::new();
     for (x, y) in (0..480).flat_map(|y| (0..640).map(move |x| (x, y))) {
         let cell = |v: i32, middle: f64| ((f64::from(v) - middle) / CELL_PX + 4.0).floor();
@@ -46,12 +46,12 @@ fn frame(sequence: u64, middle: Option<(f64, f64)>) -> Arc<Frame> {
         let grey = if white { 220 } else { 30 };
         pixels.extend([grey, grey, grey, 255]);
     }
-    Arc::new(Frame { width: 640, height: 480, pixels, sequence, ..Frame::empty() })
+    Arc::new(VideoFrame { width: 640, height: 480, pixels, sequence, ..VideoFrame::empty() })
 }
 
 /// Gives a frame and waits until it has been searched for the marker.
-fn see(workspace: &mut Workspace, frame: &Arc<Frame>, now_s: f64) {
-    let look = Look { lens: Some(lens()), fit: Fit::Fill, mirror: false };
+fn see(workspace: &mut Workspace, frame: &Arc<VideoFrame>, now_s: f64) {
+    let look = CameraView { lens: Some(lens()), fit: Fit::Fill, mirror: false };
     workspace.viewpoint.ar.see(frame, look);
     let started = Instant::now();
     while workspace.viewpoint.ar.frame().is_none_or(|shown| shown.sequence != frame.sequence) {

@@ -8,7 +8,7 @@ use crate::config::Config;
 use crate::input::{Action, Bindings};
 use crate::session::Session;
 use crate::ui::widgets::toasts::Tone;
-use crate::video::{Frame, Intrinsics};
+use crate::video::{Intrinsics, VideoFrame};
 use crate::viewpoint::camera::VideoState;
 
 fn workspace(source: &str) -> Workspace {
@@ -20,7 +20,7 @@ fn workspace(source: &str) -> Workspace {
 }
 
 /// Returns the frame behind the sculpture and its lens.
-fn video(workspace: &Workspace) -> Option<(&Arc<Frame>, Option<Intrinsics>)> {
+fn video(workspace: &Workspace) -> Option<(&Arc<VideoFrame>, Option<Intrinsics>)> {
     workspace.viewpoint.video(&workspace.ui.view.video)
 }
 

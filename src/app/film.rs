@@ -14,7 +14,7 @@ use crate::headless::{Context, PictureRequest};
 use crate::picture::outline_middle;
 use crate::progress::Report;
 use crate::shade::ground::GROUND_COLOUR;
-use crate::ui::pictures::{FilmKind, FilmRequest};
+use crate::ui::pictures::{FilmRequest, FilmSubject};
 use crate::view::StereoLayout;
 
 /// Returns the work that makes a film, or the reason why there is none. `config`: the settings that it starts from.
@@ -26,11 +26,11 @@ pub(super) fn work(
     let ViewSource { session, view, .. } = source;
     let document = session.document();
     let subject = match wanted.kind {
-        FilmKind::Turntable => Subject::Sculpture {
+        FilmSubject::Turntable => Subject::Sculpture {
             contents: document.share_contents(),
             placement: *document.placement(),
         },
-        FilmKind::Lapse => match session.recording() {
+        FilmSubject::Lapse => match session.recording() {
             Some(script) => Subject::File(script.to_path_buf()),
             None => match session.steps() {
                 Some((now, store)) if !now.history.undo.is_empty() => {

@@ -14,7 +14,7 @@ use crate::progress::{Progress, Report};
 use crate::session::Session;
 use crate::trace::MAX_FINAL_SAMPLES;
 use crate::ui::UiRequest;
-use crate::ui::pictures::{FilmForm, FilmKind, FilmRequest};
+use crate::ui::pictures::{FilmForm, FilmRequest, FilmSubject};
 use crate::ui::pictures::{FinalFile, FinalRequest};
 use crate::ui::widgets::toasts::Tone;
 
@@ -268,7 +268,7 @@ fn final_request(size: UVec2) -> FinalRequest {
     }
 }
 
-fn film_request(kind: FilmKind, form: FilmForm) -> FilmRequest {
+fn film_request(kind: FilmSubject, form: FilmForm) -> FilmRequest {
     let size = UVec2::new(40, 32);
     FilmRequest { kind, frames: 4, fps: 10, spin_deg: 360.0, size, samples: 1, form }
 }
@@ -294,7 +294,7 @@ fn a_film_is_work_that_changes_nothing_and_leaves_what_was_asked_for() {
         (FilmForm::Y4m, "a-film-1.y4m"),
         (FilmForm::Folder, "a-film-1"),
     ] {
-        let (tone, text) = film(&mut workspace, film_request(FilmKind::Turntable, form));
+        let (tone, text) = film(&mut workspace, film_request(FilmSubject::Turntable, form));
         assert!(tone == Tone::Note && text.contains(name), "{text}");
         assert!(folder.path().join(name).exists(), "{name}");
     }
@@ -307,14 +307,15 @@ fn a_film_is_work_that_changes_nothing_and_leaves_what_was_asked_for() {
     assert!(!folder.path().join("a-film-1/frame-0005.png").exists());
     // The film begins with the side that the view shows.
     workspace.look_from(crate::input::Side::Back);
-    film(&mut workspace, film_request(FilmKind::Turntable, FilmForm::Folder));
+    film(&mut workspace, film_request(FilmSubject::Turntable, FilmForm::Folder));
     let from_behind = image::open(folder.path().join("a-film-2/frame-0001.png")).unwrap().to_rgb8();
     assert!(from_behind != frame(1));
 
     assert_eq!(workspace.session().document().revision(), revision, "the view alone");
 
     // Cancelling leaves no file.
-    let long = FilmRequest { frames: 100_000, ..film_request(FilmKind::Turntable, FilmForm::Gif) };
+    let long =
+        FilmRequest { frames: 100_000, ..film_request(FilmSubject::Turntable, FilmForm::Gif) };
     workspace.answer_requests(vec![UiRequest::Film(long)]);
     while workspace.editor.busy().unwrap().stage.what != "filming" {
         std::thread::yield_now();
@@ -329,7 +330,7 @@ fn a_film_is_work_that_changes_nothing_and_leaves_what_was_asked_for() {
 fn what_undo_leads_back_to_becomes_a_time_lapse_without_any_recording() {
     let mut workspace = workspace();
     let folder = tempfile::tempdir().unwrap();
-    let wanted = film_request(FilmKind::Lapse, FilmForm::Folder);
+    let wanted = film_request(FilmSubject::Lapse, FilmForm::Folder);
     let wanted = FilmRequest { frames: 4, spin_deg: 0.0, ..wanted };
     workspace.answer_requests(vec![UiRequest::Film(wanted)]);
     let (tone, text) = workspace.ui.toasts.texts().last().unwrap();
@@ -363,7 +364,7 @@ fn what_undo_leads_back_to_becomes_a_time_lapse_without_any_recording() {
     for (i, j) in [(0, 1), (1, 2), (2, 3), (0, 2), (0, 3), (1, 3)] {
         assert!(frames[i] != frames[j], "frames {i} and {j}");
     }
-    let now = FilmRequest { kind: FilmKind::Turntable, frames: 1, ..wanted };
+    let now = FilmRequest { kind: FilmSubject::Turntable, frames: 1, ..wanted };
     workspace.answer_requests(vec![UiRequest::Film(now)]);
     workspace.finish_job();
     assert!(frames[3] == frame("a-film-2", 1), "the last frame is the sculpture as it is");
@@ -382,7 +383,7 @@ fn what_was_recorded_becomes_a_time_lapse() {
     workspace.run_now(&format!("save {sculpture:?}").parse().unwrap());
     workspace.finish_job();
     workspace.ui.view.mode = crate::render::RenderMode::Ray;
-    let wanted = film_request(FilmKind::Lapse, FilmForm::Folder);
+    let wanted = film_request(FilmSubject::Lapse, FilmForm::Folder);
     let wanted = FilmRequest { frames: 3, spin_deg: 0.0, ..wanted };
     workspace.answer_requests(vec![UiRequest::Film(wanted)]);
     workspace.finish_job();

@@ -8,8 +8,8 @@ use std::time::Duration;
 use glam::UVec2;
 use winit::window::{Fullscreen, Window};
 
-use super::painter::{Painter, REFINED_SAMPLES};
-use super::pane::{Frame, Interface, Pane};
+use super::painter::{REFINED_SAMPLES, WindowPainter};
+use super::pane::{Interface, Pane, RecordedFrame};
 use super::screenshot;
 use super::workspace::Workspace;
 use crate::gpu::{Device, DeviceOptions, GpuError, ValidationLog, WindowHost};
@@ -21,7 +21,7 @@ const MOST_FRAMES: u32 = 2 * REFINED_SAMPLES;
 
 /// The main window and its renderers. Fields are dropped in this order.
 pub struct MainWindow {
-    painter: Painter,
+    painter: WindowPainter,
     pub pane: Pane,
     /// The picture's rectangle in the window, in pixels.
     corner: UVec2,
@@ -40,7 +40,7 @@ impl MainWindow {
         let mut host = WindowHost::new(window.clone());
         let device = Device::new(&mut host, options)?;
         let pane = Pane::new(window, host.into_surface()?, &device)?;
-        let painter = Painter::new(&device, pane.screen().format())?;
+        let painter = WindowPainter::new(&device, pane.screen().format())?;
         Ok(MainWindow {
             painter,
             pane,
@@ -79,7 +79,7 @@ impl MainWindow {
         &mut self,
         workspace: &mut Workspace,
         patience: Duration,
-    ) -> Result<Option<Frame>, GpuError> {
+    ) -> Result<Option<RecordedFrame>, GpuError> {
         workspace.display.quad_buffered = self.pane.screen().can_layer();
         let layout = &mut workspace.ui.view.stereo.layout;
         if *layout == StereoLayout::Layers && !workspace.display.quad_buffered {
@@ -116,7 +116,7 @@ impl MainWindow {
     /// Draws the picture of the sculpture into its rectangle of the window.
     pub fn draw_sculpture(
         &mut self,
-        frame: &mut Frame,
+        frame: &mut RecordedFrame,
         workspace: &mut Workspace,
     ) -> Result<(), GpuError> {
         let slot = self.pane.slot();
@@ -140,7 +140,7 @@ impl MainWindow {
     /// Draws panels and windows over the picture.
     pub fn draw_interface(
         &mut self,
-        frame: &mut Frame,
+        frame: &mut RecordedFrame,
         interface: &Interface,
     ) -> Result<(), GpuError> {
         match self.painter.pictures() {
@@ -198,7 +198,7 @@ impl MainWindow {
     }
 
     /// Presents the picture.
-    pub fn end(&mut self, frame: Frame) -> Result<(), GpuError> {
+    pub fn end(&mut self, frame: RecordedFrame) -> Result<(), GpuError> {
         if self.pane.end(frame)? {
             self.shown += 1;
             tracing::debug!(number = self.shown, "picture shown");

@@ -18,7 +18,7 @@ use crate::surface::IndexMap;
 use crate::tools::brush::footprint::Outline;
 use crate::tools::brush::keys::{OUTLINE, RADIUS, STEADY};
 use crate::tools::brush::options::BrushOptions;
-use crate::tools::brush::spec::Tint;
+use crate::tools::brush::spec::OutlineColour;
 use crate::tools::solid::{Primitive, Solid};
 use crate::ui::{Theme, ViewState};
 
@@ -199,12 +199,12 @@ fn rope(scene: &OverlayScene) -> Option<(Vec3, Vec3)> {
 }
 
 /// Returns the colour of a brush's outline. `own`: the chosen colour.
-fn tint(tint: Tint, own: Rgb) -> Rgb {
+fn tint(tint: OutlineColour, own: Rgb) -> Rgb {
     match tint {
-        Tint::Cut => CUT,
-        Tint::Neutral => MIRROR,
-        Tint::Mask => MASK,
-        Tint::Colour => own,
+        OutlineColour::Cut => CUT,
+        OutlineColour::Neutral => MIRROR,
+        OutlineColour::Mask => MASK,
+        OutlineColour::Colour => own,
     }
 }
 

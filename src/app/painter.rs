@@ -12,7 +12,7 @@ use super::overlay;
 use super::references;
 use super::workspace::Workspace;
 use crate::gpu::{Device, GpuError, Recorder, Result};
-use crate::render::renderer::{FrameDesc, Pictures};
+use crate::render::renderer::{FinishedPictures, FrameDesc};
 use crate::render::{Background, Renderer, SmoothSurface, Video, VideoView};
 use crate::sculpture::Rgb;
 use crate::shade::ground::GROUND_COLOUR;
@@ -28,17 +28,17 @@ const PATIENCE: Duration = Duration::from_millis(6);
 pub(super) const REFINED_SAMPLES: u32 = 16;
 
 /// The pictures of the sculpture in the window.
-pub struct Painter {
+pub struct WindowPainter {
     renderer: Renderer,
 }
 
-impl Painter {
+impl WindowPainter {
     /// Creates a painter for pictures of `format`.
-    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Painter> {
-        Ok(Painter { renderer: Renderer::new(device, format)? })
+    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<WindowPainter> {
+        Ok(WindowPainter { renderer: Renderer::new(device, format)? })
     }
 
-    /// Records the workspace's next picture, which is in [`Painter::pictures`] then. `slot`:
+    /// Records the workspace's next picture, which is in [`WindowPainter::pictures`] then. `slot`:
     /// [`crate::gpu::Frames::slot`]. Returns false if another picture of the same scene would be better.
     pub fn paint(
         &mut self,
@@ -132,7 +132,7 @@ impl Painter {
     }
 
     /// Returns the pictures painted last.
-    pub fn pictures(&mut self) -> Option<&mut Pictures> {
+    pub fn pictures(&mut self) -> Option<&mut FinishedPictures> {
         self.renderer.pictures()
     }
 }

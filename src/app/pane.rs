@@ -15,12 +15,12 @@ use winit::keyboard::{Key, KeyCode, PhysicalKey};
 use winit::window::{Window, WindowId};
 
 use crate::gpu::{
-    Attachment, Device, EyeImage, Frames, GpuError, ImagePart, Load, Recorder, Surface, Use,
+    Attachment, Device, EyeImage, Frames, GpuError, ImagePart, Load, Recorder, Use, WindowSurface,
 };
 use crate::input::pen::{PenPointer, PenSample};
 use crate::render::gui::{Gui, TextureChanges};
 use crate::screen::pen::WindowKey;
-use crate::screen::window::{Target, WindowScreen};
+use crate::screen::window::{WindowScreen, WindowTarget};
 use crate::view::StereoLayout;
 use crate::viewpoint::head::Monitor;
 
@@ -64,9 +64,9 @@ pub struct Pane {
 }
 
 /// A picture being recorded.
-pub struct Frame {
+pub struct RecordedFrame {
     pub recorder: Recorder,
-    target: Target,
+    target: WindowTarget,
     /// The image holds a picture below the interface.
     pasted: bool,
 }
@@ -84,7 +84,7 @@ impl Pane {
     /// Returns a pane for `window`, whose surface is `surface`.
     pub fn new(
         window: Arc<Window>,
-        surface: Surface,
+        surface: WindowSurface,
         device: &Arc<Device>,
     ) -> Result<Pane, GpuError> {
         let screen = WindowScreen::new(device, surface, window.inner_size().into())?;
@@ -307,14 +307,14 @@ impl Pane {
     }
 
     /// Waits up to `patience` for a free image of the window. Returns `None` while there is none.
-    pub fn begin(&mut self, patience: Duration) -> Result<Option<Frame>, GpuError> {
+    pub fn begin(&mut self, patience: Duration) -> Result<Option<RecordedFrame>, GpuError> {
         let begun = Instant::now();
         let recorder = self.frames.begin()?;
         let target = self.screen.acquire(self.frames.slot(), patience)?;
         if target.is_some() {
             self.begun = Some(begun);
         }
-        Ok(target.map(|target| Frame { recorder, target, pasted: false }))
+        Ok(target.map(|target| RecordedFrame { recorder, target, pasted: false }))
     }
 
     /// Runs a pass of the interface, which `show` fills. Its textures wait for the next picture.
@@ -348,14 +348,18 @@ impl Pane {
     }
 
     /// Records the interface over the pasted picture, or over nothing.
-    pub fn draw(&mut self, frame: &mut Frame, interface: &Interface) -> Result<(), GpuError> {
-        let Frame { recorder, target, pasted } = frame;
+    pub fn draw(
+        &mut self,
+        frame: &mut RecordedFrame,
+        interface: &Interface,
+    ) -> Result<(), GpuError> {
+        let RecordedFrame { recorder, target, pasted } = frame;
         self.gui.upload(recorder, self.frames.slot(), &mut self.textures)?;
         let context = self.egui.egui_ctx();
         let primitives = context.tessellate(interface.shapes.clone(), interface.pixels_per_point);
         let (before, load) = match pasted {
             true => (Use::COPY_TARGET, Load::Keep),
-            false => (Target::FIRST, Load::Colour([0.0, 0.0, 0.0, 1.0])),
+            false => (WindowTarget::FIRST, Load::Colour([0.0, 0.0, 0.0, 1.0])),
         };
         recorder.image_barrier(target.part(), before, Use::COLOUR_TARGET);
         let attachment = Attachment { view: target.view(0), load, store: true };
@@ -370,12 +374,12 @@ impl Pane {
     /// them.
     pub fn draw_stereo(
         &mut self,
-        frame: &mut Frame,
+        frame: &mut RecordedFrame,
         interface: &Interface,
         pictures: &mut EyeImage,
         corner: IVec2,
     ) -> Result<(), GpuError> {
-        let Frame { recorder, target, .. } = frame;
+        let RecordedFrame { recorder, target, .. } = frame;
         self.gui.upload(recorder, self.frames.slot(), &mut self.textures)?;
         let context = self.egui.egui_ctx();
         let primitives = context.tessellate(interface.shapes.clone(), interface.pixels_per_point);
@@ -393,8 +397,8 @@ impl Pane {
 
     /// Presents the picture. Returns false if the window has changed too much; another one is due at once then
     /// ([`Pane::has_missed`]).
-    pub fn end(&mut self, frame: Frame) -> Result<bool, GpuError> {
-        let Frame { recorder, target, .. } = frame;
+    pub fn end(&mut self, frame: RecordedFrame) -> Result<bool, GpuError> {
+        let RecordedFrame { recorder, target, .. } = frame;
         self.frames.submit(recorder, &[target.wait()], &[target.signal()])?;
         self.gui.free(&mut self.textures);
         // Wayland asks for the next picture when this one has become visible.
@@ -431,11 +435,11 @@ fn is_paste_key(event: &WindowEvent) -> bool {
     pressed && latin.map_or_else(placed, |key| key == egui::Key::V)
 }
 
-impl Frame {
+impl RecordedFrame {
     /// Copies a picture of `size` pixels, in the layout of [`Use::COPY_SOURCE`], below the interface,
     /// with its upper left corner at the pixel `at`.
     pub fn paste(&mut self, picture: ImagePart, size: [u32; 2], at: [u32; 2]) {
-        self.recorder.image_barrier(self.target.part(), Target::FIRST, Use::COPY_TARGET);
+        self.recorder.image_barrier(self.target.part(), WindowTarget::FIRST, Use::COPY_TARGET);
         WindowScreen::paste(&mut self.recorder, picture, size, &self.target, at);
         self.pasted = true;
     }

@@ -10,7 +10,7 @@ use glam::{IVec2, UVec2};
 
 use crate::gpu::{Attachment, Device, EyeImage, Load, Recorder, Result, Use};
 use crate::render::{Stereo, StereoSources};
-use crate::screen::window::Target;
+use crate::screen::window::WindowTarget;
 use crate::view::StereoLayout;
 
 /// The pictures of two eyes, and their place in a window.
@@ -58,7 +58,7 @@ impl StereoScreen {
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
-        target: &Target,
+        target: &WindowTarget,
         pair: StereoPair,
     ) -> Result<()> {
         let StereoPair { pictures, corner, layout } = pair;
@@ -68,7 +68,7 @@ impl StereoScreen {
         }
         let sources = StereoSources { pictures, corner, interface: &self.interface };
         self.pass.begin(slot, &sources);
-        recorder.image_barrier(target.part(), Target::FIRST, Use::COLOUR_TARGET);
+        recorder.image_barrier(target.part(), WindowTarget::FIRST, Use::COLOUR_TARGET);
         for layer in 0..target.layers() {
             let view = target.view(layer as usize);
             let attachment = Attachment { view, load: Load::Forget, store: true };

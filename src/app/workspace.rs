@@ -21,22 +21,22 @@ use crate::config::Config;
 use crate::controls::Controls;
 use crate::editor::{Editor, job};
 use crate::gpu::DeviceOptions;
-use crate::input::events::{Viewport as InputArea, device_events};
+use crate::input::events::{ViewportInput as InputArea, device_events};
 use crate::input::pad::device::PadNews;
 use crate::input::pen::{PenSample, PenTrack};
 use crate::input::{Action, ActionEvent, Bindings, Buttons, Panel, Side, Trigger};
 use crate::picking::Picker;
 use crate::render::{Fallback, FrameReport, ReferencePicture};
-use crate::screen::headset::Blend;
+use crate::screen::headset::BlendMode;
 use crate::session::Session;
 use crate::shade::ground::line_spacing_vx;
 use crate::ui::{self, FrameTimes, UiContext, UiRequest, UiState, WindowOptions};
 use crate::view::Eye;
 use crate::viewpoint::ar::Ar;
-use crate::viewpoint::head::{Head, Monitor};
-use crate::viewpoint::{Viewpoint, Viewport};
+use crate::viewpoint::head::{Monitor, TrackedHead};
+use crate::viewpoint::{Viewpoint, ViewportRect};
 
-use key_focus::{Around, Heard, KeyFocus};
+use key_focus::{Around, HeardKeys, KeyFocus};
 
 /// Time between two attempts to write a journal that failed.
 const JOURNAL_LOOK: Duration = Duration::from_secs(2);
@@ -49,7 +49,7 @@ pub struct Display {
     pub quad_buffered: bool,
     pub times: FrameTimes,
     /// The ways in which a headset can blend pictures with the surroundings; empty without a headset.
-    pub blends: Vec<Blend>,
+    pub blends: Vec<BlendMode>,
     /// Area of the sculpture's picture in the window, in points.
     picture: Rect,
 }
@@ -82,7 +82,7 @@ impl Workspace {
             viewpoint: Viewpoint::new(
                 session.document(),
                 config.render.fov_deg,
-                Head::new(&config.tracking, &config.screen, config.headset.enabled),
+                TrackedHead::new(&config.tracking, &config.screen, config.headset.enabled),
                 Ar::new(&config.ar),
             ),
             editor: Editor::new(session),
@@ -266,7 +266,7 @@ impl Workspace {
     /// Runs a pass of a panel in a window of its own. Returns true if something was done there that other windows may
     /// have to show.
     pub fn show_panel(&mut self, panel: Panel, root: &mut Ui) -> bool {
-        let Heard { keyboard, kept } = self.hear_keys(Some(panel), root, false);
+        let HeardKeys { keyboard, kept } = self.hear_keys(Some(panel), root, false);
         let area = InputArea {
             rect: Rect::NOTHING,
             pixels_per_point: root.pixels_per_point(),
@@ -393,14 +393,14 @@ impl Workspace {
     fn set_picture(&mut self, rect: Rect, pixels_per_point: f32) {
         self.display.picture = rect;
         let px = rect * pixels_per_point;
-        self.viewpoint.set_viewport(Viewport {
+        self.viewpoint.set_viewport(ViewportRect {
             corner_px: Vec2::new(px.min.x, px.min.y),
             size_px: Vec2::new(px.width(), px.height()),
         });
     }
 
     /// Returns which keys of a window go to the sculpture instead of a dialog or a field.
-    fn hear_keys(&mut self, panel: Option<Panel>, root: &Ui, hovered: bool) -> Heard {
+    fn hear_keys(&mut self, panel: Option<Panel>, root: &Ui, hovered: bool) -> HeardKeys {
         let dialogs = &self.ui.dialogs;
         let around = Around {
             asking: dialogs.is_asking(),
@@ -415,7 +415,7 @@ impl Workspace {
     fn listen(&mut self, root: &Ui) {
         let ctx = root.ctx();
         let hovered = ctx.read_response(picture_id()).is_some_and(|r| r.contains_pointer());
-        let Heard { keyboard, kept } = self.hear_keys(None, root, hovered);
+        let HeardKeys { keyboard, kept } = self.hear_keys(None, root, hovered);
         let area = InputArea {
             rect: self.display.picture,
             pixels_per_point: root.pixels_per_point(),

@@ -7,7 +7,7 @@ use glam::{EulerRot, Quat, UVec3, Vec3};
 use serde::Serialize;
 
 use super::LEAST_RUNS;
-use super::pictures::Pictures;
+use super::pictures::BenchPictures;
 use super::statistics::{Times, measure};
 use crate::command::{Command, NewSculpture};
 use crate::document::{ChangeSubscriber, CommandError, Document};
@@ -17,7 +17,7 @@ use crate::scenes::Random;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
-use crate::tools::drawn::{DrawnSolid, Pose};
+use crate::tools::drawn::{DrawnSolid, SolidPose};
 use crate::tools::solid::{Primitive, Solid};
 
 /// One edit, repeated.
@@ -80,7 +80,7 @@ fn solids() -> Vec<(String, Command)> {
 
 /// Returns cuts with the example of every drawn solid.
 fn drawn_solids() -> impl Iterator<Item = (String, Command)> {
-    let pose = Pose { at_vx: MIDDLE_VX, rotation: turn() };
+    let pose = SolidPose { at_vx: MIDDLE_VX, rotation: turn() };
     DrawnSolid::ALL.into_iter().map(move |spec| {
         let drawn = (spec.example)(pose, HALF_EDGE_VX);
         (spec.bench_row.to_string(), Command::DrawnSolid { op: EditOp::Subtract, drawn })
@@ -238,7 +238,7 @@ const BITES: usize = 20;
 /// picture. A picture at rest follows each, as in a window, and is not measured. Takes at most `patience`, except for one run and the smallest number of runs.
 pub fn edit_to_image(
     document: &mut Document,
-    pictures: &mut Pictures,
+    pictures: &mut BenchPictures,
     radius_vx: f32,
     strokes: usize,
     patience: Duration,
@@ -288,7 +288,11 @@ pub fn edit_to_image(
 }
 
 /// Undoes edits, in sculpture and picture.
-fn renew(document: &mut Document, pictures: &mut Pictures, bites: usize) -> Result<(), GpuError> {
+fn renew(
+    document: &mut Document,
+    pictures: &mut BenchPictures,
+    bites: usize,
+) -> Result<(), GpuError> {
     // Undo cannot fail outside of a stroke.
     let undo = Command::Undo { steps: Some(bites as u32) };
     if bites > 0 && document.apply(&undo).is_ok() {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use serde::Serialize;
 
-use super::pictures::{Look, Pictures};
+use super::pictures::{BenchLook, BenchPictures};
 use super::statistics::Times;
 use super::{LEAST_RUNS, Suite};
 use crate::document::Document;
@@ -48,26 +48,26 @@ pub fn features(
     mode: RenderMode,
     lighting: &Lighting,
     document: &mut Document,
-    pictures: &mut Pictures,
+    pictures: &mut BenchPictures,
     suite: Suite,
 ) -> Result<Vec<FeatureReport>> {
-    let plain = Look {
+    let plain = BenchLook {
         lighting: Lighting { occlusion: false, shadow: None, ..*lighting },
         smooth_surface: SmoothSurface::Never,
         ground: None,
         smooth_edges: false,
         magnification: 1.0,
     };
-    let near = Look { magnification: MAGNIFICATION, ..plain };
-    let lit = |lighting| Look { lighting, ..plain };
+    let near = BenchLook { magnification: MAGNIFICATION, ..plain };
+    let lit = |lighting| BenchLook { lighting, ..plain };
     let mut pairs = vec![
         ("occlusion", plain, lit(Lighting { occlusion: true, ..plain.lighting })),
         ("shadow", plain, lit(Lighting { shadow: Some(SHADOW), ..plain.lighting })),
-        ("ground", plain, Look { ground: Some(GROUND), ..plain }),
-        ("smooth edges", plain, Look { smooth_edges: true, ..plain }),
+        ("ground", plain, BenchLook { ground: Some(GROUND), ..plain }),
+        ("smooth edges", plain, BenchLook { smooth_edges: true, ..plain }),
     ];
     if mode.can_be_smooth() {
-        let smooth = Look { smooth_surface: SmoothSurface::Always, ..near };
+        let smooth = BenchLook { smooth_surface: SmoothSurface::Always, ..near };
         pairs.push(("smooth surface", near, smooth));
     }
     let mut reports = Vec::new();
@@ -81,9 +81,9 @@ pub fn features(
 /// Renders pictures of two looks in turn, so that other load on the machine slows both.
 fn compare(
     name: &str,
-    looks: [&Look; 2],
+    looks: [&BenchLook; 2],
     document: &mut Document,
-    pictures: &mut Pictures,
+    pictures: &mut BenchPictures,
     suite: Suite,
 ) -> Result<Option<FeatureReport>> {
     let mut times: [Vec<Duration>; 2] = Default::default();

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use glam::Affine3A;
 
-use super::measured::{AfterEdit, Scene, StageTimes};
+use super::measured::{AfterEdit, BenchScene, StageTimes};
 use crate::document::Document;
 use crate::render::RenderMode;
 use crate::sculpture::Grid;
@@ -52,8 +52,8 @@ impl Caster {
 
 impl KernelPictures {
     /// Creates one; `None` if the mode needs a device.
-    pub fn new(scene: &Scene, document: &mut Document) -> Option<KernelPictures> {
-        let Scene { mode, eyes, lighting } = *scene;
+    pub fn new(scene: &BenchScene, document: &mut Document) -> Option<KernelPictures> {
+        let BenchScene { mode, eyes, lighting } = *scene;
         let world_from_grid = document.world_from_grid();
         let view = |eye: &Eye| {
             let rays = eye.pixel_rays(&world_from_grid);

@@ -11,7 +11,7 @@ use crate::view::Eye;
 
 /// The view to render.
 #[derive(Clone, Copy)]
-pub struct Scene<'a> {
+pub struct BenchScene<'a> {
     pub mode: RenderMode,
     /// One or two.
     pub eyes: &'a [Eye],

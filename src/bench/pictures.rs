@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use glam::{Affine3A, Mat4, Vec3};
 
 use super::kernel_pictures::KernelPictures;
-use super::measured::{AfterEdit, Scene, StageTimes};
+use super::measured::{AfterEdit, BenchScene, StageTimes};
 use crate::document::Document;
 use crate::gpu::{Device, Frames, Result};
 use crate::picture::BACKGROUND;
@@ -20,7 +20,7 @@ use crate::shade::{Ground, Lighting};
 use crate::view::{Eye, PixelRays};
 
 /// Renders one document in one mode.
-pub struct Pictures {
+pub struct BenchPictures {
     rays: PixelRays,
     maker: Maker,
 }
@@ -32,7 +32,7 @@ enum Maker {
 
 /// The light and view of the sculpture, for comparisons.
 #[derive(Clone, Copy, Debug)]
-pub struct Look {
+pub struct BenchLook {
     pub lighting: Lighting,
     pub smooth_surface: SmoothSurface,
     pub ground: Option<Ground>,
@@ -45,7 +45,7 @@ pub struct Look {
 struct Rendered {
     mode: RenderMode,
     /// Instead of the scene's.
-    look: Option<Look>,
+    look: Option<BenchLook>,
     eyes: Vec<Eye>,
     /// The same eyes, displaced by a tiny distance.
     beside: Vec<Eye>,
@@ -60,13 +60,13 @@ struct Rendered {
 /// Longest delay of a picture after an edit by the normals of an opened sculpture, as in the window.
 const PATIENCE: Duration = Duration::from_millis(6);
 
-impl Pictures {
+impl BenchPictures {
     /// Creates one; `None` if the mode needs a device and there is none.
     pub fn new(
-        scene: &Scene,
+        scene: &BenchScene,
         document: &mut Document,
         device: Option<&Arc<Device>>,
-    ) -> Result<Option<Pictures>> {
+    ) -> Result<Option<BenchPictures>> {
         let Some(eye) = scene.eyes.first() else { return Ok(None) };
         let rays = eye.pixel_rays(&document.world_from_grid());
         let maker = match device {
@@ -76,7 +76,7 @@ impl Pictures {
                 None => return Ok(None),
             },
         };
-        Ok(Some(Pictures { rays, maker }))
+        Ok(Some(BenchPictures { rays, maker }))
     }
 
     /// Switches to another mode. Returns false if that needs another value of this type.
@@ -91,7 +91,7 @@ impl Pictures {
     }
 
     /// Sets the look of further pictures; `None`: that of the scene. Returns false without a device.
-    pub fn set_look(&mut self, look: Option<&Look>) -> bool {
+    pub fn set_look(&mut self, look: Option<&BenchLook>) -> bool {
         match &mut self.maker {
             Maker::Renderer(rendered) => {
                 rendered.look = look.copied();
@@ -132,7 +132,7 @@ impl Pictures {
 }
 
 impl Rendered {
-    fn new(scene: &Scene, device: &Arc<Device>) -> Result<Rendered> {
+    fn new(scene: &BenchScene, device: &Arc<Device>) -> Result<Rendered> {
         let aside = |eye: &Eye| {
             let aside = Affine3A::from_translation(Vec3::X * 1e-3);
             Eye { eye_from_world: aside * eye.eye_from_world, ..*eye }
@@ -175,7 +175,7 @@ impl Rendered {
     /// Renders a picture and waits for it.
     fn draw(&mut self, document: &mut Document) -> Result<StageTimes> {
         let [top, bottom] = BACKGROUND.map(|c| Vec3::from(c.map(f32::from)) / 255.0);
-        let look = self.look.unwrap_or(Look {
+        let look = self.look.unwrap_or(BenchLook {
             lighting: self.lighting,
             smooth_surface: SmoothSurface::Never,
             ground: None,

@@ -14,7 +14,7 @@ use crate::sculpture::{ColourDepth, Grid, GridError, Limits, Material, Rgb};
 use crate::view::{Camera, Eye};
 
 /// A sculpture to measure.
-pub enum Subject {
+pub enum BenchSubject {
     Cube,
     Engine,
     Cheese,
@@ -22,27 +22,27 @@ pub enum Subject {
     File(PathBuf),
 }
 
-impl Subject {
-    pub const STANDARD: [Subject; 4] =
-        [Subject::Cube, Subject::Engine, Subject::Cheese, Subject::Gyroid];
+impl BenchSubject {
+    pub const STANDARD: [BenchSubject; 4] =
+        [BenchSubject::Cube, BenchSubject::Engine, BenchSubject::Cheese, BenchSubject::Gyroid];
 
-    pub fn of_name(name: &str) -> Subject {
+    pub fn of_name(name: &str) -> BenchSubject {
         match name {
-            "cube" => Subject::Cube,
-            "engine" => Subject::Engine,
-            "cheese" => Subject::Cheese,
-            "gyroid" => Subject::Gyroid,
-            file => Subject::File(PathBuf::from(file)),
+            "cube" => BenchSubject::Cube,
+            "engine" => BenchSubject::Engine,
+            "cheese" => BenchSubject::Cheese,
+            "gyroid" => BenchSubject::Gyroid,
+            file => BenchSubject::File(PathBuf::from(file)),
         }
     }
 
     pub fn name(&self) -> String {
         match self {
-            Subject::Cube => "cube 256".to_string(),
-            Subject::Engine => "engine 256".to_string(),
-            Subject::Cheese => "cheese 512".to_string(),
-            Subject::Gyroid => "gyroid 512".to_string(),
-            Subject::File(path) => {
+            BenchSubject::Cube => "cube 256".to_string(),
+            BenchSubject::Engine => "engine 256".to_string(),
+            BenchSubject::Cheese => "cheese 512".to_string(),
+            BenchSubject::Gyroid => "gyroid 512".to_string(),
+            BenchSubject::File(path) => {
                 let name = path.file_name().unwrap_or(path.as_os_str());
                 name.to_string_lossy().into_owned()
             }
@@ -52,7 +52,7 @@ impl Subject {
     /// Returns the path of its file, if it is one.
     pub fn path(&self) -> Option<&Path> {
         match self {
-            Subject::File(path) => Some(path),
+            BenchSubject::File(path) => Some(path),
             _ => None,
         }
     }
@@ -64,11 +64,11 @@ impl Subject {
         progress: &dyn Progress,
     ) -> Result<Document, FormatError> {
         let contents = match self {
-            Subject::Cube => without_colour(scenes::solid_cube(256))?,
-            Subject::Engine => without_colour(scenes::engine_like(256))?,
-            Subject::Cheese => without_colour(scenes::cheese(512, 2000, 1))?,
-            Subject::Gyroid => without_colour(scenes::gyroid(512, 1))?,
-            Subject::File(path) => format::load(path, import, &limits, progress)?.contents,
+            BenchSubject::Cube => without_colour(scenes::solid_cube(256))?,
+            BenchSubject::Engine => without_colour(scenes::engine_like(256))?,
+            BenchSubject::Cheese => without_colour(scenes::cheese(512, 2000, 1))?,
+            BenchSubject::Gyroid => without_colour(scenes::gyroid(512, 1))?,
+            BenchSubject::File(path) => format::load(path, import, &limits, progress)?.contents,
         };
         Ok(Document::from_contents(contents, limits))
     }

@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use crate::format::meshes_read_with_up_text;
 use crate::format::options::{
-    Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize, Ordinal, RawLayout, Region,
+    Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize, Ordinal, RawLayout, ScanRegion,
 };
 use crate::headless::PictureRequest;
 use crate::render::RenderMode;
@@ -48,7 +48,7 @@ pub struct ImportArgs {
     pub time: Option<Ordinal>,
     /// Part of a volume to read: its lowest and highest voxel in the file, such as 0,0,10..127,127,60
     #[arg(long, value_name = "REGION")]
-    pub region: Option<Region>,
+    pub region: Option<ScanRegion>,
     /// Resample a volume to cubic voxels: no, finest (its shortest edge), or an edge such as 0.5mm
     #[arg(long, default_value_t, value_name = "EDGE")]
     pub cubic: Cubic,

@@ -8,7 +8,7 @@ use glam::Vec2;
 use super::PictureArgs;
 use super::error::ArgumentError;
 use crate::picture::{FinalOptions, LINEAR_ENDING};
-use crate::trace::{AreaLight, Ground, Lens, LightOptions, MAX_BOUNCES, Sun, TraceOptions};
+use crate::trace::{AreaLight, Ground, Lens, LightOptions, MAX_BOUNCES, SunLight, TraceOptions};
 
 /// How much time a picture may take.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
@@ -113,7 +113,7 @@ impl FinalArgs {
         if let LightOptions::Outdoors { sun, sky, area_light } = light {
             let [azimuth_deg, elevation_deg] =
                 self.sun.unwrap_or([sun.azimuth_deg, sun.elevation_deg]);
-            *sun = Sun {
+            *sun = SunLight {
                 azimuth_deg,
                 elevation_deg,
                 size_deg: self.sun_size.unwrap_or(sun.size_deg),

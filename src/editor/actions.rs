@@ -7,11 +7,11 @@ use glam::{Quat, UVec3, Vec2, Vec3};
 
 use super::Editor;
 use super::draw::{DrawTool, Pressed};
-use super::lead::{Heard, Led};
+use super::lead::{LeadEffect, Led};
 use super::marker;
 use super::pointer::PointerUse;
 use super::sizes::gauge_at;
-use super::stroke::{Guide, PointerGuide, PointerLead, Scene};
+use super::stroke::{PointerGuide, PointerLead, SolidGuide, StrokeScene};
 use super::symmetry::Placed;
 use super::tool::{NextPress, ToolEdit, ToolKind};
 use super::tool_view::ToolView;
@@ -212,10 +212,12 @@ impl Editor {
         let mode = if inverse && !unpaints { tool.mode.inverted() } else { tool.mode };
         if tool.follow {
             self.lead_tool_to(at, point, picker);
-            let guide = |scene: &Scene| Guide::Surface(PointerGuide::new(at, point, scene, picker));
+            let guide = |scene: &StrokeScene| {
+                SolidGuide::Surface(PointerGuide::new(at, point, scene, picker))
+            };
             self.stroking().begin_solid(mode, unpaints, guide);
         } else {
-            self.stroking().begin_solid(mode, unpaints, |_| Guide::Tool { hovering: None });
+            self.stroking().begin_solid(mode, unpaints, |_| SolidGuide::Tool { hovering: None });
         }
     }
 
@@ -225,7 +227,7 @@ impl Editor {
             ToolKind::Solid => {
                 let over = self.pointer.at.zip(self.anchor.ground());
                 let mode = self.tool.mode;
-                self.stroking().begin_solid(mode, false, |scene| Guide::Tool {
+                self.stroking().begin_solid(mode, false, |scene| SolidGuide::Tool {
                     hovering: over
                         .map(|(at, ground)| PointerGuide::new(at, ground.point, scene, picker)),
                 });
@@ -519,9 +521,9 @@ impl Editor {
     /// Handles an event while the pointer controls the tool. Returns true if the event has no other meaning.
     pub fn lead_by(&mut self, event: &ActionEvent) -> bool {
         match self.leading.hear(event, &mut self.tool) {
-            Heard::Other => return false,
-            Heard::Taken => {}
-            Heard::Resize(notches) => self.resize(notches, 2.0),
+            LeadEffect::Other => return false,
+            LeadEffect::Taken => {}
+            LeadEffect::Resize(notches) => self.resize(notches, 2.0),
         }
         true
     }

@@ -10,7 +10,7 @@ use crate::document::Document;
 use crate::surface::raycast;
 use crate::tools::brush::footprint::{Coverage, Footprint};
 use crate::tools::brush::keys::{OUTLINE, RADIUS};
-use crate::view::{Pose, Room};
+use crate::view::{Room, RoomPose};
 
 /// Distance from a brush in a hand at which it has its displayed width, in metres.
 const SPRAY_REACH_M: f32 = 0.1;
@@ -21,7 +21,7 @@ const SPRAY_STEP: f32 = 0.0085;
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct HandTool {
     /// The last pose of the tool in the hand, in the room; `None` while no hand holds it.
-    pub(super) pose: Option<Pose>,
+    pub(super) pose: Option<RoomPose>,
     /// The present stroke is the hand's, not the mouse's.
     pub(super) stroke: bool,
     /// The part of the symmetry that follows the hand.
@@ -79,7 +79,7 @@ impl HandTool {
 }
 
 /// Returns the size of a virtual pixel for a hand, in units of the smallest edge.
-pub(super) fn hand_gauge(document: &Document, pose: &Pose, room: &Room) -> f32 {
+pub(super) fn hand_gauge(document: &Document, pose: &RoomPose, room: &Room) -> f32 {
     let size = document.grid().voxel_size();
     let at = |own: Vec3| grid_point(document, pose.at(own * SPRAY_REACH_M), room);
     let across = (at(Vec3::X) - at(Vec3::ZERO)) * size / size.min_element();
@@ -93,10 +93,10 @@ pub fn grid_point(document: &Document, point: Vec3, room: &Room) -> Vec3 {
 }
 
 /// Returns a pose of the room in the grid: position in voxels, rotation about axes of the grid.
-pub(super) fn in_grid(document: &Document, pose: &Pose, room: &Room) -> Pose {
+pub(super) fn in_grid(document: &Document, pose: &RoomPose, room: &Room) -> RoomPose {
     let world = room.in_world(pose);
     let rotation: Quat = document.placement().rotation.inverse();
-    Pose {
+    RoomPose {
         position: grid_from_world(document).transform_point3(world.position),
         rotation: (rotation * world.rotation).normalize(),
     }

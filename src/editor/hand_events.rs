@@ -6,13 +6,13 @@
 use super::Editor;
 use super::actions::GROWTH_PER_NOTCH;
 use super::hand::{hand_gauge, in_grid};
-use super::stroke::{Guide, Scene};
+use super::stroke::{SolidGuide, StrokeScene};
 use super::tool::{NextPress, ToolKind};
 use crate::command::Command;
 use crate::input::hands::HandEvent;
 use crate::input::pen::PenTouch;
 use crate::picking::Picker;
-use crate::view::{Pose, Room};
+use crate::view::{Room, RoomPose};
 
 /// Largest distance of the tool from the grid's origin, in voxels.
 const FARTHEST_VX: f32 = 1e7;
@@ -61,7 +61,7 @@ impl Editor {
         }
     }
 
-    fn lead_by_hand(&mut self, pose: &Pose, room: &Room, picker: &Picker) {
+    fn lead_by_hand(&mut self, pose: &RoomPose, room: &Room, picker: &Picker) {
         if self.is_stroking() && !self.hand.stroke {
             // The mouse is in use.
             return;
@@ -134,7 +134,7 @@ impl Editor {
         let mode = self.tool.mode;
         match self.tool.kind {
             ToolKind::Solid => {
-                let guide = |_: &Scene| Guide::Tool { hovering: None };
+                let guide = |_: &StrokeScene| SolidGuide::Tool { hovering: None };
                 self.stroking().begin_solid(mode, false, guide);
             }
             ToolKind::Brush(brush) if brush.spec().is_in_picture() => {

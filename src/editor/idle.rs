@@ -14,7 +14,7 @@ use crate::sculpture::region::{Region, VoxelBox};
 use crate::sculpture::{Grid, Rgb};
 use crate::tools::brush::footprint::Footprint;
 use crate::tools::brush::keys::{REACH, STRENGTH};
-use crate::tools::brush::{Ball, BrushId, BrushUse, Contact};
+use crate::tools::brush::{BrushBall, BrushId, BrushUse, Contact};
 use crate::tools::drawn::region::PlacedDrawnSolid;
 use crate::tools::solid::{Primitive, Solid};
 
@@ -234,7 +234,7 @@ impl Trial<'_> {
         .to_string()
     }
 
-    fn why_ball_is_idle(&mut self, ball: &Ball, idle: &'static str) -> &'static str {
+    fn why_ball_is_idle(&mut self, ball: &BrushBall, idle: &'static str) -> &'static str {
         if self.tool.is_weak {
             return "Nothing changed: the strength of the brush is 0";
         }

@@ -24,7 +24,7 @@ pub(super) enum Led {
 
 /// The effect of an event meanwhile.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum Heard {
+pub(super) enum LeadEffect {
     /// The event does not concern the change of the tool.
     Other,
     /// The event is used up.
@@ -74,9 +74,9 @@ impl Leading {
     }
 
     /// Handles an event.
-    pub fn hear(&mut self, event: &ActionEvent, tool: &mut ToolState) -> Heard {
+    pub fn hear(&mut self, event: &ActionEvent, tool: &mut ToolState) -> LeadEffect {
         let (what, at) = match &mut self.0 {
-            None => return Heard::Other,
+            None => return LeadEffect::Other,
             Some(State::Over(action)) => {
                 let over = *action;
                 if *event == ActionEvent::End(over) {
@@ -86,9 +86,9 @@ impl Leading {
                     ActionEvent::Drag { action, .. } | ActionEvent::End(action)
                         if *action == over =>
                     {
-                        Heard::Taken
+                        LeadEffect::Taken
                     }
-                    _ => Heard::Other,
+                    _ => LeadEffect::Other,
                 };
             }
             Some(State::Led { what, at, .. }) => (*what, at),
@@ -97,7 +97,7 @@ impl Leading {
             ActionEvent::Hover(to) => {
                 let by_px = at.replace(to).map_or(0.0, |from| to.x - from.x);
                 match what {
-                    Led::Size => return Heard::Resize(by_px / DOUBLES_PX),
+                    Led::Size => return LeadEffect::Resize(by_px / DOUBLES_PX),
                     Led::Strength => {
                         if let Some(options) = with_strength(tool) {
                             let strength = options.get(STRENGTH) + by_px / FULL_PX;
@@ -120,13 +120,13 @@ impl Leading {
             ActionEvent::Tap(action) => {
                 self.0 = None;
                 return match action {
-                    Action::LeadSize | Action::LeadStrength => Heard::Taken,
-                    _ => Heard::Other,
+                    Action::LeadSize | Action::LeadStrength => LeadEffect::Taken,
+                    _ => LeadEffect::Other,
                 };
             }
-            _ => return Heard::Other,
+            _ => return LeadEffect::Other,
         }
-        Heard::Taken
+        LeadEffect::Taken
     }
 
     fn give_back(&mut self, tool: &mut ToolState) {

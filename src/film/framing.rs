@@ -5,7 +5,7 @@
 use glam::{Affine3A, Quat, Vec3};
 
 use crate::document::Document;
-use crate::picture::{CameraPlacement, View, outline, outline_middle, voxel_edge};
+use crate::picture::{CameraPlacement, PictureView, outline, outline_middle, voxel_edge};
 use crate::sculpture::Placement;
 use crate::view::Eye;
 
@@ -16,7 +16,7 @@ const RING_CORNERS: usize = 64;
 
 /// See the module text.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Framing {
+pub struct FilmFraming {
     eye: Eye,
     distance: f32,
     placement: Placement,
@@ -25,13 +25,13 @@ pub struct Framing {
     pivot: Vec3,
 }
 
-impl Framing {
+impl FilmFraming {
     /// Frames `document` in its state of the last frame. Without a spin, it is framed like a single picture.
-    pub fn new(view: &View, document: &Document, spins: bool) -> Framing {
+    pub fn new(view: &PictureView, document: &Document, spins: bool) -> FilmFraming {
         let (placement, up) = (*document.placement(), view.up);
         if !spins {
             let CameraPlacement { eye, distance, .. } = view.placement(document);
-            return Framing { eye, distance, placement, up, pivot: Vec3::ZERO };
+            return FilmFraming { eye, distance, placement, up, pivot: Vec3::ZERO };
         }
         let world_from_grid = document.world_from_grid();
         let pivot = world_from_grid.transform_point3(outline_middle(document.grid()));
@@ -39,7 +39,7 @@ impl Framing {
         let points = points.iter().map(|point| world_from_grid.transform_point3(*point));
         let camera = view.camera(&swept(points, up, pivot), voxel_edge(&world_from_grid));
         let (eye, distance) = (camera.eye(view.size), camera.eye.distance(camera.target));
-        Framing { eye, distance, placement, up, pivot }
+        FilmFraming { eye, distance, placement, up, pivot }
     }
 
     /// Returns the placement of the camera for a frame in which the sculpture is `document`.
@@ -97,8 +97,8 @@ mod tests {
     use crate::sculpture::{ColourDepth, Rgb};
     use crate::view::StereoLayout;
 
-    fn view(up: Vec3) -> View {
-        View {
+    fn view(up: Vec3) -> PictureView {
+        PictureView {
             size: UVec2::new(320, 200),
             smooth_surface: true,
             mode: RenderMode::Ray,
@@ -148,7 +148,7 @@ mod tests {
     fn the_whole_sculpture_is_in_every_frame_of_a_turn_and_fills_the_picture() {
         let document = document();
         for up in [Vec3::Y, Vec3::Z, Vec3::NEG_X] {
-            let framing = Framing::new(&view(up), &document, true);
+            let framing = FilmFraming::new(&view(up), &document, true);
             let reaches: Vec<f32> = (0..90)
                 .map(|frame| {
                     reach(
@@ -165,8 +165,8 @@ mod tests {
     #[test]
     fn a_turn_in_parallel_rays_is_framed_as_well() {
         let document = document();
-        let view = View { orthographic: true, ..view(Vec3::Y) };
-        let framing = Framing::new(&view, &document, true);
+        let view = PictureView { orthographic: true, ..view(Vec3::Y) };
+        let framing = FilmFraming::new(&view, &document, true);
         let turns = (0..36).map(|frame| (10.0 * frame as f32).to_radians());
         let most = turns.map(|turn| reach(&framing.placement(&document, turn), &document));
         let most = most.fold(0.0, f32::max);
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn the_axis_of_a_turn_goes_through_the_middle_of_the_sculpture() {
         let document = document();
-        let framing = Framing::new(&view(Vec3::Y), &document, true);
+        let framing = FilmFraming::new(&view(Vec3::Y), &document, true);
         let middle = outline_middle(document.grid());
         let at = |turn| framing.placement(&document, turn).world_from_grid.transform_point3(middle);
         for turn in [0.0, 1.0, 2.5, 6.0] {
@@ -188,7 +188,8 @@ mod tests {
     fn a_film_without_a_turn_is_framed_as_a_picture_is() {
         let document = document();
         let view = view(Vec3::Z);
-        let placement = Framing::new(&view, &document, false).placement(&document, view.turn_rad);
+        let placement =
+            FilmFraming::new(&view, &document, false).placement(&document, view.turn_rad);
         assert_eq!(placement, view.placement(&document));
     }
 }

@@ -8,45 +8,45 @@ use std::sync::Arc;
 
 use image::RgbImage;
 
-use super::framing::Framing;
+use super::framing::FilmFraming;
 use super::lapse::Lapse;
 use super::timing::Timing;
 use super::{FilmError, FilmJob, Subject};
 use crate::command::Command;
 use crate::document::{Document, DocumentSnapshot};
 use crate::headless::{Context, JobError, execute_command};
-use crate::picture::{PictureMaker, View};
+use crate::picture::{PictureMaker, PictureView};
 use crate::progress::Progress;
 use crate::sculpture::history::Contents;
 use crate::session::{Session, SessionError};
 
 /// The sculpture of a film.
-pub enum Scene {
+pub enum FilmScene {
     /// With files, as scripts need.
     Session(Box<Session>),
     Document(Box<Document>),
 }
 
-impl Scene {
+impl FilmScene {
     fn document(&self) -> &Document {
         match self {
-            Scene::Session(session) => session.document(),
-            Scene::Document(document) => document,
+            FilmScene::Session(session) => session.document(),
+            FilmScene::Document(document) => document,
         }
     }
 
     fn document_mut(&mut self) -> &mut Document {
         match self {
-            Scene::Session(session) => session.document_mut(),
-            Scene::Document(document) => document,
+            FilmScene::Session(session) => session.document_mut(),
+            FilmScene::Document(document) => document,
         }
     }
 
     /// Executes a command of the script at `path`.
     fn execute(&mut self, command: &(usize, Command), path: &Path) -> Result<(), JobError> {
         match self {
-            Scene::Session(session) => execute_command(session, command, path),
-            Scene::Document(document) => match document.apply(&command.1) {
+            FilmScene::Session(session) => execute_command(session, command, path),
+            FilmScene::Document(document) => match document.apply(&command.1) {
                 Ok(_) => Ok(()),
                 Err(error) => Err(SessionError::from(error).into()),
             },
@@ -56,13 +56,13 @@ impl Scene {
 
 /// See the module text.
 pub struct Stage<'a> {
-    scene: Scene,
+    scene: FilmScene,
     lapse: Option<Lapse>,
     /// Number of executed commands.
     executed: usize,
-    view: View,
+    view: PictureView,
     timing: Timing,
-    framing: Framing,
+    framing: FilmFraming,
     maker: PictureMaker,
     progress: &'a dyn Progress,
     /// The last picture, with its turn and number of commands: nothing may change for some frames.
@@ -70,20 +70,20 @@ pub struct Stage<'a> {
 }
 
 /// Returns the sculpture of a turntable, or the initial one of a script.
-pub fn begin(job: &FilmJob, context: &Context) -> Result<Scene, FilmError> {
+pub fn begin(job: &FilmJob, context: &Context) -> Result<FilmScene, FilmError> {
     let file = match &job.subject {
         Subject::Sculpture { contents, placement } => {
             let limits = context.config.limits();
             let mut document = Document::from_contents(Contents::clone(contents), limits);
             let placed = document.apply(&Command::Place(*placement));
             placed.map_err(|error| JobError::from(SessionError::from(error)))?;
-            return Ok(Scene::Document(Box::new(document)));
+            return Ok(FilmScene::Document(Box::new(document)));
         }
         Subject::Steps { now, store } => {
             let (limits, store) = (context.config.limits(), store.clone());
             let document = Document::restored(DocumentSnapshot::clone(now), limits, store);
             let document = document.map_err(|error| JobError::from(SessionError::from(error)))?;
-            return Ok(Scene::Document(Box::new(document)));
+            return Ok(FilmScene::Document(Box::new(document)));
         }
         Subject::File(_) if job.is_lapse() => job.input.as_ref(),
         Subject::File(file) => Some(file),
@@ -92,16 +92,16 @@ pub fn begin(job: &FilmJob, context: &Context) -> Result<Scene, FilmError> {
         Some(file) => context.open_session(file, &job.import),
         None => context.new_session(),
     };
-    Ok(Scene::Session(Box::new(session.map_err(JobError::from)?)))
+    Ok(FilmScene::Session(Box::new(session.map_err(JobError::from)?)))
 }
 
 impl<'a> Stage<'a> {
     /// Creates a stage for `scene` in its [initial](begin) state.
     pub fn new(
         job: &FilmJob,
-        mut scene: Scene,
+        mut scene: FilmScene,
         lapse: Option<Lapse>,
-        view: View,
+        view: PictureView,
         timing: Timing,
         context: &Context<'a>,
     ) -> Result<Stage<'a>, FilmError> {
@@ -116,7 +116,7 @@ impl<'a> Stage<'a> {
             }
             progress.end();
         }
-        let framing = Framing::new(&view, scene.document(), timing.spins());
+        let framing = FilmFraming::new(&view, scene.document(), timing.spins());
         if lapse.is_some() {
             // Drop the first one before the second one is made.
             drop(scene);

@@ -52,13 +52,13 @@ impl Drop for SetLayout {
 }
 
 /// A sampler with linear filtering, clamped to the edge.
-pub struct Sampler {
+pub struct TextureSampler {
     handle: vk::Sampler,
     device: Arc<Device>,
 }
 
-impl Sampler {
-    pub fn linear(device: &Arc<Device>, name: &str) -> Result<Sampler> {
+impl TextureSampler {
+    pub fn linear(device: &Arc<Device>, name: &str) -> Result<TextureSampler> {
         let info = vk::SamplerCreateInfo::default()
             .mag_filter(vk::Filter::LINEAR)
             .min_filter(vk::Filter::LINEAR)
@@ -69,11 +69,11 @@ impl Sampler {
         let handle =
             unsafe { device.raw().create_sampler(&info, None) }.during("create a sampler")?;
         device.name(handle, name);
-        Ok(Sampler { handle, device: device.clone() })
+        Ok(TextureSampler { handle, device: device.clone() })
     }
 }
 
-impl Drop for Sampler {
+impl Drop for TextureSampler {
     fn drop(&mut self) {
         let handle = self.handle;
         // SAFETY: called once the device has finished all work that may use it.
@@ -146,7 +146,7 @@ impl DescriptorSets {
         index: usize,
         binding: u32,
         view: vk::ImageView,
-        sampler: &Sampler,
+        sampler: &TextureSampler,
     ) {
         let images = [vk::DescriptorImageInfo::default()
             .sampler(sampler.handle)

@@ -16,7 +16,7 @@ use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
 use super::choice::{Candidate, DeviceChoice, candidates, first_that_works};
 use super::error::{During, GpuError, Result};
-use super::host::Surface;
+use super::host::WindowSurface;
 use super::instance::{Host, Instance, Validation};
 use super::pipeline_cache::PipelineCache;
 use super::retire::{RetireQueue, Retired};
@@ -166,11 +166,11 @@ impl Device {
     }
 
     /// Returns the surface of a further window; that of the first one was created with the device.
-    pub fn surface<W>(&self, window: Arc<W>) -> Result<Surface>
+    pub fn surface<W>(&self, window: Arc<W>) -> Result<WindowSurface>
     where
         W: HasDisplayHandle + HasWindowHandle + 'static,
     {
-        let surface = Surface::of_window(&self.instance, window)?;
+        let surface = WindowSurface::of_window(&self.instance, window)?;
         if !surface.can_show(self.physical(), self.queue_family())? {
             return Err(GpuError::Host("the device cannot draw to a further window".to_string()));
         }

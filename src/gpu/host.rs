@@ -23,7 +23,7 @@ impl Host for Headless {
 /// A window and, once the device exists, its surface.
 pub struct WindowHost<W> {
     window: Arc<W>,
-    surface: Option<Surface>,
+    surface: Option<WindowSurface>,
 }
 
 impl<W: HasDisplayHandle + HasWindowHandle + 'static> WindowHost<W> {
@@ -32,7 +32,7 @@ impl<W: HasDisplayHandle + HasWindowHandle + 'static> WindowHost<W> {
     }
 
     /// Returns the surface, after `Device::new` has returned.
-    pub fn into_surface(self) -> Result<Surface> {
+    pub fn into_surface(self) -> Result<WindowSurface> {
         self.surface.ok_or_else(|| GpuError::Host("the window has no surface yet".to_string()))
     }
 }
@@ -51,7 +51,7 @@ impl<W: HasDisplayHandle + HasWindowHandle + 'static> Host for WindowHost<W> {
     }
 
     fn attach(&mut self, instance: &Arc<Instance>) -> Result<()> {
-        self.surface = Some(Surface::of_window(instance, self.window.clone())?);
+        self.surface = Some(WindowSurface::of_window(instance, self.window.clone())?);
         Ok(())
     }
 
@@ -65,7 +65,7 @@ impl<W: HasDisplayHandle + HasWindowHandle + 'static> Host for WindowHost<W> {
 }
 
 /// A window's surface; keeps window and instance alive.
-pub struct Surface {
+pub struct WindowSurface {
     handle: vk::SurfaceKHR,
     loader: khr::surface::Instance,
     instance: Arc<Instance>,
@@ -77,13 +77,13 @@ trait Handles: HasDisplayHandle + HasWindowHandle {}
 
 impl<W: HasDisplayHandle + HasWindowHandle> Handles for W {}
 
-impl Surface {
+impl WindowSurface {
     /// Returns the surface of `window`.
-    pub(super) fn of_window<W>(instance: &Arc<Instance>, window: Arc<W>) -> Result<Surface>
+    pub(super) fn of_window<W>(instance: &Arc<Instance>, window: Arc<W>) -> Result<WindowSurface>
     where
         W: HasDisplayHandle + HasWindowHandle + 'static,
     {
-        let mut surface = Surface {
+        let mut surface = WindowSurface {
             handle: vk::SurfaceKHR::null(),
             loader: khr::surface::Instance::new(instance.entry(), instance.raw()),
             instance: instance.clone(),
@@ -127,7 +127,7 @@ impl Surface {
     }
 }
 
-impl Drop for Surface {
+impl Drop for WindowSurface {
     fn drop(&mut self) {
         // SAFETY: the swapchain made from it is dropped before (its owner's duty).
         unsafe { self.loader.destroy_surface(self.handle, None) };

@@ -57,11 +57,11 @@ mod validation;
 
 pub use choice::{DeviceChoice, survey};
 pub use commands::{Attachment, FRAMES_IN_FLIGHT, Frames, Load, Pool, Recorder, Use, run_once};
-pub use descriptors::{Binding, DescriptorSets, Sampler, SetLayout};
+pub use descriptors::{Binding, DescriptorSets, SetLayout, TextureSampler};
 pub use device::{Device, DeviceOptions, MAX_SEMAPHORES, Serial};
 pub use error::{During, GpuError, Result};
 pub use eye_image::{CornerAndSize, EyeImage};
-pub use host::{Headless, Surface, WindowHost};
+pub use host::{Headless, WindowHost, WindowSurface};
 pub use instance::{Host, Instance, Validation};
 pub use memory::{Buffer, Image, ImageInfo, ImagePart, MemoryLocation, Piece};
 pub use options::GpuOptions;

@@ -33,7 +33,7 @@ const PRESETS: [(&str, &str); 4] = [
 ];
 
 /// The lines of a table in its text: triggers by the names of actions.
-pub type Lines = BTreeMap<String, Vec<String>>;
+pub type BindingLines = BTreeMap<String, Vec<String>>;
 
 /// The reason why a table cannot be used.
 #[derive(Debug, Error, PartialEq)]
@@ -73,7 +73,7 @@ struct Raw {
     text: Option<String>,
     extends: Option<String>,
     #[serde(default)]
-    bindings: Lines,
+    bindings: BindingLines,
 }
 
 impl Bindings {
@@ -107,7 +107,7 @@ impl Bindings {
 
     /// Returns this table with other lines for the actions named by `lines`, which take their triggers from other
     /// actions.
-    pub fn with_lines(&self, lines: &Lines) -> Result<Bindings, BindingsError> {
+    pub fn with_lines(&self, lines: &BindingLines) -> Result<Bindings, BindingsError> {
         let mut table: Vec<(Trigger, Action)> = Vec::new();
         let mut named = Vec::new();
         for (name, triggers) in lines {

@@ -72,7 +72,7 @@ pub enum DeviceEvent {
 
 /// The area of the viewport, and the input that it gets.
 #[derive(Clone, Copy, Debug)]
-pub struct Viewport {
+pub struct ViewportInput {
     /// In points.
     pub rect: Rect,
     pub pixels_per_point: f32,
@@ -107,7 +107,7 @@ impl KeptKeys {
     }
 }
 
-impl Viewport {
+impl ViewportInput {
     /// Converts to pixels of the window.
     fn window_pixels(&self, at: Pos2) -> Vec2 {
         Vec2::new(at.x, at.y) * self.pixels_per_point
@@ -122,7 +122,7 @@ impl Viewport {
 /// Returns the events of this frame for the viewport. `pens`: tracks the pens that lead the pointer.
 pub fn device_events(
     input: &egui::InputState,
-    viewport: &Viewport,
+    viewport: &ViewportInput,
     pens: &mut PenTrack,
 ) -> Vec<DeviceEvent> {
     let mut pointer = input.pointer.latest_pos();
@@ -201,7 +201,7 @@ pub fn device_events(
 }
 
 /// Advances the known pen samples to the pointer. Returns the pen button of a press or a release.
-fn follow_pen(event: &Event, viewport: &Viewport, pens: &mut PenTrack) -> Option<Button> {
+fn follow_pen(event: &Event, viewport: &ViewportInput, pens: &mut PenTrack) -> Option<Button> {
     match *event {
         Event::PointerMoved(at) => {
             pens.moved(viewport.window_pixels(at));
@@ -224,7 +224,7 @@ fn shortcut(key: Key, modifiers: Modifiers) -> DeviceEvent {
 }
 
 fn wheel(
-    viewport: &Viewport,
+    viewport: &ViewportInput,
     pointer: Option<Pos2>,
     notches: f32,
     modifiers: Modifiers,

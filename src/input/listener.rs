@@ -10,7 +10,7 @@ use super::trigger::Trigger;
 
 /// The result of a capture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Heard {
+pub enum CapturedInput {
     Trigger(Trigger),
     Cancelled,
 }
@@ -28,17 +28,17 @@ pub struct Listener {
 impl Listener {
     /// Processes one event. Returns the result if that completes it. Buttons count when the first is released, so that
     /// others can join.
-    pub fn hear(&mut self, event: &Event) -> Option<Heard> {
+    pub fn hear(&mut self, event: &Event) -> Option<CapturedInput> {
         if self.shift_tap.feed(event) {
-            return Some(Heard::Trigger(Trigger::ShiftTap));
+            return Some(CapturedInput::Trigger(Trigger::ShiftTap));
         }
-        let key = |key, modifiers| Some(Heard::Trigger(Trigger::Key { key, modifiers }));
+        let key = |key, modifiers| Some(CapturedInput::Trigger(Trigger::Key { key, modifiers }));
         match *event {
             Event::ModifiersChanged(now) => {
                 self.modifiers = now.into();
                 None
             }
-            Event::Key { key: Key::Escape, pressed: true, .. } => Some(Heard::Cancelled),
+            Event::Key { key: Key::Escape, pressed: true, .. } => Some(CapturedInput::Cancelled),
             Event::Key { key: pressed, pressed: true, repeat: false, modifiers, .. } => {
                 self.modifiers = modifiers.into();
                 if is_modifier(pressed) { None } else { key(pressed, modifiers.into()) }
@@ -58,11 +58,11 @@ impl Listener {
                 let modifiers = self.modifiers;
                 // A release without a press belongs to the click that started the capture.
                 (buttons != Buttons::NONE)
-                    .then_some(Heard::Trigger(Trigger::Mouse { buttons, modifiers }))
+                    .then_some(CapturedInput::Trigger(Trigger::Mouse { buttons, modifiers }))
             }
             Event::MouseWheel { delta, modifiers, .. } if delta.y != 0.0 => {
                 let modifiers = modifiers.into();
-                Some(Heard::Trigger(Trigger::Wheel { modifiers }))
+                Some(CapturedInput::Trigger(Trigger::Wheel { modifiers }))
             }
             Event::WindowFocused(false) => {
                 *self = Listener::default();
@@ -101,8 +101,8 @@ mod tests {
         let heard = events.iter().filter_map(|event| listener.hear(event));
         heard
             .map(|heard| match heard {
-                Heard::Trigger(trigger) => trigger.to_string(),
-                Heard::Cancelled => "cancelled".to_string(),
+                CapturedInput::Trigger(trigger) => trigger.to_string(),
+                CapturedInput::Cancelled => "cancelled".to_string(),
             })
             .collect()
     }

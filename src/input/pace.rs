@@ -47,7 +47,7 @@ impl Pace {
 
 /// The source of a tracked viewpoint.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Viewpoint {
+pub enum TrackingSource {
     /// The camera, relative to the printed marker before it.
     Camera,
     /// The head, relative to the screen.
@@ -58,13 +58,13 @@ pub enum Viewpoint {
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ViewPace {
     /// The last position that differed from the one before, and its time: poses come less often than updates.
-    last: Option<(Viewpoint, Vec3, f64)>,
+    last: Option<(TrackingSource, Vec3, f64)>,
 }
 
 impl ViewPace {
     /// Moves to the present viewpoint, if it is tracked. Returns true if the change is not a movement: it has jumped,
     /// was lost or found, or its source has changed.
-    pub fn step(&mut self, to: Option<(Viewpoint, Vec3)>, now_s: f64) -> bool {
+    pub fn step(&mut self, to: Option<(TrackingSource, Vec3)>, now_s: f64) -> bool {
         let Some((kind, to)) = to else { return self.last.take().is_some() };
         let Some((former, from, since_s)) = self.last else {
             self.last = Some((kind, to, now_s));
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn jumps_and_losses_of_a_viewpoint_are_not_movements() {
         let mut pace = ViewPace::default();
-        let camera = |x: f32| Some((Viewpoint::Camera, Vec3::X * x));
+        let camera = |x: f32| Some((TrackingSource::Camera, Vec3::X * x));
         assert!(!pace.step(None, 0.0), "never tracked");
         assert!(pace.step(camera(0.0), 1.0), "found");
         assert!(!pace.step(camera(0.1), 1.033), "3 m/s");
@@ -112,7 +112,7 @@ mod tests {
         assert!(pace.step(camera(0.9), 1.133), "15 m/s");
         assert!(pace.step(camera(3.0), 9.0), "a pause does not allow a jump");
         assert!(pace.step(camera(f32::NAN), 9.033) && pace.step(camera(3.0), 9.067));
-        assert!(pace.step(Some((Viewpoint::Head, Vec3::X * 3.0)), 9.1), "another one");
+        assert!(pace.step(Some((TrackingSource::Head, Vec3::X * 3.0)), 9.1), "another one");
         assert!(pace.step(None, 9.2) && !pace.step(None, 9.3), "lost");
     }
 }

@@ -17,7 +17,7 @@ use std::fmt::Write;
 
 use serde::Deserialize;
 
-use super::bindings::{Bindings, BindingsError, Lines};
+use super::bindings::{BindingLines, Bindings, BindingsError};
 
 const HEAD: &str = "\
 # Controls, as changed under Help (F1) in Virtual Sculpture.
@@ -38,9 +38,9 @@ pub struct Personal {
 struct Raw {
     extends: String,
     #[serde(default)]
-    bindings: Lines,
+    bindings: BindingLines,
     #[serde(default)]
-    kept: BTreeMap<String, Lines>,
+    kept: BTreeMap<String, BindingLines>,
 }
 
 impl Personal {
@@ -69,7 +69,7 @@ impl Personal {
     /// Returns the text that `parse` reads back with the same `presets`.
     pub fn to_toml(&self, presets: &[Bindings]) -> String {
         let mut text = String::from(HEAD);
-        let mut section = |head: &str, lines: &Lines| {
+        let mut section = |head: &str, lines: &BindingLines| {
             let _ = writeln!(text, "{head}");
             for (name, triggers) in lines {
                 let triggers: Vec<String> =

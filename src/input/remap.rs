@@ -6,7 +6,7 @@
 use std::fmt;
 
 use super::action::Action;
-use super::bindings::{Bindings, Lines, check_kind};
+use super::bindings::{BindingLines, Bindings, check_kind};
 use super::trigger::Trigger;
 
 /// A trigger that does not fit an action, with one that does; shown as a sentence.
@@ -95,7 +95,7 @@ impl Bindings {
     }
 
     /// Returns the lines that turn `preset` into this table; an action without triggers has an empty line.
-    pub fn lines_since(&self, preset: &Bindings) -> Lines {
+    pub fn lines_since(&self, preset: &Bindings) -> BindingLines {
         let changed = Action::ALL.iter().filter(|action| self.differs(**action, preset));
         changed
             .map(|&action| {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use image::RgbImage;
 
 use super::{
-    CameraPlacement, PictureError, PictureOptions, PlacedEyes, View, compose_eyes,
+    CameraPlacement, PictureError, PictureOptions, PictureView, PlacedEyes, compose_eyes,
     render_by_casting, render_on_device,
 };
 use crate::document::{ChangeSubscriber, Document};
@@ -24,7 +24,7 @@ pub struct PictureMaker {
     options: PictureOptions,
     followed: FollowedNormals,
     /// Created for the first picture that needs it.
-    painter: Option<Painter>,
+    painter: Option<PictureDevice>,
 }
 
 impl PictureMaker {
@@ -39,7 +39,7 @@ impl PictureMaker {
     pub fn make(
         &mut self,
         document: &mut Document,
-        view: &View,
+        view: &PictureView,
         placement: &CameraPlacement,
     ) -> Result<Vec<RgbImage>, PictureError> {
         let PictureMaker { options, followed, painter } = self;
@@ -55,7 +55,7 @@ impl PictureMaker {
         let pictures = if view.mode.needs_device() {
             let painter = match painter {
                 Some(painter) => painter,
-                none => none.insert(Painter::new(&options.device)?),
+                none => none.insert(PictureDevice::new(&options.device)?),
             };
             render_on_device(document, painter, followed, view, &seen, options)?
         } else {
@@ -108,7 +108,7 @@ impl FollowedNormals {
 }
 
 /// A device with its renderer.
-pub(super) struct Painter {
+pub(super) struct PictureDevice {
     pub frames: Frames,
     pub renderer: Renderer,
     pub device: Arc<Device>,
@@ -116,10 +116,10 @@ pub(super) struct Painter {
     pub warned: bool,
 }
 
-impl Painter {
-    fn new(options: &DeviceOptions) -> Result<Painter, PictureError> {
+impl PictureDevice {
+    fn new(options: &DeviceOptions) -> Result<PictureDevice, PictureError> {
         let device = Device::new(&mut Headless, options)?;
         let renderer = Renderer::new(&device, offscreen::FORMAT)?;
-        Ok(Painter { renderer, frames: Frames::new(&device)?, device, warned: false })
+        Ok(PictureDevice { renderer, frames: Frames::new(&device)?, device, warned: false })
     }
 }

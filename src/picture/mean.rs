@@ -8,17 +8,17 @@ use glam::UVec2;
 use image::{Rgb, RgbImage};
 
 /// Pictures of one size, added up.
-pub(super) struct Mean {
+pub(super) struct PictureMean {
     size: UVec2,
     /// Per channel, of the squares of the values.
     sums: Vec<[u32; 3]>,
     count: u32,
 }
 
-impl Mean {
+impl PictureMean {
     /// Starts without a picture.
-    pub fn new(size: UVec2) -> Mean {
-        Mean { size, sums: vec![[0; 3]; size.x as usize * size.y as usize], count: 0 }
+    pub fn new(size: UVec2) -> PictureMean {
+        PictureMean { size, sums: vec![[0; 3]; size.x as usize * size.y as usize], count: 0 }
     }
 
     /// Adds a picture, given by the value of each of its pixels, row by row from the top.
@@ -49,14 +49,14 @@ mod tests {
     #[test]
     fn the_mean_of_equal_pictures_is_each_of_them_and_light_adds_up() {
         let all: Vec<[u8; 3]> = (0..=255).map(|v| [v, 255 - v, 0]).collect();
-        let mut mean = Mean::new(UVec2::new(16, 16));
+        let mut mean = PictureMean::new(UVec2::new(16, 16));
         for _ in 0..MAX_SAMPLES {
             mean.add(all.iter().copied());
             let picture = mean.picture();
             assert!(picture.pixels().map(|p| p.0).eq(all.iter().copied()));
         }
         // Half the light of white is 180.3, a quarter 127.5.
-        let mut mean = Mean::new(UVec2::ONE);
+        let mut mean = PictureMean::new(UVec2::ONE);
         mean.add([[255, 255, 0]]);
         mean.add([[0, 255, 0]]);
         assert_eq!(mean.picture().get_pixel(0, 0).0, [180, 255, 0]);

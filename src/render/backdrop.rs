@@ -15,7 +15,7 @@ use crate::gpu::{
     Depth, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
     Recorder, Result, SetLayout, Staging, shaders,
 };
-use crate::video::{Fit, Frame, Framing, Intrinsics};
+use crate::video::{Fit, Framing, Intrinsics, VideoFrame};
 
 /// The display of a frame.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -31,7 +31,7 @@ pub struct VideoView {
 /// A frame and its display.
 #[derive(Clone, Copy, Debug)]
 pub struct Video<'a> {
-    pub frame: &'a Frame,
+    pub frame: &'a VideoFrame,
     pub view: VideoView,
 }
 
@@ -97,7 +97,7 @@ impl Backdrop {
     }
 
     /// Uploads a frame over the last one, unless it is there already. Call before rendering begins.
-    pub fn bring(&mut self, recorder: &mut Recorder, frame: &Frame) -> Result<()> {
+    pub fn bring(&mut self, recorder: &mut Recorder, frame: &VideoFrame) -> Result<()> {
         let size = UVec2::new(frame.width, frame.height);
         if size.min_element() == 0 || self.arrived == Some(frame.arrived) {
             return Ok(());

@@ -3,7 +3,7 @@
 use glam::Affine3A;
 
 use super::overlay_scene::{Line, ToolPreview};
-use super::{Background, RenderMode, Surface, Video};
+use super::{Background, LitSurface, RenderMode, Video};
 use crate::document::Document;
 use crate::sculpture::Rgb;
 use crate::sculpture::history::{Contents, SurfaceKind};
@@ -134,9 +134,14 @@ impl FrameDesc<'_> {
         self.lighting.reach_vx().unwrap_or(NORMAL_REACH_VX)
     }
 
-    /// Returns the surface of the document's sculpture in one colour. `estimates`: see [`Surface::estimates`].
-    pub(super) fn surface(&self, document: &Document, estimates: bool, eye: &Eye) -> Surface<'_> {
-        Surface {
+    /// Returns the surface of the document's sculpture in one colour. `estimates`: see [`LitSurface::estimates`].
+    pub(super) fn surface(
+        &self,
+        document: &Document,
+        estimates: bool,
+        eye: &Eye,
+    ) -> LitSurface<'_> {
+        LitSurface {
             dims: document.grid().dims(),
             colours: None,
             base: document.material().base(),

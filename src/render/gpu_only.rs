@@ -14,7 +14,7 @@ use super::composite_eye::{CompositeEye, constants};
 use super::pixel_pass::PixelStage;
 use super::screen_pass::{Input, ScreenPass};
 use super::shading::{
-    COLOURS, KIND_CONSTANTS, MATCAP, NORMALS, Surface, UNIFORMS, Uniforms, VOLUME,
+    COLOURS, KIND_CONSTANTS, LitSurface, MATCAP, NORMALS, UNIFORMS, Uniforms, VOLUME,
 };
 use super::specialised::Specialised;
 use crate::gpu::layout::CompositeView;
@@ -81,7 +81,7 @@ impl GpuOnly {
         &mut self,
         recorder: &mut Recorder,
         volume: &Volume,
-        surface: &Surface,
+        surface: &LitSurface,
         view: &CompositeEye,
     ) -> Result<()> {
         let eye = view.eye;

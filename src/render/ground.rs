@@ -18,7 +18,7 @@ use crate::gpu::{
     PipelineLayout, Recorder, Result, SetLayout, Staging, shaders,
 };
 use crate::shade::ground::{LightMap, MAP_EDGE, Openness, line_spacing_vx};
-use crate::shade::shadow::Sun;
+use crate::shade::shadow::ShadowSun;
 use crate::shade::{Ground, GroundLight, GroundPicture, GroundPlane};
 use crate::view::{Eye, PixelRays};
 
@@ -40,7 +40,7 @@ pub struct GroundPass {
     plane: Option<GroundPlane>,
     openness: Openness,
     /// The sun of the map, besides the voxels.
-    sun: Option<Option<Sun>>,
+    sun: Option<Option<ShadowSun>>,
     map: LightMap,
     slot: usize,
 }

@@ -17,7 +17,7 @@ use egui_ash_renderer::{DynamicRendering, Options, RenderMode, Renderer, Rendere
 use super::composite_eye::is_srgb;
 use crate::gpu::{
     DescriptorSets, Device, FRAMES_IN_FLIGHT, GpuError, Image, ImageInfo, Recorder, Result,
-    Sampler, SetLayout, Staging, Use,
+    SetLayout, Staging, TextureSampler, Use,
 };
 
 /// The library's colours are sRGB.
@@ -37,7 +37,7 @@ pub struct Gui {
     lack: Option<GpuError>,
     staging: Staging,
     layout: Arc<SetLayout>,
-    sampler: Sampler,
+    sampler: TextureSampler,
     device: Arc<Device>,
 }
 
@@ -113,7 +113,7 @@ impl Gui {
             lack: None,
             staging: Staging::new(device, name, usage, 1 << 16)?,
             layout: SetLayout::new(device, name, &[binding])?,
-            sampler: Sampler::linear(device, name)?,
+            sampler: TextureSampler::linear(device, name)?,
             device: device.clone(),
         })
     }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::overlay::Overlay;
-use super::pictures::{DEPTH_FORMAT, Pictures, pictures};
+use super::pictures::{DEPTH_FORMAT, FinishedPictures, pictures};
 use super::reference::{MAX_REFERENCES, ReferencePicture, References};
 use super::sampled_frame::{FrameEye, SampledFrame};
 use super::smooth_edges::{REACH_PX, SmoothEdges};
@@ -20,7 +20,7 @@ use crate::view::Eye;
 
 /// See the module text.
 pub(super) struct Layers {
-    pub pictures: Option<Pictures>,
+    pub pictures: Option<FinishedPictures>,
     overlay: Overlay,
     /// Made when first needed.
     backdrop: Option<Backdrop>,
@@ -50,7 +50,7 @@ impl Layers {
     }
 
     /// Returns the pictures, resized for `eyes`.
-    pub fn fit_pictures(&mut self, eyes: &[Eye]) -> Result<&mut Pictures> {
+    pub fn fit_pictures(&mut self, eyes: &[Eye]) -> Result<&mut FinishedPictures> {
         pictures(&self.device, &mut self.pictures, self.format, eyes)
     }
 

@@ -25,7 +25,7 @@ const ADD: usize = 0;
 const RESOLVE: usize = 1;
 
 /// The passes and the mean.
-pub(super) struct Mean {
+pub(super) struct MeanPass {
     add: Pipeline,
     resolve: Pipeline,
     sets: DescriptorSets,
@@ -38,9 +38,9 @@ pub(super) struct Mean {
     device: Arc<Device>,
 }
 
-impl Mean {
+impl MeanPass {
     /// Makes the mean of pictures of `format`.
-    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Mean> {
+    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<MeanPass> {
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let name = "mean of pictures";
         let set_layout =
@@ -50,7 +50,7 @@ impl Mean {
         let count = KINDS * MAX_EYES * FRAMES_IN_FLIGHT;
         let add = Graphics::screen(name, shaders::MEAN_ADD_FRAG, &layout, FORMAT, None);
         let resolve = Graphics::screen(name, shaders::MEAN_RESOLVE_FRAG, &layout, format, None);
-        Ok(Mean {
+        Ok(MeanPass {
             add: Pipeline::graphics(
                 device,
                 &Graphics { colour: Some((FORMAT, Blend::Alpha)), ..add },
@@ -125,7 +125,7 @@ impl Mean {
     }
 
     /// Draws the mean to the layers of `pictures`, which have its size. Leaves them in the layout of
-    /// [`Use::COLOUR_TARGET`]. Once per frame, after [`Mean::add`].
+    /// [`Use::COLOUR_TARGET`]. Once per frame, after [`MeanPass::add`].
     pub fn resolve(&mut self, recorder: &mut Recorder, pictures: &mut EyeImage) {
         let Some(mean) = &self.mean else { return };
         for eye in 0..mean.eyes() {

@@ -9,12 +9,12 @@ use std::sync::Arc;
 use super::paged_buffer::{CHUNK_BYTES, PagedBuffer, PagedKind};
 use crate::gpu::{Buffer, Device, Recorder, Result};
 use crate::shade::NormalField;
-use crate::shade::normal_field::Unit;
+use crate::shade::normal_field::PageUnit;
 
 const KIND: PagedKind = PagedKind {
     name: "normals",
     what: "the normals of the sculpture",
-    unit_bytes: size_of::<Unit>(),
+    unit_bytes: size_of::<PageUnit>(),
 };
 
 /// The copy.
@@ -46,7 +46,7 @@ impl Normals {
         let (table, units) = (field.table(), field.pages().units());
         let is_other =
             self.generation != field.generation() || !self.pages.has_room(table.len(), units.len());
-        if is_other || size_of::<Unit>() * written.len() > CHUNK_BYTES {
+        if is_other || size_of::<PageUnit>() * written.len() > CHUNK_BYTES {
             *self = Normals::new(&self.device, field)?;
             return Ok(());
         }

@@ -11,7 +11,7 @@ use ash::vk;
 use glam::{DAffine3, Mat3, Mat4, Vec2, Vec3};
 
 use super::overlay_scene::grid_from_tool;
-pub use super::overlay_scene::{Line, Scene, ToolPreview};
+pub use super::overlay_scene::{Line, OverlayDrawing, ToolPreview};
 use super::reference::References;
 use super::slicing::corner_margin_px;
 use super::solid_mesh::{Vertex, sagitta, triangles};
@@ -52,7 +52,12 @@ struct SolidConstants {
 
 impl SolidConstants {
     /// Fills the constants. `displaced_px`: largest displacement of a face by the rasterizer.
-    fn new(scene: &Scene, preview: &ToolPreview, side: usize, displaced_px: f32) -> SolidConstants {
+    fn new(
+        scene: &OverlayDrawing,
+        preview: &ToolPreview,
+        side: usize,
+        displaced_px: f32,
+    ) -> SolidConstants {
         let primitive = &preview.primitive;
         let eye_from_tool = scene.eye_from_grid * grid_from_tool(primitive, preview.voxel_size);
         // Clip z is the near distance everywhere.
@@ -213,13 +218,13 @@ impl Overlay {
     }
 
     /// Returns whether there is anything of `scene` to draw.
-    pub fn draws(&self, scene: &Scene) -> bool {
-        let Scene { previews, lines, .. } = scene;
+    pub fn draws(&self, scene: &OverlayDrawing) -> bool {
+        let OverlayDrawing { previews, lines, .. } = scene;
         self.references.is_some() || !(previews.is_empty() && lines.is_empty())
     }
 
     /// Records the overlay of an eye into a target with the depth of the sculpture.
-    pub fn draw(&mut self, recorder: &mut Recorder, scene: &Scene) -> Result<()> {
+    pub fn draw(&mut self, recorder: &mut Recorder, scene: &OverlayDrawing) -> Result<()> {
         if let Some(references) = &mut self.references {
             references.draw(recorder, scene);
         }
@@ -236,7 +241,7 @@ impl Overlay {
     fn draw_ghost(
         &self,
         recorder: &mut Recorder,
-        scene: &Scene,
+        scene: &OverlayDrawing,
         preview: &ToolPreview,
         side: usize,
     ) {
@@ -252,7 +257,12 @@ impl Overlay {
         recorder.draw(vertices, 1);
     }
 
-    fn draw_lines(&mut self, recorder: &mut Recorder, scene: &Scene, side: usize) -> Result<()> {
+    fn draw_lines(
+        &mut self,
+        recorder: &mut Recorder,
+        scene: &OverlayDrawing,
+        side: usize,
+    ) -> Result<()> {
         let instances: Vec<LineInstance> = scene
             .lines
             .iter()

@@ -53,7 +53,7 @@ impl ToolPreview {
 
 /// The overlay of one picture.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
+pub struct OverlayDrawing<'a> {
     pub eye_from_grid: Affine3A,
     pub projection: Mat4,
     /// Pixels.
@@ -63,7 +63,7 @@ pub struct Scene<'a> {
     pub lines: &'a [Line],
 }
 
-impl Scene<'_> {
+impl OverlayDrawing<'_> {
     /// Returns the factor on depths, which is `usual` for common view angles.
     pub(super) fn nearer(&self, usual: f32) -> f32 {
         let half_height = self.projection.y_axis.y.abs().recip();

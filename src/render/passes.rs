@@ -9,7 +9,7 @@ use ash::vk;
 
 use super::composite::ShadedPictures;
 use super::layers::Layers;
-use super::pictures::Pictures;
+use super::pictures::FinishedPictures;
 use super::sampler::{DeviceMaps, Sampler};
 use super::sculpture_passes::SculpturePasses;
 use crate::gpu::{Device, Result};
@@ -24,7 +24,7 @@ pub(super) struct Passes {
 /// The images on the device from which a picture is made.
 #[derive(Default)]
 pub(super) struct PictureImages {
-    pub pictures: Option<Pictures>,
+    pub pictures: Option<FinishedPictures>,
     maps: DeviceMaps,
     shaded: ShadedPictures,
 }

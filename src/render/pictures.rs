@@ -14,15 +14,20 @@ use crate::view::Eye;
 pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
 /// Finished pictures, with a layer per eye.
-pub struct Pictures {
+pub struct FinishedPictures {
     /// In the layout of [`Use::COPY_SOURCE`].
     pub colour: EyeImage,
     /// In the layout of [`Use::DEPTH_TARGET`], of [`DEPTH_FORMAT`].
     pub depth: EyeImage,
 }
 
-impl Pictures {
-    fn new(device: &Arc<Device>, size: UVec2, eyes: u32, format: vk::Format) -> Result<Pictures> {
+impl FinishedPictures {
+    fn new(
+        device: &Arc<Device>,
+        size: UVec2,
+        eyes: u32,
+        format: vk::Format,
+    ) -> Result<FinishedPictures> {
         use vk::ImageUsageFlags as Usage;
         // Composed pictures are copied to them (super::software_composite).
         let copied = match device.is_software() {
@@ -33,7 +38,7 @@ impl Pictures {
         let colour = EyeImage::new(device, "picture", size, eyes, format, usage)?;
         let usage = copied | Usage::DEPTH_STENCIL_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
         let depth = EyeImage::new(device, "picture depth", size, eyes, DEPTH_FORMAT, usage)?;
-        Ok(Pictures { colour, depth })
+        Ok(FinishedPictures { colour, depth })
     }
 
     /// Starts drawing `area` of the picture of `eye`, at infinite depth; the rest keeps its contents. A gradient covers
@@ -80,18 +85,18 @@ impl Pictures {
 /// Returns the images for pictures of `eyes`.
 pub(super) fn pictures<'a>(
     device: &Arc<Device>,
-    pictures: &'a mut Option<Pictures>,
+    pictures: &'a mut Option<FinishedPictures>,
     format: vk::Format,
     eyes: &[Eye],
-) -> Result<&'a mut Pictures> {
+) -> Result<&'a mut FinishedPictures> {
     let size = eyes.first().map_or(UVec2::ONE, |eye| eye.size);
     let count = eyes.len() as u32;
-    let fits = |p: &Pictures| p.colour.size() == size && p.colour.eyes() == count;
+    let fits = |p: &FinishedPictures| p.colour.size() == size && p.colour.eyes() == count;
     if !pictures.as_ref().is_some_and(fits) {
         *pictures = None;
     }
     Ok(match pictures {
         Some(pictures) => pictures,
-        none => none.insert(Pictures::new(device, size, count, format)?),
+        none => none.insert(FinishedPictures::new(device, size, count, format)?),
     })
 }

@@ -13,7 +13,7 @@ use ash::vk;
 
 use super::composite_eye::{CompositeEye, constants};
 use super::screen_pass::ScreenPass;
-use super::shading::{KIND_CONSTANTS, MATCAP, Surface, UNIFORMS, Uniforms};
+use super::shading::{KIND_CONSTANTS, LitSurface, MATCAP, UNIFORMS, Uniforms};
 use super::slicing::{clip_rows, corner_margin_px};
 use super::specialised::Specialised;
 use crate::gpu::layout::{CompositeView, PointView};
@@ -26,7 +26,7 @@ use crate::shade::points::PointCloud;
 const POINTS: u32 = 6;
 
 /// Draws points to a target.
-pub struct Points {
+pub struct PointsPass {
     screen: ScreenPass,
     pipelines: Specialised<KIND_CONSTANTS, Pipeline>,
     uniforms: Uniforms,
@@ -39,9 +39,9 @@ pub struct Points {
     margin_px: f32,
 }
 
-impl Points {
+impl PointsPass {
     /// Creates one for targets of `format` with a D32 depth buffer and up to `eyes` eyes.
-    pub fn new(device: &Arc<Device>, format: vk::Format, eyes: u32) -> Result<Points> {
+    pub fn new(device: &Arc<Device>, format: vk::Format, eyes: u32) -> Result<PointsPass> {
         let (vertex, fragment) = (vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT);
         let bindings = [
             (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER, vertex),
@@ -51,7 +51,7 @@ impl Points {
         let (name, stages) = ("points", vertex | fragment);
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let limits = device.limits();
-        Ok(Points {
+        Ok(PointsPass {
             screen: ScreenPass::new::<PointView>(device, name, format, eyes, &bindings, stages)?,
             pipelines: Specialised::new(),
             uniforms: Uniforms::new(device)?,
@@ -95,7 +95,7 @@ impl Points {
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,
-        surface: &Surface,
+        surface: &LitSurface,
         view: &CompositeEye,
     ) -> Result<()> {
         let eye = view.eye;

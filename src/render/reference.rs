@@ -9,7 +9,7 @@ use ash::vk;
 use glam::{Affine3A, Mat4};
 
 use super::composite_eye::is_srgb;
-use super::overlay_scene::Scene;
+use super::overlay_scene::OverlayDrawing;
 use super::pictures::DEPTH_FORMAT;
 use crate::gpu::{
     Blend, Depth, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Pipeline,
@@ -132,7 +132,7 @@ impl References {
     }
 
     /// Records the pictures into a target with the depth of the sculpture, farthest first.
-    pub fn draw(&mut self, recorder: &mut Recorder, scene: &Scene) {
+    pub fn draw(&mut self, recorder: &mut Recorder, scene: &OverlayDrawing) {
         let clip_from_grid = scene.projection * Mat4::from(scene.eye_from_grid);
         let mut order: Vec<(f32, &ReferencePicture)> = self
             .shown

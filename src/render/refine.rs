@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::frame_cache::Redraw;
 use super::frame_desc::FrameDesc;
-use super::mean::Mean;
+use super::mean::MeanPass;
 use super::passes::Passes;
 use super::refinement::Buffers;
 use super::renderer::Renderer;
@@ -101,7 +101,7 @@ impl Renderer {
         let refinement = &mut self.stages.refinement;
         let mean = match &mut refinement.mean {
             Some(mean) => mean,
-            none => none.insert(Mean::new(&self.stages.device, self.passes.layers.format())?),
+            none => none.insert(MeanPass::new(&self.stages.device, self.passes.layers.format())?),
         };
         mean.begin(slot);
         if refinement.taken == 0 && !smooth && !desc.smooth_edges {

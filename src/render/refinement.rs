@@ -3,9 +3,9 @@
 //! Knows no renderer; `refine` decides when to add a sample, and makes it.
 
 use super::cpu_pictures::CpuPictures;
-use super::mean::Mean;
+use super::mean::MeanPass;
 use super::passes::PictureImages;
-use super::pictures::Pictures;
+use super::pictures::FinishedPictures;
 
 /// The buffers of a picture in progress, in memory and on the device.
 #[derive(Default)]
@@ -32,7 +32,7 @@ pub(super) struct Refinement {
     /// There was no memory for it.
     pub given_up: bool,
     pub buffers: Buffers,
-    pub mean: Option<Mean>,
+    pub mean: Option<MeanPass>,
 }
 
 impl Refinement {
@@ -45,7 +45,7 @@ impl Refinement {
     pub fn forget(&mut self) {
         let Refinement { samples, at_once, .. } = *self;
         let mut mean = self.mean.take();
-        mean.iter_mut().for_each(Mean::forget);
+        mean.iter_mut().for_each(MeanPass::forget);
         *self = Refinement { samples, at_once, mean, ..Refinement::default() };
     }
 
@@ -55,12 +55,12 @@ impl Refinement {
     }
 
     /// Returns the mean of the samples so far, once it is better than the unshifted picture.
-    pub fn pictures(&self) -> Option<&Pictures> {
+    pub fn pictures(&self) -> Option<&FinishedPictures> {
         self.buffers.images.pictures.as_ref().filter(|_| self.taken > 1)
     }
 
     /// Returns [`Refinement::pictures`], mutable.
-    pub fn pictures_mut(&mut self) -> Option<&mut Pictures> {
+    pub fn pictures_mut(&mut self) -> Option<&mut FinishedPictures> {
         self.buffers.images.pictures.as_mut().filter(|_| self.taken > 1)
     }
 

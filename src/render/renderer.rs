@@ -14,7 +14,7 @@ use super::cpu_pictures::CpuPictures;
 use super::frame_cache::{FrameCache, Redraw, RedrawPlan};
 pub use super::frame_desc::FrameDesc;
 use super::passes::Passes;
-pub use super::pictures::{DEPTH_FORMAT, Pictures};
+pub use super::pictures::{DEPTH_FORMAT, FinishedPictures};
 use super::sampled_frame::SampledFrame;
 use super::sampler::SampleRequest;
 use super::stages::Stages;
@@ -117,7 +117,7 @@ impl Renderer {
     }
 
     /// Returns the pictures painted last.
-    pub fn pictures(&mut self) -> Option<&mut Pictures> {
+    pub fn pictures(&mut self) -> Option<&mut FinishedPictures> {
         self.stages.refinement.pictures_mut().or(self.passes.layers.pictures.as_mut())
     }
 

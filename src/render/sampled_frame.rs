@@ -7,8 +7,8 @@ use glam::UVec2;
 use super::cpu_pictures::CpuPictures;
 use super::frame_cache::{FrameCache, pixels_to_compose};
 use super::normal_stage::NormalStage;
-use super::overlay_scene::Scene;
-use super::{Background, CompositeEye, FrameDesc, MAX_EYES, Shading, Surface};
+use super::overlay_scene::OverlayDrawing;
+use super::{Background, CompositeEye, FrameDesc, LitSurface, MAX_EYES, Shading};
 use crate::document::Document;
 use crate::surface::{IndexMap, PixelRect, PixelRects};
 use crate::view::Eye;
@@ -37,8 +37,8 @@ pub(super) struct FrameEye<'a> {
     /// The pixels to compose.
     pub rects: PixelRects,
     /// The sculpture in a single colour.
-    pub surface: Surface<'a>,
-    pub scene: Scene<'a>,
+    pub surface: LitSurface<'a>,
+    pub scene: OverlayDrawing<'a>,
     /// Its area in the picture, with all pixels.
     pub view: CompositeEye,
 }
@@ -61,7 +61,7 @@ impl<'a> SampledFrame<'a> {
             }
             None => PixelRects::of(picture),
         };
-        let scene = Scene {
+        let scene = OverlayDrawing {
             eye_from_grid: eye.eye_from_world * desc.world_from_grid,
             projection: eye.projection,
             size: eye.size.to_array(),
@@ -83,7 +83,7 @@ impl<'a> SampledFrame<'a> {
     }
 
     /// Returns the surface of the sculpture in a single colour.
-    pub fn surface(&self, eye: &Eye) -> Surface<'a> {
+    pub fn surface(&self, eye: &Eye) -> LitSurface<'a> {
         let estimates = !self.normals.field().is_complete();
         self.desc.surface(self.document, estimates, eye)
     }

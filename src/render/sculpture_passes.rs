@@ -15,8 +15,8 @@ use super::sampler::Sampler;
 use super::software_composite::{SoftwareComposite, layout_of};
 use super::times::PictureTimer;
 use super::{
-    Background, Composite, EyeTask, GpuOnly, MAX_EYES, Points, Shading, ShadingImages, Surface,
-    SurfaceShade,
+    Background, Composite, EyeTask, GpuOnly, LitSurface, MAX_EYES, PointsPass, Shading,
+    ShadingImages, SurfaceShade,
 };
 use crate::gpu::{Device, Recorder, Result};
 use crate::shade::composed::Composition;
@@ -27,7 +27,7 @@ pub(super) struct SculpturePasses {
     pub composite: Composite,
     /// The passes of some modes, created when first needed.
     software_composite: Option<SoftwareComposite>,
-    points: Option<Points>,
+    points: Option<PointsPass>,
     surface_shade: Option<SurfaceShade>,
     gpu_only: Option<GpuOnly>,
     format: vk::Format,
@@ -76,7 +76,7 @@ impl SculpturePasses {
                     changed_pixels(grid, normals.reshaded(), rays, desc.reach_vx()).bounds();
             }
             if !task.scissor.is_empty() {
-                let surface = Surface { colours, normals: normals.copy(), ..frame.surface(eye) };
+                let surface = LitSurface { colours, normals: normals.copy(), ..frame.surface(eye) };
                 let images = ShadingImages { maps: &mut *maps, pictures: &mut *pictures };
                 pass.record(recorder, volume, &surface, images, &task)?;
             }
@@ -190,7 +190,7 @@ impl SculpturePasses {
     ) -> Result<()> {
         let pass = match &mut self.points {
             Some(pass) => pass,
-            none => none.insert(Points::new(&self.device, self.format, MAX_EYES as u32)?),
+            none => none.insert(PointsPass::new(&self.device, self.format, MAX_EYES as u32)?),
         };
         pass.begin(frame.slot);
         for (eye, cloud) in (0..).zip(&frame.cpu.clouds[..frame.cpu.maps.len()]) {
@@ -229,7 +229,7 @@ impl SculpturePasses {
         for eye in frame.eyes() {
             pass.prepare(recorder, volume, &eye.map.rays, eye.view.eye)?;
             let normals = frame.normals.copy();
-            let surface = Surface { colours, normals, ..eye.surface };
+            let surface = LitSurface { colours, normals, ..eye.surface };
             // Each draw writes uniforms.
             let rects = PixelRects::of(eye.rects.bounds());
             layers.draw(recorder, frame, &eye, &rects, |recorder, view| {

@@ -27,7 +27,7 @@ pub(super) const MATCAP: u32 = 8;
 
 /// A sculpture and its lighting, for one eye.
 #[derive(Clone, Copy)]
-pub struct Surface<'a> {
+pub struct LitSurface<'a> {
     /// Size of the grid in voxels.
     pub dims: UVec3,
     /// None: every voxel has the base colour.
@@ -44,7 +44,7 @@ pub struct Surface<'a> {
 /// Specialization constants of the shaders that light surfaces.
 pub(super) const KIND_CONSTANTS: usize = 6;
 
-impl Surface<'_> {
+impl LitSurface<'_> {
     /// Returns the features of the shader that lights it (shaders/kind.wgsl).
     pub(super) fn kind(&self) -> [u32; KIND_CONSTANTS] {
         [
@@ -97,7 +97,7 @@ impl Uniforms {
     }
 
     /// Uploads the uniforms of `surface` and binds them to `set`, with the matcap if it has one.
-    pub fn write(&mut self, sets: &DescriptorSets, set: usize, surface: &Surface) -> Result<()> {
+    pub fn write(&mut self, sets: &DescriptorSets, set: usize, surface: &LitSurface) -> Result<()> {
         let piece: Piece = self.staging.push(&[uniforms(surface)], self.align)?;
         let kind = vk::DescriptorType::UNIFORM_BUFFER;
         sets.write_buffer(set, UNIFORMS, kind, piece);
@@ -123,7 +123,7 @@ impl Uniforms {
     }
 
     /// Binds the colours and normals of `surface` to `set`.
-    pub fn write_surface(&self, sets: &DescriptorSets, set: usize, surface: &Surface) {
+    pub fn write_surface(&self, sets: &DescriptorSets, set: usize, surface: &LitSurface) {
         let kind = vk::DescriptorType::STORAGE_BUFFER;
         let colours = surface.colours.map_or(&self.nothing, Colours::buffer);
         sets.write_buffer(set, COLOURS, kind, colours.whole());
@@ -151,8 +151,8 @@ fn upload(device: &Arc<Device>, matcap: Matcap) -> Result<Buffer> {
     Ok(target)
 }
 
-fn uniforms(surface: &Surface) -> Shading {
-    let Surface { dims, base, pose, lighting, .. } = *surface;
+fn uniforms(surface: &LitSurface) -> Shading {
+    let LitSurface { dims, base, pose, lighting, .. } = *surface;
     let light = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
     let mut shading = Shading {
         ambient: light.ambient.to_array(),

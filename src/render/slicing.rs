@@ -17,7 +17,7 @@ use crate::gpu::{
     Recorder, Result, SetLayout, Staging, Vertices, shaders,
 };
 use crate::render::{EyeTask, IndexTarget, Volume};
-use crate::surface::slices::{LayerRect, Layers, SliceAreas, facing_axis};
+use crate::surface::slices::{LayerRect, SliceAreas, SliceLayers, facing_axis};
 use crate::view::PixelRays;
 
 /// Initial capacity of a frame for instances, in bytes.
@@ -114,7 +114,7 @@ impl Slicing {
         let axis = facing_axis(rays, volume.dims());
         let slab = areas.slab_vx();
         let thickness = self.thickness.unwrap_or(slab);
-        let layers = Layers::new(rays, volume.dims(), axis, thickness, slab);
+        let layers = SliceLayers::new(rays, volume.dims(), axis, thickness, slab);
         let slabs = areas.along(axis);
         let instances = &mut self.instances;
         instances.clear();

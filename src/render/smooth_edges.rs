@@ -12,7 +12,7 @@ use glam::{Affine3A, Mat3};
 
 use super::MAX_EYES;
 use super::composite_eye::{CompositeEye, is_srgb};
-use super::pictures::Pictures;
+use super::pictures::FinishedPictures;
 use crate::gpu::layout::EdgesView;
 use crate::gpu::{
     Attachment, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Load, Pipeline,
@@ -61,7 +61,7 @@ impl SmoothEdges {
     }
 
     /// Starts a frame of `pictures` that uses `slot` ([`crate::gpu::Frames::slot`]).
-    pub fn begin(&mut self, slot: usize, pictures: &Pictures) -> Result<()> {
+    pub fn begin(&mut self, slot: usize, pictures: &FinishedPictures) -> Result<()> {
         self.slot = slot % FRAMES_IN_FLIGHT;
         let (size, eyes) = (pictures.colour.size(), pictures.colour.eyes());
         let fits = |sharp: &EyeImage| sharp.size() == size && sharp.eyes() == eyes;
@@ -75,11 +75,11 @@ impl SmoothEdges {
         Ok(())
     }
 
-    /// Starts drawing the sculpture to the pixels of `view`, with the depth of `pictures`, like [`Pictures::begin`].
+    /// Starts drawing the sculpture to the pixels of `view`, with the depth of `pictures`, like [`FinishedPictures::begin`].
     pub fn begin_sculpture(
         &mut self,
         recorder: &mut Recorder,
-        pictures: &mut Pictures,
+        pictures: &mut FinishedPictures,
         view: &CompositeEye,
     ) {
         let Some(sharp) = &mut self.sharp else { return };
@@ -92,14 +92,14 @@ impl SmoothEdges {
     pub fn finish(
         &mut self,
         recorder: &mut Recorder,
-        pictures: &mut Pictures,
+        pictures: &mut FinishedPictures,
         view: &CompositeEye,
         world_from_grid: &Affine3A,
     ) {
         let (eye, area, projection) = (view.eye, view.scissor, &view.projection);
         recorder.end_rendering();
         let Some(sharp) = &mut self.sharp else { return };
-        let Pictures { colour, depth } = pictures;
+        let FinishedPictures { colour, depth } = pictures;
         sharp.transition(recorder, eye, Use::SHADER_READ);
         depth.transition(recorder, eye, Use::SHADER_READ);
         let set = self.slot * MAX_EYES + eye as usize;

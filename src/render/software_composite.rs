@@ -10,7 +10,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::composite_eye::is_srgb;
-use super::pictures::Pictures;
+use super::pictures::FinishedPictures;
 use crate::gpu::{Device, Recorder, Result, Staging, Use};
 use crate::shade::composed::Composition;
 use crate::surface::PixelRect;
@@ -51,7 +51,7 @@ impl SoftwareComposite {
     pub fn compose(
         &mut self,
         recorder: &mut Recorder,
-        pictures: &mut Pictures,
+        pictures: &mut FinishedPictures,
         eye: u32,
         composition: &Composition,
         rect: PixelRect,

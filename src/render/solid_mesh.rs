@@ -1,7 +1,7 @@
 //! The surfaces of the tool's solids as triangles, for its preview.
 //!
 //! A vertex of a solid whose shape depends on its proportions is kept in two parts, a point of the core and one of the
-//! ellipsoid that rounds it ([`Shape`](crate::tools::solid::Shape)), so that one mesh serves all proportions. Knows
+//! ellipsoid that rounds it ([`SolidShape`](crate::tools::solid::Shape)), so that one mesh serves all proportions. Knows
 //! no Vulkan.
 
 use std::f32::consts::{PI, TAU};
@@ -163,7 +163,7 @@ fn flat(corners: [Vec3; 3]) -> [Vertex; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::solid::{Shape, Solid};
+    use crate::tools::solid::{Solid, SolidShape};
 
     fn place(vertex: &Vertex, round: Vec3, offset_scale: f32) -> Vec3 {
         Vec3::from(vertex.core) * (1.0 - round) + Vec3::from(vertex.offset) * round * offset_scale
@@ -194,7 +194,7 @@ mod tests {
             (Solid::RoundedCuboid, Vec3::new(5.0, 1.0, 2.0), 7.852),
         ];
         for (solid, half, volume) in cases {
-            let shape = Shape::new(solid, half.as_dvec3());
+            let shape = SolidShape::new(solid, half.as_dvec3());
             let round = shape.round().as_vec3();
             let mut enclosed = 0.0;
             for triangle in triangles(&solid.spec().body) {

@@ -11,7 +11,7 @@ use super::Volume;
 use super::composite::PICTURE_FORMAT;
 use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage, PixelTarget};
 use super::shading::{
-    COLOURS, KIND_CONSTANTS, MATCAP, NORMALS, Surface, UNIFORMS, Uniforms, VOLUME,
+    COLOURS, KIND_CONSTANTS, LitSurface, MATCAP, NORMALS, UNIFORMS, Uniforms, VOLUME,
 };
 use super::specialised::Specialised;
 use super::target::{EyeTask, IndexTarget};
@@ -89,7 +89,7 @@ impl SurfaceShade {
         &mut self,
         recorder: &mut Recorder,
         volume: &Volume,
-        surface: &Surface,
+        surface: &LitSurface,
         images: ShadingImages,
         task: &EyeTask,
     ) -> Result<()> {

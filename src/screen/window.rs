@@ -1,7 +1,7 @@
 //! The swapchain of a window: presents finished pictures, and handles a window that is resized or minimised, or whose
 //! surface is lost.
 //!
-//! Takes a surface and sizes; returns a [`Target`] to draw to, or none while nothing can be drawn. Does not know the
+//! Takes a surface and sizes; returns a [`WindowTarget`] to draw to, or none while nothing can be drawn. Does not know the
 //! contents, nor winit: events of the window system come in as sizes. Presenting never blocks where the driver has a
 //! mailbox, so callers must not draw more often than the screen refreshes ([`WindowScreen::is_paced`]).
 
@@ -15,7 +15,7 @@ use ash::{khr, vk};
 use choices::Recovery;
 
 use crate::gpu::{
-    Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Surface, Use,
+    Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Use, WindowSurface,
 };
 
 /// Time for which a window system may refuse a swapchain before that is an error.
@@ -23,7 +23,7 @@ const GIVE_UP_AFTER: Duration = Duration::from_secs(10);
 
 /// An acquired image of the window, to be drawn and presented.
 #[derive(Clone, Copy, Debug)]
-pub struct Target {
+pub struct WindowTarget {
     pub image: vk::Image,
     /// A view per layer; with one layer both are the same.
     views: [vk::ImageView; 2],
@@ -35,7 +35,7 @@ pub struct Target {
     index: u32,
 }
 
-impl Target {
+impl WindowTarget {
     /// Returns the image for barriers, with all layers.
     pub fn part(&self) -> ImagePart {
         ImagePart { layers: self.layers, ..ImagePart::colour(self.image, 0) }
@@ -51,7 +51,7 @@ impl Target {
         self.views[eye.min(1)]
     }
 
-    /// The use before the first barrier: the window system has finished after [`Target::wait`], and the contents may be
+    /// The use before the first barrier: the window system has finished after [`WindowTarget::wait`], and the contents may be
     /// discarded.
     pub const FIRST: Use = Use::COPY_TARGET.discarded();
 
@@ -87,7 +87,7 @@ pub struct WindowScreen {
     stale: bool,
     /// Time since the window system has been refusing.
     refused: Option<Instant>,
-    surface: Surface,
+    surface: WindowSurface,
     device: Arc<Device>,
 }
 
@@ -106,7 +106,11 @@ struct SwapImage {
 
 impl WindowScreen {
     /// Creates the swapchain. `size`: of the window, in pixels.
-    pub fn new(device: &Arc<Device>, surface: Surface, size: [u32; 2]) -> Result<WindowScreen> {
+    pub fn new(
+        device: &Arc<Device>,
+        surface: WindowSurface,
+        size: [u32; 2],
+    ) -> Result<WindowScreen> {
         let format = choose_format(device, &surface)?;
         let mut screen = WindowScreen {
             swapchain: None,
@@ -147,7 +151,7 @@ impl WindowScreen {
     /// Returns the next image to draw to, waiting up to `patience`; `None` while the window is minimised or hidden, or
     /// the window system is busy with it. `slot` is that of the current frame ([`crate::gpu::Frames::slot`]), whose
     /// semaphore is free again.
-    pub fn acquire(&mut self, slot: usize, patience: Duration) -> Result<Option<Target>> {
+    pub fn acquire(&mut self, slot: usize, patience: Duration) -> Result<Option<WindowTarget>> {
         // A swapchain that is immediately out of date is recreated, but not forever.
         for _ in 0..3 {
             if self.size.contains(&0) {
@@ -168,7 +172,7 @@ impl WindowScreen {
         Ok(None)
     }
 
-    fn try_acquire(&mut self, slot: usize, patience: Duration) -> Result<Option<Target>> {
+    fn try_acquire(&mut self, slot: usize, patience: Duration) -> Result<Option<WindowTarget>> {
         if self.stale || self.swapchain.is_none() {
             self.rebuild()?;
         }
@@ -191,7 +195,7 @@ impl WindowScreen {
         let view = |layer: usize| {
             image.views.get(layer).or(image.views.first()).copied().unwrap_or_default()
         };
-        let target = Target {
+        let target = WindowTarget {
             image: image.image,
             views: [view(0), view(1)],
             layers: image.views.len() as u32,
@@ -205,7 +209,7 @@ impl WindowScreen {
     }
 
     /// Presents a finished target. Returns false if the window has changed too much to show it.
-    pub fn present(&mut self, target: &Target) -> Result<bool> {
+    pub fn present(&mut self, target: &WindowTarget) -> Result<bool> {
         let Some(swapchain) = &self.swapchain else { return Ok(false) };
         let (chains, indices, waits) = ([swapchain.handle], [target.index], [target.finished]);
         let info = vk::PresentInfoKHR::default()
@@ -270,7 +274,7 @@ impl WindowScreen {
         recorder: &mut Recorder,
         from: ImagePart,
         size: [u32; 2],
-        to: &Target,
+        to: &WindowTarget,
         at: [u32; 2],
     ) {
         let fits = |i: usize| size[i].min(to.size[i].saturating_sub(at[i]));
@@ -448,7 +452,7 @@ fn make_semaphore(device: &Device, name: &str) -> Result<vk::Semaphore> {
 }
 
 /// Returns the format to draw in.
-fn choose_format(device: &Device, surface: &Surface) -> Result<vk::SurfaceFormatKHR> {
+fn choose_format(device: &Device, surface: &WindowSurface) -> Result<vk::SurfaceFormatKHR> {
     // SAFETY: device and surface are of the same instance.
     let formats = unsafe {
         surface.loader().get_physical_device_surface_formats(device.physical(), surface.handle())
@@ -473,7 +477,7 @@ fn can_draw_in(device: &Device, format: vk::Format) -> bool {
 }
 
 /// Returns the present mode.
-fn choose_mode(device: &Device, surface: &Surface) -> Result<vk::PresentModeKHR> {
+fn choose_mode(device: &Device, surface: &WindowSurface) -> Result<vk::PresentModeKHR> {
     let (loader, handle) = (surface.loader(), surface.handle());
     // SAFETY: device and surface are of the same instance.
     let offered =

@@ -9,7 +9,7 @@ use crate::document::Document;
 use crate::editor::draw::Progress;
 use crate::editor::tool::ToolState;
 use crate::input::{Action, Bindings};
-use crate::screen::headset::Blend;
+use crate::screen::headset::BlendMode;
 use crate::sculpture::orientation::Up;
 use crate::viewpoint::ar::ArStatus;
 use crate::viewpoint::camera::VideoStatus;
@@ -52,7 +52,7 @@ pub struct UiContext<'a> {
     /// The panels are on a hand in a headset, out of reach of keyboard and mouse.
     pub in_headset: bool,
     /// The ways in which a headset can blend pictures with the surroundings; empty without a headset.
-    pub blends: &'a [Blend],
+    pub blends: &'a [BlendMode],
     /// Whether the window can have one layer per eye.
     pub quad_buffered: bool,
     /// Name of the Vulkan device.

@@ -8,7 +8,7 @@ use crate::trace::TraceOptions;
 
 /// The subject of a film.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum FilmKind {
+pub enum FilmSubject {
     #[default]
     Turntable,
     Lapse,
@@ -60,7 +60,7 @@ impl FilmForm {
 /// A requested film.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FilmRequest {
-    pub kind: FilmKind,
+    pub kind: FilmSubject,
     pub frames: u32,
     /// Frames per second.
     pub fps: u16,

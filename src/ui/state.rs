@@ -23,7 +23,7 @@ use crate::command::NewSculpture;
 use crate::input::hands::HandSide;
 use crate::input::pen::PenCurve;
 use crate::render::{LightOptions, RenderOptions, StereoOptions};
-use crate::screen::headset::{Blend, HeadsetOptions};
+use crate::screen::headset::{BlendMode, HeadsetOptions};
 use crate::video::VideoOptions;
 
 /// The facts known about files opened or saved.
@@ -41,7 +41,7 @@ pub struct HeadsetChoices {
     /// The hand with the tool.
     pub hand_side: HandSide,
     /// The blending of pictures with the surroundings.
-    pub blend: Blend,
+    pub blend: BlendMode,
 }
 
 /// The interface's own state: everything that panels change directly.

@@ -13,7 +13,7 @@ pub const MAX_COMPRESSED_BYTES: usize = 32 << 20;
 
 /// A frame.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct VideoFrame {
     /// Pixels.
     pub width: u32,
     /// Pixels.
@@ -29,10 +29,10 @@ pub struct Frame {
     pub sequence: u64,
 }
 
-impl Frame {
+impl VideoFrame {
     /// Returns an empty frame: 0 x 0.
-    pub fn empty() -> Frame {
-        Frame {
+    pub fn empty() -> VideoFrame {
+        VideoFrame {
             width: 0,
             height: 0,
             pixels: Vec::new(),
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn sizes_are_bounded_and_memory_reused() {
-        let mut frame = Frame::empty();
+        let mut frame = VideoFrame::empty();
         frame.shape(640, 480, "x").unwrap();
         assert_eq!(frame.pixels.len(), 640 * 480 * 4);
         let at = frame.pixels.as_ptr();

@@ -9,7 +9,7 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::error::{VideoError, guarded};
-use super::frame::{Frame, MAX_COMPRESSED_BYTES, MAX_SIDE_PX, check_size};
+use super::frame::{MAX_COMPRESSED_BYTES, MAX_SIDE_PX, VideoFrame, check_size};
 use super::reader::Decoded;
 
 const SOI: u8 = 0xD8;
@@ -209,7 +209,7 @@ impl Splitter {
 
 /// Decodes one picture, whose colours are BT.601 in full range (JFIF), into `frame`. Kinds that cameras do not send
 /// count as damaged: arithmetic coding, 12 bits, unknown CMYK.
-pub fn decode(picture: &[u8], subject: &str, frame: &mut Frame) -> Decoded {
+pub fn decode(picture: &[u8], subject: &str, frame: &mut VideoFrame) -> Decoded {
     // The decoder may panic on bad input.
     match guarded(subject, || decode_rgba(picture, subject, frame)) {
         Ok(()) => Decoded::Whole,
@@ -217,7 +217,7 @@ pub fn decode(picture: &[u8], subject: &str, frame: &mut Frame) -> Decoded {
     }
 }
 
-fn decode_rgba(picture: &[u8], subject: &str, frame: &mut Frame) -> Result<(), VideoError> {
+fn decode_rgba(picture: &[u8], subject: &str, frame: &mut VideoFrame) -> Result<(), VideoError> {
     let options = DecoderOptions::new_fast()
         .jpeg_set_out_colorspace(ColorSpace::RGBA)
         .set_max_width(MAX_SIDE_PX as usize)

@@ -3,7 +3,7 @@
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use proptest::prelude::*;
 
-use super::frame::Frame;
+use super::frame::VideoFrame;
 use super::jpeg::{Splitter, decode};
 use super::reader::Decoded;
 
@@ -71,7 +71,7 @@ fn cut(bytes: &[u8], piece: usize) -> (Vec<Vec<u8>>, u64) {
 }
 
 fn worst_difference(jpeg: &[u8], rgb: &[u8]) -> u8 {
-    let mut frame = Frame::empty();
+    let mut frame = VideoFrame::empty();
     match decode(jpeg, "test", &mut frame) {
         Decoded::Whole => {}
         Decoded::Broken(error) => panic!("{error}"),
@@ -122,7 +122,7 @@ fn tables_that_a_webcam_leaves_out_are_the_standard_ones() {
     assert!(bare.len() < whole.len() - 300);
     let (found, broken) = cut(&bare, 1000);
     assert_eq!((found.len(), broken), (1, 0));
-    let (mut with, mut without) = (Frame::empty(), Frame::empty());
+    let (mut with, mut without) = (VideoFrame::empty(), VideoFrame::empty());
     assert!(matches!(decode(&whole, "a", &mut with), Decoded::Whole));
     assert!(matches!(decode(&found[0], "b", &mut without), Decoded::Whole));
     assert_eq!(with.pixels, without.pixels);
@@ -154,7 +154,7 @@ fn a_picture_that_breaks_off_costs_only_itself() {
 
 #[test]
 fn nonsense_is_broken_and_bounded() {
-    let mut frame = Frame::empty();
+    let mut frame = VideoFrame::empty();
     let jpeg = plain(1);
     let huge = {
         // The size in the frame header: 0xFFC0, length, precision, height, width.
@@ -198,7 +198,7 @@ proptest! {
         }
         let (found, _) = cut(&stream, piece);
         prop_assert!(found.len() <= 3);
-        let mut frame = Frame::empty();
+        let mut frame = VideoFrame::empty();
         for picture in found {
             let _ = decode(&picture, "fuzz", &mut frame);
         }

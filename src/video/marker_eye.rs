@@ -12,14 +12,14 @@ use crate::view::eye::{Eye, Frustum};
 /// The placement of a sculpture on a marker: upright at its centre, with the world's y axis out of
 /// the paper.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Stand {
+pub struct MarkerPlacement {
     /// Lowest point of the sculpture in the world, which touches the paper.
     pub ground: f32,
     /// Metres per world unit, above 0.
     pub m_per_unit: f32,
 }
 
-impl Stand {
+impl MarkerPlacement {
     /// Returns the transform from the world to the marker's axes (x right, y up on the paper, z out of it, metres).
     pub fn marker_from_world(&self) -> Affine3A {
         let turn = Mat3::from_cols(Vec3::X, Vec3::Z, Vec3::NEG_Y);
@@ -80,7 +80,7 @@ mod tests {
             x in -3.0f32..3.0, y in 0.0f32..3.0, z in -3.0f32..3.0,
             width in 200u32..2000, height in 200u32..2000, mirror: bool,
         ) {
-            let stand = Stand { ground: -1.5, m_per_unit: 0.03 };
+            let stand = MarkerPlacement { ground: -1.5, m_per_unit: 0.03 };
             let (lens, size) = (lens(), UVec2::new(width, height));
             for fit in [Fit::Fit, Fit::Fill, Fit::Stretch] {
                 let framing = Framing::new(UVec2::new(640, 480), size, fit, mirror);
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn the_ground_lies_on_the_paper_and_up_is_out_of_it() {
-        let stand = Stand { ground: 2.0, m_per_unit: 0.01 };
+        let stand = MarkerPlacement { ground: 2.0, m_per_unit: 0.01 };
         let map = stand.marker_from_world();
         assert!(map.transform_point3(Vec3::new(0.0, 2.0, 0.0)).abs_diff_eq(Vec3::ZERO, 1e-6));
         let up = map.transform_vector3(Vec3::Y);

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::address::FilmAddress;
 use super::error::VideoError;
-use super::frame::{Frame, MAX_COMPRESSED_BYTES};
+use super::frame::{MAX_COMPRESSED_BYTES, VideoFrame};
 use super::jpeg::{self, Splitter};
 use super::rate::Rate;
 use super::reader::{Decoded, Fetched, Reader};
@@ -64,7 +64,7 @@ impl Reader for Mjpeg {
         }
     }
 
-    fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError> {
+    fn decode(&mut self, frame: &mut VideoFrame) -> Result<Decoded, VideoError> {
         Ok(jpeg::decode(&self.picture, &self.subject, frame))
     }
 

@@ -48,15 +48,15 @@ mod yuv_tests;
 pub use address::{Address, CameraAddress, FilmAddress, FilmKind};
 pub use colour::{Colour, ColourChoice, Matrix, Range};
 pub use error::VideoError;
-pub use frame::{Frame, MAX_COMPRESSED_BYTES, MAX_PIXELS, MAX_SIDE_PX};
+pub use frame::{MAX_COMPRESSED_BYTES, MAX_PIXELS, MAX_SIDE_PX, VideoFrame};
 pub use framing::{Fit, Framing};
 pub use http::Url;
 pub use intrinsics::{Intrinsics, IntrinsicsError};
-pub use marker_eye::Stand;
+pub use marker_eye::MarkerPlacement;
 pub use options::VideoOptions;
 pub use rate::Rate;
 pub use slot::{State, Stats};
 pub use source::VideoSource;
 #[cfg(target_os = "linux")]
 pub use v4l2::{CameraInfo, CameraMode, cameras};
-pub use yuv::{Layout, Lines, Planes, to_rgba};
+pub use yuv::{Layout, LineBuffers, Planes, to_rgba};

@@ -11,7 +11,7 @@ use image::{ImageDecoder, Limits};
 
 use super::address::FilmAddress;
 use super::error::VideoError;
-use super::frame::{Frame, MAX_COMPRESSED_BYTES, MAX_PIXELS, MAX_SIDE_PX};
+use super::frame::{MAX_COMPRESSED_BYTES, MAX_PIXELS, MAX_SIDE_PX, VideoFrame};
 use super::rate::Rate;
 use super::reader::{Decoded, Fetched, Reader};
 
@@ -87,7 +87,7 @@ impl Reader for PngFolder {
         Ok(Fetched::Picture { position, stale: 0, broken: 0 })
     }
 
-    fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError> {
+    fn decode(&mut self, frame: &mut VideoFrame) -> Result<Decoded, VideoError> {
         let subject = self.subject();
         let malformed = |error: image::ImageError| {
             VideoError::malformed(&*subject, format!("broken PNG: {error}"))

@@ -5,12 +5,12 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::error::{VideoError, guarded};
-use super::frame::Frame;
-use super::reader::{Decoded, Fetched, Reader, Stop};
+use super::frame::VideoFrame;
+use super::reader::{Decoded, Fetched, OwnerWatch, Reader};
 use super::slot::{Slot, State, lock};
 
 /// Opens a reader; called again after each loss of a camera.
-pub type Open = Box<dyn FnMut(&Stop) -> Result<Box<dyn Reader>, VideoError> + Send>;
+pub type Open = Box<dyn FnMut(&OwnerWatch) -> Result<Box<dyn Reader>, VideoError> + Send>;
 
 /// The playback of a source.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -45,8 +45,8 @@ enum Done {
 }
 
 /// Runs until the film ends or `stop` is signalled.
-pub fn run(subject: &str, mut open: Open, play: Play, slot: &Arc<Mutex<Slot>>, stop: &Stop) {
-    let mut pump = Pump { slot, stop, back: Frame::empty(), sequence: 0 };
+pub fn run(subject: &str, mut open: Open, play: Play, slot: &Arc<Mutex<Slot>>, stop: &OwnerWatch) {
+    let mut pump = Pump { slot, stop, back: VideoFrame::empty(), sequence: 0 };
     let mut wait = Duration::ZERO;
     loop {
         let seen = pump.sequence;
@@ -70,9 +70,9 @@ pub fn run(subject: &str, mut open: Open, play: Play, slot: &Arc<Mutex<Slot>>, s
 
 struct Pump<'a> {
     slot: &'a Mutex<Slot>,
-    stop: &'a Stop,
+    stop: &'a OwnerWatch,
     /// The frame being written.
-    back: Frame,
+    back: VideoFrame,
     sequence: u64,
 }
 

@@ -6,9 +6,9 @@ use std::sync::mpsc::{self, Sender};
 use std::time::{Duration, Instant};
 
 use super::error::VideoError;
-use super::frame::Frame;
+use super::frame::VideoFrame;
 use super::pump::{Open, Play};
-use super::reader::{Decoded, Fetched, Reader, Stop};
+use super::reader::{Decoded, Fetched, OwnerWatch, Reader};
 use super::slot::State;
 use super::source::VideoSource;
 
@@ -52,7 +52,7 @@ impl Reader for Scripted {
         }
     }
 
-    fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError> {
+    fn decode(&mut self, frame: &mut VideoFrame) -> Result<Decoded, VideoError> {
         if matches!(self.now, Act::Broken) {
             return Ok(Decoded::Broken(failure()));
         }
@@ -72,7 +72,7 @@ impl Reader for Scripted {
 fn source(scripts: &[&[Act]], play: Play) -> (VideoSource, Sender<()>) {
     let mut scripts: VecDeque<Vec<Act>> = scripts.iter().map(|acts| acts.to_vec()).collect();
     let (go, gate) = mpsc::channel();
-    let open: Open = Box::new(move |_: &Stop| {
+    let open: Open = Box::new(move |_: &OwnerWatch| {
         gate.recv().map_err(|_| failure())?;
         let all = scripts.pop_front().ok_or_else(failure)?;
         let reader: Box<dyn Reader> =
@@ -126,7 +126,7 @@ fn a_lost_camera_comes_back_and_its_last_frame_stays() {
 #[test]
 fn a_camera_is_sought_at_growing_intervals() {
     let (note, tries) = mpsc::channel();
-    let open: Open = Box::new(move |_: &Stop| {
+    let open: Open = Box::new(move |_: &OwnerWatch| {
         let _ = note.send(Instant::now());
         Err(failure())
     });
@@ -197,7 +197,7 @@ fn dropping_a_source_stops_its_thread() {
         fn fetch(&mut self) -> Result<Fetched, VideoError> {
             self.script.fetch()
         }
-        fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError> {
+        fn decode(&mut self, frame: &mut VideoFrame) -> Result<Decoded, VideoError> {
             self.script.decode(frame)
         }
         fn rewind(&mut self) -> Result<Duration, VideoError> {
@@ -207,7 +207,7 @@ fn dropping_a_source_stops_its_thread() {
     let alive = Arc::new(());
     for play in [CAMERA, Play::Film { repeat: true }] {
         let note = Arc::clone(&alive);
-        let open: Open = Box::new(move |_: &Stop| {
+        let open: Open = Box::new(move |_: &OwnerWatch| {
             // A film whose next frame is due in an hour.
             let all = vec![Act::Give(0), Act::Give(3_600_000)];
             let script = Scripted { acts: all.clone().into(), all, now: Act::Idle };

@@ -6,7 +6,7 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::time::Duration;
 
 use super::error::VideoError;
-use super::frame::Frame;
+use super::frame::VideoFrame;
 
 /// The result of a fetch.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -41,7 +41,7 @@ pub trait Reader {
     fn fetch(&mut self) -> Result<Fetched, VideoError>;
 
     /// Decodes the fetched picture into `frame`, resizing it. After an error the reader is unusable.
-    fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError>;
+    fn decode(&mut self, frame: &mut VideoFrame) -> Result<Decoded, VideoError>;
 
     /// Returns to the first picture of a film. Returns the played length.
     fn rewind(&mut self) -> Result<Duration, VideoError>;
@@ -52,7 +52,7 @@ pub const FETCH_WAIT: Duration = Duration::from_millis(100);
 
 /// Held by the decoding thread: detects that the owner of the source is gone.
 #[derive(Debug)]
-pub struct Stop(Receiver<Infallible>);
+pub struct OwnerWatch(Receiver<Infallible>);
 
 /// Held by the owner: dropping it stops the thread.
 #[derive(Debug)]
@@ -60,10 +60,10 @@ pub struct Running {
     _alive: Sender<Infallible>,
 }
 
-impl Stop {
-    pub fn new() -> (Running, Stop) {
+impl OwnerWatch {
+    pub fn new() -> (Running, OwnerWatch) {
         let (alive, stop) = mpsc::channel();
-        (Running { _alive: alive }, Stop(stop))
+        (Running { _alive: alive }, OwnerWatch(stop))
     }
 
     pub fn asked(&self) -> bool {
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn stop_wakes_a_sleeper() {
-        let (running, stop) = Stop::new();
+        let (running, stop) = OwnerWatch::new();
         assert!(!stop.asked());
         assert!(!stop.wait(Duration::from_millis(1)));
         let sleeper = std::thread::spawn(move || stop.wait(Duration::from_secs(3600)));

@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::error::VideoError;
-use super::frame::Frame;
+use super::frame::VideoFrame;
 
 /// The state of a source.
 #[derive(Clone, Debug)]
@@ -49,7 +49,7 @@ pub struct Stats {
 /// Shared by the decoding thread and the reader.
 #[derive(Debug)]
 pub struct Slot {
-    frame: Frame,
+    frame: VideoFrame,
     fresh: bool,
     pub state: State,
     pub stats: Stats,
@@ -57,11 +57,16 @@ pub struct Slot {
 
 impl Slot {
     pub fn new() -> Slot {
-        Slot { frame: Frame::empty(), fresh: false, state: State::Opening, stats: Stats::default() }
+        Slot {
+            frame: VideoFrame::empty(),
+            fresh: false,
+            state: State::Opening,
+            stats: Stats::default(),
+        }
     }
 
     /// Swaps a frame in and an old one, for its allocation, out.
-    pub fn put(&mut self, frame: &mut Frame) {
+    pub fn put(&mut self, frame: &mut VideoFrame) {
         std::mem::swap(&mut self.frame, frame);
         self.stats.decoded += 1;
         self.stats.unseen += u64::from(self.fresh);
@@ -71,7 +76,7 @@ impl Slot {
 
     /// Swaps the newest frame out, leaving the reader's old one for its allocation. Returns false if none has come
     /// since the last call.
-    pub fn take(&mut self, frame: &mut Frame) -> bool {
+    pub fn take(&mut self, frame: &mut VideoFrame) -> bool {
         if self.fresh {
             std::mem::swap(&mut self.frame, frame);
             self.fresh = false;
@@ -92,7 +97,8 @@ mod tests {
 
     #[test]
     fn newest_frame_wins_and_three_buffers_serve() {
-        let (mut slot, mut back, mut front) = (Slot::new(), Frame::empty(), Frame::empty());
+        let (mut slot, mut back, mut front) =
+            (Slot::new(), VideoFrame::empty(), VideoFrame::empty());
         assert!(!slot.take(&mut front));
         let mut buffers = std::collections::HashSet::new();
         for sequence in 1..=99 {

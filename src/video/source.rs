@@ -8,15 +8,15 @@ use std::time::Duration;
 
 use super::address::{Address, FilmKind};
 use super::error::VideoError;
-use super::frame::Frame;
+use super::frame::VideoFrame;
 use super::http::HttpCamera;
 use super::mjpeg::Mjpeg;
 use super::png_folder::PngFolder;
 use super::pump::{self, Open, Play};
-use super::reader::{Reader, Running, Stop};
+use super::reader::{OwnerWatch, Reader, Running};
 use super::slot::{Slot, State, Stats};
 #[cfg(target_os = "linux")]
-use super::v4l2::Camera;
+use super::v4l2::V4l2Camera;
 use super::y4m::Y4m;
 
 /// Longest wait for the thread of a dropped source, which may be connecting.
@@ -27,7 +27,7 @@ const LAST_WAIT: Duration = Duration::from_millis(250);
 pub struct VideoSource {
     slot: Arc<Mutex<Slot>>,
     /// The frame polled last.
-    front: Frame,
+    front: VideoFrame,
     state: State,
     stats: Stats,
     /// Taken on drop, in this order: stop signal, end signal, thread.
@@ -45,7 +45,7 @@ impl VideoSource {
         let (subject, open, play): (String, Open, Play) = match address.clone() {
             Address::Film(film) => (
                 film.path.display().to_string(),
-                Box::new(move |_: &Stop| -> Result<Box<dyn Reader>, VideoError> {
+                Box::new(move |_: &OwnerWatch| -> Result<Box<dyn Reader>, VideoError> {
                     Ok(match film.kind {
                         FilmKind::Y4m => Box::new(Y4m::open(&film)?),
                         FilmKind::Mjpeg => Box::new(Mjpeg::open(&film)?),
@@ -56,7 +56,7 @@ impl VideoSource {
             ),
             Address::Http(url) => (
                 url.to_string(),
-                Box::new(move |stop: &Stop| -> Result<Box<dyn Reader>, VideoError> {
+                Box::new(move |stop: &OwnerWatch| -> Result<Box<dyn Reader>, VideoError> {
                     Ok(Box::new(HttpCamera::open(&url, stop)?))
                 }),
                 Play::CAMERA,
@@ -64,8 +64,8 @@ impl VideoSource {
             #[cfg(target_os = "linux")]
             Address::Camera(camera) => (
                 camera.device.display().to_string(),
-                Box::new(move |_: &Stop| -> Result<Box<dyn Reader>, VideoError> {
-                    Ok(Box::new(Camera::open(&camera)?))
+                Box::new(move |_: &OwnerWatch| -> Result<Box<dyn Reader>, VideoError> {
+                    Ok(Box::new(V4l2Camera::open(&camera)?))
                 }),
                 Play::CAMERA,
             ),
@@ -86,7 +86,7 @@ impl VideoSource {
         play: Play,
     ) -> Result<VideoSource, VideoError> {
         let slot = Arc::new(Mutex::new(Slot::new()));
-        let (running, stop) = Stop::new();
+        let (running, stop) = OwnerWatch::new();
         let (finish, finished) = mpsc::channel();
         let (for_thread, name) = (Arc::clone(&slot), subject.clone());
         let thread = thread::Builder::new()
@@ -99,7 +99,7 @@ impl VideoSource {
             .map_err(|error| VideoError::io(name, error))?;
         Ok(VideoSource {
             slot,
-            front: Frame::empty(),
+            front: VideoFrame::empty(),
             state: State::Opening,
             stats: Stats::default(),
             running: Some(running),
@@ -109,7 +109,7 @@ impl VideoSource {
     }
 
     /// Returns the new frame, if one has come since the last call, without blocking. Also updates state and statistics.
-    pub fn poll(&mut self) -> Option<&Frame> {
+    pub fn poll(&mut self) -> Option<&VideoFrame> {
         let mut slot = match self.slot.try_lock() {
             Ok(slot) => slot,
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
@@ -124,7 +124,7 @@ impl VideoSource {
     }
 
     /// Returns the last frame of [`VideoSource::poll`], even after the camera is gone.
-    pub fn frame(&self) -> Option<&Frame> {
+    pub fn frame(&self) -> Option<&VideoFrame> {
         (self.front.sequence > 0).then_some(&self.front)
     }
 

@@ -11,10 +11,10 @@ use std::time::Duration;
 use super::address::FilmAddress;
 use super::colour::{Colour, Range};
 use super::error::VideoError;
-use super::frame::{Frame, check_size};
+use super::frame::{VideoFrame, check_size};
 use super::rate::Rate;
 use super::reader::{Decoded, Fetched, Reader};
-use super::yuv::{Layout, Lines, Planes, to_rgba};
+use super::yuv::{Layout, LineBuffers, Planes, to_rgba};
 
 /// Longest header line, bytes.
 const MAX_LINE: usize = 1024;
@@ -39,7 +39,7 @@ pub struct Y4m {
     start: u64,
     picture_len: usize,
     picture: Vec<u8>,
-    lines: Lines,
+    lines: LineBuffers,
     /// Number of pictures fetched.
     index: u64,
 }
@@ -62,7 +62,7 @@ impl Y4m {
             colour: address.colour.over(said),
             picture_len,
             picture: Vec::new(),
-            lines: Lines::default(),
+            lines: LineBuffers::default(),
             index: 0,
             subject,
         })
@@ -95,7 +95,7 @@ impl Reader for Y4m {
         Ok(Fetched::Picture { position, stale: 0, broken: 0 })
     }
 
-    fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError> {
+    fn decode(&mut self, frame: &mut VideoFrame) -> Result<Decoded, VideoError> {
         let Header { width, height, layout, .. } = self.header;
         frame.shape(width, height, &self.subject)?;
         let (width, height) = (width as usize, height as usize);

@@ -68,7 +68,7 @@ impl Layout {
 
 /// Buffers for one line, kept from frame to frame.
 #[derive(Clone, Debug, Default)]
-pub struct Lines {
+pub struct LineBuffers {
     luma: Vec<u8>,
     cb: Vec<u8>,
     cr: Vec<u8>,
@@ -111,7 +111,7 @@ impl Factors {
 pub fn to_rgba(
     planes: Planes,
     colour: Colour,
-    lines: &mut Lines,
+    lines: &mut LineBuffers,
     out: &mut [u8],
 ) -> Result<(), String> {
     let Planes { layout, width, height, stride, data } = planes;
@@ -134,7 +134,13 @@ pub fn to_rgba(
 
 /// Does [`to_rgba`] after the checks, for each vector instruction level.
 #[inline(always)]
-fn convert<S: Simd>(_: S, planes: Planes, factors: Factors, lines: &mut Lines, out: &mut [u8]) {
+fn convert<S: Simd>(
+    _: S,
+    planes: Planes,
+    factors: Factors,
+    lines: &mut LineBuffers,
+    out: &mut [u8],
+) {
     let Planes { layout, width, height, stride, data } = planes;
     for plane in [&mut lines.luma, &mut lines.cb, &mut lines.cr] {
         plane.resize(width.next_multiple_of(2), 128);
@@ -178,7 +184,7 @@ fn convert<S: Simd>(_: S, planes: Planes, factors: Factors, lines: &mut Lines, o
 #[inline(always)]
 fn unpack<const Y0: usize, const CB: usize, const Y1: usize, const CR: usize>(
     line: &[u8],
-    lines: &mut Lines,
+    lines: &mut LineBuffers,
 ) {
     let (luma, cb, cr) = (
         lines.luma.as_chunks_mut::<2>().0,

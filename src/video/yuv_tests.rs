@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::colour::{Colour, Matrix, Range};
-use super::yuv::{Layout, Lines, Planes, to_rgba};
+use super::yuv::{Layout, LineBuffers, Planes, to_rgba};
 
 const COLOURS: [Colour; 4] = [
     Colour { matrix: Matrix::Bt601, range: Range::Limited },
@@ -86,7 +86,7 @@ fn colours_known_by_name() {
         let mut out = [0; 8];
         let planes =
             Planes { layout: Layout::Yuyv, width: 2, height: 1, stride: 4, data: &[y, cb, y, cr] };
-        to_rgba(planes, Colour::DEFAULT, &mut Lines::default(), &mut out).unwrap();
+        to_rgba(planes, Colour::DEFAULT, &mut LineBuffers::default(), &mut out).unwrap();
         for channel in 0..3 {
             assert!(out[channel].abs_diff(rgb[channel]) <= 1, "{y} {cb} {cr}: {out:?}");
         }
@@ -97,7 +97,7 @@ fn colours_known_by_name() {
 #[test]
 fn every_colour_is_within_one_step() {
     // All of Cb and Cr over lumas with a stride of every residue.
-    let mut lines = Lines::default();
+    let mut lines = LineBuffers::default();
     let mut out = vec![0; 256 * 4];
     for colour in COLOURS {
         let (mut off, mut all) = (0_u64, 0_u64);
@@ -131,7 +131,7 @@ proptest! {
         width in 1usize..70, height in 1usize..6, slack in 0usize..5, seed: u64,
         colour in prop::sample::select(&COLOURS[..]),
     ) {
-        let mut lines = Lines::default();
+        let mut lines = LineBuffers::default();
         for layout in LAYOUTS {
             let stride = (layout.least_stride(width) + slack).next_multiple_of(
                 if layout == Layout::Nv12 { 2 } else { 1 },

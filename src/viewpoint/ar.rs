@@ -14,7 +14,7 @@ use tracking::Placement;
 use tracking::fade::{Fade, FadeOptions};
 
 use crate::fiducial::{ArOptions, Grey, MarkerPose, detect, poses};
-use crate::video::{Fit, Frame, Framing, Intrinsics, Stand};
+use crate::video::{Fit, Framing, Intrinsics, MarkerPlacement, VideoFrame};
 use crate::view::Eye;
 
 /// The marker is lost after so long without it, in seconds.
@@ -31,7 +31,7 @@ const GROWTH_PER_NOTCH: f32 = 1.1;
 
 /// The display of the camera's picture on the screen.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Look {
+pub struct CameraView {
     /// The camera's lens, if it has been measured.
     pub lens: Option<Intrinsics>,
     pub fit: Fit,
@@ -40,7 +40,7 @@ pub struct Look {
 
 /// A searched frame.
 struct Searched {
-    frame: Arc<Frame>,
+    frame: Arc<VideoFrame>,
     /// Scaled to the size of the frame.
     lens: Intrinsics,
     /// The readings of the marker, better first; empty if it was not found.
@@ -50,7 +50,7 @@ struct Searched {
 /// The state shared by the finder's thread and [`Ar`].
 #[derive(Default)]
 struct Desk {
-    next: Option<(Arc<Frame>, Intrinsics)>,
+    next: Option<(Arc<VideoFrame>, Intrinsics)>,
     done: Option<Searched>,
     stop: bool,
 }
@@ -91,7 +91,7 @@ impl Finder {
         Ok(Finder { shared, thread: Some(thread) })
     }
 
-    fn give(&self, frame: Arc<Frame>, lens: Intrinsics) {
+    fn give(&self, frame: Arc<VideoFrame>, lens: Intrinsics) {
         let (desk, news) = &*self.shared;
         lock(desk).next = Some((frame, lens));
         news.notify_one();
@@ -136,8 +136,8 @@ pub struct Ar {
     finder: Option<Finder>,
     /// The number of the last given frame.
     given: Option<u64>,
-    look: Look,
-    shown: Option<(Arc<Frame>, Intrinsics)>,
+    look: CameraView,
+    shown: Option<(Arc<VideoFrame>, Intrinsics)>,
     /// The last pose of the marker, and its time.
     seen: Option<(Placement, f64)>,
     live: bool,
@@ -159,7 +159,7 @@ impl Ar {
             settings: settings.clone(),
             finder: None,
             given: None,
-            look: Look { lens: None, fit: Fit::Fill, mirror: false },
+            look: CameraView { lens: None, fit: Fit::Fill, mirror: false },
             shown: None,
             seen: None,
             live: false,
@@ -274,7 +274,8 @@ impl Ar {
             .map(|i| world_from_grid.transform_point3(corner(i) * dims).y)
             .fold(f32::MAX, f32::min);
         let units_per_voxel = world_from_grid.matrix3.x_axis.length().max(f32::MIN_POSITIVE);
-        let stand = Stand { ground, m_per_unit: self.settings.voxel_mm * 1e-3 / units_per_voxel };
+        let stand =
+            MarkerPlacement { ground, m_per_unit: self.settings.voxel_mm * 1e-3 / units_per_voxel };
         let Placement { position_m, orientation } = self.placement();
         let camera_from_marker =
             Affine3A::from_rotation_translation(orientation.as_quat(), position_m.as_vec3());
@@ -285,7 +286,7 @@ impl Ar {
     }
 
     /// Takes the newest frame of the camera and its placement on the screen.
-    pub fn see(&mut self, frame: &Arc<Frame>, look: Look) {
+    pub fn see(&mut self, frame: &Arc<VideoFrame>, look: CameraView) {
         self.look = look;
         let Some(finder) = &self.finder else { return };
         if self.given == Some(frame.sequence) || frame.width == 0 || frame.height == 0 {
@@ -300,7 +301,7 @@ impl Ar {
 
     /// Returns the frame of the eye, while the sculpture stands on the marker. It must be shown behind it, without the
     /// lens's distortion.
-    pub fn frame(&self) -> Option<&Arc<Frame>> {
+    pub fn frame(&self) -> Option<&Arc<VideoFrame>> {
         self.shown.as_ref().filter(|_| self.is_on()).map(|(frame, _)| frame)
     }
 }

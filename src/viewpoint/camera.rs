@@ -7,10 +7,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::ar::Look;
+use super::ar::CameraView;
 use crate::notice::Notice;
 use crate::video::{
-    Address, Frame, Intrinsics, State, Stats, VideoError, VideoOptions, VideoSource,
+    Address, Intrinsics, State, Stats, VideoError, VideoFrame, VideoOptions, VideoSource,
 };
 
 /// Time between two looks for a new frame.
@@ -41,16 +41,16 @@ pub struct VideoStatus {
 
 /// The open video, if there is one.
 #[derive(Default)]
-pub struct Camera {
+pub struct VideoInput {
     source: Option<VideoSource>,
     /// The options at its opening: different options reopen it.
     opened: VideoOptions,
     lens: Option<Intrinsics>,
-    frame: Option<Arc<Frame>>,
+    frame: Option<Arc<VideoFrame>>,
     state: VideoState,
 }
 
-impl Camera {
+impl VideoInput {
     pub fn status(&self) -> VideoStatus {
         let size = self.frame.as_ref().map(|frame| [frame.width, frame.height]);
         let stats = self.source.as_ref().map(|source| source.stats()).unwrap_or_default();
@@ -66,7 +66,7 @@ impl Camera {
 
     fn open(&mut self, settings: &VideoOptions) -> Result<(), String> {
         // The old camera is free before the new one is opened: it may be the same.
-        *self = Camera { opened: settings.clone(), ..Camera::default() };
+        *self = VideoInput { opened: settings.clone(), ..VideoInput::default() };
         if !settings.lens.as_os_str().is_empty() {
             self.lens = Some(read_lens(&settings.lens)?);
         }
@@ -118,10 +118,10 @@ impl Camera {
         &mut self,
         settings: &VideoOptions,
         wished: bool,
-    ) -> (Option<(Arc<Frame>, Look)>, Option<Notice>) {
+    ) -> (Option<(Arc<VideoFrame>, CameraView)>, Option<Notice>) {
         if !wished {
             if self.source.is_some() || self.frame.is_some() {
-                *self = Camera::default();
+                *self = VideoInput::default();
             }
             return (None, None);
         }
@@ -137,12 +137,12 @@ impl Camera {
             self.state = VideoState::Failed(error);
         }
         let notice = self.poll().or(notice);
-        let look = Look { lens: self.lens, fit: settings.fit, mirror: settings.mirror };
+        let look = CameraView { lens: self.lens, fit: settings.fit, mirror: settings.mirror };
         (self.frame.clone().map(|frame| (frame, look)), notice)
     }
 
     /// Returns the newest frame.
-    pub fn frame(&self) -> Option<&Arc<Frame>> {
+    pub fn frame(&self) -> Option<&Arc<VideoFrame>> {
         self.frame.as_ref()
     }
 

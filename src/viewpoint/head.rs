@@ -12,7 +12,7 @@ use tracking::{
     BodyId, Event, HostClock, Placement, Predicted, Presence, Source, SourceState, Tracker,
 };
 
-use super::Viewport;
+use super::ViewportRect;
 use super::head_calibration::HeadCalibration;
 use super::head_screen::HeadScreen;
 use super::tracker_controls::TrackerControls;
@@ -31,7 +31,7 @@ pub use super::head_status::{CalibrationStatus, CalibrationStep, HeadStatus};
 const SEEK_EVERY: Duration = Duration::from_millis(100);
 
 /// The head and its tracker.
-pub struct Head {
+pub struct TrackedHead {
     settings: TrackingOptions,
     screen: HeadScreen,
     time: Time,
@@ -77,13 +77,17 @@ impl Rate {
     }
 }
 
-impl Head {
+impl TrackedHead {
     /// Creates it without a tracker. `headset_enabled`: a headset may report the head of its wearer.
-    pub fn new(tracking: &TrackingOptions, screen: &ScreenOptions, headset_enabled: bool) -> Head {
+    pub fn new(
+        tracking: &TrackingOptions,
+        screen: &ScreenOptions,
+        headset_enabled: bool,
+    ) -> TrackedHead {
         let settings = tracking.clone();
         let screen = HeadScreen::new(screen);
         let clock = HostClock::starting_now();
-        Head {
+        TrackedHead {
             session_head: match settings.source {
                 SourceAddress::Openxr(origin) if headset_enabled => {
                     Some(SessionHead::new(&settings.source.label(), origin, clock))
@@ -205,14 +209,14 @@ impl Head {
     }
 
     /// Returns the part of the screen that shows the picture.
-    pub fn plane(&self, viewport: Viewport) -> ScreenPlane {
+    pub fn plane(&self, viewport: ViewportRect) -> ScreenPlane {
         self.screen.plane(viewport)
     }
 
     /// Returns the left and the right eye of the head, `eye_distance_m` metres apart, while the view follows it.
     pub fn eyes(
         &self,
-        viewport: Viewport,
+        viewport: ViewportRect,
         turntable: &Turntable,
         eye_distance_m: f32,
     ) -> Option<[Eye; 2]> {

@@ -5,7 +5,7 @@
 use glam::{DQuat, DVec3, IVec2, UVec2, Vec2};
 use tracking::Placement;
 
-use super::Viewport;
+use super::ViewportRect;
 use crate::head_tracking::ScreenOptions;
 use crate::view::off_axis::ScreenPlane;
 
@@ -56,7 +56,7 @@ impl HeadScreen {
     }
 
     /// Returns the part of the screen that shows the picture.
-    pub fn plane(&self, viewport: Viewport) -> ScreenPlane {
+    pub fn plane(&self, viewport: ViewportRect) -> ScreenPlane {
         let (whole, _) = self.whole();
         let Some(monitor) = self.monitor else { return whole };
         // A window of unknown position is assumed in the middle.

@@ -21,24 +21,24 @@ use std::time::Duration;
 use glam::{UVec2, Vec2, Vec3};
 
 use crate::document::Document;
-use crate::input::pace::{ViewPace, Viewpoint as Tracked};
+use crate::input::pace::{TrackingSource as Tracked, ViewPace};
 use crate::input::{Action, Side};
 use crate::notice::Notice;
 use crate::picking::{Picker, Sight};
 use crate::render::StereoOptions;
 use crate::sculpture::Placement;
 use crate::surface::IndexMap;
-use crate::video::{Frame, Intrinsics, VideoOptions};
+use crate::video::{Intrinsics, VideoFrame, VideoOptions};
 use crate::view::{Eye, StereoLayout};
 
 use ar::Ar;
-use camera::Camera;
-use head::Head;
+use camera::VideoInput;
+use head::TrackedHead;
 use turntable::Turntable;
 
 /// The rectangle of the window that shows the sculpture, in pixels of the window.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Viewport {
+pub struct ViewportRect {
     pub corner_px: Vec2,
     pub size_px: Vec2,
 }
@@ -46,12 +46,12 @@ pub struct Viewport {
 /// Everything that determines the view of the sculpture.
 pub struct Viewpoint {
     pub turntable: Turntable,
-    pub head: Head,
+    pub head: TrackedHead,
     pub ar: Ar,
-    pub camera: Camera,
+    pub camera: VideoInput,
     /// Detects jumps of the view's tracking.
     pace: ViewPace,
-    viewport: Viewport,
+    viewport: ViewportRect,
     /// The voxels of the last picture, for picking.
     pick_map: Option<Arc<IndexMap>>,
     /// The eye whose picture the pointer is in: 0, or 1 if the right eye has a picture of its own.
@@ -60,27 +60,27 @@ pub struct Viewpoint {
 
 impl Viewpoint {
     /// Creates it. `fov_deg`: vertical field of view of the turntable's camera.
-    pub fn new(document: &Document, fov_deg: f32, head: Head, ar: Ar) -> Viewpoint {
+    pub fn new(document: &Document, fov_deg: f32, head: TrackedHead, ar: Ar) -> Viewpoint {
         let size = UVec2::new(640, 480);
         Viewpoint {
             turntable: Turntable::new(document.grid(), fov_deg, size),
             head,
             ar,
-            camera: Camera::default(),
+            camera: VideoInput::default(),
             pace: ViewPace::default(),
-            viewport: Viewport::default(),
+            viewport: ViewportRect::default(),
             pick_map: None,
             pointing_eye: 0,
         }
     }
 
     /// Sets the area of the picture in the window.
-    pub fn set_viewport(&mut self, viewport: Viewport) {
+    pub fn set_viewport(&mut self, viewport: ViewportRect) {
         self.viewport = viewport;
         self.turntable.set_size(viewport.size_px.round().max(Vec2::ONE).as_uvec2());
     }
 
-    pub fn viewport(&self) -> Viewport {
+    pub fn viewport(&self) -> ViewportRect {
         self.viewport
     }
 
@@ -228,7 +228,7 @@ impl Viewpoint {
     }
 
     /// Returns the frame to show behind the sculpture, with its lens: the eye's frame, or else the newest.
-    pub fn video(&self, settings: &VideoOptions) -> Option<(&Arc<Frame>, Option<Intrinsics>)> {
+    pub fn video(&self, settings: &VideoOptions) -> Option<(&Arc<VideoFrame>, Option<Intrinsics>)> {
         let wished = settings.on || self.ar.is_on();
         let frame = self.ar.frame().or(self.camera.frame()).filter(|_| wished)?;
         Some((frame, self.camera.lens()))

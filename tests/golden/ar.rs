@@ -9,7 +9,7 @@ use virtual_sculpture::fiducial::{Grey, detect, poses};
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::{Video, VideoView};
 use virtual_sculpture::shade::Pixels;
-use virtual_sculpture::video::{Fit, Frame, Framing, Intrinsics, Stand};
+use virtual_sculpture::video::{Fit, Framing, Intrinsics, MarkerPlacement, VideoFrame};
 use virtual_sculpture::view::Eye;
 
 use super::paint::{Painter, Scene, document};
@@ -22,7 +22,7 @@ const CAMERA: UVec2 = UVec2::new(640, 480);
 /// Edge of the block in voxels, and of a voxel in metres: 4 cm on a marker of 8 cm.
 const EDGE_VX: f32 = 32.0;
 const VOXEL_M: f32 = 0.00125;
-const STAND: Stand = Stand { ground: 0.0, m_per_unit: VOXEL_M };
+const STAND: MarkerPlacement = MarkerPlacement { ground: 0.0, m_per_unit: VOXEL_M };
 
 fn lens() -> Intrinsics {
     let even = Intrinsics::pinhole(CAMERA.x, CAMERA.y, 48f64.to_radians());
@@ -52,7 +52,7 @@ fn on_marker() -> Affine3A {
 }
 
 /// The program's result for a frame.
-fn eye(frame: &Frame, screen: UVec2, mirror: bool) -> (Eye, VideoView) {
+fn eye(frame: &VideoFrame, screen: UVec2, mirror: bool) -> (Eye, VideoView) {
     let grey = Grey::from_rgba(frame.width, frame.height, &frame.pixels);
     let seen = detect(&grey, &lens());
     assert_eq!(seen.len(), 1);
@@ -69,7 +69,7 @@ fn eye(frame: &Frame, screen: UVec2, mirror: bool) -> (Eye, VideoView) {
 fn paint(
     painter: &mut Painter,
     document: &mut Document,
-    frame: &Frame,
+    frame: &VideoFrame,
     (eye, view): (Eye, VideoView),
     mode: RenderMode,
 ) -> Pixels {

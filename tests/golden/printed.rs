@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, UVec2};
 use image::GrayImage;
 use virtual_sculpture::fiducial::MarkerPose;
 use virtual_sculpture::fiducial::sheet;
-use virtual_sculpture::video::{Frame, Intrinsics};
+use virtual_sculpture::video::{Intrinsics, VideoFrame};
 
 pub const ID: u32 = 3;
 pub const SIZE_M: f64 = 0.08;
@@ -12,7 +12,7 @@ pub const SIZE_M: f64 = 0.08;
 const PARTS: usize = 3;
 
 /// The picture of a camera with this lens, with the marker at `truth`.
-pub fn frame(lens: &Intrinsics, truth: &MarkerPose, sequence: u64) -> Frame {
+pub fn frame(lens: &Intrinsics, truth: &MarkerPose, sequence: u64) -> VideoFrame {
     let png = sheet::png(ID, SIZE_M * 1e3).unwrap();
     let sheet = image::load_from_memory(&png).unwrap().to_luma8();
     let mut pixels = Vec::new();
@@ -29,7 +29,7 @@ pub fn frame(lens: &Intrinsics, truth: &MarkerPose, sequence: u64) -> Frame {
             pixels.extend([grey, grey, grey, 255]);
         }
     }
-    Frame { width: lens.width, height: lens.height, pixels, sequence, ..Frame::empty() }
+    VideoFrame { width: lens.width, height: lens.height, pixels, sequence, ..VideoFrame::empty() }
 }
 
 /// Brightness in a direction.

@@ -6,7 +6,7 @@ use glam::{DVec2, UVec2, Vec2, Vec3};
 use virtual_sculpture::gpu::Frames;
 use virtual_sculpture::render::{Backdrop, VideoView};
 use virtual_sculpture::screen::offscreen::{FORMAT, Offscreen};
-use virtual_sculpture::video::{Fit, Frame, Framing, Intrinsics};
+use virtual_sculpture::video::{Fit, Framing, Intrinsics, VideoFrame};
 
 use super::fixture::with_device;
 
@@ -20,7 +20,7 @@ fn shade_at(at: Vec2) -> Vec2 {
     (at + 0.5) * Vec2::new(3.0, 4.0) + 20.0
 }
 
-fn frame() -> Frame {
+fn frame() -> VideoFrame {
     let mut pixels = Vec::new();
     for y in 0..PICTURE.y {
         for x in 0..PICTURE.x {
@@ -28,7 +28,7 @@ fn frame() -> Frame {
             pixels.extend([shade.x.round() as u8, shade.y.round() as u8, 99, 255]);
         }
     }
-    Frame {
+    VideoFrame {
         width: PICTURE.x,
         height: PICTURE.y,
         pixels,

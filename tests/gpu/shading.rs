@@ -5,7 +5,7 @@ use ash::vk;
 use glam::{Affine3A, UVec2, Vec3};
 use virtual_sculpture::gpu::{EyeImage, Staging, Use, read_image_once, run_once};
 use virtual_sculpture::render::{
-    EyeTask, IndexTarget, Normals, PixelStage, ShadingImages, Surface, SurfaceShade, Volume,
+    EyeTask, IndexTarget, LitSurface, Normals, PixelStage, ShadingImages, SurfaceShade, Volume,
 };
 use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
@@ -91,7 +91,7 @@ fn assert_shaders_agree(eye: &Eye, world_from_grid: Affine3A, lighting: &Lightin
                 let normals = Some(&normals);
                 let estimates = false;
                 let surface =
-                    Surface { dims, colours: None, base, normals, estimates, pose, lighting };
+                    LitSurface { dims, colours: None, base, normals, estimates, pose, lighting };
                 let visible = pixels_of_grid(&grid, &rays);
                 let task = EyeTask { visible, ..EyeTask::whole(0, rays) };
                 let images = ShadingImages { maps: &mut maps, pictures: &mut pictures };

@@ -10,7 +10,8 @@ use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Material, Placement, Rgb};
 use virtual_sculpture::shade::{NormalField, ShadeSource};
 use virtual_sculpture::trace::{
-    AreaLight, Film, Ground, Lens, LightOptions, Sun, TraceCamera, TraceError, TraceOptions, trace,
+    AreaLight, Film, Ground, Lens, LightOptions, SunLight, TraceCamera, TraceError, TraceOptions,
+    trace,
 };
 use virtual_sculpture::view::Camera;
 
@@ -64,7 +65,7 @@ fn mean(film: &Film) -> Vec3 {
 }
 
 fn studio() -> LightOptions {
-    let sun = Sun { azimuth_deg: 60.0, elevation_deg: 20.0, size_deg: 5.0, strength: 0.5 };
+    let sun = SunLight { azimuth_deg: 60.0, elevation_deg: 20.0, size_deg: 5.0, strength: 0.5 };
     let lamp = AreaLight { azimuth_deg: 70.0, elevation_deg: 35.0, size: 1.5, strength: 1.0 };
     LightOptions::Outdoors { sun, sky: 0.4, area_light: Some(lamp) }
 }

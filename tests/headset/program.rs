@@ -11,7 +11,7 @@ use glam::{Quat, Vec2, Vec3};
 use image::RgbaImage;
 use virtual_sculpture::input::hands::Board;
 use virtual_sculpture::screen::headset::HeadsetOptions;
-use virtual_sculpture::view::Pose;
+use virtual_sculpture::view::RoomPose;
 
 use super::remote::EYES;
 use super::runtime::Runtime;
@@ -193,7 +193,7 @@ impl Program {
     /// The point of the room at a point of the board, in fractions from its upper left corner, with
     /// the board on an upright hand.
     pub fn board_point(&self, share: [f32; 2], hand: Vec3) -> Vec3 {
-        let grip = Pose { position: hand, rotation: Quat::IDENTITY };
+        let grip = RoomPose { position: hand, rotation: Quat::IDENTITY };
         let board = Board::on_hand(&grip, HeadsetOptions::default().board_size_m());
         let from_middle = Vec2::new(share[0] - 0.5, 0.5 - share[1]) * board.size_m;
         board.pose.at(from_middle.extend(0.0))

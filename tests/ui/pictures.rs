@@ -10,7 +10,7 @@ use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::trace::LightOptions;
 use virtual_sculpture::ui::dialogs::picture_size::PictureSize;
 use virtual_sculpture::ui::pictures::FinalFile;
-use virtual_sculpture::ui::pictures::{FilmForm, FilmKind};
+use virtual_sculpture::ui::pictures::{FilmForm, FilmSubject};
 
 use super::bench::{Bench, bench, bench_of, click, click_once, config, has, key, key_in, rest};
 
@@ -147,16 +147,16 @@ fn a_film_is_what_its_dialog_says() {
     rest(&mut harness);
     assert!(has(&harness, "Make film") && has(&harness, "Turntable"));
     click(&mut harness, "Time lapse");
-    assert_eq!(kind(&harness), FilmKind::Turntable, "nothing has been done yet");
+    assert_eq!(kind(&harness), FilmSubject::Turntable, "nothing has been done yet");
 
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saved_in(folder.path());
     key(&mut harness, Modifiers::ALT, Key::F12);
     rest(&mut harness);
     click(&mut harness, "Time lapse");
-    assert_eq!(kind(&harness), FilmKind::Lapse, "undo leads back through what was done");
+    assert_eq!(kind(&harness), FilmSubject::Lapse, "undo leads back through what was done");
     click(&mut harness, "Turntable");
-    assert_eq!(kind(&harness), FilmKind::Turntable);
+    assert_eq!(kind(&harness), FilmSubject::Turntable);
     key_in(&mut harness, Modifiers::NONE, Key::Escape);
     rest(&mut harness);
     assert!(!has(&harness, "Make film") && !busy(&harness));

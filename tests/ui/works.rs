@@ -24,7 +24,7 @@ use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::brush::BrushId;
 use virtual_sculpture::tools::brush::kernel::grab::Falloff;
 use virtual_sculpture::tools::brush::keys::{FALLOFF, RADIUS, STRENGTH};
-use virtual_sculpture::view::{Pose, Room};
+use virtual_sculpture::view::{Room, RoomPose};
 
 use super::bench::{Bench, bench_of, config, look, rest, run, screen, send};
 
@@ -59,7 +59,7 @@ impl Sculptor {
                 let response = Response { dead_zone: 0.2, curve: 2.0 };
                 let main = HandSide::Right;
                 let mapper = HandMapper::new(HandSettings { main, response, reach_m: REACH_M });
-                let head = Pose { position: Vec3::Y * 1.6, rotation: Quat::IDENTITY };
+                let head = RoomPose { position: Vec3::Y * 1.6, rotation: Quat::IDENTITY };
                 Hand::Tracked {
                     mapper: Box::new(mapper),
                     room: Box::new(Room::before(&head, 0.7, 0.3, 0.6 / 224.0)),
@@ -219,7 +219,7 @@ impl Sculptor {
         let workspace = self.harness.state_mut();
         let world = workspace.session().document().world_from_grid().transform_point3(at);
         let position = room.room_from_world.apply(world) + Vec3::Z * REACH_M;
-        let pose = Some(Pose { position, rotation: Quat::IDENTITY });
+        let pose = Some(RoomPose { position, rotation: Quat::IDENTITY });
         let hand = HandState { grip: pose, aim: pose, trigger, ..HandState::default() };
         state.hands[HandSide::Right.index()] = hand;
         for _ in 0..frames {

@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
-use virtual_sculpture::video::{Frame, State, VideoSource};
+use virtual_sculpture::video::{State, VideoFrame, VideoSource};
 
 use super::{colour, jpeg, near, open, single_colour, until};
 
 /// The frames seen of a video, and its error.
-type Seen = (Vec<Frame>, Option<String>);
+type Seen = (Vec<VideoFrame>, Option<String>);
 
 fn play(address: &str) -> Seen {
     play_all(&[address.to_owned()]).remove(0)

@@ -7,7 +7,7 @@ mod phone;
 use std::time::{Duration, Instant};
 
 use jpeg_encoder::{ColorType, Encoder};
-use virtual_sculpture::video::{Address, Frame, State, VideoSource};
+use virtual_sculpture::video::{Address, State, VideoFrame, VideoSource};
 
 pub fn open(address: &str) -> VideoSource {
     VideoSource::open(&address.parse().unwrap()).unwrap()
@@ -24,7 +24,7 @@ pub fn until(source: &mut VideoSource, done: impl Fn(&VideoSource) -> bool) {
 }
 
 /// The colour of the centre; asserts that all others are within `slack` of it.
-pub fn single_colour(frame: &Frame, slack: u8) -> [u8; 3] {
+pub fn single_colour(frame: &VideoFrame, slack: u8) -> [u8; 3] {
     let pixels = frame.pixels.as_chunks::<4>().0;
     assert_eq!(pixels.len(), (frame.width * frame.height) as usize);
     let [r, g, b, _] = pixels[pixels.len() / 2];

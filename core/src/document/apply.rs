@@ -15,7 +15,7 @@ use super::{
 };
 use crate::command::{Command, SelectOp};
 use crate::sculpture::edit::{EditOp, EditStats};
-use crate::sculpture::history::{Change, Contents, SurfaceKind};
+use crate::sculpture::history::{Contents, StepChange, SurfaceKind};
 use crate::sculpture::orientation::Orientation;
 use crate::tools::repair::{Repair, RepairPlan};
 
@@ -368,7 +368,7 @@ impl Document {
         if kind != self.target.contents.surface {
             let label = command.label();
             self.timeline.require_room(&label, 0)?;
-            let change = Change::Surface(self.target.swap_surface(kind));
+            let change = StepChange::Surface(self.target.swap_surface(kind));
             self.timeline.push_change(label, change);
         }
         Ok(Applied::default())

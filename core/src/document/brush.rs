@@ -10,7 +10,7 @@ use super::strokes::Strokes;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::inherit::Inherited;
 use crate::sculpture::region::ListedBricks;
-use crate::tools::brush::change::{Change, NewClay, Paint, Site};
+use crate::tools::brush::change::{BrushChange, NewClay, Paint, Site};
 use crate::tools::brush::spec::BrushGroup;
 use crate::tools::brush::{BrushSurface, BrushUse};
 
@@ -37,7 +37,7 @@ fn carry_out(
     pictures: &LoadedPictures,
     used: &BrushUse,
 ) -> Result<EditStats, CommandError> {
-    let Change { remove, add, new_clay, paint } = change_of(target, strokes, pictures, used)?;
+    let BrushChange { remove, add, new_clay, paint } = change_of(target, strokes, pictures, used)?;
     let keeps_surface = used.surface == BrushSurface::Stroke && !used.replaces_stroke();
     if used.brush().spec().group == BrushGroup::Mask {
         let mut stats = target.edit_mask(&add, true)?;
@@ -91,7 +91,7 @@ fn change_of(
     strokes: &Strokes,
     pictures: &LoadedPictures,
     used: &BrushUse,
-) -> Result<Change, CommandError> {
+) -> Result<BrushChange, CommandError> {
     let surface = match used.surface {
         BrushSurface::Stroke if !used.replaces_stroke() => strokes.surface(),
         BrushSurface::Stroke | BrushSurface::Now => None,
@@ -103,7 +103,7 @@ fn change_of(
         images: &target.images(),
         picture: used.picture.as_deref().map(|name| pictures.get(name)).transpose()?,
     };
-    Ok(Change::of(used, &site)?)
+    Ok(BrushChange::of(used, &site)?)
 }
 
 /// The colours that voxels to be added take from those around them.

@@ -13,7 +13,7 @@ use crate::sculpture::Rgb;
 use crate::sculpture::region::ListedBricks;
 use crate::tools::flood;
 use crate::tools::mask::{self, MAX_REACH_VX};
-use crate::tools::pieces::{Part, pieces};
+use crate::tools::pieces::{PiecesOf, pieces};
 use crate::tools::repair::RepairError;
 
 /// Returns the voxels of a colour, or of one near it.
@@ -55,7 +55,7 @@ pub(super) fn piece_at(target: &EditTarget, at: UVec3) -> Result<ListedBricks, C
     let grid = target.grid();
     let starts = surface_images(target, at)?;
     let found =
-        pieces(grid, Part::Solid, target.limits.grid_bytes, &()).map_err(RepairError::from)?;
+        pieces(grid, PiecesOf::Solid, target.limits.grid_bytes, &()).map_err(RepairError::from)?;
     let wanted: Vec<u32> = starts.iter().filter_map(|v| found.at(v.as_ivec3())).collect();
     let bricks = grid
         .nonempty_bricks()

@@ -7,7 +7,7 @@ use super::CommandError;
 use super::edit_target::EditTarget;
 use crate::progress::Progress;
 use crate::sculpture::Limits;
-use crate::sculpture::history::{Change, Contents};
+use crate::sculpture::history::{Contents, StepChange};
 use crate::sculpture::orient::Reorientation;
 use crate::sculpture::orientation::Orientation;
 
@@ -40,7 +40,7 @@ pub(super) fn lay(
     target: &mut EditTarget,
     orientation: Orientation,
     computed: Option<Contents>,
-) -> Result<Change, CommandError> {
+) -> Result<StepChange, CommandError> {
     let contents = match computed {
         Some(contents) => contents,
         None => orient_contents(&target.contents, orientation, &target.limits, &())?,

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::CommandError;
 use crate::sculpture::history::{
-    Change, Contents, History, HistorySnapshot, State, Step, StepStore,
+    Contents, History, HistorySnapshot, State, Step, StepChange, StepStore,
 };
 use crate::sculpture::record::BrickRecord;
 
@@ -99,12 +99,12 @@ impl Timeline {
     /// Makes an undo step of recorded edits, if there are any, which have led to the current state.
     pub fn push_edits(&mut self, label: String, record: BrickRecord) {
         if !record.is_empty() {
-            self.settle(label, Change::Bricks(record));
+            self.settle(label, StepChange::Bricks(record));
         }
     }
 
     /// Adds a step that has changed the sculpture as a whole.
-    pub fn push_change(&mut self, label: String, change: Change) {
+    pub fn push_change(&mut self, label: String, change: StepChange) {
         self.enter_new_state();
         self.settle(label, change);
     }
@@ -113,10 +113,10 @@ impl Timeline {
     pub fn push_replacement(&mut self, label: String, old: Box<Contents>) {
         let number = self.new_state();
         self.state = State { sculpture: number, number };
-        self.settle(label, Change::Whole(old));
+        self.settle(label, StepChange::Whole(old));
     }
 
-    fn settle(&mut self, label: String, change: Change) {
+    fn settle(&mut self, label: String, change: StepChange) {
         let state = std::mem::replace(&mut self.settled, self.state);
         self.history.push(Step { label, change, state });
     }

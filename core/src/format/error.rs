@@ -5,7 +5,7 @@
 use glam::UVec3;
 use thiserror::Error;
 
-use super::options::{Colouring, ExportForm, MeshUp, Region};
+use super::options::{Colouring, ExportForm, MeshUp, ScanRegion};
 use super::volume::Samples;
 use crate::mesh::MeshError;
 use crate::progress::Progress;
@@ -241,7 +241,7 @@ pub enum FormatError {
     )]
     Region {
         /// The region asked for.
-        region: Region,
+        region: ScanRegion,
         /// Size of the volume in voxels.
         dims: UVec3,
     },

@@ -78,7 +78,7 @@ pub struct Histogram {
 
 /// The values that a sample type can have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Values {
+pub enum SampleRange {
     /// A range of whole numbers.
     Whole {
         /// The least value.
@@ -95,14 +95,14 @@ impl Histogram {
     pub fn of<const B: usize>(
         voxels: &[[u8; B]],
         value: impl Fn(&[u8; B]) -> f32 + Sync,
-        values: Values,
+        values: SampleRange,
     ) -> Histogram {
         match values {
-            Values::Whole { first, count } => {
+            SampleRange::Whole { first, count } => {
                 let bins = count_all(voxels, count, |v| (value(v) as i32 - first) as usize);
                 Histogram::of_whole(bins, first)
             }
-            Values::Any => Histogram::of_any(voxels, value),
+            SampleRange::Any => Histogram::of_any(voxels, value),
         }
     }
 

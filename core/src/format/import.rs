@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use tracing::warn;
 
 use super::budget::check_colour_budget;
-use super::histogram::{Histogram, Values};
+use super::histogram::{Histogram, SampleRange};
 use super::labels;
 use super::options::{Colouring, Existence, ExportForm, ImportOptions};
 use super::ramp::Ramp;
@@ -34,9 +34,9 @@ pub(super) const OPAQUE: f64 = 128.0;
 /// Fraction of the voxels below the upper end of a ramp; the rest are outliers such as metal.
 pub(super) const RAMP_QUANTILE: f64 = 0.999;
 
-pub(super) const U8: Values = Values::Whole { first: 0, count: 1 << 8 };
-const U16: Values = Values::Whole { first: 0, count: 1 << 16 };
-const I16: Values = Values::Whole { first: i16::MIN as i32, count: 1 << 16 };
+pub(super) const U8: SampleRange = SampleRange::Whole { first: 0, count: 1 << 8 };
+const U16: SampleRange = SampleRange::Whole { first: 0, count: 1 << 16 };
+const I16: SampleRange = SampleRange::Whole { first: i16::MIN as i32, count: 1 << 16 };
 
 /// Wraps in `Some` an expression that uses the conversion of a density from its bytes and its range of values, compiled
 /// for each density type; `None` for other types.
@@ -48,8 +48,8 @@ macro_rules! with_density {
             (U16Be, 2, U16, |v| f32::from(u16::from_be_bytes(*v))),
             (I16Le, 2, I16, |v| f32::from(i16::from_le_bytes(*v))),
             (I16Be, 2, I16, |v| f32::from(i16::from_be_bytes(*v))),
-            (F32Le, 4, Values::Any, |v| f32::from_le_bytes(*v)),
-            (F32Be, 4, Values::Any, |v| f32::from_be_bytes(*v)))
+            (F32Le, 4, SampleRange::Any, |v| f32::from_le_bytes(*v)),
+            (F32Be, 4, SampleRange::Any, |v| f32::from_be_bytes(*v)))
     };
     (@each $samples:expr, $value:ident, $values:ident, $body:expr,
         $(($name:ident, $bytes:literal, $range:expr, |$v:ident| $read:expr)),*) => {
@@ -120,7 +120,7 @@ impl Job<'_> {
     fn densities<const B: usize>(
         &self,
         value: impl Fn(&[u8; B]) -> f32 + Sync + Copy,
-        values: Values,
+        values: SampleRange,
     ) -> Result<Contents, FormatError> {
         let own = self.signature.is_some_and(|s| s.form == ExportForm::Densities);
         let colouring = match self.options.colouring {

@@ -90,7 +90,7 @@ fn info_as(
     if matches!(format.read, Import::Sculpture) {
         let file = read_file(path, limits, progress)?;
         let header = vsc::read_header(&file, limits)?;
-        let vsc::Header { dims, voxel_size, colour_depth, base, texts, .. } = header;
+        let vsc::VscHeader { dims, voxel_size, colour_depth, base, texts, .. } = header;
         let signature = Signature { form: ExportForm::Auto, colour_depth, base };
         return Ok(Info {
             kind: "VSC".to_string(),

@@ -70,7 +70,7 @@ pub use self::study::{
     study,
 };
 pub use self::volume::{Samples, Texts, Volume};
-pub use self::volumes::{Taken, Volumes};
+pub use self::volumes::{ChosenVolume, Volumes};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
@@ -295,7 +295,7 @@ struct Source {
     kind: String,
     file_bytes: u64,
     /// Directions of the file's axes.
-    frame: scan::Frame,
+    frame: scan::AxisFrame,
     /// Whether the file declares its numbers as labels.
     is_label: bool,
     /// Which of several volumes was read.

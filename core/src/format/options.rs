@@ -9,7 +9,7 @@ use glam::{UVec3, Vec3};
 
 mod scan;
 
-pub use scan::{Cubic, Existence, Ordinal, Region};
+pub use scan::{Cubic, Existence, Ordinal, ScanRegion};
 
 use super::volume::Samples;
 use crate::mesh::MeshKind;
@@ -83,7 +83,7 @@ pub struct ImportOptions {
     /// that was named, else the first.
     pub time: Option<Ordinal>,
     /// The part of a volume to read; `None`: all of it.
-    pub region: Option<Region>,
+    pub region: Option<ScanRegion>,
     /// Whether a volume is resampled to cubic voxels: densities linearly, before thresholds apply; labels and colours
     /// from the nearest voxel.
     pub cubic: Cubic,

@@ -37,7 +37,7 @@ const VOLUME_END: u64 = 1 << 32;
 
 /// The header of a PVM volume.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Header {
+pub struct PvmHeader {
     /// Version, 1 to 3.
     pub version: u8,
     /// Size in voxels.
@@ -50,9 +50,9 @@ pub struct Header {
     pub bytes: usize,
 }
 
-impl Header {
+impl PvmHeader {
     /// Parses the header at the start of `prefix`: the whole file, or at least its first [`HEADER_LIMIT`] bytes.
-    pub fn parse(prefix: &[u8]) -> Result<Header, FormatError> {
+    pub fn parse(prefix: &[u8]) -> Result<PvmHeader, FormatError> {
         let prefix = &prefix[..prefix.len().min(HEADER_LIMIT)];
         let mut lines = Lines { prefix, at: 0 };
         let version = match prefix {
@@ -92,7 +92,7 @@ impl Header {
             |text| text.bytes().all(|b| b.is_ascii_digit()),
             |n| *n > 0,
         )?;
-        let header = Header {
+        let header = PvmHeader {
             version,
             dims: dims.into(),
             voxel_size: voxel_size.into(),
@@ -177,7 +177,7 @@ impl<'a> Lines<'a> {
 /// The packing of a file and its header.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Origin {
-    pub header: Header,
+    pub header: PvmHeader,
     /// The kind of DDS stream, if packed.
     pub packing: Option<&'static str>,
 }
@@ -187,7 +187,7 @@ fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let volumes = reading.volumes(1)?;
     let file = reading.read(reading.path)?;
     let file_bytes = file.len() as u64;
-    let admit = |header: &Header| reading.admit(header.dims, header.voxel_size);
+    let admit = |header: &PvmHeader| reading.admit(header.dims, header.voxel_size);
     let (volume, origin) = read(file, &admit, reading.rest_bytes(file_bytes), reading.progress)?;
     let version = match origin.header.version {
         1 => String::new(),
@@ -204,12 +204,12 @@ fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
 /// takes at most `budget_bytes`.
 fn read(
     file: Vec<u8>,
-    admit: &dyn Fn(&Header) -> Result<(), FormatError>,
+    admit: &dyn Fn(&PvmHeader) -> Result<(), FormatError>,
     budget_bytes: u64,
     progress: &dyn Progress,
 ) -> Result<(Volume, Origin), FormatError> {
     let check = |prefix: &[u8], total: u64| {
-        let header = Header::parse(prefix)?;
+        let header = PvmHeader::parse(prefix)?;
         header.check_total(total)?;
         admit(&header)?;
         Ok(header)
@@ -242,7 +242,7 @@ fn read(
 }
 
 /// Splits a plain volume whose length has been checked.
-fn split_plain(mut plain: Vec<u8>, header: &Header) -> Result<Volume, FormatError> {
+fn split_plain(mut plain: Vec<u8>, header: &PvmHeader) -> Result<Volume, FormatError> {
     let voxels_end = header.bytes + header.voxel_bytes() as usize;
     let texts =
         if header.version == 3 { split_texts(&plain[voxels_end..])? } else { Texts::default() };
@@ -393,7 +393,7 @@ mod tests {
         plain[..header.len()].copy_from_slice(header);
         let file = dds::encode(&plain, 1, 1024, &());
         let seen = std::cell::Cell::new(None);
-        let admit = |header: &Header| {
+        let admit = |header: &PvmHeader| {
             seen.set(Some(header.dims));
             Ok(())
         };

@@ -98,12 +98,12 @@ fn valley(histogram: &Histogram, [from, to]: [f64; 2]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::histogram::Values;
+    use super::super::histogram::SampleRange;
     use super::*;
 
     fn threshold_of(values: impl IntoIterator<Item = u8>) -> f64 {
         let voxels: Vec<[u8; 1]> = values.into_iter().map(|v| [v]).collect();
-        let values = Values::Whole { first: 0, count: 256 };
+        let values = SampleRange::Whole { first: 0, count: 256 };
         automatic(&Histogram::of(&voxels, |[v]| f32::from(*v), values))
     }
 
@@ -126,7 +126,7 @@ mod tests {
         assert!(threshold_of([0; 10]) > 0.0);
         assert_eq!(threshold_of([255; 10]), 255.0);
         assert_eq!(threshold_of([7]), 7.0);
-        let none = Histogram::of(&[[0u8; 4]], |_| f32::NAN, Values::Any);
+        let none = Histogram::of(&[[0u8; 4]], |_| f32::NAN, SampleRange::Any);
         assert!(automatic(&none) > 0.0);
     }
 

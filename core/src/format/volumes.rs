@@ -7,30 +7,30 @@ use super::options::{ImportOptions, Ordinal};
 
 /// The selected one of several.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Taken {
+pub struct ChosenVolume {
     /// Its number, counted from 1.
     pub number: u64,
     /// Number of available ones.
     pub count: u64,
 }
 
-impl Default for Taken {
-    fn default() -> Taken {
-        Taken { number: 1, count: 1 }
+impl Default for ChosenVolume {
+    fn default() -> ChosenVolume {
+        ChosenVolume { number: 1, count: 1 }
     }
 }
 
-impl Taken {
+impl ChosenVolume {
     /// Returns the requested one, or the one numbered `usual`.
     fn new(
         what: &'static str,
         asked: Option<Ordinal>,
         usual: u64,
         count: u64,
-    ) -> Result<Taken, FormatError> {
+    ) -> Result<ChosenVolume, FormatError> {
         let number = asked.map_or(usual, |asked| asked.get().into());
         match number <= count || asked.is_none() {
-            true => Ok(Taken { number, count }),
+            true => Ok(ChosenVolume { number, count }),
             false => Err(FormatError::NoSuchVolume { what, asked: number, count }),
         }
     }
@@ -46,9 +46,9 @@ impl Taken {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Volumes {
     /// The channel.
-    pub channel: Taken,
+    pub channel: ChosenVolume,
     /// The time.
-    pub time: Taken,
+    pub time: ChosenVolume,
 }
 
 impl Volumes {
@@ -68,13 +68,13 @@ impl Volumes {
         counts: [u64; 2],
     ) -> Result<Volumes, FormatError> {
         Ok(Volumes {
-            channel: Taken::new("channel", options.channel, usual[0], counts[0])?,
-            time: Taken::new("time", options.time, usual[1], counts[1])?,
+            channel: ChosenVolume::new("channel", options.channel, usual[0], counts[0])?,
+            time: ChosenVolume::new("time", options.time, usual[1], counts[1])?,
         })
     }
 
     /// Returns the kinds with several members, by name, with those that are read.
-    pub fn several(&self) -> impl Iterator<Item = (&'static str, Taken)> {
+    pub fn several(&self) -> impl Iterator<Item = (&'static str, ChosenVolume)> {
         [("channel", self.channel), ("time", self.time)]
             .into_iter()
             .filter(|(_, own)| own.count > 1)

@@ -56,7 +56,7 @@ impl Budget {
 }
 
 /// Reports how many pieces of a stage of work are done, from any thread.
-pub(super) struct Pieces<'a> {
+pub(super) struct StagePieces<'a> {
     progress: &'a dyn Progress,
     /// The fractions of the work that are done before and after the stage.
     shares: [f32; 2],
@@ -64,9 +64,9 @@ pub(super) struct Pieces<'a> {
     done: Mutex<usize>,
 }
 
-impl Pieces<'_> {
-    pub fn new(progress: &dyn Progress, shares: [f32; 2], all: usize) -> Pieces<'_> {
-        Pieces { progress, shares, all: all.max(1), done: Mutex::new(0) }
+impl StagePieces<'_> {
+    pub fn new(progress: &dyn Progress, shares: [f32; 2], all: usize) -> StagePieces<'_> {
+        StagePieces { progress, shares, all: all.max(1), done: Mutex::new(0) }
     }
 
     pub fn is_cancelled(&self) -> bool {

@@ -10,12 +10,12 @@ use std::collections::HashMap;
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
-use super::budget::Pieces;
-use super::place::{AtCorners, OnSurface, Place};
-use super::rows::Cells;
+use super::budget::StagePieces;
+use super::place::{AtCorners, OnSurface, VertexPlacement};
+use super::rows::LatticeCells;
 use super::slab::{CornerKey, Scratch, Slab};
-use super::smoothing::Smoothing;
-use super::{Budget, Mesh, MeshError, MeshKind, Part, VertexColours};
+use super::smoothing::SmoothField;
+use super::{Budget, Mesh, MeshError, MeshKind, MeshPart, VertexColours};
 use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 use crate::sculpture::brick_set::BrickSet;
@@ -23,12 +23,12 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::{Grid, Limits, Rgb};
 
 /// Cells of a block along each axis: a word along x, and few across, since any change rebuilds a whole block.
-const BLOCK: UVec3 = UVec3::new(Cells::MOST_ALONG_X, 16, 16);
+const BLOCK: UVec3 = UVec3::new(LatticeCells::MOST_ALONG_X, 16, 16);
 
 /// The part of a block, and the keys of its vertices.
 #[derive(Default, Debug)]
 struct Block {
-    part: Part,
+    part: MeshPart,
     keys: Vec<CornerKey>,
 }
 
@@ -64,7 +64,7 @@ pub struct KeptMesh {
     /// The subject and version of the blocks; `None` at first, and after aborted work.
     of: Option<(Subject, u64)>,
     /// The smooth surface.
-    smoothing: Option<Smoothing>,
+    smoothing: Option<SmoothField>,
     /// The blocks in the order x, y, z.
     blocks: Vec<Block>,
 }
@@ -83,7 +83,7 @@ impl KeptMesh {
 
     /// Returns the bytes in memory.
     pub fn heap_bytes(&self) -> u64 {
-        let smoothing = self.smoothing.as_ref().map_or(0, Smoothing::heap_bytes);
+        let smoothing = self.smoothing.as_ref().map_or(0, SmoothField::heap_bytes);
         smoothing + self.blocks.iter().map(Block::heap_bytes).sum::<u64>()
     }
 
@@ -108,7 +108,7 @@ impl KeptMesh {
         if self.kind == MeshKind::Smooth {
             let smoothing = match self.smoothing.take() {
                 Some(kept) if changed.is_some() => kept,
-                _ => Smoothing::new(grid, limits)?,
+                _ => SmoothField::new(grid, limits)?,
             };
             let smoothing = self.smoothing.insert(smoothing);
             smoothing.update(grid, changed.as_mut(), progress)?;
@@ -127,7 +127,7 @@ impl KeptMesh {
         let taken = |&block: &u32| (block, std::mem::take(&mut self.blocks[block as usize]));
         let mut anew: Vec<(u32, Block)> = stale.iter().map(taken).collect();
         progress.begin("making the mesh");
-        let pieces = Pieces::new(progress, [0.0, 1.0], anew.len());
+        let pieces = StagePieces::new(progress, [0.0, 1.0], anew.len());
         match &self.smoothing {
             None => remake(contents, subject.coloured, &AtCorners, &mut anew, &budget, &pieces),
             Some(smoothing) => {
@@ -189,7 +189,7 @@ impl KeptMesh {
         let parts = self.blocks.par_iter().enumerate().map(|(block, Block { part, keys })| {
             let cells = cells_of(dims, block);
             let first = firsts[block];
-            let mut own = Part { first_vertex: first, ..Part::default() };
+            let mut own = MeshPart { first_vertex: first, ..MeshPart::default() };
             let mut next = 0;
             let mut numbers = Vec::with_capacity(keys.len());
             for (i, key) in keys.iter().enumerate() {
@@ -213,13 +213,13 @@ impl KeptMesh {
 }
 
 /// Rebuilds blocks in their existing memory. Stops if memory is exhausted or the work is cancelled.
-fn remake<P: Place>(
+fn remake<P: VertexPlacement>(
     contents: &Contents,
     coloured: bool,
     place: &P,
     blocks: &mut [(u32, Block)],
     budget: &Budget,
-    pieces: &Pieces,
+    pieces: &StagePieces,
 ) {
     let slab = Slab { contents, place, coloured };
     let make = |scratch: &mut Scratch<P::Layer>, (block, made): &mut (u32, Block)| {
@@ -248,17 +248,17 @@ fn block_dims(dims: UVec3) -> UVec3 {
 }
 
 /// Returns the cells of a block of a grid of `dims` voxels.
-fn cells_of(dims: UVec3, block: usize) -> Cells {
+fn cells_of(dims: UVec3, block: usize) -> LatticeCells {
     let (block, blocks) = (block as u32, block_dims(dims));
     let (x, rest) = (block % blocks.x, block / blocks.x);
     let first = UVec3::new(x, rest % blocks.y, rest / blocks.y) * BLOCK;
     let end = (first + BLOCK).min(dims + 1);
-    Cells { x: first.x..end.x, y: first.y..end.y, z: first.z..end.z }
+    LatticeCells { x: first.x..end.x, y: first.y..end.y, z: first.z..end.z }
 }
 
 /// Returns whether the bricks with voxels beside the corners of the cells are all empty, or all full: then there is no
 /// surface.
-fn is_uniform(grid: &Grid, cells: &Cells) -> bool {
+fn is_uniform(grid: &Grid, cells: &LatticeCells) -> bool {
     let voxels = [&cells.x, &cells.y, &cells.z].map(|range| (range.start, range.end));
     let (first, last) = (UVec3::from(voxels.map(|v| v.0)), UVec3::from(voxels.map(|v| v.1)));
     // Beyond the grid, all is empty.

@@ -8,7 +8,7 @@
 //! Takes rows of bits; knows no positions.
 
 use super::contact::{CORNERS, Corner, odd_corners};
-use super::rows::{Places, Rows, columns, for_each_bit, moved_down, moved_up};
+use super::rows::{BitPlaces, VoxelRows, columns, for_each_bit, moved_down, moved_up};
 
 /// The number of slots of a corner in the keys of further vertices: fans 1 to 3, then two for the edge along each axis.
 const PLACES: u32 = 16;
@@ -17,7 +17,7 @@ const EDGE_PLACE: u32 = 4;
 
 /// The vertices of the lattice's layer between the voxel layers `z - 1` and `z`.
 #[derive(Default)]
-pub struct Layer {
+pub struct VertexLayer {
     /// Words in a row of corners.
     pub width: usize,
     /// Corners of the surface, a bit each.
@@ -40,7 +40,7 @@ pub struct Layer {
 
 /// The buffers for a row of corners while a layer is read.
 pub struct RowOfCorners {
-    places: Places,
+    places: BitPlaces,
     /// By position along x; unspecified where there is no corner.
     octants: Vec<u8>,
 }
@@ -48,7 +48,7 @@ pub struct RowOfCorners {
 impl RowOfCorners {
     /// Returns buffers for rows of `width` words.
     pub fn new(width: usize) -> RowOfCorners {
-        RowOfCorners { places: Places::new(width), octants: vec![0; 64 * width] }
+        RowOfCorners { places: BitPlaces::new(width), octants: vec![0; 64 * width] }
     }
 }
 
@@ -62,16 +62,16 @@ pub enum Further {
     Middle { axis: usize, side: usize },
 }
 
-impl Layer {
+impl VertexLayer {
     /// Returns the layer below the voxel layer `z`, without the pinched edges along z.
-    pub fn new(rows: &Rows, z: i64) -> Layer {
-        let mut layer = Layer::default();
+    pub fn new(rows: &VoxelRows, z: i64) -> VertexLayer {
+        let mut layer = VertexLayer::default();
         layer.read(rows, z, &mut RowOfCorners::new(rows.width()));
         layer
     }
 
-    /// Replaces the layer by [`Layer::new`], in its existing memory.
-    pub fn read(&mut self, rows: &Rows, z: i64, row: &mut RowOfCorners) {
+    /// Replaces the layer by [`VertexLayer::new`], in its existing memory.
+    pub fn read(&mut self, rows: &VoxelRows, z: i64, row: &mut RowOfCorners) {
         let (width, height) = (rows.width(), rows.corner_rows);
         let layer = self;
         layer.width = width;
@@ -155,7 +155,7 @@ impl Layer {
     }
 
     /// Lists the pinched edges from this layer to the layer above.
-    pub(crate) fn find_edges_to(&mut self, above: &Layer) {
+    pub(crate) fn find_edges_to(&mut self, above: &VertexLayer) {
         if !self.has_odd {
             return;
         }

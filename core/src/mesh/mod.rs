@@ -25,11 +25,11 @@ pub(crate) mod tests;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use self::budget::Pieces;
-use self::place::{AtCorners, OnSurface, Place};
-use self::rows::Rows;
+use self::budget::StagePieces;
+use self::place::{AtCorners, OnSurface, VertexPlacement};
+use self::rows::VoxelRows;
 use self::slab::Slab;
-use self::smoothing::Smoothing;
+use self::smoothing::SmoothField;
 use crate::progress::Progress;
 use crate::refusal::OverBudget;
 use crate::sculpture::history::Contents;
@@ -101,7 +101,7 @@ pub enum MeshError {
 
 /// Some vertices of a mesh, and faces.
 #[derive(Clone, PartialEq, Default, Debug)]
-pub struct Part {
+pub struct MeshPart {
     /// Positions of the vertices in grid coordinates.
     pub positions: Vec<Vec3>,
     /// Their colours; empty if all have the colour of the mesh.
@@ -115,7 +115,7 @@ pub struct Part {
     pub first_vertex: u32,
 }
 
-impl Part {
+impl MeshPart {
     /// Removes all vertices and faces; keeps the memory.
     fn clear(&mut self) {
         self.positions.clear();
@@ -137,7 +137,7 @@ impl Part {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Mesh {
     /// The parts in the order of their vertices.
-    pub parts: Vec<Part>,
+    pub parts: Vec<MeshPart>,
     /// The colour of vertices without one of their own.
     pub base: Rgb,
 }
@@ -158,7 +158,7 @@ impl Mesh {
                 // Smoothing takes longer than counting.
                 Budget::new(limits)
                     .check_for(bytes_of_faces(contents, colours.are_in(contents)))?;
-                let mut smoothing = Smoothing::new(&contents.grid, limits)?;
+                let mut smoothing = SmoothField::new(&contents.grid, limits)?;
                 smoothing.update(&contents.grid, None, progress)?;
                 Mesh::smooth(contents, smoothing.levels(), colours, limits, progress)
             }
@@ -179,7 +179,7 @@ impl Mesh {
 
     fn placed(
         contents: &Contents,
-        place: &impl Place,
+        place: &impl VertexPlacement,
         colours: VertexColours,
         limits: &Limits,
         progress: &dyn Progress,
@@ -190,7 +190,7 @@ impl Mesh {
         let end = contents.grid.dims().z + 1;
         let starts: Vec<u32> = (0..end).step_by(PART_LAYERS as usize).collect();
         let (budget, pieces) =
-            (Budget::new(limits), Pieces::new(progress, [0.0, 1.0], starts.len()));
+            (Budget::new(limits), StagePieces::new(progress, [0.0, 1.0], starts.len()));
         let part = |&start: &u32| {
             if progress.is_cancelled() {
                 return None;
@@ -199,7 +199,7 @@ impl Mesh {
             pieces.one();
             part
         };
-        let parts: Option<Vec<Part>> = starts.par_iter().map(part).collect();
+        let parts: Option<Vec<MeshPart>> = starts.par_iter().map(part).collect();
         progress.end();
         if progress.is_cancelled() {
             return Err(MeshError::Cancelled);
@@ -213,7 +213,7 @@ impl Mesh {
     }
 
     /// Returns a mesh of parts whose faces count from their own vertices.
-    fn joined(mut parts: Vec<Part>, base: Rgb) -> Result<Mesh, MeshError> {
+    fn joined(mut parts: Vec<MeshPart>, base: Rgb) -> Result<Mesh, MeshError> {
         let count: u64 = parts.iter().map(|part| part.positions.len() as u64).sum();
         if count > u64::from(u32::MAX) {
             return Err(MeshError::TooLarge(count));
@@ -247,7 +247,7 @@ impl Mesh {
         part.positions[(vertex - part.first_vertex) as usize]
     }
 
-    fn part_of(&self, vertex: u32) -> &Part {
+    fn part_of(&self, vertex: u32) -> &MeshPart {
         let after = self.parts.partition_point(|part| part.first_vertex <= vertex);
         &self.parts[after - 1]
     }
@@ -306,12 +306,12 @@ impl Mesh {
 
     /// Returns the bytes in memory.
     pub fn heap_bytes(&self) -> u64 {
-        self.parts.iter().map(Part::heap_bytes).sum()
+        self.parts.iter().map(MeshPart::heap_bytes).sum()
     }
 }
 
 /// Adds a face of any number of vertices, as a fan of triangles from the first if there are more than four.
-fn push_polygon(part: &mut Part, vertices: &[u32]) {
+fn push_polygon(part: &mut MeshPart, vertices: &[u32]) {
     if let &[a, b, c, d] = vertices {
         part.quads.push([a, b, c, d]);
         return;
@@ -325,7 +325,8 @@ fn bytes_of_faces(contents: &Contents, coloured: bool) -> u64 {
     let starts: Vec<u32> = (0..end).step_by(PART_LAYERS as usize).collect();
     let faces = starts.par_iter().map(|&start| {
         let layers = start..(start + PART_LAYERS).min(end);
-        let rows = Rows::of(&contents.grid, i64::from(layers.start) - 1..i64::from(layers.end));
+        let rows =
+            VoxelRows::of(&contents.grid, i64::from(layers.start) - 1..i64::from(layers.end));
         rows.faces(layers) as u64
     });
     faces.sum::<u64>() * slab::bytes_of_face(coloured)

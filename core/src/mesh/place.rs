@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use glam::{IVec3, UVec3, Vec3, Vec3A, Vec4};
 
 use super::contact::{CORNERS, Fan, MOST_FANS, beside, voxel_of};
-use super::rows::Rows;
+use super::rows::VoxelRows;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Grid, Rgb};
 use crate::shade::{LevelLayer, LevelSet};
@@ -20,12 +20,12 @@ use crate::shade::{LevelLayer, LevelSet};
 pub const GAP_VX: f32 = 1.0 / 64.0;
 
 /// Places the vertices of a mesh.
-pub trait Place: Sync {
+pub trait VertexPlacement: Sync {
     /// The data of the voxels beside a layer of the lattice that is needed to place its vertices.
     type Layer: Default;
 
     /// Replaces `layer` by that of the corners of `rows` at `z`.
-    fn enter(&self, layer: &mut Self::Layer, z: i32, rows: &Rows);
+    fn enter(&self, layer: &mut Self::Layer, z: i32, rows: &VoxelRows);
     /// Returns the vertex of a corner with one fan.
     fn only(&self, layer: &Self::Layer, corner: IVec3, octants: u8) -> Vec3 {
         self.fan(layer, corner, octants, 0)
@@ -40,10 +40,10 @@ pub trait Place: Sync {
 /// Places vertices at the corners of the voxels.
 pub struct AtCorners;
 
-impl Place for AtCorners {
+impl VertexPlacement for AtCorners {
     type Layer = ();
 
-    fn enter(&self, (): &mut (), _: i32, _: &Rows) {}
+    fn enter(&self, (): &mut (), _: i32, _: &VoxelRows) {}
 
     #[inline(always)]
     fn only(&self, (): &(), corner: IVec3, _: u8) -> Vec3 {
@@ -168,10 +168,10 @@ impl<'a> OnSurface<'a> {
     }
 }
 
-impl Place for OnSurface<'_> {
+impl VertexPlacement for OnSurface<'_> {
     type Layer = LevelsBeside;
 
-    fn enter(&self, layer: &mut LevelsBeside, z: i32, rows: &Rows) {
+    fn enter(&self, layer: &mut LevelsBeside, z: i32, rows: &VoxelRows) {
         let bricks = rows.bricks_beside(self.grid.brick_dims().truncate());
         let place = Some((z, bricks.clone()));
         if layer.place.as_ref().is_some_and(|(before, at)| before + 1 == z && *at == bricks) {

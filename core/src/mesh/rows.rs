@@ -12,8 +12,8 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 
 /// A box of cells of the lattice of voxel corners, identified by their lowest corners. It may end with the lattice.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Cells {
-    /// Along x: starting at the first voxel of a brick, at most [`Cells::MOST_ALONG_X`].
+pub struct LatticeCells {
+    /// Along x: starting at the first voxel of a brick, at most [`LatticeCells::MOST_ALONG_X`].
     pub x: Range<u32>,
     /// Along y.
     pub y: Range<u32>,
@@ -21,7 +21,7 @@ pub struct Cells {
     pub z: Range<u32>,
 }
 
-impl Cells {
+impl LatticeCells {
     /// Makes a row of cells, with a brick before and one after it, fit into one word.
     pub const MOST_ALONG_X: u32 = 64 - 2 * BRICK_EDGE_VX;
 
@@ -39,7 +39,7 @@ impl Cells {
 
 /// Rows of voxels of the layers `first_z..`: all of them, or those around a box of cells. In the latter case, rows
 /// count from the box, and along x from the brick before it.
-pub struct Rows {
+pub struct VoxelRows {
     first_z: i64,
     /// The first voxel of the rows, a multiple of a brick's edge; the first existing row; and the row that counts as 0;
     /// all in the grid.
@@ -67,22 +67,22 @@ pub(crate) fn row_words(dims: UVec3) -> usize {
     (dims.x as usize + 1).div_ceil(64)
 }
 
-impl Rows {
+impl VoxelRows {
     /// Returns the voxels of `grid` in the layers `layers` along z.
-    pub fn of(grid: &Grid, layers: Range<i64>) -> Rows {
+    pub fn of(grid: &Grid, layers: Range<i64>) -> VoxelRows {
         let dims = grid.dims();
-        let all = Rows::read(grid, layers, 0, row_words(dims), 0..dims.y.into());
+        let all = VoxelRows::read(grid, layers, 0, row_words(dims), 0..dims.y.into());
         let corner_rows = dims.y as usize + 1;
-        Rows { corner_rows, face_rows: corner_rows, ..all }
+        VoxelRows { corner_rows, face_rows: corner_rows, ..all }
     }
 
     /// Returns the voxels around the corners of some cells.
-    pub fn around(grid: &Grid, cells: &Cells) -> Rows {
+    pub fn around(grid: &Grid, cells: &LatticeCells) -> VoxelRows {
         let dims = grid.dims();
         let layers = i64::from(cells.z.start) - 1..i64::from(cells.z.end) + 1;
         let first_x = i64::from(cells.x.start) - i64::from(BRICK_EDGE_VX);
         let (first, end) = (i64::from(cells.y.start), i64::from(cells.y.end));
-        let mut rows = Rows::read(grid, layers, first_x, 1, first - 1..end + 1);
+        let mut rows = VoxelRows::read(grid, layers, first_x, 1, first - 1..end + 1);
         rows.y_0 = first;
         rows.face_rows = cells.y.len();
         rows.corner_rows = cells.y.len() + usize::from(cells.y.end <= dims.y);
@@ -97,7 +97,13 @@ impl Rows {
     }
 
     /// Returns the voxels of some layers and rows of the grid, or beyond it, and of `width` words along x.
-    fn read(grid: &Grid, layers: Range<i64>, first_x: i64, width: usize, rows: Range<i64>) -> Rows {
+    fn read(
+        grid: &Grid,
+        layers: Range<i64>,
+        first_x: i64,
+        width: usize,
+        rows: Range<i64>,
+    ) -> VoxelRows {
         let dims = grid.dims();
         let height = (rows.end - rows.start) as usize;
         let depth = (layers.end - layers.start) as usize;
@@ -108,7 +114,7 @@ impl Rows {
         };
         let end_x = first_x + 64 * width as i64;
         let (bricks_x, bricks_y) = (bricks(first_x..end_x, dims.x), bricks(rows.clone(), dims.y));
-        let mut read = Rows {
+        let mut read = VoxelRows {
             first_z: layers.start,
             first_x,
             first_y: rows.start,
@@ -226,16 +232,16 @@ pub(crate) fn moved_down(row: &[u64], i: usize) -> u64 {
 /// Eight positions are written at a time, needed or not: a loop with as many steps as a word has bits is mostly
 /// mispredicted, and costs more than the steps. (The method of simdjson: Langdale and Lemire, "Parsing gigabytes of
 /// JSON per second", 2019, section 3.2.)
-pub struct Places {
+pub struct BitPlaces {
     /// Entries after the first `count` are unspecified.
     places: Vec<u16>,
     count: usize,
 }
 
-impl Places {
+impl BitPlaces {
     /// Returns an empty list for rows of `width` words, at most 1024.
-    pub fn new(width: usize) -> Places {
-        Places { places: vec![0; 64 * width + 8], count: 0 }
+    pub fn new(width: usize) -> BitPlaces {
+        BitPlaces { places: vec![0; 64 * width + 8], count: 0 }
     }
 
     /// Begins a row.
@@ -318,7 +324,7 @@ mod tests {
             grid.set(random.voxel(dims), true);
         }
         grid.set_brick(0, crate::sculpture::Brick::FULL);
-        let rows = Rows::of(&grid, -1..13);
+        let rows = VoxelRows::of(&grid, -1..13);
         for z in -2..15 {
             for y in -1..12 {
                 for x in 0..132 {

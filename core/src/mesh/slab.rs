@@ -1,6 +1,6 @@
 //! The part of a mesh in some layers of the lattice, with a face for each exposed face of a voxel.
 //!
-//! Takes the contents, the placement of vertices, and a range of layers; returns a [`Part`] that owns the vertices of
+//! Takes the contents, the placement of vertices, and a range of layers; returns a [`MeshPart`] that owns the vertices of
 //! these layers. Its faces also refer to vertices of the next layer, with which the next part begins: their indices
 //! continue its own, so parts that were made independently fit together.
 
@@ -8,10 +8,10 @@ use std::ops::Range;
 
 use glam::{IVec3, Vec3};
 
-use super::layer::{Further, Layer, RowOfCorners};
-use super::place::{Place, colour, octant_of_edge, solid_of};
-use super::rows::{Cells, Places, Rows, for_each_bit, moved_up};
-use super::{Budget, Part, push_polygon};
+use super::layer::{Further, RowOfCorners, VertexLayer};
+use super::place::{VertexPlacement, colour, octant_of_edge, solid_of};
+use super::rows::{BitPlaces, LatticeCells, VoxelRows, for_each_bit, moved_up};
+use super::{Budget, MeshPart, push_polygon};
 use crate::sculpture::Rgb;
 use crate::sculpture::history::Contents;
 
@@ -39,13 +39,13 @@ type Direction = (usize, bool);
 pub struct CornerKey {
     /// The corner of the lattice at the vertex, or at the start of its edge.
     pub corner: [u16; 3],
-    /// The slot of the vertex at the corner (as in the layer's [`Layer::further_keys`]; 0 is the first).
+    /// The slot of the vertex at the corner (as in the layer's [`VertexLayer::further_keys`]; 0 is the first).
     pub place: u8,
 }
 
 impl CornerKey {
     /// Appends the keys of the vertices of a layer, in the order of their indices.
-    fn list(layer: &Layer, rows: &Rows, z: u32, keys: &mut Vec<CornerKey>) {
+    fn list(layer: &VertexLayer, rows: &VoxelRows, z: u32, keys: &mut Vec<CornerKey>) {
         // Along x rows may begin before the grid, but no corner does.
         let [x_0, y_0] = rows.origin().map(|first| first as u16);
         let key = |x: u16, y: usize, place| CornerKey {
@@ -64,7 +64,7 @@ pub struct Scratch<L> {
     near: L,
     corners: RowOfCorners,
     faces: RowOfFaces,
-    layers: [Layer; 2],
+    layers: [VertexLayer; 2],
 }
 
 impl<L: Default> Scratch<L> {
@@ -81,16 +81,16 @@ impl<L: Default> Scratch<L> {
 
 /// A layer and the index of its first vertex.
 struct Numbered<'a> {
-    layer: &'a Layer,
+    layer: &'a VertexLayer,
     base: u32,
 }
 
-impl<P: Place> Slab<'_, P> {
+impl<P: VertexPlacement> Slab<'_, P> {
     /// Returns the part of the layers `layers` of the lattice; `None` if it exceeds `budget`.
-    pub fn part(&self, layers: Range<u32>, budget: &Budget) -> Option<Part> {
+    pub fn part(&self, layers: Range<u32>, budget: &Budget) -> Option<MeshPart> {
         let (first, end) = (i64::from(layers.start), i64::from(layers.end));
-        let rows = Rows::of(&self.contents.grid, first - 1..end + 1);
-        let mut part = Part::default();
+        let rows = VoxelRows::of(&self.contents.grid, first - 1..end + 1);
+        let mut part = MeshPart::default();
         let mut scratch = Scratch::new(rows.width());
         self.fill_part(&rows, layers, &mut scratch, budget, (&mut part, None)).then_some(part)
     }
@@ -100,25 +100,25 @@ impl<P: Place> Slab<'_, P> {
     /// later cells.
     pub(crate) fn fill_block(
         &self,
-        cells: &Cells,
+        cells: &LatticeCells,
         scratch: &mut Scratch<P::Layer>,
         budget: &Budget,
-        (part, keys): (&mut Part, &mut Vec<CornerKey>),
+        (part, keys): (&mut MeshPart, &mut Vec<CornerKey>),
     ) -> bool {
         part.clear();
         keys.clear();
-        let rows = Rows::around(&self.contents.grid, cells);
+        let rows = VoxelRows::around(&self.contents.grid, cells);
         self.fill_part(&rows, cells.z.clone(), scratch, budget, (part, Some(keys)))
     }
 
     /// Fills a part that has neither vertices nor faces.
     fn fill_part(
         &self,
-        rows: &Rows,
+        rows: &VoxelRows,
         layers: Range<u32>,
         scratch: &mut Scratch<P::Layer>,
         budget: &Budget,
-        (part, mut keys): (&mut Part, Option<&mut Vec<CornerKey>>),
+        (part, mut keys): (&mut MeshPart, Option<&mut Vec<CornerKey>>),
     ) -> bool {
         let end = layers.end;
         // A surface has about as many vertices as faces.
@@ -161,14 +161,14 @@ impl<P: Place> Slab<'_, P> {
 
     fn put_vertices(
         &self,
-        layer: &Layer,
-        rows: &Rows,
+        layer: &VertexLayer,
+        rows: &VoxelRows,
         near: &mut P::Layer,
         z: i32,
-        part: &mut Part,
+        part: &mut MeshPart,
     ) {
         let [x_0, y_0] = rows.origin();
-        let Part { positions, colours, .. } = part;
+        let MeshPart { positions, colours, .. } = part;
         if layer.count() == 0 {
             return;
         }
@@ -217,7 +217,7 @@ struct RowOfFaces {
     /// The indices of the corners of rows y and y + 1, in this layer and above; unspecified at other positions.
     numbers: [Vec<u32>; 4],
     /// The faces of a row along each axis, except those with an odd corner.
-    faces: [Places; 3],
+    faces: [BitPlaces; 3],
     /// The row moved up by one voxel.
     left: Vec<u64>,
 }
@@ -227,7 +227,7 @@ impl RowOfFaces {
     fn new(width: usize) -> RowOfFaces {
         RowOfFaces {
             numbers: std::array::from_fn(|_| vec![0; 64 * width]),
-            faces: std::array::from_fn(|_| Places::new(width)),
+            faces: std::array::from_fn(|_| BitPlaces::new(width)),
             left: vec![0; width],
         }
     }
@@ -235,11 +235,11 @@ impl RowOfFaces {
 
 /// Adds the faces in a layer of the lattice, and those between it and the layer above.
 fn put_faces(
-    rows: &Rows,
+    rows: &VoxelRows,
     z: u32,
     layers: [Numbered; 2],
     row_of_faces: &mut RowOfFaces,
-    part: &mut Part,
+    part: &mut MeshPart,
 ) {
     let width = layers[0].layer.width;
     let is_plain = layers.iter().all(|numbered| numbered.layer.is_plain());
@@ -257,7 +257,7 @@ fn put_faces(
         let (row, depth) = (y as i64, i64::from(z));
         let [here, below, before] = [(row, depth), (row, depth - 1), (row - 1, depth)];
         let [here, below, before] = [here, below, before].map(|(y, z)| rows.row(y, z));
-        faces.iter_mut().for_each(Places::clear);
+        faces.iter_mut().for_each(BitPlaces::clear);
         for i in 0..width {
             left[i] = moved_up(here, i);
             let (left, here, below, before) = (left[i], here[i], below[i], before[i]);
@@ -302,7 +302,12 @@ fn put_faces(
 }
 
 /// Adds the faces of a row that [`put_faces`] skips: those with an odd corner.
-fn put_odd_faces(rows: &Rows, [y, z]: [usize; 2], layers: &[Numbered; 2], part: &mut Part) {
+fn put_odd_faces(
+    rows: &VoxelRows,
+    [y, z]: [usize; 2],
+    layers: &[Numbered; 2],
+    part: &mut MeshPart,
+) {
     let height = y as i64;
     let here = rows.row(height, z as i64);
     let below = rows.row(height, z as i64 - 1);
@@ -329,7 +334,12 @@ fn put_odd_faces(rows: &Rows, [y, z]: [usize; 2], layers: &[Numbered; 2], part: 
 }
 
 /// Adds one face with any additional vertices. `corner` is its lowest.
-fn put_face(corner: [usize; 3], (axis, is_up): Direction, layers: &[Numbered; 2], part: &mut Part) {
+fn put_face(
+    corner: [usize; 3],
+    (axis, is_up): Direction,
+    layers: &[Numbered; 2],
+    part: &mut MeshPart,
+) {
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let mut voxel = corner.map(|at| at as i64);
     voxel[axis] -= i64::from(is_up);

@@ -12,16 +12,16 @@ const PORTIONS: usize = 16;
 
 /// Normals and levels of a grid.
 #[derive(Debug)]
-pub(super) struct Smoothing {
+pub(super) struct SmoothField {
     normals: NormalField,
     levels: LevelSet,
 }
 
-impl Smoothing {
+impl SmoothField {
     /// Returns the surface of a grid of this size, within `limits`; all is outstanding.
-    pub fn new(grid: &Grid, limits: &Limits) -> Result<Smoothing, MeshError> {
+    pub fn new(grid: &Grid, limits: &Limits) -> Result<SmoothField, MeshError> {
         let levels = LevelSet::for_mesh(grid, limits.grid_bytes)?;
-        Ok(Smoothing { normals: NormalField::default(), levels })
+        Ok(SmoothField { normals: NormalField::default(), levels })
     }
 
     pub fn levels(&self) -> &LevelSet {
@@ -42,7 +42,7 @@ impl Smoothing {
         progress: &dyn Progress,
     ) -> Result<(), MeshError> {
         progress.begin("smoothing");
-        let Smoothing { normals, levels } = self;
+        let SmoothField { normals, levels } = self;
         normals.follow(grid, changed.as_deref().map(Vec::as_slice));
         if let Some(changed) = &changed {
             levels.follow(grid, changed);

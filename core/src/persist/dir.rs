@@ -12,7 +12,7 @@ use std::io::{ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::files::{Appender, Files, Source};
+use super::files::{Appender, FileSystem, Source};
 
 /// The ending of an incomplete file.
 pub(super) const UNFINISHED: &str = "new";
@@ -20,12 +20,12 @@ pub(super) const UNFINISHED: &str = "new";
 /// A folder of files that are published when they are complete.
 #[derive(Clone, Debug)]
 pub(super) struct FileDir {
-    files: Arc<dyn Files>,
+    files: Arc<dyn FileSystem>,
     folder: PathBuf,
 }
 
 impl FileDir {
-    pub fn new(folder: PathBuf, files: Arc<dyn Files>) -> FileDir {
+    pub fn new(folder: PathBuf, files: Arc<dyn FileSystem>) -> FileDir {
         FileDir { files, folder }
     }
 
@@ -58,12 +58,12 @@ impl FileDir {
         Ok(numbers)
     }
 
-    /// Opens a file and locks it: [`Files::open`].
+    /// Opens a file and locks it: [`FileSystem::open`].
     pub fn open(&self, path: &Path) -> Result<Source> {
         self.files.open(path)
     }
 
-    /// Opens a complete file: [`Files::open_shared`].
+    /// Opens a complete file: [`FileSystem::open_shared`].
     pub fn open_shared(&self, path: &Path) -> Result<Source> {
         self.files.open_shared(path)
     }

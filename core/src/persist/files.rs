@@ -12,7 +12,7 @@ use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::path::{Path, PathBuf};
 
 /// The file operations that journals and saved histories need.
-pub trait Files: Debug + Send + Sync {
+pub trait FileSystem: Debug + Send + Sync {
     /// Creates a folder and its parents; does nothing if it exists.
     fn make_folder(&self, folder: &Path) -> Result<()>;
     /// Creates an empty file, which must not exist, and locks it. It stays locked while it is open.
@@ -64,7 +64,7 @@ pub struct Disk;
 #[derive(Debug)]
 struct DiskFile(File);
 
-impl Files for Disk {
+impl FileSystem for Disk {
     fn make_folder(&self, folder: &Path) -> Result<()> {
         make_private_folder(folder)
     }

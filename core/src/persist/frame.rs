@@ -143,7 +143,7 @@ pub enum Ending {
 }
 
 /// Reads the records of a file, as far as they are valid.
-pub struct Records {
+pub struct FileRecords {
     reader: Box<dyn Read + Send>,
     /// Number of bytes of the file that are left.
     left: u64,
@@ -151,12 +151,12 @@ pub struct Records {
     ending: Option<Ending>,
 }
 
-impl Records {
+impl FileRecords {
     /// Reads the header of a file of `bytes`.
     ///
     /// # Errors
     /// If it is no journal, or one of a version that this program does not read.
-    pub fn new(mut reader: Box<dyn Read + Send>, bytes: u64) -> Result<Records> {
+    pub fn new(mut reader: Box<dyn Read + Send>, bytes: u64) -> Result<FileRecords> {
         let mut first = [0; HEAD_BYTES];
         let refused = |what: &str| Error::new(ErrorKind::InvalidData, what);
         if reader.read_exact(&mut first).is_err() || !first.starts_with(&MAGIC) {
@@ -170,7 +170,7 @@ impl Records {
             return Err(refused("the journal was written by another version of the program"));
         }
         let left = bytes.saturating_sub(HEAD_BYTES as u64);
-        Ok(Records { reader, left, sequence: 0, ending: None })
+        Ok(FileRecords { reader, left, sequence: 0, ending: None })
     }
 
     /// Returns the number of unread bytes of the file.
@@ -215,7 +215,7 @@ impl Records {
     }
 }
 
-impl Iterator for Records {
+impl Iterator for FileRecords {
     type Item = Record;
 
     fn next(&mut self) -> Option<Record> {
@@ -244,7 +244,7 @@ mod tests {
     fn read(file: &[u8]) -> Option<(Vec<Record>, Ending)> {
         let bytes = file.len() as u64;
         let mut records =
-            Records::new(Box::new(std::io::Cursor::new(file.to_vec())), bytes).ok()?;
+            FileRecords::new(Box::new(std::io::Cursor::new(file.to_vec())), bytes).ok()?;
         let read: Vec<Record> = records.by_ref().collect();
         Some((read, records.ending().unwrap()))
     }

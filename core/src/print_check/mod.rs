@@ -18,7 +18,7 @@ use crate::progress::Progress;
 use crate::refusal::{InvalidValue, OverBudget};
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Grid, GridError};
-use crate::tools::pieces::{Part, Pieces, pieces};
+use crate::tools::pieces::{Pieces, PiecesOf, pieces};
 use crate::tools::repair::thickness::Thickness;
 use crate::tools::repair::{self, Keep, Repair, RepairError, Toward};
 
@@ -267,7 +267,7 @@ fn islands(
     budget_bytes: u64,
     progress: &dyn Progress,
 ) -> Result<Option<Finding>, RepairError> {
-    let found = pieces(grid, Part::Solid, budget_bytes, progress)?;
+    let found = pieces(grid, PiecesOf::Solid, budget_bytes, progress)?;
     let standing = repair::standing(&found);
     let largest_stands = found.largest().is_none_or(|piece| standing[piece as usize]);
     // If the largest piece floats, the pieces that stand on the bed are removed.
@@ -282,7 +282,7 @@ fn cavities(
     budget_bytes: u64,
     progress: &dyn Progress,
 ) -> Result<Option<Finding>, RepairError> {
-    let found = pieces(grid, Part::Empty, budget_bytes, progress)?;
+    let found = pieces(grid, PiecesOf::Empty, budget_bytes, progress)?;
     let diameter_vx = (DRAIN_MM / voxel_mm).clamp(1.0, 64.0);
     let repairs = vec![
         Repair::FillCavities { smaller_vx: None },

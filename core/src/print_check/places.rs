@@ -10,7 +10,7 @@ use crate::progress::Progress;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use crate::sculpture::region::{ListedBricks, Region, VoxelBox};
-use crate::tools::pieces::{Part, pieces};
+use crate::tools::pieces::{PiecesOf, pieces};
 use crate::tools::repair::Repair;
 
 /// Overhangs of fewer voxels are the roughness of a surface.
@@ -63,7 +63,7 @@ pub(crate) fn gathered(
     }
     let mask_of = |b: UVec3| b.x + dims.x.div_ceil(8) * (b.y + dims.y.div_ceil(8) * b.z);
     cells.fill_bricks(|b| masks[mask_of(b) as usize]);
-    let found = pieces(&cells, Part::Solid, budget_bytes, progress).map_err(check_error)?;
+    let found = pieces(&cells, PiecesOf::Solid, budget_bytes, progress).map_err(check_error)?;
     let none = VoxelBox { min: IVec3::MAX, max: IVec3::MIN };
     let mut places = vec![Place { voxels: 0, bounds: none }; found.list().len()];
     let place_of = |v: UVec3| found.at((v / 2 - corner).as_ivec3()).map(|piece| piece as usize);

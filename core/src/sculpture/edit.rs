@@ -18,8 +18,8 @@ pub use super::edit_stats::EditStats;
 use super::grid::{Grid, GridBand};
 use super::material::{Brush, Page};
 use super::region::{BrickBox, Region};
-use super::row_edit::{Piece, RowEdit};
-use super::stroke::{BandRecord, Recording, StrokeRecorder};
+use super::row_edit::{RowEdit, RowPiece};
+use super::stroke::{BandRecord, StrokeBands, StrokeRecorder};
 
 /// An operation on the voxels of a region.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -56,7 +56,7 @@ pub fn edit(
     let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
     let slabs = bricks.min.z..bricks.max.z;
     BitEdit { region, op, paint, bricks }.apply(&mut contents.grid, recorder);
-    let Recording { bands, pages_kept, .. } = recorder.recording();
+    let StrokeBands { bands, pages_kept, .. } = recorder.recording();
     let any_to_paint = bands.iter().any(|band| !band.to_paint.is_empty());
     if let Some(brush) = brush.as_ref().filter(|_| any_to_paint) {
         let recolour = matches!(op, EditOp::Recolour(_));
@@ -102,7 +102,7 @@ struct BitEdit<'a, R> {
 impl<R: Region> BitEdit<'_, R> {
     fn apply(&self, grid: &mut Grid, recorder: &mut StrokeRecorder) {
         let parallel = self.bricks.brick_count() >= PARALLEL_BRICKS;
-        let Recording { bands, bits_kept, .. } = recorder.recording();
+        let StrokeBands { bands, bits_kept, .. } = recorder.recording();
         let level = Level::new();
         let slabs = self.bricks.min.z..self.bricks.max.z;
         grid.edit_bands(slabs, parallel, bands, &|grid, record| {
@@ -196,7 +196,7 @@ pub fn count_new_pages(contents: &Contents, region: &impl Region, op: EditOp) ->
 
 /// Returns the number of colour pages that `op` would make in a piece.
 #[inline(always)]
-fn new_pages_of(piece: Piece<impl Simd, impl Region>, contents: &Contents, op: EditOp) -> u64 {
+fn new_pages_of(piece: RowPiece<impl Simd, impl Region>, contents: &Contents, op: EditOp) -> u64 {
     let Contents { grid, material, .. } = contents;
     let mut pages = 0;
     piece.each(
@@ -262,7 +262,7 @@ impl BrickRow {
         simd: S,
         region: &R,
         cut: &mut R::Row,
-        mut f: impl FnMut(Piece<S, R>),
+        mut f: impl FnMut(RowPiece<S, R>),
     ) {
         let reach = region.cut_row(simd, self.y * BRICK_EDGE_VX, self.z * BRICK_EDGE_VX, cut);
         let end = reach.touched.end.min(self.x.end);
@@ -271,10 +271,10 @@ impl BrickRow {
         while x < end {
             let brick = UVec3::new(x, self.y, self.z);
             if x == whole.start && !whole.is_empty() {
-                f(Piece::Whole { first: brick, len: whole.end - x });
+                f(RowPiece::Whole { first: brick, len: whole.end - x });
                 x = whole.end;
             } else {
-                f(Piece::Part { simd, brick, region, cut, reach: &reach });
+                f(RowPiece::Part { simd, brick, region, cut, reach: &reach });
                 x += 1;
             }
         }

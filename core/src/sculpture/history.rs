@@ -14,7 +14,7 @@ mod store;
 pub use super::contents::{Contents, SurfaceKind};
 use super::memory::NoMemory;
 use step::STUB_BYTES;
-pub use step::{Change, HistorySnapshot, State, Step, Stored, StoredStep};
+pub use step::{HistorySnapshot, State, Step, StepChange, StoredChange, StoredStep};
 pub use store::StepStore;
 
 /// Steps up to this size stay in memory: their placeholders would take as much memory.
@@ -239,7 +239,7 @@ impl History {
         let Some(store) = &self.store else { return false };
         let Ok(stored) = store.keep(step.clone()) else { return false };
         let (label, state) = (step.label.clone(), step.state);
-        *step = Arc::new(Step { label, change: Change::Stored(stored), state });
+        *step = Arc::new(Step { label, change: StepChange::Stored(stored), state });
         true
     }
 
@@ -263,7 +263,7 @@ impl History {
             let mut step = self.stack(stack)[at].clone();
             let before = step.heap_bytes();
             // Small steps, such as those that are recomputed, take less memory than their placeholders.
-            if matches!(step.change, Change::Stored(_)) || before <= SMALL_BYTES {
+            if matches!(step.change, StepChange::Stored(_)) || before <= SMALL_BYTES {
                 continue;
             }
             let stored = self.store_step(&mut step);

@@ -15,7 +15,7 @@ use super::edit::BrickRow;
 use super::edit_stats::EditStats;
 use super::material::{Brush, Page};
 use super::region::{BrickBox, Region};
-use super::stroke::{BandRecord, Recording, StrokeRecorder};
+use super::stroke::{BandRecord, StrokeBands, StrokeRecorder};
 
 /// Regions of fewer bricks than this stay on one thread: waking others would cost more than it gains.
 const PARALLEL_BRICKS: u64 = 256;
@@ -36,7 +36,7 @@ pub fn paint_each(
     };
     let palette = Palette { depth, base, blank: material.brush(base) };
     let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
-    let Recording { bands, pages_kept, .. } = recorder.recording();
+    let StrokeBands { bands, pages_kept, .. } = recorder.recording();
     let per_band = grid.bricks_per_band();
     let touched = grid.bands_of(bricks.min.z..bricks.max.z);
     let per_slab = grid.brick_dims().x * grid.brick_dims().y;

@@ -16,20 +16,20 @@ use super::stroke::BandRecord;
 const FULL: u16 = BRICK_VOXELS as u16;
 
 /// Bricks of a row that an edit covers alike.
-pub enum Piece<'a, S: Simd, R: Region> {
+pub enum RowPiece<'a, S: Simd, R: Region> {
     /// `len` bricks along x from `first` on, all of them.
     Whole { first: UVec3, len: u32 },
     /// The part of one brick that the region, cut by the row, covers.
     Part { simd: S, brick: UVec3, region: &'a R, cut: &'a R::Row, reach: &'a RowReach },
 }
 
-impl<S: Simd, R: Region> Piece<'_, S, R> {
+impl<S: Simd, R: Region> RowPiece<'_, S, R> {
     /// Calls `f` with each brick.
     #[inline(always)]
     pub fn each(&self, mut f: impl FnMut(UVec3)) {
         let (first, len) = match *self {
-            Piece::Whole { first, len } => (first, len),
-            Piece::Part { brick, .. } => (brick, 1),
+            RowPiece::Whole { first, len } => (first, len),
+            RowPiece::Part { brick, .. } => (brick, 1),
         };
         for i in 0..len {
             f(first + UVec3::X * i);
@@ -40,8 +40,10 @@ impl<S: Simd, R: Region> Piece<'_, S, R> {
     #[inline(always)]
     pub fn mask(&self, brick: UVec3) -> Brick {
         match self {
-            Piece::Whole { .. } => Brick::FULL,
-            Piece::Part { simd, region, cut, reach, .. } => region.mask(*simd, cut, reach, brick.x),
+            RowPiece::Whole { .. } => Brick::FULL,
+            RowPiece::Part { simd, region, cut, reach, .. } => {
+                region.mask(*simd, cut, reach, brick.x)
+            }
         }
     }
 }
@@ -77,9 +79,9 @@ impl<'a, 'g> RowEdit<'a, 'g> {
 
     /// Removes the covered voxels.
     #[inline(always)]
-    pub fn subtract(&mut self, piece: Piece<impl Simd, impl Region>) {
+    pub fn subtract(&mut self, piece: RowPiece<impl Simd, impl Region>) {
         match piece {
-            Piece::Whole { first, len } => {
+            RowPiece::Whole { first, len } => {
                 self.each_run(
                     first,
                     len,
@@ -93,7 +95,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
                     },
                 );
             }
-            Piece::Part { simd, brick: b, region, cut, reach } => {
+            RowPiece::Part { simd, brick: b, region, cut, reach } => {
                 let index = self.grid.brick_index(b);
                 let count = self.grid.count(index);
                 if count == 0 {
@@ -112,9 +114,9 @@ impl<'a, 'g> RowEdit<'a, 'g> {
 
     /// Makes the covered voxels exist. With `paint`, new ones are listed to be painted.
     #[inline(always)]
-    pub fn add(&mut self, piece: Piece<impl Simd, impl Region>, paint: bool) {
+    pub fn add(&mut self, piece: RowPiece<impl Simd, impl Region>, paint: bool) {
         match piece {
-            Piece::Whole { first, len }
+            RowPiece::Whole { first, len }
                 if !paint && self.grid.valid_mask(first + UVec3::X * (len - 1)).is_full() =>
             {
                 self.each_run(
@@ -133,7 +135,13 @@ impl<'a, 'g> RowEdit<'a, 'g> {
     }
 
     #[inline(always)]
-    fn add_to(&mut self, piece: &Piece<impl Simd, impl Region>, b: UVec3, index: u32, paint: bool) {
+    fn add_to(
+        &mut self,
+        piece: &RowPiece<impl Simd, impl Region>,
+        b: UVec3,
+        index: u32,
+        paint: bool,
+    ) {
         let count = self.grid.count(index);
         if count == FULL {
             return;
@@ -152,7 +160,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
 
     /// Lists the covered, existing voxels for painting.
     #[inline(always)]
-    pub fn paint(&mut self, piece: Piece<impl Simd, impl Region>) {
+    pub fn paint(&mut self, piece: RowPiece<impl Simd, impl Region>) {
         piece.each(
             #[inline(always)]
             |b| {

@@ -42,7 +42,7 @@ impl AsMut<BrickRecord> for BandRecord {
 }
 
 /// The bands to record into, with the bricks whose earlier state has been kept.
-pub struct Recording<'a> {
+pub struct StrokeBands<'a> {
     /// A record per band of the grid.
     pub bands: &'a mut [BandRecord],
     /// Bricks whose earlier bits the stroke has kept.
@@ -68,8 +68,8 @@ impl StrokeRecorder {
     }
 
     /// Lends the bands out for one edit.
-    pub fn recording(&mut self) -> Recording<'_> {
-        Recording {
+    pub fn recording(&mut self) -> StrokeBands<'_> {
+        StrokeBands {
             bands: &mut self.bands,
             bits_kept: &self.bits_kept,
             pages_kept: &self.pages_kept,

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use super::error::SessionError;
-use super::lock::{self, FileLock, Holder, Taken};
+use super::lock::{self, FileLock, Holder, LockResult};
 use super::on_disk::key;
 use crate::format;
 
@@ -29,7 +29,7 @@ pub enum FileAccess {
 struct Present {
     /// None if it is not to be locked.
     path: Option<PathBuf>,
-    taken: Taken,
+    taken: LockResult,
 }
 
 /// A session's record of who may write.
@@ -48,14 +48,14 @@ impl Access {
     /// Whether the lock of the file at `path` is ours.
     pub fn holds(&self, path: &Path) -> bool {
         self.present.as_ref().is_some_and(|present| {
-            matches!(present.taken, Taken::Ours(_)) && present.path == Some(key(path))
+            matches!(present.taken, LockResult::Ours(_)) && present.path == Some(key(path))
         })
     }
 
     /// The file at `path` has become the present one, and was locked for that.
     pub(crate) fn adopt(&mut self, path: &Path, lock: Option<FileLock>) {
         if let Some(lock) = lock.filter(|_| self.mode == FileAccess::Locked) {
-            self.present = Some(Present { path: Some(key(path)), taken: Taken::Ours(lock) });
+            self.present = Some(Present { path: Some(key(path)), taken: LockResult::Ours(lock) });
             self.is_news = false;
         }
     }
@@ -87,7 +87,7 @@ impl Access {
             return None;
         }
         match &self.present.as_ref()?.taken {
-            Taken::Foreign(holder) => Some(holder.clone()),
+            LockResult::Foreign(holder) => Some(holder.clone()),
             _ => None,
         }
     }
@@ -120,8 +120,8 @@ impl Access {
         }
         // The former lock first: the new one may be of the same file by another name.
         self.present = None;
-        let taken = path.as_deref().map_or(Taken::Without, lock::take);
-        self.is_news = matches!(taken, Taken::Foreign(_));
+        let taken = path.as_deref().map_or(LockResult::Without, lock::take);
+        self.is_news = matches!(taken, LockResult::Foreign(_));
         self.present = Some(Present { path, taken });
     }
 }
@@ -132,8 +132,10 @@ pub(super) fn lock_to_save(path: &Path, is_held: bool) -> Result<Option<FileLock
         return Ok(None);
     }
     match lock::take(path) {
-        Taken::Ours(lock) => Ok(Some(lock)),
-        Taken::Without => Ok(None),
-        Taken::Foreign(holder) => Err(SessionError::InUse { path: path.to_path_buf(), holder }),
+        LockResult::Ours(lock) => Ok(Some(lock)),
+        LockResult::Without => Ok(None),
+        LockResult::Foreign(holder) => {
+            Err(SessionError::InUse { path: path.to_path_buf(), holder })
+        }
     }
 }

@@ -27,18 +27,18 @@ struct File {
 
 /// The files of all sculptures that undo and redo can lead to.
 #[derive(Debug, Default)]
-pub(super) struct Files {
+pub(super) struct SculptureFiles {
     of_sculpture: HashMap<u64, File>,
 }
 
-impl Files {
+impl SculptureFiles {
     /// The files of a session that goes on.
-    pub fn restored(files: Vec<SculptureFile>) -> Files {
+    pub fn restored(files: Vec<SculptureFile>) -> SculptureFiles {
         let of_sculpture = files.into_iter().map(|file| {
             let SculptureFile { sculpture, path, texts, saved, assumed_up } = file;
             (sculpture, File { path, texts, saved, assumed_up })
         });
-        Files { of_sculpture: of_sculpture.collect() }
+        SculptureFiles { of_sculpture: of_sculpture.collect() }
     }
 
     /// All of them, to be restored from any folder.
@@ -61,7 +61,7 @@ impl Files {
 
     /// Adds a sculpture that steps of an earlier session lead to.
     pub fn add(&mut self, sculpture: SculptureFile) {
-        self.of_sculpture.extend(Files::restored(vec![sculpture]).of_sculpture);
+        self.of_sculpture.extend(SculptureFiles::restored(vec![sculpture]).of_sculpture);
     }
 
     /// A new sculpture, without a file.

@@ -8,12 +8,12 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::files::Files;
+use super::files::SculptureFiles;
 use super::on_disk::FileIdentity;
 use crate::document::{Document, Limits};
 use crate::persist::SculptureFile;
 use crate::persist::saved_history::{
-    Found, HistoryToKeep, KeptSteps, SavedHistories, SavedHistory, SavedHistoryOptions,
+    FoundHistory, HistoryToKeep, KeptSteps, SavedHistories, SavedHistory, SavedHistoryOptions,
 };
 use crate::persist::spill::Spill;
 use crate::sculpture::Digest;
@@ -67,7 +67,11 @@ impl Histories {
     }
 
     /// The steps that a save is to keep. Within a stroke there are none.
-    pub(crate) fn steps_to_keep(&self, document: &Document, files: &Files) -> Option<KeptSteps> {
+    pub(crate) fn steps_to_keep(
+        &self,
+        document: &Document,
+        files: &SculptureFiles,
+    ) -> Option<KeptSteps> {
         self.saved.as_ref()?;
         Some(KeptSteps::of(document.snapshot()?, files.all()))
     }
@@ -80,10 +84,15 @@ impl Histories {
     }
 
     /// Adds the history of the file that has just been opened to that of the document. Whether there is one.
-    pub(crate) fn adopt(&self, found: Found, document: &mut Document, files: &mut Files) -> bool {
+    pub(crate) fn adopt(
+        &self,
+        found: FoundHistory,
+        document: &mut Document,
+        files: &mut SculptureFiles,
+    ) -> bool {
         let SavedHistory { history, state, files: texts } = match found {
-            Found::Nothing => return false,
-            Found::Unusable(why) => {
+            FoundHistory::Nothing => return false,
+            FoundHistory::Unusable(why) => {
                 if let Some(saved) = &self.saved {
                     let path = files.path(document.state()).map(|path| path.display().to_string());
                     let name = path.unwrap_or_default();
@@ -93,7 +102,7 @@ impl Histories {
                 }
                 return false;
             }
-            Found::History(history) => history,
+            FoundHistory::History(history) => history,
         };
         let sculptures: HashMap<u64, u64> = document.adopt_history(history, state);
         for file in texts {
@@ -111,10 +120,10 @@ pub(super) fn find(
     identity: Option<FileIdentity>,
     contents: &Contents,
     limits: &Limits,
-) -> Found {
+) -> FoundHistory {
     match (histories, identity) {
         (Some(histories), Some(identity)) => histories.find(identity.hash, contents, limits),
-        _ => Found::Nothing,
+        _ => FoundHistory::Nothing,
     }
 }
 

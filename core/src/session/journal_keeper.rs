@@ -8,25 +8,27 @@ use std::io::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::files::Files;
+use super::files::SculptureFiles;
 use super::pictures::Pictures;
 use crate::command::{Command, CommandClass};
 use crate::document::{Applied, Document};
 use crate::format::Texts;
-use crate::persist::journal::{Checkpoint, Entry, JournalOptions, JournalWriter, Mark, STATES};
+use crate::persist::journal::{
+    Checkpoint, JournalEntry, JournalOptions, JournalWriter, Mark, STATES,
+};
 use crate::sculpture::Digest;
 use crate::sculpture::history::State;
 use crate::sculpture::orientation::Up;
 
 /// The parts of a session that a checkpoint holds.
 #[derive(Debug)]
-pub(super) struct Parts<'a> {
+pub(super) struct SessionParts<'a> {
     pub document: &'a Document,
-    pub files: &'a Files,
+    pub files: &'a SculptureFiles,
     pub pictures: &'a mut Pictures,
 }
 
-impl Parts<'_> {
+impl SessionParts<'_> {
     /// All that the session is, with as many steps as half of `max_bytes` holds, and how many are missing. None
     /// within a stroke.
     fn checkpoint(&mut self, max_bytes: u64) -> Option<(Checkpoint, [usize; 2])> {
@@ -52,7 +54,7 @@ impl JournalKeeper {
     ///
     /// # Errors
     /// If no thread can be made, or a stroke is open.
-    pub fn begin(options: JournalOptions, mut parts: Parts) -> Result<JournalKeeper> {
+    pub fn begin(options: JournalOptions, mut parts: SessionParts) -> Result<JournalKeeper> {
         let Some((checkpoint, missing)) = parts.checkpoint(options.max_bytes) else {
             let text = "a journal cannot begin within a stroke";
             return Err(Error::new(ErrorKind::InvalidInput, text));
@@ -81,7 +83,7 @@ impl JournalKeeper {
     }
 
     /// Gives the journal a checkpoint if it wants one and no stroke is open.
-    pub fn attend(&mut self, mut parts: Parts) {
+    pub fn attend(&mut self, mut parts: SessionParts) {
         if !self.writer.wants_checkpoint() {
             return;
         }
@@ -97,7 +99,7 @@ impl JournalKeeper {
         command: &Command,
         applied: Applied,
         took: Duration,
-        parts: Parts,
+        parts: SessionParts,
     ) {
         let steps = Some(applied.steps);
         let command = match command {
@@ -106,17 +108,19 @@ impl JournalKeeper {
             Command::Redo { .. } => Command::Redo { steps },
             command => command.clone(),
         };
-        self.keep(Entry::Command { command, mark: Mark::of(parts.document) }, took, parts);
+        self.keep(JournalEntry::Command { command, mark: Mark::of(parts.document) }, took, parts);
     }
 
     /// Adds an entry.
-    pub fn keep(&mut self, entry: Entry, took: Duration, parts: Parts) {
+    pub fn keep(&mut self, entry: JournalEntry, took: Duration, parts: SessionParts) {
         let JournalKeeper { writer, missing } = self;
         let history = parts.document.history();
         let left = [history.undo_count(), history.redo_count()];
         let travels = match &entry {
-            Entry::Command { command, .. } => command.class() == CommandClass::Travel,
-            Entry::Opened { .. } | Entry::Saved { .. } | Entry::Picture { .. } => false,
+            JournalEntry::Command { command, .. } => command.class() == CommandClass::Travel,
+            JournalEntry::Opened { .. }
+            | JournalEntry::Saved { .. }
+            | JournalEntry::Picture { .. } => false,
         };
         if travels && (left[0] < missing[0] || left[1] < missing[1]) {
             // It went through steps that the journal lacks.
@@ -143,8 +147,8 @@ pub(super) fn opened_entry(
     path: &Path,
     texts: &Texts,
     assumed_up: Option<Up>,
-) -> Entry {
-    Entry::Opened {
+) -> JournalEntry {
+    JournalEntry::Opened {
         path: absolute(path),
         contents: document.share_contents(),
         texts: texts.clone(),
@@ -161,8 +165,8 @@ fn fail_on_demand(entries: u64) {
 }
 
 /// The entry of a file that was saved.
-pub(super) fn saved_entry(path: &Path, state: State) -> Entry {
-    Entry::Saved { path: absolute(path), state }
+pub(super) fn saved_entry(path: &Path, state: State) -> JournalEntry {
+    JournalEntry::Saved { path: absolute(path), state }
 }
 
 fn absolute(path: &Path) -> PathBuf {

@@ -91,7 +91,7 @@ impl Drop for FileLock {
 
 /// The result of taking a lock.
 #[derive(Debug)]
-pub(super) enum Taken {
+pub(super) enum LockResult {
     Ours(FileLock),
     /// Another program has it.
     Foreign(Holder),
@@ -100,8 +100,8 @@ pub(super) enum Taken {
 }
 
 /// Takes the lock of the sculpture at `path`, without waiting.
-pub(super) fn take(path: &Path) -> Taken {
-    let Some(name) = path.file_name() else { return Taken::Without };
+pub(super) fn take(path: &Path) -> LockResult {
+    let Some(name) = path.file_name() else { return LockResult::Without };
     let mut lock_name = std::ffi::OsString::from(".");
     lock_name.push(name);
     lock_name.push(".lock");
@@ -110,12 +110,12 @@ pub(super) fn take(path: &Path) -> Taken {
         Ok(taken) => taken,
         Err(error) => {
             tracing::info!("no lock for {}: {}: {error}", path.display(), lock.display());
-            Taken::Without
+            LockResult::Without
         }
     }
 }
 
-fn try_take(path: &Path) -> io::Result<Taken> {
+fn try_take(path: &Path) -> io::Result<LockResult> {
     for _ in 0..TRIES {
         // A link would lead to a file of somebody else, and a pipe would be waited for.
         let former = match fs::symlink_metadata(path) {
@@ -135,7 +135,7 @@ fn try_take(path: &Path) -> io::Result<Taken> {
         };
         match file.try_lock() {
             Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Ok(Taken::Foreign(Holder::read(path))),
+            Err(TryLockError::WouldBlock) => return Ok(LockResult::Foreign(Holder::read(path))),
             Err(TryLockError::Error(error)) => {
                 if !former {
                     // Best effort: the error that is returned says what matters.
@@ -158,7 +158,7 @@ fn try_take(path: &Path) -> io::Result<Taken> {
         if let Err(error) = lock.write_holder() {
             tracing::info!("{} does not say who holds it: {error}", path.display());
         }
-        return Ok(Taken::Ours(lock));
+        return Ok(LockResult::Ours(lock));
     }
     Err(io::Error::other("it is made and removed again and again"))
 }
@@ -191,17 +191,17 @@ mod tests {
     fn one_has_the_lock_and_the_others_learn_who() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("owl.vsc");
-        let Taken::Ours(lock) = take(&path) else { panic!("the lock is free") };
+        let LockResult::Ours(lock) = take(&path) else { panic!("the lock is free") };
         assert!(lock_of(folder.path()).exists());
         for _ in 0..2 {
-            let Taken::Foreign(holder) = take(&path) else { panic!("the lock is taken") };
+            let LockResult::Foreign(holder) = take(&path) else { panic!("the lock is taken") };
             assert_eq!(holder.process, Some(std::process::id()));
             assert!(holder.since_unix_s > Some(1_700_000_000) && holder.host.is_some());
             assert!(holder.to_string().starts_with(&format!("process {}", std::process::id())));
         }
         drop(lock);
         assert!(!lock_of(folder.path()).exists());
-        assert!(matches!(take(&path), Taken::Ours(_)));
+        assert!(matches!(take(&path), LockResult::Ours(_)));
     }
 
     #[test]
@@ -210,7 +210,7 @@ mod tests {
         let lock = lock_of(folder.path());
         for left in ["", "{", r#"{"process":1,"host":"atlas","since_unix_s":5}"#, "\0\u{fffd}"] {
             std::fs::write(&lock, left).unwrap();
-            let Taken::Ours(_lock) = take(&folder.path().join("owl.vsc")) else {
+            let LockResult::Ours(_lock) = take(&folder.path().join("owl.vsc")) else {
                 panic!("nobody holds {left:?}")
             };
             let told = Holder::read(&lock);
@@ -222,10 +222,10 @@ mod tests {
     fn where_there_can_be_no_lock_work_goes_on_without() {
         let folder = tempfile::tempdir().unwrap();
         for path in [PathBuf::new(), "/".into(), folder.path().join("gone/owl.vsc")] {
-            assert!(matches!(take(&path), Taken::Without), "{path:?}");
+            assert!(matches!(take(&path), LockResult::Without), "{path:?}");
         }
         std::fs::create_dir(lock_of(folder.path())).unwrap();
-        assert!(matches!(take(&folder.path().join("owl.vsc")), Taken::Without));
+        assert!(matches!(take(&folder.path().join("owl.vsc")), LockResult::Without));
     }
 
     #[cfg(unix)]
@@ -235,7 +235,7 @@ mod tests {
         let other = folder.path().join("letter.txt");
         std::fs::write(&other, "dear").unwrap();
         std::os::unix::fs::symlink(&other, lock_of(folder.path())).unwrap();
-        assert!(matches!(take(&folder.path().join("owl.vsc")), Taken::Without));
+        assert!(matches!(take(&folder.path().join("owl.vsc")), LockResult::Without));
         assert_eq!(std::fs::read_to_string(&other).unwrap(), "dear");
     }
 
@@ -250,7 +250,7 @@ mod tests {
             for _ in 0..4 {
                 scope.spawn(|| {
                     for _ in 0..200 {
-                        if let Taken::Ours(lock) = take(&path) {
+                        if let LockResult::Ours(lock) = take(&path) {
                             assert_eq!(holders.fetch_add(1, order), 0);
                             taken.fetch_add(1, order);
                             holders.fetch_sub(1, order);

@@ -24,7 +24,7 @@ const TITLE: &str = "# Recorded by Virtual Sculpture";
 
 /// A recording in progress.
 #[derive(Debug)]
-pub(super) struct Recording {
+pub(super) struct ScriptRecording {
     path: PathBuf,
     file: File,
     /// Bytes of the lines that are whole.
@@ -41,7 +41,7 @@ pub(super) struct Recording {
     is_behind: bool,
 }
 
-impl Recording {
+impl ScriptRecording {
     /// Starts a recording with the command that reproduces the session's start.
     /// `contents` and `texts` are those of the session, if it began with a file.
     pub fn begin(
@@ -49,7 +49,7 @@ impl Recording {
         beginning: &Command,
         contents: &Contents,
         texts: &Texts,
-    ) -> Result<Recording, SessionError> {
+    ) -> Result<ScriptRecording, SessionError> {
         let failed = |error| SessionError::Journal { path: path.to_path_buf(), error };
         let mut options = OpenOptions::new();
         options.write(true);
@@ -66,7 +66,7 @@ impl Recording {
             Err(error) => return Err(failed(error)),
         }
         let file = options.open(path).map_err(failed)?;
-        let mut recording = Recording {
+        let mut recording = ScriptRecording {
             path: path.to_path_buf(),
             file,
             length: 0,

@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use super::Session;
 use super::error::SessionError;
-use super::files::Files;
+use super::files::SculptureFiles;
 use super::histories::Histories;
 use crate::command::{Command, CommandClass};
 use crate::document::{Document, Limits};
 use crate::format::FormatError;
 use crate::persist::files::Source;
 use crate::persist::frame::Ending;
-use crate::persist::journal::{Checkpoint, Entry, JournalError, JournalReader, Mark};
+use crate::persist::journal::{Checkpoint, JournalEntry, JournalError, JournalReader, Mark};
 use crate::progress::Progress;
 use crate::sculpture::history::State;
 
@@ -130,13 +130,13 @@ pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError>
     let mut now = settled;
     let mut dims = document.contents.grid.dims().to_array();
     let mut voxels = document.contents.grid.opaque_count();
-    let mut files = Files::restored(checkpoint.files);
+    let mut files = SculptureFiles::restored(checkpoint.files);
     let mut in_stroke = false;
     let begun = now;
     let mut untouched = document.history.undo.is_empty() && document.history.redo.is_empty();
     for entry in reader.by_ref().map_while(Result::ok) {
         let mark = match entry {
-            Entry::Command { command, mark } => {
+            JournalEntry::Command { command, mark } => {
                 let before = settled;
                 match command {
                     Command::Begin { .. } => in_stroke = true,
@@ -155,17 +155,17 @@ pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError>
                 }
                 mark
             }
-            Entry::Opened { path, texts, assumed_up, mark, .. } => {
+            JournalEntry::Opened { path, texts, assumed_up, mark, .. } => {
                 steps += 1;
                 settled = mark.state;
                 files.opened(mark.state, path, texts, assumed_up);
                 mark
             }
-            Entry::Saved { path, state } => {
+            JournalEntry::Saved { path, state } => {
                 files.saved(state, path);
                 continue;
             }
-            Entry::Picture { .. } => continue,
+            JournalEntry::Picture { .. } => continue,
         };
         untouched &= mark.state == begun;
         (now, voxels, dims) = (mark.state, mark.voxels, mark.dims);
@@ -201,7 +201,7 @@ impl Replay {
         let beginning = Command::Undo { steps: Some(0) };
         let mut session = Session::with_document(document, beginning);
         session.histories = histories;
-        session.files = Files::restored(files);
+        session.files = SculptureFiles::restored(files);
         for (path, file) in pictures {
             session.pictures.restore(path, file, &mut session.document)?;
         }
@@ -209,10 +209,10 @@ impl Replay {
     }
 
     /// Repeats an entry, without a look at any file. Returns what differs from what the session had then.
-    fn repeat(&mut self, entry: Entry) -> Result<Option<String>, SessionError> {
+    fn repeat(&mut self, entry: JournalEntry) -> Result<Option<String>, SessionError> {
         let session = &mut self.session;
         match entry {
-            Entry::Command { command, mark } => {
+            JournalEntry::Command { command, mark } => {
                 session.pictures.forget_at_stroke(&command, &mut session.document);
                 session.document.apply(&command)?;
                 if matches!(command, Command::New(_)) {
@@ -223,7 +223,7 @@ impl Replay {
                 }
                 Ok(difference(&session.document, mark))
             }
-            Entry::Opened { path, contents, texts, assumed_up, mark } => {
+            JournalEntry::Opened { path, contents, texts, assumed_up, mark } => {
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
                 let contents = Arc::unwrap_or_clone(contents);
                 session.document.replace(contents, &format!("open {name}"))?;
@@ -231,11 +231,11 @@ impl Replay {
                 session.keep_reachable_files();
                 Ok(difference(&session.document, mark))
             }
-            Entry::Saved { path, state } => {
+            JournalEntry::Saved { path, state } => {
                 session.files.saved(state, path);
                 Ok(None)
             }
-            Entry::Picture { path, file } => {
+            JournalEntry::Picture { path, file } => {
                 let file = file.or_else(|| session.pictures.file(&path));
                 let lost = FormatError::Damaged("the journal does not hold the image");
                 let restored = file.ok_or(lost).and_then(|file| {

@@ -11,12 +11,12 @@ use std::time::Duration;
 use super::Session;
 use super::access::FileAccess;
 use super::histories;
-use super::journal_keeper::{JournalKeeper, Parts};
+use super::journal_keeper::{JournalKeeper, SessionParts};
 use super::lock::Holder;
 use super::on_disk::FileIdentity;
 use crate::document::DocumentSnapshot;
-use crate::persist::journal::{Entry, JournalOptions};
-use crate::persist::saved_history::{Found, SavedHistoryOptions};
+use crate::persist::journal::{JournalEntry, JournalOptions};
+use crate::persist::saved_history::{FoundHistory, SavedHistoryOptions};
 use crate::sculpture::history::StepStore;
 
 /// The journal.
@@ -31,15 +31,15 @@ impl Session {
         Ok(())
     }
 
-    fn parts(&mut self) -> Parts<'_> {
+    fn parts(&mut self) -> SessionParts<'_> {
         let Session { document, files, pictures, .. } = self;
-        Parts { document, files, pictures }
+        SessionParts { document, files, pictures }
     }
 
     /// The journal, and the parts of the session that a checkpoint holds; none if no journal is kept.
-    pub(super) fn journal_and_parts(&mut self) -> Option<(&mut JournalKeeper, Parts<'_>)> {
+    pub(super) fn journal_and_parts(&mut self) -> Option<(&mut JournalKeeper, SessionParts<'_>)> {
         let Session { document, files, pictures, journal, .. } = self;
-        Some((journal.as_mut()?, Parts { document, files, pictures }))
+        Some((journal.as_mut()?, SessionParts { document, files, pictures }))
     }
 
     /// Whether a journal is kept, on the disk or still without room there.
@@ -103,7 +103,7 @@ impl Session {
     }
 
     /// Adds an entry to the journal.
-    pub(super) fn keep(&mut self, entry: Entry, took: Duration) {
+    pub(super) fn keep(&mut self, entry: JournalEntry, took: Duration) {
         if let Some((journal, parts)) = self.journal_and_parts() {
             journal.keep(entry, took, parts);
         }
@@ -149,7 +149,7 @@ impl Session {
     }
 
     /// Goes on with the history of the file that has just been opened.
-    pub(super) fn go_on_with(&mut self, found: Found) {
+    pub(super) fn go_on_with(&mut self, found: FoundHistory) {
         if !self.histories.adopt(found, &mut self.document, &mut self.files) {
             return;
         }

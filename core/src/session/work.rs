@@ -18,7 +18,7 @@ use crate::document::{self, Limits};
 use crate::format::options::{ExportOptions, ImportOptions};
 use crate::format::{self, Loaded, Texts};
 use crate::mesh::{ContentsVersion, MeshCache};
-use crate::persist::saved_history::{Found, HistoryToKeep, KeptSteps, SavedHistories};
+use crate::persist::saved_history::{FoundHistory, HistoryToKeep, KeptSteps, SavedHistories};
 use crate::progress::Progress;
 use crate::sculpture::history::{Contents, State};
 use crate::sculpture::orientation::Orientation;
@@ -104,7 +104,7 @@ pub(super) enum Outcome {
         path: PathBuf,
         loaded: Box<Loaded>,
         identity: Option<FileIdentity>,
-        history: Found,
+        history: FoundHistory,
     },
     Saved {
         path: PathBuf,
@@ -138,7 +138,7 @@ impl Work {
                 let failed = |error| SessionError::Open { path: path.clone(), error };
                 let loaded = Box::new(read.map_err(failed)?);
                 // The file at its path need not be the one that was embedded.
-                Outcome::Opened { path, loaded, identity: None, history: Found::Nothing }
+                Outcome::Opened { path, loaded, identity: None, history: FoundHistory::Nothing }
             }
             Task::Open { path, embedded: None, import, limits, histories } => {
                 // Before it is read: a change meanwhile is then one that the session does not know.

@@ -8,7 +8,7 @@ use glam::{Mat4, UVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Pixels;
-use super::software::Places;
+use super::software::VoxelPlaces;
 use crate::sculpture::NO_VOXEL;
 use crate::sculpture::vectors::for_axes;
 use crate::surface::{IndexMap, PixelRect};
@@ -61,7 +61,7 @@ impl Composition<'_> {
         if width == 0 {
             return;
         }
-        let (level, places) = (Level::new(), Places::of(self.dims));
+        let (level, places) = (Level::new(), VoxelPlaces::of(self.dims));
         let task_rows = (TASK_PIXELS / width).max(1);
         let tasks = colours
             .par_chunks_mut(task_rows * width)
@@ -82,7 +82,7 @@ impl Composition<'_> {
     fn compose_row<S: Simd>(
         &self,
         simd: S,
-        places: &Places,
+        places: &VoxelPlaces,
         [left, y]: [u32; 2],
         colours: &mut [[u8; 4]],
         depths: &mut [f32],
@@ -128,7 +128,7 @@ impl Composition<'_> {
     fn compose_few<S: Simd>(
         &self,
         simd: S,
-        places: &Places,
+        places: &VoxelPlaces,
         PixelGroup { at: [x, y], voxels, pixels }: PixelGroup<S>,
         background: u32,
     ) -> (u32x16<S>, f32x16<S>) {

@@ -15,7 +15,7 @@ use glam::{Affine3A, UVec3, Vec2, Vec3};
 use super::illumination::Illumination;
 use super::light::{LightSource, Lighting, Shadow};
 use super::look::Look;
-use super::shadow::Sun;
+use super::shadow::ShadowSun;
 use super::tone::ToneCurve;
 use crate::sculpture::{Grid, Rgb};
 
@@ -136,7 +136,7 @@ pub struct GroundLight {
     /// Maps this light to that of the picture.
     pub tone: ToneCurve,
     /// The sun, if it is above the ground.
-    pub sun: Option<Sun>,
+    pub sun: Option<ShadowSun>,
 }
 
 impl GroundLight {

@@ -16,7 +16,7 @@ use glam::{Affine3A, Mat3, Vec3};
 
 use super::light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS};
 use super::look::{Look, MATCAP_EDGE, MATCAP_RADIUS, Matcap};
-use super::shadow::Sun;
+use super::shadow::ShadowSun;
 use super::tone::ToneCurve;
 use crate::sculpture::Rgb;
 use crate::sculpture::vectors::for_axes;
@@ -84,7 +84,7 @@ pub struct Illumination {
     /// The colour of all voxels, sRGB, if it replaces their own.
     pub colour: Option<Rgb>,
     /// The light that casts shadows.
-    pub sun: Option<Sun>,
+    pub sun: Option<ShadowSun>,
     /// Replaces all light; its colours multiply those of the surface.
     pub matcap: Option<Matcap>,
     /// Share of light in the highlight, 0 to 1.
@@ -114,7 +114,7 @@ impl Illumination {
         let sources = lights.iter().flatten().map(|light| light.source);
         let shadow = lighting.shadow.filter(|_| lighting.look != Look::Matcap);
         Illumination {
-            sun: shadow.and_then(|shadow| Sun::new(&shadow, sources, &eye_from_grid)),
+            sun: shadow.and_then(|shadow| ShadowSun::new(&shadow, sources, &eye_from_grid)),
             eye_from_grid,
             normal_from_gradient: covectors * (1.0 / largest),
             lights,

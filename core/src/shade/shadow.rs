@@ -18,7 +18,7 @@ const LIFT_VX: f32 = 1.5;
 
 /// The sun of a picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Sun {
+pub struct ShadowSun {
     /// Its index among the lights in use.
     pub light: usize,
     /// Towards the centre of its disc.
@@ -29,13 +29,13 @@ pub struct Sun {
     pub sample: u32,
 }
 
-impl Sun {
+impl ShadowSun {
     /// Returns the first distant one of `sources`, which are in eye space.
     pub(super) fn new(
         shadow: &Shadow,
         sources: impl Iterator<Item = LightSource>,
         eye_from_grid: &Affine3A,
-    ) -> Option<Sun> {
+    ) -> Option<ShadowSun> {
         let mut distant = sources.enumerate().filter_map(|(light, source)| match source {
             LightSource::Direction(direction) => Some((light, direction)),
             LightSource::Position(_) => None,
@@ -47,7 +47,7 @@ impl Sun {
         let (right, up) = direction.any_orthonormal_pair();
         let radius = (0.5 * shadow.sun_deg).to_radians().tan();
         let across = [right, up].map(|axis| grid_from_eye * axis * (radius * scale));
-        Some(Sun { light, towards: towards * scale, across, sample: shadow.sample })
+        Some(ShadowSun { light, towards: towards * scale, across, sample: shadow.sample })
     }
 
     /// Returns the part of its light that reaches a voxel whose surface points `outwards` (a covector of any length): 1
@@ -92,7 +92,7 @@ mod tests {
     use glam::IVec3;
 
     /// Returns a floor of 4 voxels' height with a wall on it, and a sun at 45 degrees behind the wall.
-    fn scene(sun_deg: f32, sample: u32) -> (Grid, Sun) {
+    fn scene(sun_deg: f32, sample: u32) -> (Grid, ShadowSun) {
         let mut grid = Grid::new(UVec3::new(64, 64, 64), Vec3::ONE, 1 << 20).unwrap();
         for (x, z) in (0..64).flat_map(|x| (0..64).map(move |z| (x, z))) {
             (0..4).for_each(|y| grid.set(IVec3::new(x, y, z), true));
@@ -105,11 +105,11 @@ mod tests {
             LightSource::Position(Vec3::ZERO),
             LightSource::Direction(Vec3::new(-1.0, 1.0, 0.0).normalize()),
         ];
-        let sun = Sun::new(&shadow, sources.into_iter(), &Affine3A::IDENTITY).unwrap();
+        let sun = ShadowSun::new(&shadow, sources.into_iter(), &Affine3A::IDENTITY).unwrap();
         (grid, sun)
     }
 
-    fn floor(sun: &Sun, grid: &Grid, x: u32) -> f32 {
+    fn floor(sun: &ShadowSun, grid: &Grid, x: u32) -> f32 {
         sun.reaching(grid, UVec3::new(x, 3, 30), Vec3::Y)
     }
 
@@ -132,7 +132,8 @@ mod tests {
         let width = |sun_deg: f32| {
             let (grid, sun) = scene(sun_deg, 0);
             let share = |x: u32| {
-                (1..65).map(|sample| floor(&Sun { sample, ..sun }, &grid, x)).sum::<f32>() / 64.0
+                (1..65).map(|sample| floor(&ShadowSun { sample, ..sun }, &grid, x)).sum::<f32>()
+                    / 64.0
             };
             (24..60).filter(|x| (0.03..0.97).contains(&share(*x))).count()
         };

@@ -14,7 +14,7 @@ use super::mask_tint::mask_tint;
 use super::normal_field::{NO_PAGE, PackedNormal, SurfaceRecord, unpack_many};
 use super::occlusion::OpennessTables;
 use super::pixels::Pixels;
-use super::shadow::Sun;
+use super::shadow::ShadowSun;
 use super::source::ShadeSource;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{ColourDepth, Grid, NO_VOXEL, Rgb};
@@ -86,7 +86,7 @@ impl<'a> Seen<'a> {
 /// The data that all pixels of a picture share.
 struct Shader<'a> {
     source: ShadeSource<'a>,
-    places: Places,
+    places: VoxelPlaces,
     illumination: Illumination,
     occlusion: bool,
     /// Whether any voxel may have a visible colour of its own.
@@ -132,7 +132,7 @@ impl<'a> Shader<'a> {
             has_colours: illumination.colour.is_none() && source.material.page_count() > 0,
             base: packed(illumination.colour.unwrap_or(source.material.base())),
             tinted: source.mask.map(|mask| (mask, source.colours(illumination.colour).depth())),
-            places: Places::of(source.grid.dims()),
+            places: VoxelPlaces::of(source.grid.dims()),
             illumination,
             occlusion: lighting.occlusion,
         }
@@ -329,7 +329,7 @@ impl Shader<'_> {
 
     /// Computes the share of the sun's light that reaches the voxels of the lanes `seen`.
     #[inline(always)]
-    fn sunlight(&self, sun: &Sun, seen: u32, voxels: &[u32; LANES], found: &mut Found) {
+    fn sunlight(&self, sun: &ShadowSun, seen: u32, voxels: &[u32; LANES], found: &mut Found) {
         for lane in bits(seen) {
             found.points.sunlit[lane] = if lane > 0 && voxels[lane] == voxels[lane - 1] {
                 found.points.sunlit[lane - 1]
@@ -394,16 +394,16 @@ fn packed(Rgb([r, g, b]): Rgb) -> u32 {
 }
 
 /// Converts indices of voxels to their coordinates and bricks.
-pub(super) struct Places {
+pub(super) struct VoxelPlaces {
     row: u32,
     slice: u32,
     brick_dims: UVec3,
 }
 
-impl Places {
-    pub fn of(dims: UVec3) -> Places {
+impl VoxelPlaces {
+    pub fn of(dims: UVec3) -> VoxelPlaces {
         let brick_dims = dims.map(|edge| edge.div_ceil(BRICK_EDGE_VX));
-        Places { row: dims.x, slice: dims.x * dims.y, brick_dims }
+        VoxelPlaces { row: dims.x, slice: dims.x * dims.y, brick_dims }
     }
 
     /// Returns the linear indices of the bricks of voxels at these coordinates.

@@ -13,8 +13,8 @@ mod areas;
 mod exposure;
 mod layers;
 
-pub use areas::{Area, SlabAreas};
-pub use layers::{Layer, LayerRect, Layers, facing_axis};
+pub use areas::{SlabAreas, SliceArea};
+pub use layers::{LayerRect, SliceLayer, SliceLayers, facing_axis};
 
 use glam::UVec3;
 

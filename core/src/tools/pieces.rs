@@ -26,7 +26,7 @@ const WORD_STEPS: [usize; 3] = [1, 2, 4];
 
 /// The voxels to label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Part {
+pub enum PiecesOf {
     /// The voxels that exist.
     Solid,
     /// The empty places inside the grid's box.
@@ -64,7 +64,7 @@ impl Piece {
 #[derive(Debug)]
 pub struct Pieces<'a> {
     grid: &'a Grid,
-    part: Part,
+    part: PiecesOf,
     /// The number of the first node of each word of each brick; the eight words of a full brick share one.
     first: Vec<[u32; BRICK_WORDS]>,
     /// The piece of each node.
@@ -75,7 +75,7 @@ pub struct Pieces<'a> {
 /// Finds the pieces of a part of a grid, within `budget_bytes` beyond the grid itself.
 pub fn pieces<'a>(
     grid: &'a Grid,
-    part: Part,
+    part: PiecesOf,
     budget_bytes: u64,
     progress: &dyn Progress,
 ) -> Result<Pieces<'a>, PiecesError> {
@@ -88,7 +88,7 @@ pub fn pieces<'a>(
 impl<'a> Pieces<'a> {
     fn find(
         grid: &'a Grid,
-        part: Part,
+        part: PiecesOf,
         budget_bytes: u64,
         progress: &dyn Progress,
     ) -> Result<Pieces<'a>, PiecesError> {
@@ -259,16 +259,16 @@ impl Piece {
 }
 
 #[inline(always)]
-fn bits_of(grid: &Grid, part: Part, brick: usize) -> Brick {
+fn bits_of(grid: &Grid, part: PiecesOf, brick: usize) -> Brick {
     let bits = grid.brick_at(brick);
     match part {
-        Part::Solid => *bits,
-        Part::Empty => grid.valid_mask(grid.brick_coords(brick)).and_not(bits),
+        PiecesOf::Solid => *bits,
+        PiecesOf::Empty => grid.valid_mask(grid.brick_coords(brick)).and_not(bits),
     }
 }
 
 /// Returns the first node of each word and the number of nodes.
-fn number_nodes(grid: &Grid, part: Part) -> (Vec<[u32; BRICK_WORDS]>, u32) {
+fn number_nodes(grid: &Grid, part: PiecesOf) -> (Vec<[u32; BRICK_WORDS]>, u32) {
     let mut first = vec![[0; BRICK_WORDS]; grid.brick_count()];
     first.par_iter_mut().enumerate().with_min_len(1 << 10).for_each(|(brick, counts)| {
         let bits = bits_of(grid, part, brick);
@@ -408,7 +408,7 @@ pub(crate) fn keep_largest(
     budget_bytes: u64,
     progress: &dyn Progress,
 ) -> Result<(), PiecesError> {
-    let found = pieces(grid, Part::Solid, budget_bytes, progress)?;
+    let found = pieces(grid, PiecesOf::Solid, budget_bytes, progress)?;
     let Some(largest) = found.largest().filter(|_| found.list().len() > 1) else { return Ok(()) };
     let kept = changed(&found, &|brick| found.chosen(brick, &|piece| piece == largest));
     kept.into_iter().for_each(|(index, brick)| grid.set_brick(index, brick));
@@ -421,7 +421,7 @@ pub fn fill_holes(
     budget_bytes: u64,
     progress: &dyn Progress,
 ) -> Result<(), PiecesError> {
-    let found = pieces(grid, Part::Empty, budget_bytes, progress)?;
+    let found = pieces(grid, PiecesOf::Empty, budget_bytes, progress)?;
     let is_hole = |piece| !found.reaches_border(piece);
     let filled =
         changed(&found, &|brick| found.grid.brick_at(brick).or(&found.chosen(brick, &is_hole)));

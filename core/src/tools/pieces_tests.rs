@@ -3,7 +3,7 @@
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
-use super::pieces::{Part, PiecesError, fill_holes, keep_largest, pieces};
+use super::pieces::{PiecesError, PiecesOf, fill_holes, keep_largest, pieces};
 use crate::progress::{Progress, Report};
 use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::Grid;
@@ -22,8 +22,8 @@ fn voxels(grid: &Grid) -> Vec<IVec3> {
 }
 
 /// Returns the voxels of each piece in order, found by a plain search.
-fn by_search(grid: &Grid, part: Part) -> Vec<Vec<IVec3>> {
-    let is_meant = |v: IVec3| grid.contains(v) && grid.get(v) == (part == Part::Solid);
+fn by_search(grid: &Grid, part: PiecesOf) -> Vec<Vec<IVec3>> {
+    let is_meant = |v: IVec3| grid.contains(v) && grid.get(v) == (part == PiecesOf::Solid);
     let mut seen = std::collections::HashSet::new();
     let mut found = Vec::new();
     for start in voxels(grid) {
@@ -46,14 +46,14 @@ fn by_search(grid: &Grid, part: Part) -> Vec<Vec<IVec3>> {
     found
 }
 
-fn check(grid: &Grid, part: Part) {
+fn check(grid: &Grid, part: PiecesOf) {
     let mut expected = by_search(grid, part);
     let found = pieces(grid, part, ROOM, &()).unwrap();
     let mut members = vec![Vec::new(); found.list().len()];
     for v in voxels(grid) {
         match found.at(v) {
             Some(piece) => members[piece as usize].push(v),
-            None => assert_ne!(grid.get(v), part == Part::Solid, "{v}"),
+            None => assert_ne!(grid.get(v), part == PiecesOf::Solid, "{v}"),
         }
     }
     for (number, (piece, members)) in (0..).zip(found.list().iter().zip(&mut members)) {
@@ -89,8 +89,8 @@ proptest! {
         dims in prop::array::uniform3(1u32..22), density in 0u32..=256, seed: u32,
     ) {
         let grid = grid_of(dims, |v| noise(v, seed) < density);
-        check(&grid, Part::Solid);
-        check(&grid, Part::Empty);
+        check(&grid, PiecesOf::Solid);
+        check(&grid, PiecesOf::Empty);
     }
 }
 
@@ -99,8 +99,8 @@ fn full_empty_and_winding_grids() {
     for dims in [[1, 1, 1], [24, 16, 17], [9, 8, 40]] {
         for exists in [true, false] {
             let grid = grid_of(dims, |_| exists);
-            check(&grid, Part::Solid);
-            check(&grid, Part::Empty);
+            check(&grid, PiecesOf::Solid);
+            check(&grid, PiecesOf::Empty);
         }
     }
     // One piece that winds through all words, and a checkerboard, where nothing touches.
@@ -111,11 +111,11 @@ fn full_empty_and_winding_grids() {
         _ => v.x == 0,
     };
     let snake = grid_of([17, 15, 1], winding);
-    check(&snake, Part::Solid);
-    assert_eq!(pieces(&snake, Part::Solid, ROOM, &()).unwrap().list().len(), 1);
+    check(&snake, PiecesOf::Solid);
+    assert_eq!(pieces(&snake, PiecesOf::Solid, ROOM, &()).unwrap().list().len(), 1);
     let chequered = grid_of([9, 9, 9], |v| v.element_sum() % 2 == 0);
-    assert_eq!(pieces(&chequered, Part::Solid, ROOM, &()).unwrap().list().len(), 365);
-    check(&chequered, Part::Solid);
+    assert_eq!(pieces(&chequered, PiecesOf::Solid, ROOM, &()).unwrap().list().len(), 365);
+    check(&chequered, PiecesOf::Solid);
 }
 
 #[test]
@@ -124,9 +124,9 @@ fn many_layers_are_joined_by_all_threads() {
     let comb = |v: IVec3| (v.x % 2 == 0 && v.y < 20) || (v.y == 21 && v.z == 79);
     let grid =
         grid_of([30, 22, 80], |v| comb(v) || (v.y == 20 && v.x == 4 * (v.x / 4) && v.z > 70));
-    let found = pieces(&grid, Part::Solid, ROOM, &()).unwrap();
-    assert_eq!(found.list().len(), by_search(&grid, Part::Solid).len());
-    check(&grid, Part::Solid);
+    let found = pieces(&grid, PiecesOf::Solid, ROOM, &()).unwrap();
+    assert_eq!(found.list().len(), by_search(&grid, PiecesOf::Solid).len());
+    check(&grid, PiecesOf::Solid);
 }
 
 /// Returns a hollow ball with a small ball inside, a speck outside, and a hole that is open to the border.
@@ -168,12 +168,12 @@ fn the_largest_piece_stays_and_cavities_are_filled() {
 #[test]
 fn memory_is_bounded_and_the_work_can_be_cancelled() {
     let grid = grid_of([40, 40, 40], |v| v.element_sum() % 2 == 0);
-    let error = pieces(&grid, Part::Solid, 5000, &()).unwrap_err();
+    let error = pieces(&grid, PiecesOf::Solid, 5000, &()).unwrap_err();
     assert!(
         matches!(error, PiecesError::OverBudget(OverBudget { budget: MemoryBudget::Grids, .. })),
         "{error}"
     );
-    let error = pieces(&grid, Part::Solid, 200_000, &()).unwrap_err().to_string();
+    let error = pieces(&grid, PiecesOf::Solid, 200_000, &()).unwrap_err().to_string();
     assert!(error.contains("threshold") && error.contains("allowed for grids"), "{error}");
     let report = Report::default();
     report.cancel();
@@ -182,7 +182,7 @@ fn memory_is_bounded_and_the_work_can_be_cancelled() {
     assert_eq!(keep_largest(&mut same, ROOM, &report), Err(PiecesError::Cancelled));
     assert_eq!(fill_holes(&mut same, ROOM, &report), Err(PiecesError::Cancelled));
     assert_eq!(same, hollow());
-    let found = pieces(&same, Part::Solid, ROOM, &()).unwrap();
+    let found = pieces(&same, PiecesOf::Solid, ROOM, &()).unwrap();
     assert_eq!(found.at(IVec3::new(-1, 0, 0)), None);
     assert_eq!(found.at(UVec3::splat(40).as_ivec3()), None);
 }

@@ -14,7 +14,7 @@ use glam::Vec3;
 
 /// The sun.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Sun {
+pub struct SunLight {
     /// Azimuth from behind the viewer, to the right.
     pub azimuth_deg: f32,
     /// Elevation above the horizon.
@@ -44,7 +44,7 @@ pub enum LightOptions {
     /// Sun, sky and optionally a lamp.
     Outdoors {
         /// The sun.
-        sun: Sun,
+        sun: SunLight,
         /// Strength of the sky; 1 is a clear day.
         sky: f32,
         /// The lamp.
@@ -56,7 +56,8 @@ pub enum LightOptions {
 
 impl Default for LightOptions {
     fn default() -> Self {
-        let sun = Sun { azimuth_deg: -50.0, elevation_deg: 42.0, size_deg: 2.0, strength: 1.0 };
+        let sun =
+            SunLight { azimuth_deg: -50.0, elevation_deg: 42.0, size_deg: 2.0, strength: 1.0 };
         LightOptions::Outdoors { sun, sky: 1.0, area_light: None }
     }
 }
@@ -182,7 +183,7 @@ impl Environment {
     }
 
     fn outdoors(
-        sun: Sun,
+        sun: SunLight,
         sky_strength: f32,
         area_light: Option<AreaLight>,
         at: &Standpoint,

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::environment::{AreaLight, Environment, LightOptions, Standpoint, Sun, WHITE};
+use super::environment::{AreaLight, Environment, LightOptions, Standpoint, SunLight, WHITE};
 
 fn standpoint() -> Standpoint {
     let to_viewer = Vec3::new(0.0, 3.0, 10.0);
@@ -12,7 +12,7 @@ fn standpoint() -> Standpoint {
 }
 
 fn outdoors(elevation_deg: f32, strength: f32, sky: f32) -> Environment {
-    let sun = Sun { azimuth_deg: 30.0, elevation_deg, size_deg: 4.0, strength };
+    let sun = SunLight { azimuth_deg: 30.0, elevation_deg, size_deg: 4.0, strength };
     let lamp = AreaLight { azimuth_deg: 0.0, elevation_deg: 45.0, size: 1.0, strength: 1.0 };
     let light = LightOptions::Outdoors { sun, sky, area_light: Some(lamp) };
     Environment::new(&light, &standpoint())

@@ -6,7 +6,7 @@
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
 
-use super::scene::Surface;
+use super::scene::PathVertex;
 
 /// The most pixels of a final picture: 8192x8192.
 pub const MAX_PIXELS: u64 = 1 << 26;
@@ -34,8 +34,13 @@ impl Sample {
         Sample { radiance, albedo: zero, normal: zero, depth: 0.0, surface: 0.0, alpha: 0.0 }
     }
 
-    pub(crate) fn of_surface(surface: &Surface, radiance: Vec3, depth: f32, alpha: f32) -> Sample {
-        let Surface { albedo, normal, .. } = *surface;
+    pub(crate) fn of_surface(
+        surface: &PathVertex,
+        radiance: Vec3,
+        depth: f32,
+        alpha: f32,
+    ) -> Sample {
+        let PathVertex { albedo, normal, .. } = *surface;
         Sample { radiance, albedo, normal, depth, surface: 1.0, alpha }
     }
 }

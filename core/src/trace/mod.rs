@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 pub use denoise::denoise;
-pub use environment::{AreaLight, Gradient, Lamp, LightOptions, Sun, SunDisc};
+pub use environment::{AreaLight, Gradient, Lamp, LightOptions, SunDisc, SunLight};
 pub use film::{Film, MAX_PIXELS, PixelSum};
 pub use lens::Pupil;
 pub use prepared::{Prepared, PreparedGround, pass_rays, prepare};
@@ -48,7 +48,7 @@ use environment::{Environment, Standpoint, disc_point};
 use film::Sample;
 use path::Tracer;
 use sampling::Sampler;
-use scene::{Met, Scene};
+use scene::{Met, PathScene};
 
 /// The most samples of a pixel of a final picture.
 pub const MAX_FINAL_SAMPLES: u32 = 4096;
@@ -189,8 +189,14 @@ fn tracer<'a>(
     let at = Standpoint { up, to_viewer, middle, radius };
     let environment = Environment::new(&options.light, &at);
     let lowest = lowest_along(source, &camera.world_from_grid, up);
-    let scene =
-        Scene::new((*source, levels), camera.world_from_grid, up, bounds, lowest, options.ground);
+    let scene = PathScene::new(
+        (*source, levels),
+        camera.world_from_grid,
+        up,
+        bounds,
+        lowest,
+        options.ground,
+    );
     let open_ground = scene.ground_albedo() * (FRAC_1_PI * environment.open_irradiance(up));
     Tracer { scene, environment, open_ground, bounces: options.bounces }
 }
@@ -217,7 +223,7 @@ fn lowest_along(source: &ShadeSource, world_from_grid: &Affine3A, up: Vec3) -> f
 }
 
 /// Returns the pupil of a lens with an opening.
-fn pupil(scene: &Scene, camera: &TraceCamera, rays: &PixelRays, lens: &Lens) -> Option<Pupil> {
+fn pupil(scene: &PathScene, camera: &TraceCamera, rays: &PixelRays, lens: &Lens) -> Option<Pupil> {
     if lens.aperture <= 0.0 {
         return None;
     }

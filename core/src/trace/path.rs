@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3};
 
 use super::environment::{Environment, cosine_direction, disc_point};
 use super::sampling::Sampler;
-use super::scene::{Met, Scene, Surface};
+use super::scene::{Met, PathScene, PathVertex};
 use crate::shade::level_set::CellCache;
 
 /// The bounce from which on roulette decides whether a path continues.
@@ -22,7 +22,7 @@ const ROULETTE_FROM: u32 = 1;
 
 /// See the module text.
 pub(super) struct Tracer<'a> {
-    pub scene: Scene<'a>,
+    pub scene: PathScene<'a>,
     pub environment: Environment,
     /// Radiance of unshadowed ground.
     pub open_ground: Vec3,
@@ -32,7 +32,12 @@ pub(super) struct Tracer<'a> {
 
 impl Tracer<'_> {
     /// Returns the radiance that `seen` sends to the eye.
-    pub fn radiance(&self, seen: &Surface, sampler: &mut Sampler, cache: &mut CellCache) -> Vec3 {
+    pub fn radiance(
+        &self,
+        seen: &PathVertex,
+        sampler: &mut Sampler,
+        cache: &mut CellCache,
+    ) -> Vec3 {
         let (mut surface, mut radiance) = (*seen, Vec3::ZERO);
         let mut throughput = surface.albedo;
         for bounce in 0.. {
@@ -60,7 +65,7 @@ impl Tracer<'_> {
     }
 
     /// Returns the irradiance of sun and lamp.
-    fn direct(&self, surface: &Surface, sampler: &mut Sampler, cache: &mut CellCache) -> Vec3 {
+    fn direct(&self, surface: &PathVertex, sampler: &mut Sampler, cache: &mut CellCache) -> Vec3 {
         let mut irradiance = Vec3::ZERO;
         if let Some(sun) = &self.environment.sun {
             let at = sampler.next_2d();

@@ -37,7 +37,7 @@ const OPEN_GROUND_RADII: f32 = 4.0;
 
 /// A surface on a path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Surface {
+pub(super) struct PathVertex {
     /// The origin of further rays, in grid coordinates.
     pub start: Vec3,
     /// Unit vector out of the surface, in the world.
@@ -50,14 +50,14 @@ pub(super) struct Surface {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Met {
     Nothing,
-    Sculpture(Surface),
-    Ground(Surface),
+    Sculpture(PathVertex),
+    Ground(PathVertex),
     /// Ground outside the sculpture's shadow.
     OpenGround,
 }
 
 /// See the module text.
-pub(super) struct Scene<'a> {
+pub(super) struct PathScene<'a> {
     pub source: ShadeSource<'a>,
     /// The smooth surface, unless voxels are shown.
     pub levels: Option<&'a LevelSet>,
@@ -78,7 +78,7 @@ impl PreparedGround {
     }
 }
 
-impl<'a> Scene<'a> {
+impl<'a> PathScene<'a> {
     /// Returns the scene. `lowest`: the least height of the sculpture along `up`.
     pub fn new(
         (source, levels): (ShadeSource<'a>, Option<&'a LevelSet>),
@@ -87,7 +87,7 @@ impl<'a> Scene<'a> {
         bounds: (Vec3, Vec3),
         lowest: f32,
         ground: Option<Ground>,
-    ) -> Scene<'a> {
+    ) -> PathScene<'a> {
         let linear = Mat3::from(world_from_grid.matrix3);
         let grid_from_world = linear.inverse();
         let plane = |ground: Ground| PreparedGround {
@@ -97,7 +97,7 @@ impl<'a> Scene<'a> {
         };
         let middle = (bounds.0 + bounds.1) * 0.5;
         let radius = (linear * ((bounds.1 - bounds.0) * 0.5)).length().max(f32::MIN_POSITIVE);
-        Scene {
+        PathScene {
             source,
             levels,
             world_from_grid,
@@ -162,7 +162,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Finds the surface that the eye sees along a ray of a picture, and its distance. `first` is the result of
-    /// [`Scene::first`] for the ray.
+    /// [`PathScene::first`] for the ray.
     pub fn seen(
         &self,
         origin: Vec3,
@@ -223,9 +223,9 @@ impl<'a> Scene<'a> {
         (climb < 0.0).then(|| (ground, (ground.height_of(origin) / -climb).max(0.0)))
     }
 
-    fn on_ground(&self, ground: PreparedGround, point: Vec3) -> Surface {
+    fn on_ground(&self, ground: PreparedGround, point: Vec3) -> PathVertex {
         let start = point + self.grid_from_world * self.up * (1e-4 * self.radius);
-        Surface { start, normal: self.up, albedo: ground.albedo }
+        PathVertex { start, normal: self.up, albedo: ground.albedo }
     }
 
     /// Returns the entry of a ray into the voxel that it is known to meet first, and the face: one without a voxel in
@@ -246,7 +246,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns the surface at a point of a face of a voxel.
-    fn surface(&self, voxel: UVec3, face: IVec3, point: Vec3) -> Surface {
+    fn surface(&self, voxel: UVec3, face: IVec3, point: Vec3) -> PathVertex {
         // Rounding must neither move it off the face nor in front of the adjacent voxel.
         let low = voxel.as_vec3();
         let plane = low + face.max(IVec3::ZERO).as_vec3();
@@ -259,7 +259,7 @@ impl<'a> Scene<'a> {
         let normal = smooth.filter(|normal| normal.dot(face) >= OTHER_SIDE).unwrap_or(face);
         let start = self.clear_of_steps(point, face, normal);
         let normal = (self.world_from_normal * normal).normalize_or(self.up);
-        Surface { start, normal, albedo: self.albedo(voxel) }
+        PathVertex { start, normal, albedo: self.albedo(voxel) }
     }
 
     /// Returns the share of light that a voxel reflects.

@@ -5,11 +5,11 @@
 //! show. Further rays therefore start a little above it, along the normal, less where the surface is aligned with the
 //! grid and is exact: never within the sculpture, and never beyond what lies above.
 //!
-//! Takes points on the surface; returns [`Surface`]s. Knows no light.
+//! Takes points on the surface; returns [`PathVertex`]s. Knows no light.
 
 use glam::Vec3;
 
-use super::scene::{OTHER_SIDE, Scene, Surface};
+use super::scene::{OTHER_SIDE, PathScene, PathVertex};
 use crate::shade::level_set::{CellCache, SurfaceHit};
 use crate::shade::{LevelSet, ShadeSource};
 
@@ -22,7 +22,7 @@ const CLEARANCE_PER_SLOPE: f32 = 10.0;
 /// The number of times that the clearance is halved if there is no room for it.
 const HALVINGS: u32 = 5;
 
-impl Scene<'_> {
+impl PathScene<'_> {
     /// Returns the first point on the smooth surface along a ray, nearer than `reach`.
     pub(super) fn smooth_on(
         &self,
@@ -47,11 +47,11 @@ impl Scene<'_> {
         hit: &SurfaceHit,
         point: Vec3,
         cache: &mut CellCache,
-    ) -> Surface {
+    ) -> PathVertex {
         let outwards = levels.slope(self.source.grid, point, cache).normalize_or(Vec3::Y);
         let smooth = hit.normal.unpack();
         let normal = smooth.filter(|normal| normal.dot(outwards) >= OTHER_SIDE).unwrap_or(outwards);
-        Surface {
+        PathVertex {
             start: self.clear_of_waves(levels, point, [normal, outwards], cache),
             normal: (self.world_from_normal * normal).normalize_or(self.up),
             albedo: self.albedo(hit.voxel),

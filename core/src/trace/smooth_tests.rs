@@ -84,7 +84,7 @@ fn a_ball_throws_no_shadow_on_itself() {
     let middle = Vec3::new(32.2, 31.9, 32.3);
     let mut subject = subject(grid_of(64, |p| p.distance(middle) < 28.0), WHITE, UVec2::splat(120));
     subject.camera.eye = Camera::framing(30.0, Vec3::Z, Vec3::Y).eye(UVec2::splat(120));
-    let sun = Sun { azimuth_deg: 80.0, elevation_deg: 10.0, size_deg: 0.5, strength: 1.0 };
+    let sun = SunLight { azimuth_deg: 80.0, elevation_deg: 10.0, size_deg: 0.5, strength: 1.0 };
     let light = LightOptions::Outdoors { sun, sky: 0.0, area_light: None };
     let options =
         TraceOptions { samples: 4, bounces: 0, light, ground: None, ..TraceOptions::default() };

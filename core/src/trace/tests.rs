@@ -141,7 +141,7 @@ fn a_surface_in_the_open_is_as_bright_as_its_light_says() {
     grid.fill_bricks(|_| crate::sculpture::Brick::FULL);
     let mut subject = subject(grid, WHITE, UVec2::splat(16));
     subject.camera.eye = Camera::framing(8.0, Vec3::Y, Vec3::Z).eye(UVec2::splat(16));
-    let sun = Sun { azimuth_deg: 30.0, elevation_deg: 50.0, size_deg: 1.0, strength: 1.0 };
+    let sun = SunLight { azimuth_deg: 30.0, elevation_deg: 50.0, size_deg: 1.0, strength: 1.0 };
     let light = LightOptions::Outdoors { sun, sky: 1.0, area_light: None };
     let options = TraceOptions { samples: 64, light, ground: None, ..TraceOptions::default() };
     let film = subject.trace(&options);
@@ -152,7 +152,7 @@ fn a_surface_in_the_open_is_as_bright_as_its_light_says() {
         assert!((ratio - 1.0).abs().max_element() < 0.02, "{ratio}");
     }
     // Twice the sun and no sky.
-    let sun = Sun { strength: 2.0, ..sun };
+    let sun = SunLight { strength: 2.0, ..sun };
     let light = LightOptions::Outdoors { sun, sky: 0.0, area_light: None };
     let options = TraceOptions { light, ..options };
     let facing = self::tracer((&subject.source(), None), &subject.camera, &options);
@@ -167,7 +167,7 @@ fn a_surface_in_the_open_is_as_bright_as_its_light_says() {
 #[test]
 fn a_lamp_lights_what_faces_it_and_the_sculpture_throws_a_shadow() {
     let subject = subject(scenes::solid_cube(32).unwrap(), WHITE, SIZE);
-    let sun = Sun { azimuth_deg: 0.0, elevation_deg: 40.0, size_deg: 1.0, strength: 0.0 };
+    let sun = SunLight { azimuth_deg: 0.0, elevation_deg: 40.0, size_deg: 1.0, strength: 0.0 };
     let lamp = AreaLight { azimuth_deg: 0.0, elevation_deg: 80.0, size: 1.0, strength: 1.0 };
     let light = LightOptions::Outdoors { sun, sky: 0.0, area_light: Some(lamp) };
     let options = TraceOptions { samples: 16, bounces: 0, light, ..TraceOptions::default() };

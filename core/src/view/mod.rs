@@ -13,7 +13,7 @@ pub mod stereo_layout;
 
 pub use camera::{Camera, FRAME_MARGIN};
 pub use eye::{Eye, PixelRays};
-pub use room::{Pose, Room, RoomView, Similarity};
+pub use room::{Room, RoomPose, RoomView, Similarity};
 pub use samples::{MAX_SAMPLES, sample_offset_px};
 pub use stereo::StereoRig;
 pub use stereo_layout::StereoLayout;

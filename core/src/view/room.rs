@@ -16,14 +16,14 @@ pub const FARTHEST_M: f32 = 1000.0;
 
 /// Position and rotation of an object in the room; it faces along its own -z.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Pose {
+pub struct RoomPose {
     /// Position in metres.
     pub position: Vec3,
     /// Rotation from the pose's axes to the room's.
     pub rotation: Quat,
 }
 
-impl Pose {
+impl RoomPose {
     /// Returns the unit vector along which it faces.
     pub fn forward(&self) -> Vec3 {
         self.rotation * Vec3::NEG_Z
@@ -40,8 +40,8 @@ impl Pose {
     }
 
     /// Composes two poses: maps `other`, given relative to this one, to the room.
-    pub fn then(&self, other: &Pose) -> Pose {
-        Pose {
+    pub fn then(&self, other: &RoomPose) -> RoomPose {
+        RoomPose {
             position: self.at(other.position),
             rotation: (self.rotation * other.rotation).normalize(),
         }
@@ -74,7 +74,7 @@ impl Similarity {
         Similarity { rotation: Quat::IDENTITY, scale: 1.0, translation: Vec3::ZERO };
 
     /// Returns the rigid map that moves `from` to `to`.
-    pub fn carrying(from: &Pose, to: &Pose) -> Similarity {
+    pub fn carrying(from: &RoomPose, to: &RoomPose) -> Similarity {
         let rotation = (to.rotation * from.rotation.inverse()).normalize();
         Similarity { rotation, scale: 1.0, translation: to.position - rotation * from.position }
     }
@@ -117,7 +117,7 @@ impl Similarity {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RoomView {
     /// Its pose in the room.
-    pub pose: Pose,
+    pub pose: RoomPose,
     /// Its frustum.
     pub frustum: Frustum,
 }
@@ -132,7 +132,7 @@ pub struct Room {
 impl Room {
     /// Returns a room with the world's origin `distance_m` in front of the head and `drop_m` below it, upright and
     /// facing the user regardless of the head's pitch, with `metres_per_unit`.
-    pub fn before(head: &Pose, distance_m: f32, drop_m: f32, metres_per_unit: f32) -> Room {
+    pub fn before(head: &RoomPose, distance_m: f32, drop_m: f32, metres_per_unit: f32) -> Room {
         let forward = head.forward();
         // Looking straight up or down, the head's own up axis gives the forward direction.
         let flat = Vec3::new(forward.x, 0.0, forward.z);
@@ -164,9 +164,9 @@ impl Room {
     }
 
     /// Maps a pose of the room to the world, with its position in world units.
-    pub fn in_world(&self, pose: &Pose) -> Pose {
+    pub fn in_world(&self, pose: &RoomPose) -> RoomPose {
         let world_from_room = self.room_from_world.inverse();
-        Pose {
+        RoomPose {
             position: world_from_room.apply(pose.position),
             rotation: (world_from_room.rotation * pose.rotation).normalize(),
         }
@@ -189,8 +189,8 @@ mod tests {
     use glam::{UVec3, Vec2};
     use std::f32::consts::FRAC_PI_2;
 
-    fn pose(position: Vec3, rotation: Quat) -> Pose {
-        Pose { position, rotation }
+    fn pose(position: Vec3, rotation: Quat) -> RoomPose {
+        RoomPose { position, rotation }
     }
 
     #[test]

@@ -19,12 +19,12 @@ pub const ACROSS: [(usize, usize); 3] = [(1, 2), (0, 2), (0, 1)];
 /// A crossing in 64 bits, ordered by rays and along them: the ray (24 bits), the number of voxel centres before the
 /// crossing (13 bits), whether it leaves (1 bit), and the triangle (26 bits).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub struct Crossing(u64);
+pub struct MeshCrossing(u64);
 
-impl Crossing {
-    fn new(ray: i64, before: i64, leaves: bool, triangle: usize) -> Crossing {
+impl MeshCrossing {
+    fn new(ray: i64, before: i64, leaves: bool, triangle: usize) -> MeshCrossing {
         let place = (ray as u64) << 40 | (before as u64) << 27;
-        Crossing(place | u64::from(leaves) << 26 | triangle as u64)
+        MeshCrossing(place | u64::from(leaves) << 26 | triangle as u64)
     }
 
     /// Returns the index of the ray: `a + size_a * b` for the axes across.
@@ -57,12 +57,12 @@ impl Crossing {
 #[derive(Debug)]
 pub struct Rays {
     pub axis: usize,
-    pub crossings: Vec<Crossing>,
+    pub crossings: Vec<MeshCrossing>,
 }
 
 impl Rays {
     /// Returns the crossings of the rays from `first` to before `end`.
-    pub fn of(&self, first: usize, end: usize) -> &[Crossing] {
+    pub fn of(&self, first: usize, end: usize) -> &[MeshCrossing] {
         let at = |ray: usize| self.crossings.partition_point(|c| c.ray() < ray);
         &self.crossings[at(first)..at(end)]
     }
@@ -70,13 +70,13 @@ impl Rays {
 
 /// A mesh in its grid, in fractions of a voxel.
 #[derive(Debug)]
-pub struct Placed {
+pub struct PlacedMesh {
     pub dims: UVec3,
     pub corners: Vec<I64Vec3>,
     pub triangles: Vec<[u32; 3]>,
 }
 
-impl Placed {
+impl PlacedMesh {
     /// Returns the corners of a triangle.
     pub fn triangle(&self, number: usize) -> [I64Vec3; 3] {
         self.triangles[number].map(|corner| self.corners[corner as usize])
@@ -105,14 +105,14 @@ impl Placed {
             }
             crossings
         });
-        let portions: Vec<Vec<Crossing>> = portions.collect();
+        let portions: Vec<Vec<MeshCrossing>> = portions.collect();
         let mut crossings = portions.concat();
         drop(portions);
         crossings.par_sort_unstable();
         Rays { axis, crossings }
     }
 
-    fn cross_triangle(&self, axis: usize, number: usize, out: &mut Vec<Crossing>) {
+    fn cross_triangle(&self, axis: usize, number: usize, out: &mut Vec<MeshCrossing>) {
         let (a, b) = ACROSS[axis];
         let [p, mut q, mut r] = self.triangle(number);
         let area = (q[a] - p[a]) * (r[b] - p[b]) - (q[b] - p[b]) * (r[a] - p[a]);
@@ -158,7 +158,7 @@ impl Placed {
                     + weight(lines[0]) * r[axis] as f64)
                     / (area * SUB_VX as f64);
                 let before = (depth - 0.5).ceil().clamp(0.0, count);
-                out.push(Crossing::new(i + size_a * j, before as i64, leaves, number));
+                out.push(MeshCrossing::new(i + size_a * j, before as i64, leaves, number));
             }
         }
     }

@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use glam::{DVec3, I64Vec3, IVec3, UVec3, Vec3};
 
-use super::crossings::{MOST_TRIANGLES, Placed, SUB_VX};
-use super::{Mesh, VoxeliseError};
+use super::crossings::{MOST_TRIANGLES, PlacedMesh, SUB_VX};
+use super::{InputMesh, VoxeliseError};
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::orientation::Up;
 
@@ -61,7 +61,7 @@ impl FromStr for MeshSize {
 
 /// The grid of a mesh, and the pose of the mesh in it.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Frame {
+pub struct MeshPlacement {
     /// Size in voxels.
     pub dims: UVec3,
     /// Edge of a voxel, in millimetres.
@@ -73,15 +73,15 @@ pub struct Frame {
     voxels_per_unit: f64,
 }
 
-impl Frame {
+impl MeshPlacement {
     /// Returns a grid that just holds the mesh. `mm_per_unit`: the length of a unit of the mesh.
     pub fn around(
-        mesh: &Mesh,
+        mesh: &InputMesh,
         size: MeshSize,
         up: Up,
         mm_per_unit: f64,
-    ) -> Result<Frame, VoxeliseError> {
-        Frame::of_bounds(bounds(mesh), size, up, mm_per_unit)
+    ) -> Result<MeshPlacement, VoxeliseError> {
+        MeshPlacement::of_bounds(bounds(mesh), size, up, mm_per_unit)
     }
 
     /// Returns the frame of a mesh of these [`bounds`].
@@ -90,7 +90,7 @@ impl Frame {
         size: MeshSize,
         up: Up,
         mm_per_unit: f64,
-    ) -> Result<Frame, VoxeliseError> {
+    ) -> Result<MeshPlacement, VoxeliseError> {
         let turn = up.turned_upright();
         let axis = |from: IVec3| turn.destination(IVec3::ONE + from, UVec3::splat(3)) - IVec3::ONE;
         let columns = [IVec3::X, IVec3::Y, IVec3::Z].map(|from| axis(from).as_dvec3());
@@ -107,7 +107,7 @@ impl Frame {
         // Rounding errors must not cost an additional voxel.
         let dims = sides.map(|side| (side - 1e-3).ceil().clamp(1.0, f64::from(u32::MAX)) as u32);
         let voxel_size = Vec3::splat((mm_per_unit / voxels_per_unit) as f32);
-        Ok(Frame {
+        Ok(MeshPlacement {
             dims: dims.into(),
             voxel_size,
             rows,
@@ -128,7 +128,7 @@ impl Frame {
     }
 
     /// Returns the mesh in the grid's coordinates.
-    pub(super) fn place(&self, mesh: &Mesh) -> Result<Placed, VoxeliseError> {
+    pub(super) fn place(&self, mesh: &InputMesh) -> Result<PlacedMesh, VoxeliseError> {
         if mesh.triangles.len() > MOST_TRIANGLES {
             return Err(VoxeliseError::TooManyTriangles);
         }
@@ -142,12 +142,12 @@ impl Frame {
         let corners: Vec<I64Vec3> = mesh.positions.iter().map(corner).collect();
         let is_left_out = |t: &[u32; 3]| !is_finite(mesh, t);
         let triangles = mesh.triangles.iter().map(|t| if is_left_out(t) { [0; 3] } else { *t });
-        Ok(Placed { dims: self.dims, triangles: triangles.collect(), corners })
+        Ok(PlacedMesh { dims: self.dims, triangles: triangles.collect(), corners })
     }
 }
 
 /// Returns the lowest and the highest coordinates of all triangles of finite size.
-pub fn bounds(mesh: &Mesh) -> (DVec3, DVec3) {
+pub fn bounds(mesh: &InputMesh) -> (DVec3, DVec3) {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for corner in mesh.triangles.iter().filter(|t| is_finite(mesh, t)).flatten() {
         let at = mesh.positions[*corner as usize].as_dvec3();
@@ -157,6 +157,6 @@ pub fn bounds(mesh: &Mesh) -> (DVec3, DVec3) {
     (low, high)
 }
 
-fn is_finite(mesh: &Mesh, triangle: &[u32; 3]) -> bool {
+fn is_finite(mesh: &InputMesh, triangle: &[u32; 3]) -> bool {
     triangle.iter().all(|corner| mesh.positions[*corner as usize].is_finite())
 }

@@ -9,7 +9,7 @@ use crate::tools::texture::Texture;
 
 /// Triangles with colours.
 #[derive(Clone, Debug, Default)]
-pub struct Mesh {
+pub struct InputMesh {
     /// Corners.
     pub positions: Vec<Vec3>,
     /// Three positions each, counter-clockwise as seen from outside.
@@ -34,7 +34,7 @@ pub struct Skin {
     pub texture: Option<Arc<Texture>>,
 }
 
-impl Mesh {
+impl InputMesh {
     /// Returns whether it has any colours.
     pub fn has_colours(&self) -> bool {
         !self.corner_colours.is_empty() || !self.skin_of.is_empty()

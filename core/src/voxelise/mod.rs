@@ -17,8 +17,8 @@ mod tests;
 
 use thiserror::Error;
 
-pub use self::frame::{Frame, MeshSize, bounds};
-pub use self::mesh::{Mesh, Skin};
+pub use self::frame::{MeshPlacement, MeshSize, bounds};
+pub use self::mesh::{InputMesh, Skin};
 use crate::progress::Progress;
 use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::history::Contents;
@@ -83,8 +83,8 @@ fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), OverBudget> {
 
 /// Makes a sculpture of a mesh.
 pub fn to_contents(
-    mesh: &Mesh,
-    frame: &Frame,
+    mesh: &InputMesh,
+    frame: &MeshPlacement,
     fill: Fill,
     depth: ColourDepth,
     limits: &Limits,

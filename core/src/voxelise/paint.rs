@@ -4,9 +4,9 @@
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
-use super::crossings::{Placed, Rays, SUB_VX};
+use super::crossings::{PlacedMesh, Rays, SUB_VX};
 use super::solid::voxel;
-use super::{Mesh, VoxeliseError, check_memory};
+use super::{InputMesh, VoxeliseError, check_memory};
 use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords, local_index};
 use crate::sculpture::material::Page;
@@ -17,8 +17,8 @@ const LAYERS: usize = 8;
 
 /// The data from which colours are computed.
 pub struct Painter<'a> {
-    pub mesh: &'a Mesh,
-    pub placed: &'a Placed,
+    pub mesh: &'a InputMesh,
+    pub placed: &'a PlacedMesh,
     pub rays: &'a [Rays],
     pub is_shell: bool,
 }
@@ -86,7 +86,7 @@ impl Painter<'_> {
         &self,
         grid: &Grid,
         rays: &Rays,
-        crossings: &[super::crossings::Crossing],
+        crossings: &[super::crossings::MeshCrossing],
         f: &mut dyn FnMut(usize, Beside),
     ) {
         let (dims, axis) = (grid.dims(), rays.axis);

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::crossings::{Crossing, Rays};
+use super::crossings::{MeshCrossing, Rays};
 
 /// Calls `emit` with the first voxel of each span inside, and one past its last. If the surface is crossed equally
 /// often in both directions, everything that it winds around is inside, however often. Otherwise points after an even
 /// number of crossings are outside, whichever direction the triangles face. Returns false, without a span, for a ray
 /// through a hole.
-pub fn inside(ray: &[Crossing], mut emit: impl FnMut(u32, u32)) -> bool {
+pub fn inside(ray: &[MeshCrossing], mut emit: impl FnMut(u32, u32)) -> bool {
     let is_wound = ray.iter().map(|c| c.step()).sum::<i32>() == 0;
     if !is_wound && ray.len() % 2 == 1 {
         return false;
@@ -29,7 +29,8 @@ pub fn inside(ray: &[Crossing], mut emit: impl FnMut(u32, u32)) -> bool {
 /// Returns the share of rays through holes among all rays with crossings.
 pub(crate) fn open_share(rays: &[Rays]) -> f64 {
     let count = |rays: &Rays| {
-        let all: Vec<&[Crossing]> = rays.crossings.chunk_by(|a, b| a.ray() == b.ray()).collect();
+        let all: Vec<&[MeshCrossing]> =
+            rays.crossings.chunk_by(|a, b| a.ray() == b.ray()).collect();
         let open = all.par_iter().filter(|ray| !inside(ray, |_, _| {})).count();
         (open, all.len())
     };

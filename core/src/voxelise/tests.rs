@@ -7,7 +7,7 @@ use crate::sculpture::orientation::Up;
 use crate::tools::texture::Texture;
 
 /// Returns a sphere of radius 1: an octahedron whose triangles are divided `times` times.
-fn ball(times: u32) -> Mesh {
+fn ball(times: u32) -> InputMesh {
     let axes = [Vec3::X, Vec3::Y, Vec3::Z];
     let mut faces = Vec::new();
     for octant in 0..8 {
@@ -42,14 +42,14 @@ fn cuboid(low: Vec3, high: Vec3) -> Vec<[Vec3; 3]> {
     halves.map(|t| t.map(corner)).collect()
 }
 
-fn soup(faces: &[[Vec3; 3]]) -> Mesh {
+fn soup(faces: &[[Vec3; 3]]) -> InputMesh {
     let positions = faces.iter().flatten().copied().collect();
     let triangles = (0..faces.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    Mesh { positions, triangles, ..Mesh::default() }
+    InputMesh { positions, triangles, ..InputMesh::default() }
 }
 
-fn voxelise(mesh: &Mesh, longest_vx: u32, fill: Fill) -> (Contents, Findings) {
-    let frame = Frame::around(mesh, MeshSize::LongestVx(longest_vx), Up::Y, 1.0).unwrap();
+fn voxelise(mesh: &InputMesh, longest_vx: u32, fill: Fill) -> (Contents, Findings) {
+    let frame = MeshPlacement::around(mesh, MeshSize::LongestVx(longest_vx), Up::Y, 1.0).unwrap();
     to_contents(mesh, &frame, fill, ColourDepth::Bits24, &Limits::default(), &()).unwrap()
 }
 
@@ -145,9 +145,9 @@ fn rays_through_shared_edges_cross_once() {
 #[test]
 fn up_is_turned_and_millimetres_count() {
     let mesh = soup(&cuboid(Vec3::ZERO, Vec3::new(4.0, 6.0, 10.0)));
-    let frame = Frame::around(&mesh, MeshSize::VoxelMm(0.5), Up::Z, 1.0).unwrap();
+    let frame = MeshPlacement::around(&mesh, MeshSize::VoxelMm(0.5), Up::Z, 1.0).unwrap();
     assert_eq!((frame.dims, frame.voxel_size), (UVec3::new(8, 20, 12), Vec3::splat(0.5)));
-    let metres = Frame::around(&mesh, MeshSize::VoxelMm(500.0), Up::Y, 1000.0).unwrap();
+    let metres = MeshPlacement::around(&mesh, MeshSize::VoxelMm(500.0), Up::Y, 1000.0).unwrap();
     assert_eq!(metres.dims, UVec3::new(8, 12, 20));
     for (text, size) in [("256", MeshSize::LongestVx(256)), ("0.5mm", MeshSize::VoxelMm(0.5))] {
         assert_eq!((text.parse(), size.to_string()), (Ok(size), text.to_string()));
@@ -203,11 +203,12 @@ fn the_nearest_point_of_a_triangle_is_found() {
 #[test]
 fn what_cannot_be_is_refused_before_memory_is_taken() {
     let mesh = ball(3);
-    let around = |mesh: &Mesh, size| Frame::around(mesh, size, Up::Y, 1.0);
+    let around = |mesh: &InputMesh, size| MeshPlacement::around(mesh, size, Up::Y, 1.0);
     let frame = around(&mesh, MeshSize::LongestVx(64)).unwrap();
     let limits = Limits { grid_bytes: 1 << 17, colour_bytes: 1 << 14, ..Limits::default() };
-    let run =
-        |frame: &Frame| to_contents(&mesh, frame, Fill::Auto, ColourDepth::None, &limits, &());
+    let run = |frame: &MeshPlacement| {
+        to_contents(&mesh, frame, Fill::Auto, ColourDepth::None, &limits, &())
+    };
     assert!(matches!(
         run(&frame),
         Err(VoxeliseError::OverBudget(OverBudget { budget: MemoryBudget::GridsAndColours, .. }))

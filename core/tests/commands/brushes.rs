@@ -6,7 +6,9 @@ use sculpture_core::sculpture::Rgb;
 use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
 use sculpture_core::tools::brush::param::{Domain, Omitted, Param, Unit, Value};
 use sculpture_core::tools::brush::spec::{ContactKind, Script};
-use sculpture_core::tools::brush::{Ball, BrushId, BrushSurface, BrushUse, Contact, Frame};
+use sculpture_core::tools::brush::{
+    BrushBall, BrushDirection, BrushId, BrushSurface, BrushUse, Contact,
+};
 
 use super::strategies::{colour, path};
 
@@ -79,10 +81,10 @@ pub fn stencil(parts: &Parts) -> impl Strategy<Value = BrushUse> + use<> {
 
 fn contact(kind: ContactKind, parts: &Parts) -> BoxedStrategy<Contact> {
     let ball = (parts.centre.clone(), parts.radius.clone());
-    let framed = |frame: fn(Vec3) -> Frame| {
+    let framed = |frame: fn(Vec3) -> BrushDirection| {
         (ball.clone(), parts.vector.clone())
             .prop_map(move |((centre_vx, radius), vector)| {
-                Contact::Ball(Ball { centre_vx, radius, frame: frame(vector) })
+                Contact::Ball(BrushBall { centre_vx, radius, frame: frame(vector) })
             })
             .boxed()
     };
@@ -105,9 +107,9 @@ fn contact(kind: ContactKind, parts: &Parts) -> BoxedStrategy<Contact> {
                 })
                 .boxed()
         }
-        ContactKind::Ball => framed(|_| Frame::None),
-        ContactKind::BallWithNormal => framed(Frame::Normal),
-        ContactKind::BallWithDisplacement => framed(Frame::Displacement),
+        ContactKind::Ball => framed(|_| BrushDirection::None),
+        ContactKind::BallWithNormal => framed(BrushDirection::Normal),
+        ContactKind::BallWithDisplacement => framed(BrushDirection::Displacement),
     }
 }
 

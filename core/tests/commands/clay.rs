@@ -6,7 +6,7 @@ use sculpture_core::command::Command;
 use sculpture_core::command::text::parse_script;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::Rgb;
-use sculpture_core::tools::brush::{Ball, BrushId, BrushSurface, BrushUse, Frame};
+use sculpture_core::tools::brush::{BrushBall, BrushDirection, BrushId, BrushSurface, BrushUse};
 
 use super::strategies::{new_sculpture, work};
 
@@ -18,8 +18,8 @@ fn block(limits: Limits) -> Document {
 }
 
 fn pull(by_vx: Vec3, surface: BrushSurface) -> Command {
-    let frame = Frame::Displacement(by_vx);
-    let ball = Ball { centre_vx: Vec3::splat(20.0), radius: 9.0, frame };
+    let frame = BrushDirection::Displacement(by_vx);
+    let ball = BrushBall { centre_vx: Vec3::splat(20.0), radius: 9.0, frame };
     Command::Brush(BrushUse::in_ball(BrushId::Grab, ball).on(surface))
 }
 

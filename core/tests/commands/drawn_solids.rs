@@ -10,7 +10,7 @@ use sculpture_core::command::{Command, usage_of_drawn_solid};
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::tools::drawn::region::PlacedDrawnSolid;
-use sculpture_core::tools::drawn::{ControlPoint, DrawnSolid, FieldValue, Pose};
+use sculpture_core::tools::drawn::{ControlPoint, DrawnSolid, FieldValue, SolidPose};
 use sculpture_core::tools::symmetry::{Parity, Symmetry, SymmetryTransform};
 
 use super::strategies::{new_sculpture, op, rotation};
@@ -35,7 +35,7 @@ pub fn drawn_solid(
         })
     };
     prop::sample::select(&DrawnSolid::ALL[..])
-        .prop_map(|spec| (spec.example)(Pose::IDENTITY, 1.0))
+        .prop_map(|spec| (spec.example)(SolidPose::IDENTITY, 1.0))
         .prop_flat_map(of_fields)
         .boxed()
 }
@@ -311,7 +311,7 @@ fn the_manual_has_a_row_for_every_drawn_solid() {
 #[test]
 fn examples_are_written_and_read_to_the_same_bytes() {
     for spec in DrawnSolid::ALL {
-        let drawn = (spec.example)(Pose::IDENTITY, 8.0);
+        let drawn = (spec.example)(SolidPose::IDENTITY, 8.0);
         assert_eq!(drawn.check(), Ok(()), "{}", spec.name);
         let command = Command::DrawnSolid { op: EditOp::Subtract, drawn };
         let text = command.to_string();

@@ -4,7 +4,7 @@ use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::format::options::{
     Colouring, Cubic, Existence, ExportForm, ExportOptions, ImportOptions, MeshFill, MeshSize,
-    Ordinal, RawLayout, Region,
+    Ordinal, RawLayout, ScanRegion,
 };
 use sculpture_core::format::{MeshOptions, MeshUp, Samples};
 use sculpture_core::mesh::MeshKind;
@@ -41,7 +41,7 @@ pub fn import() -> impl Strategy<Value = ImportOptions> {
     let cubic = prop_oneof![Just(Cubic::No), Just(Cubic::Finest), edge];
     let corners = prop::array::uniform6(0u32..5000).prop_map(|[a, b, c, d, e, f]| {
         let (a, b) = (UVec3::new(a, b, c), UVec3::new(d, e, f));
-        Region { low: a.min(b), high: a.max(b) }
+        ScanRegion { low: a.min(b), high: a.max(b) }
     });
     let ordinal = || prop::option::of((1u32..).prop_map(|number| Ordinal::new(number).unwrap()));
     let part = (prop::option::of(corners), ordinal(), ordinal());

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use sculpture_core::command::{Command, MaskArea, MaskChange, NewSculpture, PatchRule};
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::format::Texts;
-use sculpture_core::format::history::{Shape, read_step, write_step};
+use sculpture_core::format::history::{ContentsShape, read_step, write_step};
 use sculpture_core::format::{read_sculpture, write_sculpture};
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::orientation::Orientation;
@@ -297,7 +297,7 @@ fn masks_and_their_steps_are_kept_in_files_to_the_byte() {
         }
         let step = document.history().undo_steps().next().unwrap();
         let packed = write_step(step).unwrap();
-        let shape = Shape::of(contents);
+        let shape = ContentsShape::of(contents);
         let read = read_step(&packed, shape, &Limits::default()).unwrap();
         assert_eq!((&read.label, read.state), (&step.label, step.state));
         assert!(read.change == step.change);

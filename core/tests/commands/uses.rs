@@ -8,8 +8,8 @@ use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
 use sculpture_core::tools::brush::param::{Domain, Omitted, Param, Value};
 use sculpture_core::tools::brush::spec::{BrushGroup, ContactKind};
-use sculpture_core::tools::brush::{Ball, BrushId, BrushUse, Contact, Frame};
-use sculpture_core::tools::drawn::{DrawnSolid, FURTHEST_VX, Pose};
+use sculpture_core::tools::brush::{BrushBall, BrushDirection, BrushId, BrushUse, Contact};
+use sculpture_core::tools::drawn::{DrawnSolid, FURTHEST_VX, SolidPose};
 use sculpture_core::tools::solid::{Primitive, Solid};
 
 /// Half extents of solids, in voxels.
@@ -82,7 +82,7 @@ fn of_drawn_solids(at_vx: Vec3) -> Vec<Command> {
 /// The example of every drawn solid. Its points must not be further than solids may be.
 pub fn drawn_solids(at_vx: Vec3, size: f32) -> impl Iterator<Item = DrawnSolid> {
     let furthest = Vec3::splat(FURTHEST_VX - 2.0 * size);
-    let pose = Pose { at_vx: at_vx.clamp(-furthest, furthest), rotation: turn() };
+    let pose = SolidPose { at_vx: at_vx.clamp(-furthest, furthest), rotation: turn() };
     DrawnSolid::ALL.into_iter().map(move |spec| (spec.example)(pose, size))
 }
 
@@ -140,7 +140,7 @@ const MEASURES: &[&str] = &["strength", "cover", "height", "angle"];
 
 fn contact(kind: ContactKind, place: &Place) -> Contact {
     let Place { ball_vx, eye_vx, aim, .. } = *place;
-    let in_ball = |frame| Contact::Ball(Ball { centre_vx: ball_vx, radius: RADIUS, frame });
+    let in_ball = |frame| Contact::Ball(BrushBall { centre_vx: ball_vx, radius: RADIUS, frame });
     match kind {
         ContactKind::Footprint => Contact::Footprint(Footprint {
             eye_vx,
@@ -151,9 +151,9 @@ fn contact(kind: ContactKind, place: &Place) -> Contact {
             outline: Outline::Round,
             coverage: Coverage::Rays,
         }),
-        ContactKind::Ball => in_ball(Frame::None),
-        ContactKind::BallWithNormal => in_ball(Frame::Normal(OUT)),
-        ContactKind::BallWithDisplacement => in_ball(Frame::Displacement(BY_VX)),
+        ContactKind::Ball => in_ball(BrushDirection::None),
+        ContactKind::BallWithNormal => in_ball(BrushDirection::Normal(OUT)),
+        ContactKind::BallWithDisplacement => in_ball(BrushDirection::Displacement(BY_VX)),
     }
 }
 

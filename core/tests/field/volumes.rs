@@ -4,7 +4,7 @@
 use std::io::Write;
 
 use sculpture_core::format::options::Ordinal;
-use sculpture_core::format::{Info, Taken, info_with, load_volume};
+use sculpture_core::format::{ChosenVolume, Info, info_with, load_volume};
 
 use super::*;
 
@@ -45,8 +45,8 @@ fn channels_and_times_of_hyperstacks_are_chosen() {
     assert_eq!(error, "time 9 was asked for, but the file has 2; choose one from 1 to 2");
 
     let open = told(&path, &asked(0, 2)).unwrap();
-    assert_eq!(open.volumes.channel, Taken { number: 1, count: 2 });
-    assert_eq!(open.volumes.time, Taken { number: 2, count: 2 });
+    assert_eq!(open.volumes.channel, ChosenVolume { number: 1, count: 2 });
+    assert_eq!(open.volumes.time, ChosenVolume { number: 2, count: 2 });
     assert!(open.to_string().contains("channels: 2, read: 1\ntimes: 2, read: 2\n"), "{open}");
     let note = "its channels: 2; the first was taken; the option `channel` takes another";
     assert_eq!(open.notes, [note]);
@@ -99,7 +99,7 @@ fn channels_and_times_of_ome_are_chosen_in_its_order() {
     assert_eq!(layers(&path, &asked(2, 2)).unwrap(), [2.0, 3.0]);
     assert_eq!(layers(&path, &asked(0, 0)).unwrap(), [0.0, 1.0]);
     let open = told(&path, &asked(0, 0)).unwrap();
-    assert_eq!(open.volumes.channel, Taken { number: 2, count: 2 });
+    assert_eq!(open.volumes.channel, ChosenVolume { number: 2, count: 2 });
     assert!(open.notes.iter().any(|note| note.contains("one of them was taken")), "{open}");
     let error = layers(&path, &asked(1, 1)).unwrap_err();
     assert!(error.contains("channel 1 at time 1 is not in this file"), "{error}");

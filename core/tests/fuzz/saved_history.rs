@@ -4,10 +4,10 @@
 use std::path::PathBuf;
 
 use sculpture_core::command::Command;
-use sculpture_core::format::history::{Shape, read_step, write_step};
+use sculpture_core::format::history::{ContentsShape, read_step, write_step};
 use sculpture_core::persist::saved_history::SavedHistoryOptions;
 use sculpture_core::sculpture::brick_set::BrickSet;
-use sculpture_core::sculpture::history::Change;
+use sculpture_core::sculpture::history::StepChange;
 use sculpture_core::session::Session;
 
 use super::journal::seal;
@@ -85,8 +85,10 @@ fn damaged_steps_do_no_harm() {
         &seeds,
         |_| {},
         |i, bytes| {
-            let Ok(step) = read_step(bytes, Shape::of(&all[i]), &small()) else { return false };
-            if let Change::Bricks(record) = step.change {
+            let Ok(step) = read_step(bytes, ContentsShape::of(&all[i]), &small()) else {
+                return false;
+            };
+            if let StepChange::Bricks(record) = step.change {
                 let mut contents = all[i].clone();
                 let bricks = contents.grid.brick_count();
                 record.swap(&mut contents, &mut BrickSet::new(bricks));

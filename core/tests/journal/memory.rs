@@ -6,7 +6,7 @@ use std::io::{Cursor, Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use sculpture_core::persist::files::{Appender, Files, Source, Syncer};
+use sculpture_core::persist::files::{Appender, FileSystem, Source, Syncer};
 
 /// The way in which an operation fails.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -53,7 +53,7 @@ struct Handle {
 }
 
 impl Memory {
-    pub fn files(&self) -> Arc<dyn Files> {
+    pub fn files(&self) -> Arc<dyn FileSystem> {
         Arc::new(self.clone())
     }
 
@@ -151,7 +151,7 @@ fn failure() -> Error {
     Error::other("the test lets this fail")
 }
 
-impl Files for Memory {
+impl FileSystem for Memory {
     fn make_folder(&self, _: &Path) -> Result<()> {
         self.operate(|disk| {
             disk.folder_gone = false;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use sculpture_core::document::Limits;
-use sculpture_core::persist::saved_history::{Found, SavedHistories, SavedHistoryOptions};
+use sculpture_core::persist::saved_history::{FoundHistory, SavedHistories, SavedHistoryOptions};
 use sculpture_core::sculpture::Digest;
 use sculpture_core::session::Session;
 
@@ -45,17 +45,17 @@ fn a_history_that_is_cut_or_damaged_gives_no_step() {
         let memory = Memory::with_file(&name, bytes);
         SavedHistories::new(in_memory(&memory)).find(file_hash, contents, &limits)
     };
-    let Found::History(whole) = find(&bytes) else { panic!("it is whole") };
+    let FoundHistory::History(whole) = find(&bytes) else { panic!("it is whole") };
     assert_eq!((whole.history.undo.len(), whole.history.redo.len()), (2, 1));
     for at in 0..bytes.len() {
-        assert!(matches!(find(&bytes[..at]), Found::Unusable(_)), "cut after {at} bytes");
+        assert!(matches!(find(&bytes[..at]), FoundHistory::Unusable(_)), "cut after {at} bytes");
         let mut damaged = bytes.clone();
         damaged[at] ^= 1 << (at % 8);
-        assert!(matches!(find(&damaged), Found::Unusable(_)), "byte {at} is damaged");
+        assert!(matches!(find(&damaged), FoundHistory::Unusable(_)), "byte {at} is damaged");
     }
     let longer = [&bytes[..], &[0]].concat();
-    assert!(matches!(find(&longer), Found::Unusable(_)), "something follows its end");
-    assert!(matches!(find(&[]), Found::Unusable(_)));
+    assert!(matches!(find(&longer), FoundHistory::Unusable(_)), "something follows its end");
+    assert!(matches!(find(&[]), FoundHistory::Unusable(_)));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use super::board_pane::BoardPane;
 use crate::gpu::{Device, GpuError};
 use crate::input::hands::{Board, HandEvent, HandSide, HandsState};
 use crate::screen::headset::HeadsetOptions;
-use crate::view::Pose;
+use crate::view::RoomPose;
 
 /// The board on the off hand.
 pub struct BoardPanel {
@@ -46,7 +46,7 @@ impl BoardPanel {
         let grip = hand.grip.filter(|_| self.open || modal)?;
         // Grip poses are tilted differently on every controller, aim poses are not.
         let rotation = hand.aim.map_or(grip.rotation, |aim| aim.rotation);
-        let pose = Pose { rotation, ..grip };
+        let pose = RoomPose { rotation, ..grip };
         Some(Board::on_hand(&pose, self.size_m))
     }
 }

@@ -12,7 +12,7 @@ use crate::input::pad::stick::Response as StickResponse;
 use crate::session::Session;
 use crate::ui::dialogs::FileTask;
 use crate::ui::widgets::keyboard::{Cap, keys};
-use crate::view::Pose;
+use crate::view::RoomPose;
 
 const SIZE_PX: UVec2 = UVec2::new(1250, 800);
 
@@ -305,7 +305,7 @@ impl Ray {
     fn new() -> Ray {
         let response = StickResponse { dead_zone: 0.2, curve: 1.0 };
         let settings = HandSettings { main: HandSide::Right, response, reach_m: 0.08 };
-        let pose = Pose { position: Vec3::new(0.0, 0.0, -0.5), rotation: Quat::IDENTITY };
+        let pose = RoomPose { position: Vec3::new(0.0, 0.0, -0.5), rotation: Quat::IDENTITY };
         Ray {
             mapper: HandMapper::new(settings),
             board: Board { pose, size_m: Vec2::new(0.5, 0.32) },
@@ -320,7 +320,7 @@ impl Ray {
         let to = (share * self.board.size_m).extend(-0.5);
         let rotation = Quat::from_rotation_arc(Vec3::NEG_Z, to.normalize());
         let rotation = Quat::from_rotation_y(off_deg.to_radians()) * rotation;
-        let aim = Some(Pose { position: Vec3::ZERO, rotation });
+        let aim = Some(RoomPose { position: Vec3::ZERO, rotation });
         let main = &mut self.state.hands[HandSide::Right.index()];
         (main.aim, main.trigger) = (aim, trigger);
         self.state.time_s += 1.0 / 20.0;

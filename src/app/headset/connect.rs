@@ -10,7 +10,7 @@ use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 
 use super::frame_loop::XrFrameLoop;
 use crate::screen::headset::{
-    Blend, Connector, HeadsetError, HeadsetOptions, RuntimeThread, SessionHead, XrEvent,
+    BlendMode, Connector, HeadsetError, HeadsetOptions, RuntimeThread, SessionHead, XrEvent,
     XrSessionOptions,
 };
 use crate::sculpture::ColourDepth;
@@ -27,7 +27,7 @@ type ConnectResult = Result<Box<XrFrameLoop>, HeadsetError>;
 
 /// The state of the program that a session starts with.
 pub(super) struct SessionStart {
-    pub blend: Blend,
+    pub blend: BlendMode,
     /// The sculpture has been placed in a room by an earlier session.
     pub placed: bool,
     /// Receives the poses of the head.

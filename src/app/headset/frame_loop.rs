@@ -23,12 +23,12 @@ use crate::render::SmoothSurface;
 use crate::render::renderer::FrameDesc;
 use crate::render::{Background, Renderer, WarmUp};
 use crate::screen::headset::{
-    Blend, Connector, FrameLayers, HeadsetError, HeadsetOptions, SessionHead, XrEvent, XrFrame,
+    BlendMode, Connector, FrameLayers, HeadsetError, HeadsetOptions, SessionHead, XrEvent, XrFrame,
     XrSession, XrSessionOptions,
 };
 use crate::sculpture::ColourDepth;
 use crate::ui::ViewState;
-use crate::view::{Pose, Room, RoomView};
+use crate::view::{Room, RoomPose, RoomView};
 
 type Result<T> = std::result::Result<T, HeadsetError>;
 
@@ -101,7 +101,7 @@ impl XrFrameLoop {
     }
 
     /// Returns the available blend modes.
-    pub fn blends(&self) -> Vec<Blend> {
+    pub fn blends(&self) -> Vec<BlendMode> {
         self.session.blends()
     }
 
@@ -228,7 +228,7 @@ impl XrFrameLoop {
     }
 
     /// Places the sculpture before the head when that is due.
-    fn place_sculpture(&mut self, workspace: &mut Workspace, head: &Pose) {
+    fn place_sculpture(&mut self, workspace: &mut Workspace, head: &RoomPose) {
         let grid = workspace.session().document().grid();
         let extent = Extent { dims: grid.dims(), voxel_size: grid.voxel_size() };
         match self.placement.update(extent, head) {
@@ -336,9 +336,9 @@ impl Drop for XrFrameLoop {
 }
 
 /// Returns the pose of the head: halfway between the eyes, with their mean orientation.
-fn head_between(views: &[RoomView; 2]) -> Pose {
+fn head_between(views: &[RoomView; 2]) -> RoomPose {
     let [left, right] = views.map(|view| view.pose);
-    Pose {
+    RoomPose {
         position: (left.position + right.position) * 0.5,
         rotation: left.rotation.slerp(right.rotation, 0.5),
     }

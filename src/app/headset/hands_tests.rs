@@ -22,7 +22,7 @@ use crate::session::Session;
 use crate::surface::{IndexMap, raycast};
 use crate::tools::brush::BrushId;
 use crate::tools::brush::keys::RADIUS;
-use crate::view::{Pose, Room};
+use crate::view::{Room, RoomPose};
 
 const REACH_M: f32 = 0.08;
 const FRAME_S: f64 = 1.0 / 72.0;
@@ -46,7 +46,7 @@ impl Person {
         workspace.stand_upright();
         let response = Response { dead_zone: 0.2, curve: 2.0 };
         let settings = HandSettings { main: HandSide::Right, response, reach_m: REACH_M };
-        let head = Pose { position: Vec3::Y * 1.6, rotation: Quat::IDENTITY };
+        let head = RoomPose { position: Vec3::Y * 1.6, rotation: Quat::IDENTITY };
         Person {
             workspace,
             mapper: HandMapper::new(settings),
@@ -58,7 +58,7 @@ impl Person {
     /// Holds the tool in the main hand at this point of the room for `frames` frames.
     fn hold(&mut self, tool: Vec3, trigger: f32, frames: usize) {
         let position = tool + Vec3::Z * REACH_M;
-        let pose = Some(Pose { position, rotation: Quat::IDENTITY });
+        let pose = Some(RoomPose { position, rotation: Quat::IDENTITY });
         let hand = HandState { grip: pose, aim: pose, trigger, ..HandState::default() };
         self.state.hands[HandSide::Right.index()] = hand;
         (0..frames).for_each(|_| self.frame());
@@ -240,13 +240,13 @@ fn a_marker_does_not_follow_a_jump() {
 #[test]
 fn implausible_poses_end_the_stroke() {
     let nonsense = [
-        Pose { position: Vec3::NAN, rotation: Quat::IDENTITY },
-        Pose { position: Vec3::INFINITY, rotation: Quat::IDENTITY },
-        Pose { position: Vec3::X * 1e30, rotation: Quat::IDENTITY },
-        Pose { position: Vec3::X * 1e7, rotation: Quat::IDENTITY },
-        Pose { position: MIDDLE, rotation: Quat::from_xyzw(0.0, 0.0, 0.0, 0.0) },
-        Pose { position: MIDDLE, rotation: Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0) },
-        Pose { position: MIDDLE, rotation: Quat::from_xyzw(0.0, 0.0, 0.0, 1e20) },
+        RoomPose { position: Vec3::NAN, rotation: Quat::IDENTITY },
+        RoomPose { position: Vec3::INFINITY, rotation: Quat::IDENTITY },
+        RoomPose { position: Vec3::X * 1e30, rotation: Quat::IDENTITY },
+        RoomPose { position: Vec3::X * 1e7, rotation: Quat::IDENTITY },
+        RoomPose { position: MIDDLE, rotation: Quat::from_xyzw(0.0, 0.0, 0.0, 0.0) },
+        RoomPose { position: MIDDLE, rotation: Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0) },
+        RoomPose { position: MIDDLE, rotation: Quat::from_xyzw(0.0, 0.0, 0.0, 1e20) },
     ];
     for pose in nonsense {
         let mut person = Person::new(DIMS);
@@ -318,14 +318,14 @@ fn number() -> impl Strategy<Value = f32> {
     ]
 }
 
-fn pose() -> impl Strategy<Value = Option<Pose>> {
+fn pose() -> impl Strategy<Value = Option<RoomPose>> {
     let turn = prop_oneof![
         8 => prop::array::uniform3(-3.0f32..3.0).prop_map(|v| Quat::from_scaled_axis(v.into())),
         1 => Just(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)),
         1 => prop::array::uniform4(number()).prop_map(Quat::from_array),
     ];
     let pose = (prop::array::uniform3(number()), turn)
-        .prop_map(|(at, rotation)| Pose { position: Vec3::from(at), rotation });
+        .prop_map(|(at, rotation)| RoomPose { position: Vec3::from(at), rotation });
     prop_oneof![20 => pose.prop_map(Some), 1 => Just(None)]
 }
 

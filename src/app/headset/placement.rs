@@ -7,7 +7,7 @@
 use glam::{UVec3, Vec3};
 
 use crate::screen::headset::HeadsetOptions;
-use crate::view::{Pose, Room};
+use crate::view::{Room, RoomPose};
 
 /// Voxels and edge lengths of a sculpture.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -67,7 +67,7 @@ impl RoomPlacement {
     }
 
     /// Places the sculpture before the head if it is not in the room yet, has another extent, or should be recentred.
-    pub fn update(&mut self, extent: Extent, head: &Pose) -> Option<Reset> {
+    pub fn update(&mut self, extent: Extent, head: &RoomPose) -> Option<Reset> {
         let is_other = self.room.is_some_and(|(_, former)| former != extent);
         let recentring = std::mem::take(&mut self.recentring);
         if self.room.is_some() && !is_other && !recentring {
@@ -92,8 +92,8 @@ mod tests {
 
     const EXTENT: Extent = Extent { dims: UVec3::new(64, 32, 16), voxel_size: Vec3::ONE };
 
-    fn head(x: f32) -> Pose {
-        Pose { position: Vec3::new(x, 1.6, 0.0), rotation: Quat::IDENTITY }
+    fn head(x: f32) -> RoomPose {
+        RoomPose { position: Vec3::new(x, 1.6, 0.0), rotation: Quat::IDENTITY }
     }
 
     fn centre_x(placement: &RoomPlacement) -> f32 {

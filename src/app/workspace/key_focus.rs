@@ -34,7 +34,7 @@ pub struct KeyFocus {
 
 /// The keys that go to the viewport in a pass.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Heard {
+pub struct HeardKeys {
     /// Whether it receives keys at all.
     pub keyboard: bool,
     pub kept: KeptKeys,
@@ -55,7 +55,7 @@ pub struct Around {
 
 impl KeyFocus {
     /// Determines the owner of the keyboard in this pass. Called once per pass, before anything is shown.
-    pub fn pass(&mut self, ctx: &Context, around: Around) -> Heard {
+    pub fn pass(&mut self, ctx: &Context, around: Around) -> HeardKeys {
         let focused = ctx.memory(|memory| memory.focused());
         // A widget with new focus becomes a field only when it is shown.
         let is_new = focused.is_some() && focused != self.focused;
@@ -83,7 +83,7 @@ impl KeyFocus {
             };
             ctx.memory_mut(|memory| memory.set_focus_lock_filter(id, arrows));
         }
-        Heard {
+        HeardKeys {
             keyboard: !around.modal && !is_field,
             kept: KeptKeys {
                 enter: focused.is_some() || listed || self.after != After::Nothing,

@@ -4,7 +4,7 @@
 
 use glam::{Quat, Vec2, Vec3};
 
-use super::view::View;
+use super::view::DrawView;
 use crate::picking::SurfacePoint;
 use crate::tools::solid::{Primitive, Solid};
 
@@ -27,7 +27,7 @@ pub struct Base {
 impl Base {
     /// Spans the base from the voxel at `from` to the one at a pixel, in the plane of the face. Returns `None` if the
     /// pixel does not show the plane.
-    pub fn new(view: &View, from: &SurfacePoint, at: Vec2) -> Option<Base> {
+    pub fn new(view: &DrawView, from: &SurfacePoint, at: Vec2) -> Option<Base> {
         let SurfacePoint { point, face } = *from;
         let axis = face.abs().max_position();
         let rays = &view.sight.rays;
@@ -67,7 +67,7 @@ impl Base {
     /// normal through the end of the base's drag appears nearest to the pixel, so that the edge stays under the
     /// pointer. If the normal nearly points at the eye, it is the pixel's distance above or below that end. Returns
     /// `None` behind the eye.
-    pub fn layers_at(&self, view: &View, at: Vec2) -> Option<i32> {
+    pub fn layers_at(&self, view: &DrawView, at: Vec2) -> Option<i32> {
         let sight = &view.sight;
         let axis = self.axis();
         let (plane, size) = (self.low[axis] as i32, view.dims[axis] as i32);
@@ -102,7 +102,7 @@ impl Raised {
     }
 
     /// Moves the pointer to a pixel of a view, which may differ from that of the base.
-    pub fn lead(&mut self, view: &View, at: Vec2) {
+    pub fn lead(&mut self, view: &DrawView, at: Vec2) {
         self.layers = self.base.layers_at(view, at).unwrap_or(self.layers);
     }
 
@@ -124,7 +124,7 @@ impl Raised {
 
 /// Returns the lowest and the highest corner of the box on a base, `height` (in units of the smallest edge of a voxel)
 /// outwards or inwards.
-pub fn corners(view: &View, base: &Base, height: f32, outwards: bool) -> [Vec3; 2] {
+pub fn corners(view: &DrawView, base: &Base, height: f32, outwards: bool) -> [Vec3; 2] {
     let layers = (height / view.edges[base.axis()]).round().max(1.0);
     base.raised(if outwards { layers } else { -layers })
 }
@@ -150,7 +150,7 @@ pub fn edges_of([low, high]: [Vec3; 2]) -> Vec<[Vec3; 2]> {
 }
 
 /// Returns the wall of the grid's box seen from inside at a pixel, with its inward face; `None` beside it.
-pub fn far_wall(view: &View, at: Vec2) -> Option<SurfacePoint> {
+pub fn far_wall(view: &DrawView, at: Vec2) -> Option<SurfacePoint> {
     let rays = &view.sight.rays;
     let direction = rays.direction_at(at.x, at.y);
     let ends = [-rays.origin / direction, (view.dims.as_vec3() - rays.origin) / direction];
@@ -216,7 +216,7 @@ mod tests {
     }
 
     /// Returns a base on each clearly visible face, from its middle outwards.
-    fn bases(view: &View) -> Vec<Base> {
+    fn bases(view: &DrawView) -> Vec<Base> {
         let faces = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
         let near = |face: &Vec3| -view.direction(view.sight.rays.size.as_vec2() * 0.5).dot(*face);
         let base = |face: Vec3| {

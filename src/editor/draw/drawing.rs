@@ -5,11 +5,11 @@
 use glam::{Vec2, Vec3};
 
 use super::block::Base;
-use super::lathe::Axis;
+use super::lathe::LatheAxis;
 use super::options::DrawOptions;
 use super::points::CLICK_PX;
-use super::text::Stand;
-use super::view::{View, chain};
+use super::text::TextFrame;
+use super::view::{DrawView, chain};
 use super::{block, glyphs, outline, tube};
 use crate::command::Command;
 use crate::editor::tool_change::ToolChange;
@@ -51,7 +51,7 @@ pub struct Drawing {
     /// Takes the other side of a cut.
     inverse: bool,
     /// The view of the drawing.
-    view: View,
+    view: DrawView,
     ground: Ground,
     /// Path of the pointer, in pixels: all of it, or the first and the last point.
     pointer_px: Vec<Vec2>,
@@ -66,7 +66,7 @@ impl Drawing {
         kind: DrawKind,
         mode: ToolMode,
         inverse: bool,
-        view: View,
+        view: DrawView,
         ground: Ground,
         at: Vec2,
     ) -> Drawing {
@@ -89,7 +89,7 @@ impl Drawing {
         self.mode
     }
 
-    pub fn view(&self) -> &View {
+    pub fn view(&self) -> &DrawView {
         &self.view
     }
 
@@ -222,12 +222,12 @@ impl Drawing {
                 Some(one(tube::line(point, end, options.radii)))
             }
             DrawKind::Curve => tube::curve(&self.places, options.radii, view.edges).map(one),
-            DrawKind::Lathe => Axis::new(view, point, options.upright)
+            DrawKind::Lathe => LatheAxis::new(view, point, options.upright)
                 .and_then(|axis| axis.turned(view, &self.pointer_px))
                 .map(one),
             DrawKind::Text => {
                 let letters = glyphs::letters(&options.text, options.font, options.text_height)?;
-                let stand = Stand::new(view, point, self.ground.face);
+                let stand = TextFrame::new(view, point, self.ground.face);
                 let solids = stand.map(|stand| stand.solids(grid, &letters, options.text_depth));
                 solids
                     .filter(|solids| !solids.is_empty())
@@ -239,7 +239,7 @@ impl Drawing {
 
     /// Returns the letters of a text that would float because there is no surface under them.
     pub fn floating(&self, options: &DrawOptions, grid: &Grid) -> Vec<char> {
-        let stand = || Stand::new(&self.view, self.ground.point, self.ground.face);
+        let stand = || TextFrame::new(&self.view, self.ground.point, self.ground.face);
         let letters = || glyphs::letters(&options.text, options.font, options.text_height).ok();
         let is_text = self.kind == DrawKind::Text;
         let line = is_text.then(|| stand().zip(letters())).flatten();
@@ -276,12 +276,12 @@ impl Drawing {
             DrawKind::Line | DrawKind::Curve => {
                 (tube::sketch(view, &self.places, options.radii), Vec::new())
             }
-            DrawKind::Lathe => Axis::new(view, self.ground.point, options.upright)
+            DrawKind::Lathe => LatheAxis::new(view, self.ground.point, options.upright)
                 .map(|axis| axis.sketch(view, &self.pointer_px))
                 .unwrap_or_default(),
             DrawKind::Text => {
                 let letters = glyphs::letters(&options.text, options.font, options.text_height);
-                let stand = Stand::new(view, self.ground.point, self.ground.face);
+                let stand = TextFrame::new(view, self.ground.point, self.ground.face);
                 let lines = stand.zip(letters.ok()).map(|(stand, text)| stand.sketch(grid, &text));
                 (lines.unwrap_or_default(), Vec::new())
             }

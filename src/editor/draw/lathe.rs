@@ -7,8 +7,8 @@ use std::sync::Arc;
 use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::thin::thinned_flat;
-use super::view::{View, circle};
-use crate::tools::drawn::{DrawnSolid, Lathe, Pose};
+use super::view::{DrawView, circle};
+use crate::tools::drawn::{DrawnSolid, Lathe, SolidPose};
 
 /// Largest deviation of the profile from the drawing, in units of the smallest edge.
 const TOLERANCE: f32 = 0.25;
@@ -17,7 +17,7 @@ const MOST_POINTS: usize = 256;
 
 /// The axis, and the plane of the profile.
 #[derive(Clone, Copy, Debug)]
-pub struct Axis {
+pub struct LatheAxis {
     /// A point on it, in voxels.
     at_vx: Vec3,
     /// Orthogonal unit vectors: along it, across the picture to the right, and towards the viewer, in units of the
@@ -27,19 +27,19 @@ pub struct Axis {
     near: Vec3,
 }
 
-impl Axis {
+impl LatheAxis {
     /// Places an axis through `at_vx`: the grid axis that points up in the picture, or else the vertical of the
     /// picture.
-    pub fn new(view: &View, at_vx: Vec3, along_grid: bool) -> Option<Axis> {
+    pub fn new(view: &DrawView, at_vx: Vec3, along_grid: bool) -> Option<LatheAxis> {
         let [_, picture_up, near] = view.frame(view.sight.pixel_of(at_vx)?)?;
         let up = if along_grid { view.sight.screen_axes().up } else { picture_up };
         let right = up.cross(near).try_normalize()?;
-        Some(Axis { at_vx, up, right, near: right.cross(up) })
+        Some(LatheAxis { at_vx, up, right, near: right.cross(up) })
     }
 
     /// Returns the profile point at a pixel: the distance from the axis (negative on its left) and the height; `None`
     /// if the pixel does not show the plane.
-    fn point(&self, view: &View, at: Vec2) -> Option<Vec2> {
+    fn point(&self, view: &DrawView, at: Vec2) -> Option<Vec2> {
         let (eye, direction) = (view.eye(), view.direction(at));
         let origin = self.at_vx * view.edges;
         let t = (origin - eye).dot(self.near) / direction.dot(self.near);
@@ -50,13 +50,13 @@ impl Axis {
     }
 
     /// Returns the drawn profile: distances from the axis and heights. A part beyond the axis is folded back.
-    pub fn profile(&self, view: &View, drawn: &[Vec2]) -> Vec<Vec2> {
+    pub fn profile(&self, view: &DrawView, drawn: &[Vec2]) -> Vec<Vec2> {
         let points = drawn.iter().filter_map(|at| self.point(view, *at));
         points.map(|p| Vec2::new(p.x.abs(), p.y)).collect()
     }
 
     /// Returns the solid; `None` if the profile is almost empty.
-    pub fn turned(&self, view: &View, drawn: &[Vec2]) -> Option<DrawnSolid> {
+    pub fn turned(&self, view: &DrawView, drawn: &[Vec2]) -> Option<DrawnSolid> {
         let profile = thinned_flat(&self.profile(view, drawn), TOLERANCE, MOST_POINTS);
         let widest = profile.iter().map(|p| p.x).fold(0.0, f32::max);
         let heights = profile.iter().map(|p| p.y);
@@ -65,18 +65,18 @@ impl Axis {
             return None;
         }
         let rotation = Quat::from_mat3(&Mat3::from_cols(self.right, self.up, self.near));
-        let pose = Pose { at_vx: self.at_vx, rotation: rotation.normalize() };
+        let pose = SolidPose { at_vx: self.at_vx, rotation: rotation.normalize() };
         Some(Lathe { pose, profile: Arc::from(profile) }.into())
     }
 
     /// Returns a profile point as a grid point, on the right or the left of the axis.
-    fn place(&self, view: &View, point: Vec2, side: f32) -> Vec3 {
+    fn place(&self, view: &DrawView, point: Vec2, side: f32) -> Vec3 {
         self.at_vx + (self.right * (point.x * side) + self.up * point.y) / view.edges
     }
 
     /// Returns the preview lines while the profile is drawn: the profile on both sides with some of its circles, and
     /// the axis.
-    pub fn sketch(&self, view: &View, drawn: &[Vec2]) -> (Vec<[Vec3; 2]>, Vec<[Vec3; 2]>) {
+    pub fn sketch(&self, view: &DrawView, drawn: &[Vec2]) -> (Vec<[Vec3; 2]>, Vec<[Vec3; 2]>) {
         let profile = self.profile(view, drawn);
         let mut lines = Vec::new();
         for side in [1.0, -1.0] {
@@ -108,7 +108,7 @@ mod tests {
             [[100.0, 55.0], [112.0, 54.0], [118.0, 45.0], [108.0, 40.0]].map(Vec2::from).to_vec();
         for view in views() {
             for along_grid in [false, true] {
-                let axis = Axis::new(
+                let axis = LatheAxis::new(
                     &view,
                     view.sight.at_depth(drawn[0], view.sight.depth(view.middle())),
                     along_grid,
@@ -136,7 +136,7 @@ mod tests {
     fn what_is_drawn_on_the_left_or_across_the_axis_is_the_same_solid() {
         let view = &views()[0];
         let start = view.sight.pixel_of(view.middle()).unwrap();
-        let axis = Axis::new(view, view.middle(), true).unwrap();
+        let axis = LatheAxis::new(view, view.middle(), true).unwrap();
         let path = [[0.0, 0.0], [15.0, 0.0], [15.0, -12.0], [4.0, -20.0]].map(Vec2::from);
         let [right, left] = [1.0, -1.0].map(|side| {
             let drawn = path.map(|p| start + p * Vec2::new(side, 1.0));
@@ -156,7 +156,7 @@ mod tests {
     fn a_click_and_a_line_along_the_axis_turn_nothing() {
         let view = &views()[0];
         let start = view.sight.pixel_of(view.middle()).unwrap();
-        let axis = Axis::new(view, view.middle(), true).unwrap();
+        let axis = LatheAxis::new(view, view.middle(), true).unwrap();
         assert_eq!(axis.turned(view, &[start]), None);
         assert_eq!(axis.turned(view, &[start, start - Vec2::Y * 30.0]), None);
         assert_eq!(axis.turned(view, &[]), None);

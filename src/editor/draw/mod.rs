@@ -31,7 +31,7 @@ use crate::picking::{Picker, SurfacePoint};
 use drawing::{Drawing, Ground};
 use held::HeldPath;
 use unfinished::Unfinished;
-use view::View;
+use view::DrawView;
 
 pub use drawing::Sketch;
 pub(super) use drawn::Drawn;
@@ -247,7 +247,7 @@ fn started(
     tool_view: &ToolView,
     picker: &Picker,
 ) -> Option<Drawing> {
-    let view = View::new(picker.sight(), tool_view.grid());
+    let view = DrawView::new(picker.sight(), tool_view.grid());
     // The inverse of a side is the other side.
     let inverts = inverse && kind != DrawKind::Plane;
     let mode = tool_view.tool.mode;
@@ -263,7 +263,7 @@ fn ground_at(
     at: Vec2,
     tool_view: &ToolView,
     picker: &Picker,
-    view: &View,
+    view: &DrawView,
 ) -> Option<Ground> {
     let grid = tool_view.grid();
     let seen = picker.map().and_then(|map| surface_point(map, grid, at));

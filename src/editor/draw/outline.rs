@@ -8,8 +8,8 @@ use std::sync::Arc;
 use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::thin::thinned_flat;
-use super::view::View;
-use crate::tools::drawn::{DrawnSolid, Extrusion, HalfSpace, Pose};
+use super::view::DrawView;
+use crate::tools::drawn::{DrawnSolid, Extrusion, HalfSpace, SolidPose};
 
 /// Smallest intentional outline, in square pixels.
 const LEAST_AREA_PX: f32 = 30.0;
@@ -41,7 +41,7 @@ pub fn is_meant(outline: &[Vec2]) -> bool {
 /// line of sight through the outline's middle, by `depth` (in units of the smallest edge of a voxel) about the target,
 /// or through the whole grid.
 pub fn prism(
-    view: &View,
+    view: &DrawView,
     outline: &[Vec2],
     target_vx: Vec3,
     depth: Option<f32>,
@@ -74,7 +74,7 @@ pub fn prism(
     };
     let rotation = Quat::from_mat3(&Mat3::from_cols(right, up, near)).normalize();
     let prism = Extrusion {
-        pose: Pose { at_vx: centre / view.edges, rotation },
+        pose: SolidPose { at_vx: centre / view.edges, rotation },
         outlines: Arc::new([outline?]),
         depth: depth.unwrap_or_else(through),
     };
@@ -83,7 +83,7 @@ pub fn prism(
 
 /// Returns the half space seen on one side of a line through two pixels: to the right of the direction of travel, or
 /// with `other` to the left.
-pub fn half_space(view: &View, from: Vec2, to: Vec2, other: bool) -> Option<DrawnSolid> {
+pub fn half_space(view: &DrawView, from: Vec2, to: Vec2, other: bool) -> Option<DrawnSolid> {
     if from.distance(to) < LEAST_LINE_PX {
         return None;
     }

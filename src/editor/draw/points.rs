@@ -5,7 +5,7 @@
 use glam::{Vec2, Vec3};
 
 use super::tube;
-use super::view::View;
+use super::view::DrawView;
 use crate::tools::drawn::MAX_POINTS;
 
 /// Largest distance in pixels at which a press hits the last point: a second click on it ends the curve.
@@ -26,7 +26,7 @@ pub enum Pressed {
 
 /// The points of an unfinished curve; there is at least one.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Points {
+pub struct CurvePoints {
     first: Vec3,
     /// The points after the first.
     others: Vec<Vec3>,
@@ -36,9 +36,9 @@ pub struct Points {
     held: bool,
 }
 
-impl Points {
-    pub fn new(first: Vec3) -> Points {
-        Points { first, others: Vec::new(), next: None, held: false }
+impl CurvePoints {
+    pub fn new(first: Vec3) -> CurvePoints {
+        CurvePoints { first, others: Vec::new(), next: None, held: false }
     }
 
     pub fn count(&self) -> usize {
@@ -55,12 +55,12 @@ impl Points {
     }
 
     /// Returns the position of a pixel: on the surface `seen` there, else as far from the eye as the last point.
-    fn place(&self, view: &View, at: Vec2, seen: Option<Vec3>) -> Vec3 {
+    fn place(&self, view: &DrawView, at: Vec2, seen: Option<Vec3>) -> Vec3 {
         seen.unwrap_or_else(|| view.sight.at_depth(at, view.sight.depth(self.last())))
     }
 
     /// Handles a press at a pixel.
-    pub fn press(&mut self, view: &View, at: Vec2, seen: Option<Vec3>) -> Pressed {
+    pub fn press(&mut self, view: &DrawView, at: Vec2, seen: Option<Vec3>) -> Pressed {
         let on_last = |last: Vec2| last.distance(at) <= CLICK_PX;
         if view.sight.pixel_of(self.last()).is_some_and(on_last) {
             return Pressed::Finished;
@@ -75,7 +75,7 @@ impl Points {
     }
 
     /// Moves the pointer to a pixel.
-    pub fn lead(&mut self, view: &View, at: Vec2, seen: Option<Vec3>) {
+    pub fn lead(&mut self, view: &DrawView, at: Vec2, seen: Option<Vec3>) {
         let place = self.place(view, at, seen);
         match self.others.last_mut() {
             Some(last) if self.held => *last = place,
@@ -102,7 +102,7 @@ impl Points {
     /// Returns the tube through the points and, if the pointer is `there`, on to it, with marks on the points.
     pub fn sketch(
         &self,
-        view: &View,
+        view: &DrawView,
         radii: [f32; 2],
         there: bool,
     ) -> (Vec<[Vec3; 2]>, Vec<[Vec3; 2]>) {
@@ -126,7 +126,7 @@ mod tests {
     fn points_lie_on_the_surface_and_beside_it_as_deep_as_the_last() {
         for view in views() {
             let depth = |place: Vec3| view.sight.depth(place);
-            let mut points = Points::new(view.middle() + 5.0);
+            let mut points = CurvePoints::new(view.middle() + 5.0);
             let at = Vec2::new(120.0, 40.0);
             points.lead(&view, at, None);
             assert_eq!(points.count(), 1, "the pointer alone puts no point");
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn a_press_on_the_last_point_ends_the_curve_and_points_are_taken_back() {
         let view = &views()[0];
-        let mut points = Points::new(view.middle());
+        let mut points = CurvePoints::new(view.middle());
         let first = view.sight.pixel_of(view.middle()).unwrap();
         assert_eq!(points.press(view, first + 1.0, None), Pressed::Finished);
         assert_eq!(points.press(view, first + 30.0, None), Pressed::Added);
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn there_are_at_most_as_many_points_as_a_tube_may_have() {
         let view = &views()[0];
-        let mut points = Points::new(view.middle());
+        let mut points = CurvePoints::new(view.middle());
         let at = |i: usize| Vec2::new(20.0 + (i % 2) as f32 * 90.0, 20.0);
         let all = (0..2 * MAX_POINTS).map(|i| points.press(view, at(i), None));
         assert_eq!(all.filter(|pressed| *pressed == Pressed::Added).count(), MAX_POINTS - 1);
@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn the_sketch_goes_on_to_the_pointer_while_it_is_there() {
         let view = &views()[0];
-        let mut points = Points::new(view.middle());
+        let mut points = CurvePoints::new(view.middle());
         points.lead(view, Vec2::new(150.0, 50.0), None);
         let [with, without] = [true, false].map(|there| points.sketch(view, [2.0, 2.0], there));
         assert_eq!(with.1, without.1, "one point is marked");

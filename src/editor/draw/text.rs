@@ -9,11 +9,11 @@ use std::sync::Arc;
 use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::glyphs::Letter;
-use super::view::View;
+use super::view::DrawView;
 use crate::editor::surface_guide::normal_around;
 use crate::sculpture::Grid;
 use crate::surface::raycast;
-use crate::tools::drawn::{DrawnSolid, Extrusion, Pose};
+use crate::tools::drawn::{DrawnSolid, Extrusion, SolidPose};
 
 /// Cosine of 8 degrees: a normal that near to a grid axis is snapped to it.
 const NEARLY: f32 = 0.99;
@@ -22,17 +22,17 @@ pub const GROUND: f32 = 4.0;
 
 /// The plane of a line of text: its middle, and the directions along it, up, and out of the surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Stand {
+pub struct TextFrame {
     /// In voxels.
     at_vx: Vec3,
     /// Orthogonal unit axes, in units of the smallest edge of a voxel.
     axes: Mat3,
 }
 
-impl Stand {
+impl TextFrame {
     /// Places a line on a surface at `at_vx` with the normal `normal` (in units of the smallest edge; zero: towards the
     /// viewer). The letters are upright along the grid axis that points up in the picture, if the surface allows it.
-    pub fn new(view: &View, at_vx: Vec3, normal: Vec3) -> Option<Stand> {
+    pub fn new(view: &DrawView, at_vx: Vec3, normal: Vec3) -> Option<TextFrame> {
         let axes = view.sight.screen_axes();
         let normal = normal.try_normalize().unwrap_or(axes.near);
         let along = normal.abs().max_position();
@@ -50,7 +50,7 @@ impl Stand {
             .filter_map(upright)
             .max_by(|a, b| a.dot(picture_up).total_cmp(&b.dot(picture_up)))?;
         let right = up.cross(normal).try_normalize()?;
-        Some(Stand { at_vx, axes: Mat3::from_cols(right, up, normal) })
+        Some(TextFrame { at_vx, axes: Mat3::from_cols(right, up, normal) })
     }
 
     /// Returns the position in voxels of a point of the plane (units of the smallest edge).
@@ -60,7 +60,7 @@ impl Stand {
 
     /// Returns the plane of a letter `by` farther along the line, on the surface of `grid` within `reach` of this plane
     /// (units of the smallest edge); `None` if there is none.
-    fn along(&self, grid: &Grid, by: f32, reach: f32) -> Option<Stand> {
+    fn along(&self, grid: &Grid, by: f32, reach: f32) -> Option<TextFrame> {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let normal = self.axes.z_axis;
         let over = self.place(Vec2::new(by, 0.0), edges) + normal * reach / edges;
@@ -73,12 +73,13 @@ impl Stand {
         let turned = normal_around(grid, at_vx, GROUND)?.try_normalize()?;
         let turn = Quat::from_rotation_arc(normal, turned);
         // Beyond an edge the surface faces another way.
-        (turned.dot(normal) > 0.0).then(|| Stand { at_vx, axes: Mat3::from_quat(turn) * self.axes })
+        (turned.dot(normal) > 0.0)
+            .then(|| TextFrame { at_vx, axes: Mat3::from_quat(turn) * self.axes })
     }
 
     /// Returns whether another plane on the same surface, `x` farther along the line, coincides with this one within
     /// the precision of voxels.
-    fn has_in_plane(&self, other: &Stand, x: f32, edges: Vec3) -> bool {
+    fn has_in_plane(&self, other: &TextFrame, x: f32, edges: Vec3) -> bool {
         let off = (other.at_vx - self.place(Vec2::new(x, 0.0), edges)) * edges;
         off.length() < 1.0 && other.axes.z_axis.dot(self.axes.z_axis) > NEARLY
     }
@@ -87,7 +88,7 @@ impl Stand {
     fn of_letters(&self, grid: &Grid, letters: &[Letter]) -> Vec<Placed> {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let flat = |x: f32, floats: bool| Placed {
-            stand: Stand { at_vx: self.place(Vec2::new(x, 0.0), edges), ..*self },
+            stand: TextFrame { at_vx: self.place(Vec2::new(x, 0.0), edges), ..*self },
             floats,
         };
         let mut placed: Vec<Placed> = letters.iter().map(|l| flat(l.middle, false)).collect();
@@ -112,7 +113,7 @@ impl Stand {
                     Some(stand) => from = stand,
                     None => {
                         let at_vx = from.place(Vec2::new(by, 0.0), edges);
-                        placed[i] = Placed { stand: Stand { at_vx, ..from }, floats: true };
+                        placed[i] = Placed { stand: TextFrame { at_vx, ..from }, floats: true };
                         continue;
                     }
                 }
@@ -130,7 +131,7 @@ impl Stand {
             let rotation = Quat::from_mat3(&placed.stand.axes).normalize();
             let outlines: Arc<[Arc<[Vec2]>]> =
                 own(letter).map(|outline| outline.collect()).collect();
-            let pose = Pose { at_vx: placed.stand.at_vx, rotation };
+            let pose = SolidPose { at_vx: placed.stand.at_vx, rotation };
             Extrusion { pose, outlines, depth: 2.0 * depth }.into()
         };
         letters.iter().zip(&placed).map(solid).collect()
@@ -164,7 +165,7 @@ impl Stand {
 /// The position of a letter, and whether there is nothing under it.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
-    stand: Stand,
+    stand: TextFrame,
     floats: bool,
 }
 
@@ -182,7 +183,7 @@ mod tests {
     use super::super::view::tests::views;
     use super::*;
 
-    fn empty(view: &View) -> Grid {
+    fn empty(view: &DrawView) -> Grid {
         Grid::new(view.dims, view.edges, 1 << 30).unwrap()
     }
 
@@ -196,11 +197,11 @@ mod tests {
     }
 
     /// Returns a line along x in the plane of the front.
-    fn before(at_vx: Vec3) -> Stand {
-        Stand { at_vx, axes: Mat3::IDENTITY }
+    fn before(at_vx: Vec3) -> TextFrame {
+        TextFrame { at_vx, axes: Mat3::IDENTITY }
     }
 
-    fn poses(solids: &[DrawnSolid]) -> Vec<Pose> {
+    fn poses(solids: &[DrawnSolid]) -> Vec<SolidPose> {
         let pose = |solid: &DrawnSolid| match solid {
             DrawnSolid::Extrusion(Extrusion { pose, .. }) => *pose,
             _ => panic!("{solid:?}"),
@@ -264,7 +265,7 @@ mod tests {
                     continue;
                 }
                 // Nearly an axis becomes the axis.
-                let stand = Stand::new(&view, view.middle(), axis + Vec3::ONE * 0.02).unwrap();
+                let stand = TextFrame::new(&view, view.middle(), axis + Vec3::ONE * 0.02).unwrap();
                 assert!(stand.axes.z_axis.abs_diff_eq(axis, 1e-6));
                 let solids = stand.solids(&empty(&view), &line, 3.0);
                 solids.iter().for_each(|solid| solid.check().unwrap());
@@ -274,7 +275,7 @@ mod tests {
                 assert!(right.perp_dot(up) < 0.0, "not mirrored");
                 assert!(up.y < 0.0, "not upside down: {right} {up}");
             }
-            let slanted = Stand::new(&view, view.middle(), Vec3::new(1.0, 0.3, 0.8)).unwrap();
+            let slanted = TextFrame::new(&view, view.middle(), Vec3::new(1.0, 0.3, 0.8)).unwrap();
             assert!((slanted.axes.determinant() - 1.0).abs() < 1e-4);
             assert_eq!(slanted.sketch(&empty(&view), &line).len(), {
                 let outlines = line.iter().flat_map(|l| &l.outlines);

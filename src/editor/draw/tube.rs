@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::thin::{evened, length, thinned_to};
-use super::view::{View, chain};
+use super::view::{DrawView, chain};
 use crate::tools::drawn::curve::tube_path;
 use crate::tools::drawn::{ControlPoint, DrawnSolid, Tube};
 
@@ -75,7 +75,7 @@ fn even(path: &[Vec3], radius: f32) -> Vec<Vec3> {
 }
 
 /// Returns the lines that show a tube while it is drawn along a path: its middle line and, beside it, its outline.
-pub fn sketch(view: &View, path_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
+pub fn sketch(view: &DrawView, path_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
     let path: Vec<Vec3> = path_vx.iter().map(|p| *p * view.edges).collect();
     let even = even(&path, 0.5 * (radii[0] + radii[1]));
     let count = even.len() as f32 - 1.0;
@@ -88,7 +88,7 @@ pub fn sketch(view: &View, path_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> 
 }
 
 /// Returns the lines that show a tube through places while they are chosen.
-pub fn sketch_through(view: &View, places_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
+pub fn sketch_through(view: &DrawView, places_vx: &[Vec3], radii: [f32; 2]) -> Vec<[Vec3; 2]> {
     match through(places_vx, radii, view.edges) {
         Some(DrawnSolid::Tube(Tube { control_points })) => {
             outline(view, &tube_path(&control_points, view.edges))
@@ -98,7 +98,7 @@ pub fn sketch_through(view: &View, places_vx: &[Vec3], radii: [f32; 2]) -> Vec<[
 }
 
 /// Returns the middle line of a tube, its ends, and its outline as the viewer sees it.
-fn outline(view: &View, path: &[ControlPoint]) -> Vec<[Vec3; 2]> {
+fn outline(view: &DrawView, path: &[ControlPoint]) -> Vec<[Vec3; 2]> {
     let (Some(first), Some(last)) = (path.first(), path.last()) else { return Vec::new() };
     let middle: Vec<Vec3> = path.iter().map(|control_point| control_point.at_vx).collect();
     let mut lines: Vec<[Vec3; 2]> = chain(&middle).collect();

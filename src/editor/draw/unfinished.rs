@@ -8,9 +8,9 @@ use glam::{Vec2, Vec3};
 use super::block::{self, Raised};
 use super::drawing::{Drawing, Sketch};
 use super::drawn::Drawn;
-use super::points::{Points, Pressed};
+use super::points::{CurvePoints, Pressed};
 use super::tube;
-use super::view::View;
+use super::view::DrawView;
 use crate::editor::tool::ToolState;
 use crate::editor::tool_view::ToolView;
 use crate::input::{DrawKind, ToolMode};
@@ -28,7 +28,7 @@ pub(super) struct Unfinished {
 #[derive(Clone, Debug)]
 enum What {
     Box(Raised),
-    Curve(Points),
+    Curve(CurvePoints),
 }
 
 /// The progress of a drawing of several presses.
@@ -48,7 +48,7 @@ impl Unfinished {
             DrawKind::Box if tool.draws.height_by_pointer => {
                 What::Box(Raised::new(drawing.base()?))
             }
-            DrawKind::Curve if drawing.is_click() => What::Curve(Points::new(drawing.start())),
+            DrawKind::Curve if drawing.is_click() => What::Curve(CurvePoints::new(drawing.start())),
             _ => return None,
         };
         Some(Unfinished { inverse: drawing.mode() != tool.mode, what })
@@ -141,7 +141,7 @@ impl Unfinished {
     /// Returns its preview lines. `is_pointed`: the pointer is over the picture.
     pub fn sketch(&self, is_pointed: bool, tool_view: &ToolView, picker: &Picker) -> Sketch {
         let tool = tool_view.tool;
-        let view = View::new(picker.sight(), tool_view.grid());
+        let view = DrawView::new(picker.sight(), tool_view.grid());
         let (lines, faint) = match &self.what {
             What::Box(raised) => {
                 (block::edges_of(raised.corners(self.goes_out(tool.mode))), Vec::new())
@@ -153,9 +153,9 @@ impl Unfinished {
 }
 
 /// Returns the present view, and the surface point at a pixel if the drawing follows the surface.
-fn seen_at(at: Vec2, tool_view: &ToolView, picker: &Picker) -> (View, Option<Vec3>) {
+fn seen_at(at: Vec2, tool_view: &ToolView, picker: &Picker) -> (DrawView, Option<Vec3>) {
     let grid = tool_view.grid();
     let map = picker.map().filter(|_| tool_view.tool.draws.on_surface);
     let seen = map.and_then(|map| surface_point(map, grid, at));
-    (View::new(picker.sight(), grid), seen.map(|seen| seen.point))
+    (DrawView::new(picker.sight(), grid), seen.map(|seen| seen.point))
 }

@@ -13,7 +13,7 @@ use crate::surface::IndexMap;
 
 /// A view of one grid, as it was at the start of a drag.
 #[derive(Clone, Debug)]
-pub struct View {
+pub struct DrawView {
     pub sight: Sight,
     /// The visible voxels, for drags that follow the surface.
     seen: Option<Arc<IndexMap>>,
@@ -23,10 +23,10 @@ pub struct View {
     pub edges: Vec3,
 }
 
-impl View {
-    pub fn new(sight: &Sight, grid: &Grid) -> View {
+impl DrawView {
+    pub fn new(sight: &Sight, grid: &Grid) -> DrawView {
         let voxel_size = grid.voxel_size();
-        View {
+        DrawView {
             sight: *sight,
             seen: None,
             dims: grid.dims(),
@@ -35,7 +35,7 @@ impl View {
     }
 
     /// Returns the view with the surface as it is seen now.
-    pub fn with_surface(mut self, picker: &Picker, grid: &Grid) -> View {
+    pub fn with_surface(mut self, picker: &Picker, grid: &Grid) -> DrawView {
         self.seen = picker.map().map(|map| lasting(map, grid));
         self
     }
@@ -101,17 +101,17 @@ pub mod tests {
     use crate::view::Camera;
 
     /// Returns the view of a rotated grid in a picture of 200 x 100 pixels.
-    pub fn view(rotation: Quat, dims: UVec3, voxel_size: Vec3) -> View {
+    pub fn view(rotation: Quat, dims: UVec3, voxel_size: Vec3) -> DrawView {
         let size = dims.as_vec3() * voxel_size;
         let eye = Camera { eye: Vec3::new(0.0, 0.0, 2.0 * size.length()), ..Camera::default() }
             .eye(UVec2::new(200, 100));
         let placement = Placement { rotation, ..Placement::default() };
         let sight = Sight::new(&eye, &placement.world_from_grid(dims, voxel_size));
-        View { sight, seen: None, dims, edges: voxel_size / voxel_size.min_element() }
+        DrawView { sight, seen: None, dims, edges: voxel_size / voxel_size.min_element() }
     }
 
     /// Returns views from many sides, of voxels of several shapes.
-    pub fn views() -> Vec<View> {
+    pub fn views() -> Vec<DrawView> {
         [
             (Quat::IDENTITY, Vec3::ONE),
             (Quat::from_rotation_y(2.0), Vec3::ONE),

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::lead::{Lead, PointerLead, Scene};
+use super::lead::{Lead, PointerLead, StrokeScene};
 use super::path::Path;
 use crate::command::Command;
 use crate::editor::pressure::touched;
@@ -32,9 +32,9 @@ impl ConeStroke {
 
 impl Lead for ConeStroke {
     /// The hand moves it, not the pointer.
-    fn point_at(&mut self, _: Vec2, _: &mut Scene, _: &Picker) {}
+    fn point_at(&mut self, _: Vec2, _: &mut StrokeScene, _: &Picker) {}
 
-    fn tool_moved(&mut self, _: &mut Scene, _: &Picker) {}
+    fn tool_moved(&mut self, _: &mut StrokeScene, _: &Picker) {}
 
     fn aim(&mut self, cone: Footprint) {
         self.cone = cone;
@@ -51,11 +51,11 @@ impl Lead for ConeStroke {
         in_hand && stroke == BrushStroke::Picture { repeats: true }
     }
 
-    fn repeat(&mut self, _: &mut Scene) {
+    fn repeat(&mut self, _: &mut StrokeScene) {
         self.is_due = true;
     }
 
-    fn next(&mut self, scene: &mut Scene, _: Option<&Picker>) -> Option<Command> {
+    fn next(&mut self, scene: &mut StrokeScene, _: Option<&Picker>) -> Option<Command> {
         if !std::mem::take(&mut self.is_due) {
             return None;
         }

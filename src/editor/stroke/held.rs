@@ -6,7 +6,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::lead::{Lead, PointerLead, Scene};
+use super::lead::{Lead, PointerLead, StrokeScene};
 use crate::command::Command;
 use crate::picking::Picker;
 use crate::tools::brush::dab::{Dab, DabPlace};
@@ -44,7 +44,7 @@ impl HeldStroke {
         options: BrushOptions,
         turns: bool,
         at: Option<Vec2>,
-        scene: &Scene,
+        scene: &StrokeScene,
         picker: &Picker,
     ) -> HeldStroke {
         let start = scene.tool.centre_vx;
@@ -70,7 +70,7 @@ impl HeldStroke {
 
 impl Lead for HeldStroke {
     /// Moves in the view plane through the grab.
-    fn point_at(&mut self, to: Vec2, scene: &mut Scene, picker: &Picker) {
+    fn point_at(&mut self, to: Vec2, scene: &mut StrokeScene, picker: &Picker) {
         let Some(aside) = self.aside else { return };
         let by = in_plane_of(self.start, to, picker) - self.start - aside;
         if by.is_finite() {
@@ -82,7 +82,7 @@ impl Lead for HeldStroke {
         }
     }
 
-    fn tool_moved(&mut self, scene: &mut Scene, _: &Picker) {
+    fn tool_moved(&mut self, scene: &mut StrokeScene, _: &Picker) {
         let to = scene.tool.centre_vx;
         if to.is_finite() {
             self.by = to - self.start;
@@ -95,7 +95,7 @@ impl Lead for HeldStroke {
     }
 
     /// Returns `None` if it would change nothing.
-    fn next(&mut self, _: &mut Scene, _: Option<&Picker>) -> Option<Command> {
+    fn next(&mut self, _: &mut StrokeScene, _: Option<&Picker>) -> Option<Command> {
         if !std::mem::take(&mut self.is_due) {
             return None;
         }

@@ -16,14 +16,14 @@ use crate::sculpture::{Grid, Rgb};
 use crate::tools::brush::footprint::Footprint;
 
 /// The part of the editor that a lead sees.
-pub struct Scene<'a> {
+pub struct StrokeScene<'a> {
     pub document: &'a Document,
     pub tool: &'a mut ToolState,
     pub anchor: &'a mut SurfaceAnchor,
     pub grip: &'a mut Grip,
 }
 
-impl Scene<'_> {
+impl StrokeScene<'_> {
     pub fn grid(&self) -> &Grid {
         self.document.grid()
     }
@@ -53,13 +53,13 @@ impl Scene<'_> {
 /// Controls a stroke.
 pub trait Lead {
     /// Moves the pointer to a point of the picture, in pixels.
-    fn point_at(&mut self, to: Vec2, scene: &mut Scene, picker: &Picker);
+    fn point_at(&mut self, to: Vec2, scene: &mut StrokeScene, picker: &Picker);
 
     /// Follows a tool moved by something other than the pointer.
-    fn tool_moved(&mut self, scene: &mut Scene, picker: &Picker);
+    fn tool_moved(&mut self, scene: &mut StrokeScene, picker: &Picker);
 
     /// Follows the tool that the pointer has put on a surface point, seen at `at` (pixels).
-    fn tool_put(&mut self, _at: Vec2, _point: Vec3, _scene: &mut Scene, _picker: &Picker) {}
+    fn tool_put(&mut self, _at: Vec2, _point: Vec3, _scene: &mut StrokeScene, _picker: &Picker) {}
 
     /// Moves the cone of a hand.
     fn aim(&mut self, _cone: Footprint) {}
@@ -68,7 +68,7 @@ pub trait Lead {
     fn catch_up(&mut self) {}
 
     /// Lets the tool arrive at its target before the stroke ends.
-    fn finish(&mut self, _scene: &mut Scene) {
+    fn finish(&mut self, _scene: &mut StrokeScene) {
         self.catch_up();
     }
 
@@ -78,13 +78,13 @@ pub trait Lead {
     }
 
     /// Makes the same use due once more.
-    fn repeat(&mut self, _scene: &mut Scene) {}
+    fn repeat(&mut self, _scene: &mut StrokeScene) {}
 
     /// Returns the number of uses so far.
     fn uses(&self) -> u32;
 
     /// Returns the next due command. `picker`: the last picture, for tools that work in it.
-    fn next(&mut self, scene: &mut Scene, picker: Option<&Picker>) -> Option<Command>;
+    fn next(&mut self, scene: &mut StrokeScene, picker: Option<&Picker>) -> Option<Command>;
 
     /// Returns how the pointer controls it.
     fn pointer(&self) -> PointerLead;

@@ -32,8 +32,8 @@ use solid::SolidStroke;
 use surface::SurfaceStroke;
 use sweep::SweepSegment;
 
-pub(super) use lead::{PointerLead, Scene};
-pub(super) use solid::{Guide, PointerGuide};
+pub(super) use lead::{PointerLead, StrokeScene};
+pub(super) use solid::{PointerGuide, SolidGuide};
 
 /// Time between two uses of a held brush that repeats, in seconds.
 const AGAIN_S: f64 = 0.1;
@@ -112,7 +112,7 @@ impl Stroking<'_> {
         &mut self,
         mode: ToolMode,
         unpaints: bool,
-        guide: impl FnOnce(&Scene) -> Guide,
+        guide: impl FnOnce(&StrokeScene) -> SolidGuide,
     ) {
         let label = self.tool.command(mode, &SweepSegment::place(&self.tool.primitive())).label();
         let paints = mode == ToolMode::Recolour && self.tool.picture.is_none() && !unpaints;
@@ -126,7 +126,7 @@ impl Stroking<'_> {
         &mut self,
         brush: BrushId,
         picker: Option<&Picker>,
-        lead: impl FnOnce(&mut Scene) -> Box<dyn Lead>,
+        lead: impl FnOnce(&mut StrokeScene) -> Box<dyn Lead>,
     ) {
         let spec = brush.spec();
         self.begin_stroke(spec.name.into(), spec.gives_colour, picker, lead);
@@ -138,7 +138,7 @@ impl Stroking<'_> {
         label: String,
         gives_colour: bool,
         picker: Option<&Picker>,
-        lead: impl FnOnce(&mut Scene) -> Box<dyn Lead>,
+        lead: impl FnOnce(&mut StrokeScene) -> Box<dyn Lead>,
     ) {
         if self.stroke.is_some() || !self.commands.begin_stroke(label, may_add(self.tool)) {
             return;
@@ -152,15 +152,18 @@ impl Stroking<'_> {
         self.carry_out_due(picker);
     }
 
-    fn scene(&mut self) -> Scene<'_> {
+    fn scene(&mut self) -> StrokeScene<'_> {
         let document = self.commands.document();
-        Scene { document, tool: self.tool, anchor: self.anchor, grip: self.grip }
+        StrokeScene { document, tool: self.tool, anchor: self.anchor, grip: self.grip }
     }
 
-    fn with_lead<T>(&mut self, act: impl FnOnce(&mut dyn Lead, &mut Scene) -> T) -> Option<T> {
+    fn with_lead<T>(
+        &mut self,
+        act: impl FnOnce(&mut dyn Lead, &mut StrokeScene) -> T,
+    ) -> Option<T> {
         let Stroking { stroke, commands, tool, anchor, grip } = self;
         let lead = &mut *stroke.as_mut()?.lead;
-        Some(act(lead, &mut Scene { document: commands.document(), tool, anchor, grip }))
+        Some(act(lead, &mut StrokeScene { document: commands.document(), tool, anchor, grip }))
     }
 
     fn carry_out_due(&mut self, picker: Option<&Picker>) {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use glam::{Vec2, Vec3};
 
-use super::lead::{Lead, PointerLead, Scene};
+use super::lead::{Lead, PointerLead, StrokeScene};
 use super::path::Path;
 use crate::command::Command;
 use crate::editor::pressure::touched;
@@ -33,7 +33,7 @@ impl PictureStroke {
         options: BrushOptions,
         unpaints: bool,
         at: Vec2,
-        scene: &mut Scene,
+        scene: &mut StrokeScene,
         picker: &Picker,
     ) -> PictureStroke {
         let spec = options.brush().spec();
@@ -48,13 +48,13 @@ impl PictureStroke {
     }
 
     /// Makes uses of the brush due at points of the picture.
-    fn use_at(&mut self, stops: &[Vec3], scene: &mut Scene) {
+    fn use_at(&mut self, stops: &[Vec3], scene: &mut StrokeScene) {
         self.due.extend(stops.iter().copied().zip(scene.grip.along_path(stops.len())));
     }
 }
 
 impl Lead for PictureStroke {
-    fn point_at(&mut self, to: Vec2, scene: &mut Scene, _: &Picker) {
+    fn point_at(&mut self, to: Vec2, scene: &mut StrokeScene, _: &Picker) {
         let mut stops = Vec::new();
         let pen = scene.tool.pens.of_brush(self.options.brush());
         self.path.scale(pen.size(scene.grip.now));
@@ -63,7 +63,7 @@ impl Lead for PictureStroke {
     }
 
     /// Works at the visible position of the tool.
-    fn tool_moved(&mut self, scene: &mut Scene, picker: &Picker) {
+    fn tool_moved(&mut self, scene: &mut StrokeScene, picker: &Picker) {
         let at = picker.sight().pixel_of(scene.tool.centre_vx);
         if let Some(at) = at.filter(|_| scene.tool.picture_brush().is_some()) {
             self.point_at(at, scene, picker);
@@ -75,11 +75,11 @@ impl Lead for PictureStroke {
         !in_hand && stroke == BrushStroke::Picture { repeats: true }
     }
 
-    fn repeat(&mut self, scene: &mut Scene) {
+    fn repeat(&mut self, scene: &mut StrokeScene) {
         self.use_at(&[self.path.end()], scene);
     }
 
-    fn next(&mut self, scene: &mut Scene, picker: Option<&Picker>) -> Option<Command> {
+    fn next(&mut self, scene: &mut StrokeScene, picker: Option<&Picker>) -> Option<Command> {
         let Some((picker, map)) = picker.and_then(|picker| Some((picker, picker.map()?))) else {
             self.due.clear();
             return None;
@@ -116,7 +116,7 @@ impl Lead for PictureStroke {
 }
 
 /// Returns the radius of a brush at the visible surface under `at`, in pixels.
-fn radius_px(options: &BrushOptions, at: Vec2, scene: &Scene, picker: &Picker) -> f32 {
+fn radius_px(options: &BrushOptions, at: Vec2, scene: &StrokeScene, picker: &Picker) -> f32 {
     let point = scene.anchor.target(scene.grid(), at, picker);
     let gauge = point.map(|point| gauge_at(scene.grid(), point, picker));
     scene.tool.brushes.radius_px(options.get(RADIUS), gauge)

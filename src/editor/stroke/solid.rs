@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use glam::{Vec2, Vec3};
 
-use super::lead::{Lead, PointerLead, Scene};
+use super::lead::{Lead, PointerLead, StrokeScene};
 use super::sweep::{Sweep, SweepSegment};
 use crate::command::Command;
 use crate::editor::surface_guide::{LEAP, SurfaceGuide};
@@ -14,7 +14,7 @@ use crate::picking::Picker;
 use crate::tools::solid::Primitive;
 
 /// The input that moves a solid.
-pub enum Guide {
+pub enum SolidGuide {
     /// A drag of the pointer over the surface.
     Surface(PointerGuide),
     /// Any input that moves the tool while a key, a button or a hand holds it down. `hovering`: the pointer, if it
@@ -31,7 +31,7 @@ pub struct PointerGuide {
 
 impl PointerGuide {
     /// Starts with the pointer at `at` (pixels) and the tool on `point` of the surface.
-    pub fn new(at: Vec2, point: Vec3, scene: &Scene, picker: &Picker) -> PointerGuide {
+    pub fn new(at: Vec2, point: Vec3, scene: &StrokeScene, picker: &Picker) -> PointerGuide {
         let surface = SurfaceGuide::new(at, point, scene.grid(), picker);
         let lift = if scene.tool.stand { scene.tool.centre_vx - point } else { Vec3::ZERO };
         PointerGuide { surface, lift }
@@ -42,7 +42,7 @@ impl PointerGuide {
 pub struct SolidStroke {
     mode: ToolMode,
     unpaints: bool,
-    guide: Guide,
+    guide: SolidGuide,
     sweep: Sweep,
     due: VecDeque<SweepSegment>,
     uses: u32,
@@ -50,7 +50,12 @@ pub struct SolidStroke {
 
 impl SolidStroke {
     /// Begins a stroke at the tool. `unpaints`: it paints the bare colour.
-    pub fn new(mode: ToolMode, unpaints: bool, guide: Guide, scene: &Scene) -> SolidStroke {
+    pub fn new(
+        mode: ToolMode,
+        unpaints: bool,
+        guide: SolidGuide,
+        scene: &StrokeScene,
+    ) -> SolidStroke {
         let tool = scene.tool.primitive();
         let sweep = Sweep::new(&tool, scene.edges());
         SolidStroke {
@@ -65,16 +70,19 @@ impl SolidStroke {
 
     fn pointer_guide(&self) -> Option<&PointerGuide> {
         match &self.guide {
-            Guide::Surface(guide) => Some(guide),
-            Guide::Tool { hovering } => hovering.as_ref(),
+            SolidGuide::Surface(guide) => Some(guide),
+            SolidGuide::Tool { hovering } => hovering.as_ref(),
         }
     }
 }
 
 impl Lead for SolidStroke {
-    fn point_at(&mut self, to: Vec2, scene: &mut Scene, picker: &Picker) {
+    fn point_at(&mut self, to: Vec2, scene: &mut StrokeScene, picker: &Picker) {
         let SolidStroke { guide, sweep, due, .. } = self;
-        let (Guide::Surface(guide) | Guide::Tool { hovering: Some(guide) }) = guide else { return };
+        let (SolidGuide::Surface(guide) | SolidGuide::Tool { hovering: Some(guide) }) = guide
+        else {
+            return;
+        };
         let (tool, grid) = (&mut *scene.tool, scene.document.grid());
         let lift = guide.lift;
         let mut end = None;
@@ -88,8 +96,8 @@ impl Lead for SolidStroke {
         }
     }
 
-    fn tool_moved(&mut self, scene: &mut Scene, _: &Picker) {
-        if let Guide::Tool { hovering } = &mut self.guide {
+    fn tool_moved(&mut self, scene: &mut StrokeScene, _: &Picker) {
+        if let SolidGuide::Tool { hovering } = &mut self.guide {
             *hovering = None;
             let due = &mut self.due;
             self.sweep
@@ -97,19 +105,19 @@ impl Lead for SolidStroke {
         }
     }
 
-    fn tool_put(&mut self, at: Vec2, point: Vec3, scene: &mut Scene, picker: &Picker) {
-        if let Guide::Tool { hovering } = &mut self.guide {
+    fn tool_put(&mut self, at: Vec2, point: Vec3, scene: &mut StrokeScene, picker: &Picker) {
+        if let SolidGuide::Tool { hovering } = &mut self.guide {
             *hovering = Some(PointerGuide::new(at, point, scene, picker));
             go_over_surface(&mut self.sweep, scene.tool, scene.tool.centre_vx, &mut self.due);
         }
     }
 
-    fn finish(&mut self, scene: &mut Scene) {
+    fn finish(&mut self, scene: &mut StrokeScene) {
         let due = &mut self.due;
         self.sweep.finish(&scene.tool.primitive(), |segment| due.push_back(segment));
     }
 
-    fn next(&mut self, scene: &mut Scene, _: Option<&Picker>) -> Option<Command> {
+    fn next(&mut self, scene: &mut StrokeScene, _: Option<&Picker>) -> Option<Command> {
         let segment = self.due.pop_front()?;
         self.uses += 1;
         let bare = self.unpaints.then(|| scene.bare_colour());
@@ -122,8 +130,8 @@ impl Lead for SolidStroke {
 
     fn pointer(&self) -> PointerLead {
         match self.guide {
-            Guide::Surface(_) => PointerLead::Drag,
-            Guide::Tool { .. } => PointerLead::None,
+            SolidGuide::Surface(_) => PointerLead::Drag,
+            SolidGuide::Tool { .. } => PointerLead::None,
         }
     }
 

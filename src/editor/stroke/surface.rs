@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 
 use glam::{Vec2, Vec3};
 
-use super::lead::{Lead, PointerLead, Scene};
+use super::lead::{Lead, PointerLead, StrokeScene};
 use super::path::Path;
 use crate::command::Command;
 use crate::editor::pen_use::PenUse;
@@ -53,7 +53,7 @@ impl SurfaceStroke {
         options: BrushOptions,
         inverse: bool,
         at: Option<Vec2>,
-        scene: &mut Scene,
+        scene: &mut StrokeScene,
         picker: &Picker,
     ) -> SurfaceStroke {
         let brush = options.brush();
@@ -78,7 +78,7 @@ impl SurfaceStroke {
     }
 
     /// Makes uses of the brush due at points, in voxels.
-    fn use_at(&mut self, stops: &[Vec3], scene: &mut Scene) {
+    fn use_at(&mut self, stops: &[Vec3], scene: &mut StrokeScene) {
         self.due.extend(stops.iter().copied().zip(scene.grip.along_path(stops.len())));
     }
 
@@ -119,7 +119,7 @@ impl SurfaceStroke {
 }
 
 impl Lead for SurfaceStroke {
-    fn point_at(&mut self, to: Vec2, scene: &mut Scene, picker: &Picker) {
+    fn point_at(&mut self, to: Vec2, scene: &mut StrokeScene, picker: &Picker) {
         let SurfaceStroke { guide: Some(guide), path, options, .. } = self else { return };
         if !to.is_finite() {
             return;
@@ -138,14 +138,14 @@ impl Lead for SurfaceStroke {
         scene.anchor.leave(scene.tool);
     }
 
-    fn tool_moved(&mut self, scene: &mut Scene, _: &Picker) {
+    fn tool_moved(&mut self, scene: &mut StrokeScene, _: &Picker) {
         let mut stops = Vec::new();
         self.path.scale(self.pen.size(scene.grip.now));
         self.path.line_to(scene.tool.centre_vx, |stop| stops.push(stop));
         self.use_at(&stops, scene);
     }
 
-    fn next(&mut self, scene: &mut Scene, _: Option<&Picker>) -> Option<Command> {
+    fn next(&mut self, scene: &mut StrokeScene, _: Option<&Picker>) -> Option<Command> {
         while let Some((stop, touch)) = self.due.pop_front() {
             if self.normal_used() == SurfaceNormal::OfEachUse {
                 let surface = scene.document.stroke_surface();

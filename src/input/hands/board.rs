@@ -4,7 +4,7 @@
 use glam::{Quat, Vec2, Vec3};
 
 use super::Change;
-use crate::view::Pose;
+use crate::view::RoomPose;
 
 /// Offset from the palm to the middle of the board's lower edge, in the hand's space, in metres.
 const ABOVE_HAND_M: Vec3 = Vec3::new(0.0, 0.06, -0.04);
@@ -17,7 +17,7 @@ const REACH_M: f32 = 3.0;
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Board {
     /// The pose of its centre; x right, y up, z out of its front.
-    pub pose: Pose,
+    pub pose: RoomPose,
     /// Width and height in metres.
     pub size_m: Vec2,
 }
@@ -42,19 +42,19 @@ impl Hit {
 
 impl Board {
     /// Returns a board of `size_m` attached to the hand with this grip pose.
-    pub fn on_hand(grip: &Pose, size_m: Vec2) -> Board {
-        let foot = Pose { position: ABOVE_HAND_M, rotation: Quat::from_rotation_x(LEAN_RAD) };
-        let middle = Pose { position: Vec3::Y * (0.5 * size_m.y), rotation: Quat::IDENTITY };
+    pub fn on_hand(grip: &RoomPose, size_m: Vec2) -> Board {
+        let foot = RoomPose { position: ABOVE_HAND_M, rotation: Quat::from_rotation_x(LEAN_RAD) };
+        let middle = RoomPose { position: Vec3::Y * (0.5 * size_m.y), rotation: Quat::IDENTITY };
         Board { pose: grip.then(&foot).then(&middle), size_m }
     }
 
     /// Returns the hit of a hand's ray on the front of the board, if there is one.
-    pub fn hit(&self, aim: &Pose) -> Option<Hit> {
+    pub fn hit(&self, aim: &RoomPose) -> Option<Hit> {
         self.hit_plane(aim).filter(Hit::is_inside)
     }
 
     /// Returns the hit of a hand's ray on the plane of the board's front, also outside of the board.
-    fn hit_plane(&self, aim: &Pose) -> Option<Hit> {
+    fn hit_plane(&self, aim: &RoomPose) -> Option<Hit> {
         let (origin, direction) = (self.pose.own(aim.position), aim.forward());
         let direction = self.pose.rotation.inverse() * direction;
         // The back cannot be clicked.
@@ -91,7 +91,7 @@ impl Pointing {
     pub fn step(
         &mut self,
         board: &Board,
-        aim: &Pose,
+        aim: &RoomPose,
         travel: f32,
         change: Option<Change>,
         down: bool,
@@ -142,13 +142,13 @@ mod tests {
 
     fn board() -> Board {
         Board {
-            pose: Pose { position: Vec3::new(0.0, 1.3, -0.5), ..Pose::default() },
+            pose: RoomPose { position: Vec3::new(0.0, 1.3, -0.5), ..RoomPose::default() },
             size_m: SIZE,
         }
     }
 
-    fn ray(from: Vec3, to: Vec3) -> Pose {
-        Pose {
+    fn ray(from: Vec3, to: Vec3) -> RoomPose {
+        RoomPose {
             position: from,
             rotation: Quat::from_rotation_arc(Vec3::NEG_Z, (to - from).normalize()),
         }
@@ -182,12 +182,12 @@ mod tests {
 
     #[test]
     fn it_stands_above_the_hand_and_faces_the_person() {
-        let grip = Pose { position: Vec3::new(-0.2, 1.2, -0.4), rotation: Quat::IDENTITY };
+        let grip = RoomPose { position: Vec3::new(-0.2, 1.2, -0.4), rotation: Quat::IDENTITY };
         let board = Board::on_hand(&grip, SIZE);
         assert!(board.pose.position.y > 1.2 + 0.15);
         let eye = Vec3::new(0.0, 1.6, 0.0);
         assert!(board.pose.own(eye).z > 0.0, "its front is visible");
-        let turned = Pose { rotation: Quat::from_rotation_y(0.5), ..grip };
+        let turned = RoomPose { rotation: Quat::from_rotation_y(0.5), ..grip };
         let front = Board::on_hand(&turned, SIZE).pose.rotation * Vec3::Z;
         assert!(front.x > 0.3, "it rotates with the hand");
     }

@@ -7,7 +7,7 @@ use glam::Quat;
 
 use super::{HandSide, HandsState};
 use crate::input::pace::is_plausible_step;
-use crate::view::{Pose, Similarity};
+use crate::view::{RoomPose, Similarity};
 
 /// Hands closer than this define no direction, in metres.
 const LEAST_SPAN_M: f32 = 0.02;
@@ -15,7 +15,7 @@ const LEAST_SPAN_M: f32 = 0.02;
 /// Hands that grip, with their poses at the last call.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Grab {
-    held: [Option<Pose>; 2],
+    held: [Option<RoomPose>; 2],
 }
 
 impl Grab {
@@ -52,7 +52,7 @@ impl Grab {
 
 /// Returns the similarity of two hands: the change of their midpoint, direction and distance, and half of the twist of
 /// each about the line between them.
-fn between(left: (Pose, Pose), right: (Pose, Pose)) -> Similarity {
+fn between(left: (RoomPose, RoomPose), right: (RoomPose, RoomPose)) -> Similarity {
     let (old, new) = (right.0.position - left.0.position, right.1.position - left.1.position);
     let middle = (left.0.position + right.0.position) * 0.5;
     let to = (left.1.position + right.1.position) * 0.5;
@@ -61,7 +61,7 @@ fn between(left: (Pose, Pose), right: (Pose, Pose)) -> Similarity {
     }
     let (from_axis, axis) = (old.normalize(), new.normalize());
     let swing = Quat::from_rotation_arc(from_axis, axis);
-    let twist = |(from, to): (Pose, Pose)| {
+    let twist = |(from, to): (RoomPose, RoomPose)| {
         let turn = to.rotation * from.rotation.inverse() * swing.inverse();
         // The rotation about the axis: swing-twist decomposition.
         let along = turn.xyz().dot(axis);
@@ -81,17 +81,17 @@ mod tests {
     use glam::Vec3;
     use proptest::prelude::*;
 
-    fn at(poses: [Option<Pose>; 2]) -> HandsState {
+    fn at(poses: [Option<RoomPose>; 2]) -> HandsState {
         HandsState {
             time_s: 0.0,
             hands: poses.map(|grip| HandState { grip, ..HandState::default() }),
         }
     }
 
-    fn pose() -> impl Strategy<Value = Pose> {
+    fn pose() -> impl Strategy<Value = RoomPose> {
         let unit = -1.0f32..1.0;
         ([unit.clone(), unit.clone(), unit.clone()], [unit.clone(), unit.clone(), unit]).prop_map(
-            |(p, r)| Pose {
+            |(p, r)| RoomPose {
                 position: Vec3::from(p) * 0.14,
                 rotation: Quat::from_scaled_axis(Vec3::from(r)),
             },
@@ -133,7 +133,7 @@ mod tests {
         fn two_hands_that_move_as_one_body_move_it_rigidly(a in pose(), b in pose(), motion in pose()) {
             prop_assume!(a.position.distance(b.position) > 0.1);
             let by = Similarity { rotation: motion.rotation, scale: 1.0, translation: motion.position };
-            let carried = |p: Pose| Pose {
+            let carried = |p: RoomPose| RoomPose {
                 position: by.apply(p.position),
                 rotation: by.rotation * p.rotation,
             };
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn releasing_and_losing_track_move_nothing() {
-        let pose = |x| Some(Pose { position: Vec3::X * x, rotation: Quat::IDENTITY });
+        let pose = |x| Some(RoomPose { position: Vec3::X * x, rotation: Quat::IDENTITY });
         let mut grab = Grab::default();
         assert_eq!(grab.step([false, true], &at([None, pose(0.0)]), DT_S), None);
         assert!(grab.is_holding());

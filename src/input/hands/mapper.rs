@@ -14,7 +14,7 @@ use super::grab::Grab;
 use super::{Board, Change, HandSide, HandsState, Switch};
 use crate::input::pace::{LONGEST_STEP_S, Pace};
 use crate::input::pad::stick::Response;
-use crate::view::{Pose, Similarity};
+use crate::view::{RoomPose, Similarity};
 
 /// A press shorter than this is a tap, in seconds.
 const TAP_S: f64 = 0.25;
@@ -47,7 +47,7 @@ pub enum HandEvent {
     /// The sculpture is carried.
     Carry(Similarity),
     /// The position of the tool in the room.
-    Tool(Pose),
+    Tool(RoomPose),
     /// The use of the tool begins or ends.
     Press,
     Release,
@@ -141,7 +141,7 @@ pub struct HandMapper {
     pointer: Pointing,
     undo: Flick,
     /// The last pose of the tool.
-    last_tool: Option<Pose>,
+    last_tool: Option<RoomPose>,
     /// Detects jumps of the tool in the main hand.
     pace: Pace,
 }
@@ -304,15 +304,15 @@ impl HandMapper {
     }
 
     /// Returns the tool's pose for this pointing pose of a hand.
-    fn tool_of(&self, aim: &Pose) -> Pose {
+    fn tool_of(&self, aim: &RoomPose) -> RoomPose {
         let position = aim.position + aim.forward() * self.settings.reach_m;
-        Pose { position, rotation: aim.rotation }
+        RoomPose { position, rotation: aim.rotation }
     }
 
     /// Ends the stroke at a jump of tracking, instead of cutting along the jump.
     fn lift_at_jump(
         &mut self,
-        aim: Option<Pose>,
+        aim: Option<RoomPose>,
         now_s: f64,
         dt_s: f64,
         events: &mut Vec<HandEvent>,
@@ -325,7 +325,7 @@ impl HandMapper {
     }
 
     /// Moves the tool to the main hand, unless the hand is at rest.
-    fn move_tool(&mut self, aim: Option<Pose>, carried: bool, events: &mut Vec<HandEvent>) {
+    fn move_tool(&mut self, aim: Option<RoomPose>, carried: bool, events: &mut Vec<HandEvent>) {
         let Some(aim) = aim else { return };
         let tool = self.tool_of(&aim);
         let rests = self.last_tool.is_some_and(|last| {
@@ -341,7 +341,7 @@ impl HandMapper {
     fn update_main_trigger(
         &mut self,
         change: Option<Change>,
-        aim: Option<Pose>,
+        aim: Option<RoomPose>,
         now_s: f64,
         events: &mut Vec<HandEvent>,
     ) {

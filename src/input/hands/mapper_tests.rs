@@ -21,7 +21,7 @@ impl Person {
     fn new(main: HandSide) -> Person {
         let mut state = HandsState::default();
         for (hand, x) in state.hands.iter_mut().zip([-0.2, 0.2]) {
-            let pose = Pose { position: Vec3::new(x, 1.3, -0.4), rotation: Quat::IDENTITY };
+            let pose = RoomPose { position: Vec3::new(x, 1.3, -0.4), rotation: Quat::IDENTITY };
             (hand.grip, hand.aim) = (Some(pose), Some(pose));
         }
         let mut person = Person { state, mapper: mapper(main), board: None };
@@ -82,7 +82,7 @@ fn a_hand_that_is_no_longer_tracked_releases_the_tool() {
     person.frame();
     person.hand(Right).aim = None;
     assert_eq!(person.frame(), [HandEvent::Release]);
-    person.hand(Right).aim = Some(Pose { position: Vec3::NAN, rotation: Quat::IDENTITY });
+    person.hand(Right).aim = Some(RoomPose { position: Vec3::NAN, rotation: Quat::IDENTITY });
     assert_eq!(person.frame(), []);
 }
 
@@ -205,7 +205,7 @@ fn a_menu_button_opens_the_board_and_recentres_when_held() {
 fn over_the_board_the_trigger_clicks_and_the_stick_scrolls() {
     let mut person = Person::new(Right);
     // Straight in front of the right hand.
-    let pose = Pose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
+    let pose = RoomPose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
     person.board = Some(Board { pose, size_m: Vec2::new(0.4, 0.2) });
     person.hand(Right).trigger = 1.0;
     let events = person.frame();
@@ -227,7 +227,7 @@ fn over_the_board_the_trigger_clicks_and_the_stick_scrolls() {
 #[test]
 fn a_pull_that_turns_the_hand_points_where_it_began() {
     let mut person = Person::new(Right);
-    let pose = Pose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
+    let pose = RoomPose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
     person.board = Some(Board { pose, size_m: Vec2::new(0.4, 0.2) });
     let turn = |person: &mut Person, degrees: f32| {
         let rotation = Quat::from_rotation_y(degrees.to_radians());
@@ -298,7 +298,7 @@ fn a_stroke_that_has_begun_continues_in_front_of_the_board() {
     let mut person = Person::new(Right);
     person.hand(Right).trigger = 1.0;
     person.frame();
-    let pose = Pose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
+    let pose = RoomPose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
     person.board = Some(Board { pose, size_m: Vec2::new(0.4, 0.2) });
     assert!(matches!(person.frame()[..], [HandEvent::Tool(_)]));
     person.hand(Right).trigger = 0.0;

@@ -14,7 +14,7 @@ use serde::Deserialize;
 pub use board::Board;
 pub use mapper::{HandEvent, HandMapper, HandSettings};
 
-use crate::view::Pose;
+use crate::view::RoomPose;
 
 /// The side of a hand.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
@@ -52,9 +52,9 @@ impl HandSide {
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct HandState {
     /// The pose of the palm.
-    pub grip: Option<Pose>,
+    pub grip: Option<RoomPose>,
     /// The pose of the pointing ray.
-    pub aim: Option<Pose>,
+    pub aim: Option<RoomPose>,
     /// 0 to 1.
     pub trigger: f32,
     /// 0 to 1.
@@ -71,8 +71,8 @@ impl HandState {
     fn plausible(&self) -> HandState {
         let valid = |x: f32| if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
         HandState {
-            grip: self.grip.filter(Pose::is_plausible),
-            aim: self.aim.filter(Pose::is_plausible),
+            grip: self.grip.filter(RoomPose::is_plausible),
+            aim: self.aim.filter(RoomPose::is_plausible),
             stick: Vec2::new(valid(self.stick.x), valid(self.stick.y)),
             ..*self
         }

@@ -6,7 +6,7 @@ use openxr as xr;
 
 use super::error::{Doing, Result};
 use crate::input::hands::{HandSide, HandState, HandsState};
-use crate::view::Pose;
+use crate::view::RoomPose;
 
 /// Longest vibration without renewal, in nanoseconds.
 const PULSE_NS: i64 = 60_000_000;
@@ -258,25 +258,25 @@ impl Actions {
 }
 
 /// Returns the pose, if the runtime knows it and it is plausible.
-fn valid_pose(location: xr::SpaceLocation) -> Option<Pose> {
+fn valid_pose(location: xr::SpaceLocation) -> Option<RoomPose> {
     use xr::SpaceLocationFlags as Flags;
     let valid = Flags::ORIENTATION_VALID | Flags::POSITION_VALID;
     location
         .location_flags
         .contains(valid)
         .then(|| from_xr(&location.pose))
-        .filter(Pose::is_plausible)
+        .filter(RoomPose::is_plausible)
 }
 
-pub(super) fn from_xr(pose: &xr::Posef) -> Pose {
+pub(super) fn from_xr(pose: &xr::Posef) -> RoomPose {
     let (q, p) = (pose.orientation, pose.position);
-    Pose {
+    RoomPose {
         position: Vec3::new(p.x, p.y, p.z),
         rotation: Quat::from_xyzw(q.x, q.y, q.z, q.w).normalize(),
     }
 }
 
-pub(super) fn to_xr(pose: &Pose) -> xr::Posef {
+pub(super) fn to_xr(pose: &RoomPose) -> xr::Posef {
     let (q, p) = (pose.rotation, pose.position);
     xr::Posef {
         orientation: xr::Quaternionf { x: q.x, y: q.y, z: q.z, w: q.w },

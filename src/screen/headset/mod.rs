@@ -27,7 +27,7 @@ pub use headless_tracker::HeadsetTracker;
 pub use options::HeadsetOptions;
 pub use probe::probe;
 pub use room_space::RoomOrigin;
-pub use runtime::{Blend, Connector};
+pub use runtime::{BlendMode, Connector};
 pub(crate) use runtime_thread::RuntimeThread;
 pub use session::{XrSession, XrSessionOptions};
 pub use session_head::SessionHead;

@@ -3,7 +3,7 @@
 use glam::{UVec2, Vec2};
 use serde::Deserialize;
 
-use super::{Blend, RoomOrigin, XrSessionOptions};
+use super::{BlendMode, RoomOrigin, XrSessionOptions};
 use crate::gpu::DeviceOptions;
 use crate::input::hands::{HandSettings, HandSide};
 use crate::input::pad::rumble::RumbleCurve;
@@ -21,7 +21,7 @@ pub struct HeadsetOptions {
     /// Connect to a headset when the program starts.
     pub enabled: bool,
     pub hand: HandSide,
-    pub blend: Blend,
+    pub blend: BlendMode,
     pub origin: RoomOrigin,
     pub size_m: f32,
     pub distance_m: f32,
@@ -42,7 +42,7 @@ impl Default for HeadsetOptions {
         HeadsetOptions {
             enabled: false,
             hand: HandSide::Right,
-            blend: Blend::Auto,
+            blend: BlendMode::Auto,
             origin: RoomOrigin::Stage,
             size_m: 0.5,
             distance_m: 0.7,

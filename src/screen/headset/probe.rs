@@ -7,7 +7,7 @@ use crate::install_hint;
 
 /// An available OpenXR runtime.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Runtime {
+pub struct AvailableRuntime {
     pub name: String,
     pub version: String,
     /// Whether it can share Vulkan images with the program (`XR_KHR_vulkan_enable2`).
@@ -15,7 +15,7 @@ pub struct Runtime {
 }
 
 /// Queries the installed runtime. The error names the missing part.
-pub fn probe() -> Result<Runtime, String> {
+pub fn probe() -> Result<AvailableRuntime, String> {
     // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
     // Vulkan loader is.
     let entry = unsafe { xr::Entry::load(&()) }
@@ -36,7 +36,7 @@ pub fn probe() -> Result<Runtime, String> {
     let properties = instance
         .properties()
         .map_err(|error| format!("the OpenXR runtime does not report its name ({error})"))?;
-    Ok(Runtime {
+    Ok(AvailableRuntime {
         name: properties.runtime_name,
         version: properties.runtime_version.to_string(),
         vulkan: extensions.khr_vulkan_enable2,

@@ -13,7 +13,7 @@ const VULKAN: xr::Version = xr::Version::new(1, 3, 0);
 /// The blending of pictures with the surroundings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Blend {
+pub enum BlendMode {
     /// Blended with the surroundings if the headset can, otherwise opaque.
     #[default]
     Auto,
@@ -25,32 +25,32 @@ pub enum Blend {
     Alpha,
 }
 
-impl Blend {
+impl BlendMode {
     /// Returns the text in the interface.
     pub const fn label(self) -> &'static str {
         match self {
-            Blend::Auto => "automatic",
-            Blend::Opaque => "hidden",
-            Blend::Additive => "additive",
-            Blend::Alpha => "visible",
+            BlendMode::Auto => "automatic",
+            BlendMode::Opaque => "hidden",
+            BlendMode::Additive => "additive",
+            BlendMode::Alpha => "visible",
         }
     }
 
     /// Returns the option for a blend mode of the runtime, if there is one.
-    pub(super) fn of(mode: xr::EnvironmentBlendMode) -> Option<Blend> {
+    pub(super) fn of(mode: xr::EnvironmentBlendMode) -> Option<BlendMode> {
         match mode {
-            xr::EnvironmentBlendMode::OPAQUE => Some(Blend::Opaque),
-            xr::EnvironmentBlendMode::ADDITIVE => Some(Blend::Additive),
-            xr::EnvironmentBlendMode::ALPHA_BLEND => Some(Blend::Alpha),
+            xr::EnvironmentBlendMode::OPAQUE => Some(BlendMode::Opaque),
+            xr::EnvironmentBlendMode::ADDITIVE => Some(BlendMode::Additive),
+            xr::EnvironmentBlendMode::ALPHA_BLEND => Some(BlendMode::Alpha),
             _ => None,
         }
     }
 
     /// Returns the available mode closest to this option.
-    pub fn nearest(self, offered: &[Blend]) -> Option<Blend> {
-        use Blend::{Additive, Alpha, Opaque};
+    pub fn nearest(self, offered: &[BlendMode]) -> Option<BlendMode> {
+        use BlendMode::{Additive, Alpha, Opaque};
         let order = match self {
-            Blend::Auto | Alpha => [Alpha, Additive, Opaque],
+            BlendMode::Auto | Alpha => [Alpha, Additive, Opaque],
             Opaque => [Opaque, Additive, Alpha],
             Additive => [Additive, Alpha, Opaque],
         };
@@ -62,9 +62,10 @@ impl Blend {
         self,
         offered: &[xr::EnvironmentBlendMode],
     ) -> Option<xr::EnvironmentBlendMode> {
-        let blends: Vec<Blend> = offered.iter().filter_map(|mode| Blend::of(*mode)).collect();
+        let blends: Vec<BlendMode> =
+            offered.iter().filter_map(|mode| BlendMode::of(*mode)).collect();
         let nearest = self.nearest(&blends);
-        offered.iter().copied().find(|mode| nearest.is_some() && Blend::of(*mode) == nearest)
+        offered.iter().copied().find(|mode| nearest.is_some() && BlendMode::of(*mode) == nearest)
     }
 }
 
@@ -130,13 +131,13 @@ struct RuntimeConnection {
 
 impl Connector {
     /// Connects to a headset. Without one, keeps the connection to the runtime for the next attempt.
-    pub(super) fn connect(&mut self, blend: Blend) -> Result<Runtime> {
+    pub(super) fn connect(&mut self, blend: BlendMode) -> Result<HeadsetRuntime> {
         let connection = match self.kept.take() {
             Some(connection) => connection,
             None => RuntimeConnection::new()?,
         };
         match connection.instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY) {
-            Ok(system) => Runtime::new(connection, system, blend),
+            Ok(system) => HeadsetRuntime::new(connection, system, blend),
             Err(error) => {
                 use xr::sys::Result as R;
                 let transient =
@@ -172,7 +173,7 @@ impl RuntimeConnection {
 }
 
 /// A runtime with a headset.
-pub(super) struct Runtime {
+pub(super) struct HeadsetRuntime {
     pub instance: xr::Instance,
     pub system: xr::SystemId,
     /// The names of runtime and headset, for messages.
@@ -193,9 +194,13 @@ pub(super) struct Runtime {
     pub converts_time: bool,
 }
 
-impl Runtime {
+impl HeadsetRuntime {
     /// Returns the properties of the runtime and its headset.
-    fn new(connection: RuntimeConnection, system: xr::SystemId, blend: Blend) -> Result<Runtime> {
+    fn new(
+        connection: RuntimeConnection,
+        system: xr::SystemId,
+        blend: BlendMode,
+    ) -> Result<HeadsetRuntime> {
         let RuntimeConnection { instance, offered, converts_time } = connection;
         let name = name_of(&instance, system)?;
         let unsuitable =
@@ -230,7 +235,7 @@ impl Runtime {
             .doing("report its blend modes")?;
         let blend =
             blend.choose(&modes).ok_or_else(|| unsuitable("offers no blend mode".to_string()))?;
-        Ok(Runtime {
+        Ok(HeadsetRuntime {
             has_depth_layers: offered.khr_composition_layer_depth,
             has_hand_interaction: offered.ext_hand_interaction,
             converts_time,
@@ -253,20 +258,20 @@ mod tests {
     #[test]
     fn auto_prefers_modes_that_show_the_surroundings() {
         let all = [Mode::OPAQUE, Mode::ADDITIVE, Mode::ALPHA_BLEND];
-        assert_eq!(Blend::Auto.choose(&all), Some(Mode::ALPHA_BLEND));
-        assert_eq!(Blend::Auto.choose(&all[..2]), Some(Mode::ADDITIVE));
-        assert_eq!(Blend::Auto.choose(&all[..1]), Some(Mode::OPAQUE));
-        assert_eq!(Blend::Opaque.choose(&all), Some(Mode::OPAQUE));
-        assert_eq!(Blend::Additive.choose(&all), Some(Mode::ADDITIVE));
+        assert_eq!(BlendMode::Auto.choose(&all), Some(Mode::ALPHA_BLEND));
+        assert_eq!(BlendMode::Auto.choose(&all[..2]), Some(Mode::ADDITIVE));
+        assert_eq!(BlendMode::Auto.choose(&all[..1]), Some(Mode::OPAQUE));
+        assert_eq!(BlendMode::Opaque.choose(&all), Some(Mode::OPAQUE));
+        assert_eq!(BlendMode::Additive.choose(&all), Some(Mode::ADDITIVE));
         assert_eq!(
-            Blend::Opaque.choose(&[Mode::ADDITIVE]),
+            BlendMode::Opaque.choose(&[Mode::ADDITIVE]),
             Some(Mode::ADDITIVE),
             "the closest one"
         );
-        assert_eq!(Blend::Auto.choose(&[]), None);
+        assert_eq!(BlendMode::Auto.choose(&[]), None);
         for mode in all {
-            assert_eq!(Blend::of(mode).and_then(|blend| blend.choose(&all)), Some(mode));
+            assert_eq!(BlendMode::of(mode).and_then(|blend| blend.choose(&all)), Some(mode));
         }
-        assert_eq!(Blend::of(Mode::from_raw(77)), None, "a mode of a later version");
+        assert_eq!(BlendMode::of(Mode::from_raw(77)), None, "a mode of a later version");
     }
 }

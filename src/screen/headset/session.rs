@@ -16,7 +16,7 @@ use super::actions::Actions;
 use super::error::{Doing, HeadsetError, Result};
 use super::lifecycle::Lifecycle;
 use super::room_space::{RoomOrigin, create_room_space};
-use super::runtime::{Blend, Connector};
+use super::runtime::{BlendMode, Connector};
 use super::runtime_thread::RuntimeThread;
 use super::session_head::{HeadShare, SessionHead};
 use super::session_thread::{EndFrame, FrameLayers, FrameTargets, Request, SessionThread, XrEvent};
@@ -31,7 +31,7 @@ const RESPONSE_TIMEOUT: Duration = Duration::from_millis(250);
 /// The options of a session.
 #[derive(Clone, PartialEq, Debug)]
 pub struct XrSessionOptions {
-    pub blend: Blend,
+    pub blend: BlendMode,
     pub origin: RoomOrigin,
     /// Factor on the runtime's recommended width and height of an eye's picture.
     pub resolution: f32,
@@ -172,12 +172,12 @@ impl XrSession {
     }
 
     /// Returns the available blend modes.
-    pub fn blends(&self) -> Vec<Blend> {
-        self.blending.offered.iter().filter_map(|mode| Blend::of(*mode)).collect()
+    pub fn blends(&self) -> Vec<BlendMode> {
+        self.blending.offered.iter().filter_map(|mode| BlendMode::of(*mode)).collect()
     }
 
     /// Requests a blend mode from the next frame on; the nearest available one is used.
-    pub fn set_blend(&mut self, option: Blend) {
+    pub fn set_blend(&mut self, option: BlendMode) {
         self.blending.request(option);
     }
 
@@ -296,7 +296,7 @@ impl Drop for XrSession {
 /// The blend modes of a session.
 struct Blending {
     /// The requested one.
-    option: Blend,
+    option: BlendMode,
     /// The modes of the headset.
     offered: Vec<xr::EnvironmentBlendMode>,
     /// The mode in use.
@@ -305,7 +305,7 @@ struct Blending {
 
 impl Blending {
     /// Changes to the offered mode closest to `option`.
-    fn request(&mut self, option: Blend) {
+    fn request(&mut self, option: BlendMode) {
         if std::mem::replace(&mut self.option, option) != option
             && let Some(mode) = option.choose(&self.offered)
             && std::mem::replace(&mut self.mode, mode) != mode

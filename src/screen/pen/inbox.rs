@@ -61,12 +61,12 @@ pub enum Waited {
 }
 
 /// Ends a thread when it is dropped.
-pub struct Stop(#[allow(dead_code, reason = "closing it is the signal")] PipeWriter);
+pub struct StopSignal(#[allow(dead_code, reason = "closing it is the signal")] PipeWriter);
 
-impl Stop {
-    pub fn new() -> std::io::Result<(Stop, PipeReader)> {
+impl StopSignal {
+    pub fn new() -> std::io::Result<(StopSignal, PipeReader)> {
         let (reader, writer) = std::io::pipe()?;
-        Ok((Stop(writer), reader))
+        Ok((StopSignal(writer), reader))
     }
 }
 

@@ -34,7 +34,7 @@ use wayland_protocols::wp::tablet::zv2::client::{
     zwp_tablet_v2::{self, ZwpTabletV2},
 };
 
-use super::inbox::{Inbox, Stop, Waited, wait};
+use super::inbox::{Inbox, StopSignal, Waited, wait};
 use super::wayland_tools::{Tool, ToolEvent};
 use super::{PenReport, WindowKey};
 
@@ -54,7 +54,7 @@ pub struct WaylandPens {
     inbox: Inbox,
     cursor: Arc<Mutex<Cursor>>,
     connection: Connection,
-    stop: Option<Stop>,
+    stop: Option<StopSignal>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -79,7 +79,7 @@ impl WaylandPens {
     ) -> Result<WaylandPens, WaylandPenError> {
         let (inbox, cursor) = (Inbox::default(), Arc::new(Mutex::new(Cursor::default())));
         let (queue, state) = begin(&connection, inbox.clone(), cursor.clone());
-        let (stop, stopped) = Stop::new()?;
+        let (stop, stopped) = StopSignal::new()?;
         let thread = std::thread::Builder::new()
             .name("pens".into())
             .spawn(move || run(queue, state, &stopped, wake))?;

@@ -17,7 +17,7 @@ use x11rb::protocol::xinput::{ConnectionExt as _, Device, EventMask, XIEventMask
 use x11rb::protocol::xproto::{ConnectionExt as _, Window};
 use x11rb::rust_connection::RustConnection;
 
-use super::inbox::{Inbox, Stop, Waited, wait};
+use super::inbox::{Inbox, StopSignal, Waited, wait};
 use super::xi2::{AxisAtoms, EventKind, PenDevices};
 use super::{PenReport, WindowKey};
 
@@ -43,7 +43,7 @@ pub enum X11PenError {
 pub struct X11Pens {
     reader: Arc<Mutex<Reader>>,
     inbox: Inbox,
-    stop: Option<Stop>,
+    stop: Option<StopSignal>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -62,7 +62,7 @@ impl X11Pens {
         let reader = Reader::new(display, inbox.clone())?;
         let connection = reader.connection.clone();
         let reader = Arc::new(Mutex::new(reader));
-        let (stop, stopped) = Stop::new()?;
+        let (stop, stopped) = StopSignal::new()?;
         let own = reader.clone();
         let thread = std::thread::Builder::new()
             .name("pens".into())

@@ -13,7 +13,7 @@ const PART: u32 = 3;
 
 /// Where a search leads.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Target {
+pub enum SearchTarget {
     /// The panel opens and the option blinks.
     Option(Spot),
     Do(Action),
@@ -26,7 +26,7 @@ pub struct Elsewhere {
     pub names: &'static str,
     /// Describes the feature here, or why there is none and what is nearest.
     pub text: &'static str,
-    pub target: Target,
+    pub target: SearchTarget,
 }
 
 impl Elsewhere {
@@ -42,11 +42,11 @@ impl Elsewhere {
 }
 
 const fn option(names: &'static str, text: &'static str, spot: Spot) -> Elsewhere {
-    Elsewhere { names, text, target: Target::Option(spot) }
+    Elsewhere { names, text, target: SearchTarget::Option(spot) }
 }
 
 const fn action(names: &'static str, text: &'static str, action: Action) -> Elsewhere {
-    Elsewhere { names, text, target: Target::Do(action) }
+    Elsewhere { names, text, target: SearchTarget::Do(action) }
 }
 
 /// All features with other names here.
@@ -202,8 +202,8 @@ mod tests {
     fn what_they_lead_to_needs_no_hand_on_the_mouse() {
         for it in ELSEWHERE {
             let action = match it.target {
-                Target::Do(action) => Some(action),
-                Target::Option(spot) => spot.needs(),
+                SearchTarget::Do(action) => Some(action),
+                SearchTarget::Option(spot) => spot.needs(),
             };
             assert!(action.is_none_or(|action| action.help().kind == Kind::Tap), "{}", it.names);
         }

@@ -7,7 +7,7 @@ use glam::UVec2;
 
 use crate::ui::dialogs::picture_size::PictureSize;
 use crate::ui::dialogs::shared::{Dialog, Shared};
-use crate::ui::pictures::{FilmForm, FilmKind, FilmRequest};
+use crate::ui::pictures::{FilmForm, FilmRequest, FilmSubject};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 use crate::view::MAX_SAMPLES;
@@ -24,7 +24,7 @@ const WIDTH: f32 = 360.0;
 #[derive(Clone, PartialEq, Debug)]
 pub struct FilmDialog {
     pub open: bool,
-    pub kind: FilmKind,
+    pub kind: FilmSubject,
     pub frames: u32,
     pub fps: u16,
     /// The angle by which the sculpture turns: in a turntable, and in a time lapse.
@@ -38,7 +38,7 @@ impl Default for FilmDialog {
     fn default() -> FilmDialog {
         FilmDialog {
             open: false,
-            kind: FilmKind::default(),
+            kind: FilmSubject::default(),
             frames: 120,
             fps: 30,
             spin_deg: [360.0, 0.0],
@@ -93,7 +93,7 @@ impl Dialog for FilmDialog {
             let undos = context.document.history().undo_count();
             let can_lapse = context.recording.is_some() || undos > 0;
             if !can_lapse {
-                self.kind = FilmKind::Turntable;
+                self.kind = FilmSubject::Turntable;
             }
             // A focused field or button uses Enter itself.
             let free = ui.memory(|memory| memory.focused().is_none());
@@ -132,10 +132,10 @@ fn what(ui: &mut Ui, dialog: &mut FilmDialog, can_lapse: bool, is_recording: boo
     };
     ui.label("Kind");
     ui.horizontal(|ui| {
-        ui.radio_value(&mut dialog.kind, FilmKind::Turntable, "Turntable")
+        ui.radio_value(&mut dialog.kind, FilmSubject::Turntable, "Turntable")
             .on_hover_text("The sculpture turns; a full turn loops without a jump");
         ui.add_enabled_ui(can_lapse, |ui| {
-            ui.radio_value(&mut dialog.kind, FilmKind::Lapse, "Time lapse")
+            ui.radio_value(&mut dialog.kind, FilmSubject::Lapse, "Time lapse")
                 .on_hover_text(lapse)
                 .on_disabled_hover_text("There is nothing yet for a time lapse to show");
         });

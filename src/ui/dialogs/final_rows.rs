@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use egui::{Checkbox, ComboBox, DragValue, Slider, Ui};
 
-use crate::trace::{AreaLight, Ground, LightOptions, MAX_BOUNCES, MAX_FINAL_SAMPLES, Sun};
+use crate::trace::{AreaLight, Ground, LightOptions, MAX_BOUNCES, MAX_FINAL_SAMPLES, SunLight};
 use crate::ui::dialogs::final_choices::FinalDialog;
 use crate::ui::pictures::FinalFile;
 
@@ -34,7 +34,7 @@ pub fn quality(ui: &mut Ui, dialog: &mut FinalDialog) {
 
 pub fn light(ui: &mut Ui, light: &mut LightOptions) {
     let LightOptions::Outdoors { sun, sky, .. } = light else { return };
-    let Sun { azimuth_deg, elevation_deg, size_deg, strength } = sun;
+    let SunLight { azimuth_deg, elevation_deg, size_deg, strength } = sun;
     for (name, value, range, suffix, help) in [
         (
             "Sun azimuth",

@@ -4,7 +4,7 @@
 use egui::{Id, Modal, Ui};
 
 use crate::input::action::Kind;
-use crate::input::listener::{Heard, Listener};
+use crate::input::listener::{CapturedInput, Listener};
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Bindings, Trigger};
 use crate::ui::context::UiContext;
@@ -34,8 +34,8 @@ impl Catch {
     }
 
     /// Handles a trigger. Returns the change, if there is nothing to ask, and whether the wait is over.
-    fn take(&mut self, heard: Heard, bindings: &Bindings) -> (Option<KeyChange>, bool) {
-        let Heard::Trigger(trigger) = heard else { return (None, true) };
+    fn take(&mut self, heard: CapturedInput, bindings: &Bindings) -> (Option<KeyChange>, bool) {
+        let CapturedInput::Trigger(trigger) = heard else { return (None, true) };
         if let Err(unfit) = Bindings::fits(trigger, self.action) {
             let refusal = capital(&unfit.to_string());
             self.step = Step::Listen(Listener::default(), Some(refusal));
@@ -74,7 +74,7 @@ impl KeyCatch {
 /// Takes the awaited trigger from keyboard and mouse and hides it from all widgets. Called before any of them is shown.
 pub fn listen(root: &Ui, keys: &mut KeyCatch, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let Some(bindings) = context.bindings() else { return };
-    let pressed = keys.pressed.take().map(Heard::Trigger);
+    let pressed = keys.pressed.take().map(CapturedInput::Trigger);
     let Some(catch) = &mut keys.waiting else { return };
     if !matches!(catch.step, Step::Listen(..)) {
         return;

@@ -10,7 +10,7 @@ use egui::{WidgetInfo, WidgetType, vec2};
 use crate::command::{COMMANDS, Command, CommandHelp};
 use crate::input::action::Kind;
 use crate::input::{Action, Bindings};
-use crate::ui::dialogs::elsewhere::{ELSEWHERE, Elsewhere, Target};
+use crate::ui::dialogs::elsewhere::{ELSEWHERE, Elsewhere, SearchTarget};
 use crate::ui::dialogs::shared::{Dialog, Shared};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::filter::Filter;
@@ -211,10 +211,10 @@ impl Palette {
         match entry {
             Entry::Run(command) => requests.push(UiRequest::Run((**command).clone())),
             Entry::Do(action) => requests.push(UiRequest::Do(*action)),
-            Entry::See(Elsewhere { target: Target::Do(action), .. }) => {
+            Entry::See(Elsewhere { target: SearchTarget::Do(action), .. }) => {
                 requests.push(UiRequest::Do(*action));
             }
-            Entry::See(Elsewhere { target: Target::Option(spot), .. }) => {
+            Entry::See(Elsewhere { target: SearchTarget::Option(spot), .. }) => {
                 requests.extend(spot.needs().map(UiRequest::Do));
                 led_to = Some(*spot);
             }
@@ -282,8 +282,10 @@ fn row(ui: &mut Ui, entry: &Entry, chosen: bool, bindings: Option<&Bindings>) ->
         }
         Entry::See(it) => {
             let (right, what) = match it.target {
-                Target::Do(action) => (triggers_of(action, bindings), action.help().text),
-                Target::Option(_) => ("option".to_string(), "Opens the panel and shows the option"),
+                SearchTarget::Do(action) => (triggers_of(action, bindings), action.help().text),
+                SearchTarget::Option(_) => {
+                    ("option".to_string(), "Opens the panel and shows the option")
+                }
             };
             (RichText::new(it.text), right, format!("{}\n{what}", it.text))
         }

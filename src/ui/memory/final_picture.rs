@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::trace::{
-    AreaLight, Ground, LightOptions, MAX_BOUNCES, MAX_FINAL_SAMPLES, Sun, TraceOptions,
+    AreaLight, Ground, LightOptions, MAX_BOUNCES, MAX_FINAL_SAMPLES, SunLight, TraceOptions,
 };
 use crate::ui::dialogs::final_choices::FinalDialog;
 use crate::ui::memory::values::{neat, within};
@@ -49,7 +49,7 @@ impl KeptFinal {
             ..KeptFinal::default()
         };
         if let LightOptions::Outdoors { sun, sky, area_light } = light {
-            let Sun { azimuth_deg, elevation_deg, size_deg, strength } = sun;
+            let SunLight { azimuth_deg, elevation_deg, size_deg, strength } = sun;
             kept.sun = Some([azimuth_deg, elevation_deg, size_deg, strength].map(neat));
             kept.sky = Some(neat(sky));
             kept.has_lamp = Some(area_light.is_some());
@@ -79,7 +79,7 @@ impl KeptFinal {
         *size = within(nth(&self.lamp, 2), 0.01..=5.0, *size);
         *strength = within(nth(&self.lamp, 3), 0.0..=10.0, *strength);
         if let LightOptions::Outdoors { sun, sky, area_light } = light {
-            let Sun { azimuth_deg, elevation_deg, size_deg, strength } = sun;
+            let SunLight { azimuth_deg, elevation_deg, size_deg, strength } = sun;
             *azimuth_deg = within(nth(&self.sun, 0), -180.0..=180.0, *azimuth_deg);
             *elevation_deg = within(nth(&self.sun, 1), 0.0..=90.0, *elevation_deg);
             *size_deg = within(nth(&self.sun, 2), 0.2..=60.0, *size_deg);

@@ -13,17 +13,17 @@ const MAX_CHUNK_LINE: usize = 256;
 
 /// The relevant headers of a response.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct Head {
+pub struct ResponseHead {
     pub status: u16,
     pub content_type: String,
     pub chunked: bool,
     pub location: String,
 }
 
-impl Head {
+impl ResponseHead {
     /// Parses status line and headers. Returns the head with its number of bytes, after which the body begins; `None`
     /// if more must be read.
-    pub fn parse(bytes: &[u8], subject: &str) -> Result<Option<(Head, usize)>, VideoError> {
+    pub fn parse(bytes: &[u8], subject: &str) -> Result<Option<(ResponseHead, usize)>, VideoError> {
         let mut headers = vec![httparse::EMPTY_HEADER; MAX_HEADERS];
         let mut response = httparse::Response::new(&mut headers);
         // Phones are careless about headers; the relevant ones are read nevertheless.
@@ -34,7 +34,8 @@ impl Head {
             .parse_response(&mut response, bytes)
             .map_err(|_| VideoError::malformed(subject, "the answer is not HTTP/1"))?;
         let httparse::Status::Complete(end) = parsed else { return Ok(None) };
-        let mut head = Head { status: response.code.unwrap_or_default(), ..Head::default() };
+        let mut head =
+            ResponseHead { status: response.code.unwrap_or_default(), ..ResponseHead::default() };
         for header in response.headers.iter() {
             let value = String::from_utf8_lossy(header.value).trim().to_owned();
             match header.name.to_ascii_lowercase().as_str() {
@@ -188,16 +189,20 @@ mod tests {
     fn heads_are_judged() {
         let text = b"HTTP/1.0 200 OK\r\nContent-TYPE: multipart/x-mixed-replace;boundary=x\r\n\
                      Transfer-Encoding: Chunked\r\n\r\nbody";
-        let (head, end) = Head::parse(text, "x").unwrap().unwrap();
+        let (head, end) = ResponseHead::parse(text, "x").unwrap().unwrap();
         assert_eq!(&text[end..], b"body");
         assert!(head.chunked && head.check("x").is_ok());
         for unfinished in 0..end {
-            assert_eq!(Head::parse(&text[..unfinished], "x").unwrap(), None, "{unfinished} bytes");
+            assert_eq!(
+                ResponseHead::parse(&text[..unfinished], "x").unwrap(),
+                None,
+                "{unfinished} bytes"
+            );
         }
         // Like careless servers.
         let text =
             b"HTTP/1.1 200\r\nbad header\r\nContent-Type : multipart/x\r\n\xff: \xfe\r\n\r\n";
-        let (head, _) = Head::parse(text, "x").unwrap().unwrap();
+        let (head, _) = ResponseHead::parse(text, "x").unwrap().unwrap();
         assert_eq!((head.status, head.content_type.as_str()), (200, "multipart/x"));
         for (answer, why) in [
             ("HTTP/1.1 404 Not Found\r\n\r\n", "404"),
@@ -206,13 +211,13 @@ mod tests {
             ("HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n\r\n", "text/html"),
             ("HTTP/1.1 200 OK\r\n\r\n", "multipart"),
         ] {
-            let (head, _) = Head::parse(answer.as_bytes(), "x").unwrap().unwrap();
+            let (head, _) = ResponseHead::parse(answer.as_bytes(), "x").unwrap().unwrap();
             let error = head.check("x").unwrap_err();
             assert!(error.to_string().contains(why), "{error}");
         }
         for bad in ["ICY 200 OK\r\n\r\n", "HTTP/1.1\r\n\r\n", "HTTP/1.1 abc\r\n\r\n", "\0\r\n\r\n"]
         {
-            assert!(Head::parse(bad.as_bytes(), "x").is_err(), "{bad:?}");
+            assert!(ResponseHead::parse(bad.as_bytes(), "x").is_err(), "{bad:?}");
         }
     }
 
@@ -243,7 +248,7 @@ mod tests {
         #[test]
         fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), step in 1usize..50) {
             let _ = body_of(&bytes, step);
-            if let Ok(Some((head, _))) = Head::parse(&bytes, "x") {
+            if let Ok(Some((head, _))) = ResponseHead::parse(&bytes, "x") {
                 let _ = head.check("x");
             }
         }

@@ -14,10 +14,10 @@ use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
 use super::error::VideoError;
-use super::frame::{Frame, MAX_COMPRESSED_BYTES};
+use super::frame::{MAX_COMPRESSED_BYTES, VideoFrame};
 use super::jpeg::{self, Splitter};
-use super::reader::{Decoded, FETCH_WAIT, Fetched, Reader, Stop};
-use body::{Body, Head, MAX_HEAD, Span};
+use super::reader::{Decoded, FETCH_WAIT, Fetched, OwnerWatch, Reader};
+use body::{Body, MAX_HEAD, ResponseHead, Span};
 
 pub use url::Url;
 
@@ -43,7 +43,7 @@ pub struct HttpCamera {
 
 impl HttpCamera {
     /// Connects, sends the request, and reads the head of the response.
-    pub fn open(url: &Url, stop: &Stop) -> Result<HttpCamera, VideoError> {
+    pub fn open(url: &Url, stop: &OwnerWatch) -> Result<HttpCamera, VideoError> {
         let subject = url.to_string();
         let io = |error: io::Error| VideoError::io(&*subject, error);
         let mut stream = connect(url, stop).map_err(io)?;
@@ -71,7 +71,7 @@ impl HttpCamera {
                 Err(error) if is_wait(&error) => {}
                 Err(error) => return Err(io(error)),
             }
-            if let Some(head) = Head::parse(&buffer[..filled], &subject)? {
+            if let Some(head) = ResponseHead::parse(&buffer[..filled], &subject)? {
                 break head;
             }
             if filled == MAX_HEAD {
@@ -179,7 +179,7 @@ impl Reader for HttpCamera {
         Ok(Fetched::Picture { position: self.opened.elapsed(), stale: pictures - 1, broken })
     }
 
-    fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError> {
+    fn decode(&mut self, frame: &mut VideoFrame) -> Result<Decoded, VideoError> {
         Ok(jpeg::decode(&self.picture, &self.subject, frame))
     }
 
@@ -188,7 +188,7 @@ impl Reader for HttpCamera {
     }
 }
 
-fn connect(url: &Url, stop: &Stop) -> io::Result<TcpStream> {
+fn connect(url: &Url, stop: &OwnerWatch) -> io::Result<TcpStream> {
     let addresses: Vec<SocketAddr> = (url.host(), url.port()).to_socket_addrs()?.collect();
     let mut failure = io::Error::new(ErrorKind::NotFound, "the host has no address");
     for address in addresses {

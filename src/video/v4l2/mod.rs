@@ -17,16 +17,16 @@ use self::modes::{Coding, DEFAULT_SIZE, choose, coding_of, modes_of, offered};
 use super::address::CameraAddress;
 use super::colour::{Colour, Range};
 use super::error::VideoError;
-use super::frame::{Frame, check_size};
+use super::frame::{VideoFrame, check_size};
 use super::jpeg::{self, Splitter};
 use super::rate::Rate;
 use super::reader::{Decoded, FETCH_WAIT, Fetched, Reader};
-use super::yuv::{Layout, Lines, Planes, to_rgba};
+use super::yuv::{Layout, LineBuffers, Planes, to_rgba};
 
 pub use self::modes::{CameraInfo, CameraMode, cameras};
 
 /// An opened camera.
-pub struct Camera {
+pub struct V4l2Camera {
     stream: ReadStream,
     subject: String,
     coding: Coding,
@@ -40,11 +40,11 @@ pub struct Camera {
     damaged: bool,
     splitter: Splitter,
     picture: Vec<u8>,
-    lines: Lines,
+    lines: LineBuffers,
 }
 
-impl Camera {
-    pub fn open(address: &CameraAddress) -> Result<Camera, VideoError> {
+impl V4l2Camera {
+    pub fn open(address: &CameraAddress) -> Result<V4l2Camera, VideoError> {
         let subject = address.device.display().to_string();
         let io = |error: Error| VideoError::io(&*subject, error);
         let device = Device::open(&address.device).map_err(io)?;
@@ -84,7 +84,7 @@ impl Camera {
         let name = got.pixel_format();
         tracing::info!("{subject}: {width} x {height} {name}, {} a second", mode.per_second);
         let stream = capture.into_stream().map_err(io)?;
-        Ok(Camera {
+        Ok(V4l2Camera {
             stream,
             subject,
             coding,
@@ -97,7 +97,7 @@ impl Camera {
             damaged: false,
             splitter: Splitter::new(),
             picture: Vec::new(),
-            lines: Lines::default(),
+            lines: LineBuffers::default(),
         })
     }
 
@@ -122,7 +122,7 @@ fn said_colour(coding: Coding) -> Colour {
     }
 }
 
-impl Reader for Camera {
+impl Reader for V4l2Camera {
     fn fetch(&mut self) -> Result<Fetched, VideoError> {
         let mut events = [PollFd::new(&self.stream, PollFlags::IN)];
         let wait = Timespec { tv_sec: 0, tv_nsec: FETCH_WAIT.subsec_nanos().into() };
@@ -147,7 +147,7 @@ impl Reader for Camera {
         Ok(Fetched::Picture { position: self.opened.elapsed(), stale, broken: 0 })
     }
 
-    fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError> {
+    fn decode(&mut self, frame: &mut VideoFrame) -> Result<Decoded, VideoError> {
         let broken =
             |problem: String| Ok(Decoded::Broken(VideoError::malformed(&*self.subject, problem)));
         if self.damaged {
@@ -192,7 +192,7 @@ mod tests {
             other => panic!("{other:?}"),
         };
         for device in ["/dev/null", "/nonexistent", "/dev"] {
-            let error = Camera::open(&address(device)).err().unwrap();
+            let error = V4l2Camera::open(&address(device)).err().unwrap();
             assert!(error.to_string().starts_with(device), "{error}");
         }
         assert!(cameras().is_ok());

@@ -8,7 +8,7 @@ use super::{ParseError, QuotedPath, list, number, parse_colour, parse_vec3};
 use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
 use crate::tools::brush::param::{Domain, Omitted, Param, Value};
 use crate::tools::brush::spec::ContactKind;
-use crate::tools::brush::{Ball, BrushId, BrushSurface, BrushUse, Contact, Frame};
+use crate::tools::brush::{BrushBall, BrushDirection, BrushId, BrushSurface, BrushUse, Contact};
 
 const SPRAY: &str = "spray";
 const STENCIL: &str = "stencil";
@@ -130,12 +130,12 @@ pub fn write(used: &BrushUse, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             }
             params.try_for_each(|(param, value)| write_value(param, value, f))
         }
-        Contact::Ball(Ball { centre_vx, radius, frame }) => {
+        Contact::Ball(BrushBall { centre_vx, radius, frame }) => {
             write!(f, " at={} radius={radius}", list(centre_vx.to_array()))?;
             match frame {
-                Frame::None => {}
-                Frame::Normal(normal) => write!(f, " normal={}", list(normal.to_array()))?,
-                Frame::Displacement(by_vx) => write!(f, " by={}", list(by_vx.to_array()))?,
+                BrushDirection::None => {}
+                BrushDirection::Normal(normal) => write!(f, " normal={}", list(normal.to_array()))?,
+                BrushDirection::Displacement(by_vx) => write!(f, " by={}", list(by_vx.to_array()))?,
             }
             params.try_for_each(|(param, value)| write_value(param, value, f))?;
             write_surface(used.surface, f)
@@ -218,14 +218,14 @@ fn parse_use(brush: BrushId, args: &mut Arguments) -> Result<BrushUse, ParseErro
             let outline = args.optional("outline", parse_outline)?.unwrap_or_default();
             Contact::Footprint(parse_rays(args, outline)?)
         }
-        ContactKind::Ball => Contact::Ball(parse_ball(args, Frame::None)?),
+        ContactKind::Ball => Contact::Ball(parse_ball(args, BrushDirection::None)?),
         ContactKind::BallWithNormal => {
             let normal = args.required("normal", parse_vec3)?;
-            Contact::Ball(parse_ball(args, Frame::Normal(normal))?)
+            Contact::Ball(parse_ball(args, BrushDirection::Normal(normal))?)
         }
         ContactKind::BallWithDisplacement => {
             let by_vx = args.required("by", parse_vec3)?;
-            Contact::Ball(parse_ball(args, Frame::Displacement(by_vx))?)
+            Contact::Ball(parse_ball(args, BrushDirection::Displacement(by_vx))?)
         }
     };
     let mut used = BrushUse::new(brush, contact);
@@ -270,8 +270,8 @@ fn parse_rays(args: &mut Arguments, outline: Outline) -> Result<Footprint, Parse
     })
 }
 
-fn parse_ball(args: &mut Arguments, frame: Frame) -> Result<Ball, ParseError> {
-    Ok(Ball {
+fn parse_ball(args: &mut Arguments, frame: BrushDirection) -> Result<BrushBall, ParseError> {
+    Ok(BrushBall {
         centre_vx: args.required("at", parse_vec3)?,
         radius: args.required("radius", number)?,
         frame,

@@ -7,11 +7,11 @@ use glam::{Quat, Vec2, Vec3};
 
 use super::arguments::Arguments;
 use super::{ParseError, list, number, numbers, parse_rotation, parse_vec3};
-use crate::tools::drawn::{ControlPoint, DrawnSolid, DrawnSpec, Field, FieldValue, Pose};
+use crate::tools::drawn::{ControlPoint, DrawnSolid, DrawnSpec, Field, FieldValue, SolidPose};
 
 /// The name of a solid and its arguments, for help: those that may be left out last.
 pub fn usage(spec: &DrawnSpec) -> String {
-    let mut solid = (spec.example)(Pose::IDENTITY, 1.0);
+    let mut solid = (spec.example)(SolidPose::IDENTITY, 1.0);
     let (optional, required): (Vec<_>, Vec<_>) =
         solid.fields().into_iter().partition(Field::is_optional);
     let required = required.iter().map(|field| format!(" {}={}", field.key, field.usage));
@@ -49,7 +49,7 @@ fn joined<T>(items: &[T], between: &str, text: impl Fn(&T) -> String) -> String 
 pub fn parse(name: &str, args: &mut Arguments) -> Result<Option<DrawnSolid>, ParseError> {
     let Some(spec) = DrawnSolid::named(name) else { return Ok(None) };
     // Every field of the example is read anew.
-    let mut solid = (spec.example)(Pose::IDENTITY, 1.0);
+    let mut solid = (spec.example)(SolidPose::IDENTITY, 1.0);
     solid.fields().into_iter().try_for_each(|field| read(field, args))?;
     Ok(Some(solid))
 }

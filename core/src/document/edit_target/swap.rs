@@ -10,7 +10,7 @@ use super::EditTarget;
 use crate::document::CommandError;
 use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::edit::EditStats;
-use crate::sculpture::history::{Change, Contents, SurfaceKind};
+use crate::sculpture::history::{Contents, StepChange, SurfaceKind};
 use crate::sculpture::memory::NoMemory;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::record::BrickRecord;
@@ -119,12 +119,12 @@ impl EditTarget {
         contents: Contents,
         orientation: Orientation,
         back_is_exact: bool,
-    ) -> Change {
+    ) -> StepChange {
         self.selection = self.selection.oriented(orientation, self.grid().dims());
         self.symmetry = self.symmetry.oriented(orientation, self.grid().dims());
         let old = self.put_contents(contents);
         let before = (!back_is_exact).then(|| Box::new(Arc::unwrap_or_clone(old)));
-        Change::Oriented { back: orientation.inverse(), before }
+        StepChange::Oriented { back: orientation.inverse(), before }
     }
 
     /// Exchanges all contents and returns the old ones.

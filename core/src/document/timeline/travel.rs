@@ -8,7 +8,7 @@ use crate::command::Command;
 use crate::document::CommandError;
 use crate::document::edit_target::EditTarget;
 use crate::document::orient;
-use crate::sculpture::history::{Change, Contents, Step};
+use crate::sculpture::history::{Contents, Step, StepChange};
 use crate::sculpture::orientation::Orientation;
 
 /// The way along the history.
@@ -52,7 +52,7 @@ impl Timeline {
             _ => return None,
         };
         next.zip(0..steps.unwrap_or(u32::MAX)).find_map(|(step, before)| match step.change {
-            Change::Oriented { back, before: None } => Some((before, step, back)),
+            StepChange::Oriented { back, before: None } => Some((before, step, back)),
             _ => None,
         })
     }
@@ -87,24 +87,24 @@ impl Timeline {
         target: &mut EditTarget,
         oriented: Option<Contents>,
     ) -> (Step, Option<CommandError>) {
-        if let Change::Stored(stored) = step.change {
+        if let StepChange::Stored(stored) = step.change {
             match stored.0.load(&target.contents, stored.is_only()) {
                 Ok(change) => step.change = change,
                 Err(reason) => {
                     let error = CommandError::NotReadBack { step: step.label.clone(), reason };
-                    return (Step { change: Change::Stored(stored), ..step }, Some(error));
+                    return (Step { change: StepChange::Stored(stored), ..step }, Some(error));
                 }
             }
         }
         let bytes = match &step.change {
-            Change::Bricks(record) => record.reverse_bytes(&target.contents),
-            Change::Whole(_) => target.contents.kept_bytes(),
-            Change::Oriented { before: Some(_), .. } => 0,
-            Change::Oriented { back, before: None } => {
+            StepChange::Bricks(record) => record.reverse_bytes(&target.contents),
+            StepChange::Whole(_) => target.contents.kept_bytes(),
+            StepChange::Oriented { before: Some(_), .. } => 0,
+            StepChange::Oriented { back, before: None } => {
                 orient::bytes_to_undo(&target.contents, *back)
             }
             // That of a stored step has been loaded.
-            Change::Surface(_) | Change::Stored(_) => 0,
+            StepChange::Surface(_) | StepChange::Stored(_) => 0,
         };
         match self.require_room(&format!("{} {}", direction.verb(), step.label), bytes) {
             Ok(()) => self.reverse(step, target, oriented),
@@ -136,37 +136,37 @@ impl Timeline {
 /// Reverses a change and returns the one that does it again; if it is refused, the change itself. `label`: that of its
 /// step.
 fn reversed(
-    change: Change,
+    change: StepChange,
     label: &str,
     target: &mut EditTarget,
     oriented: Option<Contents>,
-) -> Result<Change, Box<(Change, CommandError)>> {
+) -> Result<StepChange, Box<(StepChange, CommandError)>> {
     match change {
-        Change::Stored(_) => {
+        StepChange::Stored(_) => {
             let reason = "it was not read".to_string();
             let error = CommandError::NotReadBack { step: label.to_string(), reason };
             Err(Box::new((change, error)))
         }
-        Change::Bricks(record) => match target.try_swap_bricks(record) {
-            Ok(record) => Ok(Change::Bricks(record)),
+        StepChange::Bricks(record) => match target.try_swap_bricks(record) {
+            Ok(record) => Ok(StepChange::Bricks(record)),
             Err(refused) => {
                 let (record, error) = *refused;
-                Err(Box::new((Change::Bricks(record), error)))
+                Err(Box::new((StepChange::Bricks(record), error)))
             }
         },
-        Change::Whole(contents) => match target.own_contents() {
-            Ok(()) => Ok(Change::Whole(Box::new(target.swap_contents(*contents)))),
-            Err(error) => Err(Box::new((Change::Whole(contents), error))),
+        StepChange::Whole(contents) => match target.own_contents() {
+            Ok(()) => Ok(StepChange::Whole(Box::new(target.swap_contents(*contents)))),
+            Err(error) => Err(Box::new((StepChange::Whole(contents), error))),
         },
-        Change::Surface(kind) => match target.own_contents() {
-            Ok(()) => Ok(Change::Surface(target.swap_surface(kind))),
+        StepChange::Surface(kind) => match target.own_contents() {
+            Ok(()) => Ok(StepChange::Surface(target.swap_surface(kind))),
             Err(error) => Err(Box::new((change, error))),
         },
         // Repeating the orientation restores the present contents exactly.
-        Change::Oriented { back, before: Some(before) } => {
+        StepChange::Oriented { back, before: Some(before) } => {
             Ok(target.swap_oriented(*before, back, true))
         }
-        Change::Oriented { back, before: None } => orient::lay(target, back, oriented)
-            .map_err(|error| Box::new((Change::Oriented { back, before: None }, error))),
+        StepChange::Oriented { back, before: None } => orient::lay(target, back, oriented)
+            .map_err(|error| Box::new((StepChange::Oriented { back, before: None }, error))),
     }
 }

@@ -23,7 +23,7 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use self::bits::{BitSink, BitSource};
-use self::planes::Layout;
+use self::planes::StreamLayout;
 use self::predict::{Carry, Unpredictor};
 use self::runs::RunHead;
 use self::split::Splitter;
@@ -52,7 +52,7 @@ pub struct Stream<'a> {
     source: BitSource<'a>,
     version: &'static str,
     strip: usize,
-    layout: Layout,
+    layout: StreamLayout,
     segments: Vec<Segment>,
     total: u64,
 }
@@ -87,7 +87,7 @@ impl<'a> Stream<'a> {
             source,
             version,
             strip,
-            layout: Layout { skip, block_bytes },
+            layout: StreamLayout { skip, block_bytes },
             segments: Vec::new(),
             total: 0,
         };
@@ -154,7 +154,7 @@ impl<'a> Stream<'a> {
             }
         }
         let mut natural = vec![0; planar.len()];
-        Layout { skip: self.layout.skip, block_bytes: None }.merge(&planar, &mut natural);
+        StreamLayout { skip: self.layout.skip, block_bytes: None }.merge(&planar, &mut natural);
         natural
     }
 
@@ -230,7 +230,8 @@ pub fn encode(plain: &[u8], skip: usize, strip: usize, progress: &dyn Progress) 
     let long = plain.len() > PLANE_BLOCK;
     let split = (skip > 1).then(|| {
         let mut samples = vec![0; plain.len()];
-        Layout { skip, block_bytes: long.then_some(skip * PLANE_BLOCK) }.split(plain, &mut samples);
+        StreamLayout { skip, block_bytes: long.then_some(skip * PLANE_BLOCK) }
+            .split(plain, &mut samples);
         samples
     });
     let samples = split.as_deref().unwrap_or(plain);

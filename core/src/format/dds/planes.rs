@@ -13,14 +13,14 @@ const PIECE_BYTES: usize = 1 << 18;
 
 /// The division of the bytes of a stream.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Layout {
+pub struct StreamLayout {
     /// Number of planes, 1 to 4.
     pub skip: usize,
     /// Bytes of a block, each of which is split separately; `None`: all bytes are one block.
     pub block_bytes: Option<usize>,
 }
 
-impl Layout {
+impl StreamLayout {
     fn block(&self, total: usize) -> usize {
         self.block_bytes.unwrap_or(total).max(1)
     }
@@ -142,7 +142,7 @@ mod tests {
             skip in 1usize..=4,
             block in prop::option::of(1usize..200),
         ) {
-            let layout = Layout { skip, block_bytes: block };
+            let layout = StreamLayout { skip, block_bytes: block };
             let mut expected: Vec<u8> = Vec::new();
             for block in natural.chunks(block.unwrap_or(natural.len()).max(1)) {
                 for plane in 0..skip {
@@ -164,7 +164,7 @@ mod tests {
                 .copied()
                 .collect();
             let mut prefix = vec![0; count];
-            Layout { skip, block_bytes: None }.merge(&parts, &mut prefix);
+            StreamLayout { skip, block_bytes: None }.merge(&parts, &mut prefix);
             prop_assert_eq!(&prefix[..], &natural[..count]);
         }
     }
@@ -173,7 +173,7 @@ mod tests {
     fn pieces_of_parallel_work_meet() {
         let natural: Vec<u8> = (0..3 * PIECE_BYTES + 5).map(|i| (i * 7 + i / 251) as u8).collect();
         for skip in 1..=4 {
-            let layout = Layout { skip, block_bytes: None };
+            let layout = StreamLayout { skip, block_bytes: None };
             let mut planar = vec![0; natural.len()];
             layout.split(&natural, &mut planar);
             let expected: Vec<u8> =

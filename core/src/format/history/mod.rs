@@ -7,7 +7,7 @@
 //! and 3 or a kind of surface for kind 4 (u32 length and the bytes of its text form), then the record for kind 0,
 //! packed by `blocks`, or a .vsc file for kinds 1 and 3.
 //!
-//! Reading checks a step against the [`Shape`] of the contents with which it will be swapped, so that no damaged step
+//! Reading checks a step against the [`ContentsShape`] of the contents with which it will be swapped, so that no damaged step
 //! can break a sculpture.
 
 mod blocks;
@@ -20,33 +20,35 @@ use glam::UVec3;
 
 use self::blocks::cut;
 use super::{FormatError, Texts, vsc};
-use crate::sculpture::history::{Change, Contents, HistorySnapshot, State, Step, SurfaceKind};
+use crate::sculpture::history::{Contents, HistorySnapshot, State, Step, StepChange, SurfaceKind};
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::{ColourDepth, Limits};
 
 /// The shape of contents, which records of undo steps must match.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Shape {
+pub struct ContentsShape {
     /// Size in voxels.
     pub dims: UVec3,
     /// Bits of colour per voxel.
     pub depth: ColourDepth,
 }
 
-impl Shape {
+impl ContentsShape {
     /// Returns the shape of `contents`.
-    pub fn of(contents: &Contents) -> Shape {
-        Shape { dims: contents.grid.dims(), depth: contents.material.depth() }
+    pub fn of(contents: &Contents) -> ContentsShape {
+        ContentsShape { dims: contents.grid.dims(), depth: contents.material.depth() }
     }
 
     /// Returns the shape of the contents that result from reversing `change` on contents of this shape. A step in a
     /// store does not reveal it.
-    pub fn after(self, change: &Change) -> Shape {
+    pub fn after(self, change: &StepChange) -> ContentsShape {
         match change {
-            Change::Bricks(_) | Change::Surface(_) | Change::Stored(_) => self,
-            Change::Whole(contents) => Shape::of(contents),
-            Change::Oriented { before: Some(contents), .. } => Shape::of(contents),
-            Change::Oriented { back, before: None } => Shape { dims: back.size(self.dims), ..self },
+            StepChange::Bricks(_) | StepChange::Surface(_) | StepChange::Stored(_) => self,
+            StepChange::Whole(contents) => ContentsShape::of(contents),
+            StepChange::Oriented { before: Some(contents), .. } => ContentsShape::of(contents),
+            StepChange::Oriented { back, before: None } => {
+                ContentsShape { dims: back.size(self.dims), ..self }
+            }
         }
     }
 }
@@ -61,12 +63,12 @@ pub fn write_step(step: &Step) -> Result<Vec<u8>, FormatError> {
 /// Packs a step to a writer, a record in portions.
 pub(crate) fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), FormatError> {
     let kind = match &step.change {
-        Change::Bricks(_) => 0,
-        Change::Whole(_) => 1,
-        Change::Oriented { before: None, .. } => 2,
-        Change::Oriented { before: Some(_), .. } => 3,
-        Change::Surface(_) => 4,
-        Change::Stored(stored) => {
+        StepChange::Bricks(_) => 0,
+        StepChange::Whole(_) => 1,
+        StepChange::Oriented { before: None, .. } => 2,
+        StepChange::Oriented { before: Some(_), .. } => 3,
+        StepChange::Surface(_) => 4,
+        StepChange::Stored(stored) => {
             let packed = stored.0.packed().map_err(std::io::Error::other)?;
             return Ok(out.write_all(&packed)?);
         }
@@ -76,29 +78,33 @@ pub(crate) fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), Form
     out.write_all(&[kind])?;
     put_text(&step.label, out)?;
     match &step.change {
-        Change::Bricks(record) => record::write(record, out)?,
-        Change::Whole(contents) => vsc::write_to(contents, &Texts::default(), &(), out)?,
-        Change::Oriented { back, before } => {
+        StepChange::Bricks(record) => record::write(record, out)?,
+        StepChange::Whole(contents) => vsc::write_to(contents, &Texts::default(), &(), out)?,
+        StepChange::Oriented { back, before } => {
             put_text(&back.to_string(), out)?;
             if let Some(contents) = before {
                 vsc::write_to(contents, &Texts::default(), &(), out)?;
             }
         }
-        Change::Surface(kind) => put_text(kind.name(), out)?,
-        Change::Stored(_) => {}
+        StepChange::Surface(kind) => put_text(kind.name(), out)?,
+        StepChange::Stored(_) => {}
     }
     Ok(())
 }
 
 /// Unpacks a step that will be reversed from contents of `shape`, within the limits for contents.
-pub fn read_step(mut bytes: &[u8], shape: Shape, limits: &Limits) -> Result<Step, FormatError> {
+pub fn read_step(
+    mut bytes: &[u8],
+    shape: ContentsShape,
+    limits: &Limits,
+) -> Result<Step, FormatError> {
     read_step_from(&mut bytes, shape, limits)
 }
 
 /// Unpacks a step as [`read_step`] does, from a reader that ends with the step; a record in portions.
 pub(crate) fn read_step_from(
     rest: &mut dyn BufRead,
-    shape: Shape,
+    shape: ContentsShape,
     limits: &Limits,
 ) -> Result<Step, FormatError> {
     let [sculpture, number] = [take_u64(rest)?, take_u64(rest)?];
@@ -116,8 +122,8 @@ pub(crate) fn read_step_from(
         trailing => Err(FormatError::Trailing(trailing as u64)),
     };
     let change = match kind {
-        0 => Change::Bricks(record::read(rest, shape)?),
-        1 => Change::Whole(whole(rest)?),
+        0 => StepChange::Bricks(record::read(rest, shape)?),
+        1 => StepChange::Whole(whole(rest)?),
         2 | 3 => {
             let text = take_text(rest)?;
             let back: Orientation = text
@@ -129,14 +135,14 @@ pub(crate) fn read_step_from(
             if before.as_ref().is_some_and(|before| before.grid.dims() != turned) {
                 return Err(FormatError::Damaged("an orientation does not fit its sculpture"));
             }
-            Change::Oriented { back, before }
+            StepChange::Oriented { back, before }
         }
         4 => {
             let text = take_text(rest)?;
             nothing_follows(rest)?;
             let named = SurfaceKind::NAMED.into_iter().find(|(_, name)| *name == text);
             let unknown = FormatError::Damaged("a surface is of no known kind");
-            Change::Surface(named.ok_or(unknown)?.0)
+            StepChange::Surface(named.ok_or(unknown)?.0)
         }
         _ => return Err(FormatError::Damaged("an undo step is of no known kind")),
     };
@@ -147,7 +153,7 @@ pub(crate) fn read_step_from(
 /// to the present first.
 pub(crate) fn read_steps<B: AsRef<[u8]>>(
     [undo, redo]: [&[B]; 2],
-    shape: Shape,
+    shape: ContentsShape,
     limits: &Limits,
 ) -> Result<HistorySnapshot, FormatError> {
     let read = |steps: &[B]| -> Result<Vec<Arc<Step>>, FormatError> {

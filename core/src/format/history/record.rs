@@ -9,7 +9,7 @@
 
 use std::io::{BufRead, Write};
 
-use super::Shape;
+use super::ContentsShape;
 use super::blocks::{BlockReader, BlockWriter};
 use crate::format::FormatError;
 use crate::format::vsc::chunk::{pack_page, unpack_page};
@@ -62,20 +62,20 @@ fn write_part(record: &BrickRecord, blocks: &mut BlockWriter) -> std::io::Result
 }
 
 /// Unpacks a record for contents of `shape`.
-pub fn read(packed: &mut dyn BufRead, shape: Shape) -> Result<BrickRecord, FormatError> {
+pub fn read(packed: &mut dyn BufRead, shape: ContentsShape) -> Result<BrickRecord, FormatError> {
     let mut blocks = BlockReader::new(packed);
     let record = read_part(&mut blocks, shape)?;
     if blocks.is_empty()? {
         return Ok(record);
     }
-    let mask = read_part(&mut blocks, Shape { depth: ColourDepth::None, ..shape })?;
+    let mask = read_part(&mut blocks, ContentsShape { depth: ColourDepth::None, ..shape })?;
     if mask.is_empty() || !blocks.is_empty()? {
         return Err(FAULT);
     }
     Ok(record.with_mask(mask))
 }
 
-fn read_part(blocks: &mut BlockReader, shape: Shape) -> Result<BrickRecord, FormatError> {
+fn read_part(blocks: &mut BlockReader, shape: ContentsShape) -> Result<BrickRecord, FormatError> {
     let dims = brick_dims(shape.dims);
     let brick_count = dims.as_u64vec3().element_product();
     let mut counts = [0; 5];

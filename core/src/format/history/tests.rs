@@ -50,7 +50,7 @@ fn read_back_exactly(lines: &[(u8, [i32; 3])], depth: ColourDepth) {
     }
     let before = document.history().snapshot();
     let (undo, redo) = (packed(&before.undo), packed(&before.redo));
-    let shape = Shape::of(document.contents());
+    let shape = ContentsShape::of(document.contents());
     let after = read_steps([&undo, &redo], shape, &Limits::default()).unwrap();
     assert_eq!(&before, &after);
     let restored = History::restored(after, document.history().budget_bytes(), None);
@@ -80,10 +80,10 @@ proptest! {
         let mut bytes = write_step(step).unwrap();
         let place = place.index(bytes.len());
         if cut { bytes.truncate(place) } else { bytes[place] = value }
-        let shape = Shape::of(document.contents());
+        let shape = ContentsShape::of(document.contents());
         if let Ok(step) = read_step(&bytes, shape, &Limits::default()) {
             let mut contents = document.contents().clone();
-            if let Change::Bricks(record) = step.change {
+            if let StepChange::Bricks(record) = step.change {
                 let bricks = contents.grid.brick_count();
                 record.swap(&mut contents, &mut BrickSet::new(bricks));
                 let counts = (0..bricks).map(|i| u64::from(contents.grid.brick_at(i).count()));
@@ -110,7 +110,7 @@ fn long_records_pass_through_many_blocks() {
     let before = document.history().snapshot();
     let (undo, redo) = (packed(&before.undo), packed(&before.redo));
     assert!(redo.iter().any(|step| step.len() > 1 << 20), "several blocks");
-    let shape = Shape::of(document.contents());
+    let shape = ContentsShape::of(document.contents());
     let after = read_steps([&undo, &redo], shape, &Limits::default()).unwrap();
     assert_eq!(before, after);
 }

@@ -325,7 +325,7 @@ impl Reader<'_> {
             if is_mirrored {
                 triangle.swap(1, 2);
             }
-            let at = |corner: u32, values: &super::glb_json::Numbers| {
+            let at = |corner: u32, values: &super::glb_json::AccessorValues| {
                 let start = corner as usize * values.width;
                 (values.values[start], values.values[start + 1], start)
             };
@@ -356,7 +356,7 @@ impl Reader<'_> {
         attributes: &Value,
         name: &str,
         count: usize,
-    ) -> Result<Option<super::glb_json::Numbers>, FormatError> {
+    ) -> Result<Option<super::glb_json::AccessorValues>, FormatError> {
         let Some(at) = whole(attributes, name) else { return Ok(None) };
         let numbers = self.glb.numbers(at)?;
         if numbers.width < 2 || numbers.values.len() < count * numbers.width {

@@ -33,7 +33,7 @@ pub fn whole(object: &Value, key: &str) -> Option<usize> {
 }
 
 /// Numbers of an accessor: `width` for each element.
-pub struct Numbers {
+pub struct AccessorValues {
     pub width: usize,
     pub values: Vec<f32>,
 }
@@ -83,7 +83,7 @@ impl<'a> Glb<'a> {
     }
 
     /// Returns the numbers of an accessor. Normalised integers are converted to 0 to 1.
-    pub fn numbers(&self, at: usize) -> Result<Numbers, FormatError> {
+    pub fn numbers(&self, at: usize) -> Result<AccessorValues, FormatError> {
         let accessor = self.entry("accessors", at)?;
         let stored = self.stored(accessor, &format!("accessors {at}"))?;
         let is_share = accessor.get("normalized").and_then(Value::as_bool) == Some(true);
@@ -98,7 +98,10 @@ impl<'a> Glb<'a> {
             };
             if is_share { value / full } else { value }
         };
-        Ok(Numbers { width: stored.width, values: stored.numbers.iter().map(number).collect() })
+        Ok(AccessorValues {
+            width: stored.width,
+            values: stored.numbers.iter().map(number).collect(),
+        })
     }
 
     /// Returns the whole numbers of an accessor of indices.

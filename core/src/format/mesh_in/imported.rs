@@ -10,7 +10,7 @@ use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
 use crate::sculpture::orientation::Up;
-use crate::voxelise::{Findings, Frame, Mesh, to_contents};
+use crate::voxelise::{Findings, InputMesh, MeshPlacement, to_contents};
 
 /// Greatest memory of a mesh per byte of its file.
 const BYTES_PER_BYTE: u64 = 12;
@@ -54,7 +54,7 @@ impl MeshReader {
 /// A mesh, and notes about it.
 #[derive(Debug, Default)]
 pub struct Imported {
-    pub mesh: Mesh,
+    pub mesh: InputMesh,
     /// The reader of its format; `None` only while the mesh is read.
     pub of: Option<&'static MeshReader>,
     /// Format and encoding, such as `STL, binary`.
@@ -83,10 +83,10 @@ pub fn load(
 
 impl Imported {
     /// Returns the grid that the mesh becomes.
-    pub fn frame(&self, options: &ImportOptions) -> Result<Frame, FormatError> {
+    pub fn frame(&self, options: &ImportOptions) -> Result<MeshPlacement, FormatError> {
         let up = self.of.map_or(Up::default(), |reader| reader.up(options));
         let mm_per_unit = self.of.map_or(1.0, |reader| reader.mm_per_unit);
-        Ok(Frame::around(&self.mesh, options.mesh_size, up, mm_per_unit)?)
+        Ok(MeshPlacement::around(&self.mesh, options.mesh_size, up, mm_per_unit)?)
     }
 
     /// Makes a sculpture, with notes about the mesh.

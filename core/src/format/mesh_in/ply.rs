@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::imported::{Imported, MeshReader, at_line};
-use super::ply_header::{self, Element, Encoding, Header, Scalar};
+use super::ply_header::{self, Element, PlyEncoding, PlyHeader, Scalar};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;
@@ -12,7 +12,7 @@ use crate::format::options::MeshUp;
 use crate::format::spec::{Export, FormatSpec, Import, Sign};
 use crate::sculpture::Rgb;
 use crate::sculpture::orientation::Up;
-use crate::voxelise::Mesh;
+use crate::voxelise::InputMesh;
 
 pub static SPEC: FormatSpec = FormatSpec {
     signs: &[Sign::At(0, b"ply\n"), Sign::At(0, b"ply\r")],
@@ -37,7 +37,7 @@ fn read(file: &[u8]) -> Result<Imported, FormatError> {
     let header = ply_header::read(file)?;
     let mut values = Values::new(&header, file);
     values.find_lines(&header);
-    let mut mesh = Mesh::default();
+    let mut mesh = InputMesh::default();
     let mut corner_colours = Vec::new();
     let mut face_colours = Vec::new();
     for element in &header.elements {
@@ -64,9 +64,9 @@ fn read(file: &[u8]) -> Result<Imported, FormatError> {
         mesh.corner_colours = mesh.triangles.iter().map(|t| t.map(rgb)).collect();
     }
     let encoding = match header.encoding {
-        Encoding::Text => "text",
-        Encoding::Little => "binary, little-endian",
-        Encoding::Big => "binary, big-endian",
+        PlyEncoding::Text => "text",
+        PlyEncoding::Little => "binary, little-endian",
+        PlyEncoding::Big => "binary, big-endian",
     };
     let undeclared = values.undeclared;
     let note =
@@ -95,7 +95,7 @@ fn colour_of(element: &Element) -> Option<impl Fn(&[f64]) -> Rgb + use<>> {
 fn vertices(
     element: &Element,
     values: &mut Values<'_>,
-    mesh: &mut Mesh,
+    mesh: &mut InputMesh,
     colours: &mut Vec<Rgb>,
 ) -> Result<(), FormatError> {
     let missing = || values.bytes.fault("the vertices have no x, y and z");
@@ -113,7 +113,7 @@ fn vertices(
 fn faces(
     element: &Element,
     values: &mut Values<'_>,
-    mesh: &mut Mesh,
+    mesh: &mut InputMesh,
     colours: &mut Vec<Rgb>,
 ) -> Result<(), FormatError> {
     let is_corners = |name: &str| name == "vertex_indices" || name == "vertex_index";
@@ -137,7 +137,11 @@ fn faces(
 }
 
 /// Reads triangle strips, concatenated in a list; -1 ends a strip. Each triangle shares an edge with the previous one.
-fn strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Result<(), FormatError> {
+fn strips(
+    element: &Element,
+    values: &mut Values<'_>,
+    mesh: &mut InputMesh,
+) -> Result<(), FormatError> {
     let list = element.properties.iter().position(|p| p.length.is_some());
     let list = list.ok_or_else(|| values.bytes.fault("the strips have no list of corners"))?;
     let (mut row, mut corners) = (Vec::new(), Vec::new());
@@ -160,7 +164,7 @@ fn strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Result
 /// The numbers after the header.
 struct Values<'a> {
     bytes: Bytes<'a>,
-    encoding: Encoding,
+    encoding: PlyEncoding,
     line: usize,
     /// Whether each element of a text has its own line, as it should; otherwise values are read as a stream.
     has_lines: bool,
@@ -169,7 +173,7 @@ struct Values<'a> {
 }
 
 impl<'a> Values<'a> {
-    fn new(header: &Header, file: &'a [u8]) -> Values<'a> {
+    fn new(header: &PlyHeader, file: &'a [u8]) -> Values<'a> {
         let mut bytes = Bytes::new(file);
         // The header is present, so that this cannot fail.
         let _ = bytes.take(header.bytes);
@@ -178,8 +182,8 @@ impl<'a> Values<'a> {
     }
 
     /// Determines whether the text has a line for each element.
-    fn find_lines(&mut self, header: &Header) {
-        if self.encoding == Encoding::Text {
+    fn find_lines(&mut self, header: &PlyHeader) {
+        if self.encoding == PlyEncoding::Text {
             let lines = self.bytes.rest().split(|byte| *byte == b'\n');
             let filled = lines.filter(|line| !line.trim_ascii().is_empty()).count() as u64;
             let elements = header.elements.iter().fold(0u64, |n, own| n.saturating_add(own.count));
@@ -213,7 +217,8 @@ impl<'a> Values<'a> {
             };
             let count = self.value(length)?;
             let left = self.bytes.rest().len();
-            let least = if self.encoding == Encoding::Text { 1 } else { property.scalar.bytes() };
+            let least =
+                if self.encoding == PlyEncoding::Text { 1 } else { property.scalar.bytes() };
             if !(count >= 0.0 && count * least as f64 <= left as f64) {
                 return Err(self.bytes.fault(format!("a list of {count} cannot follow")));
             }
@@ -237,8 +242,8 @@ impl<'a> Values<'a> {
 
     fn value(&mut self, scalar: Scalar) -> Result<f64, FormatError> {
         let is_big = match self.encoding {
-            Encoding::Text => return self.word(),
-            encoding => encoding == Encoding::Big,
+            PlyEncoding::Text => return self.word(),
+            encoding => encoding == PlyEncoding::Big,
         };
         let mut raw = [0; 8];
         let count = scalar.bytes();

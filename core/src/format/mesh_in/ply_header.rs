@@ -8,7 +8,7 @@ const LIMIT_BYTES: usize = 1 << 20;
 
 /// The encoding of numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Encoding {
+pub enum PlyEncoding {
     Text,
     Little,
     Big,
@@ -81,8 +81,8 @@ pub struct Element {
 
 /// A header.
 #[derive(Debug)]
-pub struct Header {
-    pub encoding: Encoding,
+pub struct PlyHeader {
+    pub encoding: PlyEncoding,
     pub elements: Vec<Element>,
     /// Length in bytes and in lines.
     pub bytes: usize,
@@ -90,11 +90,12 @@ pub struct Header {
 }
 
 /// Reads the header at the start of a file.
-pub fn read(file: &[u8]) -> Result<Header, FormatError> {
+pub fn read(file: &[u8]) -> Result<PlyHeader, FormatError> {
     if !file.starts_with(b"ply") {
         return Err(at_line(0, "a PLY file begins with `ply`"));
     }
-    let mut header = Header { encoding: Encoding::Text, elements: Vec::new(), bytes: 0, lines: 0 };
+    let mut header =
+        PlyHeader { encoding: PlyEncoding::Text, elements: Vec::new(), bytes: 0, lines: 0 };
     loop {
         let rest = &file[header.bytes..];
         let line = header.lines;
@@ -112,9 +113,9 @@ pub fn read(file: &[u8]) -> Result<Header, FormatError> {
             ["end_header"] => return Ok(header),
             ["format", encoding, ..] => {
                 header.encoding = match encoding {
-                    "ascii" => Encoding::Text,
-                    "binary_little_endian" => Encoding::Little,
-                    "binary_big_endian" => Encoding::Big,
+                    "ascii" => PlyEncoding::Text,
+                    "binary_little_endian" => PlyEncoding::Little,
+                    "binary_big_endian" => PlyEncoding::Big,
                     _ => {
                         return Err(at_line(line, format!("the format {encoding:?} is not known")));
                     }
@@ -139,7 +140,7 @@ pub fn read(file: &[u8]) -> Result<Header, FormatError> {
     }
 }
 
-fn push(header: &mut Header, property: Property, line: usize) -> Result<(), FormatError> {
+fn push(header: &mut PlyHeader, property: Property, line: usize) -> Result<(), FormatError> {
     let element = header.elements.last_mut();
     let element = element.ok_or_else(|| at_line(line, "a property before the first element"))?;
     element.properties.push(property);

@@ -8,7 +8,7 @@ use crate::format::mesh_out::{self, MeshTraits, MeshWriter};
 use crate::format::options::MeshUp;
 use crate::format::spec::{Export, FormatSpec, Import, Sign};
 use crate::sculpture::orientation::Up;
-use crate::voxelise::Mesh;
+use crate::voxelise::InputMesh;
 
 pub static SPEC: FormatSpec = FormatSpec {
     signs: &[Sign::Exact(has_length_of_binary), Sign::Word(b"solid ")],
@@ -83,7 +83,7 @@ fn is_text(file: &[u8]) -> bool {
 }
 
 fn binary(triangles: &[u8]) -> Imported {
-    let mut mesh = Mesh::default();
+    let mut mesh = InputMesh::default();
     for triangle in triangles.as_chunks::<TRIANGLE_BYTES>().0 {
         // The normal comes first, and two bytes without an agreed meaning last.
         let (numbers, _) = triangle[12..48].as_chunks::<4>();
@@ -93,14 +93,14 @@ fn binary(triangles: &[u8]) -> Imported {
     Imported { mesh, kind: "STL, binary".to_string(), ..Imported::default() }
 }
 
-fn push(mesh: &mut Mesh, corners: [Vec3; 3]) {
+fn push(mesh: &mut InputMesh, corners: [Vec3; 3]) {
     let first = mesh.positions.len() as u32;
     mesh.positions.extend(corners);
     mesh.triangles.push([first, first + 1, first + 2]);
 }
 
 fn text(file: &[u8]) -> Result<Imported, FormatError> {
-    let mut mesh = Mesh::default();
+    let mut mesh = InputMesh::default();
     let mut corners = Vec::new();
     let mut is_ended = false;
     let text = String::from_utf8_lossy(file.strip_prefix(BYTE_ORDER_MARK).unwrap_or(file));

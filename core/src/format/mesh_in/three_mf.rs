@@ -13,7 +13,7 @@ use zip::ZipArchive;
 
 use super::glb_json::fault;
 use super::imported::{Imported, MeshReader};
-use super::three_mf_parts::{PLACES, Parts};
+use super::three_mf_parts::{PLACES, UnprintedParts};
 use crate::format::FormatError;
 use crate::format::budget::check_budget;
 use crate::format::error::{excerpt, printable};
@@ -63,7 +63,7 @@ fn read(file: &[u8], budget_bytes: u64) -> Result<Imported, FormatError> {
         left_bytes = left_bytes.saturating_sub(text.len() as u64);
         texts.push((name, text));
     }
-    let mut parts = Parts::default();
+    let mut parts = UnprintedParts::default();
     for place in PLACES {
         if archive.index_for_name(place).is_some() {
             parts.read(&entry(&mut archive, place, left_bytes)?);
@@ -196,7 +196,7 @@ struct Reader<'a, 'b> {
     objects: HashMap<Id, Node<'a, 'b>>,
     /// The colours of colour groups and base materials.
     colours: HashMap<Id, Vec<Rgb>>,
-    parts: Parts,
+    parts: UnprintedParts,
     /// Number of parts of each kind that were left out.
     left_out: BTreeMap<&'static str, usize>,
     out: Imported,

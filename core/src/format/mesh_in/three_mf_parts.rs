@@ -14,14 +14,14 @@ pub const PLACES: [&str; 2] = ["Metadata/Slic3r_PE_model.config", "Metadata/mode
 
 /// Parts that are not printed, by the number of their object.
 #[derive(Default)]
-pub struct Parts {
+pub struct UnprintedParts {
     /// PrusaSlicer: triangles of the object's mesh.
     ranges: HashMap<u32, Vec<(RangeInclusive<usize>, &'static str)>>,
     /// Bambu Studio: components of the object, by the number of the object that they place.
     components: HashMap<(u32, u32), &'static str>,
 }
 
-impl Parts {
+impl UnprintedParts {
     /// Adds the parts that a file lists.
     pub fn read(&mut self, text: &str) {
         let Ok(xml) = Document::parse(text) else { return };

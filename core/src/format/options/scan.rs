@@ -139,14 +139,14 @@ impl FromStr for Cubic {
 
 /// A box of voxels of a file, counted from 0 along the axes of the file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Region {
+pub struct ScanRegion {
     /// The lowest voxel.
     pub low: UVec3,
     /// The highest voxel, inclusive.
     pub high: UVec3,
 }
 
-impl Region {
+impl ScanRegion {
     /// Returns the size in voxels.
     pub fn dims(&self) -> UVec3 {
         self.high - self.low + 1
@@ -154,24 +154,24 @@ impl Region {
 }
 
 /// Writes `0,0,10..127,127,60`.
-impl fmt::Display for Region {
+impl fmt::Display for ScanRegion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (low, high) = (self.low, self.high);
         write!(f, "{},{},{}..{},{},{}", low.x, low.y, low.z, high.x, high.y, high.z)
     }
 }
 
-impl FromStr for Region {
+impl FromStr for ScanRegion {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<Region, String> {
+    fn from_str(text: &str) -> Result<ScanRegion, String> {
         let ends = text.split_once("..").and_then(|(low, high)| {
             let (low, high) = (three::<u32>(low, ',')?, three::<u32>(high, ',')?);
             Some((UVec3::from(low), UVec3::from(high)))
         });
         let is_box =
             |(low, high): &(UVec3, UVec3)| low.cmple(*high).all() && high.max_element() < u32::MAX;
-        ends.filter(is_box).map(|(low, high)| Region { low, high }).ok_or_else(|| {
+        ends.filter(is_box).map(|(low, high)| ScanRegion { low, high }).ok_or_else(|| {
             format!(
                 "`{text}` must be the lowest and the highest voxel of the file, such as 0,0,10..127,127,60"
             )
@@ -195,7 +195,7 @@ mod tests {
             assert_eq!(text.parse::<Ordinal>().map(|n| n.to_string()), Ok(text.to_string()));
         }
         let text = "0,0,10..127,127,60";
-        let region: Region = text.parse().unwrap();
+        let region: ScanRegion = text.parse().unwrap();
         assert_eq!((region.to_string().as_str(), region.dims()), (text, UVec3::new(128, 128, 51)));
     }
 
@@ -214,7 +214,7 @@ mod tests {
         for text in
             ["", "1,2,3", "1,2..3,4", "5,0,0..4,9,9", "-1,0,0..2,2,2", "0,0,0..4294967295,1,1"]
         {
-            assert!(text.parse::<Region>().unwrap_err().contains("lowest"), "{text}");
+            assert!(text.parse::<ScanRegion>().unwrap_err().contains("lowest"), "{text}");
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::sculpture::orientation::Orientation;
 
 /// Directions of the three axes of a file.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub enum Frame {
+pub enum AxisFrame {
     /// The file states nothing.
     #[default]
     Unknown,
@@ -17,16 +17,16 @@ pub enum Frame {
     World([DVec3; 3]),
 }
 
-impl Frame {
+impl AxisFrame {
     /// Returns the axis-aligned orientation nearest to the file's, where y points to the head and z to the viewer, whom
     /// the patient faces. A reflection in the file's axes is undone, so that no mirror image is shown. Returns the
     /// upright orientation where directions are unknown or invalid.
     pub fn orientation(&self) -> Orientation {
         let axes = match self {
-            Frame::Unknown => return Orientation::UPRIGHT,
+            AxisFrame::Unknown => return Orientation::UPRIGHT,
             // Facing the viewer, the patient's left is at the viewer's right.
-            Frame::Patient(axes) => axes.map(|v| DVec3::new(-v.x, v.z, v.y)),
-            Frame::World(axes) => *axes,
+            AxisFrame::Patient(axes) => axes.map(|v| DVec3::new(-v.x, v.z, v.y)),
+            AxisFrame::World(axes) => *axes,
         };
         let axes = axes.map(DVec3::normalize_or_zero);
         let handedness = DMat3::from_cols_array_2d(&axes.map(|v| v.to_array())).determinant();
@@ -49,17 +49,17 @@ impl Frame {
 
     /// Returns whether the file defines its up axis.
     pub fn knows_up(&self) -> bool {
-        matches!(self, Frame::Patient(_))
+        matches!(self, AxisFrame::Patient(_))
     }
 
     /// Returns for display the directions of the axes, and their deviation in angle.
     pub fn describe(&self) -> Option<String> {
         let (axes, names) = match self {
-            Frame::Unknown => return None,
-            Frame::Patient(axes) => {
+            AxisFrame::Unknown => return None,
+            AxisFrame::Patient(axes) => {
                 (axes, [["right", "left"], ["front", "back"], ["head", "feet"]])
             }
-            Frame::World(axes) => (axes, [["x", "-x"], ["y", "-y"], ["z", "-z"]]),
+            AxisFrame::World(axes) => (axes, [["x", "-x"], ["y", "-y"], ["z", "-z"]]),
         };
         let mut oblique = 0.0f64;
         let words = axes.map(|v| {
@@ -89,7 +89,7 @@ mod tests {
             let axes = [IVec3::X, IVec3::Y, IVec3::Z].map(to);
             for tilt in [0.0, 0.3] {
                 let tilt = glam::DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), tilt);
-                let frame = Frame::Patient(axes.map(|axis| tilt * axis * 2.0));
+                let frame = AxisFrame::Patient(axes.map(|axis| tilt * axis * 2.0));
                 let stand = frame.orientation();
                 let shown = |axis: IVec3| {
                     (stand.destination(IVec3::ONE + axis, UVec3::splat(3)) - 1).as_dvec3()
@@ -104,17 +104,17 @@ mod tests {
 
     #[test]
     fn what_is_unknown_stays_as_it_is() {
-        assert_eq!(Frame::Unknown.orientation(), Orientation::UPRIGHT);
+        assert_eq!(AxisFrame::Unknown.orientation(), Orientation::UPRIGHT);
         assert_eq!(
-            Frame::World([DVec3::X, DVec3::Y, DVec3::Z]).orientation(),
+            AxisFrame::World([DVec3::X, DVec3::Y, DVec3::Z]).orientation(),
             Orientation::UPRIGHT
         );
         for axes in [[DVec3::ZERO; 3], [DVec3::NAN; 3], [DVec3::X; 3]] {
-            assert_eq!(Frame::Patient(axes).orientation(), Orientation::UPRIGHT);
+            assert_eq!(AxisFrame::Patient(axes).orientation(), Orientation::UPRIGHT);
         }
-        let frame = Frame::Patient([DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z]);
+        let frame = AxisFrame::Patient([DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z]);
         assert_eq!(frame.describe().as_deref(), Some("x to left, y to back, z to head"));
-        let frame = Frame::Patient([DVec3::NEG_X, DVec3::new(0.0, -1.0, 0.2), DVec3::Z]);
+        let frame = AxisFrame::Patient([DVec3::NEG_X, DVec3::new(0.0, -1.0, 0.2), DVec3::Z]);
         assert!(frame.describe().is_some_and(|text| text.ends_with("11 degrees oblique")));
     }
 }

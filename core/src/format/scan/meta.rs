@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use flate2::read::ZlibDecoder;
 use glam::{DVec3, UVec3, Vec3};
 
-use super::frame::Frame;
+use super::frame::AxisFrame;
 use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan};
 use super::unpack::{cut, exactly, malformed};
@@ -224,11 +224,11 @@ fn number(header: &Header) -> Result<Number, FormatError> {
 }
 
 /// Returns the directions of the axes: x to the left, y to the back, z to the head.
-fn frame(header: &Header) -> Result<Frame, FormatError> {
+fn frame(header: &Header) -> Result<AxisFrame, FormatError> {
     let matrix = header.numbers(&["TransformMatrix", "Rotation", "Orientation"])?;
     let matrix: Option<[f64; 9]> = matrix.and_then(|all| all.try_into().ok());
     Ok(match matrix {
-        Some(m) => Frame::Patient([0, 3, 6].map(|i| DVec3::new(-m[i], -m[i + 1], m[i + 2]))),
-        None => Frame::Unknown,
+        Some(m) => AxisFrame::Patient([0, 3, 6].map(|i| DVec3::new(-m[i], -m[i + 1], m[i + 2]))),
+        None => AxisFrame::Unknown,
     })
 }

@@ -20,7 +20,7 @@ mod unpack;
 mod vti;
 mod vtk;
 
-pub use self::frame::Frame;
+pub use self::frame::AxisFrame;
 pub use self::reading::{Reading, Scan};
 use super::spec::Format;
 

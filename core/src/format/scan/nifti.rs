@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use flate2::read::MultiGzDecoder;
 use glam::{DMat3, DQuat, DVec3, UVec3, Vec3};
 
-use super::frame::Frame;
+use super::frame::AxisFrame;
 use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan};
 use super::unpack::{cut, exactly, malformed};
@@ -52,7 +52,7 @@ struct Header {
     offset: u64,
     scale: [f64; 2],
     voxel_size: Vec3,
-    frame: Frame,
+    frame: AxisFrame,
     is_label: bool,
     description: Vec<u8>,
     notes: Vec<String>,
@@ -283,13 +283,13 @@ impl<'a> Fields<'a> {
 
     /// Returns the directions of the axes in the patient, and the columns of the matrix that defines them, if there is
     /// one.
-    fn frame(&self) -> (Frame, Option<[DVec3; 3]>) {
+    fn frame(&self) -> (AxisFrame, Option<[DVec3; 3]>) {
         match (self.code(254, 348), self.code(252, 344)) {
             (sform, _) if sform > 0 => {
                 let real =
                     |i: usize, j: usize| self.real(280 + 16 * i + 4 * j, 400 + 32 * i + 8 * j);
                 let columns = [0, 1, 2].map(|j| DVec3::from([0, 1, 2].map(|i| real(i, j))));
-                (Frame::Patient(columns), Some(columns))
+                (AxisFrame::Patient(columns), Some(columns))
             }
             (_, qform) if qform > 0 => {
                 let [b, c, d] = [0, 1, 2].map(|i| self.real(256 + 4 * i, 352 + 8 * i));
@@ -297,9 +297,9 @@ impl<'a> Fields<'a> {
                 let turn = DMat3::from_quat(DQuat::from_xyzw(b, c, d, a).normalize());
                 // The sign of the first pixdim states whether the third axis is reversed.
                 let hand = if self.pixdim(0) < 0.0 { -1.0 } else { 1.0 };
-                (Frame::Patient([turn.x_axis, turn.y_axis, turn.z_axis * hand]), None)
+                (AxisFrame::Patient([turn.x_axis, turn.y_axis, turn.z_axis * hand]), None)
             }
-            _ => (Frame::Unknown, None),
+            _ => (AxisFrame::Unknown, None),
         }
     }
 

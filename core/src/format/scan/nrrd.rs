@@ -8,8 +8,8 @@ use bzip2::read::MultiBzDecoder;
 use flate2::read::MultiGzDecoder;
 use glam::{DVec3, UVec3, Vec3};
 
-use super::frame::Frame;
-use super::nrrd_header::{Axis, Encoding, Header, MAGIC};
+use super::frame::AxisFrame;
+use super::nrrd_header::{Axis, MAGIC, NrrdEncoding, NrrdHeader};
 use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan};
 use super::segments::Segments;
@@ -28,7 +28,7 @@ pub static SPEC: FormatSpec = FormatSpec {
 };
 
 fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
-    let header = Header::parse(&file)?;
+    let header = NrrdHeader::parse(&file)?;
     let layout = Layout::of(&header)?;
     let of_layers = if layout.others.len() == 1 { layout.volumes } else { 1 };
     let segments = Segments::of(&header.pairs, of_layers).filter(|_| layout.colours == 1);
@@ -78,11 +78,11 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         }
     };
     let packing = match header.encoding {
-        Encoding::Raw => "not packed",
-        Encoding::Text => "as text",
-        Encoding::Hex => "hexadecimal",
-        Encoding::Gzip => "packed with gzip",
-        Encoding::Bzip2 => "packed with bzip2",
+        NrrdEncoding::Raw => "not packed",
+        NrrdEncoding::Text => "as text",
+        NrrdEncoding::Hex => "hexadecimal",
+        NrrdEncoding::Gzip => "packed with gzip",
+        NrrdEncoding::Bzip2 => "packed with bzip2",
     };
     let elsewhere = match header.data_files.len() {
         0 => String::new(),
@@ -102,7 +102,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
 /// Returns the bytes of all voxels, `total` in number, from files that hold equal shares of them.
 fn join(
     names: &[String],
-    header: &Header,
+    header: &NrrdHeader,
     total: u64,
     reading: &Reading,
 ) -> Result<Vec<u8>, FormatError> {
@@ -123,7 +123,7 @@ fn join(
 /// Returns the bytes of voxels, `total` in number.
 fn unpack(
     file: &[u8],
-    header: &Header,
+    header: &NrrdHeader,
     total: u64,
     reading: &Reading,
 ) -> Result<Vec<u8>, FormatError> {
@@ -143,16 +143,20 @@ fn unpack(
         usize::try_from(skip).ok().filter(|n| *n <= rest.len()).ok_or_else(|| cut(skip, found))
     };
     match header.encoding {
-        Encoding::Gzip => exactly(&mut MultiGzDecoder::new(rest), skip, total, reading.progress),
-        Encoding::Bzip2 => exactly(&mut MultiBzDecoder::new(rest), skip, total, reading.progress),
-        Encoding::Raw => {
+        NrrdEncoding::Gzip => {
+            exactly(&mut MultiGzDecoder::new(rest), skip, total, reading.progress)
+        }
+        NrrdEncoding::Bzip2 => {
+            exactly(&mut MultiBzDecoder::new(rest), skip, total, reading.progress)
+        }
+        NrrdEncoding::Raw => {
             let begin = if from_end { found.checked_sub(total) } else { Some(skip) };
             let begin =
                 begin.filter(|begin| begin.checked_add(total).is_some_and(|end| end <= found));
             let begin = begin.ok_or_else(|| cut(total, found.saturating_sub(skip)))? as usize;
             Ok(rest[begin..begin + total as usize].to_vec())
         }
-        Encoding::Hex => {
+        NrrdEncoding::Hex => {
             let digits = rest[after_skip(rest)?..].iter().filter(|b| !b.is_ascii_whitespace());
             let nibbles: Option<Vec<u8>> = digits
                 .take(2 * total as usize)
@@ -164,7 +168,7 @@ fn unpack(
                 nibbles.chunks_exact(2).map(|pair| pair[0] << 4 | pair[1]).collect();
             if data.len() as u64 == total { Ok(data) } else { Err(cut(total, data.len() as u64)) }
         }
-        Encoding::Text => text(&rest[after_skip(rest)?..], header.number, total),
+        NrrdEncoding::Text => text(&rest[after_skip(rest)?..], header.number, total),
     }
 }
 
@@ -227,12 +231,12 @@ struct Layout {
     /// Sizes of the other axes, and distances from one volume to the next along them, in numbers of the file.
     others: Vec<[u64; 2]>,
     voxel_size: Vec3,
-    frame: Frame,
+    frame: AxisFrame,
     notes: Vec<String>,
 }
 
 impl Layout {
-    fn of(header: &Header) -> Result<Layout, FormatError> {
+    fn of(header: &NrrdHeader) -> Result<Layout, FormatError> {
         let first = &header.axes[0];
         let is_colour = header.number == Number::U8
             && match first.kind.to_ascii_lowercase().as_str() {
@@ -339,18 +343,18 @@ impl Layout {
 }
 
 /// Returns the directions of the axes, interpreted by the named space.
-fn frame(header: &Header, directions: [Option<DVec3>; 3]) -> Frame {
-    let [Some(x), Some(y), third] = directions else { return Frame::Unknown };
+fn frame(header: &NrrdHeader, directions: [Option<DVec3>; 3]) -> AxisFrame {
+    let [Some(x), Some(y), third] = directions else { return AxisFrame::Unknown };
     // A single slice has no third axis.
     let axes = [x, y, third.unwrap_or_else(|| x.cross(y))];
-    let Some(space) = &header.space else { return Frame::World(axes) };
+    let Some(space) = &header.space else { return AxisFrame::World(axes) };
     let space = space.trim_end_matches("-time").trim_end_matches('t');
     let signs = match space {
         "right-anterior-superior" | "ras" => DVec3::new(1.0, 1.0, 1.0),
         "left-anterior-superior" | "las" => DVec3::new(-1.0, 1.0, 1.0),
         "left-posterior-superior" | "lps" => DVec3::new(-1.0, -1.0, 1.0),
-        "3d-left-handed" => return Frame::World(axes.map(|v| v * DVec3::new(1.0, 1.0, -1.0))),
-        _ => return Frame::World(axes),
+        "3d-left-handed" => return AxisFrame::World(axes.map(|v| v * DVec3::new(1.0, 1.0, -1.0))),
+        _ => return AxisFrame::World(axes),
     };
-    Frame::Patient(axes.map(|v| v * signs))
+    AxisFrame::Patient(axes.map(|v| v * signs))
 }

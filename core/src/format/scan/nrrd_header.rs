@@ -20,7 +20,7 @@ const MOST_AXES: usize = 16;
 
 /// The encoding of the voxels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Encoding {
+pub enum NrrdEncoding {
     Raw,
     Text,
     Hex,
@@ -44,10 +44,10 @@ pub struct Axis {
 
 /// The contents of a header.
 #[derive(Debug)]
-pub struct Header {
+pub struct NrrdHeader {
     pub number: Number,
     pub axes: Vec<Axis>,
-    pub encoding: Encoding,
+    pub encoding: NrrdEncoding,
     pub is_big: bool,
     /// The space, in lower case, such as `left-posterior-superior`.
     pub space: Option<String>,
@@ -68,8 +68,8 @@ pub struct Header {
     pub bytes: usize,
 }
 
-impl Header {
-    pub fn parse(file: &[u8]) -> Result<Header, FormatError> {
+impl NrrdHeader {
+    pub fn parse(file: &[u8]) -> Result<NrrdHeader, FormatError> {
         if !file.starts_with(MAGIC) {
             return Err(FormatError::Scan(format!(
                 "this is not an NRRD file: it begins with `{}`, not with NRRD000; export it as NRRD again",
@@ -127,14 +127,14 @@ impl Header {
             (None, Some(name)) => numbered(name)?,
             (None, None) => Vec::new(),
         };
-        Ok(Header { pairs, ..Header::of(&fields, data_files, at)? })
+        Ok(NrrdHeader { pairs, ..NrrdHeader::of(&fields, data_files, at)? })
     }
 
     fn of(
         fields: &HashMap<String, String>,
         data_files: Vec<String>,
         bytes: usize,
-    ) -> Result<Header, FormatError> {
+    ) -> Result<NrrdHeader, FormatError> {
         let fields = Fields(fields);
         let mut axes = fields.axes()?;
         let unknown_units = fields.lengths(&mut axes)?;
@@ -146,7 +146,7 @@ impl Header {
         if skip < -1 {
             return Err(malformed("the header", format!("a byte skip of {skip}")));
         }
-        Ok(Header {
+        Ok(NrrdHeader {
             number,
             has_directions: axes.iter().any(|axis| axis.direction.is_some()),
             axes,
@@ -231,24 +231,24 @@ impl<'a> Fields<'a> {
     }
 
     /// Returns whether numbers are big-endian.
-    fn is_big(&self, number: Number, encoding: Encoding) -> Result<bool, FormatError> {
+    fn is_big(&self, number: Number, encoding: NrrdEncoding) -> Result<bool, FormatError> {
         match self.get("endian").map(str::to_ascii_lowercase).as_deref() {
             // Text has no byte order.
-            Some("big") => Ok(encoding != Encoding::Text),
+            Some("big") => Ok(encoding != NrrdEncoding::Text),
             Some("little") => Ok(false),
-            None if number.bytes() == 1 || encoding == Encoding::Text => Ok(false),
+            None if number.bytes() == 1 || encoding == NrrdEncoding::Text => Ok(false),
             _ => Err(malformed("the header", "`endian` must be little or big")),
         }
     }
 }
 
-fn encoding(name: &str) -> Result<Encoding, FormatError> {
+fn encoding(name: &str) -> Result<NrrdEncoding, FormatError> {
     match name.to_ascii_lowercase().as_str() {
-        "raw" => Ok(Encoding::Raw),
-        "txt" | "text" | "ascii" => Ok(Encoding::Text),
-        "hex" => Ok(Encoding::Hex),
-        "gz" | "gzip" => Ok(Encoding::Gzip),
-        "bz2" | "bzip2" => Ok(Encoding::Bzip2),
+        "raw" => Ok(NrrdEncoding::Raw),
+        "txt" | "text" | "ascii" => Ok(NrrdEncoding::Text),
+        "hex" => Ok(NrrdEncoding::Hex),
+        "gz" | "gzip" => Ok(NrrdEncoding::Gzip),
+        "bz2" | "bzip2" => Ok(NrrdEncoding::Bzip2),
         other => Err(FormatError::Scan(format!(
             "the NRRD encoding `{}` is not supported; use raw, gzip, bzip2, text or hex",
             other.escape_debug()

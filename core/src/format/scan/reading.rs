@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use glam::{UVec3, Vec3};
 
-use super::frame::Frame;
+use super::frame::AxisFrame;
 use crate::format::options::ImportOptions;
 use crate::format::{FormatError, Volume, Volumes, budget_bytes, error, prepare, store};
 use crate::progress::Progress;
@@ -14,7 +14,7 @@ use crate::sculpture::{Grid, Limits};
 /// A scan as read.
 pub struct Scan {
     pub volume: Volume,
-    pub frame: Frame,
+    pub frame: AxisFrame,
     /// Display name of the format and packing.
     pub kind: String,
     /// Whether the file declares its numbers as labels.
@@ -28,7 +28,14 @@ pub struct Scan {
 impl Scan {
     /// Returns a volume of a file that states nothing but its voxels.
     pub fn bare(volume: Volume, kind: String, volumes: Volumes) -> Scan {
-        Scan { volume, frame: Frame::Unknown, kind, is_label: false, volumes, notes: Vec::new() }
+        Scan {
+            volume,
+            frame: AxisFrame::Unknown,
+            kind,
+            is_label: false,
+            volumes,
+            notes: Vec::new(),
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use glam::{DVec3, I64Vec3, UVec3, Vec3};
 use roxmltree::{Document, Node};
 
 use super::base64;
-use super::frame::Frame;
+use super::frame::AxisFrame;
 use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan};
 use super::unpack::{cut, malformed};
@@ -161,7 +161,7 @@ fn joined(
 }
 
 /// Returns the directions of the axes; a backward axis is reversed.
-fn frame(image: Node, spacing: [f64; 3]) -> Result<Frame, FormatError> {
+fn frame(image: Node, spacing: [f64; 3]) -> Result<AxisFrame, FormatError> {
     let direction = match image.has_attribute("Direction") {
         true => numbers::<f64, 9>(image, "Direction")?,
         false => [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
@@ -169,7 +169,7 @@ fn frame(image: Node, spacing: [f64; 3]) -> Result<Frame, FormatError> {
     let column = |i: usize| {
         DVec3::new(direction[i], direction[3 + i], direction[6 + i]) * spacing[i].signum()
     };
-    Ok(Frame::World([0, 1, 2].map(column)))
+    Ok(AxisFrame::World([0, 1, 2].map(column)))
 }
 
 fn child<'a, 'b>(node: Node<'a, 'b>, name: &str) -> Result<Node<'a, 'b>, FormatError> {

@@ -5,7 +5,7 @@
 
 use glam::{UVec3, Vec3};
 
-use super::frame::Frame;
+use super::frame::AxisFrame;
 use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan};
 use super::unpack::{cut, malformed};
@@ -101,7 +101,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     Ok(Scan {
         volumes,
         volume: volume(dims, voxel_size, samples, head.title),
-        frame: Frame::Unknown,
+        frame: AxisFrame::Unknown,
         kind: format!("VTK structured points, {coding}"),
         is_label: false,
         notes: vec!["other arrays of the file, if it has some, were left out".to_string()]

@@ -8,7 +8,7 @@ use crate::format::options::{Colouring, ImportOptions};
 use crate::format::{FormatError, voxel};
 use crate::sculpture::orientation::Up;
 use crate::sculpture::{Grid, Limits};
-use crate::voxelise::{Frame, bounds};
+use crate::voxelise::{MeshPlacement, bounds};
 
 /// Greatest number of triangles that an outline shows.
 const MOST_TRIANGLES: usize = 4000;
@@ -64,9 +64,9 @@ impl MeshStudy {
     }
 
     /// Returns the grid that the mesh would occupy.
-    pub fn frame(&self, options: &ImportOptions) -> Result<Frame, FormatError> {
+    pub fn frame(&self, options: &ImportOptions) -> Result<MeshPlacement, FormatError> {
         let (up, mm) = (self.up(options), self.format.mm_per_unit);
-        Ok(Frame::of_bounds(self.bounds, options.mesh_size, up, mm)?)
+        Ok(MeshPlacement::of_bounds(self.bounds, options.mesh_size, up, mm)?)
     }
 
     /// Returns the sculpture that an import of the mesh would make; an error if it cannot be imported with these

@@ -7,10 +7,10 @@ use super::Outlook;
 use crate::format::budget::check_budget;
 use crate::format::histogram::Histogram;
 use crate::format::import::{OPAQUE, RAMP_QUANTILE, U8};
-use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, Region};
+use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, ScanRegion};
 use crate::format::prepare::prepared;
 use crate::format::ramp::Ramp;
-use crate::format::scan::Frame;
+use crate::format::scan::AxisFrame;
 use crate::format::volume::{Samples, Volume};
 use crate::format::{Densities, FormatError, Source, Volumes, budget_bytes, labels};
 use crate::sculpture::orientation::Orientation;
@@ -32,7 +32,7 @@ pub struct VolumeStudy {
     pub volumes: Volumes,
     /// Notes on what was left out or interpreted otherwise.
     pub notes: Vec<String>,
-    frame: Frame,
+    frame: AxisFrame,
 }
 
 /// The values that exist.
@@ -185,22 +185,22 @@ impl VolumeStudy {
     }
 
     /// Returns the upright image of a box of the file.
-    pub fn upright_region(&self, turn: Orientation, region: Region) -> Region {
+    pub fn upright_region(&self, turn: Orientation, region: ScanRegion) -> ScanRegion {
         let at = |voxel: UVec3| turn.destination(voxel.as_ivec3(), self.volume.dims).as_uvec3();
         let (a, b) = (at(region.low), at(region.high));
-        Region { low: a.min(b), high: a.max(b) }
+        ScanRegion { low: a.min(b), high: a.max(b) }
     }
 
     /// Returns the box of the file for a box of the upright volume.
-    pub fn region_in_file(&self, turn: Orientation, region: Region) -> Region {
+    pub fn region_in_file(&self, turn: Orientation, region: ScanRegion) -> ScanRegion {
         let at = |voxel: UVec3| turn.source(voxel.as_ivec3(), self.volume.dims).as_uvec3();
         let (a, b) = (at(region.low), at(region.high));
-        Region { low: a.min(b), high: a.max(b) }
+        ScanRegion { low: a.min(b), high: a.max(b) }
     }
 
     /// Returns the region of the whole file.
-    pub fn whole(&self) -> Region {
-        Region { low: UVec3::ZERO, high: self.volume.dims - 1 }
+    pub fn whole(&self) -> ScanRegion {
+        ScanRegion { low: UVec3::ZERO, high: self.volume.dims - 1 }
     }
 
     /// Returns the sculpture that an import of the volume would make; an error if it cannot be imported with these

@@ -6,7 +6,7 @@ use std::io::Cursor;
 use glam::I64Vec3;
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::gox_layer::{self, Layer};
+use super::gox_layer::{self, GoxLayer};
 use super::model::{Model, ModelReader, Sink};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
@@ -39,7 +39,7 @@ struct Gox<'a> {
     version: u32,
     blocks: Vec<Bytes<'a>>,
     /// All layers, including hidden ones, which others may copy.
-    layers: Vec<Layer>,
+    layers: Vec<GoxLayer>,
 }
 
 /// Reads the structure of a file.
@@ -95,7 +95,7 @@ fn decode(block: &Bytes<'_>) -> Result<Vec<[u8; 4]>, FormatError> {
 }
 
 impl Gox<'_> {
-    fn visible(&self) -> impl Iterator<Item = &Layer> {
+    fn visible(&self) -> impl Iterator<Item = &GoxLayer> {
         self.layers.iter().filter(|layer| !layer.is_hidden)
     }
 }

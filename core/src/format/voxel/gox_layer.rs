@@ -22,7 +22,7 @@ const MOST_PLACES: f64 = (1u64 << 32) as f64;
 const ROUNDING: f64 = 1e-6;
 
 #[derive(Debug, Default)]
-pub struct Layer {
+pub struct GoxLayer {
     /// Number and lower corner of each of its blocks.
     pub placed: Vec<(usize, I64Vec3)>,
     pub is_hidden: bool,
@@ -58,8 +58,8 @@ impl Shape {
 }
 
 /// Reads the chunk of a layer.
-pub fn read(mut chunk: Bytes<'_>) -> Result<Layer, FormatError> {
-    let mut layer = Layer { matrix: DMat4::IDENTITY, colour: [255; 4], ..Layer::default() };
+pub fn read(mut chunk: Bytes<'_>) -> Result<GoxLayer, FormatError> {
+    let mut layer = GoxLayer { matrix: DMat4::IDENTITY, colour: [255; 4], ..GoxLayer::default() };
     for _ in 0..chunk.count("blocks")? {
         let number = chunk.count("as the number of a block")?;
         let corner = [chunk.i32()?, chunk.i32()?, chunk.i32()?].map(i64::from);
@@ -100,8 +100,8 @@ pub fn read(mut chunk: Bytes<'_>) -> Result<Layer, FormatError> {
 
 /// Calls `sink` for the voxels of a layer; `decode` returns those of a block, x fastest, then y, then z.
 pub fn walk(
-    layer: &Layer,
-    all: &[Layer],
+    layer: &GoxLayer,
+    all: &[GoxLayer],
     decode: &dyn Fn(usize) -> Result<Vec<[u8; 4]>, FormatError>,
     sink: &mut Sink<'_>,
 ) -> Result<(), FormatError> {

@@ -95,7 +95,7 @@ impl Instance {
 
 /// All models of a scene.
 #[derive(Debug, Default)]
-pub struct Placed {
+pub struct PlacedModels {
     pub instances: Vec<Instance>,
     /// Number of nodes left out because they, or their layers, are hidden.
     pub hidden: usize,
@@ -109,7 +109,7 @@ struct Walker<'a> {
     parts: usize,
     path: Vec<i32>,
     visits: u32,
-    placed: Placed,
+    placed: PlacedModels,
 }
 
 /// Follows the graph from `root`; there are `parts` models.
@@ -118,8 +118,8 @@ pub fn place(
     root: i32,
     hidden_layers: &HashSet<i32>,
     parts: usize,
-) -> Result<Placed, FormatError> {
-    let (path, placed) = (Vec::new(), Placed::default());
+) -> Result<PlacedModels, FormatError> {
+    let (path, placed) = (Vec::new(), PlacedModels::default());
     let mut walker = Walker { nodes, hidden_layers, parts, path, visits: 0, placed };
     walker.visit(root, Turn::NONE, I64Vec3::ZERO)?;
     Ok(walker.placed)

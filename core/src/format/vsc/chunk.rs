@@ -34,7 +34,7 @@ const MOST_PER_BYTE: u64 = 255;
 
 /// An entry of the file's table of chunks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Entry {
+pub struct ChunkEntry {
     /// Bytes in the file; 0 for a uniform chunk.
     pub packed_bytes: u32,
     /// Unpacked bytes; for a chunk without bytes 1 if it is full, 0 if it is empty.
@@ -45,7 +45,7 @@ pub struct Entry {
     pub checksum: u32,
 }
 
-impl Entry {
+impl ChunkEntry {
     /// Checks the entry of a chunk of `bricks` before memory is allocated for it.
     pub fn check(&self, bricks: usize, depth: ColourDepth) -> Result<(), FormatError> {
         let page = 1 + (VOXELS.max(PALETTE + VOXELS / 2)) * depth.bytes().max(1);
@@ -70,7 +70,7 @@ pub fn pack<'a>(
     valid: impl Fn(usize) -> Brick,
     page: impl Fn(usize) -> Option<&'a [u8]>,
     depth: ColourDepth,
-) -> (Entry, Vec<u8>) {
+) -> (ChunkEntry, Vec<u8>) {
     let mut classes = Vec::with_capacity(bricks.len() * 16);
     let (mut shapes, mut words, mut pages) = (Vec::new(), Vec::new(), Vec::new());
     let mut page_count = 0;
@@ -103,14 +103,14 @@ pub fn pack<'a>(
         classes.push(class | if colours.is_some() { HAS_PAGE } else { 0 });
     }
     if classes.iter().all(|&class| class == classes[0]) && classes[0] <= FULL {
-        let entry = Entry { plain_bytes: u32::from(classes[0]), ..Entry::default() };
+        let entry = ChunkEntry { plain_bytes: u32::from(classes[0]), ..ChunkEntry::default() };
         return (entry, Vec::new());
     }
     for part in [shapes, words, pages] {
         classes.extend_from_slice(&part);
     }
     let packed = lz4_flex::block::compress(&classes);
-    let entry = Entry {
+    let entry = ChunkEntry {
         packed_bytes: packed.len() as u32,
         plain_bytes: classes.len() as u32,
         pages: page_count,
@@ -122,7 +122,7 @@ pub fn pack<'a>(
 /// Unpacks a chunk to `bricks`, which must be empty, and returns its pages with their indices in the chunk. The entry
 /// must have been checked.
 pub fn unpack(
-    entry: &Entry,
+    entry: &ChunkEntry,
     packed: &[u8],
     bricks: &mut [Brick],
     valid: impl Fn(usize) -> Brick,

@@ -31,7 +31,7 @@ use std::io::Write;
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
-use self::chunk::Entry;
+use self::chunk::ChunkEntry;
 use super::budget::check_colour_budget;
 use super::error::excerpt;
 use super::limits::TEXTS_LIMIT;
@@ -68,7 +68,7 @@ const CHUNK_RANGE: std::ops::RangeInclusive<u32> = 64..=1 << 16;
 
 /// The part of a file before its chunks.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Header {
+pub struct VscHeader {
     /// Size in voxels.
     pub dims: UVec3,
     /// Edge lengths of a voxel in world units.
@@ -80,7 +80,7 @@ pub struct Header {
     /// The texts stored with it.
     pub texts: Texts,
     chunk_bricks: usize,
-    entries: Vec<Entry>,
+    entries: Vec<ChunkEntry>,
     /// Start of the chunks.
     body: usize,
     /// Whether the mask follows them.
@@ -111,12 +111,12 @@ pub fn write_to(
     let texts = packed_texts(texts)?;
     let depth = material.depth();
     progress.begin("packing");
-    let chunks: Vec<(Entry, Vec<u8>)> = (0..grid.brick_count())
+    let chunks: Vec<(ChunkEntry, Vec<u8>)> = (0..grid.brick_count())
         .into_par_iter()
         .step_by(CHUNK_BRICKS as usize)
         .map(|first| {
             if progress.is_cancelled() {
-                return (Entry::default(), Vec::new());
+                return (ChunkEntry::default(), Vec::new());
             }
             let end = grid.brick_count().min(first + CHUNK_BRICKS as usize);
             let bricks = (first..end).map(|index| grid.brick_at(index));
@@ -146,7 +146,7 @@ pub fn write_to(
     }
     let mut tail = Vec::with_capacity(chunks.len() * ENTRY_BYTES + texts.len());
     for (entry, _) in &chunks {
-        let Entry { packed_bytes, plain_bytes, pages, checksum } = *entry;
+        let ChunkEntry { packed_bytes, plain_bytes, pages, checksum } = *entry;
         for v in [packed_bytes, plain_bytes, pages, checksum] {
             tail.extend_from_slice(&v.to_le_bytes());
         }
@@ -170,7 +170,7 @@ pub fn write_to(
 }
 
 /// Reads the header, and checks that the file has the stated length and that the sculpture is within `limits`.
-pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> {
+pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, FormatError> {
     if !file.starts_with(&MAGIC) {
         return Err(FormatError::NotVsc(excerpt(&file[..file.len().min(8)])));
     }
@@ -227,7 +227,7 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<Header, Format
     }
     let base = Rgb([r, g, b]);
     check_colours(&entries, &Material::new(colour_depth, base, bricks as usize), limits)?;
-    Ok(Header {
+    Ok(VscHeader {
         dims,
         voxel_size,
         colour_depth,
@@ -250,12 +250,17 @@ fn entries(
     bricks: usize,
     chunk_bricks: usize,
     depth: ColourDepth,
-) -> Result<Vec<Entry>, FormatError> {
+) -> Result<Vec<ChunkEntry>, FormatError> {
     let entries = table.as_chunks::<ENTRY_BYTES>().0.iter().map(|entry| {
         let part = |i: usize| u32::from_le_bytes(std::array::from_fn(|b| entry[4 * i + b]));
-        Entry { packed_bytes: part(0), plain_bytes: part(1), pages: part(2), checksum: part(3) }
+        ChunkEntry {
+            packed_bytes: part(0),
+            plain_bytes: part(1),
+            pages: part(2),
+            checksum: part(3),
+        }
     });
-    let entries: Vec<Entry> = entries.collect();
+    let entries: Vec<ChunkEntry> = entries.collect();
     let mut left = bricks;
     for entry in &entries {
         let bricks = left.min(chunk_bricks);
@@ -267,7 +272,7 @@ fn entries(
 
 /// Checks the memory that the colours of all pages would take.
 fn check_colours(
-    entries: &[Entry],
+    entries: &[ChunkEntry],
     colours: &Material,
     limits: &Limits,
 ) -> Result<(), FormatError> {
@@ -285,10 +290,10 @@ pub fn read(
     progress: &dyn Progress,
 ) -> Result<(Contents, Texts), FormatError> {
     let header = read_header(file, limits)?;
-    let Header { dims, voxel_size, colour_depth: depth, base, chunk_bricks, .. } = header;
+    let VscHeader { dims, voxel_size, colour_depth: depth, base, chunk_bricks, .. } = header;
     let mut grid = Grid::new(dims, voxel_size, limits.grid_bytes)?;
     let mut rest = &file[header.body..];
-    let chunks: Vec<(Entry, &[u8])> = header
+    let chunks: Vec<(ChunkEntry, &[u8])> = header
         .entries
         .iter()
         .map(|&entry| {

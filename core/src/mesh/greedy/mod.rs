@@ -14,11 +14,11 @@ mod rectangles;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use self::numbers::{LAYERS, Numbers};
+use self::numbers::{LAYERS, VertexNumbers};
 use self::polygon::put_rectangle;
 use self::rectangles::{PLANES, Rectangle, rectangles};
-use super::budget::Pieces;
-use super::{Budget, Mesh, MeshError, Part, VertexColours};
+use super::budget::StagePieces;
+use super::{Budget, Mesh, MeshError, MeshPart, VertexColours};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
@@ -48,12 +48,12 @@ fn merged(
     is_coloured: bool,
     budget: &Budget,
     progress: &dyn Progress,
-) -> Result<Part, MeshError> {
+) -> Result<MeshPart, MeshError> {
     let go_on = || if progress.is_cancelled() { Err(MeshError::Cancelled) } else { budget.check() };
     let room = || !progress.is_cancelled() && budget.take(0);
     let dims = contents.grid.dims();
     let planes: u32 = dims.to_array().map(|axis| axis / PLANES + 1).iter().sum();
-    let pieces = Pieces::new(progress, [0.0, 0.4], planes as usize);
+    let pieces = StagePieces::new(progress, [0.0, 0.4], planes as usize);
     let mut all: Vec<Rectangle> = Vec::new();
     for axis in 0..3 {
         let found = rectangles(contents, axis, is_coloured, |count| {
@@ -63,17 +63,17 @@ fn merged(
         go_on()?;
         found.into_iter().for_each(|found| all.extend(found));
     }
-    budget.take(Numbers::bytes_of_bits(dims));
+    budget.take(VertexNumbers::bytes_of_bits(dims));
     go_on()?;
-    let pieces = Pieces::new(progress, [0.4, 0.7], (dims.z / LAYERS + 1) as usize);
-    let numbers = Numbers::new(contents, &all, |layer| {
+    let pieces = StagePieces::new(progress, [0.4, 0.7], (dims.z / LAYERS + 1) as usize);
+    let numbers = VertexNumbers::new(contents, &all, |layer| {
         pieces.one();
         budget.take(layer) && room()
     });
     go_on()?;
-    let pieces = Pieces::new(progress, [0.7, 1.0], all.len() / PORTION + 1);
+    let pieces = StagePieces::new(progress, [0.7, 1.0], all.len() / PORTION + 1);
     let portion = |portion: &[Rectangle]| {
-        let mut part = Part::default();
+        let mut part = MeshPart::default();
         if room() {
             portion.iter().for_each(|rectangle| put_rectangle(&numbers, rectangle, &mut part));
             // Once more for joining the parts.
@@ -82,10 +82,10 @@ fn merged(
         pieces.one();
         part
     };
-    let portions: Vec<Part> = all.par_chunks(PORTION).map(portion).collect();
+    let portions: Vec<MeshPart> = all.par_chunks(PORTION).map(portion).collect();
     drop(all);
     go_on()?;
-    let mut part = Part::default();
+    let mut part = MeshPart::default();
     numbers.put_vertices(contents, is_coloured, &mut part);
     part.quads.reserve_exact(portions.iter().map(|portion| portion.quads.len()).sum());
     part.triangles.reserve_exact(portions.iter().map(|portion| portion.triangles.len()).sum());

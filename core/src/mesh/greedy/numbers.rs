@@ -1,7 +1,7 @@
 //! The corners of the lattice that are vertices of merged faces, and their indices.
 //!
 //! Layer by layer: first the corners of rectangles and those with several fans, row by row; then the further vertices
-//! of the layer ([`Layer`]). Layers without odd corners are not kept.
+//! of the layer ([`VertexLayer`]). Layers without odd corners are not kept.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,17 +9,19 @@ use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
 use super::rectangles::Rectangle;
-use crate::mesh::Part;
-use crate::mesh::layer::{Further, Layer};
-use crate::mesh::place::{AtCorners, Place, colour, octant_of_edge, octants_around, solid_of};
-use crate::mesh::rows::{Rows, for_each_bit, row_words};
+use crate::mesh::MeshPart;
+use crate::mesh::layer::{Further, VertexLayer};
+use crate::mesh::place::{
+    AtCorners, VertexPlacement, colour, octant_of_edge, octants_around, solid_of,
+};
+use crate::mesh::rows::{VoxelRows, for_each_bit, row_words};
 use crate::sculpture::history::Contents;
 
 /// Layers that a thread processes together.
 pub const LAYERS: u32 = 16;
 
 /// The vertices and their indices.
-pub struct Numbers {
+pub struct VertexNumbers {
     width: usize,
     /// Rows of a layer.
     height: usize,
@@ -28,11 +30,11 @@ pub struct Numbers {
     /// The index of the first vertex of each row of corners.
     row_starts: Vec<u32>,
     /// Layers with odd corners, with the index of their first further vertex.
-    odd: Vec<Option<(Layer, u32)>>,
+    odd: Vec<Option<(VertexLayer, u32)>>,
     count: u64,
 }
 
-impl Numbers {
+impl VertexNumbers {
     /// Returns the bytes of the bits and rows of all corners.
     pub(crate) fn bytes_of_bits(dims: UVec3) -> u64 {
         let rows = (u64::from(dims.y) + 1) * (u64::from(dims.z) + 1);
@@ -45,22 +47,22 @@ impl Numbers {
         contents: &Contents,
         rectangles: &[Rectangle],
         goes_on: impl Fn(u64) -> bool + Sync,
-    ) -> Numbers {
+    ) -> VertexNumbers {
         let grid = &contents.grid;
         let dims = grid.dims();
         let (width, height) = (row_words(dims), dims.y as usize + 1);
         let layers = dims.z + 1;
         let starts: Vec<u32> = (0..layers).step_by(LAYERS as usize).collect();
         let stopped = AtomicBool::new(false);
-        let odd: Vec<Vec<Option<Layer>>> = starts
+        let odd: Vec<Vec<Option<VertexLayer>>> = starts
             .par_iter()
             .map(|&start| {
                 if stopped.load(Ordering::Relaxed) {
                     return Vec::new();
                 }
                 let end = (start + LAYERS).min(layers);
-                let rows = Rows::of(grid, i64::from(start) - 1..i64::from(end) + 1);
-                let layer = |z: u32| Layer::new(&rows, z.into());
+                let rows = VoxelRows::of(grid, i64::from(start) - 1..i64::from(end) + 1);
+                let layer = |z: u32| VertexLayer::new(&rows, z.into());
                 let mut next = layer(start);
                 let made = (start..end).map(|z| {
                     let above = layer(z + 1);
@@ -68,15 +70,15 @@ impl Numbers {
                     let own = std::mem::replace(&mut next, above);
                     (!own.is_plain()).then_some(own)
                 });
-                let made: Vec<Option<Layer>> = made.collect();
-                if !goes_on(made.iter().flatten().map(Layer::heap_bytes).sum()) {
+                let made: Vec<Option<VertexLayer>> = made.collect();
+                if !goes_on(made.iter().flatten().map(VertexLayer::heap_bytes).sum()) {
                     stopped.store(true, Ordering::Relaxed);
                 }
                 made
             })
             .collect();
         let mut kept = vec![0; width * height * layers as usize];
-        let odd: Vec<Option<Layer>> = odd.into_iter().flatten().collect();
+        let odd: Vec<Option<VertexLayer>> = odd.into_iter().flatten().collect();
         let mut keep = |x: usize, y: usize, z: usize| {
             kept[(z * height + y) * width + x / 64] |= 1 << (x % 64);
         };
@@ -107,7 +109,7 @@ impl Numbers {
             numbered.push(layer.map(|layer| (layer, count as u32)));
             count += further as u64;
         }
-        Numbers { width, height, kept, row_starts, odd: numbered, count }
+        VertexNumbers { width, height, kept, row_starts, odd: numbered, count }
     }
 
     /// Returns whether the corner is a vertex.
@@ -130,7 +132,7 @@ impl Numbers {
         self.row_starts[row] + before + (words[x / 64] & ((1 << (x % 64)) - 1)).count_ones()
     }
 
-    /// Returns the vertex in the middle of an edge, as [`Layer::middle`].
+    /// Returns the vertex in the middle of an edge, as [`VertexLayer::middle`].
     pub fn middle(&self, [x, y, z]: [usize; 3], axis: usize, side: usize) -> Option<u32> {
         let (layer, further) = self.odd[z].as_ref()?;
         let at = layer.middle(x, y, axis, side)?;
@@ -138,7 +140,7 @@ impl Numbers {
     }
 
     /// Adds all vertices.
-    pub(crate) fn put_vertices(&self, contents: &Contents, is_coloured: bool, part: &mut Part) {
+    pub(crate) fn put_vertices(&self, contents: &Contents, is_coloured: bool, part: &mut MeshPart) {
         let per_layer = self.width * self.height;
         part.positions.reserve_exact(self.count as usize);
         let mut put = |corner: IVec3, octants: u8, position, solid| {

@@ -4,16 +4,16 @@
 //! covers the right side, and one from the vertex after the upper left corner the left side. The rest lies between
 //! vertices of the lower and of the upper side, which are joined alternately.
 
-use super::numbers::Numbers;
+use super::numbers::VertexNumbers;
 use super::rectangles::Rectangle;
-use crate::mesh::Part;
+use crate::mesh::MeshPart;
 
 /// The vertices of the sides, each from its first corner to before its last, counter-clockwise; each with its position
 /// along the axis of the lower and upper side, in halves of a voxel.
 type Sides = [Vec<(u32, u32)>; 4];
 
 /// Adds the triangles of a rectangle.
-pub(crate) fn put_rectangle(numbers: &Numbers, rectangle: &Rectangle, part: &mut Part) {
+pub(crate) fn put_rectangle(numbers: &VertexNumbers, rectangle: &Rectangle, part: &mut MeshPart) {
     let sides = sides(numbers, rectangle);
     let mut put = |[a, b, c]: [u32; 3]| {
         part.triangles.push(if rectangle.is_up { [a, b, c] } else { [a, c, b] });
@@ -47,7 +47,7 @@ pub(crate) fn put_rectangle(numbers: &Numbers, rectangle: &Rectangle, part: &mut
 }
 
 /// Collects the vertices around the rectangle.
-fn sides(numbers: &Numbers, rectangle: &Rectangle) -> Sides {
+fn sides(numbers: &VertexNumbers, rectangle: &Rectangle) -> Sides {
     let axis = rectangle.axis as usize;
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let (low, high) = (rectangle.low.map(usize::from), rectangle.high.map(usize::from));

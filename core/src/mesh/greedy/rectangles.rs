@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
-use crate::mesh::rows::{Rows, for_each_bit, moved_up, row_words};
+use crate::mesh::rows::{VoxelRows, for_each_bit, moved_up, row_words};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::history::Contents;
@@ -111,7 +111,7 @@ fn fill(grid: &Grid, planes: &std::ops::Range<u32>, faces: &mut [Faces; 2]) {
     const THICKNESS: i64 = 16;
     for start in layers.clone().step_by(THICKNESS as usize) {
         let part = start..(start + THICKNESS).min(layers.end);
-        let rows = Rows::of(grid, part.start - 1..part.end);
+        let rows = VoxelRows::of(grid, part.start - 1..part.end);
         for z in part {
             match faces[0].axis {
                 0 => {

@@ -11,8 +11,8 @@ mod surface;
 
 use glam::Vec3;
 
-use self::surface::Surface;
-use super::{Budget, Mesh, MeshError, Part};
+use self::surface::SimplifiedSurface;
+use super::{Budget, Mesh, MeshError, MeshPart};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 
@@ -58,7 +58,7 @@ impl Queue {
 /// filled, whose buckets may have twice the capacity that they use.
 fn needed_bytes(mesh: &Mesh) -> u64 {
     let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
-    let (copied, whole) = Surface::needed_bytes(vertices, triangles, mesh.is_coloured());
+    let (copied, whole) = SimplifiedSurface::needed_bytes(vertices, triangles, mesh.is_coloured());
     let edges = triangles + triangles / 2;
     let queue = 2 * edges * size_of::<Candidate>() as u64;
     (mesh.heap_bytes() + copied).max(whole + queue)
@@ -81,7 +81,7 @@ pub fn simplified(
     checked.map_err(|over| over.advise("export without a limit of triangles"))?;
     progress.begin("simplifying");
     let base = mesh.base;
-    let mut surface = Surface::new(mesh);
+    let mut surface = SimplifiedSurface::new(mesh);
     let mut queue = Queue::new();
     for edge in surface.edges() {
         queue.push(surface.collapse_of(edge).error, (edge, surface.version(edge)));
@@ -116,7 +116,7 @@ pub fn simplified(
         }
     }
     progress.end();
-    let part: Part = surface.into_part();
+    let part: MeshPart = surface.into_part();
     Mesh::joined(vec![part], base)
 }
 

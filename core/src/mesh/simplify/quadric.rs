@@ -8,26 +8,26 @@ const LEAST_DETERMINANT: f64 = 1e-4;
 
 /// `x A x + 2 b x + c`, summed over planes and weighted by area.
 #[derive(Clone, Copy, Default, Debug)]
-pub struct Quadric {
+pub struct ErrorQuadric {
     /// The elements xx, xy, xz, yy, yz, zz.
     square: [f64; 6],
     linear: DVec3,
     constant: f64,
 }
 
-impl Quadric {
+impl ErrorQuadric {
     /// Returns the quadric of the plane of a triangle, weighted by its area.
-    pub(crate) fn of_triangle([a, b, c]: [Vec3; 3]) -> Quadric {
+    pub(crate) fn of_triangle([a, b, c]: [Vec3; 3]) -> ErrorQuadric {
         let [a, b, c] = [a, b, c].map(|corner| corner.as_dvec3());
         let cross = (b - a).cross(c - a);
         let twice_area = cross.length();
         if twice_area <= 0.0 {
-            return Quadric::default();
+            return ErrorQuadric::default();
         }
         let (n, weight) = (cross / twice_area, 0.5 * twice_area);
         let distance = -n.dot(a);
         let square = [n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z];
-        Quadric {
+        ErrorQuadric {
             square: square.map(|value| value * weight),
             linear: n * (distance * weight),
             constant: distance * distance * weight,
@@ -35,7 +35,7 @@ impl Quadric {
     }
 
     /// Returns the sum of both.
-    pub fn plus(&self, other: &Quadric) -> Quadric {
+    pub fn plus(&self, other: &ErrorQuadric) -> ErrorQuadric {
         let mut sum = *self;
         sum.square.iter_mut().zip(other.square).for_each(|(sum, value)| *sum += value);
         sum.linear += other.linear;
@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn three_planes_meet_in_the_best_place_and_one_has_none() {
         let place = Vec3::new(4.0, 100.0, -3.0);
-        let triangle = |u: Vec3, v: Vec3| Quadric::of_triangle([place, place + u, place + v]);
+        let triangle = |u: Vec3, v: Vec3| ErrorQuadric::of_triangle([place, place + u, place + v]);
         let floor = triangle(Vec3::X, Vec3::Z * 2.0);
         assert!((floor.area() - 1.0).abs() < 1e-12);
         assert!(floor.best().is_none());

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use glam::Vec3;
 
 use super::cross;
-use super::quadric::Quadric;
-use crate::mesh::{GAP_VX, Mesh, Part};
+use super::quadric::ErrorQuadric;
+use crate::mesh::{GAP_VX, Mesh, MeshPart};
 use crate::sculpture::Rgb;
 
 /// Ends a list; marks a removed vertex.
@@ -32,11 +32,11 @@ pub struct Collapse {
 }
 
 /// The surface.
-pub struct Surface {
+pub struct SimplifiedSurface {
     positions: Vec<Vec3>,
     /// Empty, or one colour per vertex.
     colours: Vec<[f32; 3]>,
-    quadrics: Vec<Quadric>,
+    quadrics: Vec<ErrorQuadric>,
     /// Counts the changes of a vertex; [`NONE`] once it is removed.
     versions: Vec<u32>,
     triangles: Vec<[u32; 3]>,
@@ -52,9 +52,9 @@ pub struct Surface {
     around: Vec<u32>,
 }
 
-impl Surface {
+impl SimplifiedSurface {
     /// Returns the surface of all triangles of a mesh.
-    pub fn new(mesh: Mesh) -> Surface {
+    pub fn new(mesh: Mesh) -> SimplifiedSurface {
         let positions: Vec<Vec3> = mesh.positions().collect();
         let count = positions.len();
         let triangles: Vec<[u32; 3]> = mesh.triangles().collect();
@@ -64,8 +64,8 @@ impl Surface {
             false => Vec::new(),
         };
         drop(mesh);
-        let mut surface = Surface {
-            quadrics: vec![Quadric::default(); count],
+        let mut surface = SimplifiedSurface {
+            quadrics: vec![ErrorQuadric::default(); count],
             versions: vec![0; count],
             first: vec![NONE; count],
             last: vec![NONE; count],
@@ -78,7 +78,7 @@ impl Surface {
             triangles,
         };
         for t in 0..surface.triangles.len() {
-            let quadric = Quadric::of_triangle(surface.corners(t));
+            let quadric = ErrorQuadric::of_triangle(surface.corners(t));
             for (i, vertex) in surface.triangles[t].into_iter().enumerate() {
                 let (vertex, corner) = (vertex as usize, (3 * t + i) as u32);
                 surface.quadrics[vertex] = surface.quadrics[vertex].plus(&quadric);
@@ -99,7 +99,7 @@ impl Surface {
         let copied = vertices * (size_of::<Vec3>() + colour) as u64
             + triangles * size_of::<[u32; 3]>() as u64;
         // Versions, first and last corner, marks; the next of each corner.
-        let own = vertices * (size_of::<Quadric>() + 4 * size_of::<u32>()) as u64
+        let own = vertices * (size_of::<ErrorQuadric>() + 4 * size_of::<u32>()) as u64
             + triangles * size_of::<[u32; 3]>() as u64;
         (copied, copied + own)
     }
@@ -272,9 +272,9 @@ impl Surface {
     }
 
     /// Returns the remaining surface.
-    pub(crate) fn into_part(mut self) -> Part {
+    pub(crate) fn into_part(mut self) -> MeshPart {
         self.move_apart();
-        let mut part = Part::default();
+        let mut part = MeshPart::default();
         let mut numbers = vec![NONE; self.positions.len()];
         for (vertex, number) in numbers.iter_mut().enumerate() {
             if self.versions[vertex] == NONE {

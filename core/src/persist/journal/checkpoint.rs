@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::command::Command;
 use crate::command::text::{parse_path, parse_script, path_text};
 use crate::document::DocumentSnapshot;
-use crate::format::history::{Shape, read_steps, write_step};
+use crate::format::history::{ContentsShape, read_steps, write_step};
 use crate::format::{FormatError, Texts, read_sculpture, write_sculpture};
 use crate::persist::frame::{Record, RecordBuffer};
 use crate::persist::payload::{put_text, take_text};
@@ -174,7 +174,8 @@ impl Checkpoint {
                             "the sculpture at its checkpoint has another hash than the one kept",
                         ));
                     }
-                    let history = read_steps([&undo, &redo], Shape::of(&contents), &limits)?;
+                    let history =
+                        read_steps([&undo, &redo], ContentsShape::of(&contents), &limits)?;
                     let [sculpture, number] = beginning.state;
                     let document = DocumentSnapshot {
                         contents: Arc::new(contents),

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::persist::dir::{FileDir, UNFINISHED, create_numbered};
-use crate::persist::files::{Appender, Disk, Files, Source};
+use crate::persist::files::{Appender, Disk, FileSystem, Source};
 
 const JOURNAL: &str = "journal";
 
@@ -35,7 +35,7 @@ impl JournalDir {
     }
 
     /// Opens a folder of journals through a file layer.
-    pub fn with_files(folder: &Path, files: Arc<dyn Files>) -> JournalDir {
+    pub fn with_files(folder: &Path, files: Arc<dyn FileSystem>) -> JournalDir {
         JournalDir { dir: FileDir::new(folder.to_path_buf(), files) }
     }
 

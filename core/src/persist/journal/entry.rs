@@ -69,7 +69,7 @@ impl Mark {
 
 /// An event of a session.
 #[derive(Clone, Debug)]
-pub enum Entry {
+pub enum JournalEntry {
     /// A command was executed that needs nothing but the session. Undo and redo state the number of steps.
     Command {
         /// The command.
@@ -106,12 +106,12 @@ pub enum Entry {
     },
 }
 
-impl Entry {
+impl JournalEntry {
     /// Returns whether the entry must be on disk soon. This holds for the end of a stroke, but neither inside a stroke
     /// nor for changes of no voxel, such as a dragged marker. `in_stroke` is whether a stroke is open, before and
     /// after.
     pub(super) fn settles(&self, in_stroke: &mut bool) -> bool {
-        let Entry::Command { command, .. } = self else { return !*in_stroke };
+        let JournalEntry::Command { command, .. } = self else { return !*in_stroke };
         match command.class() {
             CommandClass::Stroke => *in_stroke = matches!(command, Command::Begin { .. }),
             CommandClass::Copy => return false,
@@ -133,11 +133,11 @@ impl Entry {
     /// Encodes the entry as a record.
     pub(super) fn to_record(&self) -> Result<RecordBuffer, FormatError> {
         let (kind, mark) = match self {
-            Entry::Command { mark, .. } => (COMMAND, Some(mark)),
-            Entry::Opened { mark, .. } => (OPENED, Some(mark)),
-            Entry::Saved { .. } => (SAVED, None),
-            Entry::Picture { file: Some(_), .. } => (PICTURE, None),
-            Entry::Picture { file: None, .. } => (SAME_PICTURE, None),
+            JournalEntry::Command { mark, .. } => (COMMAND, Some(mark)),
+            JournalEntry::Opened { mark, .. } => (OPENED, Some(mark)),
+            JournalEntry::Saved { .. } => (SAVED, None),
+            JournalEntry::Picture { file: Some(_), .. } => (PICTURE, None),
+            JournalEntry::Picture { file: None, .. } => (SAME_PICTURE, None),
         };
         let mut record = RecordBuffer::new(kind);
         let out = record.payload();
@@ -145,22 +145,22 @@ impl Entry {
             mark.write(out);
         }
         match self {
-            Entry::Command { command, .. } => {
+            JournalEntry::Command { command, .. } => {
                 use std::io::Write;
                 // Writing to memory does not fail.
                 let _ = write!(out, "{command}");
             }
-            Entry::Opened { path, contents, texts, assumed_up, .. } => {
+            JournalEntry::Opened { path, contents, texts, assumed_up, .. } => {
                 put_text(&path_text(path), out);
                 put_text(&assumed_up.map(|up| up.to_string()).unwrap_or_default(), out);
                 out.extend(write_sculpture(contents, texts)?);
             }
-            Entry::Saved { path, state } => {
+            JournalEntry::Saved { path, state } => {
                 put_text(&path_text(path), out);
                 out.extend_from_slice(&state.sculpture.to_le_bytes());
                 out.extend_from_slice(&state.number.to_le_bytes());
             }
-            Entry::Picture { path, file } => {
+            JournalEntry::Picture { path, file } => {
                 put_text(&path_text(path), out);
                 out.extend_from_slice(file.as_deref().unwrap_or_default());
             }
@@ -169,7 +169,10 @@ impl Entry {
     }
 
     /// Decodes the entry of a record. Contents are read within `limits`.
-    pub(super) fn from_record(record: &Record, limits: &Limits) -> Result<Entry, FormatError> {
+    pub(super) fn from_record(
+        record: &Record,
+        limits: &Limits,
+    ) -> Result<JournalEntry, FormatError> {
         let mut rest = &record.payload[..];
         let path = |rest: &mut &[u8]| parse_path(take_text(rest)?).map_err(|_| DAMAGED);
         match record.kind {
@@ -177,7 +180,7 @@ impl Entry {
                 let mark = take_mark(&mut rest)?;
                 let text = str::from_utf8(rest).map_err(|_| DAMAGED)?;
                 let command = text.parse().map_err(|_| DAMAGED)?;
-                Ok(Entry::Command { command, mark })
+                Ok(JournalEntry::Command { command, mark })
             }
             OPENED => {
                 let mark = take_mark(&mut rest)?;
@@ -188,18 +191,18 @@ impl Entry {
                 };
                 let (contents, texts) = read_sculpture(rest, limits)?;
                 let contents = Arc::new(contents);
-                Ok(Entry::Opened { path, contents, texts, assumed_up, mark })
+                Ok(JournalEntry::Opened { path, contents, texts, assumed_up, mark })
             }
             SAVED => {
                 let path = path(&mut rest)?;
                 let [sculpture, number] = [take_u64(&mut rest)?, take_u64(&mut rest)?];
-                Ok(Entry::Saved { path, state: State { sculpture, number } })
+                Ok(JournalEntry::Saved { path, state: State { sculpture, number } })
             }
             PICTURE => {
                 let path = path(&mut rest)?;
-                Ok(Entry::Picture { path, file: Some(rest.into()) })
+                Ok(JournalEntry::Picture { path, file: Some(rest.into()) })
             }
-            SAME_PICTURE => Ok(Entry::Picture { path: path(&mut rest)?, file: None }),
+            SAME_PICTURE => Ok(JournalEntry::Picture { path: path(&mut rest)?, file: None }),
             _ => Err(DAMAGED),
         }
     }

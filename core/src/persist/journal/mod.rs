@@ -17,7 +17,7 @@ mod writer;
 
 pub use checkpoint::Checkpoint;
 pub use dir::{AbandonedJournal, JournalDir};
-pub use entry::{Entry, Mark};
+pub use entry::{JournalEntry, Mark};
 pub use live::sync_all;
 pub use reader::{JournalError, JournalReader};
 pub use writer::{JournalOptions, JournalWriter, STATES};

@@ -3,10 +3,10 @@
 use thiserror::Error;
 
 use super::checkpoint::{Beginning, Checkpoint};
-use super::entry::Entry;
+use super::entry::JournalEntry;
 use crate::format::FormatError;
 use crate::persist::files::Source;
-use crate::persist::frame::{Ending, Records};
+use crate::persist::frame::{Ending, FileRecords};
 use crate::sculpture::Limits;
 
 /// The reason why a journal cannot be restored.
@@ -25,7 +25,7 @@ pub enum JournalError {
 
 /// A journal whose checkpoint has been read.
 pub struct JournalReader {
-    records: Records,
+    records: FileRecords,
     beginning: Beginning,
     limits: Limits,
 }
@@ -37,7 +37,7 @@ impl JournalReader {
         source: Source,
         limits: &Limits,
     ) -> Result<(JournalReader, Checkpoint), JournalError> {
-        let mut records = Records::new(source.reader, source.bytes)?;
+        let mut records = FileRecords::new(source.reader, source.bytes)?;
         let read = Checkpoint::read(&mut records, limits)?;
         let (beginning, checkpoint) = read.ok_or(JournalError::Incomplete)?;
         let limits = checkpoint.limits;
@@ -67,10 +67,10 @@ impl JournalReader {
 
 impl Iterator for JournalReader {
     /// An error also ends the journal: entries after it cannot be interpreted.
-    type Item = Result<Entry, FormatError>;
+    type Item = Result<JournalEntry, FormatError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         let record = self.records.next()?;
-        Some(Entry::from_record(&record, &self.limits))
+        Some(JournalEntry::from_record(&record, &self.limits))
     }
 }

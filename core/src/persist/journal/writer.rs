@@ -13,7 +13,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use super::checkpoint::Checkpoint;
 use super::dir::JournalDir;
-use super::entry::Entry;
+use super::entry::JournalEntry;
 use super::growing::{Open, Trouble};
 use super::live::{Live, LiveKey};
 
@@ -78,7 +78,7 @@ struct Shared {
 #[derive(Debug)]
 enum Message {
     Entry {
-        entry: Box<Entry>,
+        entry: Box<JournalEntry>,
         took: Duration,
     },
     Checkpoint {
@@ -171,7 +171,7 @@ impl JournalWriter {
     }
 
     /// Adds an entry that took the given time to execute. Never waits.
-    pub fn push(&mut self, entry: Entry, took: Duration) {
+    pub fn push(&mut self, entry: JournalEntry, took: Duration) {
         self.entries += 1;
         if !self.gap {
             self.gap =
@@ -343,7 +343,7 @@ impl Work {
         self.retry = Some(Instant::now() + self.pause);
     }
 
-    fn entry(&mut self, entry: &Entry, took: Duration) {
+    fn entry(&mut self, entry: &JournalEntry, took: Duration) {
         self.entries += 1;
         let Some(open) = self.file.as_mut().filter(|_| self.appends) else { return };
         let done = entry.to_record().map_err(Trouble::from).and_then(|record| open.append(record));

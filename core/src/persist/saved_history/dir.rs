@@ -12,7 +12,7 @@ use std::sync::atomic::AtomicBool;
 use super::file::{self, HistoryToKeep, SavedHistory};
 use crate::format::FormatError;
 use crate::persist::dir::{FileDir, UNFINISHED, create_numbered};
-use crate::persist::files::{Disk, Files};
+use crate::persist::files::{Disk, FileSystem};
 use crate::persist::frame::RecordAppender;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Digest, Limits};
@@ -28,7 +28,7 @@ pub struct SavedHistoryOptions {
     /// The folder of the files.
     pub folder: PathBuf,
     /// The file layer.
-    pub files: Arc<dyn Files>,
+    pub files: Arc<dyn FileSystem>,
     /// Greatest size of all histories together in bytes. A single one takes at most half of it.
     pub max_bytes: u64,
 }
@@ -42,7 +42,7 @@ impl SavedHistoryOptions {
 
 /// The result of a search for the history of a file.
 #[derive(Debug)]
-pub enum Found {
+pub enum FoundHistory {
     /// No history is kept.
     Nothing,
     /// The steps that can be undone and redone.
@@ -69,18 +69,18 @@ impl HistoryDir {
     }
 
     /// Returns the history of a file with this hash.
-    pub fn find(&self, file_hash: Digest, contents: &Contents, limits: &Limits) -> Found {
+    pub fn find(&self, file_hash: Digest, contents: &Contents, limits: &Limits) -> FoundHistory {
         let path = self.path(file_hash);
         let source = match self.dir.open_shared(&path) {
             Ok(source) => source,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Found::Nothing,
-            Err(error) => return Found::Unusable(error.to_string()),
+            Err(error) if error.kind() == ErrorKind::NotFound => return FoundHistory::Nothing,
+            Err(error) => return FoundHistory::Unusable(error.to_string()),
         };
         match file::read(source, file_hash, contents, limits) {
-            Ok(history) => Found::History(history),
+            Ok(history) => FoundHistory::History(history),
             // The rest of the error message concerns sculptures.
-            Err(FormatError::Damaged(what)) => Found::Unusable(what.to_string()),
-            Err(error) => Found::Unusable(error.to_string()),
+            Err(FormatError::Damaged(what)) => FoundHistory::Unusable(what.to_string()),
+            Err(error) => FoundHistory::Unusable(error.to_string()),
         }
     }
 

@@ -18,9 +18,9 @@ use serde::{Deserialize, Serialize};
 use crate::command::text::path_text;
 use crate::document::DocumentSnapshot;
 use crate::format::FormatError;
-use crate::format::history::{Shape, read_step, write_step};
+use crate::format::history::{ContentsShape, read_step, write_step};
 use crate::persist::files::Source;
-use crate::persist::frame::{Record, RecordBuffer, Records};
+use crate::persist::frame::{FileRecords, Record, RecordBuffer};
 use crate::persist::sculpture_file::SculptureFile;
 use crate::sculpture::history::{Contents, HistorySnapshot, State, Step};
 use crate::sculpture::{Digest, Limits};
@@ -159,7 +159,7 @@ fn nameless(file: &SculptureFile) -> SculptureFile {
 
 /// Returns the path of the sculpture whose history a file holds.
 pub fn path_of(source: Source) -> Option<PathBuf> {
-    let first = Records::new(source.reader, source.bytes).ok()?.next()?;
+    let first = FileRecords::new(source.reader, source.bytes).ok()?.next()?;
     let beginning = beginning(&first).ok()?;
     crate::command::text::parse_path(&beginning.file).ok()
 }
@@ -182,7 +182,7 @@ pub fn read(
     contents: &Contents,
     limits: &Limits,
 ) -> Result<SavedHistory, FormatError> {
-    let mut records = Records::new(source.reader, source.bytes).map_err(|_| CUT)?;
+    let mut records = FileRecords::new(source.reader, source.bytes).map_err(|_| CUT)?;
     let first = beginning(&records.next().ok_or(CUT)?)?;
     if first.file_hash != file_hash.to_string() {
         return Err(FormatError::Damaged("it belongs to another file"));
@@ -192,7 +192,8 @@ pub fn read(
     }
     let [sculpture, number] = first.state;
     let state = State { sculpture, number };
-    let mut lists = [0, 1].map(|_| List { shape: Shape::of(contents), steps: vec![], count: 0 });
+    let mut lists =
+        [0, 1].map(|_| List { shape: ContentsShape::of(contents), steps: vec![], count: 0 });
     let mut left = limits.history_bytes;
     let mut files = Vec::new();
     for Record { kind, payload } in records.by_ref() {
@@ -218,7 +219,7 @@ pub fn read(
 /// The steps of one list during reading.
 struct List {
     /// The shape of the contents that the next step leads from.
-    shape: Shape,
+    shape: ContentsShape,
     /// The steps, nearest first.
     steps: Vec<Arc<Step>>,
     /// Number of steps in the file.

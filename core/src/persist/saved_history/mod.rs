@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use dir::HistoryDir;
-pub use dir::{Found, SavedHistoryOptions};
+pub use dir::{FoundHistory, SavedHistoryOptions};
 pub use file::{HistoryToKeep, KeptSteps, SavedHistory};
 
 use crate::format::store::explained;
@@ -80,7 +80,7 @@ impl SavedHistories {
 
     /// Returns the history of the file with this hash, read from it as `contents`. Waits for pending writes. Steps are
     /// restored as far as [`Limits::history_bytes`] has room for them.
-    pub fn find(&self, file_hash: Digest, contents: &Contents, limits: &Limits) -> Found {
+    pub fn find(&self, file_hash: Digest, contents: &Contents, limits: &Limits) -> FoundHistory {
         self.wait();
         HistoryDir::new(&self.options).find(file_hash, contents, limits)
     }

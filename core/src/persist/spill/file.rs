@@ -16,7 +16,7 @@ use crate::persist::files::{has_name, lock, make_private_folder, paths_in, priva
 const ENDING: &str = "history";
 
 /// Creates the file once it is needed.
-pub trait Place: Debug + Send {
+pub trait SpillPlace: Debug + Send {
     /// Creates an empty file.
     fn create(&self) -> Result<Box<dyn SpillFile>>;
 }
@@ -51,7 +51,7 @@ impl Folder {
     }
 }
 
-impl Place for Folder {
+impl SpillPlace for Folder {
     fn create(&self) -> Result<Box<dyn SpillFile>> {
         Ok(Box::new(self.make()?))
     }

@@ -20,14 +20,14 @@ use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::JoinHandle;
 
-use file::{Folder, Place, SpillFile};
+use file::{Folder, SpillFile, SpillPlace};
 use part_writer::{PartWriter, Stop};
-use parts::Part;
+use parts::SpillPart;
 use space::Space;
 use spilled_step::SpilledStep;
 
 use crate::format::history::write_step_to;
-use crate::sculpture::history::{Step, StepStore, Stored};
+use crate::sculpture::history::{Step, StepStore, StoredChange};
 
 /// Greatest number of packed bytes of a step in memory at a time.
 const PART_BYTES: usize = 1 << 22;
@@ -56,8 +56,8 @@ struct Shared {
     part_bytes: usize,
 }
 
-trait PlaceSync: Place + Sync {}
-impl<P: Place + Sync> PlaceSync for P {}
+trait PlaceSync: SpillPlace + Sync {}
+impl<P: SpillPlace + Sync> PlaceSync for P {}
 
 #[derive(Debug, Default)]
 struct State {
@@ -144,7 +144,7 @@ impl Spill {
 }
 
 impl StepStore for Spill {
-    fn keep(&self, step: Arc<Step>) -> std::result::Result<Stored, Arc<Step>> {
+    fn keep(&self, step: Arc<Step>) -> std::result::Result<StoredChange, Arc<Step>> {
         let shared = &self.shared;
         let bytes = step.heap_bytes();
         let mut state = shared.make_way(bytes);
@@ -157,7 +157,7 @@ impl StepStore for Spill {
         state.waiting_bytes += bytes;
         state.queue.push_back(Arc::downgrade(&spilled));
         shared.changed.notify_all();
-        Ok(Stored(spilled))
+        Ok(StoredChange(spilled))
     }
 
     fn make_way(&self, bytes: usize) {
@@ -306,7 +306,7 @@ impl Shared {
     }
 
     /// Frees parts of the file.
-    fn give_back(&self, parts: &[Part]) {
+    fn give_back(&self, parts: &[SpillPart]) {
         let mut state = self.state();
         parts.iter().for_each(|part| state.space.give_back(part.at));
         state.try_again_if_full();

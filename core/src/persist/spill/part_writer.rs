@@ -6,7 +6,7 @@
 use std::io::{Error, Result, Write};
 
 use super::Shared;
-use super::parts::Part;
+use super::parts::SpillPart;
 use super::spilled_step::SpilledStep;
 use crate::persist::frame::checksum;
 
@@ -28,7 +28,7 @@ pub struct PartWriter<'a> {
     spilled: &'a SpilledStep,
     /// Bytes that are not in a part yet.
     buffer: Vec<u8>,
-    parts: Vec<Part>,
+    parts: Vec<SpillPart>,
     stop: Option<Stop>,
 }
 
@@ -38,7 +38,7 @@ impl<'a> PartWriter<'a> {
     }
 
     /// Writes the last part. Returns the reason if this or an earlier write has failed.
-    pub fn finish(mut self) -> std::result::Result<Vec<Part>, Stop> {
+    pub fn finish(mut self) -> std::result::Result<Vec<SpillPart>, Stop> {
         // A failure is recorded in `stop`.
         let _ = self.write_part();
         match self.stop.take() {
@@ -65,7 +65,7 @@ impl<'a> PartWriter<'a> {
         let Some(at) = shared.state().space.take(bytes as u64, shared.max_bytes) else {
             return Err(self.stop(Stop::Full));
         };
-        self.parts.push(Part { at, bytes, checksum: checksum(&[&self.buffer]) });
+        self.parts.push(SpillPart { at, bytes, checksum: checksum(&[&self.buffer]) });
         if let Err(error) = shared.write_at(at, &self.buffer) {
             return Err(self.stop(Stop::Failed(error.to_string())));
         }

@@ -12,7 +12,7 @@ use crate::persist::frame::checksum;
 
 /// A part of a step in the file.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct SpillPart {
     /// Position of its first byte.
     pub at: u64,
     /// Number of bytes.
@@ -25,14 +25,14 @@ pub struct Part {
 #[derive(Debug)]
 pub struct PartReader<'a> {
     shared: &'a Shared,
-    parts: std::slice::Iter<'a, Part>,
+    parts: std::slice::Iter<'a, SpillPart>,
     buffer: Vec<u8>,
     /// Number of bytes of the buffer that have been read.
     read: usize,
 }
 
 impl<'a> PartReader<'a> {
-    pub fn new(shared: &'a Shared, parts: &'a [Part]) -> PartReader<'a> {
+    pub fn new(shared: &'a Shared, parts: &'a [SpillPart]) -> PartReader<'a> {
         PartReader { shared, parts: parts.iter(), buffer: Vec::new(), read: 0 }
     }
 }

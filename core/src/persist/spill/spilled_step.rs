@@ -4,10 +4,10 @@ use std::io::Read;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Shared;
-use super::parts::{Part, PartReader};
-use crate::format::history::{Shape, read_step_from, write_step};
+use super::parts::{PartReader, SpillPart};
+use crate::format::history::{ContentsShape, read_step_from, write_step};
 use crate::sculpture::Limits;
-use crate::sculpture::history::{Change, Contents, Step, StoredStep};
+use crate::sculpture::history::{Contents, Step, StepChange, StoredStep};
 
 /// Contents of any size: the data has been in memory before.
 const ANY_SIZE: Limits = Limits {
@@ -31,7 +31,7 @@ pub enum Held {
     /// In memory, waiting to be written.
     Waiting(Arc<Step>),
     /// In the file.
-    Written(Vec<Part>),
+    Written(Vec<SpillPart>),
     /// Taken by its last loader.
     Taken,
 }
@@ -60,7 +60,7 @@ impl SpilledStep {
     }
 
     /// Replaces the step in memory by its parts in the file. Returns the parts if it has been taken in the meantime.
-    pub fn written(&self, parts: Vec<Part>) -> Option<Vec<Part>> {
+    pub fn written(&self, parts: Vec<SpillPart>) -> Option<Vec<SpillPart>> {
         let mut held = self.held();
         if !matches!(*held, Held::Waiting(_)) {
             return Some(parts);
@@ -73,7 +73,7 @@ impl SpilledStep {
 }
 
 impl StoredStep for SpilledStep {
-    fn load(&self, contents: &Contents, is_last: bool) -> Result<Change, String> {
+    fn load(&self, contents: &Contents, is_last: bool) -> Result<StepChange, String> {
         let mut held = self.held();
         match &*held {
             Held::Waiting(_) if is_last => {
@@ -82,7 +82,7 @@ impl StoredStep for SpilledStep {
                 };
                 drop(held);
                 self.shared.waits_no_more(self.whole_bytes);
-                if matches!(step.change, Change::Bricks(_)) {
+                if matches!(step.change, StepChange::Bricks(_)) {
                     // The thread notices soon, except for a whole sculpture, which it packs to the end; that one is
                     // copied instead.
                     self.shared.wait_for_release(&step);
@@ -94,7 +94,7 @@ impl StoredStep for SpilledStep {
                 // Both in memory would be too much.
                 drop(self.shared.make_way(self.whole_bytes));
                 let mut packed = PartReader::new(&self.shared, parts);
-                let step = read_step_from(&mut packed, Shape::of(contents), &ANY_SIZE);
+                let step = read_step_from(&mut packed, ContentsShape::of(contents), &ANY_SIZE);
                 step.map(|step| step.change).map_err(|error| error.to_string())
             }
             Held::Taken => Err("it is not there".to_string()),

@@ -10,7 +10,7 @@ use super::*;
 use crate::command::{Command, NewSculpture};
 use crate::document::{CommandError, Document};
 use crate::format::history::write_step;
-use crate::sculpture::history::{Change, HistorySnapshot};
+use crate::sculpture::history::{HistorySnapshot, StepChange};
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 
 /// A file in memory whose n-th operation can fail, and which can damage written data.
@@ -48,7 +48,7 @@ impl Faulty {
     }
 }
 
-impl Place for Faulty {
+impl SpillPlace for Faulty {
     fn create(&self) -> Result<Box<dyn SpillFile>> {
         self.step()?;
         Ok(Box::new(FaultyFile { faults: self.clone(), bytes: Vec::new() }))
@@ -127,7 +127,7 @@ fn script(length: usize) -> impl Strategy<Value = Vec<(u8, [i32; 3])>> {
 /// Returns all steps with their values in memory.
 fn whole(document: &Document) -> HistorySnapshot {
     let mut walk = document.history().snapshot();
-    let shape = crate::format::history::Shape::of(document.contents());
+    let shape = crate::format::history::ContentsShape::of(document.contents());
     for steps in [&mut walk.undo, &mut walk.redo] {
         let packed: Vec<Vec<u8>> =
             steps.iter().rev().map(|step| write_step(step).unwrap()).collect();
@@ -140,7 +140,7 @@ fn whole(document: &Document) -> HistorySnapshot {
 }
 
 fn stored(document: &Document) -> usize {
-    let is_stored = |step: &&Step| matches!(step.change, Change::Stored(_));
+    let is_stored = |step: &&Step| matches!(step.change, StepChange::Stored(_));
     let history = document.history();
     history.undo_steps().chain(history.redo_steps()).filter(is_stored).count()
 }

@@ -15,7 +15,7 @@ pub(super) const STUB_BYTES: usize = 256;
 
 /// The change made by one step.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Change {
+pub enum StepChange {
     /// Some bricks of the sculpture.
     Bricks(BrickRecord),
     /// The whole sculpture, replaced by a new or opened one.
@@ -31,17 +31,19 @@ pub enum Change {
     /// The kind of surface before the change.
     Surface(SurfaceKind),
     /// One of the above, kept by a [`super::StepStore`].
-    Stored(Stored),
+    Stored(StoredChange),
 }
 
-impl Change {
+impl StepChange {
     fn heap_bytes(&self) -> usize {
         match self {
-            Change::Bricks(record) => record.heap_bytes(),
-            Change::Whole(old) => old.kept_bytes(),
-            Change::Oriented { before, .. } => before.as_ref().map_or(0, |old| old.kept_bytes()),
-            Change::Surface(_) => 0,
-            Change::Stored(_) => STUB_BYTES,
+            StepChange::Bricks(record) => record.heap_bytes(),
+            StepChange::Whole(old) => old.kept_bytes(),
+            StepChange::Oriented { before, .. } => {
+                before.as_ref().map_or(0, |old| old.kept_bytes())
+            }
+            StepChange::Surface(_) => 0,
+            StepChange::Stored(_) => STUB_BYTES,
         }
     }
 }
@@ -62,7 +64,7 @@ pub struct Step {
     /// Name of the change, as the history list shows it.
     pub label: String,
     /// The values to swap with the sculpture's.
-    pub change: Change,
+    pub change: StepChange,
     /// The state after reversing the step.
     pub state: State,
 }
@@ -72,17 +74,17 @@ impl Step {
     pub fn copied(&self) -> Result<Step, NoMemory> {
         let whole = |contents: &Contents| contents.copied().map(Box::new);
         let change = match &self.change {
-            Change::Bricks(record) => {
+            StepChange::Bricks(record) => {
                 let no_memory = |_| NoMemory { bytes: record.heap_bytes() as u64 };
-                Change::Bricks(record.copied().map_err(no_memory)?)
+                StepChange::Bricks(record.copied().map_err(no_memory)?)
             }
-            Change::Whole(contents) => Change::Whole(whole(contents)?),
-            Change::Oriented { back, before } => {
+            StepChange::Whole(contents) => StepChange::Whole(whole(contents)?),
+            StepChange::Oriented { back, before } => {
                 let before = before.as_ref().map(|before| whole(before)).transpose()?;
-                Change::Oriented { back: *back, before }
+                StepChange::Oriented { back: *back, before }
             }
-            Change::Surface(kind) => Change::Surface(*kind),
-            Change::Stored(stored) => Change::Stored(stored.clone()),
+            StepChange::Surface(kind) => StepChange::Surface(*kind),
+            StepChange::Stored(stored) => StepChange::Stored(stored.clone()),
         };
         Ok(Step { label: self.label.clone(), change, state: self.state })
     }
@@ -95,7 +97,7 @@ impl Step {
     /// Returns the bytes that the step takes with all its values in memory.
     pub(crate) fn whole_bytes(&self) -> usize {
         match &self.change {
-            Change::Stored(stored) => stored.0.whole_bytes(),
+            StepChange::Stored(stored) => stored.0.whole_bytes(),
             _ => self.heap_bytes(),
         }
     }
@@ -108,7 +110,7 @@ pub trait StoredStep: Debug + Send + Sync {
     ///
     /// # Errors
     /// If it cannot be read or is damaged; the text is part of a sentence.
-    fn load(&self, contents: &Contents, is_last: bool) -> Result<Change, String>;
+    fn load(&self, contents: &Contents, is_last: bool) -> Result<StepChange, String>;
     /// Returns the step as `format::history` writes it.
     ///
     /// # Errors
@@ -120,17 +122,17 @@ pub trait StoredStep: Debug + Send + Sync {
 
 /// The placeholder of a step in a store. Equal only to itself.
 #[derive(Clone, Debug)]
-pub struct Stored(pub Arc<dyn StoredStep>);
+pub struct StoredChange(pub Arc<dyn StoredStep>);
 
-impl Stored {
+impl StoredChange {
     /// Returns whether no snapshot shares it.
     pub(crate) fn is_only(&self) -> bool {
         Arc::strong_count(&self.0) == 1
     }
 }
 
-impl PartialEq for Stored {
-    fn eq(&self, other: &Stored) -> bool {
+impl PartialEq for StoredChange {
+    fn eq(&self, other: &StoredChange) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
 }

@@ -13,7 +13,7 @@ fn step(name: usize, bricks: u8) -> Step {
     if bricks.is_multiple_of(16) {
         let grid = Grid::new(UVec3::splat(8 + u32::from(bricks)), Vec3::ONE, 1 << 30).unwrap();
         let material = Material::for_grid(&grid, ColourDepth::None, Rgb::default());
-        let change = Change::Whole(Box::new(Contents::new(grid, material)));
+        let change = StepChange::Whole(Box::new(Contents::new(grid, material)));
         return Step { label, change, state: State::default() };
     }
     let mut record = BrickRecord::default();
@@ -24,7 +24,7 @@ fn step(name: usize, bricks: u8) -> Step {
     if bricks.mask & 1 != 0 {
         record.keep_page(0, Some(vec![7; 512].into_boxed_slice()));
     }
-    Step { label, change: Change::Bricks(record), state: State::default() }
+    Step { label, change: StepChange::Bricks(record), state: State::default() }
 }
 
 fn recount(history: &History) -> usize {

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::{GroundPlane, across};
 use crate::sculpture::Grid;
-use crate::shade::shadow::{Sun, on_disc};
+use crate::shade::shadow::{ShadowSun, on_disc};
 use crate::surface::raycast;
 use crate::view::sample_offset_px;
 
@@ -79,7 +79,7 @@ impl LightMap {
         grid: &Grid,
         plane: &GroundPlane,
         openness: &Openness,
-        sun: Option<&Sun>,
+        sun: Option<&ShadowSun>,
     ) {
         let caster = Caster { grid, plane };
         let offset = sample_offset_px(sun.map_or(0, |sun| sun.sample));

@@ -6,7 +6,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use super::thin::{BricksAround, Plane, moved};
+use super::thin::{BricksAround, SurfacePlane, moved};
 use super::{FAR, LEAST, PageLevels, place};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind};
@@ -18,7 +18,7 @@ const EDGE: usize = 10;
 /// The bits of a row, for each y and z.
 type Rows = [[u16; EDGE]; EDGE];
 /// A plane for each voxel.
-type Planes = [[[Plane; EDGE]; EDGE]; EDGE];
+type Planes = [[[SurfacePlane; EDGE]; EDGE]; EDGE];
 
 /// A brick with the surface in it and around it.
 pub(super) struct Band {
@@ -156,7 +156,7 @@ impl Band {
 
     /// Returns the plane of a surface voxel; coordinates are those of the brick, -1 to 8.
     #[inline(always)]
-    fn plane(&self, at: IVec3) -> Option<Plane> {
+    fn plane(&self, at: IVec3) -> Option<SurfacePlane> {
         let UVec3 { x, y, z } = (at + 1).as_uvec3();
         let row = self.surface[z as usize][y as usize];
         (row >> x & 1 != 0).then(|| self.planes[z as usize][y as usize][x as usize])
@@ -165,7 +165,11 @@ impl Band {
 
 /// Returns the planes of the voxels of `surface`. `plane` gives the unmoved ones, by coordinates of the brick from -8
 /// to 15.
-fn planes(bricks: &BricksAround, surface: &Rows, plane: impl Fn(IVec3) -> Option<Plane>) -> Planes {
+fn planes(
+    bricks: &BricksAround,
+    surface: &Rows,
+    plane: impl Fn(IVec3) -> Option<SurfacePlane>,
+) -> Planes {
     let mut planes = [[[(Vec3::ZERO, NO_NORMAL_DEPTH); EDGE]; EDGE]; EDGE];
     let rows = surface.iter().zip(&mut planes).zip(-1..);
     for ((rows, planes), z) in rows {

@@ -5,7 +5,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use super::ray::{CellCache, Naming, Scene, SurfaceHit, trilinear};
+use super::ray::{CellCache, LevelScene, Naming, SurfaceHit, trilinear};
 use super::{LevelSet, in_cells};
 use crate::sculpture::Grid;
 use crate::shade::NormalField;
@@ -37,7 +37,7 @@ impl LevelSet {
         first: UVec3,
         cache: &mut CellCache,
     ) -> Option<SurfaceHit> {
-        let scene = Scene { grid, normals, levels: self };
+        let scene = LevelScene { grid, normals, levels: self };
         scene.hit(naming(origin, direction), in_cells(origin), direction, first, cache)
     }
 

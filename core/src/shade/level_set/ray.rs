@@ -46,7 +46,7 @@ pub enum Naming {
 
 /// The scene that a ray is traced through.
 #[derive(Clone, Copy)]
-pub(super) struct Scene<'a> {
+pub(super) struct LevelScene<'a> {
     pub grid: &'a Grid,
     pub normals: &'a NormalField,
     pub levels: &'a LevelSet,
@@ -102,7 +102,7 @@ impl CellCache {
     }
 }
 
-impl Scene<'_> {
+impl LevelScene<'_> {
     /// Returns the first point on the surface along a ray in coordinates of cells. `first` is its first existing cell.
     #[inline(always)]
     pub fn hit(

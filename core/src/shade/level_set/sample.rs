@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::LevelSet;
-use super::ray::{CellCache, Naming, Scene};
+use super::ray::{CellCache, LevelScene, Naming};
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::shade::NormalField;
 use crate::shade::normal_field::PackedNormal;
@@ -80,7 +80,7 @@ impl LevelSampler {
         }
         self.cells.reset(LevelSet::rays_of_cells(&map.rays));
         raycast::sample_rect(levels.cells(), &mut self.cells, rect);
-        let scene = Scene { grid, normals, levels };
+        let scene = LevelScene { grid, normals, levels };
         let (rays, sample) = (self.cells.rays, self.sample);
         let (width, band) = (map.rays.size.x, map.rays.size.x as usize * BAND_ROWS);
         let voxels = rect.rows_of_mut(&mut map.voxels, width).par_chunks_mut(band);

@@ -26,7 +26,7 @@ fn rays_at(grid: &Grid, radius: f32, direction: Vec3) -> PixelRays {
 /// largest.
 fn errors(grid: &Grid, rays: &PixelRays, distance: impl Fn(Vec3) -> f32) -> [f32; 3] {
     let (normals, levels) = smooth(grid);
-    let scene = ray::Scene { grid, normals: &normals, levels: &levels };
+    let scene = ray::LevelScene { grid, normals: &normals, levels: &levels };
     let mut cells = IndexMap::new(LevelSet::rays_of_cells(rays));
     crate::surface::raycast::sample_rect(
         levels.cells(),
@@ -94,7 +94,7 @@ fn faces_of_cubes_stay_in_their_planes_even_at_the_border_of_the_grid() {
             v.cmpge(IVec3::splat(low)).all() && v.cmplt(IVec3::splat(high)).all()
         });
         let (normals, levels) = smooth(&grid);
-        let scene = ray::Scene { grid: &grid, normals: &normals, levels: &levels };
+        let scene = ray::LevelScene { grid: &grid, normals: &normals, levels: &levels };
         for axis in 0..3 {
             for side in [-1.0, 1.0] {
                 let mut direction = Vec3::ZERO;

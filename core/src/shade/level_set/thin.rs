@@ -18,7 +18,7 @@ pub(super) type BricksAround = [[u64; 8]; 27];
 
 /// The plane of a surface voxel: its normal and, in units of a level, the depth of the voxel's centre below it. Without
 /// a normal, the depth applies in every direction.
-pub(super) type Plane = (Vec3, f32);
+pub(super) type SurfacePlane = (Vec3, f32);
 
 /// The longest run that is thin.
 const MOST_VX: i32 = 5;
@@ -66,9 +66,9 @@ fn is_edge(bricks: &BricksAround, middle: IVec3, axis: usize, length: i32, norma
 pub(super) fn moved(
     bricks: &BricksAround,
     at: IVec3,
-    own: Plane,
-    plane: &impl Fn(IVec3) -> Option<Plane>,
-) -> Plane {
+    own: SurfacePlane,
+    plane: &impl Fn(IVec3) -> Option<SurfacePlane>,
+) -> SurfacePlane {
     let (normal, depth) = own;
     // The weight and the shift of the plane for the thin runs along each axis, summed.
     let (mut weights, mut shifts) = (0.0, 0.0);

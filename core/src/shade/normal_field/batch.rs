@@ -10,12 +10,12 @@ use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use super::cells::{
-    CellNormals, Cells, Neighbourhood, bits, cells_towards, filter_cells, filter_voxels,
+    CellNormals, MergedSamples, Neighbourhood, bits, cells_towards, filter_cells, filter_voxels,
     words_towards,
 };
 use super::packed::{PackedDepth, PackedNormal};
 use super::pages::SurfaceRecord;
-use super::window::{Samples, Sums, SurfaceMask, Wanted, sample};
+use super::window::{BrickSamples, Sums, SurfaceMask, Wanted, sample};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BrickKind;
 use crate::shade::occlusion::Filled;
@@ -75,8 +75,8 @@ struct Place {
 
 #[derive(Debug, Default)]
 struct Sampled {
-    samples: Samples,
-    cells: Cells,
+    samples: BrickSamples,
+    cells: MergedSamples,
 }
 
 impl Sampled {
@@ -96,8 +96,8 @@ impl Sampled {
 /// with their filtered normals by its offset from this one.
 fn refine<'a>(
     level: Level,
-    samples: &Samples,
-    around: &impl Fn(IVec3) -> Option<(&'a Cells, &'a CellNormals)>,
+    samples: &BrickSamples,
+    around: &impl Fn(IVec3) -> Option<(&'a MergedSamples, &'a CellNormals)>,
     records: &mut Vec<SurfaceRecord>,
 ) {
     SCRATCH.with_borrow_mut(|scratch| {
@@ -122,7 +122,7 @@ fn refine<'a>(
 }
 
 /// Computes records of the first estimates.
-fn estimates(samples: &Samples, records: &mut Vec<SurfaceRecord>) {
+fn estimates(samples: &BrickSamples, records: &mut Vec<SurfaceRecord>) {
     records.clear();
     for (z, layer) in samples.mask.layers.into_iter().enumerate() {
         for bit in bits(layer) {

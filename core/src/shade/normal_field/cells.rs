@@ -13,7 +13,7 @@
 use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
 use glam::{IVec3, Vec3};
 
-use super::window::{Samples, SurfaceMask};
+use super::window::{BrickSamples, SurfaceMask};
 use crate::sculpture::vectors::for_axes;
 
 /// Edge of a cell.
@@ -48,7 +48,7 @@ const LANES: usize = 16;
 
 /// The merged samples of a brick. Cell (x, y, z) has index `x + 4 y + 16 z`.
 #[derive(Clone, Debug)]
-pub struct Cells {
+pub struct MergedSamples {
     /// The cells that have samples: a bit each.
     pub used: u64,
     /// In voxels from the lower corner of the brick.
@@ -58,9 +58,9 @@ pub struct Cells {
     normals: [[f32; BRICK_CELLS]; 3],
 }
 
-impl Default for Cells {
-    fn default() -> Cells {
-        Cells {
+impl Default for MergedSamples {
+    fn default() -> MergedSamples {
+        MergedSamples {
             used: 0,
             positions: [[0.0; BRICK_CELLS]; 3],
             weights: [0.0; BRICK_CELLS],
@@ -82,10 +82,10 @@ struct Sums {
 /// New normals of the cells of a brick.
 pub type CellNormals = [[f32; BRICK_CELLS]; 3];
 
-impl Cells {
+impl MergedSamples {
     /// Merges the samples of a brick.
     #[inline(always)]
-    pub fn merge(&mut self, samples: &Samples) {
+    pub fn merge(&mut self, samples: &BrickSamples) {
         let mut sums = [[0.0f32; 7]; BRICK_CELLS];
         self.used = 0;
         for (i, voxel) in voxels(&samples.mask).enumerate() {
@@ -152,7 +152,7 @@ pub struct Neighbourhood {
 
 /// Some cells of a brick, with the normals to use.
 struct CellPart<'a> {
-    cells: &'a Cells,
+    cells: &'a MergedSamples,
     normals: &'a CellNormals,
     /// The cells to use: a bit each.
     used: u64,
@@ -193,7 +193,7 @@ impl Neighbourhood {
         simd: S,
         low: IVec3,
         places: &Places,
-        around: &impl Fn(IVec3) -> Option<(&'a Cells, &'a CellNormals)>,
+        around: &impl Fn(IVec3) -> Option<(&'a MergedSamples, &'a CellNormals)>,
     ) {
         self.count = 0;
         for z in -1..=1 {
@@ -368,7 +368,7 @@ pub(crate) fn cells_towards(direction: IVec3) -> u64 {
 pub fn filter_cells<'a, S: Simd>(
     simd: S,
     wanted: u64,
-    around: &impl Fn(IVec3) -> Option<&'a Cells>,
+    around: &impl Fn(IVec3) -> Option<&'a MergedSamples>,
     neighbourhood: &mut Neighbourhood,
     out: &mut CellNormals,
 ) {
@@ -389,8 +389,8 @@ pub fn filter_cells<'a, S: Simd>(
 #[inline(always)]
 pub fn filter_voxels<'a, S: Simd>(
     simd: S,
-    samples: &Samples,
-    around: &impl Fn(IVec3) -> Option<(&'a Cells, &'a CellNormals)>,
+    samples: &BrickSamples,
+    around: &impl Fn(IVec3) -> Option<(&'a MergedSamples, &'a CellNormals)>,
     neighbourhood: &mut Neighbourhood,
     mut out: impl FnMut(usize, Vec3, f32),
 ) {

@@ -23,7 +23,7 @@ use glam::{UVec3, Vec3};
 use batch::Batch;
 pub use batch::Precision;
 pub use packed::{PackedDepth, PackedNormal, unpack_many};
-pub use pages::{NO_PAGE, Pages, Records, SurfaceRecord, Unit};
+pub use pages::{NO_PAGE, PageRecords, PageUnit, Pages, SurfaceRecord};
 use seen::sort_from;
 
 use crate::sculpture::Grid;

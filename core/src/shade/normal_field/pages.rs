@@ -28,7 +28,7 @@ pub const NO_PAGE: u32 = 0;
 /// The unit that pages consist of.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
-pub struct Unit(pub [u32; UNIT_NUMBERS]);
+pub struct PageUnit(pub [u32; UNIT_NUMBERS]);
 
 /// The record of a surface voxel: its normal in the lower half, then its depth and its openness in a byte each.
 #[repr(transparent)]
@@ -110,7 +110,7 @@ fn units_for(records: usize) -> usize {
 #[derive(Debug)]
 pub struct Pages {
     /// The first one is [`NO_PAGE`].
-    units: Vec<Unit>,
+    units: Vec<PageUnit>,
     /// Free runs of units, by their length less 1: the first unit of each.
     free: [Vec<u32>; MOST_UNITS],
     /// The units written since the last query.
@@ -119,13 +119,13 @@ pub struct Pages {
 
 impl Default for Pages {
     fn default() -> Pages {
-        Pages { units: vec![Unit::default()], free: Default::default(), written: vec![0] }
+        Pages { units: vec![PageUnit::default()], free: Default::default(), written: vec![0] }
     }
 }
 
 impl Pages {
     /// Returns all units, free ones included.
-    pub fn units(&self) -> &[Unit] {
+    pub fn units(&self) -> &[PageUnit] {
         &self.units
     }
 
@@ -139,8 +139,8 @@ impl Pages {
 
     /// Returns a view for looking up many records.
     #[inline(always)]
-    pub fn records(&self) -> Records<'_> {
-        Records { units: &self.units, numbers: bytemuck::cast_slice(&self.units) }
+    pub fn records(&self) -> PageRecords<'_> {
+        PageRecords { units: &self.units, numbers: bytemuck::cast_slice(&self.units) }
     }
 
     /// Returns the record of the voxel `local` (`x + 8 y + 64 z`) of a page; `None` if it is not a surface voxel.
@@ -253,7 +253,7 @@ impl Pages {
             }
             None => {
                 let run = self.units.len();
-                self.units.resize(run + units, Unit::default());
+                self.units.resize(run + units, PageUnit::default());
                 run as u32
             }
         }
@@ -262,12 +262,12 @@ impl Pages {
 
 /// The records of all pages, as a shader looks them up.
 #[derive(Clone, Copy)]
-pub struct Records<'a> {
-    units: &'a [Unit],
+pub struct PageRecords<'a> {
+    units: &'a [PageUnit],
     numbers: &'a [u32],
 }
 
-impl Records<'_> {
+impl PageRecords<'_> {
     /// Returns the record of the voxel `local` (`x + 8 y + 64 z`) of a page, which may be [`NO_PAGE`]. Has no branches,
     /// so that memory accesses of successive voxels overlap.
     #[inline(always)]
@@ -297,7 +297,7 @@ mod tests {
     fn pages_keep_what_was_stored_last() {
         let mut random = Random(9);
         let mut pages = Pages::default();
-        let (mut copy, mut written) = (Vec::<Unit>::new(), Vec::new());
+        let (mut copy, mut written) = (Vec::<PageUnit>::new(), Vec::new());
         let mut stored: Vec<(u32, SurfaceMask, Vec<SurfaceRecord>)> = vec![Default::default(); 20];
         for round in 0..2000 {
             let brick = random.next_u64() as usize % stored.len();
@@ -325,7 +325,7 @@ mod tests {
             assert_eq!(pages.store(new_page, &mask, &lit), (new_page, false));
             (*page, *former_mask, *former) = (new_page, mask, lit);
             pages.take_written(&mut written);
-            copy.resize(pages.units().len(), Unit::default());
+            copy.resize(pages.units().len(), PageUnit::default());
             written.iter().for_each(|&i| copy[i as usize] = pages.units()[i as usize]);
             assert!(copy == pages.units(), "round {round}");
         }
@@ -339,7 +339,7 @@ mod tests {
             }
         }
         assert!(pages.units().len() <= 30 * MOST_UNITS, "{}", pages.units().len());
-        assert!(pages.units()[0] == Unit::default());
+        assert!(pages.units()[0] == PageUnit::default());
     }
 
     #[test]

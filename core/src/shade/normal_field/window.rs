@@ -122,7 +122,7 @@ impl SurfaceMask {
 
 /// First estimates of a brick, in the order of the bits of its [`SurfaceMask`].
 #[derive(Debug, Default)]
-pub struct Samples {
+pub struct BrickSamples {
     pub mask: SurfaceMask,
     /// Points on the surface, in voxels from the lower corner of the brick: centres of voxels, moved outwards by their
     /// depth.
@@ -135,7 +135,7 @@ pub struct Samples {
     pub filling: BrickFilling,
 }
 
-impl Samples {
+impl BrickSamples {
     pub fn normal(&self, i: usize) -> Vec3 {
         Vec3::new(self.normals[0][i], self.normals[1][i], self.normals[2][i])
     }
@@ -192,7 +192,7 @@ pub fn sample<S: Simd>(
     brick: IVec3,
     wanted: Wanted,
     sums: &mut Sums,
-    samples: &mut Samples,
+    samples: &mut BrickSamples,
 ) {
     samples.clear();
     let words = words_around(grid, brick);
@@ -379,7 +379,7 @@ fn sum_columns<S: Simd>(
     sums: &Sums,
     [y, z]: [usize; 2],
     bits: u32,
-    samples: &mut Samples,
+    samples: &mut BrickSamples,
 ) {
     let zero = f32x16::splat(simd, 0.0);
     let (mut sum, mut slopes) = (zero, [zero; 3]);

@@ -67,7 +67,7 @@ fn places_are_those_of_the_grid() {
     let mut random = crate::scenes::Random(9);
     for dims in [[1, 1, 1], [1, 7, 3], [4096, 1, 5], [1000, 3, 77], [4096, 4095, 255]] {
         let dims = UVec3::from(dims);
-        let places = Places::of(dims);
+        let places = VoxelPlaces::of(dims);
         for _ in 0..1000 {
             let mut voxels: [UVec3; 16] = std::array::from_fn(|_| random.voxel(dims).as_uvec3());
             voxels[0] = dims - 1;

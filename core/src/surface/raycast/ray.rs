@@ -19,17 +19,17 @@ pub const STANDSTILL: f32 = 1e-20;
 
 /// A crossing of a voxel boundary: its time and axis (0..3); and the order of crossings.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct Crossing {
+pub(crate) struct BoundaryCrossing {
     pub t: f32,
     pub axis: usize,
 }
 
-impl Crossing {
+impl BoundaryCrossing {
     /// Comes after every crossing behind the ray and before all others.
-    pub const START: Crossing = Crossing { t: 0.0, axis: 3 };
+    pub const START: BoundaryCrossing = BoundaryCrossing { t: 0.0, axis: 3 };
 
     #[inline(always)]
-    pub fn before(self, other: Crossing) -> bool {
+    pub fn before(self, other: BoundaryCrossing) -> bool {
         self.t < other.t || (self.t == other.t && self.axis < other.axis)
     }
 }
@@ -65,8 +65,8 @@ impl Ray {
 
     /// Returns the crossing of `plane` of `axis`.
     #[inline(always)]
-    pub fn crossing(&self, axis: usize, plane: i32) -> Crossing {
-        Crossing { t: (plane as f32 - self.origin[axis]) * self.inverse[axis], axis }
+    pub fn crossing(&self, axis: usize, plane: i32) -> BoundaryCrossing {
+        BoundaryCrossing { t: (plane as f32 - self.origin[axis]) * self.inverse[axis], axis }
     }
 
     #[inline(always)]
@@ -95,7 +95,13 @@ impl Ray {
     /// Returns the cell of `axis` in which the ray is just after `event`, known to lie from `first` to `last` (in the
     /// order in which the ray meets them). Estimated from the position, then corrected by the crossings themselves.
     #[inline(always)]
-    pub(crate) fn cell_at(&self, axis: usize, event: Crossing, first: i32, last: i32) -> i32 {
+    pub(crate) fn cell_at(
+        &self,
+        axis: usize,
+        event: BoundaryCrossing,
+        first: i32,
+        last: i32,
+    ) -> i32 {
         let guess = (self.origin[axis] + self.direction[axis] * event.t).floor() as i32;
         let step = self.step[axis];
         let mut cell = guess.clamp(first.min(last), first.max(last));

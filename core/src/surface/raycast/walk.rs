@@ -4,7 +4,7 @@
 //! (Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987) and skips only empty ones, since both
 //! order crossings alike.
 
-use super::ray::{Crossing, Ray};
+use super::ray::{BoundaryCrossing, Ray};
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Brick, Grid};
 use glam::{IVec3, UVec3};
@@ -21,7 +21,7 @@ pub(in crate::surface) struct Walk<'a> {
     ray: Ray,
     dims: IVec3,
     cell: IVec3,
-    event: Crossing,
+    event: BoundaryCrossing,
 }
 
 impl<'a> Walk<'a> {
@@ -29,7 +29,7 @@ impl<'a> Walk<'a> {
     #[inline(always)]
     pub fn enter(grid: &'a Grid, ray: Ray) -> Option<Walk<'a>> {
         let dims = grid.dims().as_ivec3();
-        let mut event = Crossing::START;
+        let mut event = BoundaryCrossing::START;
         for axis in 0..3 {
             let crossing = ray.crossing(axis, ray.near_plane(axis, 0, dims[axis]));
             if event.before(crossing) {
@@ -52,7 +52,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Continues to the first existing voxel, if there is one.
-    pub(crate) fn first_voxel(mut self) -> Option<(UVec3, Crossing)> {
+    pub(crate) fn first_voxel(mut self) -> Option<(UVec3, BoundaryCrossing)> {
         loop {
             let level = match self.empty_level() {
                 Some(level) => level,
@@ -129,7 +129,7 @@ impl<'a> Walk<'a> {
 
     /// Returns the crossing that leaves the block of `level`, and the voxel that it leads to.
     #[inline(always)]
-    fn after(&self, level: u32) -> (Crossing, IVec3) {
+    fn after(&self, level: u32) -> (BoundaryCrossing, IVec3) {
         let ray = &self.ray;
         let size = 1 << level;
         let low = self.cell & -size;

@@ -11,7 +11,7 @@ const AREA_COST_BRICKS: u32 = 32;
 /// A rectangle of bricks, as thick as the slab, `max` exclusive. Its axes are the two after the slab's axis in cyclic
 /// order x, y, z.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Area {
+pub struct SliceArea {
     /// Lowest brick.
     pub min: UVec2,
     /// One past the highest brick.
@@ -19,7 +19,7 @@ pub struct Area {
 }
 
 /// The areas of one slab.
-pub type SlabAreas = Vec<Area>;
+pub type SlabAreas = Vec<SliceArea>;
 
 /// Returns the brick coordinates from the index of a layer of bricks and coordinates in it.
 pub(super) fn brick_of(axis: usize, layer: u32, uv: UVec2) -> UVec3 {
@@ -53,7 +53,7 @@ pub(super) fn rebuild(
             let sums = Sums::new(slab_size(axis, brick_dims), |uv| {
                 (first..end).any(|layer| exposure.get(brick_of(axis, layer, uv)))
             });
-            divide(&sums, Area { min: UVec2::ZERO, max: sums.size }, areas);
+            divide(&sums, SliceArea { min: UVec2::ZERO, max: sums.size }, areas);
         },
     );
 }
@@ -83,17 +83,17 @@ impl Sums {
         self.counts[(y * (self.size.x + 1) + x) as usize]
     }
 
-    fn count(&self, area: Area) -> u32 {
-        let Area { min, max } = area;
+    fn count(&self, area: SliceArea) -> u32 {
+        let SliceArea { min, max } = area;
         self.at(max.x, max.y) + self.at(min.x, min.y)
             - self.at(min.x, max.y)
             - self.at(max.x, min.y)
     }
 
     /// Returns the smallest rectangle in `area` with the same count, which must not be 0.
-    fn trim(&self, mut area: Area, count: u32) -> Area {
+    fn trim(&self, mut area: SliceArea, count: u32) -> SliceArea {
         for axis in 0..2 {
-            let with = |area: Area, low: u32, high: u32| {
+            let with = |area: SliceArea, low: u32, high: u32| {
                 let mut part = area;
                 part.min[axis] = low;
                 part.max[axis] = high;
@@ -113,7 +113,7 @@ impl Sums {
 }
 
 /// Appends the cheapest areas found for the bricks in `area`. Returns their cost in bricks.
-fn divide(sums: &Sums, area: Area, areas: &mut SlabAreas) -> u32 {
+fn divide(sums: &Sums, area: SliceArea, areas: &mut SlabAreas) -> u32 {
     let count = sums.count(area);
     if count == 0 {
         return 0;
@@ -141,7 +141,7 @@ fn divide(sums: &Sums, area: Area, areas: &mut SlabAreas) -> u32 {
 /// Returns the best split of a rectangle: at the sharpest edge of its contents, as in Berger and Rigoutsos, "An
 /// algorithm for point clustering and grid generation" (1991). That is the strongest change of sign in the second
 /// difference of the counts per row or column; if there is none, the middle of the longer axis.
-fn best_split(sums: &Sums, area: Area) -> (usize, u32) {
+fn best_split(sums: &Sums, area: SliceArea) -> (usize, u32) {
     let size = area.max - area.min;
     let longer = usize::from(size.y > size.x);
     let mut best = (longer, area.min[longer] + size[longer] / 2);

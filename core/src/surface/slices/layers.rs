@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::areas::{Area, SlabAreas, slab_size};
+use super::areas::{SlabAreas, SliceArea, slab_size};
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::view::PixelRays;
 use glam::UVec3;
@@ -32,7 +32,7 @@ pub fn facing_axis(rays: &PixelRays, dims: UVec3) -> usize {
 
 /// Voxels between two planes across the axis, `first..end`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Layer {
+pub struct SliceLayer {
     /// First voxel along the axis.
     pub first: u32,
     /// One past the last voxel along the axis.
@@ -46,14 +46,14 @@ pub struct Layer {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LayerRect {
     /// The layer.
-    pub layer: Layer,
+    pub layer: SliceLayer,
     /// The rectangle to draw, in voxels across the axis.
-    pub rect: Option<Area>,
+    pub rect: Option<SliceArea>,
 }
 
 /// The layers across an axis, in the order from an eye.
 #[derive(Clone, Copy, Debug)]
-pub struct Layers {
+pub struct SliceLayers {
     axis: usize,
     thickness: u32,
     slab: u32,
@@ -62,11 +62,17 @@ pub struct Layers {
     eye: f32,
 }
 
-impl Layers {
+impl SliceLayers {
     /// Returns layers of `thickness` voxels, a whole number of which make a slab of `slab` voxels.
-    pub fn new(rays: &PixelRays, dims: UVec3, axis: usize, thickness: u32, slab: u32) -> Layers {
+    pub fn new(
+        rays: &PixelRays,
+        dims: UVec3,
+        axis: usize,
+        thickness: u32,
+        slab: u32,
+    ) -> SliceLayers {
         let frustum = FrustumPlanes::new(rays);
-        Layers { axis, thickness, slab, dims, frustum, eye: rays.origin[axis] }
+        SliceLayers { axis, thickness, slab, dims, frustum, eye: rays.origin[axis] }
     }
 
     /// Calls `draw` with everything that may be visible, front to back: of two layers on a ray, the one that the ray
@@ -90,16 +96,16 @@ impl Layers {
         }
     }
 
-    fn layer(&self, index: u32, rank: u32) -> Layer {
+    fn layer(&self, index: u32, rank: u32) -> SliceLayer {
         let first = index * self.thickness;
-        Layer { first, end: (first + self.thickness).min(self.dims[self.axis]), rank }
+        SliceLayer { first, end: (first + self.thickness).min(self.dims[self.axis]), rank }
     }
 
-    fn draw_areas(&self, slabs: &[SlabAreas], layer: Layer, draw: &mut impl FnMut(LayerRect)) {
+    fn draw_areas(&self, slabs: &[SlabAreas], layer: SliceLayer, draw: &mut impl FnMut(LayerRect)) {
         let size = slab_size(self.axis, self.dims);
         for area in &slabs[(layer.first / self.slab) as usize] {
             let min = area.min * BRICK_EDGE_VX;
-            let rect = Area { min, max: (area.max * BRICK_EDGE_VX).min(size) };
+            let rect = SliceArea { min, max: (area.max * BRICK_EDGE_VX).min(size) };
             let (low, high) = self.corners(&layer, &rect);
             if self.frustum.touches(low, high) {
                 draw(LayerRect { layer, rect: Some(rect) });
@@ -107,7 +113,7 @@ impl Layers {
         }
     }
 
-    fn corners(&self, layer: &Layer, rect: &Area) -> (Vec3, Vec3) {
+    fn corners(&self, layer: &SliceLayer, rect: &SliceArea) -> (Vec3, Vec3) {
         let place = |d: u32, uv: Vec2| {
             let mut p = Vec3::ZERO;
             p[self.axis] = d as f32;

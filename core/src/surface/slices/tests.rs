@@ -132,7 +132,7 @@ proptest! {
         let mut areas = SliceAreas::with_slab_bricks(slab_bricks);
         areas.update(&grid, None);
         let axis = facing_axis(&rays, grid.dims());
-        let layers = Layers::new(&rays, grid.dims(), axis, thickness, areas.slab_vx());
+        let layers = SliceLayers::new(&rays, grid.dims(), axis, thickness, areas.slab_vx());
         let mut drawn = Vec::new();
         layers.for_each(areas.along(axis), |rect| drawn.push(rect));
         for y in 0..rays.size.y {
@@ -153,7 +153,7 @@ proptest! {
                 // Layers met before it have lower ranks, layers beyond it higher ones.
                 let eye = rays.origin[axis];
                 for other in &drawn {
-                    let same_side = |l: &Layer| (l.first as f32 + 0.5 > eye) == (direction[axis] > 0.0);
+                    let same_side = |l: &SliceLayer| (l.first as f32 + 0.5 > eye) == (direction[axis] > 0.0);
                     if other.rect.is_some() && own.rect.is_some() && same_side(&other.layer) {
                         let farther = (other.layer.first > own.layer.first) == (direction[axis] > 0.0);
                         if other.layer.first != own.layer.first {

@@ -9,7 +9,7 @@ use super::BrushId;
 use super::footprint::{Footprint, MAX_FOOTPRINT};
 use super::keys::COLOUR;
 use super::limits::{MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
-use super::options::Values;
+use super::options::ParamValues;
 use super::param::{Key, Omitted, Param, ParamValue, Value};
 use crate::refusal::InvalidValue;
 
@@ -26,7 +26,7 @@ pub struct BrushUse {
     pub surface: BrushSurface,
     /// The PNG or JPEG file with which it paints; its longer side is as long as the brush is wide.
     pub picture: Option<PathBuf>,
-    values: Values,
+    values: ParamValues,
 }
 
 /// The surface on which the rays of a brush are cast, or the clay that it moves.
@@ -46,7 +46,7 @@ pub enum Contact {
     /// Under an outline in a picture.
     Footprint(Footprint),
     /// In a ball.
-    Ball(Ball),
+    Ball(BrushBall),
 }
 
 /// The kinds of places where brushes are used.
@@ -64,18 +64,18 @@ pub enum ContactKind {
 
 /// A ball in which a brush works.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Ball {
+pub struct BrushBall {
     /// The centre, in voxel coordinates.
     pub centre_vx: Vec3,
     /// The radius in units of the smallest voxel edge, from [`MIN_RADIUS`] to [`MAX_RADIUS`].
     pub radius: f32,
     /// The direction in which the brush works.
-    pub frame: Frame,
+    pub frame: BrushDirection,
 }
 
 /// The direction in which a brush works.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Frame {
+pub enum BrushDirection {
     /// None: along the normals of the surface.
     None,
     /// The outward direction, or an axis, of any length.
@@ -91,7 +91,7 @@ impl BrushUse {
             Omitted::Required | Omitted::InsteadOf(..) => Value::Absent,
             Omitted::Is(value) | Omitted::Unwritten(value) => value,
         };
-        let values = Values::new(brush.spec().params(), omitted);
+        let values = ParamValues::new(brush.spec().params(), omitted);
         BrushUse { brush, contact, surface: BrushSurface::Now, picture: None, values }
     }
 
@@ -101,7 +101,7 @@ impl BrushUse {
     }
 
     /// Creates a use in a ball.
-    pub fn in_ball(brush: BrushId, ball: Ball) -> BrushUse {
+    pub fn in_ball(brush: BrushId, ball: BrushBall) -> BrushUse {
         BrushUse::new(brush, Contact::Ball(ball))
     }
 
@@ -171,7 +171,7 @@ impl BrushUse {
     }
 
     /// Returns the ball in which the brush is used.
-    pub fn ball(&self) -> Option<&Ball> {
+    pub fn ball(&self) -> Option<&BrushBall> {
         match &self.contact {
             Contact::Ball(ball) => Some(ball),
             Contact::Footprint(_) => None,
@@ -232,9 +232,11 @@ impl Contact {
     pub fn kind(&self) -> ContactKind {
         match self {
             Contact::Footprint(_) => ContactKind::Footprint,
-            Contact::Ball(Ball { frame: Frame::None, .. }) => ContactKind::Ball,
-            Contact::Ball(Ball { frame: Frame::Normal(_), .. }) => ContactKind::BallWithNormal,
-            Contact::Ball(Ball { frame: Frame::Displacement(_), .. }) => {
+            Contact::Ball(BrushBall { frame: BrushDirection::None, .. }) => ContactKind::Ball,
+            Contact::Ball(BrushBall { frame: BrushDirection::Normal(_), .. }) => {
+                ContactKind::BallWithNormal
+            }
+            Contact::Ball(BrushBall { frame: BrushDirection::Displacement(_), .. }) => {
                 ContactKind::BallWithDisplacement
             }
         }
@@ -255,8 +257,8 @@ fn check_footprint(footprint: &Footprint) -> Result<(), InvalidValue> {
     }
 }
 
-fn check_ball(ball: &Ball) -> Result<(), InvalidValue> {
-    let Ball { centre_vx, radius, frame } = *ball;
+fn check_ball(ball: &BrushBall) -> Result<(), InvalidValue> {
+    let BrushBall { centre_vx, radius, frame } = *ball;
     if !centre_vx.is_finite() || centre_vx.abs().max_element() > 1e6 {
         return Err(InvalidValue::new("middle", "must lie near the grid", centre_vx));
     }
@@ -265,10 +267,12 @@ fn check_ball(ball: &Ball) -> Result<(), InvalidValue> {
         return Err(InvalidValue::new("radius", rule, radius));
     }
     match frame {
-        Frame::Normal(normal) if normal.try_normalize().is_none() => {
+        BrushDirection::Normal(normal) if normal.try_normalize().is_none() => {
             Err(InvalidValue::new("normal", "must be a direction", normal))
         }
-        Frame::Displacement(by) if !by.is_finite() || by.abs().max_element() > MAX_PULL_VX => {
+        BrushDirection::Displacement(by)
+            if !by.is_finite() || by.abs().max_element() > MAX_PULL_VX =>
+        {
             let rule = format!("must be at most {MAX_PULL_VX} voxels along each axis");
             Err(InvalidValue::new("pull", rule, by))
         }

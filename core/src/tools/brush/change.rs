@@ -30,7 +30,7 @@ pub struct Site<'a> {
 
 /// The change that a use of a brush makes.
 #[derive(Default)]
-pub struct Change {
+pub struct BrushChange {
     /// Voxels to remove; from the mask if the brush changes the mask.
     pub remove: ListedBricks,
     /// Voxels to add, likewise.
@@ -70,23 +70,23 @@ impl Site<'_> {
     }
 }
 
-impl Change {
+impl BrushChange {
     /// Returns the voxels that a use changes. The use must have been checked.
-    pub fn of(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+    pub fn of(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
         match used.brush().spec().script {
             Some(script) => (script.apply)(used, site),
-            None => Ok(Change::default()),
+            None => Ok(BrushChange::default()),
         }
     }
 
     /// Returns a change that adds and removes clay; added clay inherits the colour around it.
-    pub(super) fn of_clay(stamp: Stamp) -> Change {
+    pub(super) fn of_clay(stamp: Stamp) -> BrushChange {
         let Stamp { add, remove, .. } = stamp;
-        Change { add, remove, new_clay: NewClay::Inherited, ..Change::default() }
+        BrushChange { add, remove, new_clay: NewClay::Inherited, ..BrushChange::default() }
     }
 
     /// Returns a change that paints.
-    pub(super) fn painted(voxels: ListedBricks, paint: Paint) -> Change {
-        Change { paint: vec![(voxels, paint)], ..Change::default() }
+    pub(super) fn painted(voxels: ListedBricks, paint: Paint) -> BrushChange {
+        BrushChange { paint: vec![(voxels, paint)], ..BrushChange::default() }
     }
 }

@@ -1,6 +1,6 @@
 //! Clay: builds up a soft mound on the surface.
 
-use super::change::{Change, NewClay, Site};
+use super::change::{BrushChange, NewClay, Site};
 use super::footprint::Outline;
 use super::kernel::rays;
 use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH};
@@ -37,8 +37,8 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 /// Adds a paraboloid over the footprint, so that strokes blend into the surface.
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     let add = rays::around(used, site, |offset| 1.0 - offset * offset, Outline::Round);
     let new_clay = NewClay::Colour(used.get(COLOUR));
-    Ok(Change { add, new_clay, ..Change::default() })
+    Ok(BrushChange { add, new_clay, ..BrushChange::default() })
 }

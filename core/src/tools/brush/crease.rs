@@ -1,7 +1,7 @@
 //! Crease: cuts a sharp furrow; inverted, it raises a ridge.
 
 use super::BrushUse;
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::falloff::Falloff;
 use super::kernel::offset::{self, Profile};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
@@ -32,6 +32,6 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::DEFORM
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     Ok(offset::along_normal(used, site, Profile::Squared))
 }

@@ -9,7 +9,7 @@ use super::footprint::Footprint;
 use super::keys::{COLOUR, ONCE_PER_STROKE, RADIUS, STRENGTH};
 use super::limits::MAX_HEIGHT;
 use super::options::BrushOptions;
-use super::{Ball, BrushSurface, BrushUse, Contact, Frame};
+use super::{BrushBall, BrushDirection, BrushSurface, BrushUse, Contact};
 use crate::sculpture::Rgb;
 
 /// Height by which the surface is raised at full strength, as a share of the radius.
@@ -78,7 +78,7 @@ pub enum DabPlace<'a> {
 impl Dab<'_> {
     /// Returns a use with the values of the options that have the names of its parameters. `frame`: the direction in
     /// which it works in a ball.
-    pub(super) fn used(&self, frame: Frame) -> BrushUse {
+    pub(super) fn used(&self, frame: BrushDirection) -> BrushUse {
         let brush = self.options.brush();
         let radius = self.options.get(RADIUS);
         let (contact, surface, colour) = match self.place {
@@ -92,7 +92,7 @@ impl Dab<'_> {
             }
             DabPlace::Surface { at_vx: centre_vx, .. }
             | DabPlace::Held { start_vx: centre_vx, .. } => {
-                (Contact::Ball(Ball { centre_vx, radius, frame }), BrushSurface::Stroke, None)
+                (Contact::Ball(BrushBall { centre_vx, radius, frame }), BrushSurface::Stroke, None)
             }
         };
         let mut used = BrushUse::new(brush, contact).on(surface);
@@ -105,7 +105,7 @@ impl Dab<'_> {
 
     /// Returns a use in a ball along the normal.
     pub(super) fn along_normal(&self) -> BrushUse {
-        self.used(Frame::Normal(self.normal()))
+        self.used(BrushDirection::Normal(self.normal()))
     }
 
     /// Returns the outward unit normal.

@@ -1,9 +1,9 @@
 //! Devourer (carve): bites into the surface under it.
 
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::kernel::rays;
 use super::keys::{BITE, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH};
-use super::spec::{BrushSpec, Inverse, Keeps, Script, Tint};
+use super::spec::{BrushSpec, Inverse, Keeps, OutlineColour, Script};
 use super::{BrushId, BrushUse};
 use crate::refusal::InvalidValue;
 
@@ -25,13 +25,13 @@ pub const SPEC: BrushSpec = BrushSpec {
     ],
     inverse: Inverse::Brush(BrushId::Clay),
     pressure: Some(REACH),
-    tint: Tint::Cut,
+    tint: OutlineColour::Cut,
     idle: "Nothing was cut",
     script: Script::under(&[REACH.param, BITE.param], apply),
     ..BrushSpec::SURFACE
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     let remove = rays::around(used, site, |_| 1.0, used.get(BITE));
-    Ok(Change { remove, ..Change::default() })
+    Ok(BrushChange { remove, ..BrushChange::default() })
 }

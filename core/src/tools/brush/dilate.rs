@@ -1,6 +1,6 @@
 //! Dilation: thickens edges and corners.
 
-use super::change::{Change, NewClay, Site};
+use super::change::{BrushChange, NewClay, Site};
 use super::kernel::filter;
 use super::kernel::rays;
 use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
@@ -31,10 +31,10 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::SURFACE
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     let add = rays::by_threshold(used, site, |near, threshold| {
         filter::dilation(&near.solid, &near.may, threshold)
     });
     let new_clay = used.find(COLOUR).map_or(NewClay::Inherited, NewClay::Colour);
-    Ok(Change { add, new_clay, ..Change::default() })
+    Ok(BrushChange { add, new_clay, ..BrushChange::default() })
 }

@@ -1,7 +1,7 @@
 //! Draw: raises the surface along its normal; inverted, it lowers it.
 
 use super::BrushUse;
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::kernel::offset::{self, Profile};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};
@@ -33,6 +33,6 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::DEFORM
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     Ok(offset::along_normal(used, site, Profile::Falloff))
 }

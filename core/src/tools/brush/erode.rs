@@ -1,10 +1,10 @@
 //! Erosion: wears down edges and leaves flat faces alone.
 
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::kernel::filter;
 use super::kernel::rays;
 use super::keys::{ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
-use super::spec::{BrushSpec, Inverse, Keeps, Script, Tint};
+use super::spec::{BrushSpec, Inverse, Keeps, OutlineColour, Script};
 use super::{BrushId, BrushUse};
 use crate::refusal::InvalidValue;
 
@@ -31,15 +31,15 @@ pub const SPEC: BrushSpec = BrushSpec {
         ONCE_PER_STROKE.param,
     ],
     inverse: Inverse::Brush(BrushId::Dilate),
-    tint: Tint::Cut,
+    tint: OutlineColour::Cut,
     idle: "Nothing was removed: all voxels here have as many neighbours as the threshold",
     script: Script::under(&[REACH.param, THRESHOLD.param], apply),
     ..BrushSpec::SURFACE
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     let remove = rays::by_threshold(used, site, |near, threshold| {
         filter::erosion(&near.solid, &near.may, threshold)
     });
-    Ok(Change { remove, ..Change::default() })
+    Ok(BrushChange { remove, ..BrushChange::default() })
 }

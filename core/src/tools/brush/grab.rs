@@ -1,12 +1,12 @@
 //! Grab: pulls the surface along with the pointer.
 
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::dab::{Dab, DabPlace};
 use super::kernel::grab::{self, Motion};
 use super::keys::{FALLOFF, RADIUS, STRENGTH};
 use super::limits::MAX_PULL_VX;
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Keeps, Script};
-use super::{BrushUse, Frame};
+use super::{BrushDirection, BrushUse};
 use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
@@ -38,9 +38,9 @@ fn dab(dab: &Dab) -> Option<BrushUse> {
     let by_vx = by_vx * dab.options.get(STRENGTH);
     let furthest = by_vx.abs().max_element();
     let share = if furthest > MAX_PULL_VX { MAX_PULL_VX / furthest } else { 1.0 };
-    Some(dab.used(Frame::Displacement(by_vx * share)))
+    Some(dab.used(BrushDirection::Displacement(by_vx * share)))
 }
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     grab::change(used, site, |by_vx| Motion::Pull { by_vx })
 }

@@ -1,6 +1,6 @@
 //! Growth: fills concave corners and small holes.
 
-use super::change::{Change, NewClay, Site};
+use super::change::{BrushChange, NewClay, Site};
 use super::kernel::filter;
 use super::kernel::rays;
 use super::keys::{COLOUR, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, THRESHOLD};
@@ -37,10 +37,10 @@ pub const SPEC: BrushSpec = BrushSpec {
 /// Greatest number of rounds in which voxels are added.
 const ROUNDS: u32 = 64;
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     let add = rays::by_threshold(used, site, |near, threshold| {
         filter::growth(&near.solid, &near.may, threshold, ROUNDS)
     });
     let new_clay = used.find(COLOUR).map_or(NewClay::Inherited, NewClay::Colour);
-    Ok(Change { add, new_clay, ..Change::default() })
+    Ok(BrushChange { add, new_clay, ..BrushChange::default() })
 }

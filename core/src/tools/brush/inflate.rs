@@ -1,10 +1,10 @@
 //! Inflate: swells the surface under it; inverted, it shrinks it.
 
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::kernel::offset::{self, Target};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, ContactKind, Inverse, Keeps, Script};
-use super::{BrushUse, Frame};
+use super::{BrushDirection, BrushUse};
 use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
@@ -27,11 +27,11 @@ pub const SPEC: BrushSpec = BrushSpec {
         FALLOFF.param,
     ],
     inverse: Inverse::Sense,
-    dab: |dab| Some(dab.used(Frame::None).with(HEIGHT, dab.height())),
+    dab: |dab| Some(dab.used(BrushDirection::None).with(HEIGHT, dab.height())),
     script: Script::in_ball(ContactKind::Ball, &[HEIGHT.param, FALLOFF.param], apply),
     ..BrushSpec::DEFORM
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     Ok(offset::change(used, site, |_| Target::Along(used.get(HEIGHT))))
 }

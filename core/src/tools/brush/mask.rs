@@ -1,10 +1,10 @@
 //! Mask: protects the surface under it from all changes.
 
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::footprint::Outline;
 use super::kernel::rays;
 use super::keys::{MASK_DEPTH, OUTLINE, RADIUS, REACH};
-use super::spec::{BrushGroup, BrushSpec, Inverse, Keeps, Script, Tint};
+use super::spec::{BrushGroup, BrushSpec, Inverse, Keeps, OutlineColour, Script};
 use super::{BrushId, BrushUse};
 use crate::refusal::InvalidValue;
 
@@ -20,13 +20,13 @@ pub const SPEC: BrushSpec = BrushSpec {
     group: BrushGroup::Mask,
     options: &[RADIUS.param, OUTLINE.param, MASK_DEPTH.param],
     inverse: Inverse::Brush(BrushId::Unmask),
-    tint: Tint::Mask,
+    tint: OutlineColour::Mask,
     idle: "Nothing changed: it is masked already",
     script: Script::under(&[REACH.param], apply),
     ..BrushSpec::SURFACE
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     let add = rays::around(used, site, |_| 1.0, Outline::Round);
-    Ok(Change { add, ..Change::default() })
+    Ok(BrushChange { add, ..BrushChange::default() })
 }

@@ -39,7 +39,7 @@ mod tests;
 mod twist;
 mod unmask;
 
-pub use brush_use::{Ball, BrushSurface, BrushUse, Contact, Frame};
+pub use brush_use::{BrushBall, BrushDirection, BrushSurface, BrushUse, Contact};
 use spec::BrushSpec;
 
 macro_rules! brushes {

@@ -8,13 +8,13 @@ const MOST: usize = 8;
 
 /// A value for each parameter of a list, which the owner knows. Unused ones are absent.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) struct Values([Value; MOST]);
+pub(super) struct ParamValues([Value; MOST]);
 
-impl Values {
-    pub fn new(params: &[Param], value: impl Fn(&Param) -> Value) -> Values {
+impl ParamValues {
+    pub fn new(params: &[Param], value: impl Fn(&Param) -> Value) -> ParamValues {
         let mut values = [Value::Absent; MOST];
         values.iter_mut().zip(params).for_each(|(slot, param)| *slot = value(param));
-        Values(values)
+        ParamValues(values)
     }
 
     pub fn get(&self, params: &[Param], key: &str) -> Option<Value> {
@@ -43,13 +43,13 @@ fn place(params: &[Param], key: &str) -> Option<usize> {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BrushOptions {
     brush: BrushId,
-    values: Values,
+    values: ParamValues,
 }
 
 impl BrushOptions {
     /// Returns the default options of a brush.
     pub fn first(brush: BrushId) -> BrushOptions {
-        BrushOptions { brush, values: Values::new(brush.spec().options, |param| param.first) }
+        BrushOptions { brush, values: ParamValues::new(brush.spec().options, |param| param.first) }
     }
 
     /// Returns these options for another brush, as far as it has them.

@@ -1,6 +1,6 @@
 //! Brush: paints the visible surface under it.
 
-use super::change::{Change, Paint, Site};
+use super::change::{BrushChange, Paint, Site};
 use super::dab::{Dab, DabPlace};
 use super::footprint::{Footprint, Outline};
 use super::kernel::rays;
@@ -9,7 +9,7 @@ use super::keys::{COLOUR, COVER, OUTLINE, RADIUS, REACH, STRENGTH};
 use super::mix::Mix;
 use super::spec::{BrushSpec, ContactKind, Inverse, Keeps, Script};
 use super::stencil::Stencil;
-use super::{BrushId, BrushUse, Frame};
+use super::{BrushDirection, BrushId, BrushUse};
 use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
@@ -47,7 +47,7 @@ pub const SPEC: BrushSpec = BrushSpec {
 fn used(dab: &Dab) -> BrushUse {
     let cover = dab.options.get(STRENGTH);
     let DabPlace::Picture { footprint, colour, image: Some(image), .. } = dab.place else {
-        return dab.used(Frame::None).with(COVER, cover);
+        return dab.used(BrushDirection::None).with(COVER, cover);
     };
     let footprint = Footprint { outline: Outline::Square, ..footprint };
     let mut used = BrushUse::under(BrushId::Paint, footprint).with(COVER, cover);
@@ -56,8 +56,8 @@ fn used(dab: &Dab) -> BrushUse {
 }
 
 /// Paints. Each mirror image of the brush has its own copy of an image; a colour is dithered as under the brush itself.
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
-    let Some(footprint) = used.footprint() else { return Ok(Change::default()) };
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
+    let Some(footprint) = used.footprint() else { return Ok(BrushChange::default()) };
     let cover = used.get(COVER);
     let Some(texture) = site.picture else {
         let mix = Mix::new(used.get(COLOUR), cover, footprint, site.depth());
@@ -65,12 +65,12 @@ fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
             paint: rays::seen(footprint, site),
             ..Stamp::default()
         });
-        return Ok(Change::painted(seen.paint, Paint::Mix(mix)));
+        return Ok(BrushChange::painted(seen.paint, Paint::Mix(mix)));
     };
     let paint = site.images.iter().map(|image| {
         let footprint = footprint.image(image);
         let stencil = Stencil::new(texture, &footprint, used.find(COLOUR), cover);
         (rays::seen(&footprint, site), Paint::Stencil(stencil))
     });
-    Ok(Change { paint: paint.collect(), ..Change::default() })
+    Ok(BrushChange { paint: paint.collect(), ..BrushChange::default() })
 }

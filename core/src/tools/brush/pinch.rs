@@ -1,6 +1,6 @@
 //! Pinch: gathers the clay under it; inverted, it spreads the clay.
 
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::dab::Dab;
 use super::kernel::grab::{self, Motion};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
@@ -43,7 +43,7 @@ fn dab(dab: &Dab) -> Option<BrushUse> {
     (strength != 0.0).then_some(used)
 }
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     let strength = used.get(STRENGTH);
     grab::change(used, site, |normal| Motion::Pinch { normal, strength })
 }

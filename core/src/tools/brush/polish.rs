@@ -1,7 +1,7 @@
 //! Polish: flattens and smooths the surface in one pass.
 
 use super::BrushUse;
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::falloff::Falloff;
 use super::kernel::rays::Filtered;
 use super::kernel::{filter, offset};
@@ -38,7 +38,7 @@ const AROUND_VX: u32 = 2;
 /// plane.
 const EVENNESS: f32 = 0.25;
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     let evenness = used.get(STRENGTH).powf(EVENNESS);
     Ok(offset::to_plane_then(used, site, AROUND_VX, |near| {
         let (add, remove) = filter::majority(&near.solid, &near.may, AROUND_VX, evenness);

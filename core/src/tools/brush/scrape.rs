@@ -1,6 +1,6 @@
 //! Scrape: removes bumps above the plane where the stroke began.
 
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::falloff::Falloff;
 use super::kernel::offset;
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
@@ -29,6 +29,6 @@ pub const SPEC: BrushSpec = BrushSpec {
     ..BrushSpec::DEFORM
 };
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     Ok(offset::to_plane(used, site, true, false))
 }

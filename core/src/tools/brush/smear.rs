@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::dab::{Dab, DabPlace};
 use super::keys::{FALLOFF, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, Keeps, SurfaceNormal};
-use super::{Ball, BrushId, BrushUse, Frame};
+use super::{BrushBall, BrushDirection, BrushId, BrushUse};
 
 /// See [`BrushSpec`].
 pub const SPEC: BrushSpec = BrushSpec {
@@ -42,6 +42,6 @@ fn dab(dab: &Dab) -> Option<BrushUse> {
     if (delta_vx * edges).length() > (LONGEST * radius).max(2.0) || by_vx == Vec3::ZERO {
         return None;
     }
-    let ball = Ball { centre_vx: from_vx, radius, frame: Frame::Displacement(by_vx) };
+    let ball = BrushBall { centre_vx: from_vx, radius, frame: BrushDirection::Displacement(by_vx) };
     Some(BrushUse::in_ball(BrushId::Grab, ball).with(FALLOFF, dab.options.get(FALLOFF)))
 }

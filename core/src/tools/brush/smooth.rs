@@ -1,13 +1,13 @@
 //! Smooth: evens out bumps and pits.
 
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::dab::{Dab, DabPlace};
 use super::kernel::filter;
 use super::kernel::level::Level;
 use super::kernel::rays::{self, Filtered};
 use super::keys::{AROUND, OUTLINE, RADIUS, REACH, ROUNDING, STRENGTH};
-use super::spec::{BrushSpec, BrushStroke, Keeps, Script, Tint};
-use super::{BrushUse, Frame};
+use super::spec::{BrushSpec, BrushStroke, Keeps, OutlineColour, Script};
+use super::{BrushDirection, BrushUse};
 use crate::refusal::InvalidValue;
 
 /// See [`BrushSpec`].
@@ -26,7 +26,7 @@ pub const SPEC: BrushSpec = BrushSpec {
     ],
     stroke: BrushStroke::Picture { repeats: true },
     pressure: Some(STRENGTH),
-    tint: Tint::Neutral,
+    tint: OutlineColour::Neutral,
     idle: "Nothing changed: it is smooth here",
     dab,
     script: Script::under(
@@ -43,12 +43,12 @@ const GOLDEN: f32 = 0.618_034;
 fn dab(dab: &Dab) -> Option<BrushUse> {
     let DabPlace::Picture { uses, .. } = dab.place else { return None };
     let rounding = (Level::NEAREST + uses as f32 * GOLDEN).fract();
-    Some(dab.used(Frame::None).with(REACH, 0.0).with(ROUNDING, rounding))
+    Some(dab.used(BrushDirection::None).with(REACH, 0.0).with(ROUNDING, rounding))
 }
 
 /// With a strength, smooths by a level set at the scale of the footprint, and ignores the reach. Without one, smooths
 /// by the majority, as the first versions did.
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     let stamp = rays::under(used, site, |footprint| match used.find(STRENGTH) {
         // All uses work on one surface: overlapping uses on that of a stroke's start do not add up.
         Some(strength) => {
@@ -63,5 +63,5 @@ fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
             })
         }
     });
-    Ok(Change::of_clay(stamp))
+    Ok(BrushChange::of_clay(stamp))
 }

@@ -2,10 +2,10 @@
 //! written once, in the file of the brush.
 
 pub use super::brush_use::ContactKind;
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::dab::Dab;
 use super::param::{Key, Param};
-use super::{BrushId, BrushUse, Frame};
+use super::{BrushDirection, BrushId, BrushUse};
 use crate::refusal::InvalidValue;
 
 /// The description of a brush.
@@ -42,7 +42,7 @@ pub struct BrushSpec {
     /// The option that pen pressure controls.
     pub pressure: Option<Key<f32>>,
     /// The colour of its outline.
-    pub tint: Tint,
+    pub tint: OutlineColour,
     /// Whether it applies the current colour.
     pub gives_colour: bool,
     /// Whether it can add voxels, and so reach the border of the grid.
@@ -92,14 +92,14 @@ pub struct Script {
     /// Whether a sculpture without colours refuses it.
     pub needs_colours: bool,
     /// Computes the change of a use, which must have been checked.
-    pub apply: fn(&BrushUse, &Site) -> Result<Change, InvalidValue>,
+    pub apply: fn(&BrushUse, &Site) -> Result<BrushChange, InvalidValue>,
 }
 
 impl Script {
     /// Returns a command under an outline.
     pub(super) const fn under(
         params: &'static [Param],
-        apply: fn(&BrushUse, &Site) -> Result<Change, InvalidValue>,
+        apply: fn(&BrushUse, &Site) -> Result<BrushChange, InvalidValue>,
     ) -> Option<Script> {
         Some(Script {
             contact: ContactKind::Footprint,
@@ -114,7 +114,7 @@ impl Script {
     pub(super) const fn in_ball(
         contact: ContactKind,
         params: &'static [Param],
-        apply: fn(&BrushUse, &Site) -> Result<Change, InvalidValue>,
+        apply: fn(&BrushUse, &Site) -> Result<BrushChange, InvalidValue>,
     ) -> Option<Script> {
         Some(Script { contact, params, replaces_stroke: false, needs_colours: false, apply })
     }
@@ -123,7 +123,7 @@ impl Script {
     pub(super) const fn of_clay(
         contact: ContactKind,
         params: &'static [Param],
-        apply: fn(&BrushUse, &Site) -> Result<Change, InvalidValue>,
+        apply: fn(&BrushUse, &Site) -> Result<BrushChange, InvalidValue>,
     ) -> Option<Script> {
         Some(Script { contact, params, replaces_stroke: true, needs_colours: false, apply })
     }
@@ -185,7 +185,7 @@ pub enum Inverse {
 
 /// The colour of a brush's outline.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Tint {
+pub enum OutlineColour {
     /// The colour of tools that cut.
     Cut,
     /// The colour of tools that neither cut nor add.
@@ -214,11 +214,11 @@ impl BrushSpec {
         inverse: Inverse::Same,
         options_of: None,
         pressure: None,
-        tint: Tint::Colour,
+        tint: OutlineColour::Colour,
         gives_colour: false,
         adds: false,
         idle: "Nothing changed",
-        dab: |dab| Some(dab.used(Frame::None)),
+        dab: |dab| Some(dab.used(BrushDirection::None)),
         script: None,
     };
 
@@ -228,7 +228,7 @@ impl BrushSpec {
         stroke: BrushStroke::Surface { normal: SurfaceNormal::OfPress { on_plane: false } },
         spacing: 0.2,
         pressure: Some(super::keys::STRENGTH),
-        tint: Tint::Neutral,
+        tint: OutlineColour::Neutral,
         adds: true,
         idle: "Nothing changed: the clay is already as the brush makes it",
         dab: |dab| Some(dab.along_normal()),

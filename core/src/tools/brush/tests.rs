@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::change::{Change, NewClay, Paint, Site};
+use super::change::{BrushChange, NewClay, Paint, Site};
 use super::dab::{Dab, DabPlace};
 use super::footprint::{Coverage, Footprint, Outline};
 use super::keys::{
@@ -11,7 +11,7 @@ use super::keys::{
 use super::limits::{MAX_HEIGHT, MAX_PULL_VX, MAX_RADIUS};
 use super::options::BrushOptions;
 use super::spec::{BrushSpec, BrushStroke};
-use super::{Ball, BrushId, BrushUse, Frame};
+use super::{BrushBall, BrushDirection, BrushId, BrushUse};
 use crate::sculpture::Material;
 use crate::sculpture::brick::local_coords;
 use crate::sculpture::history::{Contents, SurfaceKind};
@@ -53,20 +53,20 @@ fn contents(grid: &Grid, depth: ColourDepth) -> Contents {
 }
 
 /// Returns the change of a use in a grid, on a surface.
-fn change(used: &BrushUse, grid: &Grid, surface: &Grid, depth: ColourDepth) -> Change {
+fn change(used: &BrushUse, grid: &Grid, surface: &Grid, depth: ColourDepth) -> BrushChange {
     assert_eq!(used.check(), Ok(()));
     let (contents, symmetry) = (contents(grid, depth), Symmetry::default());
     let images = symmetry.images(grid.dims(), grid.voxel_size());
     let site =
         Site { contents: &contents, surface, symmetry: &symmetry, images: &images, picture: None };
-    Change::of(used, &site).unwrap()
+    BrushChange::of(used, &site).unwrap()
 }
 
-fn changed(used: &BrushUse, grid: &Grid) -> Change {
+fn changed(used: &BrushUse, grid: &Grid) -> BrushChange {
     change(used, grid, grid, ColourDepth::Bits24)
 }
 
-fn painted(change: &Change) -> Vec<IVec3> {
+fn painted(change: &BrushChange) -> Vec<IVec3> {
     change.paint.iter().flat_map(|(bricks, _)| voxels(bricks)).collect()
 }
 
@@ -265,17 +265,17 @@ fn what_meets_nothing_does_nothing_and_nonsense_is_refused() {
     let threshold = "the threshold of the brush must be from 1 to 26 (given: 99)";
     assert_eq!(refused(used(BrushId::Erode, up, 3.0).with(THRESHOLD, 99)), threshold);
     assert_eq!(refused(used(BrushId::Clay, up, 3.0)), "the colour of the brush is missing");
-    let ball = Ball { centre_vx: Vec3::ONE, radius: 8.0, frame: Frame::None };
+    let ball = BrushBall { centre_vx: Vec3::ONE, radius: 8.0, frame: BrushDirection::None };
     assert!(refused(BrushUse::in_ball(BrushId::Devour, ball)).contains("the place"));
     assert!(refused(BrushUse::in_ball(BrushId::Smear, ball)).contains("the place"));
 }
 
 #[test]
 fn numbers_of_balls_out_of_range_are_refused() {
-    let ball = |frame| Ball { centre_vx: Vec3::new(1.0, 2.0, 3.0), radius: 8.0, frame };
-    let none = ball(Frame::None);
-    let up = ball(Frame::Normal(Vec3::Y));
-    let pull = |by_vx| BrushUse::in_ball(BrushId::Grab, ball(Frame::Displacement(by_vx)));
+    let ball = |frame| BrushBall { centre_vx: Vec3::new(1.0, 2.0, 3.0), radius: 8.0, frame };
+    let none = ball(BrushDirection::None);
+    let up = ball(BrushDirection::Normal(Vec3::Y));
+    let pull = |by_vx| BrushUse::in_ball(BrushId::Grab, ball(BrushDirection::Displacement(by_vx)));
     let used = BrushUse::in_ball;
     for good in [
         used(BrushId::Inflate, none).with(HEIGHT, -MAX_HEIGHT),
@@ -288,14 +288,15 @@ fn numbers_of_balls_out_of_range_are_refused() {
         assert_eq!(good.check(), Ok(()));
     }
     let inflate = |ball| used(BrushId::Inflate, ball).with(HEIGHT, 1.0);
-    let along = |normal| used(BrushId::Draw, ball(Frame::Normal(normal))).with(HEIGHT, 1.0);
+    let along =
+        |normal| used(BrushId::Draw, ball(BrushDirection::Normal(normal))).with(HEIGHT, 1.0);
     for (bad, field) in [
-        (inflate(Ball { radius: 0.0, ..none }), "radius"),
-        (inflate(Ball { radius: 1e-6, ..none }), "radius"),
-        (inflate(Ball { radius: f32::NAN, ..none }), "radius"),
-        (inflate(Ball { radius: MAX_RADIUS * 1.01, ..none }), "radius"),
-        (inflate(Ball { centre_vx: Vec3::INFINITY, ..none }), "middle"),
-        (inflate(Ball { centre_vx: Vec3::splat(1e30), ..none }), "middle"),
+        (inflate(BrushBall { radius: 0.0, ..none }), "radius"),
+        (inflate(BrushBall { radius: 1e-6, ..none }), "radius"),
+        (inflate(BrushBall { radius: f32::NAN, ..none }), "radius"),
+        (inflate(BrushBall { radius: MAX_RADIUS * 1.01, ..none }), "radius"),
+        (inflate(BrushBall { centre_vx: Vec3::INFINITY, ..none }), "middle"),
+        (inflate(BrushBall { centre_vx: Vec3::splat(1e30), ..none }), "middle"),
         (inflate(none).with(HEIGHT, f32::NAN), "height"),
         (inflate(none).with(HEIGHT, -MAX_HEIGHT * 1.01), "height"),
         (used(BrushId::Inflate, none), "height"),

@@ -1,7 +1,7 @@
 //! Twist: turns the clay like a knob; drag to the right or left.
 
 use super::BrushUse;
-use super::change::{Change, Site};
+use super::change::{BrushChange, Site};
 use super::dab::{Dab, DabPlace};
 use super::kernel::grab::{self, Motion};
 use super::keys::{ANGLE, FALLOFF, RADIUS, STRENGTH};
@@ -37,7 +37,7 @@ fn dab(dab: &Dab) -> Option<BrushUse> {
     Some(dab.along_normal().with(ANGLE, angle_deg.clamp(-MAX_TWIST_DEG, MAX_TWIST_DEG)))
 }
 
-fn apply(used: &BrushUse, site: &Site) -> Result<Change, InvalidValue> {
+fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
     let angle_deg = used.get(ANGLE);
     grab::change(used, site, |normal| Motion::Twist { normal, angle_deg })
 }

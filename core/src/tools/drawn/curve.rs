@@ -14,7 +14,7 @@ const MAX_PIECES: f64 = 32.0;
 
 /// The volume that a ball sweeps in straight motion while its radius changes evenly: the convex hull of its two ends.
 #[derive(Clone, Copy, Debug)]
-pub struct Piece {
+pub struct CurvePiece {
     from: DVec3,
     /// Of length 1, or 0.
     along: DVec3,
@@ -24,14 +24,14 @@ pub struct Piece {
     slope: f64,
 }
 
-impl Piece {
+impl CurvePiece {
     /// From one ball to another: centres, with the radius as the fourth number.
-    fn new(a: DVec4, b: DVec4) -> Piece {
+    fn new(a: DVec4, b: DVec4) -> CurvePiece {
         let (from, way) = (a.truncate(), (b - a).truncate());
         let length = way.length();
         let along = way.normalize_or_zero();
         let slope = if length > 0.0 { (b.w - a.w) / length } else { 0.0 };
-        Piece { from, along, length, radius: a.w, slope }
+        CurvePiece { from, along, length, radius: a.w, slope }
     }
 
     /// The least distance of `p` from the surface of all balls on the way, below 0 inside: changes by at most as much as
@@ -62,10 +62,10 @@ impl Piece {
 }
 
 /// The pieces of a centripetal Catmull-Rom spline through balls whose neighbours differ in place.
-pub fn pieces(balls: &[DVec4]) -> Vec<Piece> {
+pub fn pieces(balls: &[DVec4]) -> Vec<CurvePiece> {
     match way(balls)[..] {
-        [ball] => vec![Piece::new(ball, ball)],
-        ref way => way.windows(2).map(|pair| Piece::new(pair[0], pair[1])).collect(),
+        [ball] => vec![CurvePiece::new(ball, ball)],
+        ref way => way.windows(2).map(|pair| CurvePiece::new(pair[0], pair[1])).collect(),
     }
 }
 
@@ -176,7 +176,7 @@ mod tests {
         /// The distance is the least that is found by trying many balls on the way.
         #[test]
         fn the_distance_is_that_of_the_nearest_ball(a in ball(), b in ball(), p in ball()) {
-            let (piece, p) = (Piece::new(a, b), p.truncate());
+            let (piece, p) = (CurvePiece::new(a, b), p.truncate());
             let tried = (0..=2000).map(|i| {
                 let ball = a.lerp(b, f64::from(i) / 2000.0);
                 p.distance(ball.truncate()) - ball.w

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2};
 
-use super::fields::{Field, FieldValue, Pose};
+use super::fields::{Field, FieldValue, SolidPose};
 use super::frame::Frame;
 use super::outline::{self, Outlines};
 use super::spec::{DrawnShape, DrawnSpec, Surface};
@@ -14,7 +14,7 @@ use super::spec::{DrawnShape, DrawnSpec, Surface};
 #[derive(Clone, PartialEq, Debug)]
 pub struct Extrusion {
     /// Its origin and axes.
-    pub pose: Pose,
+    pub pose: SolidPose,
     /// The outlines, each closed from its last point to its first.
     pub outlines: Arc<[Arc<[Vec2]>]>,
     /// Its length along z.

@@ -29,16 +29,16 @@ pub struct ControlPoint {
 
 /// Where a solid is and how it is turned.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Pose {
+pub struct SolidPose {
     /// Its origin in voxel coordinates.
     pub at_vx: Vec3,
     /// Rotation of its axes against the grid's.
     pub rotation: Quat,
 }
 
-impl Pose {
+impl SolidPose {
     /// At the origin of the grid, not turned.
-    pub const IDENTITY: Pose = Pose { at_vx: Vec3::ZERO, rotation: Quat::IDENTITY };
+    pub const IDENTITY: SolidPose = SolidPose { at_vx: Vec3::ZERO, rotation: Quat::IDENTITY };
 
     /// Its fields.
     pub(super) fn fields(&mut self) -> [Field<'_>; 2] {

@@ -4,7 +4,7 @@
 
 use glam::{DQuat, DVec2, DVec3};
 
-use super::fields::Pose;
+use super::fields::SolidPose;
 
 /// A pose, prepared for computing distances.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +15,8 @@ pub struct Frame {
 
 impl Frame {
     /// `stretch`: edges of a voxel in units of the smallest.
-    pub fn new(pose: &Pose, stretch: DVec3) -> Frame {
-        let Pose { at_vx, rotation } = pose;
+    pub fn new(pose: &SolidPose, stretch: DVec3) -> Frame {
+        let SolidPose { at_vx, rotation } = pose;
         Frame { at: at_vx.as_dvec3() * stretch, rotation: rotation.as_dquat().normalize() }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2};
 
-use super::fields::{Field, FieldValue, Pose, require};
+use super::fields::{Field, FieldValue, SolidPose, require};
 use super::frame::Frame;
 use super::outline::{self, Outlines};
 use super::spec::{DrawnShape, DrawnSpec, Surface};
@@ -14,7 +14,7 @@ use super::spec::{DrawnShape, DrawnSpec, Surface};
 #[derive(Clone, PartialEq, Debug)]
 pub struct Lathe {
     /// Its origin and axis.
-    pub pose: Pose,
+    pub pose: SolidPose,
     /// The profile.
     pub profile: Arc<[Vec2]>,
 }

@@ -17,7 +17,7 @@ mod tube;
 
 use glam::{DVec3, Vec3};
 
-pub use fields::{ControlPoint, FURTHEST_VX, Field, FieldValue, MAX_POINTS, Pose, is_place};
+pub use fields::{ControlPoint, FURTHEST_VX, Field, FieldValue, MAX_POINTS, SolidPose, is_place};
 pub use spec::DrawnSpec;
 use spec::{DrawnShape, Surface};
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::fields::{Field, Pose};
+use super::fields::{Field, SolidPose};
 use super::frame::Frame;
 use super::spec::{DrawnShape, DrawnSpec, Surface};
 
@@ -10,7 +10,7 @@ use super::spec::{DrawnShape, DrawnSpec, Surface};
 #[derive(Clone, PartialEq, Debug)]
 pub struct Ring {
     /// Its centre and axis.
-    pub pose: Pose,
+    pub pose: SolidPose,
     /// From the centre to the middle of the tube.
     pub radius: f32,
     /// Radius of the tube.

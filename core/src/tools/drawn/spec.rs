@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use super::DrawnSolid;
-use super::fields::{Field, Pose};
+use super::fields::{Field, SolidPose};
 
 /// The description of a drawn solid.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub struct DrawnSpec {
     /// Its row in the benchmark, which measures the example of a size of 64.
     pub bench_row: &'static str,
     /// An example at a pose, which reaches about as far as a ball of radius `size`: for tests and the benchmark.
-    pub example: fn(pose: Pose, size: f32) -> DrawnSolid,
+    pub example: fn(pose: SolidPose, size: f32) -> DrawnSolid,
 }
 
 /// A drawn solid, in its own file.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, DVec4, Vec3};
 
-use super::curve::{Piece, pieces};
+use super::curve::{CurvePiece, pieces};
 use super::fields::{ControlPoint, Field, FieldValue, require};
 use super::spec::{DrawnShape, DrawnSpec, EVERYWHERE, Surface};
 
@@ -67,18 +67,18 @@ fn coil(centre_vx: Vec3, size: f32) -> Arc<[ControlPoint]> {
 /// The pieces that make a tube.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    pieces: Vec<Piece>,
+    pieces: Vec<CurvePiece>,
 }
 
 impl Surface for Sweep {
     fn bounds(&self) -> [DVec3; 2] {
-        let bounds = self.pieces.iter().map(Piece::bounds);
+        let bounds = self.pieces.iter().map(CurvePiece::bounds);
         let bounds = bounds.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
         bounds.unwrap_or(EVERYWHERE)
     }
 
     fn longest(&self) -> f64 {
-        let furthest = |piece: &Piece| piece.bounds().map(DVec3::length);
+        let furthest = |piece: &CurvePiece| piece.bounds().map(DVec3::length);
         self.pieces.iter().flat_map(furthest).fold(0.0, f64::max)
     }
 
@@ -89,7 +89,7 @@ impl Surface for Sweep {
     }
 
     fn pieces_near(&self, low: DVec3, high: DVec3) -> Vec<u32> {
-        let reaches = |piece: &Piece| {
+        let reaches = |piece: &CurvePiece| {
             let [lowest, highest] = piece.bounds();
             lowest.cmple(high).all() && highest.cmpge(low).all()
         };

@@ -31,17 +31,17 @@ struct Run {
 
 /// A digital ball: it fits exactly between two faces that are its diameter apart, on every axis.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Ball {
+pub struct DigitalBall {
     runs: Vec<Run>,
     extent_vx: [u32; 3],
 }
 
-impl Ball {
+impl DigitalBall {
     /// Creates the ball of `diameter` among voxels with edges `voxel` (in the same unit). On each axis it spans the
     /// fewest voxels that are together at least as long. Its centre is a voxel centre where that number is odd, and
     /// lies between two voxels where it is even. A voxel belongs to the ball if its centre does. Returns `None` if the
     /// ball spans more than [`MAX_BALL_VX`] voxels on an axis, or a number is not finite or not positive.
-    pub fn new(diameter: f32, voxel: Vec3) -> Option<Ball> {
+    pub fn new(diameter: f32, voxel: Vec3) -> Option<DigitalBall> {
         if !(diameter.is_finite()
             && diameter > 0.0
             && voxel.is_finite()
@@ -79,7 +79,7 @@ impl Ball {
                 }
             }
         }
-        Some(Ball { runs, extent_vx })
+        Some(DigitalBall { runs, extent_vx })
     }
 
     /// Returns the number of voxels along each axis.
@@ -160,7 +160,7 @@ struct ReducedRows {
 }
 
 impl<'a, const ALL: bool> Combination<'a, ALL> {
-    fn new(ball: &Ball, block: &'a BitBlock) -> Self {
+    fn new(ball: &DigitalBall, block: &'a BitBlock) -> Self {
         let size = block.size();
         let reversed = |run: &Run| Run { y: -run.y, z: -run.z, low: -run.high, high: -run.low };
         let runs: Vec<Run> = match ALL {
@@ -312,7 +312,7 @@ mod tests {
         (0..MAX.z).flat_map(move |z| (0..MAX.y).flat_map(move |y| row(y, z)))
     }
 
-    fn offsets(ball: &Ball) -> Vec<IVec3> {
+    fn offsets(ball: &DigitalBall) -> Vec<IVec3> {
         let run = |run: &Run| (run.low..=run.high).map(|x| IVec3::new(x, run.y, run.z)).collect();
         ball.runs.iter().flat_map(|r| -> Vec<IVec3> { run(r) }).collect()
     }
@@ -321,7 +321,7 @@ mod tests {
     fn a_ball_is_as_long_as_its_diameter_on_every_axis() {
         for tenths in 1..200u32 {
             let diameter = tenths as f32 * 0.1;
-            let ball = Ball::new(diameter, Vec3::ONE).unwrap();
+            let ball = DigitalBall::new(diameter, Vec3::ONE).unwrap();
             let edge = tenths.div_ceil(10);
             assert_eq!(ball.extent_vx(), [edge; 3], "{diameter}");
             let offsets = offsets(&ball);
@@ -335,19 +335,19 @@ mod tests {
             }
         }
         // Voxels that are flat along an axis: the ball spans more of them there.
-        let ball = Ball::new(2.0, Vec3::new(1.0, 0.25, 0.5)).unwrap();
+        let ball = DigitalBall::new(2.0, Vec3::new(1.0, 0.25, 0.5)).unwrap();
         assert_eq!(ball.extent_vx(), [2, 8, 4]);
     }
 
     #[test]
     fn what_is_no_diameter_makes_no_ball() {
         for diameter in [0.0, -1.0, f32::NAN, f32::INFINITY, 64.1, 1e30] {
-            assert_eq!(Ball::new(diameter, Vec3::ONE), None, "{diameter}");
+            assert_eq!(DigitalBall::new(diameter, Vec3::ONE), None, "{diameter}");
         }
         for voxel in [0.0, f32::NAN, 1e-30] {
-            assert_eq!(Ball::new(1.0, Vec3::new(1.0, voxel, 1.0)), None, "{voxel}");
+            assert_eq!(DigitalBall::new(1.0, Vec3::new(1.0, voxel, 1.0)), None, "{voxel}");
         }
-        assert!(Ball::new(64.0, Vec3::ONE).is_some());
+        assert!(DigitalBall::new(64.0, Vec3::ONE).is_some());
     }
 
     proptest! {
@@ -357,7 +357,7 @@ mod tests {
         fn erosion_and_dilation_equal_the_definition(
             seed: u64, diameter in 0.5f32..5.5, flat in prop::sample::select(vec![1.0f32, 0.5]),
         ) {
-            let ball = Ball::new(diameter, Vec3::new(1.0, flat, 1.0)).unwrap();
+            let ball = DigitalBall::new(diameter, Vec3::new(1.0, flat, 1.0)).unwrap();
             let offsets = offsets(&ball);
             let dense = random(seed, 980);
             let eroded = ball.erode(&dense, &()).unwrap();
@@ -376,7 +376,7 @@ mod tests {
     fn cancelled_work_gives_nothing() {
         let report = crate::progress::Report::default();
         report.cancel();
-        let ball = Ball::new(3.0, Vec3::ONE).unwrap();
+        let ball = DigitalBall::new(3.0, Vec3::ONE).unwrap();
         assert_eq!(ball.erode(&random(1, 500), &report), None);
     }
 }

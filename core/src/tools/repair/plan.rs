@@ -14,7 +14,7 @@ use crate::progress::Progress;
 use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 use crate::sculpture::Grid;
 use crate::sculpture::region::ListedBricks;
-use crate::tools::pieces::{Part, Pieces, PiecesError, pieces};
+use crate::tools::pieces::{Pieces, PiecesError, PiecesOf, pieces};
 
 /// The rule of lengths.
 const LENGTH_RULE: &str = "must be above 0 and at most 64 voxels on every axis";
@@ -137,7 +137,7 @@ impl Repair {
         let (mut remove, mut add) = (ListedBricks::default(), ListedBricks::default());
         match *self {
             Repair::RemoveIslands { keep, smaller_vx } => {
-                let found = pieces(grid, Part::Solid, budget_bytes, progress)?;
+                let found = pieces(grid, PiecesOf::Solid, budget_bytes, progress)?;
                 let stays = stays(&found, keep);
                 let list = found.list();
                 let is_small =
@@ -146,7 +146,7 @@ impl Repair {
                     voxels_of(grid, &found, &|piece| !stays[piece as usize] && is_small(piece));
             }
             Repair::FillCavities { smaller_vx } => {
-                let found = pieces(grid, Part::Empty, budget_bytes, progress)?;
+                let found = pieces(grid, PiecesOf::Empty, budget_bytes, progress)?;
                 let list = found.list();
                 let is_small =
                     |piece: u32| smaller_vx.is_none_or(|n| list[piece as usize].voxels < n);
@@ -161,7 +161,7 @@ impl Repair {
                 add = ListedBricks::new(added.bricks(grid.brick_dims()));
             }
             Repair::Drain { diameter_vx, toward } => {
-                let found = pieces(grid, Part::Empty, budget_bytes, progress)?;
+                let found = pieces(grid, PiecesOf::Empty, budget_bytes, progress)?;
                 let holes = drain::holes(grid, &found, diameter_vx, toward, progress);
                 remove = holes.ok_or(RepairError::Cancelled)?;
             }

@@ -41,7 +41,7 @@ fn repaired(grid: &Grid, repair: Repair) -> Grid {
 }
 
 fn cavities(grid: &Grid) -> usize {
-    let found = pieces(grid, Part::Empty, ROOM, &()).unwrap();
+    let found = pieces(grid, PiecesOf::Empty, ROOM, &()).unwrap();
     (0..found.list().len()).filter(|piece| !found.reaches_border(*piece as u32)).count()
 }
 
@@ -165,6 +165,6 @@ proptest! {
         let solid = grid(|v| boxes.iter().any(|(c, n)| within(v, *c, c.map(|c| c + n))));
         let repair = Repair::RemoveIslands { keep: Keep::Largest, smaller_vx: None };
         let left = repaired(&solid, repair);
-        prop_assert_eq!(pieces(&left, Part::Solid, ROOM, &()).unwrap().list().len(), 1);
+        prop_assert_eq!(pieces(&left, PiecesOf::Solid, ROOM, &()).unwrap().list().len(), 1);
     }
 }

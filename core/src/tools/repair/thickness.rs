@@ -1,6 +1,6 @@
 //! Finds and thickens thin walls: those places that no ball of the wanted diameter within the solid comes near.
 //!
-//! A solid is opened by a ball ([`Ball`]), which leaves the part that such a ball can reach within it (morphological
+//! A solid is opened by a ball ([`DigitalBall`]), which leaves the part that such a ball can reach within it (morphological
 //! opening: J. Serra, Image Analysis and Mathematical Morphology, 1982). The remainder is thin unless it lies within a
 //! tolerance of that part, counted in steps to any of the 26 neighbours inside the solid. The tolerance is large enough
 //! that the edges and corners of a cuboid, which a ball does not fill, and the stair steps of curved and sloping
@@ -11,7 +11,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use super::ball::Ball;
+use super::ball::DigitalBall;
 use crate::progress::Progress;
 use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
@@ -26,15 +26,15 @@ const BLOCKS_TO_THICKEN: u64 = 8;
 /// The minimum thickness of walls.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Thickness {
-    ball: Ball,
+    ball: DigitalBall,
     /// Number of steps around the part that the ball reaches within which nothing is thin.
     tolerance: u32,
 }
 
 impl Thickness {
-    /// Creates it from `thickness` and the edges of voxels in the same unit. Returns `None` where [`Ball::new`] does.
+    /// Creates it from `thickness` and the edges of voxels in the same unit. Returns `None` where [`DigitalBall::new`] does.
     pub fn new(thickness: f32, voxel: Vec3) -> Option<Thickness> {
-        let ball = Ball::new(thickness, voxel)?;
+        let ball = DigitalBall::new(thickness, voxel)?;
         let edge = ball.extent_vx().into_iter().max().unwrap_or(1);
         // A corner of a cube is (1 - 1/sqrt(3)) radii from the ball on each axis, an edge less. One more voxel allows
         // for the ball's own steps and its position, which is a whole number.

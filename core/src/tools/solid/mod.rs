@@ -21,4 +21,4 @@ pub mod tests;
 
 pub use kind::Solid;
 pub use placed::{PlacedSolid, Primitive, SolidRow, check_way};
-pub use shape::Shape;
+pub use shape::SolidShape;

@@ -10,23 +10,23 @@ use super::sweep::behind;
 /// A solid as a Minkowski sum: a core (a circle, a segment, a box that reaches 1), shrunk by 1 - `round`, and an
 /// ellipsoid of half extents `round`. Outside tool space the ellipsoid is a ball where the solid is as wide as deep.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Parts {
+pub struct MinkowskiParts {
     /// Extent of the core along each axis.
     pub core: DVec3,
     /// Half extents of the ellipsoid.
     pub round: DVec3,
 }
 
-impl Parts {
+impl MinkowskiParts {
     /// Returns the parts of a solid that is no sum, for all half extents: no core, and an ellipsoid that fills the box.
-    pub(super) fn without_core(_: DVec3) -> Parts {
-        Parts { core: DVec3::ZERO, round: DVec3::ONE }
+    pub(super) fn without_core(_: DVec3) -> MinkowskiParts {
+        MinkowskiParts { core: DVec3::ZERO, round: DVec3::ONE }
     }
 
     /// Returns the offset of a point beyond the core, without sign, in units of the ellipsoid.
     #[inline(always)]
     pub(crate) fn beyond_core<N: SimdReal>(&self, p: [N; 3]) -> [N; 3] {
-        let Parts { core, round } = *self;
+        let MinkowskiParts { core, round } = *self;
         let [x, y, z] = p;
         let zero = x.all(0.0);
         [

@@ -13,10 +13,10 @@ use glam::{DMat3, DVec3, IVec3, Quat, UVec3, Vec3};
 use super::ends::{Magnitudes, RowBlock, solve};
 use super::kind::Solid;
 use super::planes::{Faces, Planes};
-use super::quadric::Quadric;
-use super::shape::Shape;
+use super::quadric::EllipsoidRows;
+use super::shape::SolidShape;
 use super::spans::RowSpans;
-use super::spec::Rows;
+use super::spec::RowMethod;
 use super::swept::SweptQuadric;
 use crate::refusal::InvalidValue;
 use crate::sculpture::Brick;
@@ -68,8 +68,8 @@ impl Primitive {
     }
 
     /// Returns the shape in tool space.
-    pub fn shape(&self) -> Shape {
-        Shape::new(self.solid, self.half.as_dvec3())
+    pub fn shape(&self) -> SolidShape {
+        SolidShape::new(self.solid, self.half.as_dvec3())
     }
 
     /// Returns the image of [`Primitive::swept_in_grid`]. Mirrored at axis-aligned planes that lie between voxels or
@@ -104,7 +104,7 @@ pub fn check_way(to_vx: Option<Vec3>) -> Result<(), InvalidValue> {
 /// A solid in the voxel coordinates of one grid.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedSolid {
-    pub(super) shape: Shape,
+    pub(super) shape: SolidShape,
     /// Centre at the start.
     pub(super) centre_vx: DVec3,
     /// Linear part of the map from voxel coordinates (less the centre) to tool space.
@@ -121,7 +121,7 @@ pub struct PlacedSolid {
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one for each use of a solid, never many at once")]
 enum Cut {
-    Quadric(Quadric),
+    Quadric(EllipsoidRows),
     SweptQuadric(SweptQuadric),
     Planes(Planes),
     /// An axis-aligned cuboid: a box of voxels.
@@ -237,17 +237,17 @@ impl PlacedSolid {
                 + largest(m.z_axis, distance_vx.z),
         };
         match spec.rows {
-            Rows::Quadric => match self.displacement {
-                None => Cut::Quadric(Quadric::new(&m, self.centre_vx, &sizes)),
+            RowMethod::Quadric => match self.displacement {
+                None => Cut::Quadric(EllipsoidRows::new(&m, self.centre_vx, &sizes)),
                 Some(displacement) => {
                     Cut::SweptQuadric(SweptQuadric::new(&m, self.centre_vx, displacement, &sizes))
                 }
             },
-            Rows::Planes(half_spaces) => {
+            RowMethod::Planes(half_spaces) => {
                 let faces = Faces::swept(half_spaces, self.displacement.unwrap_or_default());
                 Cut::Planes(Planes::new(&faces, &m, self.centre_vx, &sizes))
             }
-            Rows::Bricks => Cut::Bricks,
+            RowMethod::Bricks => Cut::Bricks,
         }
     }
 

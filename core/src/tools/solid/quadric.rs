@@ -16,7 +16,7 @@ const SHORT_ROW: f64 = 1e-3;
 
 /// An ellipsoid prepared for its rows.
 #[derive(Clone, Copy, Debug)]
-pub struct Quadric {
+pub struct EllipsoidRows {
     /// Position of the centre in voxel indices.
     centre: DVec3,
     /// Squared length across `m0`: `yy * dy^2 + yz * dy * dz + zz * dz^2`.
@@ -50,15 +50,15 @@ pub struct LocalQuadric {
     short: f32,
 }
 
-impl Quadric {
-    pub fn new(tool_from_vx: &DMat3, centre_vx: DVec3, sizes: &Magnitudes) -> Quadric {
+impl EllipsoidRows {
+    pub fn new(tool_from_vx: &DMat3, centre_vx: DVec3, sizes: &Magnitudes) -> EllipsoidRows {
         let DMat3 { x_axis: m0, y_axis: m1, z_axis: m2 } = *tool_from_vx;
         let length_sq = m0.length_squared();
         let half_length = 1.0 / length_sq.sqrt();
         let (along1, along2) = (m0.dot(m1) / length_sq, m0.dot(m2) / length_sq);
         let error = sizes.error();
         let yy = m1.length_squared() - m0.dot(m1) * along1;
-        Quadric {
+        EllipsoidRows {
             centre: centre_vx - 0.5,
             yy,
             yz: 2.0 * (m1.dot(m2) - m0.dot(m1) * along2),
@@ -87,7 +87,7 @@ impl Quadric {
     }
 }
 
-impl RowSolver for Quadric {
+impl RowSolver for EllipsoidRows {
     type Local = LocalQuadric;
 
     #[inline(always)]

@@ -1,29 +1,29 @@
 //! A solid of given proportions in tool space: its inside test, that of the volume that it sweeps, and its support.
 //!
-//! Between two points the value of the tests ([`super::sweep`]) changes by at most the [`Shape::slack`] of their
+//! Between two points the value of the tests ([`super::sweep`]) changes by at most the [`SolidShape::slack`] of their
 //! offset, so that the value at the centre of a box can decide the whole box. All tests are exact up to rounding,
 //! except for the sweep of a torus ([`super::kind::torus::FINEST`]).
 //!
-//! From a kind and half extents to a [`Shape`]; each kind computes its own ([`super::kind`]). Knows no voxels and no
+//! From a kind and half extents to a [`SolidShape`]; each kind computes its own ([`super::kind`]). Knows no voxels and no
 //! pose.
 
 use glam::DVec3;
 
 use super::kind::Solid;
-use super::parts::Parts;
+use super::parts::MinkowskiParts;
 use super::simd_real::SimdReal;
 
 /// A solid with the proportions that it has at given half extents.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Shape {
+pub struct SolidShape {
     solid: Solid,
-    parts: Parts,
+    parts: MinkowskiParts,
 }
 
-impl Shape {
+impl SolidShape {
     /// Creates the shape of `solid` with half extents `half`, in any unit.
-    pub fn new(solid: Solid, half: DVec3) -> Shape {
-        Shape { solid, parts: (solid.spec().parts)(half) }
+    pub fn new(solid: Solid, half: DVec3) -> SolidShape {
+        SolidShape { solid, parts: (solid.spec().parts)(half) }
     }
 
     /// Returns the kind.
@@ -100,7 +100,7 @@ mod tests {
             half in half(),
             direction in prop::array::uniform3(-1.0f64..1.0),
         ) {
-            let shape = Shape::new(solid, half);
+            let shape = SolidShape::new(solid, half);
             let direction = DVec3::from(direction);
             let most = shape.support(direction);
             // Points of a fine grid on a ball around the centre, moved to the surface by bisection.
@@ -148,7 +148,7 @@ mod tests {
 
     /// Returns the margin by which the sweep of a torus may miss points because its steps are finite; 0 for other
     /// solids.
-    fn finest(shape: &Shape, displacement: DVec3) -> f64 {
+    fn finest(shape: &SolidShape, displacement: DVec3) -> f64 {
         match shape.solid() {
             Solid::Torus => FINEST.max(shape.slack(displacement.abs()) / MOST_STEPS),
             _ => 0.0,
@@ -171,7 +171,7 @@ mod tests {
             p in point(),
             displacement in displacement(),
         ) {
-            let shape = Shape::new(solid, half);
+            let shape = SolidShape::new(solid, half);
             let passes = shape.passes(p, displacement, 0.0);
             let fine = 1e-9 + finest(&shape, displacement);
             let between = shape.slack(displacement.abs()) / 4000.0;
@@ -195,7 +195,7 @@ mod tests {
             offset in prop::array::uniform3(-0.3f64..0.3),
             displacement in displacement(),
         ) {
-            let shape = Shape::new(solid, half);
+            let shape = SolidShape::new(solid, half);
             let offset = DVec3::from(offset);
             if shape.passes(p, DVec3::ZERO, 1e-12) == shape.passes(p, DVec3::ZERO, -1e-12) {
                 prop_assert_eq!(shape.passes(p, DVec3::ZERO, 0.0), shape.contains(p));
@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn what_is_no_number_is_in_nothing() {
         for solid in Solid::ALL {
-            let shape = Shape::new(solid, DVec3::splat(8.0));
+            let shape = SolidShape::new(solid, DVec3::splat(8.0));
             for bad in [f64::NAN, f64::INFINITY] {
                 assert!(!shape.passes(DVec3::splat(bad), DVec3::X, 0.0), "{solid:?}");
             }

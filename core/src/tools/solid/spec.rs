@@ -4,7 +4,7 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use super::body::Body;
-use super::parts::Parts;
+use super::parts::MinkowskiParts;
 use super::planes::HalfSpace;
 
 /// The description of a solid. In tool space it lies in [-1, 1] on every axis.
@@ -19,9 +19,9 @@ pub struct SolidSpec {
     /// Search terms from other programs, besides the words of `help`, separated by spaces.
     pub synonyms: &'static str,
     /// Returns the Minkowski sum for some half extents, in any unit.
-    pub(super) parts: fn(half: DVec3) -> Parts,
+    pub(super) parts: fn(half: DVec3) -> MinkowskiParts,
     /// The method that computes its voxels.
-    pub(super) rows: Rows,
+    pub(super) rows: RowMethod,
     /// Whether it fills its bounding box: axis-aligned, it covers a box of voxels.
     pub fills_its_box: bool,
     /// Maps a point of tool space to the image: (0, 0) is the lower left corner, (1, 1) the upper right one.
@@ -32,7 +32,7 @@ pub struct SolidSpec {
 
 /// The method that computes the rows of voxels in a solid.
 #[derive(Clone, Copy, Debug)]
-pub enum Rows {
+pub enum RowMethod {
     /// By the roots of a quadratic form: the ellipsoid alone.
     Quadric,
     /// By the half spaces whose intersection it is.

@@ -24,7 +24,7 @@ use glam::UVec3;
 pub use self::remembered::Remembered;
 use self::widths::{BESIDE, MOST_WIDTH, NARROW};
 use crate::command::Command;
-use crate::format::options::{ImportOptions, RawLayout, Region};
+use crate::format::options::{ImportOptions, RawLayout, ScanRegion};
 use crate::format::{
     FormatError, MeshStudy, ModelStudy, Outlook, Study, VolumeStudy, family, needs_layout,
 };
@@ -153,7 +153,7 @@ impl ImportDialog {
                     self.at = dims / 2;
                 }
                 // A region that does not fit was chosen for another version of the file.
-                let fits = |region: &Region| region.high.cmplt(study.volume.dims).all();
+                let fits = |region: &ScanRegion| region.high.cmplt(study.volume.dims).all();
                 self.options.region = self.options.region.filter(fits);
                 volume::allow(&study, &mut self.options);
                 self.stage = Stage::Volume(study);

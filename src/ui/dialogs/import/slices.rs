@@ -13,7 +13,7 @@ use egui::{
 use glam::{UVec2, UVec3, Vec3};
 
 use super::histogram::CLAY;
-use crate::format::options::{Colouring, ImportOptions, Region};
+use crate::format::options::{Colouring, ImportOptions, ScanRegion};
 use crate::format::{Existing, VolumeStudy};
 use crate::sculpture::orientation::Orientation;
 
@@ -51,7 +51,7 @@ struct Cut {
 struct Look {
     existing: Existing,
     colouring: Colouring,
-    region: Region,
+    region: ScanRegion,
     at: u32,
 }
 
@@ -115,7 +115,7 @@ fn picture(
     study: &VolumeStudy,
     options: &ImportOptions,
     cut: Cut,
-    region: Region,
+    region: ScanRegion,
 ) -> TextureHandle {
     let existing = study.existing(options);
     let look = Look { existing, colouring: options.colouring, region, at: cut.at };
@@ -151,7 +151,7 @@ fn coloured(
     study: &VolumeStudy,
     options: &ImportOptions,
     cut: Cut,
-    region: Region,
+    region: ScanRegion,
     size: UVec2,
     values: &[f32],
 ) -> ColorImage {
@@ -238,11 +238,11 @@ impl Pane {
     }
 
     /// Returns the region between two points of the picture, with its depth unchanged.
-    fn framed(&self, region: Region, from: Pos2, to: Pos2) -> Region {
+    fn framed(&self, region: ScanRegion, from: Pos2, to: Pos2) -> ScanRegion {
         let (mut a, mut b) = (region.low, region.high);
         self.point_at(from, &mut a);
         self.point_at(to, &mut b);
-        Region { low: a.min(b), high: a.max(b) }
+        ScanRegion { low: a.min(b), high: a.max(b) }
     }
 
     /// Moves the other two slices to a point of the picture.
@@ -257,7 +257,7 @@ impl Pane {
     }
 }
 
-fn draw(ui: &Ui, pane: &Pane, texture: &TextureHandle, region: Region, at: UVec3) {
+fn draw(ui: &Ui, pane: &Pane, texture: &TextureHandle, region: ScanRegion, at: UVec3) {
     let painter = ui.painter_at(pane.square);
     painter.rect_filled(pane.square, 3.0, Color32::BLACK);
     let uv = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
@@ -266,7 +266,7 @@ fn draw(ui: &Ui, pane: &Pane, texture: &TextureHandle, region: Region, at: UVec3
     let [x, y] = [0, 1].map(|side| pane.along(side, at[pane.axes[side]] as f32 + 0.5));
     painter.vline(x, pane.square.y_range(), line);
     painter.hline(pane.square.x_range(), y, line);
-    let whole = Region { low: UVec3::ZERO, high: pane.dims - 1 };
+    let whole = ScanRegion { low: UVec3::ZERO, high: pane.dims - 1 };
     if region != whole {
         let frame = Rect::from_two_pos(pane.corner(region.low), pane.corner(region.high + 1));
         let stroke = Stroke::new(1.5, Color32::from_rgb(0xff, 0xe0, 0x60));
@@ -292,7 +292,7 @@ mod tests {
             at[axes[1]] = 0;
             pane.point_at(middle, &mut at);
             assert_eq!(at, voxel, "across {axis}");
-            let whole = Region { low: UVec3::ZERO, high: dims - 1 };
+            let whole = ScanRegion { low: UVec3::ZERO, high: dims - 1 };
             let other = pane.corner(voxel + 1).lerp(pane.corner(voxel), -0.4);
             let part = pane.framed(whole, middle, other);
             assert_eq!(

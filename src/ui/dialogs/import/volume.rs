@@ -8,8 +8,8 @@ use glam::UVec3;
 
 use super::widths::OPTIONS_WIDTH;
 use super::{histogram, slices};
-use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, Ordinal, Region};
-use crate::format::{Samples, Taken, VolumeStudy, Volumes};
+use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, Ordinal, ScanRegion};
+use crate::format::{ChosenVolume, Samples, VolumeStudy, Volumes};
 use crate::sculpture::orientation::Up;
 use crate::ui::memory::upright;
 use crate::ui::widgets::names::capital;
@@ -144,7 +144,7 @@ fn questions(
 }
 
 /// Asks for one of several channels or times. Returns true if another one than `taken` was chosen.
-fn one_of(ui: &mut Ui, name: &str, taken: Taken, chosen: &mut Option<Ordinal>) -> bool {
+fn one_of(ui: &mut Ui, name: &str, taken: ChosenVolume, chosen: &mut Option<Ordinal>) -> bool {
     if taken.count < 2 {
         return false;
     }
@@ -277,7 +277,7 @@ fn region(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions) {
         );
         let part = ui.add_enabled(options.region.is_some(), egui::Button::new("All"));
         if part.on_hover_text("Read the whole file").clicked() {
-            region = Region { low: UVec3::ZERO, high: dims - 1 };
+            region = ScanRegion { low: UVec3::ZERO, high: dims - 1 };
         }
     });
     Grid::new("region").num_columns(4).spacing([6.0, 4.0]).show(ui, |ui| {

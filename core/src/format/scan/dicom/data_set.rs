@@ -80,7 +80,7 @@ fn begins_with_elements(bytes: &[u8]) -> bool {
 
 /// The available part of a file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Part {
+pub enum ReadExtent {
     /// The whole file.
     Whole,
     /// Its first bytes: it is no error if the rest is cut off.
@@ -97,7 +97,7 @@ enum Value<'a> {
 }
 
 /// The pixels of a file as they are stored.
-pub enum Stored<'a> {
+pub enum StoredPixels<'a> {
     /// One frame after another; `swapped` where pairs of bytes are in the wrong order.
     Native { bytes: &'a [u8], swapped: bool },
     /// Packed, each frame in one or more fragments. The offset table may be empty.
@@ -113,7 +113,7 @@ pub struct DataSet<'a> {
 /// Returns the syntax of a file, and the bytes of its data set, unpacked if necessary to at most `budget_bytes`.
 pub fn open(
     file: &[u8],
-    part: Part,
+    part: ReadExtent,
     budget_bytes: u64,
 ) -> Result<(Syntax, Cow<'_, [u8]>), FormatError> {
     let Some(begin) = begin_of(file) else {
@@ -149,7 +149,9 @@ pub fn open(
     let read =
         DeflateDecoder::new(rest).take(budget_bytes.saturating_add(1)).read_to_end(&mut unpacked);
     match (read, part) {
-        (Err(error), Part::Whole) => Err(malformed("the deflated data set", error.to_string())),
+        (Err(error), ReadExtent::Whole) => {
+            Err(malformed("the deflated data set", error.to_string()))
+        }
         _ => {
             check_budget(unpacked.len() as u64, budget_bytes)?;
             Ok((syntax, Cow::Owned(unpacked)))
@@ -174,7 +176,11 @@ fn is_explicit(bytes: &[u8], is_big: bool) -> Option<bool> {
 
 impl<'a> DataSet<'a> {
     /// Parses the elements of `bytes`, as [`open`] returns them.
-    pub fn parse(bytes: &'a [u8], syntax: Syntax, part: Part) -> Result<DataSet<'a>, FormatError> {
+    pub fn parse(
+        bytes: &'a [u8],
+        syntax: Syntax,
+        part: ReadExtent,
+    ) -> Result<DataSet<'a>, FormatError> {
         let is_big = syntax.is_big();
         // The elements themselves decide, not the syntax named in the header.
         let is_explicit = is_explicit(bytes, is_big).unwrap_or(syntax.is_explicit());
@@ -227,13 +233,15 @@ impl<'a> DataSet<'a> {
     }
 
     /// Returns the pixels with the tag of their number type.
-    pub fn pixels(&self) -> Option<(Tag, Stored<'_>)> {
+    pub fn pixels(&self) -> Option<(Tag, StoredPixels<'_>)> {
         tags::PIXELS.into_iter().find_map(|tag| match self.value(tag)? {
-            Value::Bytes(bytes) => Some((tag, Stored::Native { bytes, swapped: false })),
-            Value::Words(bytes) => Some((tag, Stored::Native { bytes, swapped: self.is_big })),
+            Value::Bytes(bytes) => Some((tag, StoredPixels::Native { bytes, swapped: false })),
+            Value::Words(bytes) => {
+                Some((tag, StoredPixels::Native { bytes, swapped: self.is_big }))
+            }
             Value::Fragments(all) => {
                 let (offsets, fragments) = all.split_first()?;
-                Some((tag, Stored::Packed { offsets, fragments }))
+                Some((tag, StoredPixels::Packed { offsets, fragments }))
             }
             Value::Items(_) => None,
         })
@@ -245,7 +253,7 @@ struct Parser<'a> {
     at: usize,
     /// Number of elements that may still follow.
     left: usize,
-    part: Part,
+    part: ReadExtent,
     is_big: bool,
     is_explicit: bool,
 }
@@ -270,7 +278,7 @@ impl<'a> Parser<'a> {
                 Ok((tags::ITEM_END | tags::SEQUENCE_END, _)) => break,
                 Ok(element) => elements.push(element),
                 // The bytes end here, or the meta group does.
-                Err(_) if self.part == Part::Start || is_meta => {
+                Err(_) if self.part == ReadExtent::Start || is_meta => {
                     self.at = start;
                     break;
                 }
@@ -371,7 +379,7 @@ impl<'a> Parser<'a> {
             UNDEFINED => Ok(end),
             length if length as usize <= end - self.at => Ok(self.at + length as usize),
             // The readable part of a truncated sequence is useful.
-            _ if self.part == Part::Start => Ok(end),
+            _ if self.part == ReadExtent::Start => Ok(end),
             _ => Err(self.cut("a sequence")),
         }
     }

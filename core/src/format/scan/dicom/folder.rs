@@ -6,10 +6,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::super::reading::Reading;
-use super::data_set::{self, DataSet, Part};
+use super::data_set::{self, DataSet, ReadExtent};
 use super::frames;
-use super::pixels::Layout;
-use super::plane::Plane;
+use super::pixels::PixelLayout;
+use super::plane::FramePlane;
 use super::tags;
 use crate::format::{FormatError, Texts, go_on, store};
 
@@ -25,10 +25,10 @@ const SHOWN_LETTERS: usize = 24;
 const MOST_KINDS: usize = 64;
 
 /// The files of a series.
-pub struct Found {
+pub struct FoundSeries {
     pub files: Vec<PathBuf>,
     /// The planes of single-frame files; their indices are those of `files`.
-    pub planes: Vec<Plane>,
+    pub planes: Vec<FramePlane>,
     /// The index of the requested file.
     pub named: Option<usize>,
     pub notes: Vec<String>,
@@ -41,9 +41,9 @@ struct Start {
     series: String,
     /// The display name.
     name: String,
-    layout: Layout,
+    layout: PixelLayout,
     frames: usize,
-    plane: Plane,
+    plane: FramePlane,
 }
 
 /// Returns the first bytes of a file, at most `most`.
@@ -83,9 +83,9 @@ impl Start {
             return None;
         }
         let start = start_of(path, START_BYTES)?;
-        let (syntax, bytes) = data_set::open(&start, Part::Start, START_BYTES * 16).ok()?;
-        let data = DataSet::parse(&bytes, syntax, Part::Start).ok()?;
-        let layout = Layout::of(&data).ok()?;
+        let (syntax, bytes) = data_set::open(&start, ReadExtent::Start, START_BYTES * 16).ok()?;
+        let data = DataSet::parse(&bytes, syntax, ReadExtent::Start).ok()?;
+        let layout = PixelLayout::of(&data).ok()?;
         let text = |tag| data.text(tag).unwrap_or_default();
         let name = format!("{} {}", text(tags::SERIES_NUMBER), text(tags::SERIES_DESCRIPTION));
         let name: String = name.trim().chars().take(SHOWN_LETTERS).collect();
@@ -95,7 +95,7 @@ impl Start {
             name: Texts::legible(name.as_bytes()).replace('\n', " "),
             layout,
             frames: frames(&data).ok()?,
-            plane: Plane::of(&data, 0, 0),
+            plane: FramePlane::of(&data, 0, 0),
         })
     }
 
@@ -106,8 +106,8 @@ impl Start {
 }
 
 /// Returns the series of the file `path`, or the only one of the folder `path`.
-pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
-    let alone = || Found {
+pub fn find(path: &Path, reading: &Reading) -> Result<FoundSeries, FormatError> {
+    let alone = || FoundSeries {
         files: vec![path.to_path_buf()],
         planes: Vec::new(),
         named: None,
@@ -118,9 +118,9 @@ pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
     if !is_folder {
         match &own {
             Some(own) if own.frames == 1 && !own.series.is_empty() => {}
-            Some(own) => return Ok(Found { planes: vec![own.plane.clone()], ..alone() }),
+            Some(own) => return Ok(FoundSeries { planes: vec![own.plane.clone()], ..alone() }),
             // Reading the whole file reports the fault.
-            None => return Ok(Found { planes: vec![nowhere()], ..alone() }),
+            None => return Ok(FoundSeries { planes: vec![nowhere()], ..alone() }),
         }
     }
     let folder = match path.parent() {
@@ -142,12 +142,12 @@ pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
         let notes = (others > 0).then(|| format!("other files of the series left out: {others}"));
         let planes = vec![first.plane];
         let (files, notes) = (vec![first.path], notes.into_iter().collect());
-        return Ok(Found { files, planes, named: None, notes });
+        return Ok(FoundSeries { files, planes, named: None, notes });
     }
     let all = starts.len();
     starts.retain(|start| start.frames == 1 && start.is_like(&first));
     if starts.is_empty() {
-        return Ok(Found { planes: vec![first.plane], ..alone() });
+        return Ok(FoundSeries { planes: vec![first.plane], ..alone() });
     }
     let mut notes = Vec::new();
     if starts.len() < all {
@@ -157,15 +157,15 @@ pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
         ));
     }
     let planes =
-        starts.iter().enumerate().map(|(file, start)| Plane { file, ..start.plane.clone() });
+        starts.iter().enumerate().map(|(file, start)| FramePlane { file, ..start.plane.clone() });
     let planes = planes.collect();
     let named = starts.iter().position(|start| !is_folder && start.path == first.path);
     let files = starts.into_iter().map(|start| start.path).collect();
-    Ok(Found { planes, files, named, notes })
+    Ok(FoundSeries { planes, files, named, notes })
 }
 
-fn nowhere() -> Plane {
-    Plane { file: 0, frame: 0, number: 0.0, position: None, axes: None, phases: Vec::new() }
+fn nowhere() -> FramePlane {
+    FramePlane { file: 0, frame: 0, number: 0.0, position: None, axes: None, phases: Vec::new() }
 }
 
 /// Reads the beginnings of the DICOM files of a folder.

@@ -21,11 +21,11 @@ use std::path::Path;
 
 use glam::{DVec3, UVec3, Vec3};
 
-use self::data_set::{DataSet, MAGIC, MAGIC_AT, Part};
+use self::data_set::{DataSet, MAGIC, MAGIC_AT, ReadExtent};
 use self::padding::Padding;
-use self::pixels::Layout;
-use self::plane::{FrameData, Plane};
-use super::frame::Frame;
+use self::pixels::PixelLayout;
+use self::plane::{FrameData, FramePlane};
+use super::frame::AxisFrame;
 use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan};
 use super::unpack::malformed;
@@ -50,9 +50,9 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let mut notes = found.notes;
     let file = reading.read(&found.files[0])?;
     let (syntax, bytes) =
-        data_set::open(&file, Part::Whole, reading.rest_bytes(file.len() as u64))?;
-    let data = DataSet::parse(&bytes, syntax, Part::Whole)?;
-    let layout = Layout::of(&data)?;
+        data_set::open(&file, ReadExtent::Whole, reading.rest_bytes(file.len() as u64))?;
+    let data = DataSet::parse(&bytes, syntax, ReadExtent::Whole)?;
+    let layout = PixelLayout::of(&data)?;
     let frames = frames(&data)?;
     let planes = match frames {
         1 => found.planes,
@@ -71,10 +71,10 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let voxel_size = spacing(&first, layers.distance_mm, depth > 1, &mut notes);
     let frame = match layers.planes[0].axes {
         // To the patient's right and front.
-        Some([row, column]) => {
-            Frame::Patient([row, column, row.cross(column)].map(|v| DVec3::new(-v.x, -v.y, v.z)))
-        }
-        None => Frame::Unknown,
+        Some([row, column]) => AxisFrame::Patient(
+            [row, column, row.cross(column)].map(|v| DVec3::new(-v.x, -v.y, v.z)),
+        ),
+        None => AxisFrame::Unknown,
     };
     if layout.is_negative() {
         notes.push("light and dark are swapped, as the file asks for (MONOCHROME1)".to_string());
@@ -121,11 +121,11 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
 }
 
 /// Returns the planes of the frames of a file that are parallel to the first.
-fn parallel_planes(data: &DataSet, frames: usize, notes: &mut Vec<String>) -> Vec<Plane> {
-    let planes: Vec<Plane> = (0..frames).map(|frame| Plane::of(data, 0, frame)).collect();
+fn parallel_planes(data: &DataSet, frames: usize, notes: &mut Vec<String>) -> Vec<FramePlane> {
+    let planes: Vec<FramePlane> = (0..frames).map(|frame| FramePlane::of(data, 0, frame)).collect();
     let first = planes[0].clone();
     let all = planes.len();
-    let parallel: Vec<Plane> =
+    let parallel: Vec<FramePlane> =
         planes.into_iter().filter(|plane| plane.is_parallel(&first)).collect();
     if parallel.len() < all {
         notes.push(format!("frames left out, of another direction: {}", all - parallel.len()));
@@ -198,7 +198,7 @@ impl Layered {
 
 /// A volume that grows by a slice at a time.
 struct Stack<'a> {
-    layout: Layout,
+    layout: PixelLayout,
     layers: Layered,
     dims: UVec3,
     reading: &'a Reading<'a>,
@@ -208,13 +208,13 @@ struct Stack<'a> {
 
 impl Stack<'_> {
     /// Appends frames of a file.
-    fn add(&mut self, file: &[u8], planes: &[Plane]) -> Result<(), FormatError> {
+    fn add(&mut self, file: &[u8], planes: &[FramePlane]) -> Result<(), FormatError> {
         let (progress, number) = (self.reading.progress, self.layout.number);
         let rest_bytes = self.reading.rest_bytes(file.len() as u64);
         let whole = number.check(self.dims, rest_bytes)?;
-        let (syntax, bytes) = data_set::open(file, Part::Whole, rest_bytes)?;
-        let data = DataSet::parse(&bytes, syntax, Part::Whole)?;
-        let layout = Layout::of(&data)?;
+        let (syntax, bytes) = data_set::open(file, ReadExtent::Whole, rest_bytes)?;
+        let data = DataSet::parse(&bytes, syntax, ReadExtent::Whole)?;
+        let layout = PixelLayout::of(&data)?;
         if !layout.fits(&self.layout) {
             return Err(FormatError::Scan(
                 "the files of the series differ in size or type; keep each series in its own folder".to_string(),

@@ -3,7 +3,7 @@
 //! Takes stored numbers; replaces padding with the least of the others.
 
 use super::data_set::DataSet;
-use super::pixels::Layout;
+use super::pixels::PixelLayout;
 use super::tags::{self, Tag};
 use crate::format::scan::numbers::Number;
 
@@ -16,7 +16,7 @@ pub struct Padding {
 
 impl Padding {
     /// Returns `None` where the file names no padding, or inverts its numbers.
-    pub fn of(data: &DataSet, layout: &Layout) -> Option<Padding> {
+    pub fn of(data: &DataSet, layout: &PixelLayout) -> Option<Padding> {
         let is_signed = matches!(layout.number, Number::I8 | Number::I16);
         let is_grey = is_signed || matches!(layout.number, Number::U8 | Number::U16);
         if !is_grey || layout.is_negative() {

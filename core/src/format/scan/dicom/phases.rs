@@ -7,11 +7,11 @@
 use std::collections::BTreeMap;
 
 use super::super::reading::Reading;
-use super::plane::{Plane, SAME_PLACE_MM};
+use super::plane::{FramePlane, SAME_PLACE_MM};
 use crate::format::{FormatError, Volumes};
 
 /// A plane with its position along the normal.
-type Placed = (f64, Plane);
+type Placed = (f64, FramePlane);
 
 /// Returns the planes of one phase (the requested one, that of the file `named` or the first), with its number and the
 /// number of phases.
@@ -115,9 +115,9 @@ mod tests {
     use crate::format::options::{ImportOptions, Ordinal};
     use crate::sculpture::Limits;
 
-    fn plane(file: usize, phase: &str) -> Plane {
+    fn plane(file: usize, phase: &str) -> FramePlane {
         let phases = vec![phase.to_string()];
-        Plane { file, frame: 0, number: 0.0, position: None, axes: None, phases }
+        FramePlane { file, frame: 0, number: 0.0, position: None, axes: None, phases }
     }
 
     /// Returns the files selected from planes with these positions and phases, with the number of the phase and the

@@ -5,7 +5,7 @@
 
 use jpeg_decoder::{ColorTransform, Decoder, PixelFormat};
 
-use super::data_set::{DataSet, Stored};
+use super::data_set::{DataSet, StoredPixels};
 use super::jpeg2000;
 use super::syntax::Syntax;
 use super::tags;
@@ -19,7 +19,7 @@ const RLE_HEADER_BYTES: usize = 64;
 
 /// The storage of the pixels of a file.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Layout {
+pub struct PixelLayout {
     pub columns: u32,
     pub rows: u32,
     /// The number type to which a frame is read.
@@ -46,8 +46,8 @@ enum Colours {
     Ybr,
 }
 
-impl Layout {
-    pub fn of(data: &DataSet) -> Result<Layout, FormatError> {
+impl PixelLayout {
+    pub fn of(data: &DataSet) -> Result<PixelLayout, FormatError> {
         let (Some(rows), Some(columns)) = (data.u16(tags::ROWS), data.u16(tags::COLUMNS)) else {
             return Err(no_image(data));
         };
@@ -102,7 +102,7 @@ impl Layout {
         let is_halved = photometric == "YBR_FULL_422";
         let is_planar = samples == 3 && data.u16(tags::PLANAR) == Some(1);
         let (columns, rows) = (columns.into(), rows.into());
-        Ok(Layout {
+        Ok(PixelLayout {
             columns,
             rows,
             number,
@@ -121,8 +121,8 @@ impl Layout {
     }
 
     /// Returns whether frames of both can lie in one volume.
-    pub fn fits(&self, other: &Layout) -> bool {
-        let of = |layout: &Layout| (layout.columns, layout.rows, layout.number);
+    pub fn fits(&self, other: &PixelLayout) -> bool {
+        let of = |layout: &PixelLayout| (layout.columns, layout.rows, layout.number);
         of(self) == of(other)
     }
 
@@ -149,7 +149,7 @@ impl Layout {
     ) -> Result<Vec<u8>, FormatError> {
         let (_, stored) = data.pixels().ok_or_else(|| no_image(data))?;
         let mut bytes = match stored {
-            Stored::Native { bytes, swapped } => {
+            StoredPixels::Native { bytes, swapped } => {
                 if self.is_halved {
                     return Err(FormatError::Scan(
                         "colours with half as many differences (YBR_FULL_422) are read in JPEG only; convert them to RGB"
@@ -169,7 +169,7 @@ impl Layout {
                     false => frame.to_vec(),
                 }
             }
-            Stored::Packed { offsets, fragments } => {
+            StoredPixels::Packed { offsets, fragments } => {
                 let packed = fragments_of(offsets, fragments, frames, index)?;
                 match syntax {
                     Syntax::Rle => self.unpack_rle(&packed)?,

@@ -14,7 +14,7 @@ pub const SAME_PLACE_MM: f64 = 1e-3;
 
 /// The position of a frame of a file.
 #[derive(Clone, Debug)]
-pub struct Plane {
+pub struct FramePlane {
     /// Index of the file, and of the frame in it.
     pub file: usize,
     pub frame: usize,
@@ -43,9 +43,9 @@ impl FrameData<'_> {
     }
 }
 
-impl Plane {
+impl FramePlane {
     /// Reads the plane of a frame from a file's data set.
-    pub fn of(data: &DataSet, file: usize, frame: usize) -> Plane {
+    pub fn of(data: &DataSet, file: usize, frame: usize) -> FramePlane {
         let of = FrameData { data, frame };
         let detector = || data.items(tags::DETECTORS).first()?.decimals::<6>(tags::ORIENTATION);
         let axes = of.decimals::<6>(tags::ORIENTATION_GROUP, tags::ORIENTATION).or_else(detector);
@@ -71,11 +71,11 @@ impl Plane {
             content.and_then(bits).or_else(|| data.text(*tag)).unwrap_or_default()
         };
         let phases = tags::PHASES.iter().map(phase).collect();
-        Plane { file, frame, number, position, axes, phases }
+        FramePlane { file, frame, number, position, axes, phases }
     }
 
     /// Returns whether both can lie in one volume.
-    pub(crate) fn is_parallel(&self, other: &Plane) -> bool {
+    pub(crate) fn is_parallel(&self, other: &FramePlane) -> bool {
         let close = |(a, b): (&DVec3, &DVec3)| (a - b).abs().max_element() < SAME_DIRECTION;
         match (&self.axes, &other.axes) {
             (Some(a), Some(b)) => a.iter().zip(b).all(close),

@@ -5,7 +5,7 @@
 
 use super::super::reading::Reading;
 use super::phases;
-use super::plane::{Plane, SAME_PLACE_MM};
+use super::plane::{FramePlane, SAME_PLACE_MM};
 use crate::format::{FormatError, Volumes};
 use crate::sculpture::grid::MAX_AXIS_VX;
 
@@ -18,9 +18,9 @@ const TILT: f64 = 0.02;
 
 /// Slices as the layers of a volume.
 #[derive(Debug)]
-pub struct Layers {
+pub struct SeriesLayers {
     /// The plane that each layer shows, from the lowest layer to the highest.
-    pub planes: Vec<Plane>,
+    pub planes: Vec<FramePlane>,
     /// Distance between layers; `None` where positions do not show it.
     pub distance_mm: Option<f64>,
     /// Which of several times, phases or echoes it is.
@@ -31,16 +31,16 @@ pub struct Layers {
 /// Sorts parallel planes along their normal. Of several times, phases or echoes, takes the requested one, or that of
 /// the file number `named`, or the first.
 pub fn layers(
-    mut planes: Vec<Plane>,
+    mut planes: Vec<FramePlane>,
     named: Option<usize>,
     reading: &Reading,
-) -> Result<Layers, FormatError> {
+) -> Result<SeriesLayers, FormatError> {
     let mut notes = Vec::new();
     let normal = planes
         .first()
         .and_then(|plane| plane.axes)
         .map(|[row, column]| row.cross(column).normalize());
-    let place = |plane: &Plane| Some(plane.position?.dot(normal?));
+    let place = |plane: &FramePlane| Some(plane.position?.dot(normal?));
     let places: Option<Vec<f64>> = planes.iter().map(place).collect();
     let Some(places) = places.filter(|_| planes.len() > 1) else {
         if planes.len() > 1 {
@@ -48,10 +48,10 @@ pub fn layers(
         }
         planes.sort_by(|a, b| a.number.total_cmp(&b.number).then(a.frame.cmp(&b.frame)));
         let volumes = reading.volumes(1)?;
-        return Ok(Layers { planes, distance_mm: None, volumes, notes });
+        return Ok(SeriesLayers { planes, distance_mm: None, volumes, notes });
     };
-    let mut placed: Vec<(f64, Plane)> = places.into_iter().zip(planes).collect();
-    let order = |a: &(f64, Plane), b: &(f64, Plane)| {
+    let mut placed: Vec<(f64, FramePlane)> = places.into_iter().zip(planes).collect();
+    let order = |a: &(f64, FramePlane), b: &(f64, FramePlane)| {
         a.0.total_cmp(&b.0).then(a.1.number.total_cmp(&b.1.number)).then(a.1.frame.cmp(&b.1.frame))
     };
     placed.sort_by(order);
@@ -73,7 +73,7 @@ pub fn layers(
     }
     let [first, .., last] = &placed[..] else {
         let planes = placed.into_iter().map(|(_, plane)| plane).collect();
-        return Ok(Layers { planes, distance_mm: None, volumes, notes });
+        return Ok(SeriesLayers { planes, distance_mm: None, volumes, notes });
     };
     if let (Some(from), Some(to)) = (first.1.position, last.1.position) {
         let (along, length) = (last.0 - first.0, (to - from).length());
@@ -91,7 +91,7 @@ pub fn layers(
     if count == placed.len() {
         let distance_mm = Some((last.0 - first.0) / (count - 1) as f64);
         let planes = placed.into_iter().map(|(_, plane)| plane).collect();
-        return Ok(Layers { planes, distance_mm, volumes, notes });
+        return Ok(SeriesLayers { planes, distance_mm, volumes, notes });
     }
     if count > MOST_LAYERS * placed.len() || count > MAX_AXIS_VX as usize {
         return Err(FormatError::Scan(format!(
@@ -108,15 +108,15 @@ pub fn layers(
         pair[usize::from(upper)].1.clone()
     };
     let planes = (0..count).map(nearest).collect();
-    Ok(Layers { planes, distance_mm: Some(step), volumes, notes })
+    Ok(SeriesLayers { planes, distance_mm: Some(step), volumes, notes })
 }
 
-fn gaps(placed: &[(f64, Plane)]) -> impl Iterator<Item = f64> {
+fn gaps(placed: &[(f64, FramePlane)]) -> impl Iterator<Item = f64> {
     placed.windows(2).map(|pair| pair[1].0 - pair[0].0)
 }
 
 /// Returns the distance of layers, and a note about it.
-fn step(placed: &[(f64, Plane)]) -> Result<(f64, Option<String>), FormatError> {
+fn step(placed: &[(f64, FramePlane)]) -> Result<(f64, Option<String>), FormatError> {
     let mut sorted: Vec<f64> = gaps(placed).collect();
     sorted.sort_by(f64::total_cmp);
     let (least, most, median) =

@@ -11,7 +11,7 @@ use crate::tools::brush::falloff::Falloff;
 
 /// The ball of a brush or a mirror image of it, relative to the mirror planes: mirrored positions differ in signs only
 /// and are rounded alike.
-pub(super) struct Ball {
+pub(super) struct BallImage {
     pub origin: DVec3,
     pub centre: DVec3,
     /// Voxel edges in units of the smallest.
@@ -21,7 +21,7 @@ pub(super) struct Ball {
     pub normal: Vec3,
 }
 
-impl Ball {
+impl BallImage {
     /// Returns the offset of a voxel's centre from the ball's centre, in units of the smallest edge.
     #[inline(always)]
     pub fn relative(&self, v: IVec3) -> Vec3 {

@@ -4,7 +4,7 @@
 
 use glam::IVec3;
 
-use super::ball::Ball;
+use super::ball::BallImage;
 use super::rays::{Filtered, Near};
 use super::stamp::Stamp;
 use crate::sculpture::Grid;
@@ -19,7 +19,7 @@ const LEAST_SHARE: f32 = 0.5;
 /// around a voxel the filter reads.
 pub(super) fn after(
     first: &Stamp,
-    balls: &[Ball],
+    balls: &[BallImage],
     grid: &Grid,
     margin_vx: u32,
     filter: impl Fn(&Near) -> Filtered,
@@ -71,7 +71,7 @@ fn part(list: &ListedBricks, block: &BitBlock) -> BitBlock {
 }
 
 /// Sets the voxels of `bounds` where the brush's share is large enough.
-fn put(ball: &Ball, bounds: VoxelBox, may: &mut BitBlock) {
+fn put(ball: &BallImage, bounds: VoxelBox, may: &mut BitBlock) {
     let VoxelBox { min, max } = bounds;
     for z in min.z..max.z {
         for y in min.y..max.y {
@@ -95,12 +95,12 @@ mod tests {
     use crate::sculpture::brick::local_coords;
     use crate::sculpture::history::{Contents, SurfaceKind};
     use crate::sculpture::{ColourDepth, Material, Rgb};
-    use crate::tools::brush::change::{Change, Site};
+    use crate::tools::brush::change::{BrushChange, Site};
     use crate::tools::brush::falloff::Falloff;
     use crate::tools::brush::kernel::filter::majority;
     use crate::tools::brush::kernel::offset;
     use crate::tools::brush::keys::{FALLOFF, STRENGTH};
-    use crate::tools::brush::{Ball as BallOfUse, BrushId, BrushUse, Frame};
+    use crate::tools::brush::{BrushBall as BallOfUse, BrushDirection, BrushId, BrushUse};
     use crate::tools::symmetry::{MirrorPlane, Parity, Radial, Symmetry};
 
     const EDGE: i32 = 40;
@@ -124,13 +124,13 @@ mod tests {
     }
 
     fn flatten(strength: f32) -> BrushUse {
-        let frame = Frame::Normal(Vec3::new(0.1, 1.0, 0.2));
+        let frame = BrushDirection::Normal(Vec3::new(0.1, 1.0, 0.2));
         let ball = BallOfUse { centre_vx: Vec3::new(15.0, 19.0, 17.0), radius: 9.0, frame };
         let used = BrushUse::in_ball(BrushId::Flatten, ball);
         used.with(STRENGTH, strength).with(FALLOFF, Falloff::Flat)
     }
 
-    fn change(grid: &Grid, symmetry: &Symmetry, of: impl Fn(&Site) -> Change) -> Change {
+    fn change(grid: &Grid, symmetry: &Symmetry, of: impl Fn(&Site) -> BrushChange) -> BrushChange {
         let material = Material::for_grid(grid, ColourDepth::None, Rgb::STONE);
         let surface = SurfaceKind::Cubes;
         let contents = Contents { grid: grid.clone(), material, mask: None, surface };
@@ -138,7 +138,7 @@ mod tests {
         of(&Site { contents: &contents, surface: grid, symmetry, images: &images, picture: None })
     }
 
-    fn changed(grid: &Grid, change: &Change) -> Grid {
+    fn changed(grid: &Grid, change: &BrushChange) -> Grid {
         let mut after = grid.clone();
         for (list, exists) in [(&change.remove, false), (&change.add, true)] {
             for (b, mask) in list.bricks() {

@@ -22,8 +22,8 @@ use crate::refusal::InvalidValue;
 use crate::sculpture::history::Contents;
 use crate::sculpture::region::VoxelBox;
 use crate::tools::brush::BrushUse;
-use crate::tools::brush::brush_use::{Frame, OWNER};
-use crate::tools::brush::change::{Change, NewClay, Paint, Site};
+use crate::tools::brush::brush_use::{BrushDirection, OWNER};
+use crate::tools::brush::change::{BrushChange, NewClay, Paint, Site};
 pub use crate::tools::brush::falloff::Falloff;
 use crate::tools::brush::kernel::pulled::Pulled;
 use crate::tools::brush::kernel::stamp::Stamp;
@@ -56,11 +56,11 @@ pub fn change(
     used: &BrushUse,
     site: &Site,
     motion: impl Fn(Vec3) -> Motion,
-) -> Result<Change, InvalidValue> {
-    let Some(ball) = used.ball() else { return Ok(Change::default()) };
+) -> Result<BrushChange, InvalidValue> {
+    let Some(ball) = used.ball() else { return Ok(BrushChange::default()) };
     let way = match ball.frame {
-        Frame::Normal(way) | Frame::Displacement(way) => way,
-        Frame::None => Vec3::ZERO,
+        BrushDirection::Normal(way) | BrushDirection::Displacement(way) => way,
+        BrushDirection::None => Vec3::ZERO,
     };
     let motion = motion(way);
     let falloff = used.get(FALLOFF);
@@ -69,7 +69,7 @@ pub fn change(
     let mut pulled = grab.pulled(site.contents, site.symmetry);
     let Stamp { add, remove, paint } = std::mem::take(&mut pulled.stamp);
     let paint = vec![(paint, Paint::Carried(pulled))];
-    Ok(Change { add, remove, new_clay: NewClay::Base, paint })
+    Ok(BrushChange { add, remove, new_clay: NewClay::Base, paint })
 }
 
 impl Grab {

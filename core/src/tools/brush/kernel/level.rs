@@ -20,7 +20,7 @@ use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use self::counts::counts;
-use self::field::{Cells, Field, Places, Smoothed};
+use self::field::{CellGrid, CellPlaces, FillField, Smoothed};
 use self::hidden::Hidden;
 use super::distance::Distances;
 use super::filter::shifted;
@@ -109,8 +109,8 @@ struct Work<'a> {
     bounds: VoxelBox,
     tiles: Vec<IVec3>,
     /// The share of the neighbourhood by which voxels are added, and that by which they stay.
-    to_add: Field,
-    to_stay: Field,
+    to_add: FillField,
+    to_stay: FillField,
 }
 
 /// A voxel that may change.
@@ -142,7 +142,7 @@ struct Shares {
 struct RowOfVoxels<'a> {
     first: IVec3,
     block: &'a BitBlock,
-    along_x: &'a Places,
+    along_x: &'a CellPlaces,
     /// The cells along x, each with its voxels of the row.
     spans: &'a [(usize, Range<usize>)],
 }
@@ -167,7 +167,7 @@ impl<'a> Work<'a> {
         if bounds.is_empty() {
             return None;
         }
-        let cells = Cells::new(bounds, middle, radius, edges);
+        let cells = CellGrid::new(bounds, middle, radius, edges);
         let margin = (bounds.min - cells.voxels().min).max_element() as f32;
         let spacing = cells.edge.min_element() as f32;
         let behind = BEHIND * radius / edges.min_element();

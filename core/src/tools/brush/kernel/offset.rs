@@ -7,15 +7,15 @@
 
 use glam::{IVec3, Vec3};
 
-use super::ball::Ball;
+use super::ball::BallImage;
 use super::distance::Distances;
 use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::tools::brush::BrushUse;
-use crate::tools::brush::brush_use::Frame;
-use crate::tools::brush::change::{Change, Site};
+use crate::tools::brush::brush_use::BrushDirection;
+use crate::tools::brush::change::{BrushChange, Site};
 use crate::tools::brush::falloff::Falloff;
 use crate::tools::brush::kernel::ball_filter;
 use crate::tools::brush::kernel::rays::{Filtered, Near};
@@ -90,7 +90,7 @@ pub struct Offset {
     pub target: Target,
 }
 
-impl Ball {
+impl BallImage {
     /// Returns whether the pull draws a surface point to `v` or beyond: the first one along `pull.direction`, at least
     /// `min_distance` away, from which `distances` are counted.
     fn is_drawn_from(
@@ -127,13 +127,13 @@ impl Ball {
 }
 
 /// Returns the change of a use in a ball. `target`: maps the outward normal to the target of the surface.
-pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> Change {
-    let Some(offset) = Offset::of(used, target) else { return Change::default() };
-    Change::of_clay(offset.stamp(site.surface, site.symmetry))
+pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> BrushChange {
+    let Some(offset) = Offset::of(used, target) else { return BrushChange::default() };
+    BrushChange::of_clay(offset.stamp(site.surface, site.symmetry))
 }
 
 /// Returns the change of a use that moves the surface to the plane through the centre of the ball, by its strength.
-pub(crate) fn to_plane(used: &BrushUse, site: &Site, lowers: bool, raises: bool) -> Change {
+pub(crate) fn to_plane(used: &BrushUse, site: &Site, lowers: bool, raises: bool) -> BrushChange {
     let strength = used.get(STRENGTH);
     change(used, site, |normal| Target::Plane { normal, strength, lowers, raises })
 }
@@ -145,17 +145,17 @@ pub(crate) fn to_plane_then(
     site: &Site,
     margin_vx: u32,
     filter: impl Fn(&Near) -> Filtered,
-) -> Change {
+) -> BrushChange {
     let strength = used.get(STRENGTH);
     let plane = |normal| Target::Plane { normal, strength, lowers: true, raises: true };
-    let Some(offset) = Offset::of(used, plane) else { return Change::default() };
+    let Some(offset) = Offset::of(used, plane) else { return BrushChange::default() };
     let levelled = offset.stamp(site.surface, site.symmetry);
     let balls = offset.balls(site.surface, site.symmetry);
-    Change::of_clay(ball_filter::after(&levelled, &balls, site.surface, margin_vx, filter))
+    BrushChange::of_clay(ball_filter::after(&levelled, &balls, site.surface, margin_vx, filter))
 }
 
 /// Returns the change of a use that moves the surface along the normal, by its height.
-pub(crate) fn along_normal(used: &BrushUse, site: &Site, profile: Profile) -> Change {
+pub(crate) fn along_normal(used: &BrushUse, site: &Site, profile: Profile) -> BrushChange {
     let height = used.get(HEIGHT);
     change(used, site, |normal| Target::Drawn { normal, height, profile })
 }
@@ -165,7 +165,7 @@ impl Offset {
     fn of(used: &BrushUse, target: impl Fn(Vec3) -> Target) -> Option<Offset> {
         let ball = used.ball()?;
         let target = match ball.frame {
-            Frame::Normal(normal) => target(normal.normalize_or(Vec3::Y)),
+            BrushDirection::Normal(normal) => target(normal.normalize_or(Vec3::Y)),
             _ => target(Vec3::Y),
         };
         let falloff = used.get(FALLOFF);
@@ -178,7 +178,7 @@ impl Offset {
     }
 
     /// Returns the ball and its mirror images.
-    fn balls(&self, grid: &Grid, symmetry: &Symmetry) -> Vec<Ball> {
+    fn balls(&self, grid: &Grid, symmetry: &Symmetry) -> Vec<BallImage> {
         let dims = grid.dims();
         let size = grid.voxel_size().as_dvec3();
         let edges = size / size.min_element();
@@ -188,7 +188,7 @@ impl Offset {
             Target::Plane { normal, .. } | Target::Drawn { normal, .. } => normal,
             Target::Along(_) => Vec3::Y,
         };
-        let ball = |image: &SymmetryTransform| Ball {
+        let ball = |image: &SymmetryTransform| BallImage {
             origin,
             centre: image.relative(self.centre_vx.as_dvec3(), origin),
             edges,
@@ -199,7 +199,7 @@ impl Offset {
         images.iter().map(ball).collect()
     }
 
-    fn one(&self, grid: &Grid, ball: &Ball) -> Stamp {
+    fn one(&self, grid: &Grid, ball: &BallImage) -> Stamp {
         let reach = match self.target {
             Target::Along(height) | Target::Drawn { height, .. } => height.abs() + 1.0,
             Target::Plane { .. } => PLANE_REACH + 1.0,
@@ -233,7 +233,7 @@ impl Offset {
     }
 
     /// Returns the box of the voxels that may change: those of the ball near a surface. `None` if there are none.
-    fn bounds(&self, grid: &Grid, ball: &Ball, around: IVec3) -> Option<VoxelBox> {
+    fn bounds(&self, grid: &Grid, ball: &BallImage, around: IVec3) -> Option<VoxelBox> {
         let reached = ball.bounds(grid);
         if reached.is_empty() {
             return None;
@@ -271,7 +271,7 @@ impl Offset {
 
     /// Returns whether clay is added at an empty voxel; `away`: its distance from the nearest clay.
     #[inline(always)]
-    fn adds(&self, ball: &Ball, to_clay: &Distances, v: IVec3, away: f32) -> bool {
+    fn adds(&self, ball: &BallImage, to_clay: &Distances, v: IVec3, away: f32) -> bool {
         let p = ball.relative(v);
         let share = ball.share(p);
         match self.target {
@@ -291,7 +291,7 @@ impl Offset {
 
     /// Returns whether a voxel of clay is removed; `away`: its distance from the nearest empty space.
     #[inline(always)]
-    fn removes(&self, ball: &Ball, to_room: &Distances, v: IVec3, away: f32) -> bool {
+    fn removes(&self, ball: &BallImage, to_room: &Distances, v: IVec3, away: f32) -> bool {
         let p = ball.relative(v);
         let share = ball.share(p);
         match self.target {

@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec2};
 
 use super::super::body::{Body, ProfilePoint, Stretch};
-use super::super::parts::Parts;
+use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
-use super::super::spec::{Rows, SolidSpec};
+use super::super::spec::{RowMethod, SolidSpec};
 use crate::tools::texture;
 
 pub static SPEC: SolidSpec = SolidSpec {
@@ -14,7 +14,7 @@ pub static SPEC: SolidSpec = SolidSpec {
     help: "Capsule tool: a rod with round ends",
     synonyms: "pill sausage rod limb finger",
     parts,
-    rows: Rows::Bricks,
+    rows: RowMethod::Bricks,
     fills_its_box: false,
     image_point: texture::around_ball,
     body: Body::Revolved {
@@ -29,26 +29,31 @@ pub static SPEC: SolidSpec = SolidSpec {
     },
 };
 
-fn parts(half: DVec3) -> Parts {
+fn parts(half: DVec3) -> MinkowskiParts {
     let core = 1.0 - (half.x.min(half.z) / half.y).min(1.0);
-    Parts { core: DVec3::Y * core, round: DVec3::new(1.0, 1.0 - core, 1.0) }
+    MinkowskiParts { core: DVec3::Y * core, round: DVec3::new(1.0, 1.0 - core, 1.0) }
 }
 
 #[inline(always)]
-pub fn holds<N: SimdReal>(parts: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
+pub fn holds<N: SimdReal>(parts: &MinkowskiParts, [x, y, z]: [N; 3]) -> N::Mask {
     let up = (y.abs() - parts.core.y).max(x.all(0.0)) / parts.round.y;
     (x * x + z * z + up * up).at_most(x.all(1.0))
 }
 
 #[inline(always)]
-pub fn passes<N: SimdReal>(parts: &Parts, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
+pub fn passes<N: SimdReal>(
+    parts: &MinkowskiParts,
+    p: [N; 3],
+    displacement: DVec3,
+    margin: f64,
+) -> N::Mask {
     parts.passes(p, displacement, margin)
 }
 
-pub fn slack(parts: &Parts, offset: DVec3) -> f64 {
+pub fn slack(parts: &MinkowskiParts, offset: DVec3) -> f64 {
     parts.slack(offset)
 }
 
-pub fn support(parts: &Parts, direction: DVec3) -> f64 {
+pub fn support(parts: &MinkowskiParts, direction: DVec3) -> f64 {
     parts.support(direction)
 }

@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec2};
 
 use super::super::body::{Body, ProfilePoint, Stretch};
-use super::super::parts::Parts;
+use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
-use super::super::spec::{Rows, SolidSpec};
+use super::super::spec::{RowMethod, SolidSpec};
 use super::super::sweep::{Across, Times, widest_base};
 use crate::tools::texture;
 
@@ -16,8 +16,8 @@ pub static SPEC: SolidSpec = SolidSpec {
     label: "Cone",
     help: "Cone tool",
     synonyms: "spike tip hat spire",
-    parts: Parts::without_core,
-    rows: Rows::Bricks,
+    parts: MinkowskiParts::without_core,
+    rows: RowMethod::Bricks,
     fills_its_box: false,
     image_point: texture::around_side,
     body: Body::Revolved {
@@ -27,7 +27,7 @@ pub static SPEC: SolidSpec = SolidSpec {
 };
 
 #[inline(always)]
-pub fn holds<N: SimdReal>(_: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
+pub fn holds<N: SimdReal>(_: &MinkowskiParts, [x, y, z]: [N; 3]) -> N::Mask {
     let one = x.all(1.0);
     let radius = (one - y) * 0.5;
     y.abs().at_most(one) & (x * x + z * z).at_most(radius * radius)
@@ -35,7 +35,7 @@ pub fn holds<N: SimdReal>(_: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
 
 #[inline(always)]
 pub fn passes<N: SimdReal>(
-    _: &Parts,
+    _: &MinkowskiParts,
     [x, y, z]: [N; 3],
     displacement: DVec3,
     margin: f64,
@@ -51,12 +51,12 @@ pub fn passes<N: SimdReal>(
     times.are_some() & within & x.all(0.0).at_most(radius)
 }
 
-pub fn slack(_: &Parts, offset: DVec3) -> f64 {
+pub fn slack(_: &MinkowskiParts, offset: DVec3) -> f64 {
     offset.y.max(offset.x.hypot(offset.z) + 0.5 * offset.y)
 }
 
 /// Returns the support of the rim, or of the apex.
-pub fn support(_: &Parts, direction: DVec3) -> f64 {
+pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {
     let d = direction;
     (d.x.hypot(d.z) - d.y).max(d.y)
 }

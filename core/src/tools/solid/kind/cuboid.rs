@@ -3,10 +3,10 @@
 use glam::{DVec3, Vec3};
 
 use super::super::body::Body;
-use super::super::parts::Parts;
+use super::super::parts::MinkowskiParts;
 use super::super::planes::HalfSpace;
 use super::super::simd_real::SimdReal;
-use super::super::spec::{Rows, SolidSpec};
+use super::super::spec::{RowMethod, SolidSpec};
 use super::super::sweep::Times;
 use crate::tools::texture;
 
@@ -15,8 +15,8 @@ pub static SPEC: SolidSpec = SolidSpec {
     label: "Cuboid",
     help: "Cuboid tool",
     synonyms: "cube box block brick square",
-    parts: Parts::without_core,
-    rows: Rows::Planes(&[
+    parts: MinkowskiParts::without_core,
+    rows: RowMethod::Planes(&[
         HalfSpace::new(1.0, 0.0, 0.0, 1.0),
         HalfSpace::new(-1.0, 0.0, 0.0, 1.0),
         HalfSpace::new(0.0, 1.0, 0.0, 1.0),
@@ -49,13 +49,13 @@ pub static SPEC: SolidSpec = SolidSpec {
 };
 
 #[inline(always)]
-pub fn holds<N: SimdReal>(_: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
+pub fn holds<N: SimdReal>(_: &MinkowskiParts, [x, y, z]: [N; 3]) -> N::Mask {
     x.abs().max(y.abs()).max(z.abs()).at_most(x.all(1.0))
 }
 
 #[inline(always)]
 pub fn passes<N: SimdReal>(
-    _: &Parts,
+    _: &MinkowskiParts,
     [x, y, z]: [N; 3],
     displacement: DVec3,
     margin: f64,
@@ -67,10 +67,10 @@ pub fn passes<N: SimdReal>(
     times.are_some()
 }
 
-pub fn slack(_: &Parts, offset: DVec3) -> f64 {
+pub fn slack(_: &MinkowskiParts, offset: DVec3) -> f64 {
     offset.max_element()
 }
 
-pub fn support(_: &Parts, direction: DVec3) -> f64 {
+pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {
     direction.abs().element_sum()
 }

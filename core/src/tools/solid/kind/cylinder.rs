@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec2};
 
 use super::super::body::{Body, ProfilePoint, Stretch};
-use super::super::parts::Parts;
+use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
-use super::super::spec::{Rows, SolidSpec};
+use super::super::spec::{RowMethod, SolidSpec};
 use super::super::sweep::{Across, Times};
 use crate::tools::texture;
 
@@ -17,8 +17,8 @@ pub static SPEC: SolidSpec = SolidSpec {
     label: "Cylinder",
     help: "Cylinder tool",
     synonyms: "tube rod column pillar disc can wheel",
-    parts: Parts::without_core,
-    rows: Rows::Bricks,
+    parts: MinkowskiParts::without_core,
+    rows: RowMethod::Bricks,
     fills_its_box: false,
     image_point: texture::around_side,
     body: Body::Revolved {
@@ -35,14 +35,14 @@ pub static SPEC: SolidSpec = SolidSpec {
 };
 
 #[inline(always)]
-pub fn holds<N: SimdReal>(_: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
+pub fn holds<N: SimdReal>(_: &MinkowskiParts, [x, y, z]: [N; 3]) -> N::Mask {
     let one = x.all(1.0);
     y.abs().at_most(one) & (x * x + z * z).at_most(one)
 }
 
 #[inline(always)]
 pub fn passes<N: SimdReal>(
-    _: &Parts,
+    _: &MinkowskiParts,
     [x, y, z]: [N; 3],
     displacement: DVec3,
     margin: f64,
@@ -57,10 +57,10 @@ pub fn passes<N: SimdReal>(
         & x.all(0.0).at_most(x.all(most))
 }
 
-pub fn slack(_: &Parts, offset: DVec3) -> f64 {
+pub fn slack(_: &MinkowskiParts, offset: DVec3) -> f64 {
     offset.y.max(offset.x.hypot(offset.z))
 }
 
-pub fn support(_: &Parts, direction: DVec3) -> f64 {
+pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {
     direction.y.abs() + direction.x.hypot(direction.z)
 }

@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec2};
 
 use super::super::body::{Body, ProfilePoint, Stretch};
-use super::super::parts::Parts;
+use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
-use super::super::spec::{Rows, SolidSpec};
+use super::super::spec::{RowMethod, SolidSpec};
 use crate::tools::texture;
 
 pub static SPEC: SolidSpec = SolidSpec {
@@ -13,8 +13,8 @@ pub static SPEC: SolidSpec = SolidSpec {
     label: "Ellipsoid",
     help: "Ellipsoid tool",
     synonyms: "sphere ball round",
-    parts: Parts::without_core,
-    rows: Rows::Quadric,
+    parts: MinkowskiParts::without_core,
+    rows: RowMethod::Quadric,
     fills_its_box: false,
     image_point: texture::around_ball,
     body: Body::Revolved {
@@ -24,19 +24,24 @@ pub static SPEC: SolidSpec = SolidSpec {
 };
 
 #[inline(always)]
-pub fn holds<N: SimdReal>(_: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
+pub fn holds<N: SimdReal>(_: &MinkowskiParts, [x, y, z]: [N; 3]) -> N::Mask {
     (x * x + y * y + z * z).at_most(x.all(1.0))
 }
 
 #[inline(always)]
-pub fn passes<N: SimdReal>(parts: &Parts, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
+pub fn passes<N: SimdReal>(
+    parts: &MinkowskiParts,
+    p: [N; 3],
+    displacement: DVec3,
+    margin: f64,
+) -> N::Mask {
     parts.passes(p, displacement, margin)
 }
 
-pub fn slack(parts: &Parts, offset: DVec3) -> f64 {
+pub fn slack(parts: &MinkowskiParts, offset: DVec3) -> f64 {
     parts.slack(offset)
 }
 
-pub fn support(_: &Parts, direction: DVec3) -> f64 {
+pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {
     direction.length()
 }

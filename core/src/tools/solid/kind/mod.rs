@@ -16,7 +16,7 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 
-use super::parts::Parts;
+use super::parts::MinkowskiParts;
 use super::simd_real::SimdReal;
 use super::spec::SolidSpec;
 
@@ -46,7 +46,7 @@ macro_rules! solids {
 
             /// Tests whether one point or eight lie inside.
             #[inline(always)]
-            pub(super) fn holds<N: SimdReal>(self, parts: &Parts, p: [N; 3]) -> N::Mask {
+            pub(super) fn holds<N: SimdReal>(self, parts: &MinkowskiParts, p: [N; 3]) -> N::Mask {
                 match self {
                     $(Solid::$id => $file::holds(parts, p)),*
                 }
@@ -57,7 +57,7 @@ macro_rules! solids {
             #[inline(always)]
             pub(super) fn passes<N: SimdReal>(
                 self,
-                parts: &Parts,
+                parts: &MinkowskiParts,
                 p: [N; 3],
                 displacement: DVec3,
                 margin: f64,
@@ -70,7 +70,7 @@ macro_rules! solids {
             /// Returns the greatest change of the value over `offset` (at least 0 on each axis), for any signs of its
             /// components.
             #[inline(always)]
-            pub(super) fn slack(self, parts: &Parts, offset: DVec3) -> f64 {
+            pub(super) fn slack(self, parts: &MinkowskiParts, offset: DVec3) -> f64 {
                 match self {
                     $(Solid::$id => $file::slack(parts, offset)),*
                 }
@@ -78,7 +78,7 @@ macro_rules! solids {
 
             /// Returns the maximum of `direction . p` over the solid.
             #[inline(always)]
-            pub(super) fn support(self, parts: &Parts, direction: DVec3) -> f64 {
+            pub(super) fn support(self, parts: &MinkowskiParts, direction: DVec3) -> f64 {
                 match self {
                     $(Solid::$id => $file::support(parts, direction)),*
                 }

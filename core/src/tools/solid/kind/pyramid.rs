@@ -3,10 +3,10 @@
 use glam::{DVec3, Vec2, Vec3, vec2};
 
 use super::super::body::Body;
-use super::super::parts::Parts;
+use super::super::parts::MinkowskiParts;
 use super::super::planes::HalfSpace;
 use super::super::simd_real::SimdReal;
-use super::super::spec::{Rows, SolidSpec};
+use super::super::spec::{RowMethod, SolidSpec};
 use super::super::sweep::{Times, widest_base};
 use crate::tools::texture;
 
@@ -15,8 +15,8 @@ pub static SPEC: SolidSpec = SolidSpec {
     label: "Pyramid",
     help: "Pyramid tool",
     synonyms: "roof triangle",
-    parts: Parts::without_core,
-    rows: Rows::Planes(&[
+    parts: MinkowskiParts::without_core,
+    rows: RowMethod::Planes(&[
         HalfSpace::new(0.0, -1.0, 0.0, 1.0),
         HalfSpace::new(1.0, 0.5, 0.0, 0.5),
         HalfSpace::new(-1.0, 0.5, 0.0, 0.5),
@@ -38,14 +38,14 @@ pub static SPEC: SolidSpec = SolidSpec {
 };
 
 #[inline(always)]
-pub fn holds<N: SimdReal>(_: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
+pub fn holds<N: SimdReal>(_: &MinkowskiParts, [x, y, z]: [N; 3]) -> N::Mask {
     let one = x.all(1.0);
     y.abs().at_most(one) & x.abs().max(z.abs()).at_most((one - y) * 0.5)
 }
 
 #[inline(always)]
 pub fn passes<N: SimdReal>(
-    _: &Parts,
+    _: &MinkowskiParts,
     [x, y, z]: [N; 3],
     displacement: DVec3,
     margin: f64,
@@ -61,12 +61,12 @@ pub fn passes<N: SimdReal>(
     times.are_some()
 }
 
-pub fn slack(_: &Parts, offset: DVec3) -> f64 {
+pub fn slack(_: &MinkowskiParts, offset: DVec3) -> f64 {
     offset.y.max(offset.x.max(offset.z) + 0.5 * offset.y)
 }
 
 /// Returns the support of a corner of the base, or of the apex.
-pub fn support(_: &Parts, direction: DVec3) -> f64 {
+pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {
     let d = direction;
     (d.x.abs() + d.z.abs() - d.y).max(d.y)
 }

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::super::body::Body;
-use super::super::parts::Parts;
+use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
-use super::super::spec::{Rows, SolidSpec};
+use super::super::spec::{RowMethod, SolidSpec};
 use crate::tools::texture;
 
 pub static SPEC: SolidSpec = SolidSpec {
@@ -14,7 +14,7 @@ pub static SPEC: SolidSpec = SolidSpec {
     help: "Rounded cuboid tool: a box with soft edges",
     synonyms: "rounded box soft cushion pillow",
     parts,
-    rows: Rows::Bricks,
+    rows: RowMethod::Bricks,
     fills_its_box: false,
     image_point: texture::on_faces,
     body: Body::RoundedBox,
@@ -23,26 +23,31 @@ pub static SPEC: SolidSpec = SolidSpec {
 /// Radius of the edges, as a fraction of the smallest half extent.
 const EDGE_RADIUS: f64 = 1.0 / 3.0;
 
-fn parts(half: DVec3) -> Parts {
+fn parts(half: DVec3) -> MinkowskiParts {
     let core = 1.0 - half.min_element() * EDGE_RADIUS / half;
-    Parts { core, round: 1.0 - core }
+    MinkowskiParts { core, round: 1.0 - core }
 }
 
 #[inline(always)]
-pub fn holds<N: SimdReal>(parts: &Parts, p: [N; 3]) -> N::Mask {
+pub fn holds<N: SimdReal>(parts: &MinkowskiParts, p: [N; 3]) -> N::Mask {
     let [x, y, z] = parts.beyond_core(p);
     (x * x + y * y + z * z).at_most(x.all(1.0))
 }
 
 #[inline(always)]
-pub fn passes<N: SimdReal>(parts: &Parts, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
+pub fn passes<N: SimdReal>(
+    parts: &MinkowskiParts,
+    p: [N; 3],
+    displacement: DVec3,
+    margin: f64,
+) -> N::Mask {
     parts.passes(p, displacement, margin)
 }
 
-pub fn slack(parts: &Parts, offset: DVec3) -> f64 {
+pub fn slack(parts: &MinkowskiParts, offset: DVec3) -> f64 {
     parts.slack(offset)
 }
 
-pub fn support(parts: &Parts, direction: DVec3) -> f64 {
+pub fn support(parts: &MinkowskiParts, direction: DVec3) -> f64 {
     parts.support(direction)
 }

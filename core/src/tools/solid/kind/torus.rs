@@ -4,9 +4,9 @@
 use glam::{DVec3, Vec2};
 
 use super::super::body::{Body, ProfilePoint, Stretch};
-use super::super::parts::Parts;
+use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
-use super::super::spec::{Rows, SolidSpec};
+use super::super::spec::{RowMethod, SolidSpec};
 use super::super::sweep::{Times, behind};
 use crate::tools::texture;
 
@@ -16,7 +16,7 @@ pub static SPEC: SolidSpec = SolidSpec {
     help: "Torus tool: a ring as thick as it is high",
     synonyms: "ring donut doughnut handle tyre",
     parts,
-    rows: Rows::Bricks,
+    rows: RowMethod::Bricks,
     fills_its_box: false,
     image_point: texture::around_ball,
     body: Body::Revolved {
@@ -39,17 +39,17 @@ pub const MOST_STEPS: f64 = 16384.0;
 /// Times from 0 to 1 that differ by less than this may be equal.
 const NO_TIME: f64 = 1e-15;
 
-fn parts(half: DVec3) -> Parts {
+fn parts(half: DVec3) -> MinkowskiParts {
     let width = half.x.min(half.z);
     let tube = half.y.min(width * THICKEST_TUBE);
     let core = 1.0 - tube / width;
     // Places the outermost points exactly at 1, rounded or not.
     let round = DVec3::new(1.0 - core, tube / half.y, 1.0 - core);
-    Parts { core: DVec3::new(core, 0.0, core), round }
+    MinkowskiParts { core: DVec3::new(core, 0.0, core), round }
 }
 
 #[inline(always)]
-pub fn holds<N: SimdReal>(parts: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
+pub fn holds<N: SimdReal>(parts: &MinkowskiParts, [x, y, z]: [N; 3]) -> N::Mask {
     let out = ((x * x + z * z).sqrt() - parts.core.x) / parts.round.x;
     let up = y / parts.round.y;
     (out * out + up * up).at_most(x.all(1.0))
@@ -58,7 +58,12 @@ pub fn holds<N: SimdReal>(parts: &Parts, [x, y, z]: [N; 3]) -> N::Mask {
 /// Marches along the displacement while it is in the box around the solid. Each step is as long as the value guarantees
 /// that the point stays outside.
 #[inline(always)]
-pub fn passes<N: SimdReal>(parts: &Parts, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
+pub fn passes<N: SimdReal>(
+    parts: &MinkowskiParts,
+    p: [N; 3],
+    displacement: DVec3,
+    margin: f64,
+) -> N::Mask {
     let zero = p[0].all(0.0);
     let mut times = Times::all(zero);
     let box_half = 1.0 + margin.max(0.0);
@@ -80,18 +85,18 @@ pub fn passes<N: SimdReal>(parts: &Parts, p: [N; 3], displacement: DVec3, margin
 }
 
 #[inline(always)]
-fn value<N: SimdReal>(parts: &Parts, [x, y, z]: [N; 3], margin: f64) -> N {
+fn value<N: SimdReal>(parts: &MinkowskiParts, [x, y, z]: [N; 3], margin: f64) -> N {
     let out = ((x * x + z * z).sqrt() - parts.core.x) / parts.round.x;
     let up = y / parts.round.y;
     (out * out + up * up).sqrt() - (1.0 + margin)
 }
 
-pub fn slack(parts: &Parts, offset: DVec3) -> f64 {
+pub fn slack(parts: &MinkowskiParts, offset: DVec3) -> f64 {
     let around = offset.x.hypot(offset.z);
     (around / parts.round.x).hypot(offset.y / parts.round.y)
 }
 
-pub fn support(parts: &Parts, direction: DVec3) -> f64 {
+pub fn support(parts: &MinkowskiParts, direction: DVec3) -> f64 {
     let d = direction;
     parts.core.x * d.x.hypot(d.z) + (parts.round * d).length()
 }

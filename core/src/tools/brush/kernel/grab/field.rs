@@ -13,7 +13,7 @@ use crate::sculpture::region::VoxelBox;
 /// Existence bits smoothed by (9 B - 5 B^2) / 4, where B is the binomial filter 1-4-6-4-1 along each axis. Its second
 /// moment cancels that of the interpolation, so that curved surfaces keep their position. Values range from 0 to 4096
 /// and a little beyond, above [`HALF`] exactly where a voxel exists, so that points that do not move do not change.
-pub struct Field {
+pub struct SmoothedBits {
     min: IVec3,
     size: UVec3,
     values: Vec<i16>,
@@ -31,9 +31,9 @@ const CLEAR: i16 = 128;
 /// fraction of one.
 const THIN: i16 = 1024;
 
-impl Field {
+impl SmoothedBits {
     /// Smooths the bits of a box that may extend beyond the grid, where nothing exists.
-    pub fn new(grid: &Grid, bounds: VoxelBox) -> Field {
+    pub fn new(grid: &Grid, bounds: VoxelBox) -> SmoothedBits {
         let size = bounds.size();
         let (row, layer) = (size.x as usize, (size.x * size.y) as usize);
         let mut bits = vec![0u8; layer * size.z as usize];
@@ -87,7 +87,7 @@ impl Field {
                 dispatch!(level, simd => clear(simd, &bits, at, [row, layer], &mut thin, values));
             }
         });
-        Field { min: bounds.min, size, values }
+        SmoothedBits { min: bounds.min, size, values }
     }
 
     /// Returns whether clay exists at `offset`, in units of 1 / [`FINE`] voxel, from the centre of `v`, and the nearest

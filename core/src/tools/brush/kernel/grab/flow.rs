@@ -8,7 +8,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 
-use super::field::{FINE, Field, MARGIN_VX};
+use super::field::{FINE, MARGIN_VX, SmoothedBits};
 use super::motion::{EDGE, Pull, Row};
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind, local_index};
 use crate::sculpture::history::Contents;
@@ -105,7 +105,7 @@ impl Flow<'_> {
             max: bounds.max + MARGIN_VX,
         };
         let bounds = margin(reach).intersect(margin(grid)).intersect(margin(sources));
-        let field = Field::new(&contents.grid, bounds);
+        let field = SmoothedBits::new(&contents.grid, bounds);
         let level = Level::new();
         let move_brick = |b: &UVec3| match self.pulls.len() <= FEW_PULLS {
             true => dispatch!(level, simd => {
@@ -142,7 +142,7 @@ impl Flow<'_> {
         &self,
         _simd: S,
         contents: &Contents,
-        field: &Field,
+        field: &SmoothedBits,
         b: UVec3,
         arrives: VoxelBox,
     ) -> Option<Moved> {

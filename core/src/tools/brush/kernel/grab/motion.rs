@@ -44,7 +44,7 @@ pub enum Motion {
 
 /// One small step of a motion.
 #[derive(Clone, Copy)]
-pub enum Step {
+pub enum MotionStep {
     /// A shift in voxels, with the ball.
     Shift(DVec3),
     /// A rotation about an axis of length 1, by an angle in radians.
@@ -56,23 +56,25 @@ pub enum Step {
 /// One of several balls of clay moved together, relative to the origin of the flow.
 pub struct Pull {
     pub centre: DVec3,
-    pub step: Step,
+    pub step: MotionStep,
 }
 
 impl Motion {
     /// Returns an image of one of `steps` steps of this motion.
-    pub fn step(&self, steps: usize, image: &SymmetryTransform) -> Step {
+    pub fn step(&self, steps: usize, image: &SymmetryTransform) -> MotionStep {
         let share = 1.0 / steps as f64;
         let unit = |normal: Vec3| image.normal(normal.as_dvec3().normalize_or(DVec3::Y));
         match *self {
-            Motion::Pull { by_vx } => Step::Shift(image.vector_exactly(by_vx.as_dvec3() * share)),
+            Motion::Pull { by_vx } => {
+                MotionStep::Shift(image.vector_exactly(by_vx.as_dvec3() * share))
+            }
             // A mirror reverses rotations.
-            Motion::Twist { normal, angle_deg } => Step::Turn {
+            Motion::Twist { normal, angle_deg } => MotionStep::Turn {
                 axis: unit(normal) * if image.is_reflection() { -1.0 } else { 1.0 },
                 angle: f64::from(angle_deg).to_radians() * share,
             },
             Motion::Pinch { normal, strength } => {
-                Step::Gather { axis: unit(normal), strength: f64::from(strength) * share }
+                MotionStep::Gather { axis: unit(normal), strength: f64::from(strength) * share }
             }
         }
     }
@@ -105,8 +107,8 @@ impl Pull {
     /// Returns the displacement of the ball itself in a step, in voxels.
     pub fn displacement(&self) -> DVec3 {
         match self.step {
-            Step::Shift(by) => by,
-            Step::Turn { .. } | Step::Gather { .. } => DVec3::ZERO,
+            MotionStep::Shift(by) => by,
+            MotionStep::Turn { .. } | MotionStep::Gather { .. } => DVec3::ZERO,
         }
     }
 
@@ -115,10 +117,12 @@ impl Pull {
     pub fn furthest(&self, radius: f64, stretch: DVec3, falloff: Falloff) -> [DVec3; 2] {
         let round = |share: f64| [DVec3::splat(share * radius) / stretch; 2];
         match self.step {
-            Step::Shift(by) => [(-by).max(DVec3::ZERO), by.max(DVec3::ZERO)],
-            Step::Turn { angle, .. } => round(angle.abs() * falloff.widest_twist()),
+            MotionStep::Shift(by) => [(-by).max(DVec3::ZERO), by.max(DVec3::ZERO)],
+            MotionStep::Turn { angle, .. } => round(angle.abs() * falloff.widest_twist()),
             // Along the axis it moves up to twice as far as a twist by the same number.
-            Step::Gather { strength, .. } => round(2.0 * strength.abs() * falloff.widest_twist()),
+            MotionStep::Gather { strength, .. } => {
+                round(2.0 * strength.abs() * falloff.widest_twist())
+            }
         }
     }
 
@@ -142,7 +146,7 @@ impl Pull {
             }
         }
         match self.step {
-            Step::Shift(by) => {
+            MotionStep::Shift(by) => {
                 let by = by.as_vec3().to_array();
                 for x in 0..EDGE {
                     let share = falloff.at(squared[x] * inverse);
@@ -151,7 +155,7 @@ impl Pull {
                     }
                 }
             }
-            Step::Turn { axis, angle } => {
+            MotionStep::Turn { axis, angle } => {
                 let (n, angle) = (axis.as_vec3(), angle as f32);
                 for x in 0..EDGE {
                     let a = angle * falloff.at(squared[x] * inverse);
@@ -167,7 +171,7 @@ impl Pull {
                     }
                 }
             }
-            Step::Gather { axis, strength } => {
+            MotionStep::Gather { axis, strength } => {
                 let (n, strength) = (axis.as_vec3().to_array(), strength as f32);
                 for x in 0..EDGE {
                     let p = [from_centre[0][x], from_centre[1][x], from_centre[2][x]];
@@ -184,7 +188,7 @@ impl Pull {
                 }
             }
         }
-        if !matches!(self.step, Step::Shift(_)) {
+        if !matches!(self.step, MotionStep::Shift(_)) {
             let stretch = stretch.as_vec3().to_array();
             for (shift, edge) in shift.iter_mut().zip(stretch) {
                 for along in shift {

@@ -10,7 +10,7 @@ use fearless_simd::{Level, dispatch};
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
-use super::field::Cells;
+use super::field::CellGrid;
 use super::hidden::{Hidden, HiddenShare, Shares, brick_of};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, WORD_EDGE_VX};
@@ -41,7 +41,7 @@ struct Axis {
 }
 
 impl Axis {
-    fn new(cells: &Cells, axis: usize) -> Axis {
+    fn new(cells: &CellGrid, axis: usize) -> Axis {
         let (voxels, edge) = (cells.voxels(), cells.edge[axis]);
         let (min, max) = (voxels.min[axis], voxels.max[axis]);
         let first = min.div_euclid(EDGE);
@@ -88,7 +88,7 @@ impl Axis {
 }
 
 /// Returns how many voxels of each cell exist, and how many exist or are hidden.
-pub fn counts(grid: &Grid, cells: &Cells, hidden: &Hidden) -> (Vec<f64>, Vec<f64>) {
+pub fn counts(grid: &Grid, cells: &CellGrid, hidden: &Hidden) -> (Vec<f64>, Vec<f64>) {
     let UVec3 { x: width, y: height, z: depth } = cells.counted;
     let layer = (width * height) as usize;
     let layers = (LAYERS / cells.edge.z).max(1) as usize;
@@ -105,7 +105,7 @@ pub fn counts(grid: &Grid, cells: &Cells, hidden: &Hidden) -> (Vec<f64>, Vec<f64
 }
 
 /// Returns the edge of the cubes of voxels that are classified together as hidden or not: a small part of a cell.
-fn group(cells: &Cells) -> u32 {
+fn group(cells: &CellGrid) -> u32 {
     match cells.edge.min_element() {
         ..5 => 1,
         5..9 => 2,
@@ -281,7 +281,7 @@ mod tests {
                     coverage: Coverage::Visible,
                 };
                 let around = VoxelBox { min: IVec3::new(20, 25, 20), max: IVec3::new(33, 32, 30) };
-                let cells = Cells::new(around, target.as_ivec3(), radius, Vec3::ONE);
+                let cells = CellGrid::new(around, target.as_ivec3(), radius, Vec3::ONE);
                 assert_eq!(cells.edge, IVec3::splat(edge));
                 let margin = (around.min - cells.voxels().min).max_element() as f32;
                 let cone = Cone::new(&footprint).unwrap();

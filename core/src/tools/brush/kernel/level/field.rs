@@ -29,7 +29,7 @@ const THINNEST: f32 = 0.02;
 
 /// The layout of the cells of a field: cells around a central voxel, of an odd number of voxels on each axis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Cells {
+pub struct CellGrid {
     /// Voxels along the edges of a cell.
     pub edge: IVec3,
     /// The first voxel of the first cell that is counted.
@@ -40,10 +40,10 @@ pub struct Cells {
     reach: IVec3,
 }
 
-impl Cells {
+impl CellGrid {
     /// Lays out cells for the voxels of `bounds`, one of them centred on `middle`. `radius`: in units in which a voxel
     /// is `edges` long.
-    pub fn new(bounds: VoxelBox, middle: IVec3, radius: f32, edges: Vec3) -> Cells {
+    pub fn new(bounds: VoxelBox, middle: IVec3, radius: f32, edges: Vec3) -> CellGrid {
         let of_axis = |axis: usize| {
             let radius_vx = radius / edges[axis];
             let edge = match radius_vx < COUNTED {
@@ -61,7 +61,7 @@ impl Cells {
         let cell = |v: IVec3| (v - corner).div_euclid(edge);
         let (low, high) = (cell(bounds.min) - 1 - 4 * reach, cell(bounds.max - 1) + 1 + 4 * reach);
         let counted = (high - low + 1).max(IVec3::ZERO).as_uvec3();
-        Cells { edge, first: corner + low * edge, counted, reach }
+        CellGrid { edge, first: corner + low * edge, counted, reach }
     }
 
     /// Returns the voxels that are counted.
@@ -83,7 +83,7 @@ fn odd(v: f32) -> i32 {
 
 /// Counts of voxels, smoothed by B.
 pub struct Smoothed<'a> {
-    cells: &'a Cells,
+    cells: &'a CellGrid,
     /// Sums over the boxes of B, of `size` cells.
     sums: Vec<f64>,
     size: UVec3,
@@ -94,14 +94,14 @@ pub struct Smoothed<'a> {
 
 impl<'a> Smoothed<'a> {
     /// Smooths counts by B. `counts`: the number of existing voxels in each cell, x fastest, then y, then z.
-    pub fn new(cells: &'a Cells, counts: Vec<f64>, radius: f32) -> Smoothed<'a> {
+    pub fn new(cells: &'a CellGrid, counts: Vec<f64>, radius: f32) -> Smoothed<'a> {
         let (sums, size) = twice_boxed(counts, cells.counted, cells.reach.as_uvec3());
         let share = 1.0 / (f64::from(cells.edge.element_product()) * cells.taps());
         Smoothed { cells, sums, size, share, radius }
     }
 
     /// Returns the shares by 2 B - B B, at the cells that have two boxes around them.
-    pub fn level(&self) -> Field {
+    pub fn level(&self) -> FillField {
         let Smoothed { cells, share, radius, .. } = *self;
         let (twice, size) = twice_boxed(self.sums.clone(), self.size, cells.reach.as_uvec3());
         let of_twice = share / cells.taps();
@@ -114,12 +114,12 @@ impl<'a> Smoothed<'a> {
             }
         }
         let first = cells.first + 4 * cells.reach * cells.edge;
-        Field { edge: cells.edge, first, size, shares, radius }
+        FillField { edge: cells.edge, first, size, shares, radius }
     }
 
     /// Returns the shares of `level` relative to the largest within 1.7 radii, if that is less than 1. At the end of a
     /// wall or a post, however thin, the share is half of that inside it.
-    pub fn ends(&self, level: &Field) -> Field {
+    pub fn ends(&self, level: &FillField) -> FillField {
         let of_all = (self.share as f32) / WHOLE;
         let mut largest: Vec<f32> = self.sums.iter().map(|sum| *sum as f32 * of_all).collect();
         let width = level.size.x.max(1) as usize;
@@ -137,7 +137,7 @@ impl<'a> Smoothed<'a> {
         }
         let shares = level.shares.iter().zip(largest);
         let shares = shares.map(|(share, largest)| share / largest.clamp(THINNEST, 1.0));
-        Field { shares: shares.collect(), ..*level }
+        FillField { shares: shares.collect(), ..*level }
     }
 
     /// Returns the starts of the rows of a field of `size` among the sums.
@@ -152,7 +152,7 @@ impl<'a> Smoothed<'a> {
 }
 
 /// Filled shares of the neighbourhood at cell centres.
-pub struct Field {
+pub struct FillField {
     edge: IVec3,
     /// The first voxel of the first cell.
     first: IVec3,
@@ -161,32 +161,32 @@ pub struct Field {
     radius: f32,
 }
 
-impl Field {
+impl FillField {
     /// Raises each share to at least that of `other`.
-    pub(crate) fn raise_to(&mut self, other: &Field) {
+    pub(crate) fn raise_to(&mut self, other: &FillField) {
         let shares = self.shares.iter_mut().zip(&other.shares);
         shares.for_each(|(share, other)| *share = share.max(*other));
     }
 
     /// Lowers each share to at most that of `other`.
-    pub(crate) fn lower_to(&mut self, other: &Field) {
+    pub(crate) fn lower_to(&mut self, other: &FillField) {
         let shares = self.shares.iter_mut().zip(&other.shares);
         shares.for_each(|(share, other)| *share = share.min(*other));
     }
 
     /// Returns the positions of voxels along an axis, of `len` from `v` on. All of them must lie between cell centres.
-    pub fn places(&self, axis: usize, v: i32, len: u32) -> Places {
+    pub fn places(&self, axis: usize, v: i32, len: u32) -> CellPlaces {
         let places: Vec<_> = (v..).take(len as usize).map(|v| self.place(v, axis)).collect();
         let first = places.first().map_or(0, |(cell, _)| *cell as usize);
         let cells = places.last().map_or(0, |(cell, _)| *cell as usize + 2 - first);
-        Places { first, cells, places }
+        CellPlaces { first, cells, places }
     }
 
     /// Returns the extreme share (`f32::max` or `f32::min`) at the eight cell centres around each cube of voxels
     /// between them, along x, for the cells `y` and `z` of the spans of their axes.
     pub(crate) fn extremes(
         &self,
-        [along_x, along_y, along_z]: &[Places; 3],
+        [along_x, along_y, along_z]: &[CellPlaces; 3],
         (y, z): (usize, usize),
         extreme: fn(f32, f32) -> f32,
         out: &mut Vec<f32>,
@@ -203,7 +203,7 @@ impl Field {
     }
 
     /// Writes the shares at the centres of the cells around a row of voxels to `out`.
-    pub fn cells(&self, along_x: &Places, y: i32, z: i32, out: &mut Vec<f32>) {
+    pub fn cells(&self, along_x: &CellPlaces, y: i32, z: i32, out: &mut Vec<f32>) {
         let (y, y_share) = self.place(y, 1);
         let (z, z_share) = self.place(z, 2);
         let (y, z) = (y as usize, z as usize);
@@ -218,7 +218,7 @@ impl Field {
 
     /// Returns the shares at the centres of a row of cells.
     #[inline(always)]
-    fn row(&self, along_x: &Places, y: usize, z: usize) -> &[f32] {
+    fn row(&self, along_x: &CellPlaces, y: usize, z: usize) -> &[f32] {
         let [width, height] = [self.size.x, self.size.y].map(|size| size as usize);
         &self.shares[(y + height * z) * width + along_x.first..][..along_x.cells]
     }
@@ -242,7 +242,7 @@ impl Field {
 }
 
 /// The positions of voxels along an axis among the cells.
-pub struct Places {
+pub struct CellPlaces {
     /// The cells that are needed.
     first: usize,
     cells: usize,
@@ -250,7 +250,7 @@ pub struct Places {
     places: Vec<(u32, f32)>,
 }
 
-impl Places {
+impl CellPlaces {
     /// Returns each cell, counted from the first that is needed, with the voxels between its centre and the next.
     pub(crate) fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
         let mut end = 0;
