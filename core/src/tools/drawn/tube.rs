@@ -26,7 +26,7 @@ impl DrawnShape for Tube {
         example: |pose, size| Tube { control_points: coil(pose.at_vx, size) }.into(),
     };
 
-    type Surface = Sweep;
+    type Surface = TubeSweep;
 
     fn fields(&mut self) -> Vec<Field<'_>> {
         vec![Field {
@@ -44,12 +44,12 @@ impl DrawnShape for Tube {
         )
     }
 
-    fn surface(&self, stretch: DVec3) -> Sweep {
+    fn surface(&self, stretch: DVec3) -> TubeSweep {
         let ball = |point: &ControlPoint| -> DVec4 {
             (point.at_vx.as_dvec3() * stretch).extend(f64::from(point.radius))
         };
         let balls: Vec<_> = self.control_points.iter().map(ball).collect();
-        Sweep { pieces: pieces(&balls) }
+        TubeSweep { pieces: pieces(&balls) }
     }
 }
 
@@ -66,11 +66,11 @@ fn coil(centre_vx: Vec3, size: f32) -> Arc<[ControlPoint]> {
 
 /// The pieces that make a tube.
 #[derive(Clone, Debug)]
-pub struct Sweep {
+pub struct TubeSweep {
     pieces: Vec<CurvePiece>,
 }
 
-impl Surface for Sweep {
+impl Surface for TubeSweep {
     fn bounds(&self) -> [DVec3; 2] {
         let bounds = self.pieces.iter().map(CurvePiece::bounds);
         let bounds = bounds.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);

@@ -22,22 +22,22 @@ const MOST_FACES: usize = 12;
 
 /// A half space of tool space: `normal . p <= distance`.
 #[derive(Clone, Copy, Default, Debug)]
-pub struct HalfSpace {
+pub struct FaceHalfSpace {
     pub normal: DVec3,
     pub distance: f64,
 }
 
-impl HalfSpace {
+impl FaceHalfSpace {
     /// Creates a half space with the normal `x`, `y`, `z`.
-    pub const fn new(x: f64, y: f64, z: f64, distance: f64) -> HalfSpace {
-        HalfSpace { normal: DVec3::new(x, y, z), distance }
+    pub const fn new(x: f64, y: f64, z: f64, distance: f64) -> FaceHalfSpace {
+        FaceHalfSpace { normal: DVec3::new(x, y, z), distance }
     }
 }
 
 /// The half spaces whose intersection is a solid, or its swept volume.
 #[derive(Clone, Copy, Debug)]
 pub struct Faces {
-    faces: [HalfSpace; MOST_FACES],
+    faces: [FaceHalfSpace; MOST_FACES],
     len: usize,
 }
 
@@ -45,11 +45,11 @@ impl Faces {
     /// Returns the half spaces of the volume that a solid sweeps when it moves by `displacement`. A point is in it if
     /// at some time t from 0 to 1 it is in all half spaces of the solid moved by `t displacement`. Fourier-Motzkin
     /// elimination removes t: each lower bound of t is at most each upper bound.
-    pub fn swept(solid: &[HalfSpace], displacement: DVec3) -> Faces {
-        let mut swept = Faces { faces: [HalfSpace::default(); MOST_FACES], len: 0 };
+    pub fn swept(solid: &[FaceHalfSpace], displacement: DVec3) -> Faces {
+        let mut swept = Faces { faces: [FaceHalfSpace::default(); MOST_FACES], len: 0 };
         for face in solid {
             let distance = face.distance + face.normal.dot(displacement).max(0.0);
-            swept.push(HalfSpace { distance, ..*face });
+            swept.push(FaceHalfSpace { distance, ..*face });
         }
         for ahead in solid {
             for behind in solid {
@@ -64,14 +64,14 @@ impl Faces {
                 let distance = ahead.distance * share + behind.distance * (1.0 - share);
                 // Opposite faces have no common edge and add no bound.
                 if ahead.normal != -behind.normal {
-                    swept.push(HalfSpace { normal, distance });
+                    swept.push(FaceHalfSpace { normal, distance });
                 }
             }
         }
         swept
     }
 
-    fn push(&mut self, face: HalfSpace) {
+    fn push(&mut self, face: FaceHalfSpace) {
         self.faces[self.len] = face;
         self.len += 1;
     }
@@ -148,7 +148,7 @@ impl Planes {
                 Kind::To => planes.first_to = planes.len,
                 Kind::Along => planes.first_along = planes.len,
             }
-            for HalfSpace { normal, distance } in &solid.faces[..solid.len] {
+            for FaceHalfSpace { normal, distance } in &solid.faces[..solid.len] {
                 // The signed distance of a row's points from the face: slope . (dx, dy, dz) - distance.
                 let slope = tool_from_vx.transpose() * *normal;
                 let kind_of_face = match slope.x {

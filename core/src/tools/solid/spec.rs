@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::body::Body;
 use super::parts::MinkowskiParts;
-use super::planes::HalfSpace;
+use super::planes::FaceHalfSpace;
 
 /// The description of a solid. In tool space it lies in [-1, 1] on every axis.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ pub enum RowMethod {
     /// By the roots of a quadratic form: the ellipsoid alone.
     Quadric,
     /// By the half spaces whose intersection it is.
-    Planes(&'static [HalfSpace]),
+    Planes(&'static [FaceHalfSpace]),
     /// No rows: each brick is tested by itself.
     Bricks,
 }

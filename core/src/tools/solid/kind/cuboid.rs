@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::super::body::Body;
 use super::super::parts::MinkowskiParts;
-use super::super::planes::HalfSpace;
+use super::super::planes::FaceHalfSpace;
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
 use super::super::sweep::Times;
@@ -17,12 +17,12 @@ pub static SPEC: SolidSpec = SolidSpec {
     synonyms: "cube box block brick square",
     parts: MinkowskiParts::without_core,
     rows: RowMethod::Planes(&[
-        HalfSpace::new(1.0, 0.0, 0.0, 1.0),
-        HalfSpace::new(-1.0, 0.0, 0.0, 1.0),
-        HalfSpace::new(0.0, 1.0, 0.0, 1.0),
-        HalfSpace::new(0.0, -1.0, 0.0, 1.0),
-        HalfSpace::new(0.0, 0.0, 1.0, 1.0),
-        HalfSpace::new(0.0, 0.0, -1.0, 1.0),
+        FaceHalfSpace::new(1.0, 0.0, 0.0, 1.0),
+        FaceHalfSpace::new(-1.0, 0.0, 0.0, 1.0),
+        FaceHalfSpace::new(0.0, 1.0, 0.0, 1.0),
+        FaceHalfSpace::new(0.0, -1.0, 0.0, 1.0),
+        FaceHalfSpace::new(0.0, 0.0, 1.0, 1.0),
+        FaceHalfSpace::new(0.0, 0.0, -1.0, 1.0),
     ]),
     fills_its_box: true,
     image_point: texture::on_faces,

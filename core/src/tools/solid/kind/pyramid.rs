@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2, Vec3, vec2};
 
 use super::super::body::Body;
 use super::super::parts::MinkowskiParts;
-use super::super::planes::HalfSpace;
+use super::super::planes::FaceHalfSpace;
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
 use super::super::sweep::{Times, widest_base};
@@ -17,11 +17,11 @@ pub static SPEC: SolidSpec = SolidSpec {
     synonyms: "roof triangle",
     parts: MinkowskiParts::without_core,
     rows: RowMethod::Planes(&[
-        HalfSpace::new(0.0, -1.0, 0.0, 1.0),
-        HalfSpace::new(1.0, 0.5, 0.0, 0.5),
-        HalfSpace::new(-1.0, 0.5, 0.0, 0.5),
-        HalfSpace::new(0.0, 0.5, 1.0, 0.5),
-        HalfSpace::new(0.0, 0.5, -1.0, 0.5),
+        FaceHalfSpace::new(0.0, -1.0, 0.0, 1.0),
+        FaceHalfSpace::new(1.0, 0.5, 0.0, 0.5),
+        FaceHalfSpace::new(-1.0, 0.5, 0.0, 0.5),
+        FaceHalfSpace::new(0.0, 0.5, 1.0, 0.5),
+        FaceHalfSpace::new(0.0, 0.5, -1.0, 0.5),
     ]),
     fills_its_box: false,
     image_point,
