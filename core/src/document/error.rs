@@ -10,7 +10,6 @@ use crate::refusal::{InvalidValue, OverBudget};
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
 use crate::sculpture::selection::MAX_BOXES;
-use crate::tools::drawn::DrawnSolid;
 use crate::tools::repair::RepairError;
 
 /// Why a command was refused. The sculpture is as it was before.
@@ -89,13 +88,6 @@ pub enum CommandError {
         "the last stroke is too long to repeat: it has more than {MAX_REPEATED} uses of a tool"
     )]
     TooLongToRepeat,
-}
-
-/// An error that says why a solid that is drawn is not possible, if it is not.
-pub(super) fn check_drawn_solid(drawn: &DrawnSolid) -> Result<(), InvalidValue> {
-    let invalid =
-        |reason| InvalidValue::without_value(drawn.name(), format!("is not valid: {reason}"));
-    drawn.check().map_err(invalid)
 }
 
 impl From<RepairError> for CommandError {

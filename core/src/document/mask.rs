@@ -5,7 +5,6 @@
 
 use super::CommandError;
 use super::edit_target::EditTarget;
-use super::error::check_drawn_solid;
 use super::lookup;
 use crate::command::{Area, MaskArea, MaskChange};
 use crate::refusal::InvalidValue;
@@ -14,7 +13,7 @@ use crate::sculpture::edit_scope::{EditScope, ScopedRegion};
 use crate::sculpture::region::Everywhere;
 use crate::tools::drawn::region::PlacedDrawnSolid;
 use crate::tools::mask::{self, MAX_GROWTH_VX, MAX_REACH_VX};
-use crate::tools::solid::check_way;
+use crate::tools::solid::check_sweep_end;
 
 /// Changes the mask.
 pub(super) fn change_mask(
@@ -82,7 +81,7 @@ fn put_in_mask(
             stats += target.edit_mask(&target.selected()?, adds)?;
         }
         MaskArea::Solid { primitive, to_vx } => {
-            primitive.check().and_then(|()| check_way(*to_vx))?;
+            primitive.check().and_then(|()| check_sweep_end(*to_vx))?;
             let voxel_size = target.grid().voxel_size();
             for image in images {
                 stats +=
@@ -90,7 +89,7 @@ fn put_in_mask(
             }
         }
         MaskArea::DrawnSolid(drawn) => {
-            check_drawn_solid(drawn)?;
+            drawn.check()?;
             for image in images {
                 let placed = PlacedDrawnSolid::new(drawn, target.grid(), image);
                 stats += target.edit_mask(&placed, adds)?;

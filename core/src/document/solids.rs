@@ -8,12 +8,11 @@ use glam::Vec3;
 
 use super::CommandError;
 use super::edit_target::EditTarget;
-use super::error::check_drawn_solid;
 use super::pictures::LoadedPictures;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::tools::drawn::DrawnSolid;
 use crate::tools::drawn::region::PlacedDrawnSolid;
-use crate::tools::solid::{PlacedSolid, Primitive, check_way};
+use crate::tools::solid::{PlacedSolid, Primitive, check_sweep_end};
 use crate::tools::symmetry::SymmetryTransform;
 
 /// Edits the voxels inside a solid, or inside the volume that it sweeps on its way `to_vx`.
@@ -23,7 +22,7 @@ pub(super) fn construct(
     primitive: &Primitive,
     to_vx: Option<Vec3>,
 ) -> Result<EditStats, CommandError> {
-    primitive.check().and_then(|()| check_way(to_vx))?;
+    primitive.check().and_then(|()| check_sweep_end(to_vx))?;
     target.require_colours_for(op)?;
     let regions = images_of(target, primitive, to_vx, op)?;
     let mut stats = EditStats::default();
@@ -37,7 +36,7 @@ pub(super) fn draw(
     op: EditOp,
     drawn: &DrawnSolid,
 ) -> Result<EditStats, CommandError> {
-    check_drawn_solid(drawn)?;
+    drawn.check()?;
     target.require_colours_for(op)?;
     let images = target.images();
     let regions: Vec<_> =

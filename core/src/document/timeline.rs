@@ -71,7 +71,7 @@ impl Timeline {
     pub fn require_room(&self, label: &str, bytes: usize) -> Result<(), CommandError> {
         let bytes = bytes.saturating_add(label.len());
         if self.irreversible || self.history.can_keep(bytes) {
-            self.history.make_way(bytes);
+            self.history.make_room(bytes);
             return Ok(());
         }
         Err(CommandError::Irreversible {

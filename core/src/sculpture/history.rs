@@ -101,9 +101,9 @@ impl History {
     }
 
     /// Waits, before a step of `bytes` is made, until earlier steps have left the memory that it needs.
-    pub(crate) fn make_way(&self, bytes: usize) {
+    pub(crate) fn make_room(&self, bytes: usize) {
         if let Some(store) = self.store.as_ref().filter(|_| bytes > self.budget_bytes / 4) {
-            store.make_way(bytes);
+            store.make_room(bytes);
         }
     }
 

@@ -84,10 +84,10 @@ impl Tint {
                     let error = InvalidValue::new("ends", "are too far away", end);
                     return Err(error.of("gradient"));
                 }
-                let is_way = from_vx.distance(to_vx) >= 1e-3;
+                let is_gradient = from_vx.distance(to_vx) >= 1e-3;
                 let rule = "must go from one point to another";
                 InvalidValue::check(
-                    is_way,
+                    is_gradient,
                     "gradient",
                     rule,
                     format_args!("{from_vx} to {to_vx}"),

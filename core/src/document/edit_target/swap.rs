@@ -112,8 +112,7 @@ impl EditTarget {
         Arc::unwrap_or_clone(old)
     }
 
-    /// Puts contents that were laid another way in place of the present ones; selection and symmetry follow. Gives the
-    /// way back.
+    /// Replaces the contents by reoriented ones; selection and symmetry follow. Returns the orientation that leads back.
     pub fn swap_oriented(
         &mut self,
         contents: Contents,

@@ -11,7 +11,7 @@ use crate::document::orient;
 use crate::sculpture::history::{Contents, Step, StepChange};
 use crate::sculpture::orientation::Orientation;
 
-/// The way along the history.
+/// The direction along the history.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::document) enum Direction {
     Undo,

@@ -147,7 +147,7 @@ impl StepStore for Spill {
     fn keep(&self, step: Arc<Step>) -> std::result::Result<StoredChange, Arc<Step>> {
         let shared = &self.shared;
         let bytes = step.heap_bytes();
-        let mut state = shared.make_way(bytes);
+        let mut state = shared.make_room(bytes);
         if state.blocked.is_some() {
             state.retry = true;
             shared.changed.notify_all();
@@ -160,8 +160,8 @@ impl StepStore for Spill {
         Ok(StoredChange(spilled))
     }
 
-    fn make_way(&self, bytes: usize) {
-        drop(self.shared.make_way(bytes));
+    fn make_room(&self, bytes: usize) {
+        drop(self.shared.make_room(bytes));
     }
 
     fn room_bytes(&self) -> u64 {
@@ -197,7 +197,7 @@ impl Shared {
     }
 
     /// Waits while `bytes` more would exceed the memory limit, unless writing is blocked.
-    fn make_way(&self, bytes: usize) -> MutexGuard<'_, State> {
+    fn make_room(&self, bytes: usize) -> MutexGuard<'_, State> {
         let too_much = |state: &mut State| {
             let waiting = state.waiting_bytes;
             let sum = waiting.saturating_add(bytes);

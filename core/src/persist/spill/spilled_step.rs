@@ -92,7 +92,7 @@ impl StoredStep for SpilledStep {
             Held::Waiting(step) => Ok(step.change.clone()),
             Held::Written(parts) => {
                 // Both in memory would be too much.
-                drop(self.shared.make_way(self.whole_bytes));
+                drop(self.shared.make_room(self.whole_bytes));
                 let mut packed = PartReader::new(&self.shared, parts);
                 let step = read_step_from(&mut packed, ContentsShape::of(contents), &ANY_SIZE);
                 step.map(|step| step.change).map_err(|error| error.to_string())

@@ -12,7 +12,7 @@ pub trait StepStore: Debug + Send + Sync {
     /// if it is full or has failed.
     fn keep(&self, step: Arc<Step>) -> Result<StoredChange, Arc<Step>>;
     /// Waits until a step of `bytes` can be made, or read, without exceeding the memory.
-    fn make_way(&self, bytes: usize);
+    fn make_room(&self, bytes: usize);
     /// Returns the most bytes that it takes; 0 if it has failed. A step that needs more memory than this is refused in
     /// advance.
     fn room_bytes(&self) -> u64;

@@ -1,4 +1,4 @@
-//! Curves of round cross-section: from beads to pieces that a ball sweeps in a straight line while its radius changes
+//! Curves of round cross-section: from control points to pieces that a ball sweeps in a straight line while its radius changes
 //! evenly, and the distance from such a piece.
 //!
 //! Pure geometry in units of the smallest edge of a voxel.
@@ -9,7 +9,7 @@ use super::fields::ControlPoint;
 
 /// Furthest that the pieces may be from the curve.
 const TOLERANCE: f64 = 0.02;
-/// Most pieces from one bead to the next.
+/// Most pieces from one control point to the next.
 const MAX_PIECES: f64 = 32.0;
 
 /// The volume that a ball sweeps in straight motion while its radius changes evenly: the convex hull of its two ends.
@@ -27,14 +27,14 @@ pub struct CurvePiece {
 impl CurvePiece {
     /// From one ball to another: centres, with the radius as the fourth number.
     fn new(a: DVec4, b: DVec4) -> CurvePiece {
-        let (from, way) = (a.truncate(), (b - a).truncate());
-        let length = way.length();
-        let along = way.normalize_or_zero();
+        let (from, displacement) = (a.truncate(), (b - a).truncate());
+        let length = displacement.length();
+        let along = displacement.normalize_or_zero();
         let slope = if length > 0.0 { (b.w - a.w) / length } else { 0.0 };
         CurvePiece { from, along, length, radius: a.w, slope }
     }
 
-    /// The least distance of `p` from the surface of all balls on the way, below 0 inside: changes by at most as much as
+    /// The least distance of `p` from the surface of all balls on the path, below 0 inside: changes by at most as much as
     /// `p` moves.
     #[inline(always)]
     pub fn distance(&self, p: DVec3) -> f64 {
@@ -63,13 +63,13 @@ impl CurvePiece {
 
 /// The pieces of a centripetal Catmull-Rom spline through balls whose neighbours differ in place.
 pub fn pieces(balls: &[DVec4]) -> Vec<CurvePiece> {
-    match way(balls)[..] {
+    match path(balls)[..] {
         [ball] => vec![CurvePiece::new(ball, ball)],
-        ref way => way.windows(2).map(|pair| CurvePiece::new(pair[0], pair[1])).collect(),
+        ref path => path.windows(2).map(|pair| CurvePiece::new(pair[0], pair[1])).collect(),
     }
 }
 
-/// The path of the ball that sweeps a tube, for displaying the tube: straight lines from bead to bead that are as near
+/// The path of the ball that sweeps a tube, for displaying the tube: straight lines from control point to control point that are as near
 /// to its curve as those of its voxels. `edges`: of a voxel, in units of the smallest. Neighbours must differ in place.
 pub fn tube_path(control_points: &[ControlPoint], edges: Vec3) -> Vec<ControlPoint> {
     let ball = |control_point: &ControlPoint| {
@@ -80,12 +80,12 @@ pub fn tube_path(control_points: &[ControlPoint], edges: Vec3) -> Vec<ControlPoi
         at_vx: ball.truncate().as_vec3() / edges,
         radius: ball.w as f32,
     };
-    way(&balls).into_iter().map(control_point).collect()
+    path(&balls).into_iter().map(control_point).collect()
 }
 
 /// The balls at the ends of the pieces, in order.
-fn way(balls: &[DVec4]) -> Vec<DVec4> {
-    let mut way: Vec<DVec4> = balls.first().copied().into_iter().collect();
+fn path(balls: &[DVec4]) -> Vec<DVec4> {
+    let mut path: Vec<DVec4> = balls.first().copied().into_iter().collect();
     for i in 1..balls.len() {
         let (a, b) = (balls[i - 1], balls[i]);
         // Beyond the ends the curve goes straight on.
@@ -96,12 +96,12 @@ fn way(balls: &[DVec4]) -> Vec<DVec4> {
             let t = f64::from(part) / 8.0;
             (span.at(t) - a.lerp(b, t)).length()
         });
-        // A chord of an n-th of the way is n^2 times as close to the curve.
+        // A chord of an n-th of the path is n^2 times as close to the curve.
         let count = (bend.fold(0.0, f64::max) / TOLERANCE).sqrt().ceil().clamp(1.0, MAX_PIECES);
         let inner = (1..count as u32).map(|part| span.at(f64::from(part) / count));
-        way.extend(inner.chain([b]));
+        path.extend(inner.chain([b]));
     }
-    way
+    path
 }
 
 /// The part of the spline between the middle two of four balls.
@@ -114,13 +114,13 @@ impl Span {
     fn new(balls: [DVec4; 4]) -> Span {
         let mut knots = [0.0; 4];
         for i in 1..4 {
-            let way = (balls[i] - balls[i - 1]).truncate();
-            knots[i] = knots[i - 1] + way.length().sqrt();
+            let displacement = (balls[i] - balls[i - 1]).truncate();
+            knots[i] = knots[i - 1] + displacement.length().sqrt();
         }
         Span { balls, knots }
     }
 
-    /// The ball at a share of the way, by the pyramid of Barry and Goldman (1988).
+    /// The ball at a share of the path, by the pyramid of Barry and Goldman (1988).
     fn at(&self, share: f64) -> DVec4 {
         let k = &self.knots;
         let t = k[1] + (k[2] - k[1]) * share;
@@ -173,7 +173,7 @@ mod tests {
     }
 
     proptest! {
-        /// The distance is the least that is found by trying many balls on the way.
+        /// The distance is the least that is found by trying many balls on the path.
         #[test]
         fn the_distance_is_that_of_the_nearest_ball(a in ball(), b in ball(), p in ball()) {
             let (piece, p) = (CurvePiece::new(a, b), p.truncate());

@@ -17,6 +17,8 @@ mod tube;
 
 use glam::{DVec3, Vec3};
 
+use crate::refusal::InvalidValue;
+
 pub use fields::{ControlPoint, FURTHEST_VX, Field, FieldValue, MAX_POINTS, SolidPose, is_place};
 pub use spec::DrawnSpec;
 use spec::{DrawnShape, Surface};
@@ -128,8 +130,14 @@ impl DrawnSolid {
         DrawnSolid::ALL.into_iter().find(|spec| spec.name == name)
     }
 
-    /// An error that says which value is invalid, if one is.
-    pub fn check(&self) -> Result<(), &'static str> {
+    /// Checks all fields and their rules. The error says which rule is broken.
+    pub fn check(&self) -> Result<(), InvalidValue> {
+        let invalid =
+            |rule| InvalidValue::without_value(self.name(), format!("is not valid: {rule}"));
+        self.check_rules().map_err(invalid)
+    }
+
+    fn check_rules(&self) -> Result<(), &'static str> {
         let mut solid = self.clone();
         // Of several errors, that of a place is named first.
         let (lengths, others): (Vec<_>, Vec<_>) =

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, Vec2};
 
-/// Edges, each from a point along a way.
+/// Edges, each from a point along a vector.
 #[derive(Clone, Debug, Default)]
 pub struct Outlines {
     edges: Vec<[DVec2; 2]>,
@@ -39,14 +39,14 @@ impl Outlines {
         let mut nearest = f64::INFINITY;
         let mut inside = false;
         for [a, b] in &self.edges {
-            let (way, offset) = (*b - *a, p - *a);
-            let length_squared = way.length_squared();
-            let share = if length_squared > 0.0 { offset.dot(way) / length_squared } else { 0.0 };
-            nearest = nearest.min((offset - way * share.clamp(0.0, 1.0)).length_squared());
+            let (edge, offset) = (*b - *a, p - *a);
+            let length_squared = edge.length_squared();
+            let share = if length_squared > 0.0 { offset.dot(edge) / length_squared } else { 0.0 };
+            nearest = nearest.min((offset - edge * share.clamp(0.0, 1.0)).length_squared());
             // The ray goes in the direction of x, from the axis of a profile outwards.
             if (a.y > p.y) != (b.y > p.y) {
-                let left = (p.x - a.x) * way.y < way.x * offset.y;
-                inside ^= left == (way.y > 0.0);
+                let left = (p.x - a.x) * edge.y < edge.x * offset.y;
+                inside ^= left == (edge.y > 0.0);
             }
         }
         if inside { -nearest.sqrt() } else { nearest.sqrt() }
@@ -58,7 +58,7 @@ pub fn exact(points: &[Vec2]) -> Vec<DVec2> {
     points.iter().map(|point| point.as_dvec2()).collect()
 }
 
-/// A wavy way of 33 points, about `size` from the y axis and from `-size` to `size` along it: for examples.
+/// A wavy line of 33 points, about `size` from the y axis and from `-size` to `size` along it: for examples.
 pub fn wavy(size: f32) -> Arc<[Vec2]> {
     let point = |i: u8| {
         let share = f32::from(i) / 32.0;

@@ -20,5 +20,5 @@ mod swept;
 pub mod tests;
 
 pub use kind::Solid;
-pub use placed::{PlacedSolid, Primitive, SolidRow, check_way};
+pub use placed::{PlacedSolid, Primitive, SolidRow, check_sweep_end};
 pub use shape::SolidShape;

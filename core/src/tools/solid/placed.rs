@@ -91,11 +91,11 @@ impl Primitive {
 }
 
 /// Returns an error if the end of a sweep is not a valid position.
-pub fn check_way(to_vx: Option<Vec3>) -> Result<(), InvalidValue> {
+pub fn check_sweep_end(to_vx: Option<Vec3>) -> Result<(), InvalidValue> {
     match to_vx {
         Some(to) if !is_place(to) => {
             let rule = "must be within a million voxels";
-            Err(InvalidValue::new("end of the way", rule, to).of("solid"))
+            Err(InvalidValue::new("end of the sweep", rule, to).of("solid"))
         }
         _ => Ok(()),
     }

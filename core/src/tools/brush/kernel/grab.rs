@@ -58,14 +58,14 @@ pub fn change(
     motion: impl Fn(Vec3) -> Motion,
 ) -> Result<BrushChange, InvalidValue> {
     let Some(ball) = used.ball() else { return Ok(BrushChange::default()) };
-    let way = match ball.frame {
-        BrushDirection::Normal(way) | BrushDirection::Displacement(way) => way,
+    let direction = match ball.frame {
+        BrushDirection::Normal(direction) | BrushDirection::Displacement(direction) => direction,
         BrushDirection::None => Vec3::ZERO,
     };
-    let motion = motion(way);
+    let motion = motion(direction);
     let falloff = used.get(FALLOFF);
     let grab = Grab { centre_vx: ball.centre_vx, radius: ball.radius, motion, falloff };
-    grab.check_steps(site.contents.grid.voxel_size(), way)?;
+    grab.check_steps(site.contents.grid.voxel_size(), direction)?;
     let mut pulled = grab.pulled(site.contents, site.symmetry);
     let Stamp { add, remove, paint } = std::mem::take(&mut pulled.stamp);
     let paint = vec![(paint, Paint::Carried(pulled))];
@@ -75,12 +75,12 @@ pub fn change(
 impl Grab {
     /// Returns an error if the motion would take too many steps in voxels of this size, as it does far along the
     /// longest edge of thin voxels.
-    fn check_steps(&self, voxel_size: Vec3, way: Vec3) -> Result<(), InvalidValue> {
+    fn check_steps(&self, voxel_size: Vec3, direction: Vec3) -> Result<(), InvalidValue> {
         let rule =
             "is too long for so small a ball of such long voxels; enlarge it or pull in parts";
         match self.steps(voxel_size) <= MOST_STEPS {
             true => Ok(()),
-            false => Err(InvalidValue::new("pull", rule, way).of(OWNER)),
+            false => Err(InvalidValue::new("pull", rule, direction).of(OWNER)),
         }
     }
 
