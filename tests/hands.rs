@@ -1,4 +1,4 @@
-//! What a headset says of hands, however absurd: what follows from it is finite.
+//! Absurd poses of hands from a headset lead to finite results.
 
 use glam::{Quat, Vec2, Vec3};
 use virtual_sculpture::input::hands::{

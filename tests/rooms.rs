@@ -208,7 +208,7 @@ fn roots(tokens: &[(usize, &str)], at: usize, is_test: bool) -> Vec<Import> {
     found
 }
 
-/// What is wrong with the imports of one file.
+/// Returns the errors in the imports of one file.
 fn import_faults(
     file: &Path,
     source: &str,

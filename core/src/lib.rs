@@ -2,23 +2,41 @@
 #![warn(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::too_many_lines))]
 
+// The rooms are public for the program, which shares their types, and hidden from the documentation: the names below are
+// the interface.
+#[doc(hidden)]
 pub mod command;
+#[doc(hidden)]
 pub mod document;
+#[doc(hidden)]
 pub mod format;
+#[doc(hidden)]
 pub mod mesh;
+#[doc(hidden)]
 pub mod persist;
+#[doc(hidden)]
 pub mod print_check;
+#[doc(hidden)]
 pub mod progress;
+#[doc(hidden)]
 pub mod refusal;
 #[doc(hidden)]
 pub mod scenes;
+#[doc(hidden)]
 pub mod sculpture;
+#[doc(hidden)]
 pub mod session;
+#[doc(hidden)]
 pub mod shade;
+#[doc(hidden)]
 pub mod surface;
+#[doc(hidden)]
 pub mod tools;
+#[doc(hidden)]
 pub mod trace;
+#[doc(hidden)]
 pub mod view;
+#[doc(hidden)]
 pub mod voxelise;
 
 // Vectors and matrices of the interface: a caller needs this version of them.

@@ -56,7 +56,7 @@ impl Painter {
     }
 }
 
-/// What to render, and how.
+/// The subject of a picture, and how to render it.
 pub struct Scene<'a> {
     pub eyes: &'a [Eye],
     pub world_from_grid: Affine3A,

@@ -32,7 +32,7 @@ fn frames_draw_and_read_back_in_a_pipeline() {
             let mut recorder = frames.begin().unwrap();
             let slot = frames.slot();
             if frame >= FRAMES_IN_FLIGHT {
-                // What this slot drew when it was last used can be read now.
+                // The last picture of this slot can be read now.
                 let earlier = (frame - FRAMES_IN_FLIGHT) as u8;
                 assert_eq!(readback.wait(slot).unwrap(), [51 * earlier; 5 * 3 * 4]);
             }
@@ -232,7 +232,7 @@ fn a_failure_within_rendering_does_not_keep_the_recorder_from_going_on() {
             recorder.image_barrier(target.whole(), Use::NOTHING, Use::COLOUR_TARGET);
             let load = Load::Integers([5; 4]);
             let colour = Attachment { view: target.view(), load, store: true };
-            // What fails leaves here; who goes on does not know where it was.
+            // An error leaves here; the caller does not learn where it occurred.
             recorder.begin_rendering([4, 4], Some(colour), None);
             recorder.end_rendering_if_begun();
             recorder.end_rendering_if_begun();

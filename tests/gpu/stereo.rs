@@ -59,7 +59,7 @@ fn every_layout_is_its_twin_and_layers_are_drawn_one_by_one() {
         })
         .unwrap();
 
-        // What an eye sees at a pixel of the window.
+        // The colour that an eye sees at a pixel of the window.
         let seen = |eye: usize, at: UVec2| -> [u8; 3] {
             let [r, g, b, a] = interface.rgba[(at.x + at.y * WINDOW.x) as usize];
             let place = at.as_ivec2() - CORNER;

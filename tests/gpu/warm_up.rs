@@ -114,7 +114,7 @@ fn the_first_picture_after_warming_up_creates_no_pipeline_in_any_mode() {
             trials::note!("{mode:?}: {:?} pipelines in the first and the refined picture", cold.1);
             assert_eq!(warm.1, [0, 0], "{mode:?}");
             assert!(cold.0 == warm.0, "{mode:?}: another picture");
-            // What the CPU samples and shades is only composed, which every mode needs, and its edges smoothed.
+            // Pictures of the CPU are only composed, which every mode needs, and their edges smoothed.
             let composed_only = matches!(mode, RenderMode::Ray | RenderMode::Quickstep);
             assert_eq!(cold.1[0] == 1, composed_only, "{mode:?}");
         }

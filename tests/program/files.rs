@@ -136,7 +136,7 @@ fn a_scan_is_turned_upright_as_it_is_read() {
             }
         }
     }
-    // What this program has written says how it stands.
+    // Files that this program has written name their orientation.
     let said = succeed(path, &["convert", "a.vsc", "own.pvm"]);
     assert!(said.contains("sculpture 2x4x3"), "{said}");
     let said = succeed(path, &["convert", "own.pvm", "b.vsc", "--upright", "z"]);

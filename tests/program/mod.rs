@@ -133,7 +133,7 @@ fn the_demo_writes_a_picture_and_a_sculpture_that_reads_back() {
     assert!(colours.len() > 200, "only {} colours: nothing to see", colours.len());
     let info = succeed(folder.path(), &["info", "made/here/demo.vsc"]);
     assert!(info.contains("256x256x256"), "{info}");
-    // What was saved is what was rendered.
+    // The saved picture equals the rendered one.
     succeed(
         folder.path(),
         &["render", "made/here/demo.vsc", "--out", "again.png", "--mode", "ray"],
@@ -385,7 +385,7 @@ fn the_benchmark_reports_as_table_json_and_plot() {
     let expected = ["occlusion", "shadow", "ground", "smooth edges", "smooth surface"];
     assert_eq!(features, expected);
     assert!(said.contains("what features add"), "{said}");
-    // What the device says of itself, where it can, is within what the clock says.
+    // Times by the device, where it measures any, are within those by the clock.
     let march = modes.iter().find(|mode| mode["mode"] == "march").unwrap();
     let (on_device, ray_on_device) = (&march["device"], &ray["device"]);
     assert!(on_device["shade"].is_null() && ray_on_device["sample"].is_null());

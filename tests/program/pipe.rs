@@ -1,4 +1,4 @@
-//! What other programs use: commands through a pipe, facts as JSON, completions and manual pages.
+//! Interfaces for other programs: commands through a pipe, facts as JSON, completions and manual pages.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;

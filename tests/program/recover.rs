@@ -1,4 +1,4 @@
-//! What is left of sessions that were killed, and what `recover` makes of it.
+//! Remains of killed sessions, and their recovery by `recover`.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -423,7 +423,7 @@ fn undo_goes_on_in_another_process_if_that_is_asked_for() {
     let first = run(&["--history"], "open \"a.vsc\"\nundo 1\nundo 1\nredo all");
     assert_eq!((&first[0]["voxels"], &first[1]["voxels"]), (&made[1]["voxels"], &8000.into()));
     assert_eq!((&first[3]["voxels"], &first[3]["modified"]), (&4000.into(), &false.into()));
-    // What was saved at the end, in turn; the first file keeps its own.
+    // The last saves, in turn; the first file keeps its own.
     let last = run(&["--history", "--in", "b.vsc"], "undo 1\nundo 1");
     assert_eq!((&last[0]["voxels"], &last[1]["voxels"]), (&4000.into(), &8000.into()));
     // A script that does not ask for it does the same everywhere.

@@ -6,7 +6,7 @@ use std::process::Stdio;
 use super::{bytes, command, folder, succeed};
 use crate::gpu::fixture::need_device;
 
-/// What stands at the other end of a stream.
+/// The other end of a stream.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum End {
     /// All goes well.

@@ -63,7 +63,7 @@ pub fn told(harness: &Bench, text: &str) -> bool {
     harness.state().ui.toasts.texts().any(|(_, toast)| toast.contains(text))
 }
 
-/// What was drawn was one step, and undo takes all of it back.
+/// Checks that the drawing was one step, and that undo takes all of it back.
 pub fn is_one_step(harness: &mut Bench, before: u64) {
     assert_eq!(steps(harness).len(), 1, "{:?}", steps(harness));
     key(harness, Modifiers::COMMAND, Key::Z);

@@ -38,7 +38,7 @@ fn progress(harness: &Bench) -> Option<Progress> {
     harness.state().editor.progress()
 }
 
-/// What shows what is being drawn.
+/// Returns the lines that show an unfinished drawing.
 fn sketch(harness: &Bench) -> Option<Sketch> {
     let bench = harness.state();
     let sight = Sight::new(&bench.eye(), &bench.world_from_grid());
@@ -251,7 +251,7 @@ fn a_double_click_ends_a_curve_where_it_is() {
     }
     assert!(progress(&harness).is_none() && !has(&harness, [30, 38, 63]));
     is_one_step(&mut harness, FULL);
-    // What is left of the last press draws nothing and turns nothing.
+    // The rest of the last press draws nothing and rotates nothing.
     let placed = *harness.state().session().document().placement();
     for pos in [first, last] {
         click(&mut harness, pos);

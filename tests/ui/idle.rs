@@ -33,7 +33,7 @@ fn said(harness: &mut Bench, act: impl FnOnce(&mut Bench)) -> Vec<String> {
     harness.state().ui.toasts.texts().map(|(_, text)| text.to_string()).collect()
 }
 
-/// Whatever `act` does changes nothing, and says so in one message that contains `why`.
+/// Checks that `act` changes nothing, and says so in one message that contains `why`.
 fn says(harness: &mut Bench, why: &str, act: impl FnOnce(&mut Bench)) {
     let before = harness.state().session().document().contents().clone();
     let texts = said(harness, act);

@@ -104,7 +104,7 @@ fn a_file_that_nobody_else_has_open_is_opened_without_a_question() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("owl.vsc");
     drop(holder(&path));
-    // What a killed program leaves.
+    // The remains of a killed program.
     std::fs::write(folder.path().join(".owl.vsc.lock"), r#"{"process":1}"#).unwrap();
     let harness = opened(&path);
     assert!(!has(&harness, HEADING) && !harness.state().session().is_read_only());

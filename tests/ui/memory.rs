@@ -1,4 +1,4 @@
-//! What is remembered between starts, without a window: the workspace is started, used, closed and started again with the
+//! Choices that are remembered between starts, without a window: the workspace is started, used, closed and started again with the
 //! same file.
 
 use std::path::{Path, PathBuf};

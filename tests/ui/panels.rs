@@ -471,7 +471,7 @@ fn a_detached_panel_does_the_same_in_a_window_of_its_own() {
         assert_eq!(voxels(&window), 0);
         key_in(&mut window, Modifiers::COMMAND, Key::Z);
         assert_eq!(voxels(&window), 32u64.pow(3));
-        // What lies over the sculpture keeps the keys of panels away, too.
+        // Windows over the sculpture keep the keys of panels away, too.
         key_in(&mut window, Modifiers::COMMAND, Key::N);
         key_in(&mut window, Modifiers::COMMAND, Key::Delete);
         assert_eq!(voxels(&window), 32u64.pow(3));

@@ -81,7 +81,7 @@ fn a_final_picture_is_what_its_dialog_says() {
     let corner = picture.get_pixel(0, 31).0;
     assert!(corner[0].abs_diff(corner[2]) < 40 && corner[0] < 150, "{corner:?}");
 
-    // What was chosen is still there, and Enter makes the next.
+    // The choices are still there, and Enter makes the next picture.
     key(&mut harness, Modifiers::SHIFT, Key::F12);
     rest(&mut harness);
     assert!(!harness.state().ui.dialogs.final_picture.denoise);

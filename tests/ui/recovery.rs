@@ -1,4 +1,4 @@
-//! What earlier sessions have left is listed at the start, and comes back as it was, or goes.
+//! Sculptures of abandoned sessions are listed at the start, and are restored or discarded.
 
 use std::path::Path;
 

@@ -129,7 +129,7 @@ fn notes_fade_and_go_before_errors_do() {
     assert_eq!(texts(&harness), [Tone::Error]);
     wait(&mut harness, 8.0);
     assert_eq!(texts(&harness), [Tone::Error], "errors stay longer");
-    // What is being read stays.
+    // A message under the pointer stays.
     let at = rect(&harness).center();
     send(&mut harness, Event::PointerMoved(at));
     for _ in 0..10 {

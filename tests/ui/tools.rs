@@ -234,7 +234,7 @@ fn copies_are_turned_mirrored_pasted_and_moved() {
     assert_eq!(grid.opaque_count(), 128);
     assert!(grid.get(IVec3::new(33, 37, 31)) && !grid.get(IVec3::new(34, 30, 30)), "turned");
     assert_eq!(colour_at(&harness, [33, 37, 31]), Rgb::new(255, 0, 0));
-    // What the marker holds moves with it.
+    // The contents of the marker move with it.
     run(&mut harness, "mark at=30,30,30 size=4,8,2");
     key(&mut harness, Modifiers::ALT, Key::ArrowRight);
     assert_eq!(marker(&harness).min, IVec3::new(31, 30, 30));
@@ -312,7 +312,7 @@ fn the_options_of_every_tool_fit_into_their_panel() {
     }
 }
 
-/// What the messages on screen say.
+/// Returns the texts of the messages on screen.
 fn told(harness: &Bench, text: &str) -> bool {
     harness.state().ui.toasts.texts().any(|(_, toast)| toast.contains(text))
 }

@@ -28,7 +28,7 @@ use virtual_sculpture::view::{Room, RoomPose};
 
 use super::bench::{Bench, bench_of, config, look, rest, run, screen, send};
 
-/// Who carries out strokes.
+/// The devices that make strokes.
 enum Hand {
     Pointer,
     /// The main hand of a person in a room, who reaches this far with the tool.
@@ -318,7 +318,7 @@ fn a_pot_with_a_lid_is_made_in_the_window() {
     assert!((96..160).any(|y| grid.get(hollow.with_y(y))), "the lid is over it");
 }
 
-/// What hands in a headset begin is what the pointer makes of the same lines, but for what follows from where it looks.
+/// Hands in a headset draw the same as the pointer along the same lines, apart from the direction of view.
 #[test]
 fn the_same_bust_is_begun_by_hand_in_a_headset() {
     let mut sculptor = Sculptor::new(true);

@@ -1,4 +1,4 @@
-//! What a camera sends over HTTP, damaged in thousands of ways, the same in every run: nothing panics, no frame is
+//! Streams of a camera over HTTP, damaged in thousands of ways, the same in every run: nothing panics, no frame is
 //! larger than allowed, and the source is there for the next one. `VS_FUZZ_RUNS=N` makes it N answers.
 
 use std::io::{BufRead, BufReader, Write};

@@ -9,7 +9,7 @@ use virtual_sculpture::video::State;
 
 use super::{colour, jpeg, near, open, single_colour, until};
 
-/// What the server sends next over its present connection.
+/// The next bytes of the server over its present connection.
 enum Send {
     Bytes(Vec<u8>),
     /// Close it and wait for the next.

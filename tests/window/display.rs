@@ -86,7 +86,7 @@ impl Display {
         first + found.unwrap_or_else(|| panic!("no key gives {symbol:#x}")) as u8
     }
 
-    /// What is on the screen.
+    /// Returns the contents of the screen.
     pub fn picture(&self) -> Picture {
         let [width, height] = self.size;
         let (format, all) = (ImageFormat::Z_PIXMAP, u32::MAX);

@@ -100,7 +100,7 @@ fn a_device_that_is_lost_for_good_loses_nothing() {
     assert_eq!(expect_back(folder.path(), &output), 0);
 }
 
-/// What a person sees: work, a kill, the next start, and the work again.
+/// A person works; the program is killed and started again; the work is there again.
 #[test]
 fn what_was_killed_is_recovered_in_the_next_window() {
     let display = display();

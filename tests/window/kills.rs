@@ -16,7 +16,7 @@ use super::process::STATES;
 use super::program::{BUTTON, KEY, MOTION, Program, symbol};
 use super::{LEFT, display, ready};
 
-/// What a program has logged of its states.
+/// Returns the states that a program has logged.
 pub struct States {
     /// The hash of the sculpture after each entry of the journal, and whether a stroke was open then.
     pub done: Vec<(String, bool)>,

@@ -1,4 +1,4 @@
-//! What helps to see in the window: orthographic view, axis gizmo, floor grid, reference pictures, hidden panels.
+//! Aids to seeing in the window: orthographic view, axis gizmo, floor grid, reference pictures, hidden panels.
 
 use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _};
 

@@ -55,7 +55,7 @@ fn pose(k: u32) -> Message {
     Message::Pose { sensor: 0, position_m: position_of_tick(k, 0), quat: quat_of_tick(k, 0) }
 }
 
-/// What the stock client sent, byte for byte, with all its pings.
+/// The bytes that the stock client sent, with all its pings.
 #[test]
 fn a_stock_tcp_client_is_answered() {
     let server = serve(8);

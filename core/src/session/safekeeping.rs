@@ -1,4 +1,4 @@
-//! What keeps the work of a session safe, for its owner to switch on and to ask: the journal, the undo histories on the
+//! Keeps the work of a session safe, as its owner switches on: the journal, the undo histories on the
 //! disk, and the locks of the sculptures' files.
 //!
 //! Passes on to the types that own these (`JournalKeeper`, `Histories`, `Access`), with the parts of the session that

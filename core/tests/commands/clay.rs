@@ -102,7 +102,7 @@ fn a_pull_that_is_refused_leaves_the_stroke_as_it_was() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
 
-    /// Whatever a stroke has done before, a pull from its start gives the same as the pull alone, and undo is exact.
+    /// A pull from the start of a stroke gives the same as the pull alone, regardless of the stroke so far, and undo is exact.
     #[test]
     fn a_pull_from_the_start_takes_the_place_of_the_stroke(
         new in new_sculpture(24),

@@ -137,7 +137,7 @@ proptest! {
         let before = document.contents().clone();
         let done = document.apply(&Command::DrawnSolid { op, drawn: solid.clone() });
         if let Err(reason) = solid.check() {
-            prop_assert!(done.is_err_and(|error| error.to_string().contains(reason)));
+            prop_assert!(done.is_err_and(|error| error.to_string() == reason.to_string()));
             prop_assert_eq!(document.contents(), &before);
             return Ok(());
         }

@@ -46,7 +46,7 @@ enum Below {
     Device(vk::PFN_vkGetDeviceProcAddr, vk::Device),
 }
 
-/// What gives the properties of devices, by the table of their instance: the loader finds it for us only while the
+/// The function that returns the properties of devices, by the table of their instance: the loader finds it for us only while the
 /// instance is created, and afterwards gives our own.
 static PROPERTIES: Mutex<BTreeMap<usize, vk::PFN_vkGetPhysicalDeviceProperties>> =
     Mutex::new(BTreeMap::new());
